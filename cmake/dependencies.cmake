@@ -63,6 +63,7 @@ breakwater_package(random123::random123 librandom123-dev [[
     target_include_directories(random123::random123 SYSTEM INTERFACE ${RANDOM123_INCLUDE_DIR})
   endif()]])
 breakwater_package(Boost::headers libboost-dev [[find_package(Boost 1.74 ${how})]])
+breakwater_package(TBB::tbb libtbb-dev [[find_package(TBB ${how} NO_MODULE)]])
 breakwater_package(Pagmo::pagmo libpagmo-dev [[find_package(pagmo 2.18 ${how} NO_MODULE)]])
 breakwater_package(PkgConfig::nlopt libnlopt-cxx-dev [[breakwater_pkg_config(${how} nlopt nlopt)]])
 breakwater_package(ceres::tiny_solver libceres-dev [[

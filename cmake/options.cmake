@@ -6,7 +6,7 @@ if(CCACHE)
       CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
-set(BREAKWATER_SANITIZER "" CACHE STRING "address or thread; empty for none")
+set(BREAKWATER_SANITIZER "" CACHE STRING "address, fuzzer or coverage (both Clang) or thread; empty for none")
 option(BREAKWATER_NATIVE "Compile for this machine's processor: for benchmarks, not for goldens" OFF)
 option(BREAKWATER_PYTHON "The Python module (Debian: pybind11-dev)" ON)
 option(BREAKWATER_WARNINGS_AS_ERRORS "As the presets that are tested have it" OFF)
@@ -14,7 +14,7 @@ option(BREAKWATER_WARNINGS_AS_ERRORS "As the presets that are tested have it" OF
 add_library(breakwater_options INTERFACE)
 target_compile_features(breakwater_options INTERFACE cxx_std_20)
 # Without fused multiply-add our arithmetic gives the same bits on any x86-64 machine, like the
-# functions of math/ (docs/explanation/reproducibility.md explains MuJoCo's part).
+# functions of math/.
 target_compile_options(breakwater_options INTERFACE -ffp-contract=off)
 target_compile_options(breakwater_options INTERFACE
   $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion>
@@ -37,9 +37,11 @@ if(BREAKWATER_NATIVE)
   target_compile_options(breakwater_options INTERFACE -march=native -ffp-contract=fast
     $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized;-Wno-maybe-uninitialized>)
 endif()
-if(BREAKWATER_SANITIZER STREQUAL "address")
+if(BREAKWATER_SANITIZER MATCHES "^(address|fuzzer)$")
   # With instrumentation GCC 12 treats libstdc++'s std::regex as uninitialised.
-  target_compile_options(breakwater_options INTERFACE -Wno-maybe-uninitialized)
+  target_compile_options(breakwater_options INTERFACE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
+    $<$<STREQUAL:${BREAKWATER_SANITIZER},fuzzer>:-fsanitize=fuzzer-no-link>)
   target_compile_options(breakwater_options INTERFACE -fsanitize=address,undefined,float-cast-overflow
     -fno-sanitize-recover=all -fno-omit-frame-pointer)
   # Eigen would store its own aligned blocks inside those of malloc(). pagmo's library is built

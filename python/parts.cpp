@@ -2,6 +2,7 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -13,6 +14,7 @@
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/plant_parts.h>
 #include <breakwater/rigs/quadrotor_parts.h>
+#include <breakwater/shell/did_you_mean.h>
 #include "arrays.h"
 #include "interpreter.h"
 
@@ -275,8 +277,8 @@ py::object setup_of(const NominalAxis& axis) {
 py::object setup_of(const AxisTask& task) {
   py::object setup = setup_of(task.axis);
   setup.attr("start_state") = array(Input(task.start_state));
-  setup.attr("reference") =
-      py::cpp_function([reference = task.reference](double t) { return reference.at(t); });
+  setup.attr("reference") = py::cpp_function(
+      [reference = task.modelled_reference()](double t) { return reference.at(t); });
   return setup;
 }
 
@@ -284,10 +286,11 @@ py::object setup_of(const PlantTask& task) {
   py::object setup = setup_of(task.whole);
   setup.attr("names") = task.names;
   setup.attr("pose") = array(Input(task.pose));
+  setup.attr("to_states") = matrix_array(task.to_states);
   setup.attr("held_input") = array(Input(task.held_input));
   setup.attr("force_limit") = array(Input(task.limit));
   std::vector<Reference> references;
-  for (const AxisTask& axis : task.axes) references.push_back(axis.reference);
+  for (const AxisTask& axis : task.axes) references.push_back(axis.measured_reference());
   setup.attr("reference") = py::cpp_function([references](double t) {
     Eigen::VectorXd values(static_cast<Eigen::Index>(references.size()));
     for (std::size_t i = 0; i < references.size(); ++i) {
@@ -350,6 +353,35 @@ constexpr const char* kForce = "one force";
 constexpr const char* kForces = "forces [N m or N]";
 constexpr const char* kThrusts = "thrusts [N]";
 
+py::object object_of(const SharedObject& part) {
+  return py::reinterpret_borrow<py::object>(part.get());
+}
+
+AxisControllerKind axis_controller(const std::string& name, const SharedObject& part,
+                                   const std::function<void()>& asked) {
+  return kind_of<AxisControllerKind>(
+      name,
+      [part](const AxisTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
+        return std::make_unique<PythonController>(object_of(part), "AxisSample", setup_of(task),
+                                                  kForce);
+      },
+      asked);
+}
+
+AxisEstimatorKind axis_estimator(const std::string& name, const SharedObject& part,
+                                 const std::function<void()>& asked) {
+  return kind_of<AxisEstimatorKind>(
+      name,
+      [part](const NominalAxis& axis) {
+        // Each joint of an arm has its own.
+        const py::object own = axis.joint == 0
+                                   ? object_of(part)
+                                   : py::module_::import("copy").attr("deepcopy")(object_of(part));
+        return std::make_unique<PythonAxisEstimator>(own, axis, setup_of(axis));
+      },
+      asked);
+}
+
 }  // namespace
 
 const Catalogue& shipped_parts() {
@@ -358,26 +390,22 @@ const Catalogue& shipped_parts() {
 }
 
 PythonParts::PythonParts(const Catalogue& standard, const py::object& controller,
-                         const py::object& estimator)
+                         const py::object& estimator, const py::dict& controllers,
+                         const py::dict& estimators)
     : catalogue_(standard), uses_(std::make_shared<Uses>()) {
   const std::shared_ptr<Uses> uses = uses_;
   if (!controller.is_none()) {
     controller_ = class_name(controller);
     const auto asked = [uses] { uses->controller = true; };
     const SharedObject part = share(controller);
-    const auto object = [part] { return py::reinterpret_borrow<py::object>(part.get()); };
+    const auto object = [part] { return object_of(part); };
     catalogue_.add(kind_of<ArmControllerKind>(
         controller_,
         [object](const ArmSetup& arm) {
           return std::make_unique<PythonController>(object(), "ArmSample", setup_of(arm), kTorques);
         },
         asked));
-    catalogue_.add(kind_of<AxisControllerKind>(
-        controller_,
-        [object](const AxisTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
-          return std::make_unique<PythonController>(object(), "AxisSample", setup_of(task), kForce);
-        },
-        asked));
+    catalogue_.add(axis_controller(controller_, part, asked));
     catalogue_.add(kind_of<PlantControllerKind>(
         controller_,
         [object](const PlantTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
@@ -396,16 +424,9 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
   if (!estimator.is_none()) {
     estimator_ = class_name(estimator);
     const SharedObject part = share(estimator);
-    const auto object = [part] { return py::reinterpret_borrow<py::object>(part.get()); };
-    catalogue_.add(kind_of<AxisEstimatorKind>(
-        estimator_,
-        [object](const NominalAxis& axis) {
-          // Each joint of an arm has its own.
-          const py::object own =
-              axis.joint == 0 ? object() : py::module_::import("copy").attr("deepcopy")(object());
-          return std::make_unique<PythonAxisEstimator>(own, axis, setup_of(axis));
-        },
-        [uses] { uses->estimator_key = "observer.name"; }));
+    const auto object = [part] { return object_of(part); };
+    catalogue_.add(
+        axis_estimator(estimator_, part, [uses] { uses->estimator_key = "observer.name"; }));
     catalogue_.add(kind_of<QuadrotorEstimatorKind>(
         estimator_,
         [object](const QuadrotorTask& task) {
@@ -413,11 +434,31 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
         },
         [uses] { uses->estimator_key = "estimator.name"; }));
   }
+  // Two axes may have objects of one class.
+  const auto choose = [this](const py::dict& parts, const char* key, auto&& kind) {
+    for (const auto& [name, part] : parts) {
+      const std::string axis = py::str(name);
+      axes_.push_back(axis);
+      const std::string its_name = class_name(part) + "_" + axis;
+      catalogue_.add(kind(its_name, share(py::reinterpret_borrow<py::object>(part)), [] {}));
+      sets_of_axes_.push_back("axis." + axis + "." + key + "=\"" + its_name + "\"");
+    }
+  };
+  choose(controllers, "controller.name", axis_controller);
+  choose(estimators, "observer.name", axis_estimator);
+}
+
+void PythonParts::check_axes(const std::vector<std::string>& names) const {
+  for (const std::string& axis : axes_) {
+    if (std::find(names.begin(), names.end(), axis) != names.end()) continue;
+    throw std::invalid_argument("controllers, estimators: there is no table [axis." + axis + "]" +
+                                did_you_mean(axis, names));
+  }
 }
 
 std::vector<std::string> PythonParts::choices(const std::string& scenario) const {
   make_scenario(catalogue_, scenario);
-  std::vector<std::string> sets;
+  std::vector<std::string> sets = sets_of_axes_;
   const auto choose = [&](const std::string& part, const char* key, const std::string& name) {
     if (key == nullptr) {
       throw std::invalid_argument(part + ": " + scenario + " takes none");

@@ -16,19 +16,24 @@ namespace py = pybind11;
 const Catalogue& shipped_parts();
 
 /// The catalogue with `controller` and `estimator`, each an object or None, as kinds for every rig.
-/// Their names are those of their classes. Throws std::invalid_argument if such a kind exists.
+/// Their names are those of their classes. `controllers` and `estimators` have an object for each
+/// named axis of a plant, with the name CLASS_AXIS. Throws std::invalid_argument if such a kind
+/// exists.
 ///
 /// Each object has `update` and `reset`. Before a run is checked or made, the rig sets its
 /// attribute `setup` and calls `signals()`. Its exceptions leave the run unchanged. A wrong return
 /// value is an std::invalid_argument.
 class PythonParts {
  public:
-  PythonParts(const Catalogue& standard, const py::object& controller, const py::object& estimator);
+  PythonParts(const Catalogue& standard, const py::object& controller, const py::object& estimator,
+              const py::dict& controllers, const py::dict& estimators);
 
   const Catalogue& catalogue() const { return catalogue_; }
 
-  /// `KEY="CLASS"` for each object. Throws std::invalid_argument if the scenario does not take one.
-  /// take one.
+  /// Throws std::invalid_argument if an axis with an object is not among `names`.
+  void check_axes(const std::vector<std::string>& names) const;
+
+  /// `KEY="NAME"` for each object. Throws std::invalid_argument if the scenario does not take one.
   std::vector<std::string> choices(const std::string& scenario) const;
 
  private:
@@ -41,6 +46,8 @@ class PythonParts {
   Catalogue catalogue_;
   std::string controller_;  // class names; empty: none
   std::string estimator_;
+  std::vector<std::string> axes_;  // the axes with an object of their own
+  std::vector<std::string> sets_of_axes_;
   std::shared_ptr<Uses> uses_;
 };
 

@@ -34,8 +34,8 @@ struct OwnRun {
 
 // HDF5 is not thread-safe, and h5py uses it with the interpreter's lock held. So this code holds
 // the lock too.
-void write(const OwnRun& own, RunFolder& folder) {
-  write_run(own.prepared, own.models, own.recording, own.wall_s, folder, false);
+void write(const OwnRun& own, RunFolder& folder, LogStream* stream = nullptr) {
+  write_run(own.prepared, own.models, own.recording, own.wall_s, folder, false, stream);
 }
 
 // Checks for Ctrl-C when a run reports its progress. Signal handlers run only in the main thread.
@@ -46,11 +46,12 @@ void obey_signals(double /*fraction_done*/) {
 
 OwnRun run(const std::string& scenario_or_file, const std::optional<std::string>& case_name,
            const std::optional<std::string>& other_config, std::vector<std::string> sets,
-           const py::object& controller, const py::object& estimator,
-           const std::optional<std::string>& out) {
-  const PythonParts parts(shipped_parts(), controller, estimator);
+           const py::object& controller, const py::object& estimator, const py::dict& controllers,
+           const py::dict& estimators, const std::optional<std::string>& out) {
+  const PythonParts parts(shipped_parts(), controller, estimator, controllers, estimators);
   OwnRun own;
   std::optional<RunFolder> folder;
+  std::unique_ptr<LogStream> stream;
   std::string scenario = scenario_or_file;
   std::optional<std::string> config = other_config;
   if (is_scenario_file(scenario) && !config) {
@@ -63,14 +64,19 @@ OwnRun run(const std::string& scenario_or_file, const std::optional<std::string>
     for (std::string& choice : parts.choices(scenario)) sets.push_back(std::move(choice));
     const ScenarioFile file(
         config ? *config : parts.catalogue().get<ScenarioKind>(scenario).file().string(), scenario);
-    own.prepared = prepare_run(parts.catalogue(), scenario, file,
-                               case_name ? *case_name : file.default_case(), sets);
+    const std::string chosen = case_name ? *case_name : file.default_case();
+    parts.check_axes(file.config(chosen).names_in("axis"));
+    own.prepared = prepare_run(parts.catalogue(), scenario, file, chosen, sets);
     if (out) folder.emplace(*out);
     own.models = model_hashes(own.prepared.model_files);
-    own.recording = own.prepared.scenario->run({.progress = obey_signals, .stop = &is_ending()});
+    if (folder && own.prepared.scenario->run_settings().stream) {
+      stream = make_log_stream(own.prepared, own.models, *folder);
+    }
+    own.recording = own.prepared.scenario->run(
+        {.progress = obey_signals, .stop = &is_ending(), .stream = stream.get()});
     own.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
-  if (folder) write(own, *folder);
+  if (folder) write(own, *folder, stream.get());
   return own;
 }
 
@@ -182,6 +188,10 @@ void bind_runs(py::module_& module) {
           "state_hash",
           [](const OwnRun& own) { return fmt::format("{:016x}", own.recording.state_hash); })
       .def_property_readonly("signals", [](const OwnRun& own) { return signals_of(own.recording); })
+      .def_property_readonly("is_cut", [](const OwnRun&) { return false; })
+      .def_property_readonly(
+          "is_streamed",
+          [](const OwnRun& own) { return own.recording.tracks.front().is_streamed(); })
       .def("warnings", warnings)
       .def("array", [](const py::object& self, const std::string& group,
                        const std::string& name) { return array_of(self, group, name); })
@@ -198,6 +208,8 @@ void bind_runs(py::module_& module) {
                              [](const SavedRun& run) { return failure_of(run.failure()); })
       .def_property_readonly("state_hash", &SavedRun::state_hash)
       .def_property_readonly("signals", [](const SavedRun& run) { return signals_of(run); })
+      .def_property_readonly(
+          "is_cut", [](const SavedRun& run) { return run.failure() && run.failure()->is_cut; })
       .def_property_readonly("notes", &SavedRun::notes)
       .def("array", [](const py::object& self, const std::string& group, const std::string& name) {
         return array_of_saved(self, group + "/" + name);

@@ -13,6 +13,7 @@
 #include "motor_estimation/motor_estimation.h"
 #include "plant/plant.h"
 #include "quadrotor_waves/quadrotor_waves.h"
+#include "two_inertia/identified_two_inertia.h"
 #include "two_inertia/two_inertia.h"
 
 namespace breakwater {
@@ -49,6 +50,7 @@ Catalogue standard_catalogue() {
   for (QuadrotorControllerKind& kind : quadrotor_controllers()) catalogue.add(std::move(kind));
   catalogue.add(estimate_command());
   catalogue.add(identified_motor());
+  catalogue.add(identified_two_inertia());
   catalogue.add(printed_references());
   return catalogue;
 }

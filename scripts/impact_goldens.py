@@ -25,8 +25,8 @@ from state_hashes import ROOT, classes, own_class, run
 GOLDENS = ROOT / "tests/regression/impact_goldens.json"
 SCENARIO = "arm_wall_contact"
 METRICS = ("free_motion_time_s", "peak_force_raw_N", "peak_force_filtered_N")
-TOLERANCE = 1e-3  # relative; with and without FMA they agree to 2e-14
-IMPACT_ONLY = ("--duration", "33")  # force is controlled from 30 s on
+TOLERANCE = 1e-3  # relative; other elementary functions in MuJoCo change 8e-12
+IMPACT_ONLY = ("--duration", "37")  # force is controlled from 30 s on; the slowest case needs 5 s
 
 # Each mutant multiplies a key of the shipped configuration by a factor. A time step four times larger is
 # refused: it does not divide the control period.

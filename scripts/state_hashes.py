@@ -6,9 +6,8 @@
     scripts/state_hashes.py compare [--bin build/bin] [--against OTHER] [--scenario NAME ...]
                                     [--whole] [--expect-same]
 
-A golden is one hash, or one per class of processors if they differ. MuJoCo calls functions of glibc that depend
-on the processor. On a processor with FMA `check` and `rebase` run everything twice. The second time glibc is
-configured as without FMA.
+On a processor with FMA `check` runs everything twice. The second time glibc is configured as without FMA. The
+hashes must be the same.
 
 `compare` runs every case of every scenario with and without FMA, or with two builds. It prints the number of
 cases with different state hashes and the changes of their metrics. OTHER is a folder of binaries, or a commit,
@@ -76,23 +75,18 @@ def check(options):
     wrong = 0
     for command, golden in json.loads(GOLDENS.read_text()).items():
         for processor in classes():
-            expected = golden if isinstance(golden, str) else golden[processor]
             found = hash_of(options.bin, command, processor)
-            if found != expected:
+            if found != golden:
                 wrong += 1
-                print(f"{command}: {found} instead of {expected} ({processor})")
+                print(f"{command}: {found} instead of {golden} ({processor})")
     if wrong:
         sys.exit(f"{wrong} state hashes are not the goldens. If they ought to differ: "
                  "scripts/state_hashes.py rebase")
 
 
 def rebase(options):
-    if own_class() != FMA:
-        sys.exit("goldens are made on a processor with FMA and AVX2, which gives those of both classes")
-    goldens = {}
-    for command in json.loads(GOLDENS.read_text()):
-        found = {processor: hash_of(options.bin, command, processor) for processor in classes()}
-        goldens[command] = found[FMA] if found[FMA] == found[NO_FMA] else found
+    goldens = {command: hash_of(options.bin, command, own_class())
+               for command in json.loads(GOLDENS.read_text())}
     GOLDENS.write_text(json.dumps(goldens, indent=2) + "\n")
 
 

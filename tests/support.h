@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <complex>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -34,6 +35,12 @@ class Random {
  private:
   std::mt19937_64 engine_;
 };
+
+/// The number of random inputs of a property: BREAKWATER_PROPERTIES, or a few for CI.
+inline int property_count(int in_ci) {
+  const char* const many = std::getenv("BREAKWATER_PROPERTIES");
+  return many == nullptr ? in_ci : std::atoi(many);
+}
 
 /// The largest distance between the members of two sets of complex numbers, matched in order.
 inline double distance(std::vector<std::complex<double>> a, std::vector<std::complex<double>> b) {

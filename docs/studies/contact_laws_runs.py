@@ -40,27 +40,32 @@ def call(*arguments):
         sys.exit(status)
 
 
-def tune(folder, keys, jobs):
-    """{case: its found keys} of the softest point of each front; a case without a front is absent."""
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    file = folder.parent / (folder.name + ".toml")
-    text = (STUDIES / "contact-laws-tuning.toml").read_text(encoding="utf-8")
-    file.write_text(text.replace("[set]\n", "[set]\n" + "\n".join(keys) + "\n"), encoding="utf-8")
+def write(file, text):
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def tune(folder, text, jobs, reference_N=0.0):
+    """{case: its found keys} of the softest point of each front, and of those below the reference the fastest.
+
+    A case without a front is absent.
+    """
+    file = write(folder.parent / (folder.name + ".toml"), text)
     if not (folder / "front.csv").exists():
         call("breakwater", "tune", file, "--out", folder, "--jobs", jobs, "--quiet")
     softest = {}
     with open(folder / "front.csv", newline="", encoding="utf-8") as table:
         for row in csv.DictReader(table):
-            best = softest.setdefault(row["case"], row)
-            if float(row["peak_force_filtered_N"]) < float(best["peak_force_filtered_N"]):
-                softest[row["case"]] = row
+            rank = max(float(row["peak_force_filtered_N"]), reference_N), float(row["free_motion_time_s"])
+            softest[row["case"]] = min(softest.get(row["case"], (rank, row)), (rank, row), key=lambda one: one[0])
     return {case: [f"{key}={value}" for key, value in row.items()
-                   if key.startswith(("controller.", "force.")) and value] for case, row in softest.items()}
+                   if key.startswith(("controller.", "force.")) and value] for case, (_, row) in softest.items()}
 
 
-def sweep(folder, cases, keys, jobs):
+def sweep(folder, cases, keys, jobs, study=STUDIES / "contact-laws.toml"):
     if not (folder / "results.csv").exists():
-        call("breakwater", "sweep", STUDIES / "contact-laws.toml", "--case", ",".join(cases), "--set", *keys,
+        call("breakwater", "sweep", study, "--case", ",".join(cases), "--set", *keys,
              "--out", folder, "--jobs", jobs, "--quiet")
 
 
@@ -77,11 +82,13 @@ def main():
     parser.add_argument("folder", nargs="?", type=Path, default=Path("studies/contact-laws"))
     parser.add_argument("--jobs", type=int, default=1)
     arguments = parser.parse_args()
+    tuning = (STUDIES / "contact-laws-tuning.toml").read_text(encoding="utf-8")
     for stiffness_N_m, tuned in TUNED.items():
         laws = contact_keys(stiffness_N_m)
         for law in tuned:
             name = f"{law}-{stiffness_N_m}"
-            found = tune(arguments.folder / "tuned" / name, laws[law], arguments.jobs)
+            text = tuning.replace("[set]\n", "[set]\n" + "\n".join(laws[law]) + "\n")
+            found = tune(arguments.folder / "tuned" / name, text, arguments.jobs)
             for contact, keys in contacts_of(law, stiffness_N_m, laws[law]).items():
                 for case, own in found.items():
                     sweep(arguments.folder / "tested" / contact / case, [case], keys + own, arguments.jobs)

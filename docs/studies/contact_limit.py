@@ -15,6 +15,7 @@ import math
 import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
@@ -25,18 +26,20 @@ LIMITS = HERE / "contact-limit.csv"
 RUNS = HERE / "contact-limit-runs.csv"
 PLOT = HERE.parent / "pictures" / "contact-limit.png"
 
-# models/arm.xml: (link, along it [m], mass [kg], inertia [kg m^2]), armature, friction, torque limits.
+# models/arm.xml: (link, along it [m], mass [kg], inertia [kg m^2]), armature, torque limits.
 BODIES = [(0, .1, .22, 7.3333333e-4), (0, .2, .77, 3e-4), (1, .1, .22, 7.3333333e-4),
           (1, .2, .77, 3e-4), (2, .09, .2, 5.4e-4), (2, .19, .02, 8e-7)]
 LINK_m = 0.2
 ARMATURE_kgm2 = 0.8125
-FRICTION_Nm = 4.0
 LIMIT_Nm = np.array([20.736, 20.736, 12.672])
 # arm_wall_contact.toml
 START_m, DISTANCE_m = 0.45, 0.089
-STIFFNESS_N_m, DAMPING_Ns_m, LAG_s = 1000.0, 10.0, 0.05
+LAG_s = 0.05
+# The ranges of the walls of studies/published-impact.toml.
+SOFT_N_m, STIFF_N_m, SPEED_m_s = 500.0, 4000.0, 0.02
 
 STEP_s = 2e-4
+PEAKS_N = (1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 12.0, 14.0)
 SHAPE = np.array([1.0, -2.0, 1.0])  # q = SHAPE * theta holds y = 0 and phi = 0
 
 CASES = [f"{name}-{force}N" for force in (2, 5) for name in ("proposed", "tuned", "hpfc", "drac", "tlsc")]
@@ -70,64 +73,84 @@ def path_terms(theta):
     return np.concatenate([mass_matrix(q) @ SHAPE, c, j])
 
 
+@dataclass(frozen=True)
+class Wall:
+    """A wall, or walls as arrays, whose place is not part of it."""
+
+    stiffness_N_m: float = 1000.0
+    damping_Ns_m: float = 10.0
+    speed_m_s: float = 0.0  # away from the arm
+
+
 class Arm:
     """The arm on the path y = 0, phi = 0, as a function of x and its speed."""
 
-    def __init__(self):
+    def __init__(self, friction_Nm=4.0):
+        self.friction_Nm = np.asarray(friction_Nm)[..., None]
         self.x = np.linspace(0.40, 0.599, 400)
         self.terms = np.array([path_terms(math.acos((x - LINK_m) / (2 * LINK_m))) for x in self.x])
         self.step = self.x[1] - self.x[0]
 
     def acceleration(self, x, v, force, sign):
         """The largest (sign +1) or smallest x'' that the torques allow, under a force of the wall."""
-        at = min(max((x - self.x[0]) / self.step, 0.0), len(self.x) - 2.0)
-        i = int(at)
-        m, c, j = np.split(self.terms[i] + (at - i) * (self.terms[i + 1] - self.terms[i]), 3)
+        x = np.minimum(x, self.x[-1])
+        at = np.clip((x - self.x[0]) / self.step, 0.0, len(self.x) - 2.0)
+        i = at.astype(int)
+        m, c, j = np.split(self.terms[i] + (at - i)[..., None] * (self.terms[i + 1] - self.terms[i]), 3, axis=-1)
         cosine = (x - LINK_m) / (2 * LINK_m)
-        slope = -2 * LINK_m * math.sqrt(1 - cosine * cosine)  # dx/dtheta
+        slope = -2 * LINK_m * np.sqrt(1 - cosine * cosine)  # dx/dtheta
         w = v / slope
-        friction = FRICTION_Nm * np.sign(SHAPE * w)
-        rest = c * w * w + friction + j * force
+        rest = c * (w * w)[..., None] + self.friction_Nm * np.sign(SHAPE * w[..., None]) + j * force[..., None]
         ends = np.array([(-LIMIT_Nm - rest) / m, (LIMIT_Nm - rest) / m])
-        angular = np.max(ends.min(axis=0)), np.min(ends.max(axis=0))
+        angular = np.max(ends.min(axis=0), axis=-1), np.min(ends.max(axis=0), axis=-1)
         curve = -2 * LINK_m * cosine * w * w
-        found = sorted(slope * a + curve for a in angular)
+        found = np.sort([slope * a + curve for a in angular], axis=0)
         return found[1] if sign > 0 else found[0]
+
+    def free(self, x, v, sign):
+        return float(self.acceleration(np.array(x), np.array(v), np.array(0.0), sign))
 
     def drive(self, x_end):
         """(x, v) of the hardest acceleration from rest at the start."""
         x, v, course = START_m, 0.0, [(START_m, 0.0)]
         while x < x_end:
             # Friction opposes the first motion, too.
-            v += STEP_s * self.acceleration(x, max(v, 1e-9), 0.0, +1)
+            v += STEP_s * self.free(x, max(v, 1e-9), +1)
             x += STEP_s * v
             course.append((x, v))
         return np.array(course)
 
-    def peak(self, x_wall, v):
-        """The filtered peak where a wall at x_wall is met at speed v and braked with all there is."""
-        x, filtered, largest = x_wall, 0.0, 0.0  # it may come back: the lagged force is still rising
+    def peak(self, x_wall, v, wall):
+        """The filtered peaks where a wall at x_wall is met at speed v and braked with all there is (arrays)."""
+        x = x_wall
+        filtered = largest = np.zeros_like(x)
+        rises = np.full(x.shape, True)  # the arm may come back: the lagged force is still rising
         while True:
-            force = max(0.0, STIFFNESS_N_m * (x - x_wall) + DAMPING_Ns_m * v)
-            filtered += STEP_s / LAG_s * (force - filtered)
-            if filtered < largest:
+            force = np.maximum(0.0, wall.stiffness_N_m * (x - x_wall) + wall.damping_Ns_m * (v - wall.speed_m_s))
+            filtered = filtered + STEP_s / LAG_s * (force - filtered)
+            rises = rises & (filtered >= largest)
+            if not rises.any():
                 return largest
-            largest = filtered
-            v += STEP_s * self.acceleration(x, v, force, -1)
-            x += STEP_s * v
+            peak = np.where(x < self.x[-1], filtered, np.inf)  # beyond, the arm would be stretched
+            largest = np.where(rises, peak, largest)
+            v = v + STEP_s * self.acceleration(x, v, force, -1)
+            x = x + STEP_s * v
+            x_wall = x_wall + STEP_s * wall.speed_m_s
 
-    def contact_speed(self, x_wall, peak_N):
-        slow, fast = 0.0, 1.5
+    def contact_speed(self, x_wall, peak_N, walls):
+        """The largest speed of contact for which the peak holds with each of the walls (arrays)."""
+        slow, fast = np.zeros(np.broadcast_shapes(x_wall.shape, peak_N.shape)), 1.5
         for _ in range(18):
             middle = 0.5 * (slow + fast)
-            slow, fast = (middle, fast) if self.peak(x_wall, middle) <= peak_N else (slow, middle)
+            holds = np.all([self.peak(x_wall + 0.0 * slow, middle, wall) <= peak_N for wall in walls], axis=0)
+            slow, fast = np.where(holds, middle, slow), np.where(holds, fast, middle)
         return slow
 
     def brake_to(self, x_end, v_end):
         """(x, v) of the hardest braking that ends there, from the start on."""
         x, v, course = x_end, v_end, [(x_end, v_end)]
         while x > START_m:
-            v -= STEP_s * self.acceleration(x, v, 0.0, -1)
+            v -= STEP_s * self.free(x, v, -1)
             x -= STEP_s * v
             course.append((x, v))
         return np.array(course[::-1])
@@ -142,18 +165,33 @@ def time_under(drive, caps, end):
     return float(np.sum(2 * np.diff(x) / (speed[1:] + speed[:-1])))
 
 
+def time_to_wall(drive, caps, distance_m, speed_m_s):
+    """As time_under(), to a wall that moves away at this speed."""
+    time_s = 0.0
+    for _ in range(30 if speed_m_s else 1):
+        time_s = time_under(drive, caps, START_m + distance_m + speed_m_s * time_s)
+    return time_s
+
+
 def limits():
     arm = Arm()
     end = START_m + DISTANCE_m
     drive = arm.drive(end + 0.01)
     places = np.linspace(START_m, end, 8)
+    peaks = np.array(PEAKS_N)[:, None]
+    # The stiffest and the nearing wall decide. The others show that it is so.
+    speeds = {name: arm.contact_speed(places, peaks, walls) for name, walls in
+              {"unknown_s": [Wall()],
+               "any_speed_s": [Wall(speed_m_s=speed) for speed in (-SPEED_m_s, 0.0, SPEED_m_s)],
+               "any_stiffness_s": [Wall(K, 10.0 * math.sqrt(K / 1000.0)) for K in (SOFT_N_m, 1000.0, STIFF_N_m)],
+               }.items()}
     rows = []
-    for peak_N in (1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 12.0, 14.0):
-        caps = np.array([(x, arm.contact_speed(x, peak_N)) for x in places])
-        unknown = time_under(drive, caps, end)
-        known = time_under(drive, arm.brake_to(end, caps[-1, 1]), end)
-        rows.append({"peak_N": peak_N, "known_s": round(known, 4), "unknown_s": round(unknown, 4),
-                     "speed_at_wall_m_s": round(caps[-1, 1], 4)})
+    for i, peak_N in enumerate(PEAKS_N):
+        times = {name: round(time_under(drive, np.column_stack([places, v[i]]), end), 4) for name, v in speeds.items()}
+        at_wall = speeds["unknown_s"][i, -1]
+        known = time_under(drive, arm.brake_to(end, at_wall), end)
+        rows.append({"peak_N": peak_N, "known_s": round(known, 4), "unknown_s": times.pop("unknown_s"),
+                     "speed_at_wall_m_s": round(at_wall, 4), **times})
     return rows
 
 

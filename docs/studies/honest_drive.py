@@ -22,6 +22,9 @@ import matplotlib.pyplot as plt
 from scipy.stats import wilcoxon
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[1] / "scripts"))
+from figures import COLOURS  # noqa: E402
+
 METRICS = {"rms_position_rad": "angle", "rmse_velocity_rad_s": "velocity"}
 CASES = ["mdob", "idob", "kfd", "dkf", "fakfd-095", "fakfd-0998", "vfakfd", "qvff", "stf", "qbank"]
 DRIVES = ["ideal", "friction", "backlash", "current loop", "jitter", "all"]
@@ -76,12 +79,13 @@ def verdict(pair):
 def draw(values, path):
     plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
     figure, panels = plt.subplots(1, 2, figsize=(9.0, 4.4))
-    colours = plt.get_cmap("tab10")
     for panel, (metric, unit) in zip(panels, (("rms_position_rad", "rms of the angle [rad]"),
                                               ("rmse_velocity_rad_s", "RMSE of the velocity [rad/s]"))):
         for number, case in enumerate(CASES):
             medians = [statistics.median(values[metric][drive][case].values()) for drive in DRIVES]
-            panel.plot(range(len(DRIVES)), medians, "o-", color=colours(number), ms=4, lw=1.2, label=case)
+            dashes, mark = ("-", "o") if number < len(COLOURS) else ("--", "s")
+            panel.plot(range(len(DRIVES)), medians, dashes + mark, color=COLOURS[number % len(COLOURS)], ms=4, lw=1.2,
+                       label=case)
         panel.set(yscale="log", ylabel=unit)
         panel.set_xticks(range(len(DRIVES)), [drive.replace(" ", "\n") for drive in DRIVES])
         panel.grid(axis="y", alpha=0.25)

@@ -33,6 +33,10 @@ class IdentifiedParameter:
     identifiable: bool
     reason: str = ""
     excitation: str = ""
+    given: bool = False
+    """Whether it is the given inertia."""
+    too_narrow: bool = False
+    """Whether the residuals are not white, so that the interval is too narrow."""
 
 
 class Identification:
@@ -60,7 +64,7 @@ class Identification:
         return self.fit.get("holds", True)
 
     def to_toml(self, file: str | os.PathLike[str] | None = None) -> str:
-        """The scenario file of motor_estimation with this axis. It is also written to `file`, if given."""
+        """The scenario file of motor_estimation, or of two_inertia, with this plant. It is also written to `file`, if given."""
         return _written(self._toml, file)
 
     def report(self, file: str | os.PathLike[str] | None = None) -> str:
@@ -89,10 +93,12 @@ def identify(
 
     data, holdout: a DataFrame, a dict, the name of a table, or a list of these. The columns are time_s [s],
        u [N m] and y [rad]. The held-out records check the fit, which does not use them.
-    model: "axis". friction: "coulomb" or "stribeck".
-    inertia: the known inertia [kg m²]. The torque constant is then found instead.
+    model: "axis", or "two_inertia": a motor and a load with a spring and backlash. friction: "coulomb", or
+       "stribeck" for an axis.
+    inertia: the known inertia [kg m²], with "two_inertia" that of the motor. The torque constant is then found
+       instead.
     set: keys of table and encoder, such as {"csv.input_scale": 0.068, "encoder.quantum": 0.0}.
-    out: the folder for identified.json, identified.toml and report.html. By default nothing is kept.
+    out: the folder for identified.json, identified.toml, sweep.toml, tune.toml and report.html. By default nothing is kept.
 
     A fit that did not converge, or that the held-out records contradict, gives a Python warning; see .converged
     and .holds. So do repairs of a table, and parameters that are not identifiable. Raises InputError for wrong

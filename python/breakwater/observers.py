@@ -69,8 +69,9 @@ class Filter(_core.ArrayEstimator):
 class StateObserver(Filter):
     """State observer with placed poles and without a disturbance: d = 0.
 
-    poles: continuous [1/s], n in total; for several outputs one list each. The estimate of sample k uses y up
-    to k - 1.
+    poles: continuous [1/s], n in total. For several outputs, one list each with the poles
+    that it places: those of an axis' position, velocity and disturbance belong to that axis. The estimate of
+    sample k uses y up to k - 1.
     """
 
     def __init__(self, A: Matrix, B: Matrix, C: Matrix, *, poles: Poles, period_s: float):
@@ -83,8 +84,9 @@ class StateObserver(Filter):
 class Idob(Filter):
     """Identity disturbance observer with placed poles.
 
-    poles: continuous [1/s], n + m in total; for several outputs one list each. The estimate of sample k uses y
-    up to k - 1.
+    poles: continuous [1/s], n + m in total. For several outputs, one list each with the
+    poles that it places: those of an axis' position, velocity and disturbance belong to that axis. The
+    estimate of sample k uses y up to k - 1.
     """
 
     def __init__(self, A: Matrix, B: Matrix, C: Matrix, *, poles: Poles, period_s: float):

@@ -30,11 +30,15 @@ class Controller:
     `self.setup` of the arm: period_s, chain (tip_pose, tip_jacobian, mass_matrix as functions of the angles
     [rad]), torque_limit_Nm, nominal_inertia_kgm2, start_angles_rad, start_pose (x, y, phi),
     force_control_from_s, force_reference_N, convert_gain_N_m. For an axis: period_s, A, B, C (continuous),
-    force_limit, quantum, noise_std, start_state, reference(t). For a plant: names (of its axes), period_s, A, B, C,
-    pose, held_input, force_limit, quantum, noise_std, reference(t). The arrays have one entry for each axis or
-    driven axis. A, B and C are the plant linearised about its pose, in continuous time. The state x has the
-    deviations of all joints, then their rates. The forces held_input hold the pose. For the quadrotor: period_s,
-    reference_m, mass_kg, inertia_kgm2, net_weight_N, thrust_limit_N, thruster_matrix, position_std_m, angle_std_rad.
+    force_limit, quantum, noise_std, start_state, reference(t). The reference is on the side of y, the encoder's, and
+    with nominal.model = "spring" at the load. For a plant: names (of its axes), period_s, A, B, C,
+    pose, to_states, held_input, force_limit, quantum, noise_std, reference(t). The arrays have one entry for each axis or
+    driven axis. A, B and C are the nominal plant linearised about its pose, in continuous time. The state x has the
+    deviations of all joints, then their rates. to_states @ (y - pose) is the state at rest at y. reference(t) has
+    the sides of y, as pose. pose includes the twist of loaded springs, and reference(t) does not. So the wanted
+    deviations are reference(t) - reference(0), if no reference steps at 0. The forces held_input hold the pose. For
+    the quadrotor: period_s, reference_m, mass_kg, inertia_kgm2, net_weight_N, thrust_limit_N, thruster_matrix,
+    position_std_m, angle_std_rad.
 
     An exception ends the run and leaves bw.run() with its traceback.
     """
@@ -60,12 +64,13 @@ class Controller:
 class Estimator:
     """An estimator of an axis, of the arm's joints or of the quadrotor, passed as `estimator=`.
 
-    The controller of the run uses its estimates. The first joint of the arm has the object itself, each other
+    The controller of the run uses its estimates. A controller in Python uses none. The first joint of the arm has the object itself, each other
     joint a deep copy.
 
-    `reset(x0)` starts it at [position, velocity] of an axis, or at a pose (6) of the quadrotor. `update(u, y)`
-    is called at each sample. u (1 or 4) is the input since the last sample (0 at the first), y is the present
-    measurement, as for a controller. It returns the estimate for this sample:
+    `reset(x0)` starts it. x0 is [position, velocity] of an axis, the deviations and rates of all joints of a
+    plant, or a pose (6) of the quadrotor. `update(u, y)` is called at each sample. u is the input since the last
+    sample, 0 at the first, with one entry for each driven axis or thruster. y is the present measurement, as for
+    a controller. It returns the estimate for this sample:
 
         axis:       [position, velocity, d], where the disturbance d opposes the drive,
         plant:      [deviations of all joints (n), their rates (n), d of each driven axis],
@@ -85,5 +90,5 @@ class Estimator:
         raise NotImplementedError(f"{type(self).__name__} has no update(self, u, y)")
 
     def signals(self) -> dict[str, tuple[str, str, np.ndarray]]:
-        """The same as Controller.signals(), for an axis only."""
+        """The same as Controller.signals(). The quadrotor's log does not have them."""
         return {}

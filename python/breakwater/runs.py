@@ -121,12 +121,15 @@ class Run:
 
     @property
     def metrics(self) -> dict[str, float]:
-        """The metrics, with the unit in the name; empty if the run failed."""
+        """The metrics, with the unit in the name; empty if the run failed or was cut."""
         return self._core.metrics
 
     @property
     def state_hash(self) -> str:
-        """16 hexadecimal digits computed from all states: equal configurations give equal hashes."""
+        """16 hexadecimal digits computed from all states: equal configurations give equal hashes.
+
+        Empty if the run was cut.
+        """
         return self._core.state_hash
 
     @property
@@ -153,7 +156,7 @@ class Run:
 
     @property
     def failure(self) -> tuple[float, str] | None:
-        """Time [s] and reason of a failure; None without one."""
+        """Time [s] and reason of a failure, or of the end of a run that was cut; None without one."""
         return self._core.failure
 
     @property
@@ -349,7 +352,10 @@ class Run:
         return f"there is another run in {self._folder}"
 
     def __repr__(self) -> str:
-        state = f"failed at {self.failure[0]:.6g} s" if self.failure else f"{len(self.metrics)} metrics"
+        verb = "was cut" if self._core.is_cut else "failed"
+        state = f"{verb} at {self.failure[0]:.6g} s" if self.failure else f"{len(self.metrics)} metrics"
+        if count := len(self._warnings):
+            state += f", {count} warning{'' if count == 1 else 's'}"
         try:
             log = f"{len(self.time_s)} samples"
         except InputError:  # the folder is damaged
@@ -412,6 +418,8 @@ def run(
     config: str | os.PathLike[str] | None = None,
     controller: Controller | None = None,
     estimator: Estimator | None = None,
+    controllers: Mapping[str, Controller] | None = None,
+    estimators: Mapping[str, Estimator] | None = None,
     out: str | os.PathLike[str] | None = None,
 ) -> Run:
     """Run a case of a scenario, and return the run. `scenario` is a name or a scenario file, "mine.toml".
@@ -421,10 +429,13 @@ def run(
     case: one of bw.cases(scenario); default: that of the scenario file. set: keys that replace those of the
     case, {"wall.distance_m": 0.1}. seed, duration [s]: the same as set={"run.seed": ..., "run.duration_s":
     ...}. config: another scenario file, such as the config.toml of a run. controller, estimator: objects of
-    your own classes, which replace those of the case. out: folder for the run; by default nothing is written.
+    your own classes, which replace those of the case. A controller uses no estimator, so give one of both.
+    controllers, estimators: the same for single axes of a plant, {"AXIS": object}. Each axis needs an object of
+    its own, and takes one of both. out: folder for the run; by default nothing is written. With set={"record.stream": True} and out, the
+    log is written during the run and read from the folder.
 
-    Raises InputError for wrong arguments, keys and values, and RunFailed if the run ends early. Exceptions of
-    your controller or estimator pass through. Ctrl-C stops the run.
+    The run's warnings are Python warnings too. Raises InputError for wrong arguments, keys and values, and
+    RunFailed if the run ends early. Exceptions of your controller or estimator pass through. Ctrl-C stops the run.
     """
     scenario_name = text_or_none(scenario, "scenario")
     if scenario_name is None:
@@ -434,9 +445,20 @@ def run(
         sets += set_lines({"run.seed": seed})
     if duration is not None:
         sets += set_lines({"run.duration_s": duration})
+    if controller is not None and estimator is not None:
+        raise InputError("estimator: a controller in Python uses none: update your estimator in its update()")
+    for axis in (controllers or {}).keys() & (estimators or {}).keys():
+        raise InputError(f"estimators: {axis}: its controller in Python uses none: update your estimator in its update()")
     parts = [
         _handle(_part(controller, Controller, "controller")),
         _handle(_part(estimator, Estimator, "estimator")),
+    ]
+    of_axes = [
+        {axis: _handle(_part(part, base, f"{name}: {axis}")) for axis, part in (given or {}).items()}
+        for given, base, name in (
+            (controllers, Controller, "controllers"),
+            (estimators, Estimator, "estimators"),
+        )
     ]
     folder = path_or_none(out, "out")
     core = _core.run(
@@ -445,13 +467,24 @@ def run(
         path_or_none(config, "config"),
         sets,
         *parts,
+        *of_axes,
         folder,
     )
+    parts += [part for given in of_axes for part in given.values()]
     lines = core.warnings(any(parts))
+    if controller is not None:
+        lines += [
+            f"set: {key}: has no effect: a controller in Python uses no estimator"
+            for key in set or {}
+            if key in ("observer.name", "estimator.name")
+        ]
+    for line in lines:
+        warnings.warn(line, stacklevel=2)
     for part in parts:
         if part is not None:
             part.let_go()
-    finished = Run(core, None if folder is None else pathlib.Path(folder), lines)
+    data = _core.SavedRun(pathlib.Path(folder)) if folder is not None and core.is_streamed else core
+    finished = Run(data, None if folder is None else pathlib.Path(folder), lines)
     if any(line.startswith("run.seed=") for line in sets):
         _warn_of_seeds(finished)
     if finished.failure is not None:
@@ -462,7 +495,8 @@ def run(
 def load(folder: str | os.PathLike[str]) -> Run:
     """Read the folder of a run from any program. Its signals are read on demand.
 
-    Raises InputError if the folder is damaged or not from a run. A failed run has `failure` and no metrics.
+    Raises InputError if the folder is damaged or not from a run. A run that failed or was cut has `failure` and
+    no metrics.
     """
     path = folder_path(folder)
     saved = _core.SavedRun(path)

@@ -145,7 +145,7 @@ def sweep(
     The table has a row for each combination of values, in it for each seed, in it for each case. Columns:
     `point`, `case`, `seed`, the varied keys, `status`, `state_hash`, and every metric (NaN if a run lacks it).
 
-    study: a scenario, a study file ("study.toml"), or the folder of a study, which is then continued. The other
+    study: a scenario, a scenario file, a study file ("study.toml"), or the folder of a study, which is then continued. The other
        arguments have priority over a study file.
     case: one case, several to compare, or "all".
     vary: keys with their values: [6, 8, 10] or an array, "lin(a,b,n)", "log(a,b,n)". Random methods also take
@@ -182,7 +182,7 @@ def sweep(
         )
     target = path_or_none(study, "study")
     if target is None:
-        raise InputError("study: must be a scenario, a study file or a study's folder, is None")
+        raise InputError("study: must be a scenario, a scenario file, a study file or a study's folder, is None")
     is_folder = target not in _core.scenarios() and pathlib.Path(target).is_dir()
     folder = path_or_none(out, "out")
     of_folder = {"baseline": baseline, "metrics": metrics, "goal": goal, "worlds": worlds, "keep": keep}

@@ -21,6 +21,7 @@ class ArmPush final : public Scenario {
     return {"settling_time_s", "tip_error_m"};
   }
   std::vector<MetricDefinition> metric_definitions() const override;
+  void learn(const Config& config) override { arm_.learn(config); }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return arm_.run; }

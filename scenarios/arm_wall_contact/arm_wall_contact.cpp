@@ -60,6 +60,7 @@ ArmRole ArmWallContact::role() const {
   role.force_reference_N = force_reference_N_;
   role.convert_gain_N_m = convert_gain_per_m_ * force_reference_N_;
   role.force_filter_time_constant_s = filter_time_constant_s_;
+  role.wall_x_m = wall_x_m();
   role.geoms = {kTip, kWall};
   role.prepare_model = [this](Model& model) { wall_.prepare(model, kTip, kWall, wall_x_m()); };
   role.make_contact = [this](const Model& model) {
@@ -110,7 +111,8 @@ Recording ArmWallContact::run(const RunControl& control) const {
       control.logs ? std::min(physics.step_at(fine_to_s_), steps) : fine_from;
 
   Track fine("physics", rig.fine_signals(),
-             static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)));
+             static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)),
+             control.stream);
   WallContactMetrics metrics({.force_from_s = physics.sample_time_s(force_from_s_),
                               .reference_N = force_reference_N_,
                               .error_from_s = metrics_from_s_,

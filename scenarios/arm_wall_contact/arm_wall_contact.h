@@ -21,6 +21,7 @@ class ArmWallContact final : public Scenario {
     return {"free_motion_time_s", "peak_force_filtered_N"};
   }
   std::vector<MetricDefinition> metric_definitions() const override;
+  void learn(const Config& config) override { arm_.learn(config); }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return arm_.run; }

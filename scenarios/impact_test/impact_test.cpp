@@ -144,7 +144,8 @@ Recording ImpactTest::run(const RunControl& control) const {
   const std::int64_t fine_to =
       control.logs ? std::min(physics_.step_at(fine_to_s_), steps) : fine_from;
   Track fine("physics", fine_signals,
-             static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)));
+             static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)),
+             control.stream);
   ImpactMetrics metrics(physics_.timestep_s);
   const auto step = [&](std::int64_t k) {
     sim.step();

@@ -12,27 +12,37 @@ namespace {
 constexpr int kMostBits = 30;
 constexpr double kMostStaticRatio = 1e3;  // the largest that friction.static_ratio may have
 
-std::vector<std::string> sets_of(const IdentifiedPlant& plant) {
-  std::vector<std::string> sets;
-  const auto set = [&](const char* key, double value) {
-    sets.push_back(fmt::format("{}={:.9g}", key, value));
-  };
+std::string set(const char* key, double value) {
+  return fmt::format("{}={:.12g}", key, value);
+}
+
+double disturbance_of(const IdentifiedPlant& plant) {
+  return 0.5 * plant.largest_torque;
+}
+
+std::vector<std::string> plant_sets(const IdentifiedPlant& plant) {
   // models/motor.xml has 1 kg m².
-  set("plant.inertia_ratio", plant.inertia);
-  set("plant.viscous_friction_Nms_rad", plant.viscous_friction);
-  set("plant.coulomb_friction_Nm", plant.coulomb_friction);
-  constexpr double kLeastShare = 1e-3;
-  if (plant.breakaway_friction > kLeastShare * plant.coulomb_friction &&
-      plant.coulomb_friction > 0.0) {
+  std::vector<std::string> sets = {set("plant.inertia_ratio", plant.inertia),
+                                   set("plant.viscous_friction_Nms_rad", plant.viscous_friction),
+                                   set("plant.coulomb_friction_Nm", plant.coulomb_friction),
+                                   set("disturbance.offset_Nm", plant.offset_torque),
+                                   set("control.delay_s", plant.delay_s)};
+  if (plant.quantum > 0.0) sets.push_back(set("encoder.phase_rad", plant.phase));
+  if (plant.stribeck_speed > 0.0) {
     sets.emplace_back("friction.law=stribeck");
-    set("friction.static_ratio",
-        std::min(kMostStaticRatio, 1.0 + plant.breakaway_friction / plant.coulomb_friction));
-    set("friction.stribeck_velocity", plant.stribeck_speed);
+    sets.push_back(
+        set("friction.static_ratio",
+            std::min(kMostStaticRatio, 1.0 + plant.breakaway_friction / plant.coulomb_friction)));
+    sets.push_back(set("friction.stribeck_velocity", plant.stribeck_speed));
   }
-  set("nominal.inertia_kgm2", plant.inertia);
-  set("nominal.viscous_friction_Nms_rad", plant.viscous_friction);
-  set("control.period_s", plant.period_s);
-  set("physics.timestep_s", plant.period_s);
+  return sets;
+}
+
+std::vector<std::string> other_sets(const IdentifiedPlant& plant) {
+  std::vector<std::string> sets = {set("nominal.inertia_kgm2", plant.inertia),
+                                   set("nominal.viscous_friction_Nms_rad", plant.viscous_friction),
+                                   set("control.period_s", plant.period_s),
+                                   set("physics.timestep_s", plant.period_s)};
   const double counts = plant.quantum == 0.0 ? 0.0 : 2.0 * std::numbers::pi / plant.quantum;
   int bits = 0;
   // Printed digits leave a power of two a little too small.
@@ -40,29 +50,48 @@ std::vector<std::string> sets_of(const IdentifiedPlant& plant) {
   sets.push_back(fmt::format("encoder.bits={}", bits));
   if (bits > 0) {
     const double ratio = counts / std::ldexp(1.0, bits);
-    set("encoder.gear_ratio", std::abs(ratio - 1.0) < 1e-5 ? 1.0 : ratio);
+    sets.push_back(set("encoder.gear_ratio", std::abs(ratio - 1.0) < 1e-5 ? 1.0 : ratio));
   }
   sets.push_back(fmt::format("encoder.rounding={}",
                              plant.rounding == EncoderRounding::nearest ? "nearest" : "truncate"));
-  set("noise.std_rad", plant.noise_std);
-  sets.push_back(fmt::format("sensor.delay_samples={}",
-                             std::max(0L, std::lround(plant.delay_s / plant.period_s))));
+  sets.push_back(set("noise.std_rad", plant.noise_std));
   // The shipped gains are for 1 kg m².
-  set("controller.kp", 10.0 * plant.inertia);
-  set("controller.kd", 5.0 * plant.inertia);
-  set("disturbance.amplitude_Nm", 0.5 * plant.largest_torque);
+  sets.push_back(set("controller.kp", 10.0 * plant.inertia));
+  sets.push_back(set("controller.kd", 5.0 * plant.inertia));
+  sets.push_back(set("disturbance.amplitude_Nm", disturbance_of(plant)));
   return sets;
+}
+
+std::string tuning_of(const IdentifiedPlant& plant) {
+  // Delay and period bound the frequencies of controller and observer. A torque beyond that of
+  // disturbance and friction is noise or a limit cycle.
+  const double fastest = 1.0 / (plant.delay_s + plant.period_s);
+  const double slowest = 0.02 * fastest;
+  const double J = plant.inertia;
+  // The filter's poles have about the magnitude (Q/(J² R T²))^(1/6).
+  const auto process_noise = [&](double frequency) {
+    const double cubed = frequency * frequency * frequency;
+    return cubed * cubed * J * J * plant.period_s * plant.period_s;
+  };
+  return fmt::format(
+      "algorithm = \"cmaes\"\nbudget = 192\n\n"
+      "[set]\nobserver.name = \"kfd\"\nobserver.process_noise_on = \"disturbance\"\n"
+      "observer.initial_covariance = [1, 1, 1]\nrun.duration_s = 2.0\n\n"
+      "[search]\n"
+      "controller.kp = {{ log_uniform = [{:.6g}, {:.6g}] }}\n"
+      "controller.kd = {{ log_uniform = [{:.6g}, {:.6g}] }}\n"
+      "observer.process_noise = {{ log_uniform = [{:.6g}, {:.6g}] }}\n\n"
+      "[objective]\nrms_position_rad = {{ goal = \"min\", over = \"q90\" }}\n\n"
+      "[constraint]\nrms_torque_Nm = {{ max = {:.6g} }}\n",
+      J * slowest * slowest, J * fastest * fastest, J * slowest, 2.0 * J * fastest,
+      process_noise(slowest), process_noise(fastest),
+      1.1 * (disturbance_of(plant) + std::abs(plant.offset_torque) + plant.coulomb_friction));
 }
 
 }  // namespace
 
 IdentifiedScenarioKind identified_motor() {
-  return {"motor_estimation",
-          "stf",
-          sets_of,
-          "plant.inertia_ratio",
-          "plant.viscous_friction_Nms_rad",
-          "plant.coulomb_friction_Nm"};
+  return {"motor_estimation", "stf", plant_sets, other_sets, tuning_of};
 }
 
 }  // namespace breakwater

@@ -1,5 +1,7 @@
 #include "plant/declared_metrics.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -17,6 +19,7 @@ constexpr const char* kNone = "none";
 
 // "rad_s" for "rad/s".
 std::string suffix_of(const std::string& unit) {
+  if (unit == "%") return "percent";
   std::string suffix;
   for (const char c : unit) {
     if (c != ' ') suffix += c == '/' ? '_' : c;
@@ -27,9 +30,6 @@ std::string suffix_of(const std::string& unit) {
 bool is_time(DeclaredKind kind) {
   return kind == DeclaredKind::settling || kind == DeclaredKind::reach ||
          kind == DeclaredKind::time_above;
-}
-bool is_number(DeclaredKind kind) {
-  return kind == DeclaredKind::overshoot || kind == DeclaredKind::onsets;
 }
 
 const char* meaning(DeclaredKind kind) {
@@ -47,8 +47,8 @@ const char* meaning(DeclaredKind kind) {
     case DeclaredKind::settling:
       return "time from the window's start until the magnitude stays within the level to its end";
     case DeclaredKind::overshoot:
-      return "farthest value beyond 0, relative to the first value of the window, on its other "
-             "side";
+      return "farthest value beyond 0, on the other side of the window's first value, as a share "
+             "of this first value";
     case DeclaredKind::reach:
       return "time from the window's start until the magnitude first reaches the level";
     case DeclaredKind::rms_change:
@@ -61,11 +61,13 @@ const char* meaning(DeclaredKind kind) {
   return "";
 }
 
-// The value of a signal, NAME or NAME[2]; empty if there is none.
-std::span<const double> value_of(const std::string& name, const std::vector<Signal>& signals) {
+// The value of a signal, NAME or NAME[2], or all values; empty if there is none.
+std::span<const double> value_of(const std::string& name, const std::vector<Signal>& signals,
+                                 bool takes_all = false) {
   const SignalName wanted = signal_name(name);
   for (const Signal& signal : signals) {
     if (signal.name != wanted.name) continue;
+    if (takes_all && wanted.index == 0) return signal.values;
     const std::size_t index = std::max<std::size_t>(1, wanted.index);
     if (index > signal.values.size() || (wanted.index == 0 && signal.values.size() > 1)) {
       throw std::invalid_argument(name + ": the signal has " +
@@ -80,7 +82,8 @@ std::span<const double> value_of(const std::string& name, const std::vector<Sign
 
 void DeclaredMetric::bind(Fields& fields) {
   const Fields::Under under(fields, prefix());
-  fields.text("of", of, "signal of the log, NAME or NAME[2]");
+  fields.text("of", of,
+              "signal of the log, with a number in square brackets for one of its values");
   fields.text("minus", minus, "signal that is subtracted from it; none: nothing");
   fields.standard("minus", {std::string(kNone)});
   fields.choice(
@@ -105,6 +108,19 @@ void DeclaredMetric::bind(Fields& fields) {
   fields.number("level", level, not_negative(), "level, in the signal's unit");
   for (const char* key : {"from_s", "to_s", "level"}) fields.standard(key, {0.0});
   fields.only_for({"level"}, "kind", {"settling", "reach", "time", "bounces"});
+  fields.choice(
+      "take", take,
+      {{"value", Taken::value},
+       {"difference", Taken::difference},
+       {"high_pass", Taken::high_pass},
+       {"largest", Taken::largest}},
+      "value that is taken from the signal, before minus. difference: to the last sample (of a "
+      "contact's force the last physics step), divided by the time between; largest: of several "
+      "values");
+  fields.standard("take", {std::string("value")});
+  const Fields::OfPart high_pass(fields, "take", "high_pass");
+  fields.number("cutoff_Hz", cutoff_Hz, positive(),
+                "cut-off of the high-pass, a Butterworth filter of second order [Hz]");
 }
 
 TimeWindow DeclaredMetric::window() const {
@@ -112,12 +128,29 @@ TimeWindow DeclaredMetric::window() const {
 }
 
 MetricDefinition DeclaredMetric::definition() const {
-  const std::string of_signal = unit_of(whole_key(of));
-  const std::string unit = is_time(kind)                          ? "s"
-                           : is_number(kind) || of_signal.empty() ? "1"
-                                                                  : of_signal;
+  std::string of_signal = unit_of(whole_key(of));
+  if (of_signal.empty()) of_signal = "1";
+  std::string of_what = of;
+  switch (take) {
+    case Taken::value:
+      break;
+    case Taken::difference:
+      of_signal += "/s";
+      of_what = "rate of change of " + of;
+      break;
+    case Taken::high_pass:
+      of_what = fmt::format("{} behind a high-pass of {} Hz", of, cutoff_Hz);
+      break;
+    case Taken::largest:
+      of_what = "largest value of " + of;
+      break;
+  }
+  const std::string unit = is_time(kind)                     ? "s"
+                           : kind == DeclaredKind::overshoot ? "%"
+                           : kind == DeclaredKind::onsets    ? "1"
+                                                             : of_signal;
   const std::string end = "_" + suffix_of(unit);
-  const std::string of_what = minus == kNone ? of : of + " less " + minus;
+  if (minus != kNone) of_what += " less " + minus;
   return {name.ends_with(end) ? name : name + end, unit, of_what + ": " + meaning(kind)};
 }
 
@@ -125,7 +158,8 @@ std::string missing_signal(const DeclaredMetric& metric, const std::vector<Signa
   std::vector<std::string> names;
   for (const Signal& signal : signals) names.push_back(signal.name);
   for (const auto& [key, name] : {std::pair("of", metric.of), std::pair("minus", metric.minus)}) {
-    if (name == kNone || !value_of(name, signals).empty()) continue;
+    const bool takes_all = metric.take == Taken::largest && name == metric.of;
+    if (name == kNone || !value_of(name, signals, takes_all).empty()) continue;
     return metric.prefix() + key + ": the log has no signal " + toml_string(name) +
            did_you_mean(signal_name(name).name, names);
   }
@@ -133,18 +167,38 @@ std::string missing_signal(const DeclaredMetric& metric, const std::vector<Signa
 }
 
 DeclaredValue::DeclaredValue(const DeclaredMetric& metric, const std::vector<Signal>& signals,
-                             double end_s)
+                             double end_s, double period_s)
     : metric_(metric),
-      of_(value_of(metric.of, signals)),
+      of_(value_of(metric.of, signals, metric.take == Taken::largest)),
       minus_(metric.minus == kNone ? std::span<const double>() : value_of(metric.minus, signals)),
+      period_s_(period_s),
       window_(metric.window().within(end_s)),
       values_(window_),
       changes_(window_),
       settling_(window_, metric.level),
-      reach_(metric.from_s, metric.level) {}
+      reach_(metric.from_s, metric.level) {
+  if (metric.take == Taken::high_pass) high_pass_.emplace(metric.cutoff_Hz, period_s);
+}
 
-void DeclaredValue::add(double time_s, double step_s) {
-  const double value = of_.front() - (minus_.empty() ? 0.0 : minus_.front());
+double DeclaredValue::taken() {
+  switch (metric_.take) {
+    case Taken::value:
+      break;
+    case Taken::difference: {
+      const double before = last_of_.value_or(of_.front());
+      last_of_ = of_.front();
+      return (of_.front() - before) / period_s_;
+    }
+    case Taken::high_pass:
+      return high_pass_->update(of_.front());
+    case Taken::largest:
+      return *std::max_element(of_.begin(), of_.end());
+  }
+  return of_.front();
+}
+
+void DeclaredValue::add(double time_s) {
+  const double value = taken() - (minus_.empty() ? 0.0 : minus_.front());
   values_.add(time_s, value);
   settling_.add(time_s, value);
   changes_.add(time_s, value - last_.value_or(0.0));
@@ -155,7 +209,7 @@ void DeclaredValue::add(double time_s, double step_s) {
   if (!first_) first_ = value;
   beyond_ = std::max(beyond_, *first_ > 0.0 ? -value : value);
   if (value > metric_.level) {
-    time_above_s_ += step_s;
+    time_above_s_ += period_s_;
     if (before <= metric_.level) ++onsets_;
   }
 }
@@ -180,7 +234,7 @@ std::optional<double> DeclaredValue::value() const {
       return changes_.rms();
     case DeclaredKind::overshoot:
       if (!first_ || *first_ == 0.0) return std::nullopt;
-      return beyond_ / std::abs(*first_);
+      return 100.0 * beyond_ / std::abs(*first_);
     case DeclaredKind::time_above:
       if (!first_) return std::nullopt;
       return time_above_s_;
@@ -189,6 +243,22 @@ std::optional<double> DeclaredValue::value() const {
       return onsets_ - 1;
   }
   return std::nullopt;
+}
+
+std::string DeclaredValue::why_absent() const {
+  if (!first_) return "the run does not cover its window";
+  switch (metric_.kind) {
+    case DeclaredKind::settling:
+      return "the magnitude ends beyond the level";
+    case DeclaredKind::reach:
+      return "the magnitude never reaches the level";
+    case DeclaredKind::overshoot:
+      return "the first value of its window is 0";
+    case DeclaredKind::onsets:
+      return "the value never rises above the level";
+    default:
+      return "it is not finite";
+  }
 }
 
 }  // namespace breakwater

@@ -1,9 +1,11 @@
 #include "plant/plant.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 #include <breakwater/control/axes_control.h>
+#include <breakwater/record/hdf5_log.h>
 
 namespace breakwater {
 
@@ -22,6 +24,10 @@ Fields Plant::fields() {
   for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
     const Fields::Under under(fields, plant_.axes[i].axis.prefix());
     axis_parts_[i].bind(fields);
+  }
+  for (const AxisSettings& one : plant_.axes) {
+    fields.only_for({one.axis.prefix() + "controller.name", one.axis.prefix() + "observer.name"},
+                    "controller.name", {"axes"});
   }
   for (DeclaredMetric& metric : metrics_) metric.bind(fields);
   return fields;
@@ -81,9 +87,18 @@ std::vector<AxisOfPlant> Plant::loops() const {
 
 void Plant::check(const Config& config) {
   check_plant(plant_, config);
-  const PlantTask task = this->task();
+  warnings_ = plant_.warnings();
   for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
-    axis_parts_[i].check(config.under(plant_.axes[i].axis.prefix()), task.axes[i]);
+    plant_.axes[i].is_controlled =
+        parts_.controller_name() != "axes" || axis_parts_[i].controller_name() != "none";
+  }
+  const PlantTask task = this->task();
+  if (parts_.controller_name() == "axes") {
+    for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
+      axis_parts_[i].check(config.under(plant_.axes[i].axis.prefix()), task.axes[i]);
+    }
+  } else if (parts_.estimator_name() != "none" && !task.why_not_linear.empty()) {
+    config.fail("controller.name", task.why_not_linear);
   }
   parts_.check(config, task);
   const auto loop = parts_.make(task);
@@ -93,45 +108,76 @@ void Plant::check(const Config& config) {
     const Config own = config.under(metric.prefix());
     const std::string missing = own.blame("of", [&] { return missing_signal(metric, signals); });
     // Another case may have a controller or an estimator that publishes it.
-    if (!missing.empty()) warnings_.push_back(missing + ": the metric is absent");
+    if (!missing.empty()) {
+      warnings_.push_back(missing + ": the metric is absent");
+    } else {
+      own.blame("cutoff_Hz",
+                [&] { DeclaredValue(metric, signals, plant_.run.duration_s, period_of(metric)); });
+    }
     if (metric.to_s != 0.0 && metric.to_s <= metric.from_s) {
       own.fail("to_s", "must be later than from_s, or 0 for the end of the run");
     }
   }
 }
 
+bool Plant::is_fast(const DeclaredMetric& metric) const {
+  return std::any_of(
+      plant_.contacts.begin(), plant_.contacts.end(),
+      [&](const ContactSettings& one) { return one.signal() == signal_name(metric.of).name; });
+}
+
+double Plant::period_of(const DeclaredMetric& metric) const {
+  return is_fast(metric) ? plant_.physics.timestep_s : plant_.physics.control_period_s;
+}
+
 Recording Plant::run(const RunControl& control) const {
-  const auto loop = parts_.make(task());
+  const PlantTask task = this->task();
+  const auto loop = parts_.make(task);
   AxisRig rig(plant_, *loop.controller);
+  for (std::size_t i : task.driven) {
+    if (parts_.controller_name() != "axes" || axis_parts_[i].controller_name() == "none") continue;
+    rig.know_loop(axis_parts_[i], task.axes[i], i);
+  }
   const Simulation& sim = rig.simulation();
   const std::vector<Signal> signals = rig.signals();
-  // A contact is shorter than a sample.
   std::vector<DeclaredValue> at_samples, at_steps;
   std::vector<std::pair<bool, std::size_t>> order;
+  std::vector<AbsentMetric> absent;
   for (const DeclaredMetric& metric : metrics_) {
-    if (!missing_signal(metric, signals).empty()) continue;
-    const bool is_fast = metric.of.starts_with("contact_");
-    std::vector<DeclaredValue>& values = is_fast ? at_steps : at_samples;
-    order.emplace_back(is_fast, values.size());
-    values.emplace_back(metric, signals, plant_.run.duration_s);
+    if (const std::string missing = missing_signal(metric, signals); !missing.empty()) {
+      const MetricDefinition definition = metric.definition();
+      absent.push_back({definition.name, definition.unit, missing});
+      continue;
+    }
+    std::vector<DeclaredValue>& values = is_fast(metric) ? at_steps : at_samples;
+    order.emplace_back(is_fast(metric), values.size());
+    values.emplace_back(metric, signals, plant_.run.duration_s, period_of(metric));
   }
   const auto step = [&](std::int64_t) {
     rig.step();
-    for (DeclaredValue& value : at_steps) value.add(sim.time_s(), plant_.physics.timestep_s);
+    for (DeclaredValue& value : at_steps) value.add(sim.time_s());
   };
   const auto sample = [&](double time_s) {
-    for (DeclaredValue& value : at_samples) value.add(time_s, plant_.physics.control_period_s);
+    for (DeclaredValue& value : at_samples) value.add(time_s);
   };
   const auto measured = [&] {
     std::vector<Metric> metrics;
-    for (const auto& [is_fast, i] : order) {
-      const DeclaredValue& value = (is_fast ? at_steps : at_samples)[i];
+    for (const auto& [is_at_step, i] : order) {
+      const DeclaredValue& value = (is_at_step ? at_steps : at_samples)[i];
       const MetricDefinition definition = value.metric().definition();
       add(metrics, definition.name, definition.unit, value.value());
     }
     return metrics;
   };
-  return rig.run(control, signals, step, sample, measured);
+  Recording recording = rig.run(control, signals, step, sample, measured);
+  for (const auto& [is_at_step, i] : order) {
+    const DeclaredValue& value = (is_at_step ? at_steps : at_samples)[i];
+    const MetricDefinition definition = value.metric().definition();
+    if (recording.failure || recording.metric(definition.name)) continue;
+    absent.push_back({definition.name, definition.unit, value.why_absent()});
+  }
+  recording.absent = std::move(absent);
+  return recording;
 }
 
 }  // namespace breakwater

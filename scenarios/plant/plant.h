@@ -38,6 +38,10 @@ class Plant final : public LoopScenario {
 
  private:
   PlantTask task() const;
+  /// Whether the metric needs each physics step: a contact is shorter than a sample.
+  bool is_fast(const DeclaredMetric& metric) const;
+  /// The time between its values.
+  double period_of(const DeclaredMetric& metric) const;
   /// The axes' own controllers, with `other` at the axis `replaced` if it is there.
   std::unique_ptr<Controller> axes_control(const std::vector<AxisTask>& tasks,
                                            std::unique_ptr<Controller> other = nullptr,

@@ -19,7 +19,6 @@ namespace {
 // Bounds in the window for a converged run: RMS of each axis, and largest distance.
 constexpr double kConvergedRmse_m = 0.5;
 constexpr double kConvergedPeak_m = 2.0;
-constexpr int kOutputs = 6;
 
 double wrapped(double angle_rad) {
   return std::remainder(angle_rad, 2.0 * std::numbers::pi);
@@ -134,21 +133,37 @@ class StationMetrics {
   WindowStatistics nees_;
 };
 
-// Measures the time of an update of the filter on the run's own samples, after the run. The run
+// Measures the time of an update of the filter on the run's first samples, after the run. The run
 // itself thus depends on no clock.
-double filter_time_us(const Track& log, QuadrotorEstimator& estimator) {
-  const std::vector<double> poses = log.values("pose_measured");
-  const std::vector<double> thrusts = log.values("thrust_applied_N");
-  const std::size_t samples = std::min<std::size_t>(log.rows(), 2000);
-  const double begin = thread_time_s();
-  estimator.reset(Eigen::Map<const Vector6d>(poses.data()));
-  for (std::size_t k = 0; k < samples; ++k) {
-    const std::size_t held = k > 0 ? k - 1 : 0;
-    estimator.update(Eigen::Map<const Eigen::Vector4d>(&thrusts[4 * held]),
-                     Eigen::Map<const Vector6d>(&poses[kOutputs * k]));
+class FilterTime {
+ public:
+  explicit FilterTime(bool is_measured) : room_(is_measured ? kSamples : 0) {
+    poses_.reserve(room_);
+    thrusts_.reserve(room_);
   }
-  return 1e6 * (thread_time_s() - begin) / static_cast<double>(samples);
-}
+
+  void add(const Simulation& sim) {
+    if (poses_.size() == room_) return;
+    poses_.emplace_back(sim.sample().y);
+    thrusts_.emplace_back(sim.actuation());
+  }
+
+  double time_us(QuadrotorEstimator& estimator) const {
+    const double begin = thread_time_s();
+    estimator.reset(poses_.front());
+    for (std::size_t k = 0; k < poses_.size(); ++k) {
+      estimator.update(thrusts_[k > 0 ? k - 1 : 0], poses_[k]);
+    }
+    return 1e6 * (thread_time_s() - begin) / static_cast<double>(poses_.size());
+  }
+
+ private:
+  static constexpr std::size_t kSamples = 2000;
+
+  std::size_t room_;
+  std::vector<Vector6d> poses_;
+  std::vector<Eigen::Vector4d> thrusts_;
+};
 
 }  // namespace
 
@@ -204,7 +219,7 @@ void QuadrotorWaves::check(const Config& config) {
 
 std::vector<std::string> QuadrotorWaves::warnings() const {
   const QuadrotorLoop loop = quadrotor_.parts.make(quadrotor_.task());
-  const auto* controller = dynamic_cast<const QuadrotorController*>(loop.controller.get());
+  const auto* controller = dynamic_cast<const BacksteppingController*>(loop.controller.get());
   const double pole =
       controller != nullptr ? slowest_pole(controller->law(), quadrotor_.plant()) : 0.0;
   if (pole <= 0.0) return {};
@@ -226,8 +241,11 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
   HeldReference held({0.0, end_s >= window_s_ ? end_s : 0.0}, "the position", "m");
   held.ask(rig.distance_to_go_m());
 
+  FilterTime filter_time(loop.estimates() && control.logs);
+
   const auto sample = [&](double time_s) {
     rig.observe();
+    filter_time.add(rig.simulation());
     metrics.after_sample(time_s, truth, rig.simulation());
     held.add(time_s, truth.error.norm());
     if (loop.estimates()) metrics.after_estimate(time_s, truth, *loop.estimator);
@@ -241,8 +259,7 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
   if (!recording.failure) held.warn(recording.warnings);
   if (!recording.failure && loop.estimates() && control.logs) {
     const auto estimator = quadrotor_.parts.make_estimator(quadrotor_.task());
-    add(recording.costs, "filter_time_us", "us",
-        filter_time_us(recording.tracks.front(), *estimator));
+    add(recording.costs, "filter_time_us", "us", filter_time.time_us(*estimator));
   }
   return recording;
 }

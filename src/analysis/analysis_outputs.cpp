@@ -124,7 +124,7 @@ std::string digits(double value) {
 }
 
 std::string points_csv(const std::vector<LoopAnalysis>& loops, const std::vector<Response>& all) {
-  std::vector<std::string> header = {"case", "way", "omega_rad_s"};
+  std::vector<std::string> header = {"case", "axis", "way", "omega_rad_s"};
   for (const Response& response : all) {
     header.push_back(std::string(response.name) + "_gain");
     header.push_back(std::string(response.name) + "_phase_deg");
@@ -134,7 +134,8 @@ std::string points_csv(const std::vector<LoopAnalysis>& loops, const std::vector
   for (const LoopAnalysis& loop : loops) {
     for (const Way& way : kWays) {
       for (const LoopPoint& point : (loop.*way.curve).points) {
-        std::vector<std::string> row = {loop.label, way.name, digits(point.omega_rad_s)};
+        std::vector<std::string> row = {loop.name.case_name, loop.name.axis, way.name,
+                                        digits(point.omega_rad_s)};
         for (const Response& response : all) {
           const bool is_there = loop.estimates || !response.needs_estimator;
           const std::complex<double> value = point.*response.value;
@@ -151,11 +152,11 @@ std::string points_csv(const std::vector<LoopAnalysis>& loops, const std::vector
 }
 
 std::string margins_csv(const std::vector<LoopAnalysis>& loops) {
-  std::vector<std::string> header = {"case", "way"};
+  std::vector<std::string> header = {"case", "axis", "way"};
   for (const Quantity& quantity : quantities()) header.emplace_back(quantity.column);
   std::string text = csv_line(header);
   for (const auto& [loop, way, curve] : curves_of(loops)) {
-    std::vector<std::string> row = {loop.label, way.name};
+    std::vector<std::string> row = {loop.name.case_name, loop.name.axis, way.name};
     for (const Quantity& quantity : quantities()) row.push_back(digits(quantity.of(curve)));
     text += csv_line(row);
   }
@@ -208,7 +209,7 @@ std::string reason_of_difference(const LoopAnalysis& loop) {
   return fmt::format(
       "{}: the gain margin is {:.1f} dB as designed and {:.1f} dB as measured. The measured phase "
       "crossover is between the measured frequencies {:.4g} and {:.4g} rad/s. {}.",
-      loop.label, a, b, low, high, why);
+      loop.name.label(), a, b, low, high, why);
 }
 
 BodeCurve curve_of(const LoopAnalysis& loop, const LoopCurve& curve, const Response& response) {
@@ -233,7 +234,7 @@ void add_margins(mustache::data& page, const std::vector<LoopAnalysis>& loops) {
   const std::vector<NamedCurve> curves = curves_of(loops);
   bool any_unsure = false;
   for (const NamedCurve& one : curves) {
-    columns << named("label", one.loop.label + ", " + one.way.name);
+    columns << named("label", one.loop.name.label() + ", " + one.way.name);
   }
   for (const Quantity& quantity : quantities()) {
     mustache::data row, cells(mustache::data::type::list);
@@ -254,18 +255,23 @@ void add_margins(mustache::data& page, const std::vector<LoopAnalysis>& loops) {
 
 }  // namespace
 
-std::string why_not_designed(const LoopCurve& designed) {
-  if (designed.is_unstable) {
-    return "the loop is not stable: " + designed.reason + ". It has no margins";
+std::vector<std::string> notes(const LoopAnalysis& loop) {
+  std::vector<std::string> texts;
+  const std::string& reason = loop.designed.reason;
+  if (loop.designed.is_unstable) {
+    texts.push_back("the loop is not stable: " + reason + ". It has no margins");
+  } else if (!reason.empty()) {
+    texts.push_back("only measured, because the loop is not linear: " + reason);
   }
-  return "only measured, because the loop is not linear: " + designed.reason;
+  texts.insert(texts.end(), loop.hints.begin(), loop.hints.end());
+  return texts;
 }
 
 std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width) {
   std::vector<std::string> header = {""};
   const std::vector<NamedCurve> curves = curves_of(loops);
   for (const NamedCurve& one : curves) {
-    header.push_back(one.loop.label + (&one.way == kWays.data() ? "" : " measured"));
+    header.push_back(one.loop.name.label() + (&one.way == kWays.data() ? "" : " measured"));
   }
   Table table(header);
   for (const Quantity& quantity : quantities()) {
@@ -280,14 +286,14 @@ void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& s
                     const std::vector<std::string>& cases, const std::string& command,
                     const AxisUnits& units, const fs::path& folder) {
   std::vector<std::string> names;
-  for (const LoopAnalysis& loop : loops) names.push_back(loop.label);
+  for (const LoopAnalysis& loop : loops) names.push_back(loop.name.label());
   const std::vector<Identity> looks = candidate_identities(names, cases);
   const std::vector<Response> all = responses(units);
   mustache::data page;
   page.set("title", "Frequency response of " + scenario);
   page.set("command", command);
   mustache::data toc(mustache::data::type::list), legend(mustache::data::type::list);
-  mustache::data charts(mustache::data::type::list), notes(mustache::data::type::list);
+  mustache::data charts(mustache::data::type::list), texts(mustache::data::type::list);
   const auto contents = [&](const std::string& href, const std::string& label) {
     mustache::data entry;
     entry.set("href", href);
@@ -296,20 +302,20 @@ void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& s
   };
   contents("margins", "Margins");
   for (std::size_t i = 0; i < loops.size(); ++i) {
-    mustache::data one = named("label", loops[i].label);
+    mustache::data one = named("label", loops[i].name.label());
     one.set("colour", series_class(looks[i]));
     legend << one;
-    if (!loops[i].designed.reason.empty()) {
-      notes << named("text",
-                     fmt::format("{}: {}.", loops[i].label, why_not_designed(loops[i].designed)));
+    for (const std::string& note : notes(loops[i])) {
+      texts << named("text", fmt::format("{}: {}.", loops[i].name.label(), note));
     }
     const std::string why = reason_of_difference(loops[i]);
-    if (!why.empty()) notes << named("text", why);
+    if (!why.empty()) texts << named("text", why);
   }
   for (const Response& response : all) {
     std::vector<BodeLoop> drawn;
     for (const LoopAnalysis& loop : loops) {
-      drawn.push_back({loop.label, looks[drawn.size()], curve_of(loop, loop.designed, response),
+      drawn.push_back({loop.name.label(), looks[drawn.size()],
+                       curve_of(loop, loop.designed, response),
                        curve_of(loop, loop.measured, response)});
       if (response.value == &LoopPoint::loop_gain && !loop.designed.points.empty()) {
         drawn.back().margins = loop.designed.margins;
@@ -327,7 +333,7 @@ void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& s
   }
   add_margins(page, loops);
   page.set("legend", legend);
-  page.set("notes", notes);
+  page.set("notes", texts);
   page.set("charts", charts);
   page.set("toc", toc);
   const std::string html = html_page("analysis", page, PageCharts::drawn);

@@ -10,8 +10,8 @@
 
 namespace breakwater {
 
-/// Says why a loop has no designed curve: it is not stable, or not linear.
-std::string why_not_designed(const LoopCurve& designed);
+/// Says why a loop has no designed curve (it is not stable, or not linear), then its hints.
+std::vector<std::string> notes(const LoopAnalysis& loop);
 
 /// One column per loop and way (designed, measured); the rows are bandwidth, margins and peaks.
 std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width);

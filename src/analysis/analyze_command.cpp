@@ -62,7 +62,8 @@ void describe(CLI::App& app, Arguments& arguments) {
       ->type_name("N")
       ->check(CLI::Range(2, 10000));
   app.add_option("--amplitude", options.force_amplitude,
-                 "amplitude of the sine at the drive [N m or N] (default: 1)")
+                 "amplitude of the sine at the drive [N m or N] (default: 1, or a tenth\n"
+                 "of a drive's limit below 2)")
       ->type_name("F")
       ->check(CLI::PositiveNumber);
   app.add_option("--noise-amplitude", options.noise_amplitude,
@@ -105,7 +106,7 @@ void add_loops(const PreparedRun& run, const Arguments& arguments,
   for (AxisOfPlant& axis : dynamic_cast<const LoopScenario&>(*run.scenario).loops()) {
     const std::string& name = names.emplace_back(axis.settings().axis.name);
     if (!arguments.axis.empty() && arguments.axis != name) continue;
-    loops.push_back({run.case_name, std::move(axis)});
+    loops.push_back({{run.case_name}, std::move(axis)});
   }
   if (loops.size() == before) {
     throw std::invalid_argument(fmt::format("--axis: there is no driven axis \"{}\"{}",
@@ -114,7 +115,7 @@ void add_loops(const PreparedRun& run, const Arguments& arguments,
   if (names.size() == 1) return;
   for (std::size_t i = before; i < loops.size(); ++i) {
     const Axis& axis = loops[i].axis.settings().axis;
-    loops[i].label += ", " + axis.name;
+    loops[i].name.axis = axis.name;
     if (axis.units.position != loops[before].axis.settings().axis.units.position) {
       throw std::invalid_argument("--axis: is needed, because the axes have different units");
     }
@@ -145,6 +146,7 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
     add_loops(prepared.back(), arguments, loops);
   }
   arguments.options.stop = &interrupted();
+  arguments.options.quiet = arguments.quiet;
   if (arguments.is_design_only) arguments.options.points = 0;
 
   std::vector<LoopAnalysis> results;
@@ -159,8 +161,10 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
     return kRunFailed;
   }
   for (const LoopAnalysis& loop : results) {
-    if (loop.designed.reason.empty() || (arguments.quiet && !loop.designed.is_unstable)) continue;
-    fmt::print(stderr, "{} {}: {}\n", kind.name, loop.label, why_not_designed(loop.designed));
+    if (arguments.quiet && !loop.designed.is_unstable) continue;
+    for (const std::string& note : notes(loop)) {
+      fmt::print(stderr, "{} {}: {}\n", kind.name, loop.name.label(), note);
+    }
   }
   const auto is_unstable = [](const LoopAnalysis& loop) { return loop.designed.is_unstable; };
   if (std::all_of(results.begin(), results.end(), is_unstable)) return kRunFailed;

@@ -11,6 +11,7 @@
 #include <breakwater/analysis/swept_sine.h>
 #include <breakwater/rigs/loop_response.h>
 #include <breakwater/shell/all_cores.h>
+#include <breakwater/shell/progress.h>
 
 namespace breakwater {
 namespace {
@@ -19,6 +20,7 @@ constexpr std::size_t kDesignPoints = 1200;
 constexpr double kShareOfNyquist = 0.9;
 constexpr double kStillHalfThePower = std::numbers::sqrt2 / 2.0;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUsualForce = 1.0;
 constexpr double kNoiseCounts = 3.0, kSmallNoise = 1e-3;
 
 double nyquist_rad_s(const AxisOfPlant& axis) {
@@ -72,6 +74,12 @@ void judge(LoopCurve& curve, bool estimates) {
   if (estimates) curve.bandwidth_rad_s = bandwidth(curve.points);
 }
 
+double force_amplitude(const AxisOfPlant& axis, const AnalysisOptions& options) {
+  if (options.force_amplitude > 0.0) return options.force_amplitude;
+  const double limit = axis.settings().force_limit();
+  return kUsualForce > 0.5 * limit ? 0.1 * limit : kUsualForce;
+}
+
 double noise_amplitude(const AxisOfPlant& axis, const AnalysisOptions& options) {
   if (options.noise_amplitude > 0.0) return options.noise_amplitude;
   return std::max(kSmallNoise, kNoiseCounts * axis.settings().quantum());
@@ -81,7 +89,7 @@ LoopCurve designed_curve(const AxisOfPlant& axis, const AnalysisOptions& options
   const double period_s = axis.task.axis.period_s;
   const AxisLoopDesign design = axis_loop_design(*axis.parts, axis.task, axis.plant, axis.index);
   const LoopResponseOrReason found =
-      loop_response(design, options.force_amplitude, noise_amplitude(axis, options));
+      loop_response(design, force_amplitude(axis, options), noise_amplitude(axis, options));
   LoopCurve curve;
   curve.reason = found.reason;
   curve.is_unstable = found.is_unstable;
@@ -107,6 +115,52 @@ LoopPoint measured_point(const SineResponse& force, const SineResponse& noise) {
   return p;
 }
 
+void check(const AnalysedLoop& loop, const AnalysisOptions& options, double to_rad_s) {
+  const double nyquist = nyquist_rad_s(loop.axis);
+  if (!(options.from_rad_s > 0.0 && options.from_rad_s < to_rad_s && to_rad_s < nyquist)) {
+    throw std::invalid_argument(
+        fmt::format("{}: frequencies from {:g} to {:g} rad/s: must rise, and stay below the "
+                    "Nyquist frequency, {:.4g} rad/s",
+                    loop.name.label(), options.from_rad_s, to_rad_s, nyquist));
+  }
+  const AxisSettings& settings = loop.axis.settings();
+  if (options.force_amplitude >= settings.force_limit()) {
+    throw std::invalid_argument(
+        fmt::format("{}: --amplitude: {:g} {}: must be below the drive's "
+                    "limit, {:g} {}",
+                    loop.name.label(), options.force_amplitude, settings.axis.units.force,
+                    settings.force_limit(), settings.axis.units.force));
+  }
+}
+
+// Why a measurement says little about the loop that moves freely.
+std::vector<std::string> hints(const AxisOfPlant& axis, const AnalysisOptions& options,
+                               const LoopCurve& measured) {
+  constexpr double kTimesFriction = 3.0, kMuchSaturated = 0.1;
+  if (measured.points.empty()) return {};
+  std::vector<std::string> texts;
+  const AxisSettings& settings = axis.settings();
+  const std::string& unit = settings.axis.units.force;
+  const double amplitude = force_amplitude(axis, options);
+  const double friction = axis.plant.coulomb_friction_at_drive(axis.index);
+  if (amplitude < kTimesFriction * friction) {
+    texts.push_back(fmt::format(
+        "the sine of {:g} {} is less than {:g} times the Coulomb friction at the drive, {:g} {}. "
+        "The axis sticks for a part of the time, and the margins show that: use a larger "
+        "--amplitude",
+        amplitude, unit, kTimesFriction, friction, unit));
+  }
+  double saturated = 0.0;
+  for (const LoopPoint& one : measured.points) saturated = std::max(saturated, one.saturated);
+  if (saturated > kMuchSaturated) {
+    texts.push_back(fmt::format(
+        "the drive is at its limit for up to {:.0f} % of the time (saturated_1 in analysis.csv): "
+        "a smaller --amplitude or --noise-amplitude may help",
+        100.0 * saturated));
+  }
+  return texts;
+}
+
 }  // namespace
 
 std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
@@ -114,20 +168,14 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
   std::vector<LoopAnalysis> results(loops.size());
   std::vector<double> to_rad_s;
   for (const AnalysedLoop& loop : loops) {
-    const double nyquist = nyquist_rad_s(loop.axis);
-    const double to = options.to_rad_s > 0.0 ? options.to_rad_s : kShareOfNyquist * nyquist;
-    if (!(options.from_rad_s > 0.0 && options.from_rad_s < to && to < nyquist)) {
-      throw std::invalid_argument(
-          fmt::format("{}: frequencies from {:g} to {:g} rad/s: must rise, and stay below the "
-                      "Nyquist frequency, {:.4g} rad/s",
-                      loop.label, options.from_rad_s, to, nyquist));
-    }
-    to_rad_s.push_back(to);
+    to_rad_s.push_back(options.to_rad_s > 0.0 ? options.to_rad_s
+                                              : kShareOfNyquist * nyquist_rad_s(loop.axis));
+    check(loop, options, to_rad_s.back());
   }
   on_all_cores(
       loops.size(),
       [&](std::size_t i) {
-        results[i].label = loops[i].label;
+        results[i].name = loops[i].name;
         const AxisOfPlant& axis = loops[i].axis;
         results[i].estimates = axis.parts->make(axis.task).estimates();
         results[i].designed = designed_curve(axis, options, to_rad_s[i]);
@@ -141,21 +189,33 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
     one.of_force.resize(points);
     one.of_noise.resize(points);
   }
+  const auto frequency = [&](std::size_t loop, std::size_t i) {
+    return frequencies(options.from_rad_s, to_rad_s[loop], points)[i];
+  };
+  std::vector<double> times_s(2 * points * loops.size());
+  for (std::size_t task = 0; task < times_s.size(); ++task) {
+    constexpr double kPeriods = 4.0;
+    times_s[task] =
+        options.settle_s + kPeriods * 2.0 * std::numbers::pi /
+                               frequency(task / 2 % loops.size(), task / 2 / loops.size());
+  }
+  Progress progress("analyze", times_s, options.quiet);
   on_all_cores(
-      2 * points * loops.size(),
+      times_s.size(),
       [&](std::size_t task) {
         const std::size_t loop = task / 2 % loops.size(), i = task / 2 / loops.size();
-        if (results[loop].designed.is_unstable) return;
+        if (results[loop].designed.is_unstable) return progress.finish(task);
         const bool is_force = task % 2 == 0;
         const AxisOfPlant& axis = loops[loop].axis;
         const SineTest test{
             .probe = is_force ? Probe::force : Probe::noise,
-            .omega_rad_s = frequencies(options.from_rad_s, to_rad_s[loop], points)[i],
-            .amplitude = is_force ? options.force_amplitude : noise_amplitude(axis, options),
+            .omega_rad_s = frequency(loop, i),
+            .amplitude = is_force ? force_amplitude(axis, options) : noise_amplitude(axis, options),
             .settle_s = options.settle_s,
             .stop = options.stop};
         (is_force ? measured[loop].of_force : measured[loop].of_noise)[i] =
             measure_sine(axis, test);
+        progress.finish(task);
       },
       options.jobs);
   for (std::size_t loop = 0; loop < loops.size(); ++loop) {
@@ -165,6 +225,7 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
     }
     judge(results[loop].designed, results[loop].estimates);
     judge(results[loop].measured, results[loop].estimates);
+    results[loop].hints = hints(loops[loop].axis, options, results[loop].measured);
   }
   return results;
 }

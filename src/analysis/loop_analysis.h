@@ -14,12 +14,15 @@ namespace breakwater {
 
 struct AnalysisOptions {
   double from_rad_s = 0.1;
-  double to_rad_s = 0.0;         ///< 0: 0.9 of the Nyquist frequency
-  int points = 25;               ///< number of measured frequencies; 0: no measurement
-  double force_amplitude = 1.0;  ///< amplitude of the force probe
+  double to_rad_s = 0.0;  ///< 0: 0.9 of the Nyquist frequency
+  int points = 25;        ///< number of measured frequencies; 0: no measurement
+  /// Amplitude of the force probe. 0: 1, or a tenth of the drive's limit if 1 is more than half of
+  /// this limit.
+  double force_amplitude = 0.0;
   double noise_amplitude = 0.0;  ///< sensor probe; 0: three counts of the encoder, or 1e-3
   double settle_s = 5.0;
   std::size_t jobs = 0;  ///< 0: all cores
+  bool quiet = true;     ///< no progress on stderr
   const std::atomic<bool>* stop = nullptr;
 };
 
@@ -46,20 +49,29 @@ struct LoopCurve {
   LoopMargins margins;
 };
 
+/// The name of a loop. `axis` is empty if the plant has one driven axis.
+struct LoopName {
+  std::string case_name;
+  std::string axis = {};
+
+  std::string label() const { return axis.empty() ? case_name : case_name + ", " + axis; }
+};
+
 struct LoopAnalysis {
-  std::string label;
+  LoopName name;
   bool estimates = false;  ///< there is an estimator
   LoopCurve designed;
   LoopCurve measured;
+  std::vector<std::string> hints = {};  ///< reasons why the measurement is poor
 };
 
-/// One loop to analyse and its label.
+/// One loop to analyse.
 struct AnalysedLoop {
-  std::string label;
+  LoopName name;
   AxisOfPlant axis;
 };
 
-/// Throws std::invalid_argument if the frequency range is invalid for a loop.
+/// Throws std::invalid_argument if the frequency range or the amplitude is invalid for a loop.
 std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
                                   const AnalysisOptions& options);
 

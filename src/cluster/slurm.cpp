@@ -11,9 +11,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <breakwater/cluster/slurm_answers.h>
 #include <breakwater/cluster/slurm_queue.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
@@ -27,16 +27,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kTasksWithoutScheduler = 100;
 constexpr int kWarning_s = 60;  // this long before a time limit
-
-// A number from `scontrol show config`.
-std::size_t limit_of(const std::vector<std::string>& config, const std::string& name) {
-  for (const std::string& line : config) {
-    if (!line.starts_with(name)) continue;
-    const std::size_t at = line.find_first_of("0123456789", name.size());
-    if (at != std::string::npos) return std::stoul(line.substr(at));
-  }
-  throw std::invalid_argument("scontrol show config: has no " + name);
-}
 
 // Distributes `points` over `tasks` shares, one line each.
 std::vector<std::string> shares(const std::vector<std::size_t>& points, std::size_t tasks) {
@@ -119,16 +109,6 @@ std::string job_script(const SlurmStudy& study, const fs::path& submission, std:
   return text;
 }
 
-// The number of the accepted job. Warnings may stand around it.
-std::string job_of(const std::vector<std::string>& said) {
-  for (const std::string& line : said) {
-    const std::string job = line.substr(0, line.find(';'));
-    if (!job.empty() && job.find_first_not_of("0123456789") == std::string::npos) return job;
-    fmt::print(stderr, "{}\n", line);
-  }
-  throw std::invalid_argument("sbatch: has named no job");
-}
-
 [[noreturn]] void fail_for_points(const std::string& text, const std::string& reason) {
   throw std::invalid_argument("--points: " + text + ": " + reason);
 }
@@ -166,8 +146,8 @@ void check_for_scripts(const StudyFolder& folder) {
 
 std::size_t most_tasks() {
   const std::vector<std::string> config = ask_slurm({"scontrol", "show", "config"});
-  return std::min(limit_of(config, "MaxArraySize") - 1,  // an index must stay below it
-                  limit_of(config, "MaxJobCount"));
+  return std::min(slurm_limit(config, "MaxArraySize") - 1,  // an index must stay below it
+                  slurm_limit(config, "MaxJobCount"));
 }
 
 SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
@@ -177,13 +157,12 @@ SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& poi
   tasks = std::min({tasks, most, points.size()});
 
   const fs::path submission = new_submission(study.folder);
-  write_text_file((submission / "tasks").string(),
-                  fmt::format("{}\n", fmt::join(shares(points, tasks), "\n")));
+  replace_file(submission / "tasks", fmt::format("{}\n", fmt::join(shares(points, tasks), "\n")));
   if (!study.candidates.empty()) {
-    write_text_file((submission / "candidates").string(), study.candidates);
+    replace_file(submission / "candidates", study.candidates);
   }
   const std::string script = (submission / "job.sh").string();
-  write_text_file(script, job_script(study, submission, tasks, request));
+  replace_file(script, job_script(study, submission, tasks, request));
   std::vector<std::string> words = {"sbatch", "--parsable"};
   for (const std::string& option : request.options) {
     std::istringstream stream(option);
@@ -191,12 +170,14 @@ SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& poi
   }
   words.push_back(script);
   std::string job;
+  std::vector<std::string> warnings;
   try {
-    job = job_of(ask_slurm(words));
+    job = accepted_job(ask_slurm(words), warnings);
   } catch (const std::invalid_argument&) {
     fs::remove_all(submission);
     throw;
   }
+  for (const std::string& warning : warnings) fmt::print(stderr, "{}\n", warning);
   replace_file(submission / "job", job + "\n");
   return {job, tasks};
 }

@@ -5,13 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <map>
 #include <set>
 #include <stdexcept>
 #include <string_view>
 
+#include <breakwater/cluster/slurm_answers.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/signals/environment.h>
@@ -36,38 +36,6 @@ std::vector<std::string> lines_of_file(const fs::path& file) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
-}
-
-struct QueuedTask {
-  std::string job;
-  std::size_t index = 0;  // in the array, counted from 1
-  std::string state;
-  std::string reason;  // the reason for waiting
-};
-
-// All tasks of this user.
-std::vector<QueuedTask> queued_tasks() {
-  std::vector<QueuedTask> tasks;
-  for (const std::string& line :
-       ask_slurm({"squeue", "--noheader", "--array", fmt::format("--user={}", geteuid()),
-                  "--format=%F|%K|%T|%r"})) {
-    std::vector<std::string> parts;
-    for (std::size_t at = 0; at <= line.size();) {
-      const std::size_t end = std::min(line.find('|', at), line.size());
-      parts.push_back(line.substr(at, end - at));
-      at = end + 1;
-    }
-    QueuedTask task;
-    if (parts.size() != 4) continue;
-    // The user may have jobs that are no arrays. Their index is N/A.
-    const char* const end = parts[1].data() + parts[1].size();
-    if (std::from_chars(parts[1].data(), end, task.index).ptr != end) continue;
-    task.job = parts[0];
-    task.state = parts[2];
-    if (task.state == "PENDING" && parts[3] != "None") task.reason = parts[3];
-    tasks.push_back(task);
-  }
-  return tasks;
 }
 
 std::string text_of(const std::string& job, const std::vector<QueuedTask>& tasks) {
@@ -133,7 +101,10 @@ Queued queued(const StudyFolder& folder, std::size_t points) {
   const std::vector<Submission> all = submissions(folder);
   if (all.empty()) return result;
   result.is_asked = true;
-  const std::vector<QueuedTask> tasks = queued_tasks();
+  // All tasks of this user.
+  const std::vector<QueuedTask> tasks = queued_tasks(
+      ask_slurm({"squeue", "--noheader", "--array", fmt::format("--user={}", geteuid()),
+                 fmt::format("--format={}", kQueueFormat)}));
   std::vector<std::string> texts;
   for (const Submission& submission : all) {
     for (const QueuedTask& task : tasks) {

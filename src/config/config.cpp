@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include <breakwater/config/toml_file.h>
+#include <breakwater/config/toml_text.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
@@ -110,6 +111,11 @@ void flatten(const toml::table& table, const std::string& file, const std::strin
       throw std::invalid_argument(at_line(file, key.source()) + ": " + shown(path) + ": is no key");
     }
     if (const auto* nested = node.as_table()) {
+      // Such as [push.NAME]: its name alone makes nothing.
+      if (nested->empty() && !prefix.empty()) {
+        throw std::invalid_argument(at_line(file, key.source()) + ": " + path +
+                                    ": the table is empty");
+      }
       flatten(*nested, file, path + ".", entries);
     } else {
       const std::string origin = at_line(file, node.source());
@@ -170,6 +176,9 @@ void Config::set(const std::string& assignment) {
   const std::string text = assignment.substr(equals + 1);
   const std::string origin = "--set: " + key;
   const auto parsed = parse_toml_value(text, origin);
+  if (!parsed && !parse_toml_value(toml_string(text), origin)) {
+    throw std::invalid_argument(origin + ": " + shown(text) + ": is not UTF-8");
+  }
   // Text that is not TOML is a bare word. read() checks later whether the key takes a string.
   ConfigValue value = parsed ? convert(*parsed->get("value"), origin) : ConfigValue{text};
   if (whole != key) {
@@ -261,10 +270,22 @@ std::string Config::find_file_of(const std::string& key, const std::string& name
   return file->string();
 }
 
+std::string Config::origin_of(const std::string& key) const {
+  if (const ConfigEntry* entry = find(key)) return entry->origin;
+  // A table [TABLE.NAME] may come from --set alone.
+  const std::string path = prefix_ + key;
+  const std::string named = path.substr(0, path.find('.', path.find('.') + 1)) + ".";
+  bool is_from_set = false;
+  for (const auto& [other, entry] : entries_) {
+    if (!other.starts_with(named)) continue;
+    if (!entry.is_set()) return file_;
+    is_from_set = true;
+  }
+  return is_from_set ? kSetOrigin : file_;
+}
+
 void Config::fail(const std::string& key, const std::string& message) const {
-  const ConfigEntry* entry = find(whole_key(key));
-  throw std::invalid_argument((entry != nullptr ? entry->origin : file_) + ": " + prefix_ + key +
-                              ": " + message);
+  throw std::invalid_argument(origin_of(whole_key(key)) + ": " + prefix_ + key + ": " + message);
 }
 
 ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario) : file_(file) {
@@ -284,13 +305,16 @@ ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario)
     throw std::invalid_argument(name_origin + ": scenario: is \"" + shown(name) + "\", not \"" +
                                 scenario + "\"");
   }
-  const auto [default_case, default_origin] = root_text("default_case");
-  default_case_ = default_case;
-
   cases_ = read_named(table, "case", file, overrides_);
-  if (!overrides_.contains(default_case_)) {
-    throw std::invalid_argument(default_origin + ": default_case: there is no [case." +
-                                default_case_ + "]" + did_you_mean(default_case_, cases_));
+  if (cases_.size() == 1 && !table.contains("default_case")) {
+    default_case_ = cases_.front();
+  } else {
+    const auto [default_case, default_origin] = root_text("default_case");
+    default_case_ = default_case;
+    if (!overrides_.contains(default_case_)) {
+      throw std::invalid_argument(default_origin + ": default_case: there is no [case." +
+                                  default_case_ + "]" + did_you_mean(default_case_, cases_));
+    }
   }
   for (auto& [case_name, keys] : overrides_) {
     for (auto& [key, entry] : keys) entry.is_chosen = true;

@@ -63,7 +63,8 @@ class Config {
   std::string find_file_of(const std::string& key, const std::string& name) const;
 
   /// Throws std::invalid_argument `ORIGIN: KEY: MESSAGE`. The origin of a key that is not set is
-  /// the file. The key may name an element.
+  /// the file, or --set if all keys of its table [TABLE.NAME] are from there. The key may name an
+  /// element.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 
   /// Calls `body`. If it throws std::invalid_argument, fail() reports that for `key`.
@@ -77,6 +78,8 @@ class Config {
   }
 
  private:
+  std::string origin_of(const std::string& key) const;
+
   std::string file_;
   std::map<std::string, ConfigEntry> entries_;
   std::string prefix_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <set>
@@ -49,13 +50,18 @@ bool is_called(const std::string& key, const std::string& stem) {
          (key.starts_with(stem + "_") && key.find('_', stem.size() + 1) == std::string::npos);
 }
 
-// " (here it is X)" with this scenario's names of a key of another scenario; "" if it has none.
+// " (here it is X)" with this scenario's names of a key of another scenario; "" if it has none. The
+// keys of a table [TABLE.NAME] have such names in that table.
 std::string name_here(const std::string& key, const std::set<std::string>& keys) {
   std::vector<std::string> found;
+  const std::size_t dot = key.find('.', key.find('.') + 1);
+  const std::string table = dot == std::string::npos ? "" : key.substr(0, dot + 1);
   for (const std::vector<std::string>& group : synonyms()) {
     const auto is_in_group = [&](const std::string& name) {
-      return std::any_of(group.begin(), group.end(),
-                         [&](const std::string& stem) { return is_called(name, stem); });
+      return name.starts_with(table) &&
+             std::any_of(group.begin(), group.end(), [&](const std::string& stem) {
+               return is_called(name.substr(table.size()), stem);
+             });
     };
     if (!is_in_group(key)) continue;
     std::copy_if(keys.begin(), keys.end(), std::back_inserter(found), is_in_group);
@@ -156,8 +162,18 @@ Range between(double lower, double upper) {
 
 void Fields::number(const std::string& key, double& target, const Range& range,
                     const std::string& doc) {
-  add(key, {part_, doc, with_range("a number", range),
-            [&target, range](const ConfigValue& v) { return read_number(v, range, target); },
+  std::string takes = with_range("a number", range);
+  if (places_ > 1) takes += fmt::format("; or an array of {} of them", places_);
+  add(key, {part_, doc, takes,
+            [&target, range, place = place_, places = places_](const ConfigValue& v) -> Error {
+              const auto* array = std::get_if<ConfigValue::Array>(&v.data);
+              if (places == 0 || array == nullptr) return read_number(v, range, target);
+              if (array->size() != places) {
+                return fmt::format("must be a number or an array of {}, has {}", places,
+                                   array->size());
+              }
+              return in_element(place, read_number((*array)[place], range, target));
+            },
             [&target] { return toml_number(target); }});
 }
 
@@ -233,7 +249,12 @@ void Fields::add_choice(const std::string& key, const std::vector<std::string>& 
                         const std::string& doc) {
   add(key, {part_, doc, fmt::format("one of {}", fmt::join(names, ", ")),
             [names, assign = std::move(assign)](const ConfigValue& v) -> Error {
-              const auto* string = std::get_if<std::string>(&v.data);
+              // TOML reads the word nan of --set as a number.
+              const auto* number = std::get_if<double>(&v.data);
+              const std::string nan = "nan";
+              const auto* string = number != nullptr && std::isnan(*number)
+                                       ? &nan
+                                       : std::get_if<std::string>(&v.data);
               const std::string options = fmt::format("{}", fmt::join(names, ", "));
               if (string == nullptr) return "must be one of " + options + ", is " + describe(v);
               const auto found = std::find(names.begin(), names.end(), *string);
@@ -252,10 +273,30 @@ void Fields::add(const std::string& name, Variable variable) {
   auto field = std::find_if(fields_.begin(), fields_.end(),
                             [&](const Field& other) { return other.key == key; });
   if (field == fields_.end()) field = fields_.insert(field, Field{key, {}});
-  for (const Variable& other : field->variables) {
-    if (other.part == variable.part) throw std::logic_error("the key " + key + " is bound twice");
+  for (Variable& other : field->variables) {
+    if (other.part != variable.part) continue;
+    if (place_ == 0) throw std::logic_error("the key " + key + " is bound twice");
+    join(other, std::move(variable));
+    return;
   }
   field->variables.push_back(std::move(variable));
+}
+
+void Fields::join(Variable& first, Variable other) {
+  first.read = [read = std::move(first.read), next = std::move(other.read)](const ConfigValue& v) {
+    const Error error = read(v);
+    return error ? error : next(v);
+  };
+  if (first.of_places.empty()) first.of_places.push_back(first.print);
+  first.of_places.push_back(std::move(other.print));
+  first.print = [prints = first.of_places] {
+    std::vector<std::string> texts;
+    for (const auto& print : prints) texts.push_back(print());
+    const bool are_equal =
+        std::adjacent_find(texts.begin(), texts.end(), std::not_equal_to<>()) == texts.end();
+    return are_equal ? texts.front() : fmt::format("[{}]", fmt::join(texts, ", "));
+  };
+  if (other.file != nullptr) first.copies.push_back(other.file);
 }
 
 const Fields::Field* Fields::find(const std::string& key) const {
@@ -303,7 +344,20 @@ void Fields::only_where(const std::vector<std::string>& keys, const std::string&
 
 void Fields::add_condition(const std::vector<std::string>& keys, const Condition& condition) {
   for (const std::string& key : keys) {
-    for (Variable* variable : at(key)) variable->conditions.push_back(condition);
+    for (Variable* variable : at(key)) {
+      std::vector<Condition>& all = variable->conditions;
+      const auto same = std::find_if(all.begin(), all.end(), [&](const Condition& other) {
+        return place_ > 0 && other.text == condition.text;
+      });
+      if (same == all.end()) {
+        all.push_back(condition);
+        continue;
+      }
+      // A key has an effect if it has one at any place.
+      same->holds = [one = same->holds, other = condition.holds](const Fields& fields) {
+        return one(fields) || other(fields);
+      };
+    }
   }
 }
 
@@ -434,6 +488,7 @@ void Fields::find_file(const Config& config, const Field& field) const {
   const Variable* variable = in_use(field);
   if (variable == nullptr || variable->file == nullptr) return;
   *variable->file = config.find_file_of(field.key, *variable->file);
+  for (std::string* copy : variable->copies) *copy = *variable->file;
 }
 
 std::string Fields::missing_in_words(const std::vector<const Field*>& missing) const {

@@ -93,7 +93,31 @@ class Fields {
     std::string outer_;
   };
 
+  /// The keys that are bound during its life are those of place `place` of `count` places, such as
+  /// the joints of an arm. Each place binds the same keys to variables of its own, from place 0 on.
+  /// The value of a number() is one number for all places, or an array with a number for each.
+  /// Other values are those of all places.
+  class OfPlace {
+   public:
+    OfPlace(Fields& fields, std::size_t place, std::size_t count) : fields_(fields) {
+      fields_.place_ = place;
+      fields_.places_ = count;
+    }
+    OfPlace(const OfPlace&) = delete;
+    OfPlace& operator=(const OfPlace&) = delete;
+    ~OfPlace() { fields_.place_ = fields_.places_ = 0; }
+
+   private:
+    Fields& fields_;
+  };
+
   void number(const std::string& key, double& target, const Range& range, const std::string& doc);
+  /// A number whose default value is the present one of the variable.
+  void optional_number(const std::string& key, double& target, const Range& range,
+                       const std::string& doc) {
+    number(key, target, range, doc);
+    standard(key, {target});
+  }
   void count(const std::string& key, int& target, const Range& range, const std::string& doc);
   void count(const std::string& key, std::uint64_t& target, const Range& range,
              const std::string& doc);
@@ -183,8 +207,10 @@ class Fields {
     std::string takes;  // "a number, positive"
     std::function<Error(const ConfigValue&)> read;
     std::function<std::string()> print;
-    std::string* file = nullptr;             // the variable, if it is a file name
-    std::vector<Condition> conditions = {};  // all must hold for an effect
+    std::string* file = nullptr;            // the variable, if it is a file name
+    std::vector<std::string*> copies = {};  // the same file name, of the other places
+    std::vector<std::function<std::string()>> of_places = {};  // print() of each place
+    std::vector<Condition> conditions = {};                    // all must hold for an effect
     std::optional<ConfigValue> standard = {};
   };
   struct Field {
@@ -200,6 +226,8 @@ class Fields {
   // Assigns every key of the config. Returns the missing keys that the chosen parts need.
   std::vector<const Field*> assign_all(const Config& config);
   void add(const std::string& name, Variable variable);
+  // Makes the variable of another place follow the value of `first`.
+  static void join(Variable& first, Variable other);
   const Field* find(const std::string& key) const;
   std::vector<Variable*> at(const std::string& name);
   void add_condition(const std::vector<std::string>& keys, const Condition& condition);
@@ -225,6 +253,8 @@ class Fields {
   std::vector<Field> fields_;
   Part part_;           // the part whose keys are being bound
   std::string prefix_;  // the prefix of the keys that are being bound
+  std::size_t place_ = 0;
+  std::size_t places_ = 0;  // 0: the keys are of no place
 };
 
 }  // namespace breakwater

@@ -38,6 +38,7 @@ ArmController::ArmController(const PlanarChain& chain, const AccelerationControl
 
 void ArmController::reset(const Sample&) {
   acceleration_control_.reset(task_.start_angles_rad);
+  restart();
 }
 
 void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {

@@ -19,6 +19,8 @@ struct ArmTask {
   double force_reference_N = 0.0;  ///< F_x^ref, positive when the tip presses towards +x
   double convert_gain_N_m = 1.0;   ///< K_f of the implicit force control
   double force_lag_s = 0.0;        ///< τ_F, time constant of the force sensor's low-pass
+  /// x of the wall's face, for controllers that are told it; infinite: there is none.
+  double wall_x_m = std::numeric_limits<double>::infinity();
 };
 
 /// Implicit force control, x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62). It converts a force
@@ -47,6 +49,8 @@ class ArmController : public Controller {
   /// Throws std::invalid_argument if the numbers of joints differ or K_f is not positive.
   ArmController(const PlanarChain& chain, const AccelerationControlDesign& design, ArmTask task);
 
+  /// Forgets the run before this one. Called by reset().
+  virtual void restart() {}
   /// Writes a^ref (n) [rad/s²] from the members below.
   virtual void decide(Eigen::Ref<Eigen::VectorXd> a) = 0;
 

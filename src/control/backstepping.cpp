@@ -19,6 +19,12 @@ double away_from_zero(double value, double floor) {
   return std::copysign(std::max(std::abs(value), floor), value);
 }
 
+double acceleration(const BacksteppingGains& alpha, const Eigen::Matrix<double, 12, 1>& motion,
+                    int axis, double Z1) {
+  const double Z2 = motion(axis + 6) - alpha(axis) * Z1;
+  return Z1 - alpha(axis) * (Z2 + alpha(axis) * Z1) - alpha(axis + 6) * Z2;
+}
+
 }  // namespace
 
 BacksteppingGains printed_gains() {
@@ -49,20 +55,20 @@ BacksteppingGains retuned_gains(const QuadrotorParameters& parameters, double pe
 
 Eigen::Vector4d Backstepping::wrench(const Eigen::Matrix<double, 12, 1>& motion,
                                      const Eigen::Vector3d& force) const {
-  const QuadrotorParameters& p = nominal_.parameters();
-  const BacksteppingGains& alpha = design_.alpha;
-  const auto acceleration = [&](int axis, double Z1) {
-    const double Z2 = motion(axis + 6) - alpha(axis) * Z1;
-    return Z1 - alpha(axis) * (Z2 + alpha(axis) * Z1) - alpha(axis + 6) * Z2;
-  };
   const double clamp_m = design_.position_clamp_m > 0.0 ? design_.position_clamp_m
                                                         : std::numeric_limits<double>::infinity();
   const AttitudeTrig attitude(motion.segment<3>(3));
   Eigen::Vector3d f = nominal_.weight_and_coriolis(attitude, Vector6d::Zero()) - force;
   for (int axis = 0; axis < 3; ++axis) {
     const double Z1 = std::clamp(design_.reference(axis) - motion(axis), -clamp_m, clamp_m);
-    f(axis) += p.mass_kg * acceleration(axis, Z1);
+    f(axis) += nominal_.parameters().mass_kg * acceleration(design_.alpha, motion, axis, Z1);
   }
+  return wrench_of_force(motion, f);
+}
+
+Eigen::Vector4d Backstepping::wrench_of_force(const Eigen::Matrix<double, 12, 1>& motion,
+                                              const Eigen::Vector3d& f) const {
+  const AttitudeTrig attitude(motion.segment<3>(3));
   const double U_z =
       f.z() / away_from_zero(attitude.cos_roll * attitude.cos_pitch, kSmallestCosine);
   const double divisor = std::max(U_z, design_.thrust_floor_N);
@@ -73,7 +79,8 @@ Eigen::Vector4d Backstepping::wrench(const Eigen::Matrix<double, 12, 1>& motion,
   Eigen::Vector4d U;
   U(0) = U_z;
   for (int i = 0; i < 3; ++i) {
-    U(1 + i) = p.inertia_kgm2(i) * acceleration(3 + i, attitude_reference(i) - motion(3 + i));
+    U(1 + i) = nominal_.parameters().inertia_kgm2(i) *
+               acceleration(design_.alpha, motion, 3 + i, attitude_reference(i) - motion(3 + i));
   }
   return U;
 }
@@ -99,11 +106,9 @@ double slowest_pole(const Backstepping& law, const QuadrotorModel& plant) {
 }
 
 QuadrotorController::QuadrotorController(const Backstepping& law,
-                                         std::shared_ptr<QuadrotorEstimator> estimator,
-                                         bool compensates)
+                                         std::shared_ptr<QuadrotorEstimator> estimator)
     : law_(law),
       estimator_(std::move(estimator)),
-      compensates_(compensates),
       to_thrusts_(thruster_matrix(law.nominal().parameters().thruster_arm_m)),
       signals_{
           Signal{"motion_estimate", kMotionUnits, "zeta and its rate, estimated", view(motion_)},
@@ -130,13 +135,25 @@ void QuadrotorController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u)
   wave_frequency_rad_s_ = estimator_->wave_frequency_rad_s();
   wave_force_std_N_ = estimator_->wave_force_std_N();
 
-  const bool feeds_force = compensates_ && estimator_->models_world_force();
-  Eigen::Vector4d thrusts = to_thrusts_.solve(
-      law_.wrench(motion_, feeds_force ? force_ : Eigen::Vector3d::Zero().eval()));
-  if (compensates_) thrusts -= thrust_disturbance_;
+  Eigen::Vector4d thrusts = to_thrusts_.solve(wrench(y.time_s));
+  if (cancels_thrusts()) thrusts -= thrust_disturbance_;
   u = thrusts;
   const double limit = law_.nominal().parameters().thrust_limit_N;
   held_thrusts_ = thrusts.cwiseMax(-limit).cwiseMin(limit);
+}
+
+BacksteppingController::BacksteppingController(const Backstepping& law,
+                                               std::shared_ptr<QuadrotorEstimator> estimator,
+                                               bool compensates, double lead_s)
+    : QuadrotorController(law, std::move(estimator)), compensates_(compensates), lead_s_(lead_s) {}
+
+Eigen::Vector4d BacksteppingController::wrench(double) {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  if (compensates_ && estimator().models_world_force()) {
+    force = force_;
+    if (lead_s_ > 0.0) force.head<2>() = estimator().force_ahead(lead_s_).head<2>();
+  }
+  return law().wrench(motion_, force);
 }
 
 }  // namespace breakwater

@@ -3,9 +3,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
-#include <array>
 #include <memory>
 #include <numbers>
+#include <vector>
 
 #include <breakwater/control/controller.h>
 #include <breakwater/control/quadrotor_estimator.h>
@@ -52,6 +52,13 @@ class Backstepping {
   /// U = [U_z, τ_φ, τ_θ, τ_ψ] for the motion [ζ; ζ̇] and an external force [N].
   Eigen::Vector4d wrench(const Eigen::Matrix<double, 12, 1>& motion,
                          const Eigen::Vector3d& force) const;
+  /// The same with a given force f of the vehicle on x, y and z [N].
+  Eigen::Vector4d wrench_of_force(const Eigen::Matrix<double, 12, 1>& motion,
+                                  const Eigen::Vector3d& f) const;
+  /// The largest horizontal force if the thrust carries the weight in water [N].
+  double largest_tilt_force_N() const {
+    return design_.tilt_limit_rad * nominal_.parameters().net_weight_N();
+  }
 
   const BacksteppingDesign& design() const { return design_; }
   const QuadrotorModel& nominal() const { return nominal_; }
@@ -65,32 +72,53 @@ class Backstepping {
 /// a known state and without sampling.
 double slowest_pole(const Backstepping& law, const QuadrotorModel& plant);
 
-/// Backstepping with an estimator: thrusts u [N] from y = [x y z φ θ ψ].
-class QuadrotorController final : public Controller {
+/// A control law with an estimator: thrusts u [N] from y = [x y z φ θ ψ].
+class QuadrotorController : public Controller {
  public:
-  /// `compensates`: subtracts the estimate, T − d̂, or feeds the estimated world force forward.
-  QuadrotorController(const Backstepping& law, std::shared_ptr<QuadrotorEstimator> estimator,
-                      bool compensates);
+  QuadrotorController(const Backstepping& law, std::shared_ptr<QuadrotorEstimator> estimator);
 
   void reset(const Sample& first) override;
-  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) final;
   std::span<const Signal> signals() const override { return signals_; }
 
   const Backstepping& law() const { return law_; }
   const QuadrotorEstimator& estimator() const { return *estimator_; }
 
+ protected:
+  /// U from the new estimates.
+  virtual Eigen::Vector4d wrench(double time_s) = 0;
+  /// Whether T − d̂ cancels the estimated disturbance of the thrusters.
+  virtual bool cancels_thrusts() const { return false; }
+  void publish(const Signal& signal) { signals_.push_back(signal); }
+
+  Eigen::Matrix<double, 12, 1> motion_ = Eigen::Matrix<double, 12, 1>::Zero();
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+
  private:
   Backstepping law_;
   std::shared_ptr<QuadrotorEstimator> estimator_;
-  bool compensates_;
   Eigen::PartialPivLU<Eigen::Matrix4d> to_thrusts_;
   Eigen::Vector4d held_thrusts_ = Eigen::Vector4d::Zero();
-  Eigen::Matrix<double, 12, 1> motion_ = Eigen::Matrix<double, 12, 1>::Zero();
   Eigen::Vector4d thrust_disturbance_ = Eigen::Vector4d::Zero();
-  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
   double wave_frequency_rad_s_ = 0.0;
   double wave_force_std_N_ = 0.0;
-  std::array<Signal, 5> signals_;
+  std::vector<Signal> signals_;
+};
+
+/// Backstepping with an estimator.
+class BacksteppingController final : public QuadrotorController {
+ public:
+  /// `compensates`: subtracts the estimate, T − d̂, or feeds the estimated world force forward. The
+  /// horizontal force is that forecast for `lead_s` from now, since the vehicle must turn first.
+  BacksteppingController(const Backstepping& law, std::shared_ptr<QuadrotorEstimator> estimator,
+                         bool compensates, double lead_s = 0.0);
+
+ private:
+  Eigen::Vector4d wrench(double time_s) override;
+  bool cancels_thrusts() const override { return compensates_; }
+
+  bool compensates_;
+  double lead_s_;
 };
 
 }  // namespace breakwater

@@ -33,6 +33,16 @@ Eigen::MatrixXd sums(int steps, Eigen::Index inputs) {
 
 }  // namespace
 
+int samples_per_move(double period_s, double sampling_s) {
+  constexpr double kWhole = 1e-9;  // relative error of a whole multiple
+  const double samples = std::round(period_s / sampling_s);
+  if (!(samples >= 1.0) || std::abs(period_s - samples * sampling_s) > kWhole * samples) {
+    throw std::invalid_argument(
+        "predictive control: the period must be a whole multiple of the sampling period");
+  }
+  return static_cast<int>(samples);
+}
+
 std::vector<int> first_steps(int count) {
   std::vector<int> steps(static_cast<std::size_t>(count));
   std::iota(steps.begin(), steps.end(), 0);

@@ -27,6 +27,10 @@ std::vector<int> first_steps(int count);
 /// `count` steps spread evenly over 1 … last, including last.
 std::vector<int> spread_steps(int count, int last);
 
+/// The number of samples from one optimisation to the next. Throws std::invalid_argument unless the
+/// period is a whole multiple of the sampling period.
+int samples_per_move(double period_s, double sampling_s);
+
 /// The reaction if no ΔU satisfies all bounds.
 enum class OnInfeasible {
   /// Softens the bounds on states, in the order of their declaration. Then softens those on Δu: the

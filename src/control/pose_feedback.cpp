@@ -14,7 +14,9 @@ PoseFeedback::PoseFeedback(std::shared_ptr<DisturbanceEstimator> estimator,
       position_hat_(design_.pose),
       held_input_(Eigen::VectorXd::Zero(design_.plant.inputs())) {
   if (estimator_->state().size() != design_.plant.states() ||
-      estimator_->disturbance().size() != design_.plant.inputs()) {
+      estimator_->disturbance().size() != design_.plant.inputs() ||
+      design_.to_states.rows() != design_.plant.states() ||
+      design_.to_states.cols() != design_.plant.outputs()) {
     throw std::invalid_argument("state feedback: estimator and gain must be for the same plant");
   }
   Eigen::Index input = 0;
@@ -40,8 +42,7 @@ PoseFeedback::PoseFeedback(std::shared_ptr<DisturbanceEstimator> estimator,
 
 void PoseFeedback::reset(const Sample& first) {
   y_ = first.y.head(y_.size()) - design_.pose;
-  error_.setZero();
-  error_.noalias() = design_.plant.C.transpose() * y_;
+  error_.noalias() = design_.to_states * y_;
   estimator_->reset(error_);
   held_input_.setZero();
 }
@@ -50,12 +51,13 @@ void PoseFeedback::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   y_ = y.y.head(y_.size()) - design_.pose;
   estimator_->update(held_input_, y_);
   for (Eigen::Index i = 0; i < y_.size(); ++i) {
-    y_(i) = design_.axes[static_cast<std::size_t>(i)].reference.at(y.time_s) - design_.pose(i);
+    const Reference& reference = design_.axes[static_cast<std::size_t>(i)].reference;
+    y_(i) = reference.at(y.time_s) - reference.before;
   }
   error_ = estimator_->state();
   position_hat_ = design_.pose;
   position_hat_.noalias() += design_.plant.C * error_;
-  error_.noalias() -= design_.plant.C.transpose() * y_;
+  error_.noalias() -= design_.to_states * y_;
   u = design_.held_input + estimator_->disturbance();
   u.noalias() -= design_.K * error_;
   held_input_ = u.cwiseMin(design_.limit).cwiseMax(-design_.limit) - design_.held_input;

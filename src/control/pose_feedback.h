@@ -18,12 +18,13 @@ namespace breakwater {
 struct FeedbackAxis {
   std::string name;  ///< its signals are NAME_…
   AxisUnits units;
-  Reference reference;
+  Reference reference;    ///< the output's; it begins at the pose
   bool is_driven = true;  ///< the driven axes are the inputs, in the same order
 };
 
 struct PoseFeedbackDesign {
   StateSpace plant;                ///< x = [deviations from the pose; rates], p outputs
+  Eigen::MatrixXd to_states;       ///< n×p: the states at rest at given outputs
   Eigen::MatrixXd K;               ///< m×n
   Eigen::VectorXd pose;            ///< the outputs at the pose (p)
   Eigen::VectorXd held_input;      ///< u_0 that holds the pose (m)

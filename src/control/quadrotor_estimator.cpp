@@ -125,6 +125,7 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
         tracks_(design.estimates_wave_frequency),
         guess_rad_s_(design.wave_frequency_rad_s),
         force_std_N_(design.resonator.force_std_N),
+        damping_(design.resonator.damping),
         parameters_(model.parameters()),
         frequency_(frequency_design(design, model), design.wave_frequency_rad_s) {}
 
@@ -146,6 +147,12 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
   Eigen::Vector4d thrust_disturbance() const override { return Eigen::Vector4d::Zero(); }
   Eigen::Vector3d force() const override {
     return filter_.x().segment<3>(12) + filter_.x().segment<3>(15);
+  }
+  Eigen::Vector3d force_ahead(double ahead_s) const override {
+    const Eigen::RowVector2d free =
+        resonator_step(wave_frequency_rad_s(), damping_, ahead_s).row(0);
+    const auto& x = filter_.x();
+    return free(0) * x.segment<3>(12) + free(1) * x.segment<3>(21) + x.segment<3>(15);
   }
   bool models_world_force() const override { return true; }
   bool models_disturbance() const override { return true; }
@@ -176,6 +183,7 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
   bool tracks_;
   double guess_rad_s_;
   double force_std_N_;
+  double damping_;
   QuadrotorParameters parameters_;
   WaveFrequency frequency_;
 };
@@ -212,6 +220,17 @@ class SpectrumEstimator final : public FilterEstimator<Ukf<WaveForces<2, 2>, 6>>
     const auto& x = filter_.x();
     return x.segment<3>(Process::force_row(0)) + x.segment<3>(Process::force_row(1)) +
            x.segment<3>(Process::kBias);
+  }
+  Eigen::Vector3d force_ahead(double ahead_s) const override {
+    const auto& x = filter_.x();
+    Eigen::Vector3d sum = x.segment<3>(Process::kBias);
+    for (int i = 0; i < 2; ++i) {
+      const Resonator& r = bank_.resonators()[static_cast<std::size_t>(i)];
+      const Eigen::RowVector2d free = resonator_step(r.omega_rad_s, r.damping, ahead_s).row(0);
+      sum += free(0) * x.segment<3>(Process::force_row(i)) +
+             free(1) * x.segment<3>(Process::rate_row(i));
+    }
+    return sum;
   }
   bool models_world_force() const override { return true; }
   bool models_disturbance() const override { return true; }

@@ -79,6 +79,9 @@ class QuadrotorEstimator {
   virtual Eigen::Vector4d thrust_disturbance() const = 0;
   /// The disturbing force in the world frame [N], and whether the model has such a force.
   virtual Eigen::Vector3d force() const = 0;
+  /// The force that the model expects in `ahead_s` seconds if nothing new disturbs it: the free
+  /// response of its oscillators, or the present force. Allocates nothing.
+  virtual Eigen::Vector3d force_ahead(double /*ahead_s*/) const { return force(); }
   virtual bool models_world_force() const = 0;
   virtual bool models_disturbance() const = 0;
   /// The assumed frequency of the wave force [rad/s]; 0: none.

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 
 #include <breakwater/config/config.h>
 
@@ -74,6 +75,22 @@ std::string parts_in_words(const std::vector<ChangedKey>& changed) {
   return words;
 }
 
+// "axis.mine" of "axis.mine.controller.kp"; empty for the key of no axis.
+std::string axis_of(const std::string& key) {
+  const std::string_view axis = "axis.";
+  return key.starts_with(axis) ? key.substr(0, key.find('.', axis.size())) : "";
+}
+
+// Whether a configuration has an axis that the other lacks.
+bool has_own_axis(const Config& config, const Config& other) {
+  std::set<std::string> axes;
+  for (const auto& [key, entry] : other.entries()) axes.insert(axis_of(key));
+  return std::any_of(config.entries().begin(), config.entries().end(), [&](const auto& entry) {
+    const std::string axis = axis_of(entry.first);
+    return !axis.empty() && axes.count(axis) == 0;
+  });
+}
+
 }  // namespace
 
 std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun& run) {
@@ -85,6 +102,7 @@ std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun&
     if (!file.has_case(run.case_name())) return changed;
     const Config shipped = file.config(run.case_name());
     const Config own = config_of(run);
+    if (has_own_axis(own, shipped)) return changed;
     for (const auto& [key, entry] : own.entries()) {
       const ConfigEntry* other = shipped.find(key);
       if (other == nullptr || are_same(entry.value, other->value)) continue;

@@ -17,7 +17,8 @@ struct ChangedKey {
 };
 
 /// The keys of a run that differ from its case in the scenario's own file. Empty if the program
-/// does not have the scenario, or the file not the case.
+/// does not have the scenario, or the file not the case. Also empty for another plant, that is, if
+/// the run has a table that the file lacks, such as [axis.mine].
 std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun& run);
 
 /// A key that differs between runs, and its value in each; "–" if a run does not have it.

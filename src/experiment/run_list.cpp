@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/experiment/saved_run.h>
+#include <breakwater/record/log_stream.h>
 #include <breakwater/record/run_folder.h>
 
 namespace breakwater {
@@ -66,7 +69,7 @@ ListedRun list_run(const fs::path& folder) {
     run.case_name = manifest.case_name;
     run.seed = manifest.seed;
     if (manifest.failure) {
-      run.status = ListedRun::Status::failed;
+      run.status = manifest.failure->is_cut ? ListedRun::Status::cut : ListedRun::Status::failed;
       run.reason =
           fmt::format("at {:.6g} s: {}", manifest.failure->time_s, manifest.failure->reason);
     } else {
@@ -79,12 +82,36 @@ ListedRun list_run(const fs::path& folder) {
   return run;
 }
 
+ListedRun list_streamed_run(const fs::path& folder) {
+  ListedRun run;
+  run.folder = folder;
+  std::error_code ignored;
+  run.written = fs::last_write_time(folder / "log.h5", ignored);
+  std::ifstream stream(folder / kRunning);
+  const auto running = nlohmann::json::parse(stream, nullptr, false);
+  const auto manifest = running.is_object() ? running.find("manifest") : running.end();
+  if (manifest == running.end() || !manifest->is_object()) {
+    run.reason = (folder / kRunning).string() + ": is damaged";
+    return run;
+  }
+  run.scenario = manifest->value("scenario", "");
+  run.case_name = manifest->value("case", "");
+  run.seed = manifest->value("seed", nlohmann::json()).dump();
+  run.status = is_being_written(folder) ? ListedRun::Status::running : ListedRun::Status::cut;
+  if (run.status == ListedRun::Status::cut) run.reason = how_to_recover(folder);
+  return run;
+}
+
 const char* name_of(ListedRun::Status status) {
   switch (status) {
     case ListedRun::Status::complete:
       return "complete";
     case ListedRun::Status::failed:
       return "failed";
+    case ListedRun::Status::cut:
+      return kCut;
+    case ListedRun::Status::running:
+      return "running";
     case ListedRun::Status::damaged:
       return "damaged";
   }

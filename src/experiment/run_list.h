@@ -26,7 +26,7 @@ FoundRuns find_runs(const std::filesystem::path& below,
 
 /// The summary of a run from its small files. The log is not opened.
 struct ListedRun {
-  enum class Status { complete, failed, damaged };
+  enum class Status { complete, failed, cut, running, damaged };
   std::filesystem::path folder;
   Status status = Status::damaged;
   std::string reason;  ///< if it is not complete
@@ -38,7 +38,10 @@ struct ListedRun {
 };
 ListedRun list_run(const std::filesystem::path& folder);
 
-/// "complete", "failed" or "damaged".
+/// The same for the partial folder of a streamed run, which is running or was cut.
+ListedRun list_streamed_run(const std::filesystem::path& folder);
+
+/// "complete", "failed", "cut", "running" or "damaged".
 const char* name_of(ListedRun::Status status);
 
 }  // namespace breakwater

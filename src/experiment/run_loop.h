@@ -47,8 +47,9 @@ template <typename Step, typename Sample>
 Recording record_run(const Simulation& simulation, const PhysicsSettings& physics,
                      std::int64_t steps, std::vector<Signal> signals, const RunControl& control,
                      Step&& step, Sample&& sample, const MetricsSoFar& measured = {}) {
-  const std::int64_t rows = steps / physics.steps_per_sample() + 1;
-  Track log("control", std::move(signals), static_cast<std::size_t>(control.logs ? rows : 0));
+  const std::int64_t per_sample = physics.steps_per_sample();
+  const std::int64_t rows = control.logs ? (steps + per_sample - 1) / per_sample : 0;
+  Track log("control", std::move(signals), static_cast<std::size_t>(rows), control.stream);
   Recording recording;
   const auto whole_step = [&](std::int64_t k) {
     step(k);

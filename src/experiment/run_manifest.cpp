@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <breakwater/record/partial_file.h>
+#include <breakwater/shell/child_program.h>
 
 namespace breakwater {
 namespace {
@@ -70,10 +71,10 @@ RunManifest read_manifest(const std::filesystem::path& folder) {
   manifest.seed = seed.dump();
   manifest.state_hash = reader.text("state_hash");
   const std::string status = reader.text("status");
-  if (status == "failed") {
-    manifest.failure = Failure{reader.number("time_s"), reader.text("reason")};
+  if (status == "failed" || status == kCut) {
+    manifest.failure = Failure{reader.number("time_s"), reader.text("reason"), status == kCut};
   } else if (status != "complete") {
-    reader.fail("status", "must be complete or failed");
+    reader.fail("status", "must be complete, failed or cut");
   }
   manifest.program = reader.text_or_nothing("program");
   if (const json* models = reader.find("models")) {
@@ -86,13 +87,18 @@ RunManifest read_manifest(const std::filesystem::path& folder) {
   return manifest;
 }
 
+std::string how_to_recover(const std::filesystem::path& folder) {
+  return "its log so far is kept: breakwater recover " + shell_word(folder.string());
+}
+
 void note_renderer(const std::filesystem::path& folder, const std::string& state_hash,
                    const std::string& picture, const std::string& renderer) {
   const std::filesystem::path file = folder / "manifest.json";
   std::ifstream stream(file);
   auto manifest = nlohmann::ordered_json::parse(stream, nullptr, false);
   // Another run may have replaced it since.
-  if (!manifest.is_object() || manifest.value("state_hash", "") != state_hash) return;
+  if (!manifest.is_object() || !manifest.contains("state_hash")) return;
+  if (manifest["state_hash"] != state_hash) return;
   auto& renderers = manifest["renderers"];
   if (!renderers.is_object()) renderers = nlohmann::ordered_json::object();
   renderers[picture] = renderer;

@@ -10,19 +10,25 @@
 
 namespace breakwater {
 
+/// The status of a run whose log was recovered. It has a failure with `is_cut`, and no state hash.
+inline constexpr const char* kCut = "cut";
+
 /// A member is empty if the version that wrote the manifest did not know it.
 struct RunManifest {
   std::string scenario;
   std::string case_name;
   std::string seed;
   std::string state_hash;
-  std::optional<Failure> failure;  ///< if the run failed
+  std::optional<Failure> failure;  ///< if the run failed or was cut
   std::string program;             ///< program_hash()
   ModelHashes models;
 };
 
 /// Throws std::invalid_argument `FILE: KEY: reason` if the manifest is missing or damaged.
 RunManifest read_manifest(const std::filesystem::path& folder);
+
+/// The command that recovers a streamed run, in words for messages.
+std::string how_to_recover(const std::filesystem::path& folder);
 
 /// Writes the `renderer` that drew `picture` ("video.mp4") into the manifest as
 /// `renderers.PICTURE`, if the run in `folder` still has this state hash. Throws OutputError.

@@ -76,8 +76,14 @@ std::string metrics_table(const std::string& scenario, const RunSummary& run,
     }
     table.add(row);
   }
+  std::string reasons;
+  for (const AbsentMetric& metric : run.absent) {
+    table.add({metric.name, "–", metric.unit});
+    reasons += fmt::format("{}: {}\n", metric.name, metric.reason);
+  }
   std::string text = table.print(std::numeric_limits<std::size_t>::max());
-  if (run.metrics.empty()) {
+  if (!reasons.empty()) text += "\n" + reasons;
+  if (run.metrics.empty() && run.absent.empty()) {
     text =
         "no metric applies: the run is too short, or there was nothing to measure, such as a "
         "contact\n";
@@ -158,6 +164,9 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
       const auto found = std::find_if(rows.begin(), rows.end(),
                                       [&](const Metric& m) { return m.name == metric.name; });
       position = found != rows.end() ? found + 1 : rows.insert(position, metric) + 1;
+    }
+    for (const AbsentMetric& metric : run.absent) {
+      if (!find_metric(rows, metric.name)) rows.emplace_back(metric.name, metric.unit, 0.0);
     }
   }
   std::vector<std::vector<ReferenceValue>> printed;

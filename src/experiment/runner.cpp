@@ -5,9 +5,12 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include <breakwater/experiment/main_metrics.h>
+#include <breakwater/experiment/run_manifest.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/text_outputs.h>
@@ -19,36 +22,51 @@
 namespace breakwater {
 namespace {
 
-std::string manifest(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
-                     double wall_s, const std::string& log_hash) {
-  nlohmann::ordered_json entries;
-  entries["scenario"] = run.scenario->name();
-  entries["case"] = run.case_name;
-  entries["seed"] = run.scenario->run_settings().seed;
+using nlohmann::ordered_json;
+
+// The entries of manifest.json that are known before the run.
+ordered_json manifest_before(const PreparedRun& run, const ModelHashes& models) {
+  return {{"scenario", run.scenario->name()},
+          {"case", run.case_name},
+          {"seed", run.scenario->run_settings().seed},
+          {"point", point_key(run.config_text, models)},
+          {"breakwater", kVersion},
+          {"git_commit", kGitCommit},
+          {"program", program_hash()},
+          {"models", models},
+          {"versions",
+           {{"mujoco", engine_version()},
+            {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                                  EIGEN_MINOR_VERSION)},
+            {"hdf5", hdf5_version()},
+            {"compiler", __VERSION__}}}};
+}
+
+ordered_json results_of(const Recording& recording, double wall_s, const std::string& log_hash) {
+  ordered_json entries;
   entries["status"] = recording.failure ? "failed" : "complete";
   if (recording.failure) {
     entries["reason"] = recording.failure->reason;
     entries["time_s"] = recording.failure->time_s;
   }
   if (!recording.warnings.empty()) entries["warnings"] = recording.warnings;
-  entries["point"] = point_key(run.config_text, models);
   entries["state_hash"] = fmt::format("{:016x}", recording.state_hash);
   entries["log_hash"] = log_hash;
   entries["simulated_s"] = recording.simulated_s;
   entries["dropped_samples"] = recording.dropped_samples;
   entries["wall_time_s"] = wall_s;
-  entries["costs"] = nlohmann::ordered_json::object();
+  entries["costs"] = ordered_json::object();
   for (const Metric& cost : recording.costs) entries["costs"][cost.name] = cost.value;
-  entries["breakwater"] = kVersion;
-  entries["git_commit"] = kGitCommit;
-  entries["program"] = program_hash();
-  entries["models"] = models;
-  entries["versions"] = {{"mujoco", engine_version()},
-                         {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
-                                               EIGEN_MINOR_VERSION)},
-                         {"hdf5", hdf5_version()},
-                         {"compiler", __VERSION__}};
-  return entries.dump(2) + "\n";
+  return entries;
+}
+
+void write_manifest(const RunFolder& folder, const ordered_json& before,
+                    const ordered_json& results) {
+  ordered_json entries;
+  for (const char* first : {"scenario", "case", "seed"}) entries[first] = before.at(first);
+  entries.update(results);
+  entries.update(before);
+  write_text_file(folder.path() / "manifest.json", entries.dump(2) + "\n");
 }
 
 // Destroyed last first: the first one may have made the parent folders, and removes only empty
@@ -73,32 +91,41 @@ class RunFolders {
 };
 
 RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& options,
-                   const RunControl& control) {
+                   RunControl control) {
   const auto start = std::chrono::steady_clock::now();
   // The models may have changed since the preparation: other runs may have taken hours.
   if (options.models != nullptr) options.models->check_unchanged(run.model_files);
   const ModelHashes models = options.models != nullptr ? options.models->of(run.model_files)
                                                        : model_hashes(run.model_files);
-  const Recording recording = run.scenario->run(control);
-
-  const double wall_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  write_run(run, models, recording, wall_s, folder, options.csv);
-  return {run.case_name,     folder.target(),    recording.metrics,     run.is_as_shipped,
-          recording.failure, recording.warnings, recording.simulated_s, wall_s};
+  std::unique_ptr<LogStream> stream;
+  if (run.scenario->run_settings().stream) stream = make_log_stream(run, models, folder);
+  control.stream = stream.get();
+  try {
+    const Recording recording = run.scenario->run(control);
+    const double wall_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    write_run(run, models, recording, wall_s, folder, options.csv, stream.get());
+    return {run.case_name,      folder.target(),       recording.metrics,
+            recording.absent,   run.is_as_shipped,     recording.failure,
+            recording.warnings, recording.simulated_s, wall_s};
+  } catch (const OutputError& error) {
+    if (!is_recoverable(folder.path())) throw;
+    throw OutputError(fmt::format("{}; {}", error.what(), how_to_recover(folder.path())));
+  }
 }
 
-// The configuration of Breakwater's own case with this name, with the seed and the compression of
-// `scenario`; empty if there is none.
+// The configuration of Breakwater's own case with this name, with the seed and the record of the
+// log of `scenario`; empty if there is none.
 std::string shipped_config(const Catalogue& catalogue, const Scenario& scenario,
                            const std::string& case_name) {
   const auto& kind = catalogue.get<ScenarioKind>(scenario.name());
   const ScenarioFile file(kind.file().string(), kind.name);
   if (!file.has_case(case_name)) return "";
   const RunSettings& settings = scenario.run_settings();
-  const Config config =
-      file.config(case_name, {fmt::format("run.seed={}", settings.seed),
-                              fmt::format("record.compression={}", settings.compression)});
+  std::vector<std::string> sets = {fmt::format("run.seed={}", settings.seed),
+                                   fmt::format("record.compression={}", settings.compression)};
+  if (settings.stream) sets.emplace_back("record.stream=true");
+  const Config config = file.config(case_name, sets);
   const auto shipped = kind.make(catalogue);
   shipped->learn(config);
   Fields fields = shipped->fields();
@@ -150,21 +177,55 @@ PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenari
                           Tables::checked);
 }
 
+std::unique_ptr<LogStream> make_log_stream(const PreparedRun& run, const ModelHashes& models,
+                                           const RunFolder& folder) {
+  return std::make_unique<LogStream>(folder.path(), run.config_text,
+                                     manifest_before(run, models).dump());
+}
+
 void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
-               double wall_s, RunFolder& folder, bool csv) {
+               double wall_s, RunFolder& folder, bool csv, LogStream* stream) {
   const std::filesystem::path& path = folder.path();
+  std::filesystem::path log = path / "log.h5";
   write_text_file(path / "config.toml", run.config_text);
-  write_hdf5_log(path / "log.h5", recording.tracks, run.scenario->run_settings().compression);
+  if (stream != nullptr) {
+    log = stream->finish(recording.tracks);
+  } else {
+    write_hdf5_log(log, recording.tracks, run.scenario->run_settings().compression);
+  }
   if (csv) write_csv_log(path / "log.csv", recording.tracks.front());
   if (!recording.failure) write_metrics(path / "metrics.json", recording.metrics);
-  write_text_file(path / "manifest.json",
-                  manifest(run, models, recording, wall_s, file_hash(path / "log.h5")));
+  write_manifest(folder, manifest_before(run, models),
+                 results_of(recording, wall_s, file_hash(log)));
+  std::filesystem::rename(log, path / "log.h5");
+  folder.commit();
+  forget_stream(folder.target());
+}
+
+void write_cut_run(const CutRun& cut, const std::filesystem::path& from, RunFolder& folder) {
+  const std::filesystem::path log = folder.path() / "log.h5";
+  std::filesystem::copy_file(from / "config.toml", folder.path() / "config.toml");
+  cut.write_log(log);
+  write_manifest(folder, ordered_json::parse(cut.manifest()),
+                 {{"status", kCut},
+                  {"reason", "its process ended before the run did"},
+                  {"time_s", cut.end_s()},
+                  {"state_hash", ""},
+                  {"log_hash", file_hash(log)},
+                  {"simulated_s", cut.end_s()},
+                  {"costs", ordered_json::object()}});
   folder.commit();
 }
 
 std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
                                      const std::vector<std::filesystem::path>& targets,
                                      const RunOptions& options) {
+  for (const PreparedRun& run : runs) {
+    if (options.csv && run.scenario->run_settings().stream) {
+      throw std::invalid_argument(
+          "--csv: needs the log in memory, so leave out record.stream=true");
+    }
+  }
   RunFolders folders(targets);
   std::vector<RunSummary> summaries(runs.size());
   Progress progress(runs.front().scenario->name(), runs.size(), options.quiet);
@@ -181,9 +242,15 @@ std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
       progress.finish(i);
     });
   } catch (const Interrupted&) {
+    std::string kept;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      if (!is_recoverable(folders[i].path())) continue;
+      kept += (kept.empty() ? "" : "; ") + how_to_recover(folders[i].path());
+    }
     throw Interrupted(static_cast<std::size_t>(
-        std::count_if(summaries.begin(), summaries.end(),
-                      [](const RunSummary& run) { return !run.folder.empty(); })));
+                          std::count_if(summaries.begin(), summaries.end(),
+                                        [](const RunSummary& run) { return !run.folder.empty(); })),
+                      kept);
   }
   return summaries;
 }

@@ -11,6 +11,8 @@
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/known_models.h>
 #include <breakwater/experiment/provenance.h>
+#include <breakwater/record/cut_run.h>
+#include <breakwater/record/log_stream.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/record/run_folder.h>
 
@@ -29,8 +31,8 @@ struct PreparedRun {
   std::string case_name;
   std::string config_text;                  ///< the effective configuration, as a scenario file
   std::vector<IneffectiveKey> ineffective;  ///< ineffective keys of the case or --set
-  bool is_as_shipped = false;  ///< the project's own case, except for seed and compression
-  std::vector<std::string> model_files;  ///< the files that its keys name
+  bool is_as_shipped = false;               ///< the project's own case, except for seed and record
+  std::vector<std::string> model_files;     ///< the files that its keys name
 };
 
 /// The results of a run whose folder is written.
@@ -38,6 +40,7 @@ struct RunSummary {
   std::string case_name;
   std::filesystem::path folder;
   std::vector<Metric> metrics;
+  std::vector<AbsentMetric> absent;
   bool is_as_shipped = true;  ///< required for a comparison with printed values
   std::optional<Failure> failure;
   std::vector<std::string> warnings;
@@ -74,10 +77,18 @@ struct RunOptions {
   KnownModels* models = nullptr;
 };
 
+/// The stream for the log of a run. The folder must outlive it.
+std::unique_ptr<LogStream> make_log_stream(const PreparedRun& run, const ModelHashes& models,
+                                           const RunFolder& folder);
+
 /// Writes all files of a run into its folder and moves this to its target. `models` are the hashes
-/// of its models. Throws OutputError.
+/// of its models. `stream` has the log, unless it is null. Throws OutputError.
 void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
-               double wall_s, RunFolder& folder, bool csv);
+               double wall_s, RunFolder& folder, bool csv, LogStream* stream = nullptr);
+
+/// The same for a run that was cut, with its partial folder `from`, which stays. Throws
+/// OutputError.
+void write_cut_run(const CutRun& cut, const std::filesystem::path& from, RunFolder& folder);
 
 /// Runs all of `runs` on all cores, each into its folder of `targets`. It begins only if all
 /// folders can be written. Throws std::invalid_argument (also if a known model has changed),

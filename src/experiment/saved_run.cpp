@@ -51,6 +51,10 @@ SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
   config << std::ifstream(folder_ / "config.toml").rdbuf();
   config_text_ = config.str();
   if (!failure()) metrics_ = read_metrics(folder_);
+  if (failure() && failure()->is_cut) {
+    notes_.push_back(fmt::format("{}: was cut at {:.6g} s: {}", folder_.string(), failure()->time_s,
+                                 failure()->reason));
+  }
   if (check_log(folder_)) {
     signals_ = list_hdf5_signals(log_file());
     return;
@@ -170,7 +174,11 @@ std::string unit_of(const std::string& metric) {
     const char* end;
     const char* unit;
   };
-  static constexpr std::array<Ending, 14> kEndings = {{{"_rad_s", "rad/s"},
+  static constexpr std::array<Ending, 19> kEndings = {{{"_rad_s_s", "rad/s/s"},
+                                                       {"_m_s_s", "m/s/s"},
+                                                       {"_Nm_s", "N m/s"},
+                                                       {"_N_s", "N/s"},
+                                                       {"_rad_s", "rad/s"},
                                                        {"_Ns_m", "N s/m"},
                                                        {"_N_m", "N/m"},
                                                        {"_m_Ns", "m/(N s)"},
@@ -183,7 +191,8 @@ std::string unit_of(const std::string& metric) {
                                                        {"_m", "m"},
                                                        {"_s", "s"},
                                                        {"_kg", "kg"},
-                                                       {"_Hz", "Hz"}}};
+                                                       {"_Hz", "Hz"},
+                                                       {"_percent", "%"}}};
   for (const Ending& ending : kEndings) {
     if (metric.ends_with(ending.end)) return ending.unit;
   }

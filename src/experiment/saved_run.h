@@ -14,7 +14,8 @@
 
 namespace breakwater {
 
-/// The manifest, metrics, configuration and log of a run. A failed run has a reason and no metrics.
+/// The manifest, metrics, configuration and log of a run. A run that failed or was cut has a reason
+/// and no metrics.
 class SavedRun {
  public:
   /// Throws std::invalid_argument with a hint, one line, if the folder is not that of a run.
@@ -33,7 +34,7 @@ class SavedRun {
   /// In the scenario's order. Each unit is the end of the name.
   const std::vector<Metric>& metrics() const { return metrics_; }
   std::optional<double> metric(const std::string& name) const;
-  /// Warnings, one line each: the log may have changed after the run.
+  /// Warnings, one line each: the run was cut, or the log may have changed after it.
   const std::vector<std::string>& notes() const { return notes_; }
 
   const std::vector<LogEntry>& signals() const { return signals_; }

@@ -8,6 +8,7 @@
 
 #include <breakwater/experiment/settings.h>
 #include <breakwater/record/interrupted.h>
+#include <breakwater/record/log_stream.h>
 #include <breakwater/record/metric_definition.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/sim/model.h>
@@ -24,6 +25,7 @@ struct RunControl {
   bool logs = true;  ///< false: only the metrics count, and the tracks may have no rows
   /// Gets the present metrics together with the progress; may be empty.
   std::function<void(const std::vector<Metric>& so_far)> measured = {};
+  LogStream* stream = nullptr;  ///< for the tracks, if they are not to be in memory
 };
 
 /// A table of all cases over the values of one key.

@@ -19,6 +19,11 @@ void RunSettings::bind(Fields& fields) {
   fields.count("run.seed", seed, not_negative(), "random seed of all noise");
   fields.count("record.compression", compression, between(0, 9),
                "compression of log.h5 by deflate: 0 is fastest, 9 gives the smallest file");
+  fields.flag(
+      "record.stream", stream,
+      "write log.h5 during the run, not from memory after it; after a kill, recover makes a "
+      "run of it");
+  fields.standard("record.stream", {false});
 }
 
 void bind_model(Fields& fields, ModelFile& model) {
@@ -56,6 +61,10 @@ void PhysicsSettings::check(const Config& config, const RunSettings& run) const 
         "has too many steps of physics.timestep_s: shorten the period or lengthen the step");
   }
   check_multiple(config, "control.period_s", control_period_s, timestep_s, "physics.timestep_s");
+  if (run.stream && run.compression > 0) {
+    config.fail("record.stream",
+                "needs record.compression=0: the places of all rows must be known");
+  }
 }
 
 int PhysicsSettings::steps_per_sample() const {
@@ -81,16 +90,48 @@ void FaultSettings::bind(Fields& fields, const std::string& channels) {
   fields.number("fault.at_s", fault.at_s, not_negative(), "time at which the sensor fails [s]");
   fields.count("fault.samples", fault.samples, between(1, 1e9),
                "number of samples for which it fails");
-  fields.only_where({"fault.at_s", "fault.samples"}, "fault.sensor names a channel",
-                    [this] { return fault.channel != kNoFault; });
+  fields.choice(
+      "fault.kind", fault.kind,
+      {{"nan", FaultKind::nan},
+       {"infinity", FaultKind::infinity},
+       {"frozen", FaultKind::frozen},
+       {"dropped", FaultKind::dropped},
+       {"spike", FaultKind::spike},
+       {"bias", FaultKind::bias},
+       {"delay", FaultKind::delay},
+       {"stuck", FaultKind::stuck}},
+      "readings of the broken sensor: not a number, infinity, the last one (frozen; dropped: "
+      "for 50 ms), with an error of changing (spike) or constant sign (bias), older ones "
+      "(delay), or rounded (stuck)");
+  fields.standard("fault.kind", {std::string("nan")});
+  fields.number("fault.size", fault.size, any(),
+                "error of a spike or bias, smallest step of a stuck quantiser, in the unit of the "
+                "channel");
+  fields.standard("fault.size", {0.0});
+  fields.count("fault.delay_samples", fault.delay_samples, between(1, 5),
+               "age of the readings of a delay");
+  fields.standard("fault.delay_samples", {std::int64_t{1}});
+  fields.only_where(
+      {"fault.at_s", "fault.samples", "fault.kind", "fault.size", "fault.delay_samples"},
+      "fault.sensor names a channel", [this] { return fault.channel != kNoFault; });
+  fields.only_for({"fault.samples"}, "fault.kind",
+                  {"nan", "infinity", "frozen", "spike", "bias", "delay", "stuck"});
+  fields.only_for({"fault.size"}, "fault.kind", {"spike", "bias", "stuck"});
+  fields.only_for({"fault.delay_samples"}, "fault.kind", {"delay"});
 }
 
 void FaultSettings::check(const Config& config, const std::vector<SensorChannel>& channels) const {
   std::vector<std::string> names = {kNoFault};
   for (const SensorChannel& channel : channels) names.push_back(channel.name);
-  if (std::find(names.begin(), names.end(), fault.channel) != names.end()) return;
-  config.fail("fault.sensor",
-              "there is no channel \"" + fault.channel + "\"" + did_you_mean(fault.channel, names));
+  if (std::find(names.begin(), names.end(), fault.channel) == names.end()) {
+    config.fail("fault.sensor", "there is no channel \"" + fault.channel + "\"" +
+                                    did_you_mean(fault.channel, names));
+  }
+  const bool has_size = fault.kind == FaultKind::spike || fault.kind == FaultKind::bias ||
+                        fault.kind == FaultKind::stuck;
+  if (fault.channel != kNoFault && has_size && fault.size == 0.0) {
+    config.fail("fault.size", "must not be 0 for this fault.kind");
+  }
 }
 
 void FaultSettings::apply(SensingSetup& setup) const {

@@ -16,6 +16,7 @@ struct RunSettings {
   double duration_s = 0.0;
   std::uint64_t seed = 1;
   int compression = 0;  ///< deflate level of log.h5
+  bool stream = false;  ///< whether a run with a folder writes log.h5 during the run
 
   void bind(Fields& fields);
 };

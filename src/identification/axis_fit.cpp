@@ -12,12 +12,13 @@
 namespace breakwater {
 namespace {
 
-constexpr double kStep = 1e-6;     // step of the differences, in the scales
-constexpr double kPriorStd = 3.0;  // in the scales
+constexpr double kStep = 1e-6;          // step of the differences, in the scales
+constexpr std::size_t kPlainStart = 2;  // position and velocity have no prior
 constexpr int kMostIterations = 60;
 constexpr int kMostTurns = 8;
 constexpr double kNoiseChange = 0.01;  // relative, at which the turns end
 constexpr std::size_t kBins = 2000;    // bins of the errors, for the most likely noise
+constexpr double kLeastShare = 1e-3;   // least noise without an encoder, in RMS errors
 
 // The positions with the code y: [y - below, y + above].
 struct Code {
@@ -61,24 +62,30 @@ Residual residual_of(const AxisData& data, double noise_std, double y, double po
 }
 
 // The fit as a problem of least squares. Its unknowns are the free parameters in their scales, then
-// position and velocity of each start.
+// the numbers of each start.
 class Problem {
  public:
   using Scalar = double;
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
 
-  Problem(const AxisData& data, const FreeParameters& free, const AxisFit& fit)
-      : data_(data), base_(fit), scales_(parameter_scales(data)) {
+  Problem(const AxisData& data, const FreeParameters& free, const AxisFit& fit,
+          double prior_std = kPriorStd)
+      : data_(data), base_(fit), prior_std_(prior_std), scales_(parameter_scales(data)) {
     for (std::size_t i = 0; i < kAxisParameters; ++i) {
       if (free[i]) free_.push_back(static_cast<AxisParameter>(i));
     }
-    speed_ = scales_[kOffset] / scales_[kViscous];
-    length_ = speed_ * data.period_s;
-    centre_ = unknowns().head(static_cast<Eigen::Index>(free_.size()));
+    for (const AxisStretch& stretch : data.stretches) drifts_ += stretch.drifts.cols();
+    const double speed = scales_[kOffset] / scales_[kViscous];
+    start_scales_ = {speed * data.period_s, speed};
+    centre_ = unknowns();
   }
 
-  int NumResiduals() const { return static_cast<int>(data_.rows() + free_.size()); }
-  int NumParameters() const { return static_cast<int>(free_.size() + 2 * data_.stretches.size()); }
+  int NumResiduals() const {
+    const std::size_t held = (start_values() - kPlainStart) * data_.stretches.size();
+    return static_cast<int>(data_.rows() + free_.size() + held) + static_cast<int>(drifts_);
+  }
+  int NumParameters() const { return static_cast<int>(first_drift()) + static_cast<int>(drifts_); }
+
   std::size_t free_count() const { return free_.size(); }
 
   Eigen::VectorXd unknowns() const {
@@ -88,8 +95,18 @@ class Problem {
       x(n++) = is_logarithmic(i) ? math::log(base_.values[i]) : base_.values[i] / scales_[i];
     }
     for (const AxisStart& start : base_.starts) {
-      x(n++) = start.position / length_;
-      x(n++) = start.velocity / speed_;
+      for (std::size_t i = 0; i < start_values(); ++i) {
+        x(n++) = start.*kStartParts[i] / start_scales_[i % kPlainStart];
+      }
+    }
+    for (std::size_t s = 0; s < base_.starts.size(); ++s) {
+      const Eigen::Index count = data_.stretches[s].drifts.cols();
+      if (base_.starts[s].drifts.size() == count) {
+        x.segment(n, count) = base_.starts[s].drifts;
+      } else {
+        x.segment(n, count).setZero();
+      }
+      n += count;
     }
     return x;
   }
@@ -104,8 +121,14 @@ class Problem {
       ++x;
     }
     for (AxisStart& start : fit.starts) {
-      start.position = *x++ * length_;
-      start.velocity = *x++ * speed_;
+      for (std::size_t i = 0; i < start_values(); ++i) {
+        start.*kStartParts[i] = *x++ * start_scales_[i % kPlainStart];
+      }
+    }
+    for (std::size_t s = 0; s < fit.starts.size(); ++s) {
+      const Eigen::Index count = data_.stretches[s].drifts.cols();
+      fit.starts[s].drifts = Eigen::Map<const Eigen::VectorXd>(x, count);
+      x += count;
     }
     return fit;
   }
@@ -116,20 +139,32 @@ class Problem {
     std::vector<double> slopes(rows);
     std::size_t k = 0;
     for (const AxisStretch& stretch : data_.stretches) {
-      for (const double y : stretch.positions) {
-        const Residual residual = residual_of(data_, base_.noise_std, y, positions[k]);
+      for (std::size_t i = 0; i < stretch.positions.size(); ++i) {
+        const Residual residual = residual_of(data_, stretch.noise_at(i, base_.noise_std),
+                                              stretch.positions[i], positions[k]);
         residuals[k] = residual.value;
         slopes[k++] = residual.slope;
       }
     }
     for (std::size_t i = 0; i < free_.size(); ++i) {
-      residuals[rows + i] = (x[i] - centre_(static_cast<Eigen::Index>(i))) / kPriorStd;
+      residuals[rows + i] = (x[i] - centre_(static_cast<Eigen::Index>(i))) / prior_std_;
     }
-    if (jacobian == nullptr) return true;
     const auto unknowns = static_cast<std::size_t>(NumParameters());
+    const std::size_t first_drift = this->first_drift();
+    std::size_t row = rows + free_.size();
+    for (std::size_t s = free_.size(); s < first_drift; s += start_values()) {
+      for (std::size_t i = kPlainStart; i < start_values(); ++i) {
+        residuals[row++] = (x[s + i] - centre_(static_cast<Eigen::Index>(s + i))) / kPriorStd;
+      }
+    }
+    std::copy(x + first_drift, x + unknowns, residuals + row);
+    if (jacobian == nullptr) return true;
     Eigen::Map<Eigen::MatrixXd> J(jacobian, NumResiduals(), NumParameters());
     J.setZero();
-    J.bottomLeftCorner(centre_.size(), centre_.size()).diagonal().setConstant(1.0 / kPriorStd);
+    const auto parameters = static_cast<Eigen::Index>(free_.size());
+    J.block(static_cast<Eigen::Index>(rows), 0, parameters, parameters)
+        .diagonal()
+        .setConstant(1.0 / prior_std_);
     std::vector<double> moved(x, x + unknowns);
     const auto fill = [&](const std::vector<double>& shifted, std::size_t column, std::size_t from,
                           std::size_t to) {
@@ -144,84 +179,106 @@ class Problem {
       moved[column] = x[column];
     }
     // A start acts on its stretch alone. The motion does not depend on the position.
-    for (std::size_t s = free_.size() + 1; s < unknowns; s += 2) moved[s] += kStep;
-    const std::vector<double> faster = fitted_positions(data_, fit_of(moved.data()));
     std::size_t from = 0;
     std::size_t column = free_.size();
     for (const AxisStretch& stretch : data_.stretches) {
       const std::size_t to = from + stretch.positions.size();
       for (std::size_t i = from; i < to; ++i) {
-        J(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(column)) = slopes[i] * length_;
+        J(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(column)) =
+            slopes[i] * start_scales_[0];
       }
-      fill(faster, column + 1, from, to);
       from = to;
-      column += 2;
+      column += start_values();
+    }
+    row = rows + free_.size();
+    for (std::size_t part = 1; part < start_values(); ++part) {
+      const std::size_t first = free_.size() + part;
+      for (std::size_t s = first; s < first_drift; s += start_values()) moved[s] = x[s] + kStep;
+      const std::vector<double> shifted = fitted_positions(data_, fit_of(moved.data()));
+      from = 0;
+      column = first;
+      for (const AxisStretch& stretch : data_.stretches) {
+        const std::size_t to = from + stretch.positions.size();
+        fill(shifted, column, from, to);
+        moved[column] = x[column];
+        from = to;
+        column += start_values();
+      }
+    }
+    // The prior's rows have the order of the starts.
+    for (std::size_t s = free_.size(); s < first_drift; s += start_values()) {
+      for (std::size_t i = kPlainStart; i < start_values(); ++i) {
+        J(static_cast<Eigen::Index>(row++), static_cast<Eigen::Index>(s + i)) = 1.0 / kPriorStd;
+      }
+    }
+    J.bottomRightCorner(drifts_, drifts_).setIdentity();
+    const Eigen::Map<const Eigen::VectorXd> all_slopes(slopes.data(),
+                                                       static_cast<Eigen::Index>(rows));
+    Eigen::Index top = 0, left = static_cast<Eigen::Index>(first_drift);
+    for (const AxisStretch& stretch : data_.stretches) {
+      const auto count = static_cast<Eigen::Index>(stretch.positions.size());
+      const Eigen::Index drifts = stretch.drifts.cols();
+      if (drifts > 0) {
+        J.block(top, left, count, drifts) =
+            all_slopes.segment(top, count).asDiagonal() * stretch.drifts;
+      }
+      top += count;
+      left += drifts;
     }
     return true;
   }
 
  private:
+  std::size_t start_values() const { return data_.model->start_values; }
+  std::size_t first_drift() const { return free_.size() + start_values() * data_.stretches.size(); }
+
   const AxisData& data_;
   AxisFit base_;
+  double prior_std_;  // for the parameters
   AxisValues scales_;
   std::vector<AxisParameter> free_;
-  Eigen::VectorXd centre_;  // centre of the prior
-  double speed_ = 0.0;
-  double length_ = 0.0;
+  Eigen::Index drifts_ = 0;                         // number in all stretches
+  Eigen::VectorXd centre_;                          // centre of the prior
+  std::array<double, kPlainStart> start_scales_{};  // a position's and a velocity's
 };
 
-double deviance_of(const AxisData& data, const AxisFit& fit) {
-  const std::vector<double> positions = fitted_positions(data, fit);
-  double sum = 0.0;
-  std::size_t k = 0;
-  for (const AxisStretch& stretch : data.stretches) {
-    for (const double y : stretch.positions) {
-      const Residual residual = residual_of(data, fit.noise_std, y, positions[k++]);
-      sum += residual.value * residual.value - 2.0 * residual.log_centre;
-    }
+// `sum` and the deviance of a stretch that begins with this row.
+double with_deviance(double sum, const AxisData& data, const AxisStretch& stretch, double noise_std,
+                     const std::vector<double>& positions, std::size_t row) {
+  for (std::size_t i = 0; i < stretch.positions.size(); ++i) {
+    const Residual residual =
+        residual_of(data, stretch.noise_at(i, noise_std), stretch.positions[i], positions[row++]);
+    sum += residual.value * residual.value - 2.0 * residual.log_centre;
   }
   return sum;
 }
 
-// The most likely σ of the errors of a fit, by golden section over its logarithm.
-double likely_noise(const AxisData& data, const AxisFit& fit) {
-  const std::vector<double> positions = fitted_positions(data, fit);
-  std::vector<double> errors;
-  double squares = 0.0;
+double deviance_of(const AxisData& data, double noise_std, const std::vector<double>& positions) {
+  double sum = 0.0;
+  std::size_t row = 0;
   for (const AxisStretch& stretch : data.stretches) {
-    for (const double y : stretch.positions) {
-      const Code code = code_of(data, y);
-      errors.push_back(std::abs(positions[errors.size()] - y - 0.5 * (code.above - code.below)));
-      squares += errors.back() * errors.back();
-    }
+    sum = with_deviance(sum, data, stretch, noise_std, positions, row);
+    row += stretch.positions.size();
   }
-  const double rms = std::sqrt(squares / static_cast<double>(errors.size()));
-  if (data.quantum == 0.0) return rms;
-  const double least = kLeastNoise * data.quantum;
-  if (rms < 2.0 * least) return least;
-  // A histogram saves most of the evaluations.
-  const double width = *std::max_element(errors.begin(), errors.end()) / kBins;
-  std::vector<double> counts(kBins, 0.0);
-  for (const double error : errors) {
-    counts[std::min(kBins - 1, static_cast<std::size_t>(error / width))] += 1.0;
-  }
-  const auto cost = [&](double log_noise) {
-    const double noise = math::exp(log_noise);
-    const double half = 0.5 * data.quantum / noise;
-    double sum = 0.0;
-    for (std::size_t i = 0; i < kBins; ++i) {
-      if (counts[i] == 0.0) continue;
-      const double off = (static_cast<double>(i) + 0.5) * width / noise;
-      sum -= counts[i] * CodeInterval(-half - off, half - off).log_mass();
-    }
-    return sum;
-  };
+  return sum;
+}
+
+// Infinite if the model does not reach the end of a stretch.
+double deviance_of(const AxisData& data, const AxisFit& fit) {
+  double sum = deviance_of(data, fit.noise_std, fitted_positions(data, fit));
+  for (const AxisStart& start : fit.starts) sum += start.drifts.squaredNorm();
+  return std::isnan(sum) ? std::numeric_limits<double>::infinity() : sum;
+}
+
+// The minimum of a function between two positive numbers, by golden section over the logarithm.
+template <typename Function>
+double least_over_logarithm(double from, double to, const Function& function) {
   constexpr double kGolden = 0.61803398874989484820;
-  double low = math::log(least);
-  double high = math::log(2.0 * rms);
+  double low = math::log(from);
+  double high = math::log(to);
   while (high - low > 1e-3) {
     const double length = kGolden * (high - low);
-    if (cost(high - length) < cost(low + length)) {
+    if (function(math::exp(high - length)) < function(math::exp(low + length))) {
       high = low + length;
     } else {
       low = high - length;
@@ -230,21 +287,47 @@ double likely_noise(const AxisData& data, const AxisFit& fit) {
   return math::exp(0.5 * (low + high));
 }
 
+// The most likely σ of the errors of a fit.
+double likely_noise(const AxisData& data, const AxisFit& fit) {
+  const std::vector<double> positions = fitted_positions(data, fit);
+  std::vector<double> errors;
+  double squares = 0.0;
+  bool has_time_noise = false;
+  for (const AxisStretch& stretch : data.stretches) {
+    for (const double y : stretch.positions) {
+      const Code code = code_of(data, y);
+      errors.push_back(std::abs(positions[errors.size()] - y - 0.5 * (code.above - code.below)));
+      squares += errors.back() * errors.back();
+    }
+    has_time_noise = has_time_noise || !stretch.time_noise.empty();
+  }
+  const double rms = std::sqrt(squares / static_cast<double>(errors.size()));
+  if (data.quantum == 0.0 && !has_time_noise) return rms;
+  const double least = data.quantum == 0.0 ? kLeastShare * rms : kLeastNoise * data.quantum;
+  if (rms < 2.0 * least) return least;
+  if (has_time_noise) {
+    return least_over_logarithm(least, 2.0 * rms,
+                                [&](double noise) { return deviance_of(data, noise, positions); });
+  }
+  // A histogram saves most of the evaluations.
+  const double width = *std::max_element(errors.begin(), errors.end()) / kBins;
+  std::vector<double> counts(kBins, 0.0);
+  for (const double error : errors) {
+    counts[std::min(kBins - 1, static_cast<std::size_t>(error / width))] += 1.0;
+  }
+  return least_over_logarithm(least, 2.0 * rms, [&](double noise) {
+    const double half = 0.5 * data.quantum / noise;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      if (counts[i] == 0.0) continue;
+      const double off = (static_cast<double>(i) + 0.5) * width / noise;
+      sum -= counts[i] * CodeInterval(-half - off, half - off).log_mass();
+    }
+    return sum;
+  });
+}
+
 }  // namespace
-
-bool is_logarithmic(AxisParameter parameter) {
-  return parameter == kInertia || parameter == kStribeckSpeed || parameter == kTorqueConstant;
-}
-
-bool is_positive(AxisParameter parameter) {
-  return parameter == kViscous || parameter == kCoulomb || parameter == kBreakaway;
-}
-
-std::size_t AxisData::rows() const {
-  std::size_t rows = 0;
-  for (const AxisStretch& stretch : stretches) rows += stretch.positions.size();
-  return rows;
-}
 
 AxisFit fit_axis(const AxisData& data, const FreeParameters& free, const AxisFit& start,
                  int most_iterations) {
@@ -254,6 +337,8 @@ AxisFit fit_axis(const AxisData& data, const FreeParameters& free, const AxisFit
   // Changes of −2 ln L, where 3.84 is the height of an interval.
   solver.options.function_tolerance = 1e-4;
   solver.options.gradient_tolerance = 1e-8;
+  // The positions of the starts are large unknowns: changes far below them still count.
+  solver.options.parameter_tolerance = 1e-13;
   Eigen::VectorXd x = problem.unknowns();
   solver.Solve(problem, &x);
   AxisFit fit = problem.fit_of(x.data());
@@ -283,7 +368,36 @@ AxisFit fit_starts(const AxisData& data, const AxisFit& model) {
         {stretch.positions.front(), (stretch.positions[k] - stretch.positions.front()) /
                                         (stretch.times_s[k] - stretch.times_s.front())});
   }
-  return fit_axis(data, {}, fit, kMostIterations);
+  AxisFit best = fit_axis(data, {}, fit, kMostIterations);
+  if (data.model->start_values == kPlainStart || model.values[kBacklash] == 0.0) return best;
+  // A search does not find the way through the play. The stretches have nothing in common here.
+  const auto take_better = [&](const AxisFit& other) {
+    const std::vector<double> before = fitted_positions(data, best);
+    const std::vector<double> now = fitted_positions(data, other);
+    std::size_t row = 0;
+    for (std::size_t s = 0; s < data.stretches.size(); ++s) {
+      const AxisStretch& stretch = data.stretches[s];
+      const double old = with_deviance(0.0, data, stretch, fit.noise_std, before, row);
+      const double found = with_deviance(0.0, data, stretch, fit.noise_std, now, row);
+      if (found < old || std::isnan(old)) best.starts[s] = other.starts[s];
+      row += stretch.positions.size();
+    }
+  };
+  const double half = 0.5 * model.values[kBacklash], wound = rms_twist(data, model);
+  for (const double twist : {-half - wound, -half, half, half + wound}) {
+    for (AxisStart& start : fit.starts) start.twist = twist;
+    take_better(fit_axis(data, {}, fit, kMostIterations));
+  }
+  if (model.starts.size() == data.stretches.size()) {
+    fit.starts = model.starts;
+    take_better(fit_axis(data, {}, fit, kMostIterations));
+  }
+  best.deviance = deviance_of(data, best);
+  return best;
+}
+
+double rms_twist(const AxisData& data, const AxisFit& fit) {
+  return fit.values[kTorqueConstant] * parameter_scales(data)[kOffset] / fit.values[kStiffness];
 }
 
 std::vector<double> fitted_positions(const AxisData& data, const AxisFit& fit) {
@@ -291,7 +405,11 @@ std::vector<double> fitted_positions(const AxisData& data, const AxisFit& fit) {
   std::span<double> rest(positions);
   for (std::size_t s = 0; s < data.stretches.size(); ++s) {
     const std::size_t rows = data.stretches[s].positions.size();
-    move_axis(fit.values, fit.starts[s], data.stretches[s], rest.first(rows));
+    data.model->move(fit.values, fit.starts[s], data.stretches[s], rest.first(rows));
+    const Eigen::MatrixXd& drifts = data.stretches[s].drifts;
+    if (drifts.cols() > 0 && fit.starts[s].drifts.size() == drifts.cols()) {
+      Eigen::Map<Eigen::VectorXd>(rest.data(), drifts.rows()) += drifts * fit.starts[s].drifts;
+    }
     rest = rest.subspan(rows);
   }
   return positions;
@@ -313,15 +431,19 @@ AxisValues parameter_scales(const AxisData& data) {
   AxisValues scales;
   scales.fill(1.0);
   const double rms_torque = std::sqrt(torque / torques);
+  const double rms_speed = std::sqrt(way / time);
   scales[kCoulomb] = scales[kBreakaway] = scales[kOffset] = rms_torque;
-  scales[kViscous] = rms_torque / std::sqrt(way / time);
+  scales[kMotorCoulomb] = scales[kLoadCoulomb] = rms_torque;
+  scales[kViscous] = scales[kMotorViscous] = scales[kLoadViscous] = rms_torque / rms_speed;
+  scales[kDamping] = scales[kViscous];
+  scales[kBacklash] = 10.0 * rms_speed * data.period_s;
   scales[kDelay] = data.period_s;
   return scales;
 }
 
-Eigen::MatrixXd covariance_of(const AxisData& data, const FreeParameters& free,
-                              const AxisFit& fit) {
-  const Problem problem(data, free, fit);
+Eigen::MatrixXd covariance_of(const AxisData& data, const FreeParameters& free, const AxisFit& fit,
+                              double prior_std) {
+  const Problem problem(data, free, fit, prior_std);
   Eigen::VectorXd residuals(problem.NumResiduals());
   Eigen::MatrixXd J(problem.NumResiduals(), problem.NumParameters());
   const Eigen::VectorXd x = problem.unknowns();

@@ -1,4 +1,4 @@
-// Output-error fit of an axis with friction to records, by maximum likelihood.
+// Output-error fit of an axis to records, by maximum likelihood.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,27 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include <breakwater/identification/friction_axis.h>
-#include <breakwater/signals/encoder_rounding.h>
+#include <breakwater/identification/axis_model.h>
 
 namespace breakwater {
-
-/// Records of one axis with one encoder.
-struct AxisData {
-  std::vector<AxisStretch> stretches;
-  double period_s = 0.0;
-  double quantum = 0.0;  ///< Δ; 0: not quantised
-  EncoderRounding rounding = EncoderRounding::nearest;
-  double least_delay_s = -std::numeric_limits<double>::infinity();  ///< bounds of a fitted delay
-  double largest_delay_s = std::numeric_limits<double>::infinity();
-
-  std::size_t rows() const;
-};
-
-/// Whether a parameter is positive and scaled by its own size.
-bool is_logarithmic(AxisParameter parameter);
-/// Whether a parameter is friction, which is at least 0.
-bool is_positive(AxisParameter parameter);
 
 using FreeParameters = std::array<bool, kAxisParameters>;
 
@@ -45,17 +27,24 @@ struct AxisFit {
 ///
 /// The Levenberg–Marquardt algorithm (Ceres' TinySolver) minimises the squares of the deviance
 /// residuals ±√(2 ln P(centre) − 2 ln P(y)). Half of their sum is −ln L, up to a constant.
-/// A weak prior, three scales wide around `start`, holds what the records do not show. Differences
-/// in the parameters give the sensitivities. Friction and inertia stay positive, since
-/// the solver sees their magnitude and logarithm.
+/// A weak prior, three scales wide around `start`, holds what the records do not show: parameters,
+/// and twists of the starts. The sizes of the drifts have their normal distribution as prior, which
+/// counts as likelihood. Differences in the parameters give the
+/// sensitivities. Friction and inertia stay positive, since the solver sees their magnitude and
+/// logarithm.
 AxisFit fit_axis(const AxisData& data, const FreeParameters& free, const AxisFit& start,
                  int most_iterations);
 
 /// The same with the most likely σ, in turns.
 AxisFit fit_axis_and_noise(const AxisData& data, const FreeParameters& free, AxisFit start);
 
-/// Fits only the starts, for other records.
+/// Fits only the starts, for other records. Beside a backlash the search begins on both flanks, in
+/// the play, and at the starts of `model` if it has one for each stretch. Each stretch keeps its
+/// best one.
 AxisFit fit_starts(const AxisData& data, const AxisFit& model);
+
+/// The RMS torque of the drive by the stiffness: about the twist of the spring.
+double rms_twist(const AxisData& data, const AxisFit& fit);
 
 /// Least standard deviation that a fit to an encoder assumes, in Δ.
 inline constexpr double kLeastNoise = 0.03;
@@ -63,12 +52,18 @@ inline constexpr double kLeastNoise = 0.03;
 /// The positions of the fit, one stretch after another.
 std::vector<double> fitted_positions(const AxisData& data, const AxisFit& fit);
 
-/// Natural sizes of changes of the parameters: 1 for J, v_s and k (logarithms), T_s for the delay,
-/// and the RMS input for torques. For the viscous friction it is the RMS input by the RMS speed.
+/// Natural sizes of changes of the parameters. Inertias, K, v_s and k (logarithms) have 1, the
+/// delay T_s. The backlash has ten rows of motion at the RMS speed, torques have the RMS input. For
+/// viscous friction and damping it is the RMS input by the RMS speed.
 AxisValues parameter_scales(const AxisData& data);
 
+/// Standard deviations of the prior, in the scales: of a fit, and one that hardly counts.
+inline constexpr double kPriorStd = 3.0;
+inline constexpr double kHardlyAnyPrior = 3e3;
+
 /// The covariance of the free parameters, in their scales and order, from the curvature of the
-/// likelihood and the prior.
-Eigen::MatrixXd covariance_of(const AxisData& data, const FreeParameters& free, const AxisFit& fit);
+/// likelihood and a prior.
+Eigen::MatrixXd covariance_of(const AxisData& data, const FreeParameters& free, const AxisFit& fit,
+                              double prior_std = kPriorStd);
 
 }  // namespace breakwater

@@ -15,14 +15,18 @@ struct ParameterInterval {
   double low = 0.0;
   double high = 0.0;
   std::vector<std::pair<double, double>> profile;  ///< (value, rise of −2 ln L), ascending
+  bool is_closed = true;                           ///< both ends were found
   AxisFit better;  ///< the most likely fit of all, which may be above the given one
 };
 
 /// The values of a parameter at which −2 ln L, minimised over the other free ones, has risen by
-/// kChiSquare95. A value that cannot be negative ends at 0. `std_scaled` is the standard deviation
-/// in its scale, the first guess.
+/// kChiSquare95. If the search does not converge, an end is the farthest value with a smaller rise.
+/// A value that cannot be negative ends at 0. `std_scaled` is the standard deviation in its scale,
+/// the first guess. `slopes` has the changes of the free parameters, in their scales and order, for
+/// one of this parameter: where the search for the others begins.
 ParameterInterval profile_interval(const AxisData& data, const FreeParameters& free,
-                                   const AxisFit& fit, AxisParameter parameter, double std_scaled);
+                                   const AxisFit& fit, AxisParameter parameter, double std_scaled,
+                                   const Eigen::VectorXd& slopes);
 
 /// Standard deviations of the free parameters, in their scales, over fits to simulated records. The
 /// fitted axis makes the records without noise, each with another phase of the encoder.
@@ -31,5 +35,9 @@ std::vector<double> bootstrap_std(const AxisData& data, const FreeParameters& fr
 
 /// Moves a parameter by `change` in its scale. Friction stays at least 0.
 double moved_parameter(const AxisData& data, AxisParameter parameter, double value, double change);
+
+/// Moves all free parameters. `changes` has their order and scales.
+AxisFit moved_fit(const AxisData& data, const FreeParameters& free, AxisFit fit,
+                  const Eigen::VectorXd& changes);
 
 }  // namespace breakwater

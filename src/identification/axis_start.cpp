@@ -5,14 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include <breakwater/identification/modulation.h>
+
 namespace breakwater {
 namespace {
 
-constexpr int kShortest = 8;               // rows of a window
-constexpr int kLengths = 7;                // each twice the one before
-constexpr double kMostStuck = 0.2;         // share of a window
-constexpr std::size_t kMostRows = 400000;  // all windows of one length together
-constexpr Eigen::Index kUnknowns = 4;      // 1/J, c/J, F_C/J, d₀/J
+constexpr Eigen::Index kUnknowns = 4;  // 1/J, c/J, F_C/J, d₀/J
 
 // Integrals of one window without the delay, and where it lies.
 struct Window {
@@ -35,29 +33,8 @@ Weight weight(double s, double length_s) {
           6.0 * s * r * (1.0 - 5.0 * s + 5.0 * s * s) / (length_s * length_s)};
 }
 
-// Calls use(k, s, length, dt) for each row of a window, with the trapezoids' widths dt.
-template <typename Use>
-void for_rows(const AxisStretch& stretch, std::size_t first, std::size_t rows, const Use& use) {
-  const std::vector<double>& t = stretch.times_s;
-  const std::size_t last = first + rows - 1;
-  const double length = t[last] - t[first];
-  for (std::size_t k = first; k <= last; ++k) {
-    const double dt = 0.5 * (t[std::min(k + 1, last)] - t[std::max(k, first + 1) - 1]);
-    use(k, (t[k] - t[first]) / length, length, dt);
-  }
-}
-
-// The sign of the velocity from rows on both sides; 0 if it moves by less than two counts.
-double direction(const AxisStretch& stretch, std::size_t k, std::size_t reach, double quantum) {
-  const std::size_t a = k > reach ? k - reach : 0;
-  const std::size_t b = std::min(k + reach, stretch.positions.size() - 1);
-  const double moved = stretch.positions[b] - stretch.positions[a];
-  return std::abs(moved) < 1.5 * quantum || moved == 0.0 ? 0.0 : std::copysign(1.0, moved);
-}
-
 std::vector<Window> windows_of(const AxisData& data, std::size_t rows) {
-  const std::size_t hop =
-      std::max(rows / 4, 1 + data.rows() * rows / kMostRows / std::max<std::size_t>(rows / 4, 1));
+  const std::size_t hop = hop_of(data, rows);
   std::vector<Window> windows;
   for (const AxisStretch& stretch : data.stretches) {
     for (std::size_t first = 0; first + rows <= stretch.times_s.size(); first += hop) {
@@ -80,19 +57,6 @@ std::vector<Window> windows_of(const AxisData& data, std::size_t rows) {
   return windows;
 }
 
-// The input at each row of a stretch: the mean of what acts just before and just after.
-std::vector<double> inputs_at_rows(const AxisStretch& stretch, double delay_s) {
-  std::vector<double> inputs;
-  std::size_t i = 0;
-  for (const double t : stretch.times_s) {
-    while (i + 1 < stretch.inputs.size() && stretch.input_times_s[i + 1] + delay_s <= t) ++i;
-    const bool is_change = std::abs(stretch.input_times_s[i] + delay_s - t) < 1e-12 && i > 0;
-    inputs.push_back(is_change ? 0.5 * (stretch.inputs[i - 1] + stretch.inputs[i])
-                               : stretch.inputs[i]);
-  }
-  return inputs;
-}
-
 }  // namespace
 
 std::vector<AxisValues> start_candidates(const AxisData& data, double least_delay_s,
@@ -104,15 +68,15 @@ std::vector<AxisValues> start_candidates(const AxisData& data, double least_dela
     double residual = std::numeric_limits<double>::infinity();
     AxisValues values{};
   };
-  std::vector<Best> best(kLengths);
-  for (int i = 0; i < kLengths; ++i) all.push_back(windows_of(data, kShortest << i));
+  std::vector<Best> best(kWindowLengths);
+  for (int i = 0; i < kWindowLengths; ++i) all.push_back(windows_of(data, kShortestWindow << i));
   for (int trial = 0; least_delay_s + trial * step_s <= largest_delay_s; ++trial) {
     const double delay = least_delay_s + trial * step_s;
     std::vector<std::vector<double>> inputs;
     for (const AxisStretch& stretch : data.stretches) {
       inputs.push_back(inputs_at_rows(stretch, delay));
     }
-    for (int i = 0; i < kLengths; ++i) {
+    for (int i = 0; i < kWindowLengths; ++i) {
       const std::vector<Window>& windows = all[static_cast<std::size_t>(i)];
       const auto count = static_cast<Eigen::Index>(windows.size());
       if (count < 2 * kUnknowns) continue;
@@ -123,7 +87,7 @@ std::vector<AxisValues> start_candidates(const AxisData& data, double least_dela
         const std::vector<double>& u =
             inputs[static_cast<std::size_t>(window.stretch - data.stretches.data())];
         double input = 0.0;
-        for_rows(*window.stretch, window.first, static_cast<std::size_t>(kShortest) << i,
+        for_rows(*window.stretch, window.first, static_cast<std::size_t>(kShortestWindow) << i,
                  [&](std::size_t k, double s, double length, double dt) {
                    input += weight(s, length).value * u[k] * dt;
                  });

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <breakwater/identification/friction_axis.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/world/noise.h>
 

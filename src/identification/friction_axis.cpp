@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <breakwater/identification/input_steps.h>
 #include <breakwater/math/functions.h>
 
 namespace breakwater {
@@ -102,29 +103,7 @@ class Motion {
 
 void move_axis(const AxisValues& parameters, const AxisStart& start, const AxisStretch& stretch,
                std::span<double> positions) {
-  Motion motion(parameters, start);
-  const std::vector<double>& changes = stretch.input_times_s;
-  const double delay = parameters[kDelay];
-  double now = stretch.times_s.front();
-  positions.front() = motion.position();
-  // The input that acts at the beginning. The first one also acts before its time.
-  std::size_t i = static_cast<std::size_t>(
-      std::upper_bound(changes.begin(), changes.end(), now - delay) - changes.begin());
-  i = std::max<std::size_t>(i, 1) - 1;
-  for (std::size_t k = 1; k < stretch.times_s.size(); ++k) {
-    const double end = stretch.times_s[k];
-    while (i + 1 < changes.size() && changes[i + 1] + delay < end) {
-      const double change = changes[i + 1] + delay;
-      if (change > now) {
-        motion.advance(change - now, stretch.inputs[i]);
-        now = change;
-      }
-      ++i;
-    }
-    motion.advance(end - now, stretch.inputs[i]);
-    now = end;
-    positions[k] = motion.position();
-  }
+  follow(stretch, parameters[kDelay], Motion(parameters, start), positions);
 }
 
 }  // namespace breakwater

@@ -6,26 +6,15 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/runner.h>
-#include <breakwater/identification/axis_intervals.h>
+#include <breakwater/identification/axis_parameters.h>
+#include <breakwater/identification/identified_study.h>
+#include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
 namespace {
-
-double largest_input(const AxisData& data) {
-  double largest = 0.0;
-  for (const AxisStretch& stretch : data.stretches) {
-    for (const double u : stretch.inputs) largest = std::max(largest, std::abs(u));
-  }
-  return largest;
-}
-
-// Jitter leaves the mean interval a little beside a round period.
-double rounded(double period_s) {
-  const double few_digits = std::stod(fmt::format("{:.3g}", period_s));
-  return std::abs(few_digits - period_s) < 1e-4 * period_s ? few_digits : period_s;
-}
 
 nlohmann::ordered_json errors_json(const FitErrors& errors) {
   return {{"rms_rad", errors.rms},
@@ -33,10 +22,55 @@ nlohmann::ordered_json errors_json(const FitErrors& errors) {
           {"normalised", errors.normalised}};
 }
 
+double time_step_of(const AxisData& data) {
+  double step_s = 0.0;
+  for (const AxisStretch& stretch : data.stretches) step_s = std::max(step_s, stretch.time_step_s);
+  return step_s;
+}
+
 }  // namespace
+
+std::string estimate_toml(const Catalogue& catalogue, const Identification& identification,
+                          const RecordSource& source) {
+  const IdentifiedPlant plant = identified_plant(identification);
+  const ScenarioFile file(
+      source.config.empty() ? recorded_estimation().file().string() : source.config, "estimate");
+  std::vector<std::string> sets = {
+      "csv.file=" + toml_string(source.file),
+      "csv.time_column=" + toml_string(source.format.time_column),
+      "csv.input_column=" + toml_string(source.format.input_column),
+      "csv.position_column=" + toml_string(source.format.position_column),
+      fmt::format("csv.input_acts={}", source.input_acts == InputActs::after ? "after" : "before"),
+      fmt::format("encoder.rounding={}",
+                  plant.rounding == EncoderRounding::nearest ? "nearest" : "truncate")};
+  const auto set = [&](const char* key, double value) {
+    sets.push_back(fmt::format("{}={:.12g}", key, value));
+  };
+  set("csv.time_scale", source.format.time_scale);
+  set("csv.time_std_s", time_step_of(identification.data) / std::sqrt(12.0));
+  set("csv.input_scale", source.format.input_scale * identification.fit.values[kTorqueConstant]);
+  set("csv.position_scale", source.format.position_scale);
+  set("plant.inertia", plant.inertia);
+  set("plant.viscous_friction", plant.viscous_friction);
+  set("encoder.quantum", plant.quantum);
+  set("noise.std", plant.noise_std);
+  RecordedEstimation estimation(catalogue);
+  Fields fields = estimation.fields();
+  fields.read(file.config(file.default_case(), sets));
+  return fields.print("estimate", file.default_case());
+}
 
 std::string identified_json(const Identification& identification) {
   nlohmann::ordered_json json;
+  const AxisParameter known = identification.data.model->known_inertia;
+  if (!identification.free[known]) {
+    const double inertia = identification.fit.values[known];
+    json[parameter_key(known)] = {{"value", inertia},
+                                  {"low", inertia},
+                                  {"high", inertia},
+                                  {"identifiable", true},
+                                  {"given", true}};
+  }
   for (const ParameterEstimate& estimate : identification.parameters) {
     nlohmann::ordered_json& entry = json[parameter_key(estimate.parameter)];
     entry = {{"value", estimate.value},
@@ -47,6 +81,7 @@ std::string identified_json(const Identification& identification) {
       entry["reason"] = estimate.reason;
       entry["excitation"] = estimate.excitation;
     }
+    if (!identification.whiteness.is_white()) entry["too_narrow"] = true;
   }
   nlohmann::ordered_json& fit = json["fit"];
   fit["converged"] = identification.is_converged;
@@ -54,6 +89,7 @@ std::string identified_json(const Identification& identification) {
   fit["rows"] = identification.data.rows();
   fit["stretches"] = identification.data.stretches.size();
   fit["period_s"] = identification.data.period_s;
+  fit["time_step_s"] = time_step_of(identification.data);
   fit["quantum_rad"] = identification.data.quantum;
   fit["quantum_found"] = identification.is_quantum_found;
   fit["noise_std_rad"] = identification.fit.noise_std;
@@ -71,43 +107,31 @@ std::string identified_json(const Identification& identification) {
 
 std::string identified_toml(const Catalogue& catalogue, const Identification& identification,
                             const IdentifiedScenarioKind& scenario) {
-  const AxisData& data = identification.data;
-  const AxisValues& values = identification.fit.values;
-  const IdentifiedPlant plant{.inertia = values[kInertia],
-                              .viscous_friction = values[kViscous],
-                              .coulomb_friction = values[kCoulomb],
-                              .breakaway_friction = values[kBreakaway],
-                              .stribeck_speed = values[kStribeckSpeed],
-                              .delay_s = values[kDelay],
-                              .period_s = rounded(data.period_s),
-                              .quantum = data.quantum,
-                              .rounding = data.rounding,
-                              .noise_std = identification.fit.noise_std,
-                              .largest_torque = values[kTorqueConstant] * largest_input(data)};
+  const IdentifiedPlant plant = identified_plant(identification);
+  std::vector<std::string> sets = scenario.plant_sets(plant);
+  const std::vector<std::string> others = scenario.other_sets(plant);
+  sets.insert(sets.end(), others.begin(), others.end());
   const std::string file = catalogue.get<ScenarioKind>(scenario.name).file().string();
-  std::string text = prepare_run(catalogue, scenario.name, ScenarioFile(file, scenario.name),
-                                 scenario.case_name, scenario.sets(plant))
-                         .config_text +
-                     "\n# For a study: draws from the parameters' distribution.\n# [vary]\n";
-  for (const ParameterEstimate& estimate : identification.parameters) {
-    const std::string key = estimate.parameter == kInertia   ? scenario.inertia_key
-                            : estimate.parameter == kViscous ? scenario.viscous_key
-                            : estimate.parameter == kCoulomb ? scenario.coulomb_key
-                                                             : "";
-    if (key.empty() || !(estimate.high > estimate.low)) continue;
-    text += fmt::format("# \"{}\" = {{ normal = [{:.9g}, {:.9g}] }}{}\n", key, estimate.value,
-                        0.5 * (estimate.high - estimate.low) / kRoot95,
-                        estimate.is_identifiable ? "" : "  # not identifiable");
-  }
-  return text;
+  return prepare_run(catalogue, scenario.name, ScenarioFile(file, scenario.name),
+                     scenario.case_name, sets)
+      .config_text;
+}
+
+std::string identifiable_text(const Identification& identification,
+                              const ParameterEstimate& estimate) {
+  if (!estimate.is_identifiable) return "no";
+  return identification.whiteness.is_white() ? "yes" : "yes, interval too narrow";
 }
 
 std::string parameter_table(const Identification& identification, std::size_t width) {
   Table table({"parameter", "value", "low", "high", "unit", "identifiable"});
   for (const ParameterEstimate& estimate : identification.parameters) {
-    table.add({parameter_key(estimate.parameter), fmt::format("{:.7g}", estimate.value),
-               fmt::format("{:.7g}", estimate.low), fmt::format("{:.5g}", estimate.high),
-               parameter_unit(estimate.parameter), estimate.is_identifiable ? "yes" : "no"});
+    const auto number = [&](double value) {
+      return estimate.is_identifiable ? fmt::format("{:.7g}", value) : std::string("-");
+    };
+    table.add({parameter_key(estimate.parameter), number(estimate.value), number(estimate.low),
+               number(estimate.high), parameter_unit(estimate.parameter),
+               identifiable_text(identification, estimate)});
   }
   return table.print(width);
 }

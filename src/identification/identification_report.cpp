@@ -7,6 +7,8 @@
 #include <kainjow/mustache.hpp>
 
 #include <breakwater/identification/axis_intervals.h>
+#include <breakwater/identification/axis_parameters.h>
+#include <breakwater/identification/identification_outputs.h>
 #include <breakwater/pages/decimation.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/svg_plot.h>
@@ -89,7 +91,7 @@ mustache::data parameter_rows(const Identification& identification) {
     row.set("unit", parameter_unit(estimate.parameter));
     row.set("identifiable",
             estimate.is_identifiable
-                ? "yes"
+                ? identifiable_text(identification, estimate)
                 : fmt::format("no: {}. This would help: {}", estimate.reason, estimate.excitation));
     rows << row;
   }
@@ -184,7 +186,8 @@ mustache::data profile_charts(const Identification& identification) {
 std::string identification_report(const Identification& identification,
                                   const std::string& command) {
   mustache::data page;
-  page.set("title", "Identification of an axis");
+  const bool is_axis = identification.data.model == &friction_axis();
+  page.set("title", is_axis ? "Identification of an axis" : "Identification of a motor and a load");
   page.set("command", command);
   page.set("method",
            identification.is_bootstrapped ? "parametric bootstrap" : "profile likelihood");

@@ -8,7 +8,8 @@
 #include <stdexcept>
 
 #include <breakwater/identification/axis_intervals.h>
-#include <breakwater/identification/axis_start.h>
+#include <breakwater/identification/axis_parameters.h>
+#include <breakwater/identification/rounded_times.h>
 #include <breakwater/observers/code_likelihood.h>
 #include <breakwater/recorded/encoder_quantum.h>
 #include <breakwater/shell/table.h>
@@ -32,28 +33,8 @@ constexpr double kWhite99 = 37.566;  // 99 % quantile of chi-square with kLags d
 constexpr double kSteady = 0.05;     // spread of a speed that counts as constant, relative
 constexpr double kOneWay = 0.01;     // share of the other direction that counts as none
 constexpr double kTied = 0.95;       // correlation of parameters that a record does not separate
-
-struct Known {
-  AxisParameter parameter;
-  const char* key;
-  const char* unit;
-  const char* name;
-  double largest_std;  // limit for an identifiable parameter, in its scale
-};
-
-constexpr Known kKnown[] = {
-    {kInertia, "inertia_kgm2", "kg m^2", "inertia", 0.25},
-    {kViscous, "viscous_Nms", "N m s/rad", "viscous friction", 0.15},
-    {kCoulomb, "coulomb_Nm", "N m", "Coulomb friction", 0.15},
-    {kBreakaway, "breakaway_Nm", "N m", "breakaway friction", 0.15},
-    {kStribeckSpeed, "stribeck_speed_rad_s", "rad/s", "Stribeck speed", 0.5},
-    {kOffset, "offset_Nm", "N m", "offset torque", 0.15},
-    {kDelay, "delay_s", "s", "delay", 1.0},
-    {kTorqueConstant, "torque_constant", "N m", "torque constant", 0.25}};
-
-std::vector<AxisStart> no_starts(const AxisData& data) {
-  return std::vector<AxisStart>(data.stretches.size());
-}
+constexpr double kLeastPlay = 0.05;  // first guess of an interval of a backlash, in RMS twists
+constexpr double kClear = 0.5;  // rise of −2 ln L, in that of an interval, that shows its end
 
 double rms_error(const AxisData& data, const AxisFit& fit) {
   const std::vector<double> positions = fitted_positions(data, fit);
@@ -78,9 +59,11 @@ double range_of(const AxisData& data) {
   return range;
 }
 
-// The best of the candidates after a few iterations each, then to the end.
+// The best of the candidates after a few iterations each, then to the end. `starts` may be given,
+// too.
 AxisFit best_fit(const AxisData& data, const FreeParameters& free,
-                 const std::vector<AxisValues>& candidates) {
+                 const std::vector<AxisValues>& candidates,
+                 const std::vector<AxisStart>& starts = {}) {
   struct Trial {
     AxisFit fit;
     double rms;
@@ -88,7 +71,7 @@ AxisFit best_fit(const AxisData& data, const FreeParameters& free,
   std::vector<Trial> trials;
   const double least = std::max(data.quantum, 1e-9 * range_of(data));
   for (const AxisValues& values : candidates) {
-    AxisFit fit{.values = values, .starts = no_starts(data), .noise_std = least};
+    AxisFit fit{.values = values, .starts = starts, .noise_std = least};
     fit = fit_starts(data, fit);
     fit.noise_std = std::max(least, 0.1 * rms_error(data, fit));
     fit = fit_axis(data, free, fit, kTrialIterations);
@@ -106,17 +89,54 @@ AxisFit best_fit(const AxisData& data, const FreeParameters& free,
   return best;
 }
 
+// The best fit with a backlash, from several sizes of it. A play makes the spring look softer.
+AxisFit fit_with_backlash(const AxisData& data, FreeParameters free, const AxisFit& without) {
+  free[kBacklash] = true;
+  std::vector<AxisValues> candidates;
+  for (const double share : {0.1, 0.5, 2.0}) {
+    AxisValues values = without.values;
+    values[kBacklash] = share * rms_twist(data, without);
+    candidates.push_back(values);
+    values[kStiffness] *= 1.0 + share;
+    candidates.push_back(values);
+  }
+  return best_fit(data, free, candidates, without.starts);
+}
+
+// The best of the searches that begin five standard deviations beside a fit. Flanks and stiction
+// make several minima.
+AxisFit best_beside(const AxisData& data, const FreeParameters& free, const AxisFit& fit) {
+  constexpr double kBeside = 5.0;
+  const Eigen::MatrixXd covariance = covariance_of(data, free, fit);
+  AxisFit best = fit;
+  Eigen::Index i = 0;
+  for (std::size_t p = 0; p < kAxisParameters; ++p) {
+    if (!free[p]) continue;
+    const double std = std::sqrt(covariance(i, i));
+    const Eigen::VectorXd change = kBeside / std * covariance.col(i++);
+    if (!(std <= known_parameter(static_cast<AxisParameter>(p)).largest_std)) continue;
+    for (const double sign : {-1.0, 1.0}) {
+      const AxisFit one =
+          fit_axis(data, free, moved_fit(data, free, fit, sign * change), kTrialIterations);
+      if (one.deviance < best.deviance - kBetter) best = one;
+    }
+  }
+  return best;
+}
+
 // Features of the motion of a fit, for the reasons.
 struct MotionShown {
   double speed_spread = 0.0;  // relative
   double other_way = 0.0;     // share of the rarer direction
   double input_spread = 0.0;  // relative
+  double other_push = 0.0;    // share of the input's rarer sign
+  bool is_at_motor = true;    // the encoder
 };
 
 MotionShown motion_of(const AxisData& data, const AxisFit& fit) {
   const std::vector<double> positions = fitted_positions(data, fit);
   double n = 0.0, sum = 0.0, squares = 0.0, forward = 0.0, moving = 0.0;
-  double inputs = 0.0, input_sum = 0.0, input_squares = 0.0;
+  double inputs = 0.0, input_sum = 0.0, input_squares = 0.0, pushed_forward = 0.0;
   std::size_t from = 0;
   for (const AxisStretch& stretch : data.stretches) {
     for (std::size_t k = 1; k < stretch.times_s.size(); ++k) {
@@ -133,6 +153,7 @@ MotionShown motion_of(const AxisData& data, const AxisFit& fit) {
       inputs += 1.0;
       input_sum += u;
       input_squares += u * u;
+      if (u > 0.0) pushed_forward += 1.0;
     }
   }
   const auto spread = [](double count, double total, double square) {
@@ -140,33 +161,53 @@ MotionShown motion_of(const AxisData& data, const AxisFit& fit) {
     return std::sqrt(std::max(0.0, square / count - mean * mean) / (square / count));
   };
   return {spread(n, sum, squares), std::min(forward, moving - forward) / std::max(moving, 1.0),
-          spread(inputs, input_sum, input_squares)};
+          spread(inputs, input_sum, input_squares),
+          std::min(pushed_forward, inputs - pushed_forward) / inputs,
+          data.model->has_motor_encoder};
 }
 
 void explain(ParameterEstimate& estimate, const MotionShown& motion,
              const std::vector<std::string>& tied) {
-  const bool is_friction = estimate.parameter == kViscous || estimate.parameter == kCoulomb ||
-                           estimate.parameter == kOffset;
-  if (motion.speed_spread < kSteady &&
-      (is_friction || estimate.parameter == kInertia || estimate.parameter == kTorqueConstant)) {
+  const AxisParameter p = estimate.parameter;
+  const bool is_friction = p == kViscous || p == kCoulomb || p == kOffset || p == kMotorViscous ||
+                           p == kLoadViscous || p == kMotorCoulomb || p == kLoadCoulomb;
+  const bool is_inertia =
+      p == kInertia || p == kTorqueConstant || p == kMotorInertia || p == kLoadInertia;
+  const bool is_spring = p == kStiffness || p == kDamping;
+  if (motion.speed_spread < kSteady && (is_friction || is_inertia)) {
     estimate.reason = is_friction
                           ? "the speed is almost constant, so friction and offset act alike"
                           : "the speed is almost constant, so no torque accelerates the inertia";
     estimate.excitation = is_friction ? "move at several speeds in both directions"
                                       : "accelerate: steps, a sine or a multisine of the torque";
+  } else if (motion.speed_spread < kSteady && is_spring) {
+    estimate.reason = "the speed is almost constant, so the spring does not vibrate";
+    estimate.excitation = "a chirp or a multisine through the resonance";
+  } else if (motion.input_spread < kSteady && (is_friction || is_inertia)) {
+    estimate.reason =
+        "the input is almost constant, so that an axis with a multiple of all torques and inertias "
+        "moves alike";
+    estimate.excitation = "change the torque often: steps, a sine or a multisine";
+  } else if (p == kBacklash && std::min(motion.other_way, motion.other_push) < kOneWay) {
+    estimate.reason = "the motion never reverses, so the play is not crossed";
+    estimate.excitation = "let torque and motion reverse often";
   } else if (is_friction && motion.other_way < kOneWay) {
     estimate.reason = "the velocity never reverses, so Coulomb friction and offset act alike";
     estimate.excitation = "let the motion reverse often";
-  } else if (estimate.parameter == kDelay && motion.input_spread < kSteady) {
+  } else if (p == kDelay && motion.input_spread < kSteady) {
     estimate.reason = "the input is almost constant";
     estimate.excitation = "change the torque often: steps or a multisine";
   } else {
     estimate.reason = tied.empty() ? "its interval is too wide for the size of the input"
                                    : fmt::format("the records do not separate it from: {}",
                                                  fmt::join(tied, ", "));
-    estimate.excitation = estimate.parameter == kBreakaway || estimate.parameter == kStribeckSpeed
-                              ? "pass through standstill often and slowly"
-                              : "a larger input with several frequencies and reversals";
+    estimate.excitation =
+        p == kBreakaway || p == kStribeckSpeed ? "pass through standstill often and slowly"
+        : !motion.is_at_motor && (is_spring || p == kMotorInertia || p == kLoadInertia)
+            ? "a chirp or a multisine through the resonance, with the encoder on the motor"
+        : is_spring || p == kMotorInertia || p == kLoadInertia
+            ? "a larger chirp or multisine through the resonance"
+            : "a larger input with several frequencies and reversals";
   }
 }
 
@@ -179,8 +220,9 @@ std::vector<std::vector<double>> scores_of(const AxisData& data, const AxisFit& 
   for (const AxisStretch& stretch : data.stretches) {
     std::vector<double>& one = scores.emplace_back();
     for (const double y : stretch.positions) {
-      const double off = (positions[k++] - y - std::copysign(truncated, y)) / fit.noise_std;
-      const double half = 0.5 * data.quantum / fit.noise_std;
+      const double noise = stretch.noise_at(one.size(), fit.noise_std);
+      const double off = (positions[k++] - y - std::copysign(truncated, y)) / noise;
+      const double half = 0.5 * data.quantum / noise;
       one.push_back(data.quantum == 0.0 ? -off
                                         : CodeInterval(-half - off, half - off).moments().mean);
     }
@@ -209,30 +251,52 @@ Whiteness whiteness_of(const std::vector<std::vector<double>>& scores) {
   return whiteness;
 }
 
-// A model of inertia and viscous friction alone.
-AxisFit plain_fit(const AxisData& data, const AxisFit& fit) {
+// The records with a model of inertia and viscous friction alone.
+AxisData plain_data(AxisData data) {
+  data.model = &friction_axis();
+  for (AxisStretch& stretch : data.stretches) {
+    stretch.drifts.resize(0, 0);
+    stretch.time_noise.clear();
+  }
+  return data;
+}
+
+AxisFit plain_fit(const AxisData& records, const AxisFit& fit) {
+  const AxisData data = plain_data(records);
   AxisFit plain = fit;
   FreeParameters free{};
   free[kInertia] = free[kViscous] = true;
-  plain.values[kCoulomb] = plain.values[kBreakaway] = plain.values[kOffset] = 0.0;
-  plain.values[kDelay] = 0.0;
-  plain.values[kViscous] = std::max(fit.values[kViscous], 0.1 * parameter_scales(data)[kViscous]);
+  plain.values = records.model->rigid(fit.values);
+  plain.values[kViscous] = std::max(plain.values[kViscous], 0.1 * parameter_scales(data)[kViscous]);
   plain = fit_starts(data, plain);
   plain.noise_std = std::max(fit.noise_std, 0.1 * rms_error(data, plain));
   return fit_axis(data, free, plain, 2 * kTrialIterations);
 }
 
+// The variance of the noise before the encoder, with that of rounded times.
+double noise_variance(const AxisData& data, const AxisFit& fit) {
+  double squares = 0.0;
+  for (const AxisStretch& stretch : data.stretches) {
+    for (const double noise : stretch.time_noise) squares += noise * noise;
+  }
+  return fit.noise_std * fit.noise_std + squares / static_cast<double>(data.rows());
+}
+
 // The variance of the errors that noise and encoder explain.
 double error_variance(const AxisData& data, const AxisFit& fit) {
   const double rounding = data.rounding == EncoderRounding::nearest ? 12.0 : 3.0;
-  return fit.noise_std * fit.noise_std + data.quantum * data.quantum / rounding;
+  return noise_variance(data, fit) + data.quantum * data.quantum / rounding;
 }
 
 FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const AxisFit& plain,
                           const FreeParameters& free, const Eigen::MatrixXd& covariance,
                           const AxisValues& scales) {
-  const AxisFit model = fit_starts(held, fit);
-  FitErrors errors{rms_error(held, model), rms_error(held, fit_starts(held, plain)), 0.0};
+  AxisFit model = fit;
+  model.starts.clear();
+  model = fit_starts(held, model);
+  const AxisData plain_held = plain_data(held);
+  FitErrors errors{rms_error(held, model), rms_error(plain_held, fit_starts(plain_held, plain)),
+                   0.0};
   // The parameters' uncertainty adds to the variance: the mean square of each scaled direction.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(covariance);
   const std::vector<double> positions = fitted_positions(held, model);
@@ -263,6 +327,23 @@ FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const AxisFi
   return errors;
 }
 
+// The upper end of a backlash that the fit does without. `better` becomes a fit with a backlash
+// that the records demand, if the profile meets one.
+ParameterEstimate no_backlash(const AxisData& data, const FreeParameters& free, const AxisFit& fit,
+                              const MotionShown& motion, bool shows_spring,
+                              std::optional<AxisFit>& better) {
+  const double guess = kLeastPlay * rms_twist(data, fit) / parameter_scales(data)[kBacklash];
+  const auto count = std::count(free.begin(), free.end(), true);
+  ParameterInterval interval =
+      profile_interval(data, free, fit, kBacklash, guess, Eigen::VectorXd::Zero(count));
+  if (interval.better.deviance < fit.deviance - kChiSquare95) better = interval.better;
+  ParameterEstimate estimate{.parameter = kBacklash, .high = interval.high};
+  estimate.profile = std::move(interval.profile);
+  estimate.is_identifiable = shows_spring && estimate.profile.back().second > kClear * kChiSquare95;
+  if (!estimate.is_identifiable) explain(estimate, motion, {});
+  return estimate;
+}
+
 // Values, intervals and identifiability of the fit. Returns a better fit instead, if a profile
 // meets one.
 std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& covariance,
@@ -271,36 +352,55 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
   const AxisFit& fit = result.fit;
   const FreeParameters& free = result.free;
   result.parameters.clear();
+  result.notes.clear();
   covariance = covariance_of(data, free, fit);
+  // A prior must not make a parameter look known.
+  const Eigen::MatrixXd shown = covariance_of(data, free, fit, kHardlyAnyPrior);
   std::vector<AxisParameter> order;
   for (std::size_t p = 0; p < kAxisParameters; ++p) {
     if (free[p]) order.push_back(static_cast<AxisParameter>(p));
   }
   // The likelihood of codes has hardly any curvature without noise.
-  result.is_bootstrapped = data.quantum > 0.0 && fit.noise_std < 1.5 * kLeastNoise * data.quantum;
+  result.is_bootstrapped =
+      data.quantum > 0.0 && std::sqrt(noise_variance(data, fit)) < 1.5 * kLeastNoise * data.quantum;
   const std::vector<double> boots =
       result.is_bootstrapped ? bootstrap_std(data, free, fit) : std::vector<double>();
   const MotionShown motion = motion_of(data, fit);
+  // Damping and backlash mean nothing beside an unknown stiffness.
+  const auto spring = std::find(order.begin(), order.end(), kStiffness);
+  const Eigen::Index row = spring - order.begin();
+  const bool shows_spring = spring == order.end() ||
+                            std::sqrt(shown(row, row)) <= known_parameter(kStiffness).largest_std;
   for (std::size_t n = 0; n < order.size(); ++n) {
     const auto i = static_cast<Eigen::Index>(n);
     ParameterEstimate estimate{.parameter = order[n], .value = fit.values[order[n]]};
     const double std = std::sqrt(covariance(i, i));
-    estimate.is_identifiable = std <= kKnown[order[n]].largest_std;
+    const bool is_of_spring = order[n] == kDamping || order[n] == kBacklash;
+    const double shown_std = std::sqrt(shown(i, i));
+    estimate.is_identifiable =
+        shown_std <= known_parameter(order[n)].largest_std && (shows_spring || !is_of_spring);
     if (!estimate.is_identifiable) {
       std::vector<std::string> tied;
       for (std::size_t m = 0; m < order.size(); ++m) {
         const auto j = static_cast<Eigen::Index>(m);
-        if (m != n && std::abs(covariance(i, j)) > kTied * std * std::sqrt(covariance(j, j))) {
-          tied.emplace_back(kKnown[order[m]].name);
+        if (m != n && std::abs(shown(i, j)) > kTied * shown_std * std::sqrt(shown(j, j))) {
+          tied.emplace_back(known_parameter(order[m)].name);
         }
       }
       explain(estimate, motion, tied);
     }
     if (estimate.is_identifiable && !result.is_bootstrapped) {
-      ParameterInterval interval = profile_interval(data, free, fit, order[n], std);
+      ParameterInterval interval =
+          profile_interval(data, free, fit, order[n], std, covariance.col(i) / covariance(i, i));
       if (interval.better.deviance < fit.deviance - kBetter) {
         if (!is_last) return interval.better;
         result.is_converged = false;
+      }
+      if (!interval.is_closed) {
+        result.notes.push_back(
+            fmt::format("the interval of {} may be too narrow: the search for its ends did not "
+                        "converge",
+                        parameter_key(order[n])));
       }
       estimate.low = interval.low;
       estimate.high = interval.high;
@@ -312,17 +412,19 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
     }
     result.parameters.push_back(std::move(estimate));
   }
+  if (data.model->has_backlash && !free[kBacklash]) {
+    std::optional<AxisFit> better;
+    result.parameters.push_back(no_backlash(data, free, fit, motion, shows_spring, better));
+    if (better && !is_last) {
+      result.free[kBacklash] = true;
+      return better;
+    }
+    if (better) result.is_converged = false;
+  }
   return std::nullopt;
 }
 
 }  // namespace
-
-const char* parameter_key(AxisParameter parameter) {
-  return kKnown[parameter].key;
-}
-const char* parameter_unit(AxisParameter parameter) {
-  return kKnown[parameter].unit;
-}
 
 AxisData axis_data(const std::vector<RecordedAxis>& records, bool inputs_act_before,
                    double settle_s) {
@@ -334,6 +436,7 @@ AxisData axis_data(const std::vector<RecordedAxis>& records, bool inputs_act_bef
     const RecordedTiming timing = timing_of(t, 0.0, kGapPeriods, 0.1);
     data.period_s =
         std::max(data.period_s, timing_of(record.times_s, 0.0, kGapPeriods, 0.1).period_s);
+    const double time_step_s = rounding_step(record.times_s);
     // A start after each gap forgets the unknown inputs. Many gaps are bridged instead.
     const double longest_s =
         (timing.gaps.size() > kMostStarts ? kLongestGap : kGapPeriods) * timing.period_s;
@@ -344,7 +447,7 @@ AxisData axis_data(const std::vector<RecordedAxis>& records, bool inputs_act_bef
     };
     std::size_t row = 0;
     for (std::size_t from = 0; from < rows;) {
-      AxisStretch stretch;
+      AxisStretch stretch{.time_step_s = time_step_s};
       std::size_t k = from;
       for (;; ++k) {
         stretch.input_times_s.push_back(t[k] - t[from]);
@@ -385,6 +488,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   AxisData& data = result.data;
   data = axis_data(records, settings.inputs_act_before, largest_delay);
   if (data.stretches.empty()) data = all;
+  data.model = settings.model;
   data.least_delay_s = -largest_lead;
   data.largest_delay_s = largest_delay;
   if (settings.quantum) {
@@ -408,24 +512,28 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   if (!(scales[kOffset] > 0.0)) throw std::invalid_argument("the input is always 0");
 
   FreeParameters& free = result.free;
-  for (const AxisParameter p : {kInertia, kViscous, kCoulomb, kOffset, kDelay}) free[p] = true;
-  std::vector<AxisValues> candidates = start_candidates(data, -largest_lead, largest_delay);
+  for (const AxisParameter p : settings.model->parameters) free[p] = true;
+  std::vector<AxisValues> candidates =
+      settings.model->candidates(data, -largest_lead, largest_delay);
   if (candidates.empty()) {
     throw std::invalid_argument(
         "no start of the fit was found: the input does not explain the motion. Check the signs of "
         "u and y, and their columns");
   }
   if (settings.known_inertia) {
-    free[kInertia] = false;
+    free[settings.model->known_inertia] = false;
     free[kTorqueConstant] = true;
     for (AxisValues& values : candidates) {
-      const double factor = *settings.known_inertia / values[kInertia];
-      for (const AxisParameter p : {kInertia, kViscous, kCoulomb, kOffset, kTorqueConstant}) {
-        values[p] *= factor;
+      const double factor = *settings.known_inertia / values[settings.model->known_inertia];
+      for (std::size_t p = 0; p < kAxisParameters; ++p) {
+        if (is_torque(static_cast<AxisParameter>(p))) values[p] *= factor;
       }
     }
   }
   result.fit = best_fit(data, free, candidates);
+  if (std::isfinite(result.fit.deviance) && allow_rounded_times(data, result.fit)) {
+    result.fit = fit_axis_and_noise(data, free, result.fit);
+  }
   if (settings.has_stribeck) {
     // The friction of standstill falls to that of motion: several speeds are tried.
     free[kBreakaway] = free[kStribeckSpeed] = true;
@@ -440,6 +548,15 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
     result.fit = best_fit(data, free, with_bump);
   }
   const AxisFit& fit = result.fit;
+  if (settings.model->has_backlash && std::isfinite(fit.deviance)) {
+    AxisFit with = fit_with_backlash(data, free, fit);
+    if (with.deviance < fit.deviance - kChiSquare95) {
+      free[kBacklash] = true;
+      result.fit = std::move(with);
+    }
+    const AxisFit beside = best_beside(data, free, fit);
+    if (beside.deviance < fit.deviance) result.fit = fit_axis_and_noise(data, free, beside);
+  }
   result.is_converged = fit.is_converged;
   if (!std::isfinite(fit.deviance)) return result;
 
@@ -453,7 +570,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
 
   const AxisFit plain = plain_fit(data, fit);
   result.errors.rms = rms_error(data, fit);
-  result.errors.plain_rms = rms_error(data, plain);
+  result.errors.plain_rms = rms_error(plain_data(data), plain);
   result.errors.normalised = result.errors.rms / std::sqrt(error_variance(data, fit));
   result.whiteness = whiteness_of(scores_of(data, fit));
   if (!result.whiteness.is_white()) {
@@ -462,11 +579,15 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   }
   if (!held_out.empty()) {
     AxisData held = axis_data(held_out, settings.inputs_act_before, largest_delay);
+    held.model = data.model;
     held.quantum = data.quantum;
     held.rounding = data.rounding;
     if (held.stretches.empty()) {
       throw std::invalid_argument("the held-out records are too short");
     }
+    AxisFit at_held = fit;
+    at_held.starts.clear();
+    allow_rounded_times(held, fit_starts(held, at_held));
     result.held_out = held_out_errors(held, fit, plain, free, covariance, scales);
   }
   return result;

@@ -12,6 +12,7 @@
 namespace breakwater {
 
 struct IdentificationSettings {
+  const AxisModel* model = &friction_axis();
   bool has_stribeck = false;
   bool inputs_act_before = false;
   std::optional<double> quantum;  ///< default: found in the positions
@@ -76,9 +77,5 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
 /// `settle_s` of each stretch give inputs alone.
 AxisData axis_data(const std::vector<RecordedAxis>& records, bool inputs_act_before,
                    double settle_s);
-
-/// "inertia_kgm2", … and "kg m^2", … of a parameter of a rotation.
-const char* parameter_key(AxisParameter parameter);
-const char* parameter_unit(AxisParameter parameter);
 
 }  // namespace breakwater

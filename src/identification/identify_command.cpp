@@ -9,10 +9,16 @@
 #include <stdexcept>
 
 #include <breakwater/experiment/settings.h>
+#include <breakwater/identification/axis_parameters.h>
+#include <breakwater/identification/clock_offset.h>
 #include <breakwater/identification/excitation.h>
 #include <breakwater/identification/identification_outputs.h>
 #include <breakwater/identification/identification_report.h>
+#include <breakwater/identification/identified_study.h>
+#include <breakwater/identification/two_inertia_axis.h>
+#include <breakwater/identification/two_inertia_outputs.h>
 #include <breakwater/record/partial_file.h>
+#include <breakwater/record/run_folder.h>
 #include <breakwater/recorded/record_keys.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
@@ -25,6 +31,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kIdentify = "identify";
+constexpr const char* kTwoInertia = "two_inertia";
 
 struct IdentifyArguments {
   std::vector<std::string> files;
@@ -37,6 +44,7 @@ struct IdentifyArguments {
   std::string out = "runs/identify";
   bool quiet = false;
   bool is_design = false;
+  std::string from;
   std::vector<std::string> limits;
   double duration_s = 20.0;
   double rate_Hz = 1000.0;
@@ -52,6 +60,7 @@ struct Keys {
   InputActs input_acts = InputActs::after;
   double quantum = -1.0;
   EncoderRounding rounding = EncoderRounding::nearest;
+  Side side = Side::motor;
 
   Fields fields() {
     Fields fields;
@@ -59,6 +68,9 @@ struct Keys {
     fields.number("encoder.quantum", quantum, any(),
                   "encoder resolution, one count; 0: not quantised; negative: found [rad]");
     bind_encoder_rounding(fields, "encoder.rounding", rounding);
+    fields.choice("encoder.side", side, {{"motor", Side::motor}, {"load", Side::load}},
+                  "side with the encoder, for --model two_inertia");
+    fields.standard("encoder.side", {std::string("motor")});
     fields.standard("csv.input_scale", {1.0});
     fields.standard("csv.position_scale", {1.0});
     fields.standard("csv.input_acts", {std::string("after")});
@@ -92,13 +104,19 @@ std::vector<RecordedAxis> records_of(const std::vector<std::string>& files, cons
       warn(kIdentify,
            {fmt::format("{}: repaired: {}", file, fmt::join(records.back().repairs, "; "))});
     }
+    for (const std::string& doubt : records.back().doubts) {
+      warn(kIdentify, {fmt::format("{}: {}", file, doubt)});
+    }
   }
   return records;
 }
 
 int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
              const std::string& command) {
+  RunFolder folder(arguments.out);
   const Keys keys = keys_of(arguments);
+  const bool has_two = arguments.model == kTwoInertia;
+  if (!has_two && keys.side == Side::load) refuse("encoder.side: load needs --model two_inertia");
   const std::vector<RecordedAxis> records = records_of(arguments.files, keys);
   const std::vector<RecordedAxis> held_out = records_of(arguments.held_out, keys);
   IdentificationSettings settings;
@@ -107,23 +125,35 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   if (keys.quantum >= 0.0) settings.quantum = keys.quantum;
   settings.rounding = keys.rounding;
   settings.known_inertia = arguments.inertia;
-  const Identification result = identify_axis(records, held_out, settings);
+  if (has_two) settings.model = &two_inertia_axis(keys.side);
+  const Identification result = identify_despite_clocks(records, held_out, settings);
   if (result.parameters.empty()) {
     warn(kIdentify, {"the fit found no likelihood: check the columns, their units and signs"});
     return kRunFailed;
   }
-  const fs::path out = arguments.out;
-  std::error_code error;
-  fs::create_directories(out, error);
-  if (error) throw OutputError(out.string() + ": " + error.message());
+  const fs::path& out = folder.path();
   replace_file(out / "identified.json", identified_json(result));
   const auto& scenarios = catalogue.all<IdentifiedScenarioKind>();
-  if (!scenarios.empty()) {
+  const auto& two_inertias = catalogue.all<IdentifiedTwoInertiaKind>();
+  if (has_two && !two_inertias.empty()) {
+    replace_file(out / "identified.toml",
+                 two_inertia_toml(catalogue, result, two_inertias.front(), keys.side));
+  } else if (!has_two && !scenarios.empty()) {
     replace_file(out / "identified.toml", identified_toml(catalogue, result, scenarios.front()));
+    replace_file(out / "estimate.toml", estimate_toml(catalogue, result,
+                                                      {arguments.files.front(), arguments.config,
+                                                       keys.format, keys.input_acts}));
+    replace_file(out / "sweep.toml", identified_sweep(result, scenarios.front()));
+    replace_file(out / "tune.toml", identified_tuning(result, scenarios.front()));
   }
   replace_file(out / "report.html", identification_report(result, command));
+  folder.commit();
   std::vector<std::string> notes = result.notes;
   for (const ParameterEstimate& estimate : result.parameters) {
+    if (has_two && estimate.parameter == kOffset && estimate.low * estimate.high > 0.0) {
+      notes.push_back(fmt::format("identified.toml leaves out {}: its scenario has none",
+                                  parameter_key(kOffset)));
+    }
     if (estimate.is_identifiable) continue;
     notes.push_back(fmt::format("{} is not identifiable: {}. This would help: {}",
                                 parameter_key(estimate.parameter), estimate.reason,
@@ -131,7 +161,7 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   }
   if (!arguments.quiet) {
     warn(kIdentify, notes);
-    fmt::print("results: {}\n\n{}", out.string(), parameter_table(result, output_width()));
+    fmt::print("results: {}\n\n{}", arguments.out, parameter_table(result, output_width()));
   }
   if (!result.is_converged) {
     warn(kIdentify, {"the fit did not converge: the values are not to be used"});
@@ -162,8 +192,8 @@ ExcitationLimits limits_of(const IdentifyArguments& arguments) {
     (name == "torque" ? limits.torque : limits.speed) = value;
   }
   if (limits.torque == 0.0) refuse("--limits: torque is missing");
-  if (!std::isfinite(limits.speed) && !arguments.inertia) {
-    refuse("--limits: speed is missing, or give --inertia");
+  if (!std::isfinite(limits.speed) && !arguments.inertia && arguments.from.empty()) {
+    refuse("--limits: speed is missing, or give --inertia or --from");
   }
   constexpr double kFewest = 200.0;
   constexpr double kMost = 1e6;
@@ -176,8 +206,26 @@ ExcitationLimits limits_of(const IdentifyArguments& arguments) {
 }
 
 int design(const IdentifyArguments& arguments) {
-  const ExcitationLimits limits = limits_of(arguments);
-  const AxisValues axis = guessed_axis(limits, arguments.inertia.value_or(0.0));
+  ExcitationLimits limits = limits_of(arguments);
+  constexpr double kAny = 1.0;  // an inertia that --from replaces
+  const bool is_known = !arguments.from.empty();
+  AxisValues axis = guessed_axis(limits, arguments.inertia.value_or(is_known ? kAny : 0.0));
+  if (is_known) {
+    try {
+      axis = read_identified_axis(arguments.from, axis);
+    } catch (const std::invalid_argument& error) {
+      refuse(fmt::format("--from: {}", error.what()));
+    }
+  }
+  const double friction = axis[kCoulomb] + axis[kBreakaway] + std::abs(axis[kOffset]);
+  if (!(limits.torque > friction)) {
+    refuse(fmt::format(
+        "--limits: torque={:.6g}: does not move the axis in both directions: Coulomb and breakaway "
+        "friction and the offset are {:.6g} N m",
+        limits.torque, friction));
+  }
+  // The table is in the unit of the records.
+  limits.torque /= axis[kTorqueConstant];
   const std::vector<double> inputs = designed_excitation(limits, axis);
   std::string text = "time_s,u\n";
   for (std::size_t k = 0; k < inputs.size(); ++k) {
@@ -195,21 +243,26 @@ int design(const IdentifyArguments& arguments) {
 int identify_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   const std::string program = own_program_name() + " " + kIdentify;
   return guarded(program, [&] {
-    CLI::App app("Fits the model of an axis to recorded data, with intervals.", program);
+    CLI::App app(
+        "Fits the model of an axis, or of a motor and a load, to recorded data, with intervals.",
+        program);
     IdentifyArguments arguments;
     app.add_option("FILE", arguments.files, "tables with the columns time_s, u and y");
     app.add_option("--holdout", arguments.held_out,
                    "check the fit on these tables, which it does not use")
         ->type_name("FILE");
-    app.add_option("--model", arguments.model, "the plant: axis")
-        ->check(CLI::IsMember({"axis"}))
+    app.add_option("--model", arguments.model,
+                   "the plant: axis, or two_inertia: a motor and a load with a spring")
+        ->check(CLI::IsMember({"axis", kTwoInertia}))
         ->capture_default_str();
     app.add_option("--friction", arguments.friction,
                    "friction: coulomb (and viscous), or with stribeck")
         ->check(CLI::IsMember({"coulomb", "stribeck"}))
         ->capture_default_str();
     app.add_option("--inertia", arguments.inertia,
-                   "take this inertia [kg m^2] as known, and fit the torque constant instead.\n"
+                   "take this inertia [kg m^2], with two_inertia the motor's, as known, and fit "
+                   "the torque\n"
+                   "constant instead.\n"
                    "With --design: a guess of the inertia")
         ->check(CLI::PositiveNumber);
     app.add_option("--config", arguments.config,
@@ -220,6 +273,9 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
         ->type_name("KEY=VALUE");
     app.add_flag("--design", arguments.is_design,
                  "write a table of the torque to play on the bench, instead of a fit");
+    app.add_option("--from", arguments.from,
+                   "design for the axis of this identified.json, instead of a guess")
+        ->type_name("FILE");
     app.add_option("--limits", arguments.limits,
                    "of the designed torque [N m] and of the speed [rad/s]: torque=5,speed=20")
         ->delimiter(',')
@@ -236,11 +292,22 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
         ->capture_default_str();
     app.add_flag("--quiet", arguments.quiet, "print errors only");
     app.footer(
-        "The folder gets identified.json, identified.toml (a scenario file of this axis) and "
+        "The folder gets identified.json, identified.toml (a scenario file of this plant) and "
         "report.html.\n"
+        "With --model axis it also gets sweep.toml and tune.toml (studies over its uncertainty), "
+        "and\n"
+        "estimate.toml (for estimate on the table).\n"
         "Exit status: 0 success, 1 a defect, 2 usage or input, 3 the fit did not converge or the "
         "held-out tables disagree.");
     if (const auto status = parse(app, argc, argv)) return *status;
+    if (arguments.model == kTwoInertia && arguments.friction == "stribeck") {
+      refuse("--friction: stribeck needs --model axis");
+    }
+    if (arguments.model == kTwoInertia && arguments.is_design) {
+      refuse(
+          "--design: knows one inertia alone. Use --model axis with --inertia of motor and load "
+          "together. Its torque has 0.1 Hz to 20 Hz, so the resonance must be below");
+    }
     if (arguments.is_design) {
       if (!arguments.files.empty()) refuse("--design: takes no FILE");
       return design(arguments);
@@ -255,7 +322,7 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
 
 CommandKind identify_command() {
   return {kIdentify,
-          "fit inertia, friction and delay of an axis to recorded data: identify FILE...",
+          "fit inertias, friction and delay of a plant to recorded data: identify FILE...",
           identify_main};
 }
 

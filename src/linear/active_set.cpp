@@ -31,13 +31,14 @@ bool is_finite(const Vector& x) {
 
 // The solver for N variables (Eigen::Dynamic: any number).
 template <int N>
-class Core final : public QpSolver {
+class Core final : public ActiveSetQp::Core {
  public:
   Core(const QpModel& model, int max_changes);
 
   void solve(const QpInput& input, QpSolution& solution) override;
   void reset() override;
   const QpModel& model() const override { return factors_.model; }
+  void set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor& Omega) override;
 
  private:
   using Vector = Eigen::Matrix<double, N, 1>;
@@ -69,6 +70,7 @@ class Core final : public QpSolver {
     return rows_.col(i).dot(step_.col(j));
   }
 
+  void derive();
   QpStatus examine(const QpInput& input);
   void take_over(const QpInput& input);
   void attempt(const QpInput& input, QpSolution& solution);
@@ -96,10 +98,10 @@ class Core final : public QpSolver {
   QpFactors factors_;
   Square H_;
   Square H_inverse_;
-  Wide rows_;               // Ωᵀ
-  Wide step_;               // H⁻¹ Ωᵀ
-  Eigen::VectorXd length_;  // squared length of each row in the metric of H⁻¹
-  double largest_row_;      // ‖Ω‖∞
+  Wide rows_;                 // Ωᵀ
+  Wide step_;                 // H⁻¹ Ωᵀ
+  Eigen::VectorXd length_;    // squared length of each row in the metric of H⁻¹
+  double largest_row_ = 0.0;  // ‖Ω‖∞
   int max_changes_;
   int changes_left_ = 0;  // in this attempt
 
@@ -139,17 +141,12 @@ class Core final : public QpSolver {
 template <int N>
 Core<N>::Core(const QpModel& model, int max_changes)
     : factors_(model),
-      H_(factors_.model.H),
-      H_inverse_(factors_.H_inverse),
-      rows_(factors_.model.Omega.transpose()),
-      step_(factors_.step),
-      length_(factors_.gram.diagonal()),
       max_changes_(max_changes),
       factor_(factors_.rows()),
       second_(factors_, max_changes) {
   const Eigen::Index n = factors_.variables();
   const Eigen::Index m = factors_.rows();
-  largest_row_ = m > 0 ? factors_.model.Omega.cwiseAbs().rowwise().sum().maxCoeff() : 0.0;
+  derive();
   active_.reserve(static_cast<std::size_t>(m));
   previous_.reserve(static_cast<std::size_t>(m));
   softness_.setZero(m);
@@ -164,6 +161,35 @@ Core<N>::Core(const QpModel& model, int max_changes)
   gradient_ = residual_ = z_free_;
   room_.setZero(n);
   proof_.setZero(m);
+}
+
+// Copies the constants of the factors.
+template <int N>
+void Core<N>::derive() {
+  H_ = factors_.model.H;
+  H_inverse_ = factors_.H_inverse;
+  rows_ = factors_.model.Omega.transpose();
+  step_ = factors_.step;
+  length_ = factors_.gram.diagonal();
+  largest_row_ = 0.0;
+  for (Eigen::Index i = 0; i < factors_.rows(); ++i) {
+    largest_row_ = std::max(largest_row_, factors_.model.Omega.row(i).cwiseAbs().sum());
+  }
+}
+
+template <int N>
+void Core<N>::set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor& Omega) {
+  const QpModel& model = factors_.model;
+  if (model.horizon || H.rows() != model.H.rows() || H.cols() != model.H.cols() ||
+      Omega.rows() != model.Omega.rows() || Omega.cols() != model.Omega.cols()) {
+    throw std::invalid_argument(
+        "active set: new matrices must have the sizes of the old ones, without a horizon");
+  }
+  factors_.model.H = H;
+  factors_.model.Omega = Omega;
+  factors_.factor();
+  derive();
+  refactor();
 }
 
 // The weight of a violation. A row of zeros has the largest weight, because no z satisfies it.
@@ -249,11 +275,9 @@ void Core<N>::take_over(const QpInput& input) {
   softness_ = input.softness;
   has_soft_ = (softness_.array() != 0.0).any();
   refactor();
-  for (Eigen::Index i = 0; i < softness_.size(); ++i) weigh(i);
-  for (const Active& row : active_) weight_(row.row) = 0.0;
 }
 
-// Factors the working set anew, and drops the rows that depend on others.
+// Factors the working set anew, and drops the rows that depend on others. Weighs all rows anew.
 template <int N>
 void Core<N>::refactor() {
   previous_.assign(active_.begin(), active_.end());
@@ -262,6 +286,8 @@ void Core<N>::refactor() {
     const double pivot = pivot_towards(row.row);
     if (pivot > 0.0) add(row.row, row.side, pivot);
   }
+  for (Eigen::Index i = 0; i < softness_.size(); ++i) weigh(i);
+  for (const Active& row : active_) weight_(row.row) = 0.0;
 }
 
 template <int N>
@@ -556,7 +582,7 @@ void Core<N>::remove(Eigen::Index position) {
   factor_.remove(position);
 }
 
-std::unique_ptr<QpSolver> make_core(const QpModel& model, int max_changes) {
+std::unique_ptr<ActiveSetQp::Core> make_core(const QpModel& model, int max_changes) {
   switch (model.H.rows()) {
     case 1:
       return std::make_unique<Core<1>>(model, max_changes);

@@ -36,8 +36,21 @@ class ActiveSetQp final : public QpSolver {
   void reset() override { solver_->reset(); }
   const QpModel& model() const override { return solver_->model(); }
 
+  /// Changes the matrices between two solves. They have the sizes of the first ones; H is symmetric
+  /// positive definite, which is not checked. The next solve starts from the last working set.
+  /// Throws std::invalid_argument if a size differs or the model has a Horizon. Allocates nothing.
+  void set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor& Omega) {
+    solver_->set_matrices(H, Omega);
+  }
+
+  /// The interface of the solvers for each number of variables.
+  class Core : public QpSolver {
+   public:
+    virtual void set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor& Omega) = 0;
+  };
+
  private:
-  std::unique_ptr<QpSolver> solver_;  // specialised for a small number of variables
+  std::unique_ptr<Core> solver_;  // specialised for a small number of variables
 };
 
 }  // namespace breakwater

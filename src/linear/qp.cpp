@@ -102,18 +102,29 @@ QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
   if (!is_positive_definite(model.H)) {
     throw std::invalid_argument("quadratic program: H must be symmetric positive definite");
   }
+  factor();
+}
+
+void QpFactors::factor() {
   columns = model.Omega;
-  const Eigen::LLT<Eigen::MatrixXd> llt(model.H);
-  const Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(n, n));
-  L = llt.matrixL();
-  H_inverse = 0.5 * (inverse + inverse.transpose());
-  step.resize(n, rows());
+  L = model.H;
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(L);
+  H_inverse.setIdentity(variables(), variables());
+  llt.solveInPlace(H_inverse);
+  for (Eigen::Index i = 0; i < variables(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      H_inverse(i, j) = H_inverse(j, i) = 0.5 * (H_inverse(i, j) + H_inverse(j, i));
+      L(j, i) = 0.0;
+    }
+  }
   gram.resize(rows(), rows());
-  if (rows() == 0) return;  // no row
-  step = llt.solve(model.Omega.transpose());
+  step = model.Omega.transpose();
+  if (rows() == 0) return;
+  llt.solveInPlace(step);
   // As a square of L⁻¹ Ωᵀ, it is symmetric with a non-negative diagonal.
-  const Eigen::MatrixXd half = llt.matrixL().solve(model.Omega.transpose());
-  gram = half.transpose() * half;
+  half_ = model.Omega.transpose();
+  L.triangularView<Eigen::Lower>().solveInPlace(half_);
+  gram.noalias() = half_.transpose() * half_;
 }
 
 QpStatus QpFactors::examine(const QpInput& input) {

@@ -115,10 +115,13 @@ struct QpFactors {
   Eigen::MatrixXd H_inverse;  ///< n×n
   Eigen::MatrixXd step;       ///< H⁻¹ Ωᵀ, n×m: response of z to the multipliers
   Eigen::MatrixXd gram;       ///< Ω H⁻¹ Ωᵀ, m×m: response of the rows
-  Eigen::MatrixXd L;          ///< lower triangular, H = L Lᵀ
+  Eigen::MatrixXd L;          ///< lower triangular, H = L Lᵀ; zeros above the diagonal
 
   /// Throws std::invalid_argument as make_qp_solver() does.
   explicit QpFactors(QpModel qp);
+
+  /// Computes the constants from model.H and model.Omega. Allocates nothing after the first call.
+  void factor();
 
   Eigen::Index variables() const { return model.H.rows(); }
   Eigen::Index rows() const { return model.Omega.rows(); }
@@ -126,6 +129,9 @@ struct QpFactors {
   /// Checks an input. Returns `solved` if it is valid, `not_finite`, or `infeasible` if a lower
   /// bound is above its upper bound.
   static QpStatus examine(const QpInput& input);
+
+ private:
+  Eigen::MatrixXd half_;  // L⁻¹ Ωᵀ, n×m
 };
 
 }  // namespace breakwater

@@ -11,6 +11,7 @@ double breakwater_cos(double x) noexcept;
 void breakwater_sincos(double x, double* sine, double* cosine) noexcept;
 double breakwater_tan(double x) noexcept;
 double breakwater_asin(double x) noexcept;
+double breakwater_acos(double x) noexcept;
 double breakwater_atan2(double y, double x) noexcept;
 double breakwater_exp(double x) noexcept;
 double breakwater_expm1(double x) noexcept;
@@ -48,6 +49,9 @@ inline double tan(double x) {
 }
 inline double asin(double x) {
   return breakwater_asin(x);
+}
+inline double acos(double x) {
+  return breakwater_acos(x);
 }
 inline double atan2(double y, double x) {
   return breakwater_atan2(y, x);

@@ -42,6 +42,7 @@ class KalmanEstimator : public DisturbanceEstimator {
     weight_ = interval.output_std > 0.0
                   ? regular_R_(0, 0) / (interval.output_std * interval.output_std)
                   : 1.0;
+    interval_s_ = length_s;
     pieces_ = pieces_of(length_s, period_s_);
     if (length_s == period_s_) {
       A_ = regular_A_;
@@ -106,7 +107,7 @@ class KalmanEstimator : public DisturbanceEstimator {
     regular_B_ = B_;
     regular_Q_ = design.Q;
     regular_R_ = design.R;
-    period_s_ = design.plant.period_s;
+    interval_s_ = period_s_ = design.plant.period_s;
     instant_error_.setZero(C_.rows());
     if (const auto& plant = design.plant.continuous) {
       hold_.emplace(*plant);
@@ -231,6 +232,8 @@ class KalmanEstimator : public DisturbanceEstimator {
   OutputCovariance output_covariance_;
   double lambda_ = 1.0;
   Outputs instant_error_;  // a standard deviation
+  double interval_s_ = 0.0;
+  std::vector<Signal> signals_;
 
  private:
   // The matrices for one period. A̅, B̅, Q and R are those of the last interval.
@@ -252,7 +255,6 @@ class KalmanEstimator : public DisturbanceEstimator {
   Eigen::Matrix<double, N, p> slope_;         // K R − M C̅ᵀ
   Covariance work_;
   Eigen::LLT<OutputCovariance> factor_;
-  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

@@ -7,14 +7,39 @@
 
 namespace breakwater {
 
-Mdob::Mdob(const MdobDesign& design, double period_s) : design_(design), period_s_(period_s) {
-  const double g_d = design.derivative_cutoff_rad_s;
-  const double g_w = design.observer_cutoff_rad_s;
-  if (!(design.nominal_inertia > 0.0 && g_d > 0.0 && g_w > 0.0 && period_s > 0.0)) {
+MomentumObserver::MomentumObserver(double inertia, double cutoff_rad_s)
+    : cutoff_rad_s_(cutoff_rad_s), momentum_gain_(cutoff_rad_s * inertia) {
+  if (!(inertia > 0.0 && cutoff_rad_s > 0.0)) {
     throw std::invalid_argument("MDOB: inertia, cut-offs and sampling period must be positive");
   }
-  if (std::isinf(g_w)) throw std::invalid_argument("MDOB: the low-pass needs a finite cut-off");
-  momentum_gain_ = g_w * design.nominal_inertia;
+  if (std::isinf(cutoff_rad_s)) {
+    throw std::invalid_argument("MDOB: the low-pass needs a finite cut-off");
+  }
+}
+
+void MomentumObserver::over(double interval_s) {
+  torque_gain_ = -math::expm1(-cutoff_rad_s_ * interval_s);
+  momentum_weight_ = cutoff_rad_s_ * interval_s / (1.0 + cutoff_rad_s_ * interval_s);
+}
+
+void MomentumObserver::start(double velocity) {
+  filtered_torque_ = 0.0;
+  filtered_momentum_ = momentum_gain_ * velocity;
+}
+
+double MomentumObserver::update(double torque, double velocity) {
+  filtered_torque_ += torque_gain_ * (torque - filtered_torque_);
+  filtered_momentum_ += momentum_weight_ * (momentum_gain_ * velocity - filtered_momentum_);
+  return filtered_torque_ + filtered_momentum_ - momentum_gain_ * velocity;
+}
+
+Mdob::Mdob(const MdobDesign& design, double period_s)
+    : design_(design),
+      period_s_(period_s),
+      disturbance_(design.nominal_inertia, design.observer_cutoff_rad_s) {
+  if (!(design.derivative_cutoff_rad_s > 0.0 && period_s > 0.0)) {
+    throw std::invalid_argument("MDOB: inertia, cut-offs and sampling period must be positive");
+  }
   follow({});
 }
 
@@ -23,7 +48,6 @@ bool Mdob::follow(const SampleInterval& interval) {
   if (h == interval_s_) return true;
   interval_s_ = h;
   const double g_d = design_.derivative_cutoff_rad_s;
-  const double g_w = design_.observer_cutoff_rad_s;
   if (std::isinf(g_d)) {
     derivative_memory_ = 0.0;
     derivative_gain_ = 1.0 / h;
@@ -31,14 +55,13 @@ bool Mdob::follow(const SampleInterval& interval) {
     derivative_memory_ = 1.0 / (1.0 + g_d * h);
     derivative_gain_ = g_d * derivative_memory_;
   }
-  torque_gain_ = -math::expm1(-g_w * h);
-  momentum_weight_ = g_w * h / (1.0 + g_w * h);
+  disturbance_.over(h);
   return true;
 }
 
 void Mdob::start(double angle) {
   estimate_ << angle, 0.0, 0.0;
-  filtered_torque_ = filtered_momentum_ = 0.0;
+  disturbance_.start(0.0);
 }
 
 void Mdob::reset(const Vector& x) {
@@ -55,14 +78,12 @@ void Mdob::update(const Vector& held_input, const Vector& y) {
   }
   const double velocity =
       derivative_memory_ * estimate_(1) + derivative_gain_ * (angle - estimate_(0));
-  filtered_torque_ += torque_gain_ * (held_input(0) - filtered_torque_);
-  filtered_momentum_ += momentum_weight_ * (momentum_gain_ * velocity - filtered_momentum_);
-  estimate_ << angle, velocity, filtered_torque_ + filtered_momentum_ - momentum_gain_ * velocity;
+  estimate_ << angle, velocity, disturbance_.update(held_input(0), velocity);
 }
 
 void Mdob::pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const {
   F.setZero();
-  F(0, 0) = 1.0 - momentum_weight_;
+  F(0, 0) = disturbance_.pole();
   if (poles() == 2) F(1, 1) = derivative_memory_;
 }
 

@@ -15,6 +15,30 @@ struct MdobDesign {
   double observer_cutoff_rad_s = 0;  ///< g_w of the observer's low-pass, finite
 };
 
+/// The low-pass of Eq. 2.6: d̂ = g_w/(s + g_w)·{τ + g_w J_n v} − g_w J_n v from the held torque τ
+/// and the velocity v.
+class MomentumObserver {
+ public:
+  /// Throws std::invalid_argument unless J_n and g_w are positive and finite.
+  MomentumObserver(double inertia, double cutoff_rad_s);
+
+  /// Sets the interval of the next samples.
+  void over(double interval_s);
+  /// Starts without a disturbance.
+  void start(double velocity);
+  double update(double torque, double velocity);
+  /// The low-pass' pole.
+  double pole() const { return 1.0 - momentum_weight_; }
+
+ private:
+  double cutoff_rad_s_;
+  double momentum_gain_;          // g_w J_n
+  double torque_gain_ = 0.0;      // 1 − e^{−g_w T_s}
+  double momentum_weight_ = 0.0;  // g_w T_s/(1 + g_w T_s)
+  double filtered_torque_ = 0.0;
+  double filtered_momentum_ = 0.0;
+};
+
 /// Estimates the disturbance of one joint from its angle and torque (Eq. 2.6):
 ///     d̂ = g_w/(s + g_w)·{τ + g_w J_n G_d(s) q} − g_w J_n G_d(s) q,   G_d(s) = g_d s/(s + g_d),
 /// which equals g_w/(s + g_w)·{τ − J_n s G_d(s) q}: the torque minus the nominal inertia's torque.
@@ -49,13 +73,9 @@ class Mdob final : public DisturbanceEstimator {
   double interval_s_ = 0.0;
   double derivative_gain_;    // g_d/(1 + g_d T_s)
   double derivative_memory_;  // 1/(1 + g_d T_s)
-  double torque_gain_;        // 1 − e^{−g_w T_s}
-  double momentum_weight_;    // g_w T_s/(1 + g_w T_s)
-  double momentum_gain_;      // g_w J_n
+  MomentumObserver disturbance_;
   bool has_begun_ = false;
   Eigen::Vector3d estimate_ = Eigen::Vector3d::Zero();  // [q; G_d(s) q; d̂]
-  double filtered_torque_ = 0.0;
-  double filtered_momentum_ = 0.0;
 };
 
 }  // namespace breakwater

@@ -6,66 +6,28 @@
 #include <stdexcept>
 
 #include <breakwater/math/functions.h>
-#include <breakwater/math/mills_ratio.h>
-#include <breakwater/observers/code_likelihood.h>
 #include <breakwater/observers/record_intervals.h>
 
 namespace breakwater {
 namespace {
 
-constexpr double kRounding = 2e-10;       // error of the arithmetic, in the output's unit
 constexpr double kSlowest_rad_s = 0.5;    // the smallest bandwidth
 constexpr double kBandwidthRatio = 3.0;   // ratio of neighbouring bandwidths
-constexpr double kFastestSamples = 30.0;  // upper bound of w T_s
+constexpr double kFastestSamples = 12.0;  // upper bound of w T_s: poles near −1 let estimates ring
 constexpr double kInertiaStd = 0.25;      // prior of θ
 constexpr double kSmallestGain = 0.5;     // bounds of 1 + θ
 constexpr double kLargestGain = 2.0;
 constexpr double kGainVariance = 1e-3;  // variance of the pseudo-measurement that bounds 1 + θ
-constexpr double kGate = 4.0;           // gate, in standard deviations
-constexpr double kLargestInflation = 1e12;
-constexpr double kFineQuantum = 0.05;  // a narrower code, in √S, counts as a number
-constexpr double kKnownCode = 0.01;    // s²/Δ² below which noise does not hide the code
-constexpr double kShortestWay = 1e-6;  // smallest distance from the last edge, in Δ
-constexpr double kSmallestOutside = 1e-300;
-constexpr double kSmallestFall = 1e-12;  // smallest relative fall of a variance
-constexpr double kChances_per_s = 0.5;   // how often each model restarts
-constexpr double kForgotten = 6.0;       // margin of a log-weight below that of a restart
-constexpr double kAtRest = 1e-9;         // largest rate of a plant at rest, relative to A
-constexpr double kCounts = 3.0;          // models within this log-weight of the best form the mean
+constexpr double kChances_per_s = 0.5;  // how often each model restarts
+constexpr double kForgotten = 6.0;      // margin of a log-weight below that of a restart
+constexpr double kAtRest = 1e-9;        // largest rate of a plant at rest, relative to A
+constexpr double kCounts = 3.0;         // models within this log-weight of the best form the mean
 
 // ẋ = A x + E d.
 StateSpace disturbed(const MultipleModelDesign& design) {
   StateSpace plant = design.plant;
   if (design.E.size() > 0) plant.B = design.E;
   return plant;
-}
-
-double log_density(double e, double S) {
-  return -0.5 * (e * e / S + math::log(S)) - math::kLogRootTwoPi;
-}
-
-// E[max(v, 0)] for v ~ N(mean, std²).
-double mean_positive(double mean, double std) {
-  if (!(std > 0.0)) return std::max(mean, 0.0);
-  const double z = mean / std;
-  const double density = math::exp(-0.5 * z * z - math::kLogRootTwoPi);
-  const double tail = density * math::mills_ratio(std::abs(z));  // beyond |z|
-  return std * density + mean * (z > 0.0 ? 1.0 - tail : tail);
-}
-
-// Updates the states by new knowledge of z = x̄_i + noise, z ~ N(ẑ, S). The mean of z moves by
-// `shift`, and S falls by the fraction `fall`. This equals a Kalman update with R = S/fall − P_ii,
-// in Joseph's form.
-template <typename Model>
-void correct(Model& model, int i, double S, double shift, double fall) {
-  const auto cross = model.P.col(i).eval();
-  model.x += cross * (shift / S);
-  if (!(fall > kSmallestFall)) return;
-  const double R = S / fall - cross(i);
-  const auto K = (cross * (fall / S)).eval();
-  const auto M = (model.P - K * cross.transpose()).eval();
-  const auto P = (M + (K * R - M.col(i)) * K.transpose()).eval();
-  model.P = 0.5 * (P + P.transpose());
 }
 
 // Rounding can make P indefinite: d and θ are hardly distinguishable while the input is constant.
@@ -77,22 +39,14 @@ bool is_degenerate(const Model& model) {
 
 }  // namespace
 
-// The content of one sample.
-template <int n>
-struct MultipleModelBank<n>::Observation {
-  double y;
-  CodeRange range;
-  double moved;  // counts since the last sample; NaN: unknown code
-};
-
 template <int n>
 MultipleModelBank<n>::MultipleModelBank(const MultipleModelDesign& design)
     : period_s_(design.period_s),
       hold_(design.plant),
       disturbed_hold_(disturbed(design)),
-      piece_s_(design.period_s) {
+      piece_s_(design.period_s),
+      sensor_(design.sensor) {
   check(design.plant);
-  check(design.sensor, 1);
   const StateSpace& plant = design.plant;
   const StateSpace by_d = disturbed(design);
   const bool is_axis = plant.states() == n && plant.inputs() == 1 && plant.outputs() == 1 &&
@@ -117,12 +71,10 @@ MultipleModelBank<n>::MultipleModelBank(const MultipleModelDesign& design)
   regular_A_ = A_ = sampled.A;
   regular_B_ = B_ = sampled.B;
   regular_E_ = E_ = n > 2 ? zero_order_hold(by_d, period_s_).B : sampled.B;
-  quantum_ = design.sensor.quantum(0);
-  rounding_ = design.sensor.rounding;
+  const double quantum = design.sensor.quantum(0);
   const double sigma = design.sensor.noise_std(0);
-  sensor_variance_ = noise_variance_ = sigma * sigma + kRounding * kRounding;
-  prior_variance_ = std::max(quantum_ * quantum_ / 12.0 + sigma * sigma, kRounding * kRounding);
-  set_noise(0.0);
+  prior_variance_ =
+      std::max(quantum * quantum / 12.0 + sigma * sigma, kCodeRounding * kCodeRounding);
   chance_ = std::max(math::log(1.0 / (kChances_per_s * period_s_)), 0.0);
 
   const double J = design.inertia > 0.0 ? design.inertia : 1.0 / plant.B(1, 0);
@@ -161,7 +113,7 @@ MultipleModelBank<n>::MultipleModelBank(const MultipleModelDesign& design)
 template <int n>
 void MultipleModelBank<n>::reset(const Vector& x) {
   follow({});
-  set_noise(0.0);
+  sensor_.add_noise(0.0);
   start(x.head<n>());
 }
 
@@ -169,7 +121,7 @@ template <int n>
 bool MultipleModelBank<n>::follow(const SampleInterval& interval) {
   const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;
   instant_std_s_ = interval.instant_std_s;
-  if (instant_std_s_ == 0.0) set_noise(0.0);
+  if (instant_std_s_ == 0.0) sensor_.add_noise(0.0);
   pieces_ = pieces_of(length_s, period_s_);
   piece_s_ = length_s / pieces_;
   input_variance_ = interval.input_std * interval.input_std * pieces_;
@@ -190,14 +142,9 @@ bool MultipleModelBank<n>::follow(const SampleInterval& interval) {
 }
 
 template <int n>
-void MultipleModelBank<n>::set_noise(double instant_error) {
-  noise_variance_ = sensor_variance_ + instant_error * instant_error;
-  code_is_known_ = quantum_ > 0.0 && noise_variance_ < kKnownCode * quantum_ * quantum_;
-}
-
-template <int n>
 void MultipleModelBank<n>::start(const PlantState& x) {
-  has_begun_ = has_output_ = false;
+  has_begun_ = false;
+  sensor_.reset();
   last_input_ = 0.0;
   for (Model& model : models_) {
     model.x << x, 0.0, 0.0;
@@ -221,16 +168,12 @@ void MultipleModelBank<n>::update(const Vector& held_input, const Vector& y) {
   if (has_begun_) {
     for (Model& model : models_) predict(model, last_input_);
   }
-  if (instant_std_s_ > 0.0) set_noise(models_[best_].x(1) * instant_std_s_);
+  if (instant_std_s_ > 0.0) sensor_.add_noise(models_[best_].x(1) * instant_std_s_);
   has_begun_ = true;
   innovation_ = 0.0;
   if (std::isfinite(y(0))) {
     innovation_ = y(0) - models_[best_].x(0);
-    Observation observed{y(0), code_range(y(0), quantum_, rounding_), NAN};
-    if (code_is_known_ && has_output_)
-      observed.moved = std::round((y(0) - last_output_) / quantum_);
-    last_output_ = y(0);
-    has_output_ = true;
+    const CodeSensor::Observation observed = sensor_.observe(y(0));
     for (Model& model : models_) model.log_weight += observe(model, observed);
     weigh();
   }
@@ -259,79 +202,17 @@ void MultipleModelBank<n>::predict(Model& model, double u) const {
   }
 }
 
-// Whether the code's interval is so narrow that the code counts as a number.
-template <int n>
-bool MultipleModelBank<n>::is_fine(const CodeRange& range, double S) const {
-  return !code_is_known_ || range.width() < kFineQuantum * std::sqrt(S);
-}
-
-// Log-likelihood of the code y for the innovation e: the probability of the code's interval.
-template <int n>
-double MultipleModelBank<n>::log_likelihood(double e, double S, const CodeRange& range) const {
-  const double width = range.width();
-  if (is_fine(range, S)) {
-    return log_density(e + range.middle(), S + width * width / 12.0) +
-           (width > 0.0 ? math::log(width) : 0.0);
-  }
-  const double root = std::sqrt(S);
-  return CodeInterval((e + range.lower) / root, (e + range.upper) / root).log_mass();
-}
-
 // Corrects one model. Returns the log-likelihood of the observation.
 template <int n>
-double MultipleModelBank<n>::observe(Model& model, const Observation& observed) const {
-  const CodeRange& range = observed.range;
-  double e = observed.y - model.x(0);
-  double S = model.P(0, 0) + noise_variance_;
-
-  // Consistency: an innovation outside the gate inflates the model's covariance.
-  double charged = INFINITY;
-  const double excess = std::max({e + range.lower, -(e + range.upper), 0.0});
-  if (excess > kGate * std::sqrt(S)) {
-    charged = log_likelihood(e, S, range);
-    const double wanted = excess * excess / (kGate * kGate) - noise_variance_;
-    model.P *= std::clamp(wanted / model.P(0, 0), 1.0, kLargestInflation);
-    S = model.P(0, 0) + noise_variance_;
-  }
-  double found;
-  if (is_fine(range, S)) {
-    found = log_likelihood(e, S, range);
-    correct(model, 0, S + range.width() * range.width() / 12.0, e + range.middle(), 1.0);
-    found += keep_inertia(model);
-    model.outside = 1.0;
-    return std::min(found, charged);
-  }
-  const double root = std::sqrt(S);
-  const CodeInterval interval((e + range.lower) / root, (e + range.upper) / root);
-  if (std::abs(observed.moved) == 1.0) {
-    // The position passed the edge between the two codes within the last period.
-    const double way =
-        mean_positive(observed.moved * model.x(1), std::sqrt(model.P(1, 1))) * pieces_ * piece_s_;
-    const double passed = std::clamp(way, kShortestWay * quantum_, quantum_);
-    e += observed.moved > 0.0 ? range.lower + 0.5 * passed : range.upper - 0.5 * passed;
-    const double R = noise_variance_ + passed * passed / 12.0;
-    found = log_density(e, model.P(0, 0) + R) + math::log(passed);
-    correct(model, 0, model.P(0, 0) + R, e, 1.0);
-  } else {
-    double share = 1.0;
-    found = interval.log_mass();
-    if (observed.moved == 0.0) {
-      // An unchanged code is informative only on the probability that has left its interval since.
-      const double outside = interval.outside();
-      share =
-          outside < kSmallestOutside ? 0.0 : std::clamp(1.0 - model.outside / outside, 0.0, 1.0);
-      found = math::log(1.0 - share * outside);
-    }
-    if (share > 0.0) {
-      const auto [mean, variance] = interval.moments();
-      correct(model, 0, S, share * root * mean, share * std::clamp(1.0 - variance, 0.0, 1.0));
-    }
-  }
-  found += keep_inertia(model);
-  const double after = std::sqrt(model.P(0, 0) + noise_variance_);
-  const double rest = observed.y - model.x(0);
-  model.outside =
-      CodeInterval((rest + range.lower) / after, (rest + range.upper) / after).outside();
+double MultipleModelBank<n>::observe(Model& model, const CodeSensor::Observation& observed) const {
+  const auto [inflation, charged] = sensor_.consistency(model.x(0), model.P(0, 0), observed);
+  if (inflation > 1.0) model.P *= inflation;
+  const CodeSensor::Update update =
+      sensor_.update({model.x(0), model.P(0, 0), model.x(1), model.P(1, 1), model.outside},
+                     observed, pieces_ * piece_s_);
+  correct_along(model.x, model.P, 0, update.S, update.shift, update.fall);
+  const double found = update.log_likelihood + keep_inertia(model);
+  model.outside = update.is_fine ? 1.0 : sensor_.outside(model.x(0), model.P(0, 0), observed);
   return std::min(found, charged);
 }
 
@@ -343,7 +224,7 @@ double MultipleModelBank<n>::keep_inertia(Model& model) {
   const double e = std::clamp(gain, kSmallestGain, kLargestGain) - gain;
   if (e == 0.0) return 0.0;
   const double S = model.P(kLast, kLast) + kGainVariance;
-  correct(model, kLast, S, e, 1.0);
+  correct_along(model.x, model.P, kLast, S, e, 1.0);
   return -0.5 * e * e / S;
 }
 
@@ -358,7 +239,7 @@ void MultipleModelBank<n>::weigh() {
       best_ = i;
     }
   }
-  if (std::isinf(largest)) return start(last_output_ * at_rest_);
+  if (std::isinf(largest)) return start(sensor_.last_output() * at_rest_);
   for (Model& model : models_) {
     model.log_weight -= largest;
     if (model.log_weight < -(chance_ + kForgotten)) seed(model, models_[best_]);

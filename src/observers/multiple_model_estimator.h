@@ -6,8 +6,8 @@
 #include <vector>
 
 #include <breakwater/linear/variable_hold.h>
+#include <breakwater/observers/code_sensor.h>
 #include <breakwater/observers/disturbance_estimator.h>
-#include <breakwater/observers/sensor_error.h>
 
 namespace breakwater {
 
@@ -82,16 +82,12 @@ class MultipleModelBank final : public DisturbanceEstimator {
   const Model& best() const { return models_[best_]; }
 
  private:
-  struct Observation;
   static constexpr int kD = n, kLast = n + 1;  // indices in x̄
 
   void start(const PlantState& x);
-  void set_noise(double instant_error);
   void predict(Model& model, double u) const;
-  double observe(Model& model, const Observation& observed) const;
+  double observe(Model& model, const CodeSensor::Observation& observed) const;
   static double keep_inertia(Model& model);
-  double log_likelihood(double e, double S, const CodeRange& range) const;
-  bool is_fine(const CodeRange& range, double S) const;
   void weigh();
   void seed(Model& model, const Model& from) const;
   void combine();
@@ -112,17 +108,11 @@ class MultipleModelBank final : public DisturbanceEstimator {
   double piece_s_;
   double input_variance_ = 0.0;
   double instant_std_s_ = 0.0;
-  double quantum_;  // Δ
-  EncoderRounding rounding_;
-  double sensor_variance_;  // σ² and the variance of the arithmetic's error
-  double noise_variance_;   // s²: sensor_variance_ and the effect of the time's error
-  double prior_variance_;   // ρ² = Δ²/12 + σ², the variance within a code's interval
-  bool code_is_known_;
-  double chance_;  // L₀
+  CodeSensor sensor_;
+  double prior_variance_;  // ρ² = Δ²/12 + σ², the variance within a code's interval
+  double chance_;          // L₀
   double last_input_ = 0.0;
-  double last_output_ = 0.0;
   bool has_begun_ = false;
-  bool has_output_ = false;
 
   std::vector<Model> models_;
   std::size_t best_ = 0;

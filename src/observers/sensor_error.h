@@ -7,6 +7,9 @@
 
 namespace breakwater {
 
+/// The error of the arithmetic in place of the sensor's: the smallest variance of an output.
+inline constexpr double kSmallestVariance = 1e-26;
+
 /// One entry for each output, in its unit.
 struct SensorError {
   Eigen::VectorXd quantum;    ///< encoder resolution Δ; 0: not quantised

@@ -5,7 +5,6 @@
 namespace breakwater {
 namespace {
 
-constexpr double kSmallestR = 1e-26;  // the error of the arithmetic in place of the sensor's
 constexpr double kPriorShare = 0.01;
 
 }  // namespace
@@ -13,7 +12,7 @@ constexpr double kPriorShare = 0.01;
 KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error, double period_s) {
   check(error, plant.outputs());
   if (!(period_s > 0.0)) throw std::invalid_argument("STF: the sampling period must be positive");
-  const Eigen::VectorXd variance = error.variance().cwiseMax(kSmallestR);
+  const Eigen::VectorXd variance = error.variance().cwiseMax(kSmallestVariance);
   Eigen::VectorXd prior =
       Eigen::VectorXd::Constant(plant.states(), kPriorShare * variance.maxCoeff());
   prior.tail(plant.states() - plant.plant_states) /= period_s * period_s;

@@ -31,6 +31,7 @@ namespace {
 
 constexpr std::size_t kFewestRuns = 2;
 constexpr std::size_t kManyKeys = 4;  // a longer list is folded
+constexpr std::size_t kKeySignals = 5;
 
 void check(const std::vector<SavedRun>& runs) {
   if (runs.size() < kFewestRuns) {
@@ -43,7 +44,7 @@ void check(const std::vector<SavedRun>& runs) {
                       runs.front().folder().string(), runs.front().scenario(),
                       run.folder().string(), run.scenario()));
     }
-    if (run.failure()) {
+    if (run.failure() && !run.failure()->is_cut) {
       throw std::invalid_argument(fmt::format(
           "{}: the run failed at {:.6g} s and has no metrics: leave it out, or look at it "
           "with {} report",
@@ -156,8 +157,17 @@ void Comparison::choose_signals() {
     const auto names = expanded(*place, runs_.front().entry(*place).width);
     signals_.insert(signals_.end(), names.begin(), names.end());
   }
+  const std::vector<LoggedQuantity> logged = quantities(runs_.front().signals(), shots_);
+  // Without such a list they are compared by the first quantities that differ.
+  for (std::size_t i = 0; shots_.page.charts.empty() && i < logged.size(); ++i) {
+    const LogEntry& entry = logged[i].kinds.front();
+    if (signals_.size() >= kKeySignals || entry.width > 1 || !is_common(signal_path(entry)) ||
+        !differs(signal_path(entry)))
+      continue;
+    signals_.push_back(signal_path(entry));
+  }
   keys_ = signals_.size();
-  for (const LoggedQuantity& quantity : quantities(runs_.front().signals(), shots_)) {
+  for (const LoggedQuantity& quantity : logged) {
     for (const LogEntry& entry : quantity.kinds) {
       if (!is_common(signal_path(entry))) continue;
       for (const std::string& name : expanded(signal_path(entry), entry.width)) {
@@ -181,6 +191,12 @@ bool Comparison::changes(const std::string& signal) const {
     const std::vector<double> values = run.signal(signal).values;
     return std::any_of(values.begin(), values.end(), [&](double v) { return v != first; });
   });
+}
+
+bool Comparison::differs(const std::string& signal) const {
+  const std::vector<double> first = runs_.front().signal(signal).values;
+  return std::any_of(runs_.begin() + 1, runs_.end(),
+                     [&](const SavedRun& run) { return run.signal(signal).values != first; });
 }
 
 std::optional<double> Comparison::difference(std::size_t run, const std::string& metric) const {

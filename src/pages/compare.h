@@ -56,6 +56,7 @@ class Comparison {
   std::vector<std::optional<double>> values_of(const std::string& metric) const;
   bool is_common(const std::string& signal) const;
   bool changes(const std::string& signal) const;  // in one of the runs, or between them
+  bool differs(const std::string& signal) const;  // between the runs
   // The runs with the least and the most of the first key metrics, and metrics whose printed values
   // have another order.
   std::vector<std::string> findings(const std::vector<ShownMetric>& keys) const;

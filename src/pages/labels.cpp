@@ -70,7 +70,7 @@ std::string without_unit(const std::string& name, const std::string& unit) {
 }
 
 std::string metric_label(const std::string& metric, const std::string& unit) {
-  Split parts = split(metric, unit);
+  Split parts = split(metric, unit.empty() ? "1" : unit);
   for (auto* words : {&parts.quantity, &parts.roles}) {
     std::transform(words->begin(), words->end(), words->begin(), in_words);
   }

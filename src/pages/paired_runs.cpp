@@ -45,6 +45,10 @@ PairedResults paired_runs(const std::vector<SavedRun>& runs,
           fmt::format("{}: is of {}, {} of {}: compare runs of one scenario", run.folder().string(),
                       run.scenario(), runs.front().folder().string(), runs.front().scenario()));
     }
+    if (run.failure() && run.failure()->is_cut) {
+      throw std::invalid_argument(run.folder().string() +
+                                  ": was cut and has no metrics: leave it out");
+    }
     if (!found.emplace(std::pair(run.case_name(), run.seed()), &run).second) {
       throw std::invalid_argument(fmt::format("{}: {} with seed {} is there twice",
                                               run.folder().string(), run.case_name(), run.seed()));

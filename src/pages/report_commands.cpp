@@ -17,7 +17,6 @@
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/run_report.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/record/text_outputs.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/digits.h>
@@ -85,7 +84,7 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
   say("compare", notes, runs);
   const auto write = [&](const char* name, const std::string& text) {
     written.push_back(out / name);
-    write_text_file(written.back().string(), text);
+    replace_file(written.back(), text);
   };
   if (arguments.csv) write("compare.csv", comparison.csv());
   if (arguments.latex) write("compare.tex", comparison.latex());

@@ -141,8 +141,9 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     section.set("config", run.config_text());
     set_changed_keys(catalogue, run, section);
     if (run.failure()) {
-      section.set("failure", fmt::format("This run failed at {:.6g} s: {}. It has no metrics.",
-                                         run.failure()->time_s, run.failure()->reason));
+      section.set("failure",
+                  fmt::format("This run {} at {:.6g} s: {}. It has no metrics.",
+                              run.failure()->verb(), run.failure()->time_s, run.failure()->reason));
     } else {
       add_metrics(catalogue, run, shots, section);
     }

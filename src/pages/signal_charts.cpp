@@ -153,6 +153,45 @@ std::vector<OneSignal> named(const SavedRun& run, const std::vector<std::string>
   return all;
 }
 
+// Whether a title begins with another one: "j1 position" with "j1", the name of an axis.
+bool is_of(const LoggedQuantity& quantity, const std::string& name) {
+  return !name.empty() && quantity.title.starts_with(name + " ");
+}
+
+// "j1_reference_rad" is the reference of "j1_position_true_rad".
+void join_references(std::vector<LoggedQuantity>& all) {
+  for (auto one = all.begin(); one != all.end();) {
+    const LogEntry& entry = one->kinds.front();
+    const auto whole = std::find_if(all.begin(), all.end(), [&](const LoggedQuantity& other) {
+      const LogEntry& first = other.kinds.front();
+      return is_of(other, one->title) && other.kinds.size() > 1 && first.unit == entry.unit &&
+             first.width == entry.width;
+    });
+    const bool is_alone =
+        one->kinds.size() == 1 && role_of_signal(entry.name) == kReferenceIdentity;
+    if (is_alone && whole != all.end()) {
+      whole->kinds.push_back(entry);
+      one = all.erase(one);
+    } else {
+      ++one;
+    }
+  }
+}
+
+// Command and applied leave nothing, or the name of an axis.
+void name_inputs(std::vector<LoggedQuantity>& all) {
+  for (LoggedQuantity& one : all) {
+    const bool is_name = std::any_of(all.begin(), all.end(), [&](const LoggedQuantity& other) {
+      return is_of(other, one.title);
+    });
+    if (one.title.empty()) {
+      one.title = "Input";
+    } else if (is_name && signal_label(one.kinds.front()) == "command") {
+      one.title += " input";
+    }
+  }
+}
+
 }  // namespace
 
 std::string signal_path(const LogEntry& entry) {
@@ -181,17 +220,20 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
       all.push_back({stem, {entry}});
     }
   }
+  join_references(all);
+  name_inputs(all);
   for (LoggedQuantity& quantity : all) {
     std::stable_sort(
         quantity.kinds.begin(), quantity.kinds.end(),
         [](const LogEntry& a, const LogEntry& b) { return order_of(a) < order_of(b); });
-    quantity.rank = shown.size() + (quantity.kinds.size() == 1 ? 1 : 0);
+    const bool is_true = order_of(quantity.kinds.front()) == 0;
+    quantity.rank = shown.size() + (quantity.kinds.size() == 1 ? 2 : is_true ? 0 : 1);
     for (const LogEntry& kind : quantity.kinds) {
       const auto place = std::find(shown.begin(), shown.end(), kind.name);
+      if (place == shown.end()) continue;
       quantity.rank = std::min(quantity.rank, static_cast<std::size_t>(place - shown.begin()));
     }
-    // Command and applied are alone leave nothing.
-    quantity.title = quantity.title.empty() ? "Input" : capitalised(quantity.title);
+    quantity.title = capitalised(quantity.title);
   }
   std::stable_sort(all.begin(), all.end(), [](const LoggedQuantity& a, const LoggedQuantity& b) {
     return a.rank < b.rank;

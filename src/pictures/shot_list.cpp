@@ -46,7 +46,8 @@ void read_video(const TomlEntry& video, ShotList& shots) {
 ShotMoment read_moment(const TomlEntry& moment) {
   moment.allow({"caption", "at_s", "first_positive", "plus_s"});
   return {moment["caption"].text_or_empty(), moment["at_s"].number(not_negative()),
-          moment["first_positive"].text_or_empty(), moment["plus_s"].number()};
+          moment["first_positive"].text_or_empty(),
+          moment["plus_s"].number_or_nothing().value_or(0.0)};
 }
 
 ShotArrow read_arrow(const TomlEntry& arrow) {

@@ -132,10 +132,10 @@ void print_late_warnings(const std::string& scenario, const std::vector<RunSumma
   }
 }
 
-void check_video(const std::vector<PreparedRun>& runs, const Arguments& arguments) {
+void check_video(bool several, const Arguments& arguments) {
   if (arguments.video->count() == 0) return;
   opengl_asked();  // refuses an unusable setting before the run
-  if (runs.size() > 1 && !arguments.video_file.empty()) {
+  if (several && !arguments.video_file.empty()) {
     throw std::invalid_argument("--video: one file cannot hold the videos of several runs");
   }
 }
@@ -214,7 +214,6 @@ int run_batch(const Call& call, const Batch& batch,
               const std::function<std::string(const std::vector<RunSummary>&,
                                               const std::string& out)>& table) {
   const Arguments& arguments = call.arguments;
-  check_video(batch.runs, arguments);
   const std::uint64_t seed = batch.runs.front().scenario->run_settings().seed;
   const fs::path out = arguments.out.empty() ? fs::path("runs") / call.scenario /
                                                    fmt::format("{}-seed{}", batch.name, seed)
@@ -243,6 +242,7 @@ int run_batch(const Call& call, const Batch& batch,
 int run_cases(const Call& call) {
   const Arguments& arguments = call.arguments;
   const bool all = arguments.case_name == kAll;
+  check_video(all && call.file.cases().size() > 1, arguments);
   Batch batch = {arguments.case_name.empty() ? call.file.default_case() : arguments.case_name};
   for (const std::string& name : all ? call.file.cases() : std::vector{batch.name}) {
     batch.runs.push_back(call.prepare(name, all_sets(arguments)));
@@ -289,6 +289,7 @@ int run_matrix(const Call& call) {
     throw std::invalid_argument(call.scenario + ": --matrix: runs all of " + matrix.key +
                                 ", so leave it out of --set");
   }
+  check_video(true, arguments);
   Batch batch = {"matrix"};
   for (const std::string& value : matrix.values) {
     std::vector<std::string> sets = all_sets(arguments);

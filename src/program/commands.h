@@ -10,6 +10,9 @@ namespace breakwater {
 /// All commands of a complete program.
 std::vector<CommandKind> all_commands(const Catalogue& catalogue);
 
+/// `diff`: prints the first sample in which two runs differ. Exit status 1 if they differ.
+int diff_main(const Catalogue& catalogue, int argc, const char* const* argv);
+
 /// `doctor`: checks this machine and names the packages to install. Exit status 1 if something is
 /// broken.
 int doctor_main(const Catalogue& catalogue, int argc, const char* const* argv);
@@ -25,6 +28,9 @@ int remove_runs_main(const Catalogue& catalogue, int argc, const char* const* ar
 
 /// `new`: makes a project from a template. Each folder of templates/ is a kind of project.
 int new_project_main(const Catalogue& catalogue, int argc, const char* const* argv);
+
+/// `recover`: makes a run of the log that a killed run with record.stream=true left.
+int recover_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
 /// `reference`: writes pages about commands, keys, metrics, columns and exit statuses.
 int reference_main(const Catalogue& catalogue, int argc, const char* const* argv);

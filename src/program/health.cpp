@@ -18,6 +18,7 @@
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/signals/environment.h>
+#include <breakwater/sim/engine_functions.h>
 #include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
@@ -49,7 +50,9 @@ HealthCheck check_scenarios(const Catalogue& catalogue) {
     }
   }
   return {"runs", State::ok,
-          fmt::format("{} scenarios ran for 0.1 s each, MuJoCo {}", count, engine_version()), ""};
+          fmt::format("{} scenarios ran for 0.1 s each, MuJoCo {} with our {}", count,
+                      engine_version(), fmt::join(engine_functions(), ", ")),
+          ""};
 }
 
 HealthCheck check_data() {

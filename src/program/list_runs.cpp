@@ -12,6 +12,7 @@
 #include <breakwater/experiment/main_metrics.h>
 #include <breakwater/experiment/run_list.h>
 #include <breakwater/program/commands.h>
+#include <breakwater/record/run_folder.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
@@ -39,9 +40,10 @@ struct Entry {
 };
 
 Entry entry_of(const ListedRun& run) {
-  const Tone tone = run.status == ListedRun::Status::complete ? Tone::good
-                    : run.status == ListedRun::Status::failed ? Tone::bad
-                                                              : Tone::doubtful;
+  using Status = ListedRun::Status;
+  const Tone tone = run.status == Status::complete || run.status == Status::running ? Tone::good
+                    : run.status == Status::failed                                  ? Tone::bad
+                                                   : Tone::doubtful;
   return {run.folder,          run.written, "run",
           name_of(run.status), tone,        run.scenario,
           run.reason,          run.metrics, {{"case", run.case_name}, {"seed", run.seed}}};
@@ -88,6 +90,9 @@ std::vector<Entry> entries_below(const fs::path& below) {
   const FoundRuns found = find_runs(below, is_study_folder);
   std::vector<Entry> entries;
   for (const fs::path& folder : found.runs) entries.push_back(entry_of(list_run(folder)));
+  for (const fs::path& folder : found.unfinished) {
+    if (is_recoverable(folder)) entries.push_back(entry_of(list_streamed_run(folder)));
+  }
   for (const fs::path& folder : found.others) entries.push_back(study_entry(folder));
   std::stable_sort(entries.begin(), entries.end(),
                    [](const Entry& a, const Entry& b) { return a.written > b.written; });

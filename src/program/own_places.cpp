@@ -5,6 +5,12 @@
 #include <breakwater/sim/model.h>
 
 namespace breakwater {
+namespace {
+
+// Before main(), which makes the catalogue.
+[[maybe_unused]] const bool is_said = (say_lack_of_memory(), true);
+
+}  // namespace
 
 void set_places(const Catalogue& catalogue, const char* installation) {
   end_soon_while(Model::is_compiling);

@@ -64,9 +64,11 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
       {{"list", "print the scenarios and what they study", list_main},
        {"run", "run a scenario: run NAME [OPTION...]; run NAME --help says which", run_main},
        {kListRuns, "list the runs and studies in a folder, newest first: ls [DIR]", list_runs_main},
-       {kRemoveRuns, "remove runs that failed: rm --failed [DIR]", remove_runs_main}});
+       {kRemoveRuns, "remove runs that failed: rm --failed [DIR]", remove_runs_main},
+       {"recover", "make a run of the log that a killed run left: recover DIR", recover_main}});
   add(kRuns, picture_commands());
   add(kRuns, report_commands());
+  add(kRuns, {{"diff", "find the first sample in which two runs differ: diff RUN RUN", diff_main}});
   add("Study",
       {{kSweep.command, "run a scenario over many values and seeds: sweep SCENARIO|STUDY.toml|DIR",
         sweep_main},
@@ -109,7 +111,7 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue,
       fmt::print("{}", app.help());
       return static_cast<int>(kSuccess);
     }
-    if (!word.starts_with('-')) {
+    if (!word.starts_with('-') || word == "--") {  // the parser would take "--" in silence
       throw std::invalid_argument(own_name + ": there is no command \"" + word + "\"" +
                                   (catalogue.has<ScenarioKind>(word)
                                        ? " (did you mean run " + word + "?)"

@@ -67,12 +67,13 @@ TextAndUnit split(const std::string& doc) {
   TextAndUnit found = {doc, ""};
   std::size_t units = 0;
   for (std::size_t i = doc.find('['); i != std::string::npos; i = doc.find('[', i + 1)) {
+    if (i == 0 || doc[i - 1] != ' ') continue;  // NAME[2]
     const std::size_t end = doc.find(']', i);
     if (end == std::string::npos) break;
     found.unit += (units++ == 0 ? "" : ", ") + doc.substr(i + 1, end - i - 1);
   }
   if (units == 1 && doc.ends_with("]")) {
-    const std::string text = doc.substr(0, doc.find('['));
+    const std::string text = doc.substr(0, doc.rfind(" ["));
     found.text = text.substr(0, text.find_last_not_of(' ') + 1);
   }
   return found;
@@ -184,6 +185,12 @@ std::string columns(const Catalogue& catalogue, const ScenarioKind& kind, const 
   return table({"Column", "Unit", "Values", "Track", "Description", "Cases"}, rows);
 }
 
+// The file beside the scenario's own one that shows all of its tables, or the own one.
+ScenarioFile file_of_keys(const ScenarioKind& kind) {
+  const std::filesystem::path all = kind.file().parent_path() / "reference.toml";
+  return {(std::filesystem::exists(all) ? all : kind.file()).string(), kind.name};
+}
+
 }  // namespace
 
 std::string commands_page(const Catalogue& catalogue) {
@@ -204,26 +211,31 @@ std::string commands_page(const Catalogue& catalogue) {
 
 std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind,
                           const std::vector<std::string>& brief_run) {
-  const auto scenario = kind.make(catalogue);
-  const ScenarioFile file(kind.file().string(), kind.name);
-  const Config config = file.config(file.default_case());
-  scenario->learn(config);
-  Fields fields = scenario->fields();
-  fields.read_incomplete(config);
+  const auto scenario = kind.make(catalogue), shipped = kind.make(catalogue);
+  const auto read = [](Scenario& target, const ScenarioFile& from) {
+    const Config config = from.config(from.default_case());
+    target.learn(config);
+    Fields fields = target.fields();
+    fields.read_incomplete(config);
+    return fields;
+  };
+  const ScenarioFile file(kind.file().string(), kind.name), shown = file_of_keys(kind);
+  read(*shipped, file);
+  const Fields fields = read(*scenario, shown);
+  const bool is_own = shown.file() == file.file();
   return fmt::format("# {}\n\n{}.\n\n## Cases\n\n", code(kind.name), capital(scenario->summary())) +
          fmt::format("The default case is `{}`.\n\n", file.default_case()) +
-         cases(catalogue, kind, file) +
-         fmt::format(
-             "## Keys\n\n"
-             "The default values are those of the case `{}`. "
-             "A key without a default value must be given where it is used.\n\n",
-             file.default_case()) +
-         keys(fields.help()) +
-         "## Metrics\n\nA metric that does not apply to a run is absent.\n\n" + metrics(*scenario) +
+         cases(catalogue, kind, file) + "## Keys\n\n" +
+         (is_own
+              ? fmt::format("The default values are those of the case `{}`. ", file.default_case())
+              : "A table with `NAME` stands for all tables of its kind, and `NAME_` in the log "
+                "for all columns of an axis. The values are those of an example. ") +
+         "A key without a default value must be given where it is used.\n\n" + keys(fields.help()) +
+         "## Metrics\n\nA metric that does not apply to a run is absent.\n\n" + metrics(*shipped) +
          "## Columns of the log\n\n"
          "`log.h5` has these columns, in a group for each track. A column with several values is "
          "`NAME_1`, `NAME_2`, … in `log.csv`.\n\n" +
-         columns(catalogue, kind, file, brief_run);
+         columns(catalogue, kind, shown, brief_run);
 }
 
 std::string exit_statuses_page() {

@@ -8,6 +8,7 @@
 
 #include <breakwater/cluster/slurm_options.h>
 #include <breakwater/cluster/slurm_queue.h>
+#include <breakwater/record/partial_file.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>
@@ -112,6 +113,7 @@ int StudyCommand::run() {
     begin(is_there);
     before.emplace(folder_.shards(), size());
   }
+  remove_left(folder_.study_file());
   return options_.is_task() ? run_task(*before) : go_on(*before);
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <breakwater/cluster/slurm_queue.h>
+#include <breakwater/config/scenario_name.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/study_report.h>
 #include <breakwater/program/sweep_options.h>
@@ -56,6 +57,11 @@ OpenedStudy open_study(const Catalogue& catalogue, const SweepOptions& options) 
     origin = file->string();
     tables = study_tables(origin);
     name = file->stem().string();
+    if (tables.contains("default_case") || tables["case"].is_table()) {
+      const std::string scenario = scenario_name_in(origin);
+      tables = toml::table{{"scenario", scenario},
+                           {"config", fs::absolute(*file).lexically_normal().string()}};
+    }
   } else if (target.extension() == ".toml" || given.find('/') != std::string::npos) {
     throw std::invalid_argument(given + ": there is no such file or folder");
   } else {

@@ -219,7 +219,8 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
   for (const WhatOption& what : kOthers) add_what(app, options, what);
   add_study_options(
       app, options.study,
-      {.target = "a scenario, a study file, or the folder of a study, to go on with it",
+      {.target =
+           "a scenario, a scenario file, a study file, or the folder of a study, to go on with it",
        .out = "the study's folder (default: studies/NAME)",
        .dry_run = "count the runs, say how long they will take, from one of each case, and exit",
        .slurm = "submit what is left to do as one array job",

@@ -25,6 +25,26 @@ std::vector<std::string> metric_names(const PointResult& run) {
   return names;
 }
 
+// The number of metrics and pairs of candidates that differ in these runs: each is a test.
+std::size_t tests_shown(const Plan& plan, const std::vector<PointResult>& runs) {
+  const Study& study = plan.study();
+  std::size_t tests = 0;
+  for (std::size_t y = 0; y < runs.size(); ++y) {
+    const bool is_baseline = plan.candidates()[y].label == study.baseline;
+    if (!study.baseline.empty() && !is_baseline) continue;
+    for (const auto& [name, value] : runs[y].metrics) {
+      const auto is_named = std::find(study.metrics.begin(), study.metrics.end(), name);
+      if (!study.metrics.empty() && is_named == study.metrics.end()) continue;
+      for (std::size_t x = is_baseline ? 0 : y + 1; x < runs.size(); ++x) {
+        tests += std::any_of(
+            runs[x].metrics.begin(), runs[x].metrics.end(),
+            [&](const auto& other) { return other.first == name && other.second != value; });
+      }
+    }
+  }
+  return tests;
+}
+
 // Warnings from one run of each candidate.
 std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<PointResult>& runs) {
   const Plan& plan = sweep.plan();
@@ -51,8 +71,10 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
     warnings.push_back(fmt::format("{}: none of these runs has it{}", place, meant));
   }
   const std::size_t blocks = most_blocks(plan);
-  if (blocks > 0 && are_too_few(blocks)) {
-    warnings.push_back(few_text(blocks, plan.samples() * plan.seeds()));
+  const std::size_t tests = tests_shown(plan, runs);
+  const double p = least_p(blocks, std::max<std::size_t>(1, tests));
+  if (blocks > 0 && p > ComparisonSettings{}.alpha) {
+    warnings.push_back(few_text(blocks, plan.samples() * plan.seeds(), tests, p));
   }
   if (plan.seeds() > 1 && runs.front().status == PointStatus::complete) {
     RunControl control;

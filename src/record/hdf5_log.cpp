@@ -1,5 +1,6 @@
 #include <breakwater/record/hdf5_log.h>
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -21,6 +22,7 @@
 #include <new>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -32,9 +34,11 @@
 namespace breakwater {
 namespace {
 
+constexpr const char* kTimeBase = "time_s";
 constexpr hsize_t kChunkRows = 8192;
 constexpr std::size_t kLeastMemoryStep = 1 << 16;
-constexpr std::size_t kHeaderBytes = 2048;  // approximate size of a dataset's header
+constexpr std::size_t kHeaderBytes = 2048;    // approximate size of a dataset's header
+constexpr std::size_t kSieveBytes = 1 << 16;  // HDF5 may write so much for one value
 constexpr std::size_t kLargestMemoryStep = 4 << 20;
 constexpr std::size_t kLongestText = 1 << 16;
 // The largest ratio of deflate compression.
@@ -84,28 +88,41 @@ void write_text(hid_t object, const char* name, const std::string& text) {
   require(hdf5().H5Awrite(attribute, type, text.c_str()));
 }
 
-// A dataset of rows × width (or just rows, if width is 1), with unit and description.
-void write_dataset(hid_t group, const Signal& signal, const std::vector<double>& values,
-                   std::size_t width, int deflate_level) {
-  const Size size = {values.size() / width, width};
-  const int rank = width == 1 ? 1 : 2;
+// A dataset of rows × width (or just rows, if width is 1), with unit and description. Returns its
+// place in the file. Without `values`, only the first one is written: HDF5 then chooses the place.
+std::uint64_t write_dataset(hid_t group, const LogEntry& entry, const double* values,
+                            int deflate_level) {
+  const Size size = {entry.rows, entry.width};
+  const int rank = entry.width == 1 ? 1 : 2;
   const Handle space(hdf5().H5Screate_simple(rank, size.data(), nullptr), hdf5().H5Sclose);
   const Handle properties(hdf5().H5Pcreate(hdf5().DATASET_CREATE), hdf5().H5Pclose);
   require(hdf5().H5Pset_obj_track_times(properties, false));  // so that equal runs give equal files
   if (deflate_level > 0 && size[0] > 0) {
-    const Size chunk = {std::min(size[0], kChunkRows), width};
+    const Size chunk = {std::min(size[0], kChunkRows), size[1]};
     require(hdf5().H5Pset_chunk(properties, rank, chunk.data()));
     require(hdf5().H5Pset_shuffle(properties));
     require(hdf5().H5Pset_deflate(properties, static_cast<unsigned>(deflate_level)));
   }
-  const Handle dataset(hdf5().H5Dcreate2(group, signal.name.c_str(), hdf5().IEEE_F64LE, space,
+  const Handle dataset(hdf5().H5Dcreate2(group, entry.name.c_str(), hdf5().IEEE_F64LE, space,
                                          H5P_DEFAULT, properties, H5P_DEFAULT),
                        hdf5().H5Dclose);
-  require(
-      hdf5().H5Dwrite(dataset, hdf5().NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
-  write_text(dataset, "unit", signal.unit);
-  write_text(dataset, "units", signal.unit);  // the name in netCDF's conventions
-  write_text(dataset, "description", signal.description);
+  haddr_t place = 0;
+  if (values != nullptr) {
+    require(hdf5().H5Dwrite(dataset, hdf5().NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
+  } else if (size[0] > 0) {
+    const Size first = {0, 0}, one = {1, 1};
+    const double nothing = 0.0;
+    const Handle cell(hdf5().H5Screate_simple(rank, one.data(), nullptr), hdf5().H5Sclose);
+    require(hdf5().H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, one.data(),
+                                       nullptr));
+    require(hdf5().H5Dwrite(dataset, hdf5().NATIVE_DOUBLE, cell, space, H5P_DEFAULT, &nothing));
+    place = hdf5().H5Dget_offset(dataset);
+    check(place != HADDR_UNDEF);
+  }
+  write_text(dataset, "unit", entry.unit);
+  write_text(dataset, "units", entry.unit);  // the name in netCDF's conventions
+  write_text(dataset, "description", entry.description);
+  return place;
 }
 
 // Makes a dataset the scale of a dimension: readers of netCDF take it for coordinates.
@@ -125,26 +142,36 @@ std::string write_index(hid_t group, std::size_t width) {
   if (hdf5().H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0) return name;
   std::vector<double> numbers(width);
   std::iota(numbers.begin(), numbers.end(), 1.0);
-  write_dataset(group, {name, "1", "which value of a vector", {}}, numbers, 1, 0);
+  const LogEntry entry{"", name, "1", "which value of a vector", width, 1};
+  write_dataset(group, entry, numbers.data(), 0);
   make_scale(group, name);
   return name;
 }
 
-void write_track(hid_t file, const Track& track, int deflate_level) {
-  const Handle group(
-      hdf5().H5Gcreate2(file, track.name().c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-      hdf5().H5Gclose);
-  const Signal time{"time_s", "s", "time of each row of this group", {}};
-  write_dataset(group, time, track.times(), 1, deflate_level);
-  make_scale(group, "time_s");
-  for (std::size_t i = 0; i < track.signals(); ++i) {
-    const Signal& signal = track.signal(i);
-    const std::size_t width = signal.values.size();
-    write_dataset(group, signal, track.values(i), width, deflate_level);
-    const Handle dataset(hdf5().H5Dopen2(group, signal.name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
-    attach_scale(group, dataset, "time_s", 0);
-    if (width > 1) attach_scale(group, dataset, write_index(group, width), 1);
+// Writes the group of `datasets`, the time base first. write(group, i) writes dataset i.
+template <typename Write>
+void write_group(hid_t file, std::span<const LogEntry> datasets, Write&& write) {
+  const Handle group(hdf5().H5Gcreate2(file, datasets.front().group.c_str(), H5P_DEFAULT,
+                                       H5P_DEFAULT, H5P_DEFAULT),
+                     hdf5().H5Gclose);
+  write(group, 0);
+  make_scale(group, kTimeBase);
+  for (std::size_t i = 1; i < datasets.size(); ++i) {
+    const LogEntry& entry = datasets[i];
+    write(group, i);
+    const Handle dataset(hdf5().H5Dopen2(group, entry.name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
+    attach_scale(group, dataset, kTimeBase, 0);
+    if (entry.width > 1) attach_scale(group, dataset, write_index(group, entry.width), 1);
   }
+}
+
+void write_track(hid_t file, const Track& track, int deflate_level) {
+  const std::vector<LogEntry> datasets =
+      datasets_of(track.name(), track.all_signals(), track.rows());
+  write_group(file, datasets, [&](hid_t group, std::size_t i) {
+    const std::vector<double> values = i == 0 ? track.times() : track.values(i - 1);
+    write_dataset(group, datasets[i], values.data(), deflate_level);
+  });
 }
 
 // Empty if there is no text, or one that write_text() did not write.
@@ -267,7 +294,25 @@ std::string file_image(const std::string& file, const std::vector<Track>& tracks
 }
 
 bool is_time_base(const LogEntry& entry) {
-  return entry.name == "time_s";
+  return entry.name == kTimeBase;
+}
+
+// HDF5 itself writes the headers of a log without values. It crashes at exit after a full disk, so
+// the disk must have room for them, and take a file of the size.
+void reserve_headers(const std::string& file, const std::vector<LogEntry>& datasets) {
+  std::size_t bytes = kLeastMemoryStep, all_bytes = kLeastMemoryStep;
+  for (const LogEntry& entry : datasets) {
+    const std::size_t width = entry.width * sizeof(double);
+    bytes += kHeaderBytes + std::min(entry.rows, kSieveBytes / width + 1) * width;
+    all_bytes += kHeaderBytes + entry.rows * width;
+  }
+  const int descriptor = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  int error = descriptor < 0 ? errno : posix_fallocate(descriptor, 0, static_cast<off_t>(bytes));
+  if (error == 0 && ftruncate(descriptor, static_cast<off_t>(all_bytes)) != 0) error = errno;
+  if (descriptor >= 0) close(descriptor);
+  if (error != 0) {
+    throw OutputError(file + ": cannot be written (" + std::strerror(error) + ")");
+  }
 }
 
 // All datasets except indices. The caller holds hdf5_in_use.
@@ -428,6 +473,43 @@ std::optional<int> outcome_of(pid_t child) {
 
 void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, int deflate_level) {
   write_text_file(file, file_image(file, tracks, deflate_level));
+}
+
+std::vector<LogEntry> datasets_of(const std::string& track, const std::vector<Signal>& signals,
+                                  std::size_t rows) {
+  std::vector<LogEntry> datasets = {
+      {track, kTimeBase, "s", "time of each row of this group", rows, 1}};
+  for (const Signal& signal : signals) {
+    datasets.push_back(
+        {track, signal.name, signal.unit, signal.description, rows, signal.values.size()});
+  }
+  return datasets;
+}
+
+std::vector<std::uint64_t> lay_out_hdf5_log(const std::string& file,
+                                            const std::vector<LogEntry>& datasets) {
+  reserve_headers(file, datasets);
+  const std::lock_guard lock(hdf5_in_use);
+  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  try {
+    const Handle handle(hdf5().H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+                        hdf5().H5Fclose);
+    std::vector<std::uint64_t> places;
+    for (auto begin = datasets.begin(); begin != datasets.end();) {
+      const auto end = std::find_if(begin, datasets.end(), [&](const LogEntry& entry) {
+        return entry.group != begin->group;
+      });
+      write_group(handle, {begin, end}, [&](hid_t group, std::size_t i) {
+        places.push_back(
+            write_dataset(group, *(begin + static_cast<std::ptrdiff_t>(i)), nullptr, 0));
+      });
+      begin = end;
+    }
+    require(hdf5().H5Fflush(handle, H5F_SCOPE_GLOBAL));
+    return places;
+  } catch (const std::runtime_error&) {
+    throw OutputError(file + ": cannot be written (is it too long for the file system?)");
+  }
 }
 
 std::string hdf5_version() {

@@ -1,6 +1,7 @@
 // log.h5: a run's tracks as HDF5.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -51,6 +52,17 @@ struct LogEntry {
   /// The unit of one value, counted from 1.
   std::string unit_of(std::size_t index) const;
 };
+
+/// The datasets of a track with this many rows: the time base, then its signals.
+std::vector<LogEntry> datasets_of(const std::string& track, const std::vector<Signal>& signals,
+                                  std::size_t rows);
+
+/// Writes a log with room for the values of `datasets`, each track's by datasets_of(). Returns the
+/// place of each first value in the file [bytes]; a dataset without rows has place 0. With all
+/// values at their places, row-major, the file has the bytes of write_hdf5_log() without
+/// compression. Throws OutputError. Thread-safe.
+std::vector<std::uint64_t> lay_out_hdf5_log(const std::string& file,
+                                            const std::vector<LogEntry>& datasets);
 
 /// The readers check types, sizes and that the data are in the file. They do not follow links, and
 /// read texts of variable length (version 0.1) as empty. A damaged file may still be misread or

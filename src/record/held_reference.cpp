@@ -41,11 +41,11 @@ void HeldReference::warn(std::vector<std::string>& warnings) const {
         "{} does not hold its reference: its error grows to the end, to peaks of {:.3g} {} in each "
         "{:.3g} s",
         what_, fmt::join(peaks_.end() - kGrowing, peaks_.end(), ", "), unit_, part_s));
-  } else if (asked_ > kSmallest && rms >= kHeldWithin * asked_) {
+  } else if (rms >= large_ || (asked_ > kSmallest && rms >= kHeldWithin * asked_)) {
     warnings.push_back(fmt::format(
-        "{} does not hold its reference: over the last {:.3g} s its error is {:.3g} {} (rms), of "
-        "{:.3g} {} to go",
-        what_, part_s, rms, unit_, asked_, unit_));
+        "{} does not hold its reference: over the last {:.3g} s its error is {:.3g} {} (rms)",
+        what_, part_s, rms, unit_));
+    if (asked_ > 0.0) warnings.back() += fmt::format(", of {:.3g} {} to go", asked_, unit_);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,8 +27,10 @@ class HeldReference {
       : window_(window), what_(std::move(what)), unit_(std::move(unit)) {}
 
   /// Gives the distance from the plant's position to the reference when the reference was set. The
-  /// largest of several counts. Without it, only growth is checked.
+  /// largest of several counts. Without it and stay_within(), only growth is checked.
   void ask(double distance) { asked_ = std::max(asked_, std::abs(distance)); }
+  /// Gives the error that is large without a distance to go.
+  void stay_within(double error) { large_ = error; }
   void add(double time_s, double error);
 
   /// Appends a line for each problem.
@@ -43,6 +46,7 @@ class HeldReference {
   std::string what_;
   std::string unit_;
   double asked_ = 0.0;
+  double large_ = std::numeric_limits<double>::infinity();
   std::array<double, kParts> peaks_{};
   std::array<std::int64_t, kParts> samples_{};
   double last_sum_of_squares_ = 0.0;

@@ -1,30 +1,64 @@
 #include <breakwater/record/partial_file.h>
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstring>
 
+#include <breakwater/record/on_disk.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
 
-PartialFile::PartialFile(std::filesystem::path file)
-    : file_(std::move(file)),
-      path_(file_.parent_path() /
-            ("." + file_.filename().string() + ".partial-" + process_name())) {}
+namespace fs = std::filesystem;
+namespace {
+
+std::string begin_of_name(const fs::path& file) {
+  return "." + file.filename().string() + ".partial-";
+}
+
+}  // namespace
+
+void remove_left(const fs::path& file) {
+  const std::string begin = begin_of_name(file);
+  std::error_code ignored;
+  for (const auto& entry :
+       fs::directory_iterator(file.has_parent_path() ? file.parent_path() : ".", ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(begin) || name == begin + process_name()) continue;
+    if (is_of_dead_process(name.substr(begin.size()))) fs::remove(entry.path(), ignored);
+  }
+}
+
+PartialFile::PartialFile(fs::path file)
+    : file_(std::move(file)), path_(file_.parent_path() / (begin_of_name(file_) + process_name())) {
+  remove_left(file_);
+}
 
 PartialFile::~PartialFile() {
   std::error_code ignored;
-  std::filesystem::remove(path_, ignored);
+  fs::remove(path_, ignored);
+}
+
+void PartialFile::fail(const std::string& reason) const {
+  throw OutputError(file_.string() + ": cannot be written (" + reason + ")");
+}
+
+void PartialFile::sync() const {
+  const int descriptor = open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool is_synced = descriptor >= 0 && is_on_disk(descriptor);
+  const int error = errno;
+  if (descriptor >= 0) close(descriptor);
+  if (!is_synced) fail(std::strerror(error));
 }
 
 void PartialFile::commit() {
+  sync();
   std::error_code error;
-  std::filesystem::rename(path_, file_, error);
-  if (error) {
-    throw OutputError(file_.string() + ": cannot be written (" + error.message() + ")");
-  }
+  fs::rename(path_, file_, error);
+  if (error) fail(error.message());
 }
 
 namespace {
@@ -41,9 +75,10 @@ void write(const PartialFile& partial, const std::string& bytes) {
 
 }  // namespace
 
-bool create_file(const std::filesystem::path& file, const std::string& bytes) {
+bool create_file(const fs::path& file, const std::string& bytes) {
   PartialFile partial(file);
   write(partial, bytes);
+  partial.sync();
   // link() does not replace a file, unlike rename().
   if (link(partial.path().c_str(), file.c_str()) == 0) return true;
   if (errno == EEXIST) return false;
@@ -51,7 +86,7 @@ bool create_file(const std::filesystem::path& file, const std::string& bytes) {
   return true;
 }
 
-void replace_file(const std::filesystem::path& file, const std::string& bytes) {
+void replace_file(const fs::path& file, const std::string& bytes) {
   PartialFile partial(file);
   write(partial, bytes);
   partial.commit();

@@ -22,13 +22,20 @@ class PartialFile {
   /// The temporary name, under which to write.
   const std::filesystem::path& path() const { return path_; }
 
-  /// Renames it to the final name. Throws OutputError.
+  /// Waits until it is on the disk, and renames it to the final name. Throws OutputError.
   void commit();
 
  private:
+  friend bool create_file(const std::filesystem::path& file, const std::string& bytes);
+  void sync() const;
+  [[noreturn]] void fail(const std::string& reason) const;
+
   std::filesystem::path file_;
   std::filesystem::path path_;
 };
+
+/// Removes what killed processes have left of a file. PartialFile does this first.
+void remove_left(const std::filesystem::path& file);
 
 /// Writes a new file, complete at once. Returns false and keeps the file if it exists. Throws
 /// OutputError.

@@ -27,15 +27,26 @@ inline void add(std::vector<Metric>& metrics, const std::string& name, const std
   if (value && std::isfinite(*value)) metrics.push_back({name, unit, *value});
 }
 
+/// A metric that the file of a run asks for and the run does not have.
+struct AbsentMetric {
+  std::string name;
+  std::string unit;
+  std::string reason;
+};
+
 /// The reason why a run did not reach its end.
 struct Failure {
   double time_s;
   std::string reason;
+  bool is_cut = false;  ///< its process ended; the log was recovered
+
+  const char* verb() const { return is_cut ? "was cut" : "failed"; }
 };
 
 struct Recording {
   std::vector<Track> tracks;
-  std::vector<Metric> metrics;  ///< empty if the run failed
+  std::vector<Metric> metrics;       ///< empty if the run failed
+  std::vector<AbsentMetric> absent;  ///< for the tables of runs
   /// Times measured by a clock: only they may differ between two equal runs. Empty if it failed.
   std::vector<Metric> costs;
   std::optional<Failure> failure;

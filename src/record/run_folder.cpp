@@ -4,8 +4,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -17,8 +15,10 @@
 #include <system_error>
 
 #include <breakwater/record/file_hash.h>
+#include <breakwater/record/log_stream.h>
 #include <breakwater/record/on_disk.h>
 #include <breakwater/record/process_name.h>
+#include <breakwater/record/streamed_files.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -30,6 +30,8 @@ constexpr const char* kPartialMark = ".partial-";
 constexpr const char* kEarlierMark = ".earlier-";
 // A file that marks a complete run in a partial folder, which could not be moved elsewhere.
 constexpr const char* kKeptMark = "kept";
+// The file that proves an identification.
+constexpr const char* kIdentified = "identified.json";
 
 fs::path without_slash(const fs::path& folder) {
   const fs::path normal = fs::absolute(folder).lexically_normal();
@@ -45,16 +47,9 @@ bool is_of_this_host(const std::string& suffix) {
   return suffix.substr(0, suffix.rfind('-')) == host_name();
 }
 
-// Whether the process that wrote there has ended, as far as this host knows. The number of this
-// process may have belonged to an earlier one.
-bool is_of_dead_process(const std::string& suffix) {
-  if (!is_of_this_host(suffix)) return false;
-  if (suffix.size() <= host_name().size() + 1) return false;  // no number
-  pid_t pid = 0;
-  const char* const end = suffix.data() + suffix.size();
-  const auto read = std::from_chars(suffix.data() + host_name().size() + 1, end, pid);
-  if (read.ec != std::errc() || read.ptr != end) return false;
-  return pid == getpid() || (pid > 0 && kill(pid, 0) != 0 && errno == ESRCH);
+// A run, or an identification.
+bool is_finished(const fs::path& folder) {
+  return is_run_folder(folder) || fs::exists(folder / kIdentified);
 }
 
 // The suffixes of the folders beside the target with this mark.
@@ -73,7 +68,7 @@ void restore_earlier(const fs::path& target, const LeftBeside* beside) {
     const fs::path earlier = target.parent_path() / (hidden_name(target, kEarlierMark) + suffix);
     // A process of another host may still be replacing the run. It then only fails to do so.
     const bool is_left = is_of_dead_process(suffix) || !is_of_this_host(suffix);
-    if (!is_left || !is_run_folder(earlier)) continue;
+    if (!is_left || !is_finished(earlier)) continue;
     const fs::file_time_type time = fs::last_write_time(earlier / "manifest.json", error);
     if (latest.empty() || time > latest_time) {
       latest = earlier;
@@ -92,9 +87,11 @@ std::set<fs::path> written_here;
 // Files that the programs write into a run's folder, and their temporary files.
 bool is_of_a_run(const std::string& name) {
   static const std::set<std::string> names = {
-      "config.toml", "log.csv",     "log.h5",      "manifest.json", "metrics.json", "strip.png",
-      "still.png",   "video.mp4",   "replay.html", "report.html",   "compare.html", "compare.csv",
-      "compare.tex", "compare.svg", "compare.pdf", kKeptMark};
+      "config.toml", "log.csv", "log.h5", "manifest.json", "metrics.json", "strip.png", "still.png",
+      "video.mp4", "replay.html", "report.html", "compare.html", "compare.csv", "compare.tex",
+      "compare.svg", "compare.pdf", kKeptMark, kRunning, detail::kJournal,
+      // an identification's
+      kIdentified, "identified.toml", "estimate.toml", "sweep.toml", "tune.toml"};
   return names.contains(name) ||
          (name.starts_with('.') && name.find(".partial-") != std::string::npos);
 }
@@ -107,7 +104,7 @@ std::string complaint_of(const fs::path& folder) {
     const std::string name = entry.path().filename().string();
     if (!is_of_a_run(name)) return "holds " + name + ", which is not a run's; it is left alone";
   }
-  if (fs::is_empty(folder, error) || is_run_folder(folder)) return "";
+  if (fs::is_empty(folder, error) || is_finished(folder)) return "";
   return "holds something that is not a run, or one whose manifest.json is damaged; it is left "
          "alone: delete it to go on";
 }
@@ -129,7 +126,8 @@ void remove_abandoned(const fs::path& target, const LeftBeside* left) {
   }
   for (const std::string& suffix : suffixes(target, kPartialMark, left)) {
     const fs::path partial = beside(kPartialMark, suffix);
-    if (is_of_dead_process(suffix) && !fs::exists(partial / kKeptMark, ignored)) {
+    if (is_of_dead_process(suffix) && !fs::exists(partial / kKeptMark, ignored) &&
+        !is_recoverable(partial)) {
       fs::remove_all(partial, ignored);
     }
   }
@@ -225,9 +223,20 @@ bool is_run_folder(const fs::path& folder) {
   return manifest.is_object() && manifest.contains("scenario") && manifest.contains("state_hash");
 }
 
+bool is_recoverable(const fs::path& folder) {
+  std::error_code ignored;
+  return is_unfinished_run(folder) && fs::exists(folder / kRunning, ignored);
+}
+
 bool is_unfinished_run(const fs::path& folder) {
-  const std::string name = folder.filename().string();
+  const std::string name = without_slash(folder).filename().string();
   return name.starts_with('.') && name.find(kPartialMark) != std::string::npos;
+}
+
+fs::path finished_name(const fs::path& folder) {
+  const std::string name = without_slash(folder).filename().string();
+  const fs::path parent = (folder.has_filename() ? folder : folder.parent_path()).parent_path();
+  return parent / name.substr(1, name.rfind(kPartialMark) - 1);
 }
 
 std::string why_not_removable(const fs::path& folder) {
@@ -241,6 +250,11 @@ std::string why_not_removable(const fs::path& folder) {
       return "holds " + name + ", which is not a run's";
     }
     if (name == kKeptMark) return "is a whole run that could not take its name";
+    if (name == kRunning && is_recoverable(folder)) {
+      return is_being_written(folder) ? "is still written"
+                                      : "has a log that recover makes a run of: recover it, or "
+                                        "delete the folder";
+    }
   }
   if (error) return "cannot be read (" + error.message() + ")";
   if (!is_unfinished_run(without_slash(folder))) return complaint_of(folder);
@@ -325,6 +339,9 @@ RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
                                   "it, or give another folder");
     }
     remove_abandoned(target_, beside);
+    // An earlier process may have had this number.
+    const std::string first = partial_.string() + kCopyMark;
+    for (int n = 2; is_recoverable(partial_); ++n) partial_ = first + std::to_string(n);
     fs::create_directory(partial_);
     written_here.insert(partial_);
   } catch (const fs::filesystem_error& error) {
@@ -337,7 +354,7 @@ RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
 RunFolder::~RunFolder() {
   const std::lock_guard lock(in_this_process);
   written_here.erase(partial_);
-  if (is_done_) return;
+  if (is_done_ || is_recoverable(partial_)) return;
   std::error_code ignored;
   fs::remove_all(partial_, ignored);
   remove_empty(made_parents_);

@@ -11,6 +11,10 @@
 
 namespace breakwater {
 
+/// A file in the partial folder of a run whose log is streamed (LogStream). CutRun recovers a
+/// folder that has it, so only the user removes it.
+inline constexpr const char* kRunning = "running.json";
+
 /// A list of the folders that processes left beside the runs. It is made once: a new list for each
 /// of many runs would take quadratic time.
 class LeftBeside {
@@ -28,7 +32,7 @@ class LeftBeside {
 /// even parent folders that were made for it.
 ///
 /// After a kill or a power failure, the earlier run or the new one is there. The next run removes
-/// the rest.
+/// the rest. A partial folder with a streamed log always stays.
 class RunFolder {
  public:
   /// Throws std::invalid_argument if the target is a file, holds something other than an earlier
@@ -59,8 +63,14 @@ class RunFolder {
 /// Whether a folder holds a finished run, by its manifest.json.
 bool is_run_folder(const std::filesystem::path& folder);
 
+/// Whether a folder has a streamed log that is not that of a finished run.
+bool is_recoverable(const std::filesystem::path& folder);
+
 /// Whether a folder is the partial folder of an unfinished or killed run, by its name.
 bool is_unfinished_run(const std::filesystem::path& folder);
+
+/// The folder that an unfinished run was meant for.
+std::filesystem::path finished_name(const std::filesystem::path& folder);
 
 /// The reason, in one line, why a folder must not be removed; empty if it may be. It may hold only
 /// files of a run. The process of an unfinished run must have been on this computer and have ended.

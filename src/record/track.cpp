@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <breakwater/record/csv.h>
+#include <breakwater/record/log_stream.h>
 
 namespace breakwater {
 namespace {
@@ -53,12 +54,17 @@ bool is_index_name(const std::string& name) {
          name.find_first_not_of(digits, begin) == std::string::npos;
 }
 
-Track::Track(std::string name, std::vector<Signal> signals, std::size_t expected_rows)
-    : name_(std::move(name)), signals_(std::move(signals)) {
+Track::Track(std::string name, std::vector<Signal> signals, std::size_t expected_rows,
+             LogStream* stream)
+    : name_(std::move(name)), signals_(std::move(signals)), stream_(stream) {
   check_names(name_, signals_);
   for (const Signal& signal : signals_) {
     offsets_.push_back(width_);
     width_ += signal.values.size();
+  }
+  if (stream_ != nullptr) {
+    place_ = stream_->add(name_, signals_, expected_rows);
+    return;
   }
   try {
     rows_.reserve(expected_rows * width_);
@@ -70,6 +76,11 @@ Track::Track(std::string name, std::vector<Signal> signals, std::size_t expected
 }
 
 void Track::append(double time_s) {
+  ++row_count_;
+  if (stream_ != nullptr) {
+    stream_->append(place_, time_s);
+    return;
+  }
   rows_.push_back(time_s);
   for (const Signal& signal : signals_) {
     rows_.insert(rows_.end(), signal.values.begin(), signal.values.end());

@@ -19,26 +19,36 @@ bool is_index_name(const std::string& name);
 class LogTooLong : public std::bad_alloc {
  public:
   const char* what() const noexcept override {
-    return "run.duration_s: the log of so long a run does not fit in memory";
+    return "run.duration_s: the log of so long a run does not fit in memory: set "
+           "record.stream=true";
   }
 };
+
+class LogStream;
 
 /// Copies a set of signals row by row. Only the constructor allocates, unless there are too many
 /// rows.
 class Track {
  public:
   /// `name` is the name of the time base ("control"). The owners of the signals must outlive the
-  /// calls of append(). Throws std::invalid_argument, one line, unless each signal has values and a
-  /// unique name that is_column_name(), other than "time_s" and "index_3". Throws LogTooLong.
-  Track(std::string name, std::vector<Signal> signals, std::size_t expected_rows);
+  /// calls of append(). With a `stream`, the rows go to its file and are not in memory. Throws
+  /// std::invalid_argument, one line, unless each signal has values and a unique name that
+  /// is_column_name(), other than "time_s" and "index_3". Throws LogTooLong.
+  Track(std::string name, std::vector<Signal> signals, std::size_t expected_rows,
+        LogStream* stream = nullptr);
 
   void append(double time_s);
 
   const std::string& name() const { return name_; }
-  std::size_t rows() const { return rows_.size() / width_; }
+  std::size_t rows() const { return row_count_; }
   std::size_t signals() const { return signals_.size(); }
+  bool is_streamed() const { return stream_ != nullptr; }
   /// Name, unit, description and width of a signal. Its values are not valid after the run.
   const Signal& signal(std::size_t i) const { return signals_[i]; }
+
+  const std::vector<Signal>& all_signals() const { return signals_; }
+
+  // These need the rows in memory, so a streamed track does not have them.
 
   /// The times of all rows [s].
   std::vector<double> times() const;
@@ -56,7 +66,10 @@ class Track {
   std::vector<Signal> signals_;
   std::vector<std::size_t> offsets_;  // places of the signals in a row
   std::size_t width_ = 1;             // values in a row
+  std::size_t row_count_ = 0;
   std::vector<double> rows_;
+  LogStream* stream_;
+  std::size_t place_ = 0;  // number of the track in the stream
 };
 
 }  // namespace breakwater

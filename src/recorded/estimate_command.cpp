@@ -1,12 +1,14 @@
 #include <breakwater/recorded/estimate_command.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
 #include <memory>
 
+#include <breakwater/config/scenario_name.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/run_tables.h>
 #include <breakwater/experiment/runner.h>
@@ -23,11 +25,13 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kEstimate = "estimate";
+constexpr const char* kObserver = "observer.";
 
 struct Arguments {
   std::string csv;
   std::string observer;
   std::string config;
+  std::string tuned;
   std::vector<std::string> sets;
   std::string out;
   bool list_cases = false;
@@ -35,11 +39,24 @@ struct Arguments {
   bool quiet = false;
 };
 
+std::string toml_value(const ConfigValue& value) {
+  if (const auto* number = std::get_if<double>(&value.data)) return toml_number(*number);
+  if (const auto* count = std::get_if<std::int64_t>(&value.data)) return fmt::format("{}", *count);
+  if (const auto* flag = std::get_if<bool>(&value.data)) return *flag ? "true" : "false";
+  if (const auto* text = std::get_if<std::string>(&value.data)) return toml_string(*text);
+  std::vector<std::string> values;
+  for (const ConfigValue& one : std::get<ConfigValue::Array>(value.data)) {
+    values.push_back(toml_value(one));
+  }
+  return fmt::format("[{}]", fmt::join(values, ", "));
+}
+
 // The file, the case and the sets of the arguments.
 struct Request {
   ScenarioFile file;
   std::string case_name;
   std::vector<std::string> sets;
+  std::string called;
 };
 
 Request request_of(const Arguments& arguments) {
@@ -53,9 +70,19 @@ Request request_of(const Arguments& arguments) {
   if (!arguments.observer.empty() && !has_settings) {
     sets.push_back("observer.name=" + toml_string(arguments.observer));
   }
-  sets.insert(sets.end(), arguments.sets.begin(), arguments.sets.end());
   std::string case_name = has_settings ? arguments.observer : file.default_case();
-  return {std::move(file), std::move(case_name), std::move(sets)};
+  std::string called = arguments.observer.empty() ? case_name : arguments.observer;
+  if (!arguments.tuned.empty()) {
+    const ScenarioFile tuned(arguments.tuned, scenario_name_in(arguments.tuned));
+    const Config config = tuned.config(tuned.default_case());
+    for (const auto& [key, entry] : config.entries()) {
+      if (key.starts_with(kObserver)) sets.push_back(key + "=" + toml_value(entry.value));
+    }
+    const ConfigEntry* const name = config.find("observer.name");
+    if (name != nullptr) called = plain_text(toml_value(name->value));
+  }
+  sets.insert(sets.end(), arguments.sets.begin(), arguments.sets.end());
+  return {std::move(file), std::move(case_name), std::move(sets), std::move(called)};
 }
 
 // The record may still be missing: the user fills in its name and the other required keys.
@@ -75,19 +102,20 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
     for (const std::string& name : request.file.cases()) fmt::print("{}\n", name);
     return kSuccess;
   }
-  const std::string& called = arguments.observer.empty() ? request.case_name : arguments.observer;
   if (arguments.print_config) {
-    fmt::print("{}", editable_config(catalogue, request, called));
+    fmt::print("{}", editable_config(catalogue, request, request.called));
     return kSuccess;
   }
   const PreparedRun run =
       prepare_scenario(std::make_unique<RecordedEstimation>(catalogue), request.file,
-                       request.case_name, request.sets, Tables::unchecked, called);
+                       request.case_name, request.sets, Tables::unchecked, request.called);
   const std::string& name = run.case_name;
   RunFolder folder(arguments.out.empty() ? fs::path("runs") / kEstimate / name
                                          : fs::path(arguments.out));
   if (!arguments.quiet) {
     for (const IneffectiveKey& ineffective : run.ineffective) {
+      // A tuned file has the keys of all observers.
+      if (!arguments.tuned.empty() && ineffective.key.starts_with(kObserver)) continue;
       warn(kEstimate,
            {fmt::format("{}: {}: {}", ineffective.origin, ineffective.key, ineffective.reason)});
     }
@@ -128,6 +156,11 @@ int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv)
     app.add_option("--config", arguments.config,
                    "read settings from this file, such as an earlier result's config.toml")
         ->type_name("FILE");
+    app.add_option("--tuned", arguments.tuned,
+                   "take the observer and its keys observer.* from this scenario file, such as "
+                   "tune's\nfront/1.toml")
+        ->type_name("FILE")
+        ->excludes("--observer");
     app.add_option("--set", arguments.sets,
                    "set a key of the plant, encoder, units, ... (--print-config shows all keys)")
         ->type_name("KEY=VALUE");

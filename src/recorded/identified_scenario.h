@@ -14,10 +14,12 @@ struct IdentifiedPlant {
   double viscous_friction = 0.0;
   double coulomb_friction = 0.0;
   double breakaway_friction = 0.0;  ///< friction at rest beyond the Coulomb friction
-  double stribeck_speed = 0.0;      ///< v_s, if there is such friction
-  double delay_s = 0.0;
+  double stribeck_speed = 0.0;      ///< v_s; 0: no breakaway friction
+  double offset_torque = 0.0;
+  double delay_s = 0.0;  ///< from the command to the torque
   double period_s = 0.0;
   double quantum = 0.0;  ///< one count; 0: not quantised
+  double phase = 0.0;    ///< the encoder's
   EncoderRounding rounding = EncoderRounding::nearest;
   double noise_std = 0.0;
   double largest_torque = 0.0;  ///< the largest torque of the records
@@ -29,12 +31,13 @@ struct IdentifiedScenarioKind {
 
   std::string name;       ///< name of the scenario
   std::string case_name;  ///< the case that identified.toml has
-  /// The values of its keys, "key=value". Controller and disturbance fit the size of the plant.
-  std::vector<std::string> (*sets)(const IdentifiedPlant& plant);
-  // The keys of the parameters that a study may draw.
-  std::string inertia_key;
-  std::string viscous_key;
-  std::string coulomb_key;
+  /// The keys of the true plant, "key=value". A study draws their values, in the same order for
+  /// each plant.
+  std::vector<std::string> (*plant_sets)(const IdentifiedPlant& plant);
+  /// The other keys. Nominal plant, controller and disturbance fit the size of the plant.
+  std::vector<std::string> (*other_sets)(const IdentifiedPlant& plant);
+  /// The lines of a tuning that name its algorithm, keys and objectives.
+  std::string (*tuning)(const IdentifiedPlant& plant);
 };
 
 }  // namespace breakwater

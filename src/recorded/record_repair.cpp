@@ -181,9 +181,10 @@ class Repair {
     if (missing.count() == 0) return;
     if (!first) throw std::invalid_argument(file_ + ": no row has an input");
     const bool is_held = is_many(missing.count());
+    std::size_t next = 0;  // the next row with an input
     for (std::size_t k = 0; k < rows_.size(); ++k) {
       if (!std::isnan(rows_[k].input)) continue;
-      std::size_t next = k;
+      next = std::max(next, k);
       while (next < rows_.size() && std::isnan(rows_[next].input)) ++next;
       if (k == 0) {
         rows_[k].input = rows_[*first].input;

@@ -11,6 +11,38 @@
 
 namespace breakwater {
 
+namespace {
+
+constexpr double kSlow = 0.1;         // s: an interval from which the times look like milliseconds
+constexpr double kFewCounts = 100.0;  // the least range of positions that look like counts
+
+// Scales that the user may have forgotten.
+std::vector<std::string> doubts_of(const RecordedAxis& axis, bool has_position_scale) {
+  std::vector<std::string> doubts;
+  std::vector<double> intervals;
+  for (std::size_t k = 1; k < axis.times_s.size(); ++k) {
+    intervals.push_back(axis.times_s[k] - axis.times_s[k - 1]);
+  }
+  const double interval_s = sample_median(intervals);
+  if (interval_s >= kSlow) {
+    doubts.push_back(
+        fmt::format("the rows are {:.3g} s apart. If the times are milliseconds, set "
+                    "csv.time_scale=1e-3",
+                    interval_s));
+  }
+  const auto [low, high] = std::minmax_element(axis.positions.begin(), axis.positions.end());
+  const bool is_whole = std::all_of(axis.positions.begin(), axis.positions.end(),
+                                    [](double y) { return y == std::round(y); });
+  if (!has_position_scale && is_whole && *high - *low >= kFewCounts) {
+    doubts.emplace_back(
+        "all positions are whole numbers. If they are counts, set csv.position_scale to one count "
+        "in rad or m");
+  }
+  return doubts;
+}
+
+}  // namespace
+
 RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& format) {
   ColumnTable table = read_columns(file,
                                    {{format.time_column, "csv.time_column"},
@@ -23,6 +55,7 @@ RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& for
   };
   const double scales[] = {format.time_scale, format.input_scale, format.position_scale};
   std::vector<double>* const columns[] = {&axis.times_s, &axis.inputs, &axis.positions};
+  bool has_position_scale = false;
   for (std::size_t i = 0; i < 3; ++i) {
     double scale = scales[i];
     const std::string& unit = table.units[i];
@@ -32,9 +65,11 @@ RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& for
           fmt::format("the unit {} of the first lines: 1 is {:.6g} in SI units", unit, scale));
     }
     multiply(*columns[i], scale);
+    if (i == 2) has_position_scale = scale != 1.0;
     if (i == 0) multiply(axis.input_times_s, scale);
     if (i == 1) multiply(axis.all_inputs, scale);
   }
+  axis.doubts = doubts_of(axis, has_position_scale);
   return axis;
 }
 

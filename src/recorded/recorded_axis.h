@@ -27,6 +27,7 @@ struct RecordedAxis {
   std::vector<double> input_times_s;
   std::vector<double> all_inputs;
   std::vector<std::string> repairs;  ///< a line each, with the count and the first line of the file
+  std::vector<std::string> doubts;   ///< signs of a forgotten scale
 };
 
 /// Reads a table of a laboratory (column_table.h) and repairs it (record_repair.h).

@@ -132,6 +132,9 @@ std::vector<std::string> RecordedEstimation::warnings() const {
   if (!record_.repairs.empty()) {
     lines.push_back(fmt::format("{}: repaired: {}", file_, fmt::join(record_.repairs, "; ")));
   }
+  for (const std::string& doubt : record_.doubts) {
+    lines.push_back(fmt::format("{}: {}", file_, doubt));
+  }
   if (!timing_.gaps.empty()) {
     std::string places;
     for (std::size_t i = 0; i < std::min(kMostGapsNamed, timing_.gaps.size()); ++i) {

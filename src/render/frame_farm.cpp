@@ -20,6 +20,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -273,7 +274,13 @@ std::string draw_frames(const FrameFarm& farm, const std::function<Drawer(std::s
   const SharedMemory slots(slot_count * farm.frame_bytes);
   const IgnoredSigpipe no_sigpipe;
   Children children(farm, slots.data(), start);
-  Taker taker(farm, slots.data(), slot_count, take);
+  std::optional<Taker> taking;
+  try {
+    taking.emplace(farm, slots.data(), slot_count, take);
+  } catch (const std::system_error& error) {
+    throw RenderError("video: no thread can be started (" + error.code().message() + ")");
+  }
+  Taker& taker = *taking;
 
   std::string renderer;
   std::size_t ordered = 0;

@@ -1,4 +1,7 @@
 // Breakwater's controllers of the arm: their keys, and the functions that make them.
+#include <breakwater/control/contact_mpc.h>
+#include <breakwater/control/energy_admittance.h>
+#include <breakwater/control/impact_qp.h>
 #include <breakwater/control/implicit_force_pfc.h>
 #include <breakwater/control/soft_contact.h>
 #include <breakwater/control/workspace_control.h>
@@ -111,50 +114,166 @@ std::unique_ptr<Controller> make_drac(const WorkspaceControlDesign& design, cons
   return std::make_unique<Drac>(arm.chain, arm.acceleration, arm.task, design);
 }
 
-struct SoftContactSettings {
+// The settings of a controller that reaches the wall on a path.
+struct PathSettings {
   PfcSettings pfc;
   double hold_s = 0.0;
   double across_s = 0.0;
-  double approach_s = 0.0;
-  double contact_s = 0.0;
-  double stiffness_N_m = 0.0;
-  double margin_N = 0.0;
+
+  void bind(Fields& fields) {
+    pfc.bind(fields);
+    fields.number("controller.t_hold_s", hold_s, positive(),
+                  "target response time of x at the start pose, for positioning workspace [s]");
+    fields.number("controller.t_across_s", across_s, positive(),
+                  "target response time of y and phi [s]");
+  }
+  PfcDesign design_of(const char* key, double response_time_s, const ArmSetup& arm) const {
+    const PfcDesign design = pfc.design(response_time_s, arm.period_s);
+    blame(key, [&] { Pfc made(design); });
+    return design;
+  }
+  PathDesign design(const ArmSetup& arm) const {
+    pfc.check(arm);
+    return {pfc.positioning, pfc.joints(arm.period_s),
+            design_of("controller.t_hold_s", hold_s, arm),
+            design_of("controller.t_across_s", across_s, arm)};
+  }
 };
 
-void bind_tlsc(Fields& fields, SoftContactSettings& settings) {
-  settings.pfc.bind(fields);
-  fields.number("controller.t_hold_s", settings.hold_s, positive(),
-                "target response time of x at the start pose, for positioning workspace [s]");
-  fields.number("controller.t_across_s", settings.across_s, positive(),
-                "target response time of y and phi [s]");
-  fields.number("controller.t_approach_s", settings.approach_s, positive(),
-                "target response time of the speed towards the wall [s]");
-  fields.number("controller.t_contact_s", settings.contact_s, positive(),
-                "target response time of the remaining distance in contact [s]");
+void bind_impact(Fields& fields, ImpactModel& impact) {
   fields.number(
-      "controller.design_stiffness_N_m", settings.stiffness_N_m, positive(),
+      "controller.design_stiffness_N_m", impact.stiffness_N_m, positive(),
       "K_d: design stiffness, the contact stiffness for which the speed is limited [N/m]");
-  fields.number("controller.peak_margin_N", settings.margin_N, positive(),
+  fields.number("controller.peak_margin_N", impact.peak_margin_N, positive(),
                 "allowed excess of the filtered peak force over the reference at K_d [N]");
 }
 
+void bind_approach(Fields& fields, double& approach_s) {
+  fields.number("controller.t_approach_s", approach_s, positive(),
+                "target response time of the speed towards the wall [s]");
+}
+
+struct SoftContactSettings {
+  PathSettings path;
+  double approach_s = 0.0;
+  double contact_s = 0.0;
+  ImpactModel impact;
+};
+
+void bind_tlsc(Fields& fields, SoftContactSettings& settings) {
+  settings.path.bind(fields);
+  bind_approach(fields, settings.approach_s);
+  fields.number("controller.t_contact_s", settings.contact_s, positive(),
+                "target response time of the remaining distance in contact [s]");
+  bind_impact(fields, settings.impact);
+}
+
 std::unique_ptr<Controller> make_tlsc(const SoftContactSettings& settings, const ArmSetup& arm) {
-  settings.pfc.check(arm);
-  const auto design_of = [&](const char* key, double response_time_s) {
-    const PfcDesign design = settings.pfc.design(response_time_s, arm.period_s);
-    blame(key, [&] { Pfc pfc(design); });
-    return design;
-  };
   SoftContactDesign design;
-  design.positioning = settings.pfc.positioning;
-  design.joints = settings.pfc.joints(arm.period_s);
-  design.hold = design_of("controller.t_hold_s", settings.hold_s);
-  design.across = design_of("controller.t_across_s", settings.across_s);
-  design.approach = design_of("controller.t_approach_s", settings.approach_s);
-  design.contact = design_of("controller.t_contact_s", settings.contact_s);
-  design.wall_stiffness_N_m = settings.stiffness_N_m;
-  design.peak_margin_N = settings.margin_N;
+  design.path = settings.path.design(arm);
+  design.approach = settings.path.design_of("controller.t_approach_s", settings.approach_s, arm);
+  design.contact = settings.path.design_of("controller.t_contact_s", settings.contact_s, arm);
+  design.wall_stiffness_N_m = settings.impact.stiffness_N_m;
+  design.peak_margin_N = settings.impact.peak_margin_N;
   return std::make_unique<SoftContact>(arm.chain, arm.acceleration, arm.task, design);
+}
+
+struct EnergySettings {
+  PathSettings path;
+  double approach_s = 0.0;
+  ImpactModel impact;
+  Admittance admittance;
+
+  void bind(Fields& fields) {
+    path.bind(fields);
+    bind_approach(fields, approach_s);
+    bind_impact(fields, impact);
+    fields.optional_number("controller.admittance_mass_kg", admittance.mass_kg, positive(),
+                           "M: mass of the admittance in contact [kg]");
+    fields.optional_number("controller.admittance_damping_Ns_m", admittance.damping_Ns_m,
+                           not_negative(), "D: damping of the admittance in contact [N s/m]");
+  }
+  PfcDesign approach(const ArmSetup& arm) const {
+    return path.design_of("controller.t_approach_s", approach_s, arm);
+  }
+};
+
+void bind_energy(Fields& fields, EnergySettings& settings) {
+  settings.bind(fields);
+}
+
+std::unique_ptr<Controller> make_energy(const EnergySettings& settings, const ArmSetup& arm) {
+  return std::make_unique<EnergyAdmittance>(
+      arm.chain, arm.acceleration, arm.task,
+      EnergyAdmittanceDesign{settings.path.design(arm), settings.approach(arm), settings.impact,
+                             settings.admittance});
+}
+
+struct ImpactQpSettings {
+  EnergySettings common;
+  ImpactQpDesign design;
+};
+
+void bind_impact_qp(Fields& fields, ImpactQpSettings& settings) {
+  settings.common.bind(fields);
+  ImpactQpDesign& design = settings.design;
+  fields.optional_number(
+      "controller.approach_speed_m_s", design.approach_speed_m_s, positive(),
+      "v^ref: wanted speed towards the wall, which the constraints reduce [m/s]");
+  fields.optional_number("controller.preview_s", design.preview_s, positive(),
+                         "T_p: the constraints foresee an impact so long after the sample [s]");
+  fields.optional_number("controller.restitution", design.restitution, between(0.0, 1.0),
+                         "e: restitution of the foreseen impact");
+  fields.optional_number("controller.impact_expected_from_m", design.expected_from_m, any(),
+                         "way from the start pose after which an impact is foreseen [m]");
+  fields.optional_number("controller.posture_weight", design.posture_weight, positive(),
+                         "weight of the joint accelerations in the quadratic program");
+}
+
+std::unique_ptr<Controller> make_impact_qp(const ImpactQpSettings& settings, const ArmSetup& arm) {
+  ImpactQpDesign design = settings.design;
+  design.path = settings.common.path.design(arm);
+  design.approach = settings.common.approach(arm);
+  design.impact = settings.common.impact;
+  design.admittance = settings.common.admittance;
+  return std::make_unique<ImpactQp>(arm.chain, arm.acceleration, arm.task, design);
+}
+
+struct ContactMpcSettings {
+  PathSettings path;
+  ContactMpcDesign design;
+};
+
+void bind_contact_mpc(Fields& fields, ContactMpcSettings& settings) {
+  settings.path.bind(fields);
+  ContactMpcDesign& design = settings.design;
+  bind_impact(fields, design.impact);
+  fields.optional_number(
+      "controller.period_s", design.period_s, positive(),
+      "time from one optimisation to the next, a multiple of control.period_s [s]");
+  fields.count("controller.prediction_steps", design.prediction_steps, between(1, 200),
+               "N_p: number of predicted periods");
+  fields.standard("controller.prediction_steps", {design.prediction_steps});
+  fields.optional_number("controller.q_position", design.q_position, positive(),
+                         "weight on the error of the depth [1/m^2]");
+  fields.optional_number("controller.q_velocity", design.q_velocity, not_negative(),
+                         "weight on the speed [s^2/m^2]");
+  fields.optional_number("controller.r", design.r, positive(),
+                         "weight on the path acceleration [s^4/m^2]");
+  fields.optional_number("controller.path_acceleration_m_s2", design.acceleration_m_s2, positive(),
+                         "bound of the predicted path acceleration [m/s^2]");
+  fields.optional_number("controller.wall_error_m", design.wall_error_m, any(),
+                         "told place of the wall minus the true one [m]");
+  fields.optional_number("controller.wall_correction_per_s", design.wall_correction_per_s,
+                         not_negative(),
+                         "gamma: rate at which the measured force corrects the wall's place [1/s]");
+}
+
+std::unique_ptr<Controller> make_contact_mpc(const ContactMpcSettings& settings,
+                                             const ArmSetup& arm) {
+  ContactMpcDesign design = settings.design;
+  design.path = settings.path.design(arm);
+  return std::make_unique<ContactMpc>(arm.chain, arm.acceleration, arm.task, design);
 }
 
 }  // namespace
@@ -167,7 +286,13 @@ std::vector<ArmControllerKind> arm_controllers() {
           {"drac", "resolved acceleration control with implicit force control (2.4.3.1)", bind_drac,
            make_drac},
           {"tlsc", "torque-limited soft contact: as fast as the torques can still stop the arm",
-           bind_tlsc, make_tlsc}};
+           bind_tlsc, make_tlsc},
+          {"energy_admittance", "approach with the speed of an allowed impact, then admittance",
+           bind_energy, make_energy},
+          {"impact_qp", "impact-aware quadratic program in the joint accelerations", bind_impact_qp,
+           make_impact_qp},
+          {"contact_mpc", "predictive control with a spring at the wall's known place",
+           bind_contact_mpc, make_contact_mpc}};
 }
 
 }  // namespace breakwater

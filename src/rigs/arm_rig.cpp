@@ -1,5 +1,6 @@
 #include <breakwater/rigs/arm_rig.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -64,6 +65,7 @@ ArmTask arm_task(const ArmSettings& settings, const ArmRole& role, const PlanarC
   task.force_reference_N = role.force_reference_N;
   task.convert_gain_N_m = role.convert_gain_N_m;
   task.force_lag_s = role.force_filter_time_constant_s;
+  task.wall_x_m = role.wall_x_m;
   return task;
 }
 
@@ -77,9 +79,13 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
   SensingSetup setup;
   for (Eigen::Index i = 0; i < chain.joints(); ++i) {
     Encoder encoder = {.quantum = quantum_rad(settings), .rounding = settings.encoder_rounding};
-    settings.scale.apply(encoder);
+    settings.joint(i).scale.apply(encoder);
+    const std::string& name = chain.joint(i).name;
+    const TransmissionSettings& transmission = settings.joint(i).transmission;
+    const bool is_motor = transmission.is_elastic() && transmission.measured == Side::motor;
     setup.channels.push_back({.name = "q" + std::to_string(i + 1),
-                              .sensor = chain.joint(i).name + "_pos",
+                              .sensor = is_motor ? transmission.motor(name) : name + "_pos",
+                              .reading = is_motor ? Reading::joint_position : Reading::component,
                               .encoder = encoder,
                               .noise_std = settings.angle_noise_rad});
   }
@@ -101,7 +107,8 @@ constexpr double kFrictionOfModel = -1.0;
 
 double coulomb_Nm(const ArmSettings& settings, const Model& model, const PlanarChain& chain,
                   Eigen::Index joint) {
-  if (settings.friction_Nm != kFrictionOfModel) return settings.friction_Nm;
+  const double friction_Nm = settings.joint(joint).friction_Nm;
+  if (friction_Nm != kFrictionOfModel) return friction_Nm;
   return model->dof_frictionloss[model->jnt_dofadr[model.id(mjOBJ_JOINT, chain.joint(joint).name)]];
 }
 
@@ -142,6 +149,28 @@ TipPose start_pose(const ArmSettings& settings) {
   return load_planar_chain(settings.urdf).tip_pose(to_eigen(settings.start_angles_rad));
 }
 
+TransmissionSettings ArmJoint::at_joint() const {
+  TransmissionSettings at_joint = transmission;
+  const double ratio = std::exchange(at_joint.design.ratio, 1.0);
+  at_joint.motor_inertia *= ratio * ratio;
+  at_joint.motor_friction *= ratio * ratio;
+  at_joint.design.error_per_turn *= ratio;
+  return at_joint;
+}
+
+void ArmSettings::learn(const Config& config) {
+  const ConfigEntry* entry = config.find("model.urdf");
+  const auto* file = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
+  if (file == nullptr) return;
+  Eigen::Index count = 1;
+  try {
+    count = load_planar_chain(config.find_file_of("model.urdf", *file)).joints();
+  } catch (const std::invalid_argument&) {
+    return;
+  }
+  while (static_cast<Eigen::Index>(joints.size()) < count) joints.emplace_back(*catalogue_);
+}
+
 void ArmSettings::bind(Fields& fields) {
   bind_model(fields, mjcf);
   fields.file("model.urdf", urdf, "URDF file of the arm, the controllers' nominal model");
@@ -150,10 +179,13 @@ void ArmSettings::bind(Fields& fields) {
   run.bind(fields);
   fields.numbers("task.start_angles_rad", start_angles_rad, any(),
                  "q_0^ref, the start posture; its tip pose is X_0^ref [rad]");
-  fields.number("plant.friction_Nm", friction_Nm, between(kFrictionOfModel, 1e3),
-                "Coulomb friction of each joint; -1: that of the model file [N m]");
-  fields.standard("plant.friction_Nm", {kFrictionOfModel});
-  drive.bind(fields, rotation_units());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Fields::OfPlace of_joint(fields, i, joints.size());
+    fields.number("plant.friction_Nm", joints[i].friction_Nm, between(kFrictionOfModel, 1e3),
+                  "Coulomb friction of each joint; -1: that of the model file [N m]");
+    fields.standard("plant.friction_Nm", {kFrictionOfModel});
+    joints[i].drive.bind(fields, rotation_units());
+  }
   controller.bind(fields);
   fields.numbers("observer.nominal_inertia_kgm2", nominal_inertia_kgm2, positive(),
                  "diagonal of J_n: nominal inertia of each joint [kg m^2]");
@@ -167,7 +199,12 @@ void ArmSettings::bind(Fields& fields) {
   bind_encoder_rounding(fields, "sensor.encoder_rounding", encoder_rounding);
   fields.only_where({"sensor.encoder_rounding"}, "sensor.encoder_counts_per_turn is not 0",
                     [this] { return encoder_counts_per_turn != 0.0; });
-  scale.bind(fields, "sensor.encoder_", rotation_units());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Fields::OfPlace of_joint(fields, i, joints.size());
+    joints[i].scale.bind(fields, "sensor.encoder_", rotation_units());
+    joints[i].transmission.bind_plant(fields, rotation_units(), "kgm2", "Nms_rad",
+                                      "sensor.encoder_side");
+  }
   fields.number("sensor.angle_noise_rad", angle_noise_rad, not_negative(),
                 "standard deviation of white noise on each angle sample [rad]");
   fields.number("sensor.force_noise_N", force_noise_N, not_negative(),
@@ -188,8 +225,10 @@ void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& c
   one_per_joint("task.start_angles_rad", settings.start_angles_rad.size());
   one_per_joint("observer.nominal_inertia_kgm2", settings.nominal_inertia_kgm2.size());
 
-  if (settings.friction_Nm < 0.0 && settings.friction_Nm != kFrictionOfModel) {
-    config.fail("plant.friction_Nm", "must be -1 (the value of the model file) or not negative");
+  for (const ArmJoint& joint : settings.joints) {
+    if (joint.friction_Nm < 0.0 && joint.friction_Nm != kFrictionOfModel) {
+      config.fail("plant.friction_Nm", "must be -1 (the value of the model file) or not negative");
+    }
   }
   for (int i = 0; i < chain.joints(); ++i) {
     settings.observer.check(config, nominal_joint(settings, chain, i));
@@ -198,7 +237,12 @@ void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& c
   const Model model = Model::load_physics(settings.mjcf, role.geoms);
   check_actuators(model, chain);
   for (int i = 0; i < chain.joints(); ++i) {
-    settings.drive.check(config, coulomb_Nm(settings, model, chain, i));
+    try {
+      settings.joint(i).transmission.check_motor(model, chain.joint(i).name);
+    } catch (const WrongKey& wrong) {
+      config.fail(wrong.key(), wrong.what());
+    }
+    settings.joint(i).drive.check(config, coulomb_Nm(settings, model, chain, i));
   }
   const std::vector<SensorChannel> channels = sensing_setup(settings, role, chain).channels;
   settings.faults.check(config, channels);
@@ -217,26 +261,39 @@ void show_geoms(Model& model, const std::string& prefix, bool visible) {
 ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
     : chain_(load_planar_chain(settings.urdf)),
       controller_(settings.controller.make(arm_setup(settings, role, chain_))),
-      has_motors_(settings.drive.electric().is_on()),
+      has_motors_(std::any_of(settings.joints.begin(), settings.joints.end(),
+                              [](const auto& joint) { return joint.drive.electric().is_on(); })),
       q_(Eigen::VectorXd::Zero(chain_.joints())),
       dq_(q_),
+      motor_q_(q_),
+      transmitted_Nm_(q_),
       friction_Nm_(q_),
       current_A_(q_),
       tip_(TipPose::Zero()) {
   Model model = Model::load_physics(settings.mjcf, role.geoms);
   model.set_physics(settings.physics.timestep_s, settings.physics.integrator);
-  if (settings.friction_Nm != kFrictionOfModel) {
-    for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
-      set_coulomb_friction(model, model.id(mjOBJ_JOINT, chain_.joint(i).name),
-                           settings.friction_Nm);
-    }
-  }
+  positions_of_file_ = static_cast<std::size_t>(model->nq);
+  std::vector<double> coulombs;
   for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
+    const std::string& name = chain_.joint(i).name;
+    coulombs.push_back(coulomb_Nm(settings, model, chain_, i));
+    set_coulomb_friction(model, model.id(mjOBJ_JOINT, name), coulombs.back());
+    settings.joint(i).at_joint().author(model, name, static_cast<int>(i));
+  }
+  // The stability of each spring depends on the inertias of the whole model.
+  for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
+    const std::string& name = chain_.joint(i).name;
+    const TransmissionSettings transmission = settings.joint(i).at_joint();
+    const bool is_elastic = transmission.is_elastic();
+    transmissions_.push_back(is_elastic ? transmission.make(model, name) : nullptr);
+    const int motor = model.id(mjOBJ_JOINT, is_elastic ? transmission.motor(name) : name);
+    motors_.push_back(static_cast<std::size_t>(model->jnt_qposadr[motor]));
     std::unique_ptr<FrictionLaw> law =
-        settings.drive.make_friction(coulomb_Nm(settings, model, chain_, i));
-    if (!law) break;
-    frictions_.push_back(
-        std::make_unique<JointFriction>(model, chain_.joint(i).name, std::move(law)));
+        settings.joint(i).drive.make_friction(coulombs[static_cast<std::size_t>(i)]);
+    if (!law) continue;
+    const std::string rubs = transmission.friction_joint(name);
+    frictions_.push_back(std::make_unique<JointFriction>(
+        model, rubs, std::move(law), rubs == name ? transmissions_.back().get() : nullptr));
   }
   if (role.force_sensor.tool_mass_kg > 0.0) {
     model.add_mass("tip", role.force_sensor.tool_mass_kg);
@@ -249,8 +306,9 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
   if (role.starts_at_reference) {
     for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
       const int joint = model.id(mjOBJ_JOINT, chain_.joint(i).name);
-      qpos[static_cast<std::size_t>(model->jnt_qposadr[joint])] =
-          settings.start_angles_rad[static_cast<std::size_t>(i)];
+      const auto at = static_cast<std::size_t>(i);
+      qpos[static_cast<std::size_t>(model->jnt_qposadr[joint])] = qpos[motors_[at]] =
+          settings.start_angles_rad[at];
     }
   }
   simulation_ = std::make_unique<Simulation>(std::move(model), *controller_,
@@ -259,7 +317,10 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
   const CommandDelays delays = settings.timing.delays();
   if (delays.is_on()) simulation_->set_timing(delays, settings.run.seed);
   for (int i = 0; has_motors_ && i < chain_.joints(); ++i) {
-    simulation_->set_drive(i, settings.drive.electric());
+    simulation_->set_drive(i, settings.joint(i).drive.electric());
+  }
+  for (const auto& transmission : transmissions_) {
+    if (transmission) simulation_->add(*transmission);
   }
   for (const auto& friction : frictions_) simulation_->add(*friction);
   simulation_->set_position(qpos);
@@ -295,7 +356,14 @@ void ArmRig::observe() {
   for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
     q_(i) = *q_sensors_[static_cast<std::size_t>(i)];
     dq_(i) = *dq_sensors_[static_cast<std::size_t>(i)];
-    if (!frictions_.empty()) friction_Nm_(i) = frictions_[static_cast<std::size_t>(i)]->force();
+    const auto at = static_cast<std::size_t>(i);
+    motor_q_(i) = simulation_->qpos()[motors_[at]];
+    const Transmission* elastic = transmissions_[at].get();
+    transmitted_Nm_(i) =
+        elastic != nullptr ? elastic->torque(simulation_->qpos().data(), simulation_->qvel().data())
+        : has_motors_      ? simulation_->drive_force()(i)
+                           : simulation_->actuation()(i);
+    if (!frictions_.empty()) friction_Nm_(i) = frictions_[at]->force();
     if (has_motors_) current_A_(i) = simulation_->motor(static_cast<int>(i)).current_A();
   }
   tip_ = chain_.tip_pose(q_);
@@ -307,7 +375,7 @@ std::vector<Signal> ArmRig::signals() const {
   const Simulation& sim = *simulation_;
   const std::span<const double> measured = view(sim.sample().y);
   std::vector<Signal> signals = {
-      {"qpos", "rad", "the engine's generalised positions", sim.qpos()},
+      {"qpos", "rad", "the engine's generalised positions", sim.qpos().first(positions_of_file_)},
       {"q_true_rad", "rad", "true joint angles", view(q_)},
       {"dq_true_rad_s", "rad/s", "true joint velocities", view(dq_)},
       {"x_true_m", "m", "true x of the tip", view(tip_[0])},
@@ -331,12 +399,20 @@ std::vector<Signal> ArmRig::signals() const {
   if (!frictions_.empty()) {
     signals.push_back({"friction_Nm", "N m", "dry friction of the joints", view(friction_Nm_)});
   }
+  if (sim.qpos().size() > positions_of_file_) {
+    signals.push_back({"motor_q_true_rad", "rad",
+                       "true angles of the motors over the ratios of their transmissions",
+                       view(motor_q_)});
+    signals.push_back({"transmission_Nm", "N m", "torques of the transmissions on the joints",
+                       view(transmitted_Nm_)});
+  }
   for (const Signal& signal : controller_->signals()) signals.push_back(signal);
   return signals;
 }
 
 std::vector<Signal> ArmRig::fine_signals() const {
-  return {{"qpos", "rad", "the engine's generalised positions", simulation_->qpos()},
+  return {{"qpos", "rad", "the engine's generalised positions",
+           simulation_->qpos().first(positions_of_file_)},
           {"force_true_N", "N", "true normal contact force", view(*contact_force_)},
           {"force_sensor_N", "N", "force sensor, before its low-pass", view(*force_sensor_)},
           {"force_filtered_N", "N", "force sensor, behind its low-pass", view(filtered_force_N())}};

@@ -12,18 +12,36 @@
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/drive_settings.h>
 #include <breakwater/rigs/force_sensor_settings.h>
+#include <breakwater/rigs/transmission_settings.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
 #include <breakwater/sim/wall_contact.h>
 
 namespace breakwater {
 
+/// The drive of one joint. All quantities are those at the joint, and the motor's inertia, viscous
+/// friction and error of the transmission those at the motor.
+struct ArmJoint {
+  explicit ArmJoint(const Catalogue& catalogue) : drive(catalogue) {}
+
+  double friction_Nm = 0.0;  ///< Coulomb friction; negative: that of the model file
+  DriveSettings drive;       ///< friction law and motor
+  ScaleSettings scale;       ///< errors of the encoder's scale
+  TransmissionSettings transmission;
+
+  /// The transmission with the motor's angle over the ratio in place of its angle. The command and
+  /// the encoder are then those of the joint for every ratio.
+  TransmissionSettings at_joint() const;
+};
+
 /// The keys of all arm scenarios.
 struct ArmSettings {
   explicit ArmSettings(const Catalogue& catalogue)
-      : drive(catalogue),
-        controller(catalogue, "controller.name"),
-        observer(catalogue, "observer.name", "idob") {}
+      : controller(catalogue, "controller.name"),
+        observer(catalogue, "observer.name", "idob"),
+        catalogue_(&catalogue) {
+    joints.emplace_back(catalogue);
+  }
 
   ModelFile mjcf;
   std::string urdf;
@@ -31,8 +49,10 @@ struct ArmSettings {
   TimingSettings timing;  ///< timing of the commands
   RunSettings run;
 
-  double friction_Nm = 0.0;  ///< Coulomb friction of each joint; negative: that of the model file
-  DriveSettings drive;       ///< friction law and motor, the same for each joint
+  std::vector<ArmJoint> joints;  ///< one for each joint after learn(); before, one for all
+  const ArmJoint& joint(Eigen::Index i) const {
+    return joints.size() == 1 ? joints[0] : joints[static_cast<std::size_t>(i)];
+  }
   std::vector<double> start_angles_rad;  ///< q_0^ref
   PartChoice<ArmControllerKind> controller;
 
@@ -42,12 +62,17 @@ struct ArmSettings {
 
   double encoder_counts_per_turn = 0.0;
   EncoderRounding encoder_rounding = EncoderRounding::nearest;
-  ScaleSettings scale;  ///< errors of each encoder's scale
   double angle_noise_rad = 0.0;
   double force_noise_N = 0.0;
   FaultSettings faults;
 
+  /// Takes the number of joints from the URDF. A file that is missing or wrong is left to read()
+  /// and check_arm().
+  void learn(const Config& config);
   void bind(Fields& fields);
+
+ private:
+  const Catalogue* catalogue_;
 };
 
 /// The differences between the arm's scenarios.
@@ -56,6 +81,7 @@ struct ArmRole {
   double force_reference_N = 0.0;
   double convert_gain_N_m = 1.0;  ///< K_f
   double force_filter_time_constant_s = 0.0;
+  double wall_x_m = std::numeric_limits<double>::infinity();  ///< as in ArmTask
   bool starts_at_reference = false;  ///< at q_0^ref instead of keyframe "home"
   /// Geoms that the run looks up or makes collide; see Model::load_physics().
   std::vector<std::string> geoms;
@@ -111,12 +137,17 @@ class ArmRig {
  private:
   PlanarChain chain_;
   std::unique_ptr<Controller> controller_;
-  std::unique_ptr<WallContact> contact_;                   // null: the engine's
+  std::unique_ptr<WallContact> contact_;                      // null: the engine's
+  std::vector<std::unique_ptr<Transmission>> transmissions_;  // one for each joint; null: rigid
+  std::vector<std::size_t> motors_;  // index in qpos; that of the joint itself, if it is rigid
   std::vector<std::unique_ptr<JointFriction>> frictions_;  // empty: the engine's
   std::unique_ptr<Simulation> simulation_;
   bool has_motors_;
+  std::size_t positions_of_file_;  // added rotors come behind them; pictures do not have them
   Eigen::VectorXd q_;
   Eigen::VectorXd dq_;
+  Eigen::VectorXd motor_q_;
+  Eigen::VectorXd transmitted_Nm_;
   Eigen::VectorXd friction_Nm_;
   Eigen::VectorXd current_A_;
   TipPose tip_;

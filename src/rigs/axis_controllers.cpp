@@ -53,10 +53,12 @@ void bind_resonance_ratio(Fields& fields, ResonanceRatioSettings& settings) {
 std::unique_ptr<Controller> make_resonance_ratio(const ResonanceRatioSettings& settings,
                                                  const AxisTask& task, SharedEstimator estimator) {
   const NominalAxis& axis = task.axis;
-  if (!axis.inertias || axis.measured != Side::motor || axis.E.size() != 0) {
+  if (axis.measured != Side::motor || axis.E.size() != 0) {
     throw WrongKey("nominal.model",
-                   "must be motor for resonance ratio control, with the nominal stiffness and an "
-                   "encoder on the motor");
+                   "must be motor for resonance ratio control, with an encoder on the motor");
+  }
+  if (!axis.inertias) {
+    throw WrongKey(axis.why_no_inertias, "must be positive for resonance ratio control");
   }
   const ResonanceRatioGains gains = resonance_ratio(*axis.inertias, settings.damping_ratio);
   return std::make_unique<DisturbanceCancellingPd>(
@@ -83,16 +85,15 @@ void bind_state_feedback(Fields& fields, FeedbackPoles& settings) {
 std::unique_ptr<Controller> make_state_feedback(const FeedbackPoles& settings, const AxisTask& task,
                                                 SharedEstimator estimator) {
   const NominalAxis& axis = task.axis;
-  StateFeedbackDesign design{
-      .plant = axis.plant,
-      .E = axis.E.size() == 0 ? Eigen::VectorXd(axis.plant.B) : axis.E,
-      .controlled = axis.controlled,
-      .K = {},
-      .reference = axis.E.size() == 0 ? task.measured_reference() : task.reference,
-      .force_limit = axis.force_limit,
-      .period_s = axis.period_s,
-      .units = axis.units,
-      .start_state = task.start()};
+  StateFeedbackDesign design{.plant = axis.plant,
+                             .E = axis.E.size() == 0 ? Eigen::VectorXd(axis.plant.B) : axis.E,
+                             .controlled = axis.controlled,
+                             .K = {},
+                             .reference = task.modelled_reference(),
+                             .force_limit = axis.force_limit,
+                             .period_s = axis.period_s,
+                             .units = axis.units,
+                             .start_state = task.start()};
   design.K = blame("controller.poles_rad_s", [&] {
     return place_feedback_poles(
         axis.plant, {settings.real_rad_s.begin(), settings.real_rad_s.end()}, axis.period_s);
@@ -117,11 +118,13 @@ std::unique_ptr<Controller> regulator(const RegulatorSettings& settings, const A
         "a regulator brings the axis to 0 and has no reference: set the reference to 0");
   }
   if (task.axis.E.size() != 0) {
-    throw WrongKey("nominal.model", "must be rigid or motor for a regulator");
+    throw WrongKey("nominal.model",
+                   "must be rigid or motor for a regulator: it cancels a disturbance at the drive "
+                   "alone. state_feedback and mpc take a disturbance behind the spring");
   }
   if (uses_true_state && !task.senses_true_state) {
     throw std::invalid_argument(
-        "this scenario does not measure the true state: choose lqr_observer");
+        "needs samples with the true state (sensor.true_state in a plant): choose lqr_observer");
   }
   return std::make_unique<LqrControl>(std::move(estimator), settings.regulator(task.axis).K,
                                       task.start(), uses_true_state, task.axis.force_limit);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <breakwater/control/reference.h>
@@ -34,6 +35,7 @@ struct NominalAxis {
   Side measured = Side::load;
   double measured_ratio = 1.0;  ///< motion of the measured side for one of the load at rest
   std::optional<TwoInertia> inertias = {};  ///< the nominal numbers, if known
+  std::string why_no_inertias = {};         ///< the key whose number is 0, if they are not
   /// If the plant has the states of both inertias (motor_and_load.h): ẋ = A x + B u − E d.
   /// Otherwise empty, and d opposes the input.
   Eigen::VectorXd E = {};
@@ -61,6 +63,11 @@ struct AxisTask {
     measured.before *= axis.measured_ratio;
     for (double& value : measured.table.values) value *= axis.measured_ratio;
     return measured;
+  }
+  /// The reference that belongs to the nominal model: that of the load if the model has both
+  /// inertias, otherwise that of the measured side.
+  Reference modelled_reference() const {
+    return axis.E.size() == 0 ? measured_reference() : reference;
   }
   /// The initial state of the whole plant: a second inertia moves with the first.
   Eigen::VectorXd start() const {

@@ -12,10 +12,15 @@ namespace {
 
 constexpr int kNoActuator = -1;
 
-// "rad", or a list if the positions have several units.
-std::string position_units(const Model& model) {
+// An axis this far from its pose at the end does not hold it. The far move is a part of the model's
+// size.
+constexpr double kFarTurned = 0.5;
+constexpr double kFarMoved = 0.5;
+
+// "rad", or a list if the positions of the first `joints` have several units.
+std::string position_units(const Model& model, int joints) {
   std::vector<std::string> units;
-  for (int joint = 0; joint < model->njnt; ++joint) {
+  for (int joint = 0; joint < joints; ++joint) {
     switch (model->jnt_type[joint]) {
       case mjJNT_HINGE:
         units.emplace_back("rad");
@@ -40,7 +45,10 @@ std::string position_units(const Model& model) {
 AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     : plant_(plant), steps_per_sample_(plant.physics.steps_per_sample()), drives_(controller) {
   Model model = plant.load_model();
-  qpos_units_ = position_units(model);
+  const auto rotors = std::count_if(plant.axes.begin(), plant.axes.end(),
+                                    [](const auto& one) { return one.transmission.adds_rotor(); });
+  positions_of_file_ = static_cast<std::size_t>(model->nq - rotors);
+  qpos_units_ = position_units(model, model->njnt - static_cast<int>(rotors));
   std::vector<double> qpos = plant.start_pose(model);
   std::vector<double> qvel(static_cast<std::size_t>(model->nv), 0.0);
   for (const AxisSettings& one : plant.axes) {
@@ -52,18 +60,22 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     auto motor_at = at, motor_rate_at = rate_at;
     if (one.transmission.is_elastic()) {
       transmission = one.transmission.make(model, one.axis.joint);
-      const int motor = model.id(mjOBJ_JOINT, one.transmission.motor_joint);
+      const int motor = model.id(mjOBJ_JOINT, one.transmission.motor(one.axis.joint));
       motor_at = static_cast<std::size_t>(model->jnt_qposadr[motor]);
       motor_rate_at = static_cast<std::size_t>(model->jnt_dofadr[motor]);
       qpos[motor_at] += one.transmission.design.ratio * one.start_position;
       qvel[motor_rate_at] += one.transmission.design.ratio * one.start_velocity;
     }
-    std::unique_ptr<FrictionLaw> law = one.drive.make_friction(model->dof_frictionloss[rate_at]);
+    const std::string rubs = one.transmission.friction_joint(one.axis.joint);
+    const int rubbing_dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, rubs)];
+    std::unique_ptr<FrictionLaw> law =
+        one.drive.make_friction(model->dof_frictionloss[rubbing_dof]);
+    const Transmission* pressing = rubs == one.axis.joint ? transmission.get() : nullptr;
     const int actuator =
         one.axis.is_driven() ? model.id(mjOBJ_ACTUATOR, one.axis.actuator) : kNoActuator;
     axes_.push_back(
         {at, rate_at, actuator, std::make_unique<JointForce>(model, one.axis.joint),
-         law ? std::make_unique<JointFriction>(model, one.axis.joint, std::move(law)) : nullptr,
+         law ? std::make_unique<JointFriction>(model, rubs, std::move(law), pressing) : nullptr,
          std::move(transmission), motor_at, motor_rate_at,
          Noise(plant.run.seed, one.axis.own("input"))});
   }
@@ -174,30 +186,48 @@ std::vector<HeldReference> AxisRig::held_references() const {
         TimeWindow{one.reference.from_s, end_s >= plant_.judged_to_s ? end_s : 0.0},
         one.axis.name.empty() ? "the position" : "the position of axis " + one.axis.name,
         one.axis.units.position);
-    if (one.reference.kind != ReferenceShape::step) continue;
-    held.back().ask(one.reference.value - one.reference.before);
+    if (one.reference.kind == ReferenceShape::step) {
+      held.back().ask(one.reference.value - one.reference.before);
+    } else if (one.reference.kind == ReferenceShape::hold && one.is_controlled) {
+      held.back().ask(one.start_position);
+      held.back().stay_within(
+          one.axis.counts_pulses ? kFarTurned : kFarMoved * simulation_->model()->stat.extent);
+    }
   }
   return held;
 }
 
 void AxisRig::warn(const std::vector<HeldReference>& held,
                    std::vector<std::string>& warnings) const {
-  const std::size_t before = warnings.size();
-  for (const HeldReference& one : held) one.warn(warnings);
-  if (parts_ == nullptr || warnings.size() == before) return;
   constexpr double kPulse = 1.0;
-  warnings.back() +=
-      is_unstable(axis_loop_design(*parts_, task_, plant_), kPulse)
-          ? "; the loop is not stable, even without encoder, limits and friction: see breakwater "
-            "analyze"
-          : "; the loop is stable without encoder, limits, friction and backlash: see breakwater "
-            "analyze";
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const std::size_t before = warnings.size();
+    held[i].warn(warnings);
+    const auto loop =
+        std::find_if(loops_.begin(), loops_.end(), [i](const Loop& one) { return one.axis == i; });
+    if (warnings.size() == before || loop == loops_.end()) continue;
+    warnings.back() +=
+        is_unstable(axis_loop_design(*loop->parts, loop->task, plant_, i), kPulse)
+            ? "; the loop is not stable, even without encoder, limits and friction: see breakwater "
+              "analyze"
+            : "; the loop is stable without encoder, limits, friction and backlash: see breakwater "
+              "analyze";
+  }
+}
+
+void AxisRig::warn_of_saturation(std::int64_t saturated, std::int64_t samples,
+                                 std::vector<std::string>& warnings) {
+  if (2 * saturated <= samples) return;
+  warnings.push_back(fmt::format(
+      "a drive is at its limit in {:.0f} % of the samples (signal saturated): the controller "
+      "cannot act on its feedback then",
+      100.0 * static_cast<double>(saturated) / static_cast<double>(samples)));
 }
 
 std::vector<Signal> AxisRig::signals() const {
   const Simulation& sim = *simulation_;
-  std::vector<Signal> signals = {
-      {"qpos", qpos_units_, "the engine's generalised positions", sim.qpos()}};
+  std::vector<Signal> signals = {{"qpos", qpos_units_, "the engine's generalised positions",
+                                  sim.qpos().first(positions_of_file_)}};
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const Axis& axis = plant_.axes[i].axis;
     const AxisUnits& u = axis.units;
@@ -241,7 +271,7 @@ std::vector<Signal> AxisRig::signals() const {
                        "force on body " + plant_.pushes[i].body, view(pushes_[i].value)});
   }
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    signals.push_back({"contact_" + plant_.contacts[i].name + "_N", "N",
+    signals.push_back({plant_.contacts[i].signal(), "N",
                        "normal force between the geoms " + plant_.contacts[i].geom_1 + " and " +
                            plant_.contacts[i].geom_2,
                        view(contact_forces_[i])});

@@ -1,6 +1,7 @@
 // A plant of axes under a controller.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <memory>
 #include <string>
@@ -29,11 +30,10 @@ class AxisRig {
   AxisRig(const AxisRig&) = delete;
   AxisRig& operator=(const AxisRig&) = delete;
 
-  /// Takes the loop of a plant with one axis. A warning that the reference is not held then says
-  /// whether the linear loop is stable. `parts` must outlive the rig.
-  void know_loop(const AxisParts& parts, const AxisTask& task) {
-    parts_ = &parts;
-    task_ = task;
+  /// Takes the loop of an axis. A warning that its reference is not held then says whether the
+  /// linear loop is stable. `parts` must outlive the rig.
+  void know_loop(const AxisParts& parts, const AxisTask& task, std::size_t axis = 0) {
+    loops_.push_back({&parts, task, axis});
   }
 
   /// One physics step. The forces on the axes are held during it. A disturbance that begins at a
@@ -61,7 +61,7 @@ class AxisRig {
 
   /// Runs for the duration of the settings, with a sample at the end. It is record_run(), where
   /// each step is `step(k)` or one step of this rig. It warns if a measured position misses its
-  /// reference.
+  /// reference, or if a drive is at its limit in most samples.
   template <typename Step, typename Sample>
   requires std::invocable<Sample&, double> Recording run(const RunControl& control,
                                                          std::vector<Signal> signals, Step&& step,
@@ -69,18 +69,26 @@ class AxisRig {
                                                          const MetricsSoFar& measured = {}) {
     const double duration_s = plant_.run.duration_s;
     std::vector<HeldReference> held = held_references();
+    std::int64_t samples = 0, saturated = 0;
     const auto watched_sample = [&](double time_s) {
       for (std::size_t i = 0; i < held.size(); ++i) {
         const AxisSettings& axis = plant_.axes[i];
         held[i].add(time_s, axis.reference.at(time_s) -
                                 this->measured(i) / axis.transmission.measured_ratio());
       }
+      ++samples;
+      if (saturated_ > 0.0) ++saturated;
       sample(time_s);
     };
     Recording recording =
         record_run(*simulation_, plant_.physics, plant_.physics.step_at(duration_s) + 1,
                    std::move(signals), control, std::forward<Step>(step), watched_sample, measured);
-    if (!recording.failure) warn(held, recording.warnings);
+    if (!recording.failure) {
+      warn(held, recording.warnings);
+      warn_of_saturation(saturated, samples, recording.warnings);
+    }
+    // The last step only shows the values at the end.
+    recording.simulated_s = std::min(recording.simulated_s, duration_s);
     return recording;
   }
   template <typename Sample>
@@ -110,6 +118,13 @@ class AxisRig {
     double reference = 0.0;
   };
 
+  // The parts of an axis' loop.
+  struct Loop {
+    const AxisParts* parts;
+    AxisTask task;
+    std::size_t axis;
+  };
+
   // A force on a body.
   struct Push {
     Disturbance disturbance;
@@ -137,10 +152,11 @@ class AxisRig {
 
   std::vector<HeldReference> held_references() const;
   void warn(const std::vector<HeldReference>& held, std::vector<std::string>& warnings) const;
+  static void warn_of_saturation(std::int64_t saturated, std::int64_t samples,
+                                 std::vector<std::string>& warnings);
 
   AxisPlant plant_;
-  const AxisParts* parts_ = nullptr;
-  AxisTask task_;
+  std::vector<Loop> loops_;
   int steps_per_sample_;
   Drives drives_;
   std::vector<DrivenAxis> axes_;
@@ -148,6 +164,7 @@ class AxisRig {
   std::vector<GeomContact> contacts_;
   std::vector<double> contact_forces_;
   std::unique_ptr<Simulation> simulation_;
+  std::size_t positions_of_file_;  // added rotors come behind them; pictures do not have them
   std::string qpos_units_;
   double saturated_ = 0.0;
 };

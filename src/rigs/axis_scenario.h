@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <breakwater/experiment/scenario.h>
@@ -40,6 +41,7 @@ class AxisScenario : public LoopScenario {
   /// The choice of its estimator and controller.
   virtual const AxisParts& parts() const = 0;
 
+  std::vector<std::string> warnings() const override { return plant().warnings(); }
   std::vector<AxisOfPlant> loops() const final { return {{plant(), task(), &parts()}}; }
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -56,7 +57,8 @@ void AxisSettings::bind_own(Fields& fields) {
   const std::string unit = " [" + u.position + "]";
   fields.text("joint", axis.joint, "hinge or slide of the model");
   fields.text("actuator", axis.actuator,
-              "<motor> of this joint with gear 1; none: the axis is measured, but not driven");
+              "<motor> with gear 1 of this joint, or of transmission.motor_joint if there is a "
+              "stiffness; none: the axis is measured, but not driven");
   fields.standard("actuator", {axis.actuator});
   fields.text("position_sensor", axis.position_sensor,
               "sensor of the model that measures the position; joint: the joint itself");
@@ -138,8 +140,8 @@ void AxisSettings::bind(Fields& fields) {
   if (is_named) {
     const char* const from = "nominal.from";
     fields.choice(from, nominal_from, {{"model", NominalFrom::model}, {"keys", NominalFrom::keys}},
-                  "source of the nominal inertia and viscous friction: the model, at the pose of "
-                  "start.keyframe with all other joints held, or keys");
+                  "source of the nominal numbers: keys, or the model at the pose of start.keyframe "
+                  "with all other joints held, and the keys of the transmission");
     fields.standard(from, {std::string("model")});
     const Fields::OfPart keys(fields, from, "keys");
     bind_nominal();
@@ -168,9 +170,11 @@ void AxisSettings::bind(Fields& fields) {
   }
   fields.number("encoder." + key("phase", u.position_suffix), encoder_phase, any(),
                 "distance of the start from the middle of a count [" + u.position + "]");
-  fields.choice("encoder.origin", encoder_origin,
-                {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
-                "zero of the encoder: the start (counted), or the true 0 (calibrated)");
+  fields.choice(
+      "encoder.origin", encoder_origin,
+      {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
+      "zero of the encoder: it counts from the start, or is calibrated to the true 0. The two "
+      "differ only with a phase");
   bind_encoder_rounding(fields, "encoder.rounding", encoder_rounding);
   fields.only_where(
       {"encoder." + key("phase", u.position_suffix), "encoder.origin", "encoder.rounding"},
@@ -183,7 +187,13 @@ void AxisSettings::bind(Fields& fields) {
   fields.count("sensor.delay_samples", delay_samples, between(0, 1e6),
                "delay of the measurement in control periods");
   transmission.bind(fields, u, axis.inertia_suffix, axis.friction_suffix);
-  if (is_named) bind_own(fields);
+  if (!is_named) return;
+  bind_own(fields);
+  fields.only_for({"nominal." + key("motor_inertia", axis.inertia_suffix),
+                   "nominal." + key("motor_viscous_friction", axis.friction_suffix),
+                   "nominal." + key("stiffness", u.force_suffix + "_" + u.position_suffix),
+                   "nominal." + key("damping", axis.friction_suffix)},
+                  "nominal.from", {"keys"});
 }
 
 double AxisSettings::pulses_per_revolution() const {
@@ -303,7 +313,8 @@ void AxisPlant::bind(Fields& fields) {
 
 void AxisPlant::complete(const Config& config) {
   if (axes.empty() || axis().axis.name.empty()) return;
-  const Model model = load_model(&config);
+  load_model(&config);
+  const Model model = model_of_file();  // the true plant may differ from the nominal one
   const std::vector<double> pose =
       config.blame("start.keyframe", [&] { return this->pose(model); });
   const Eigen::MatrixXd inertia = joint_inertia(model, pose);
@@ -324,7 +335,6 @@ void AxisPlant::complete(const Config& config) {
   for (AxisSettings& one : axes) {
     const Config own = config.under(one.axis.prefix());
     const int joint = model.id(mjOBJ_JOINT, one.axis.joint);
-    const int dof = model->jnt_dofadr[joint];
     one.reference.before = pose[static_cast<std::size_t>(model->jnt_qposadr[joint])];
     if (one.reference.kind == ReferenceShape::csv) {
       own.blame("reference.file",
@@ -332,8 +342,7 @@ void AxisPlant::complete(const Config& config) {
     }
     one.disturbance.load(own);
     one.force = one.disturbance.make(run.seed, one.axis.own("disturbance"));
-    one.model_inertia = inertia(dof, dof);
-    one.model_friction = model->dof_damping[dof];
+    one.model_numbers = one.transmission.true_numbers(model, inertia, one.axis.joint);
     if (!one.axis.is_driven()) continue;
     const int actuator = model.id(mjOBJ_ACTUATOR, one.axis.actuator);
     if (model->actuator_ctrllimited[actuator] != 0) {
@@ -344,44 +353,69 @@ void AxisPlant::complete(const Config& config) {
 
 NominalAxis AxisPlant::nominal(std::size_t i) const {
   const AxisSettings& one = axes[i];
-  const bool is_by_keys = one.nominal_from == NominalFrom::keys;
   NominalAxis axis{.period_s = physics.control_period_s,
                    .force_limit = one.force_limit(),
                    .sensor = {Eigen::VectorXd::Constant(1, one.quantum()),
                               Eigen::VectorXd::Constant(1, one.noise_std), one.encoder_rounding},
                    .pulses_per_revolution = one.pulses_per_revolution(),
                    .units = one.axis.units};
-  one.transmission.describe(axis, is_by_keys ? one.nominal_inertia : one.model_inertia,
-                            is_by_keys ? one.nominal_friction : one.model_friction);
+  one.transmission.describe(
+      axis,
+      one.nominal_from == NominalFrom::model
+          ? one.model_numbers
+          : one.transmission.nominal_numbers(one.nominal_inertia, one.nominal_friction),
+      one.nominal_from);
   return axis;
+}
+
+std::vector<std::string> AxisPlant::warnings() const {
+  std::vector<std::string> lines;
+  for (const AxisSettings& one : axes) {
+    const TransmissionSettings& transmission = one.transmission;
+    if (one.nominal_from == NominalFrom::keys &&
+        (transmission.is_elastic() || transmission.motor_inertia > 0.0) &&
+        transmission.nominal_model == NominalModel::rigid &&
+        transmission.nominal_motor_inertia == 0.0) {
+      lines.push_back(one.axis.prefix() + "nominal.motor_inertia_" + one.axis.inertia_suffix +
+                      ": is 0, so nominal.inertia_" + one.axis.inertia_suffix +
+                      " must be that of load and motor");
+    }
+  }
+  return lines;
 }
 
 // Checks what a named axis asks of the model, and names the wrong key.
 void AxisPlant::check_names(const Model& model, const Config& config) const {
-  std::vector<int> joints;
+  std::vector<int> joints, motors, actuators;
+  // Each axis needs its own.
+  const auto take = [](const Config& own, const char* key, std::vector<int>& taken, int id,
+                       const char* reason) {
+    if (std::find(taken.begin(), taken.end(), id) != taken.end()) own.fail(key, reason);
+    taken.push_back(id);
+  };
   for (const AxisSettings& one : axes) {
     const Config own = config.under(one.axis.prefix());
     const int joint = own.blame("joint", [&] { return model.id(mjOBJ_JOINT, one.axis.joint); });
     const bool is_axis =
         model->jnt_type[joint] == mjJNT_HINGE || model->jnt_type[joint] == mjJNT_SLIDE;
     if (!is_axis) own.fail("joint", "must be a hinge or a slide");
-    if (std::find(joints.begin(), joints.end(), joint) != joints.end()) {
-      own.fail("joint", "has another axis: each joint may have one");
+    take(own, "joint", joints, joint, "has another axis: each joint may have one");
+    if (one.transmission.adds_rotor() && !one.axis.is_driven()) {
+      own.fail("actuator", "none: a motor that the model lacks needs an actuator of the joint");
     }
-    joints.push_back(joint);
-    std::string driven = one.axis.joint;
-    if (one.transmission.is_elastic()) {
-      driven = one.transmission.motor_joint;
-      if (driven.empty()) {
-        own.fail("transmission.motor_joint",
-                 "a transmission with a stiffness needs the motor's joint in the model");
-      }
-    }
+    const bool has_motor = one.transmission.is_elastic() && !one.transmission.adds_rotor();
+    const std::string& driven = has_motor ? one.transmission.motor_joint : one.axis.joint;
     const int driven_joint =
         own.blame("transmission.motor_joint", [&] { return model.id(mjOBJ_JOINT, driven); });
+    if (has_motor) {
+      take(own, "transmission.motor_joint", motors, driven_joint,
+           "has another axis: each motor may have one load");
+    }
     if (one.axis.is_driven()) {
       const int actuator =
           own.blame("actuator", [&] { return model.id(mjOBJ_ACTUATOR, one.axis.actuator); });
+      take(own, "actuator", actuators, actuator,
+           "drives another axis: set \"none\" for an axis that is only measured");
       const bool is_motor = model->actuator_trntype[actuator] == mjTRN_JOINT &&
                             model->actuator_trnid[2 * actuator] == driven_joint &&
                             model->actuator_gear[6 * actuator] == 1.0 &&
@@ -412,10 +446,10 @@ Model AxisPlant::load_model(const Config* config) const {
   const bool is_alone = axis().axis.name.empty();
   std::vector<int> joints;
   for (const AxisSettings& one : axes) joints.push_back(model.id(mjOBJ_JOINT, one.axis.joint));
-  const bool is_elastic = axis().transmission.is_elastic();
-  if (is_alone && (model->nv != (is_elastic ? 2 : 1) || model->nu != 1)) {
+  const bool has_motor = axis().transmission.is_elastic() && !axis().transmission.adds_rotor();
+  if (is_alone && (model->nv != (has_motor ? 2 : 1) || model->nu != 1)) {
     throw std::invalid_argument(model.file() +
-                                (is_elastic ? ": must have two joints" : ": must have one joint") +
+                                (has_motor ? ": must have two joints" : ": must have one joint") +
                                 " and one actuator");
   }
   model.scale_inertia(inertia_ratio);
@@ -425,10 +459,71 @@ Model AxisPlant::load_model(const Config* config) const {
     const auto or_file = [](double key, double file) { return key < 0.0 ? file : key; };
     author_friction(model, joints[i], or_file(one.viscous_friction, model->dof_damping[dof]),
                     or_file(one.coulomb_friction, model->dof_frictionloss[dof]));
-    if (!one.axis.is_driven()) continue;
-    const int actuator = model.id(mjOBJ_ACTUATOR, one.axis.actuator);
-    if (is_alone || one.drive_limit > 0.0) model.limit_actuator(actuator, one.force_limit());
-    one.transmission.author(model, one.axis.joint, one.axis.actuator);
+    const bool is_driven = one.axis.is_driven();
+    const int actuator = is_driven ? model.id(mjOBJ_ACTUATOR, one.axis.actuator) : -1;
+    if (is_driven && (is_alone || one.drive_limit > 0.0)) {
+      model.limit_actuator(actuator, one.force_limit());
+    }
+    if (is_driven || one.transmission.is_elastic()) {
+      one.transmission.author(model, one.axis.joint, actuator);
+    }
+  }
+  return model;
+}
+
+double AxisPlant::coulomb_friction_at_drive(std::size_t i) const {
+  const Model model = load_model();
+  const TransmissionSettings& transmission = axes[i].transmission;
+  const std::string& load = axes[i].axis.joint;
+  const auto friction = [&](const std::string& joint) {
+    return model->dof_frictionloss[model->jnt_dofadr[model.id(mjOBJ_JOINT, joint)]];
+  };
+  const double of_load = friction(load) / std::abs(transmission.design.ratio);
+  return transmission.is_elastic() ? of_load + friction(transmission.motor(load)) : of_load;
+}
+
+Model AxisPlant::model_of_file() const {
+  AxisPlant plant = *this;
+  plant.inertia_ratio = 1.0;
+  for (AxisSettings& one : plant.axes) one.viscous_friction = one.coulomb_friction = -1.0;
+  return plant.load_model();
+}
+
+Model AxisPlant::nominal_model() const {
+  Model model = model_of_file();
+  const Eigen::MatrixXd file = joint_inertia(model, pose(model));
+  Eigen::MatrixXd M = file;
+  const auto set = [&](const std::string& joint, double inertia, double friction) {
+    const int dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, joint)];
+    M(dof, dof) = inertia;
+    model.get()->dof_armature[dof] += inertia - file(dof, dof);
+    model.get()->dof_damping[dof] = friction;
+  };
+  for (const AxisSettings& one : axes) {
+    if (one.nominal_from != NominalFrom::keys) continue;
+    const TransmissionSettings& transmission = one.transmission;
+    const TwoInertia numbers =
+        transmission.nominal_numbers(one.nominal_inertia, one.nominal_friction);
+    if (transmission.is_elastic()) {
+      if (!(numbers.motor_inertia > 0.0 && numbers.stiffness > 0.0)) {
+        const std::string nominal = one.axis.prefix() + "nominal.";
+        throw std::invalid_argument(nominal + "motor_inertia_" + one.axis.inertia_suffix + " and " +
+                                    nominal + "stiffness_" + one.axis.units.force_suffix + "_" +
+                                    one.axis.units.position_suffix +
+                                    " must be positive for a linear model of the plant");
+      }
+      set(one.axis.joint, numbers.load_inertia, numbers.load_friction);
+      set(transmission.motor(one.axis.joint), numbers.motor_inertia, numbers.motor_friction);
+      continue;
+    }
+    const double squared = numbers.ratio * numbers.ratio;
+    set(one.axis.joint, numbers.load_inertia + squared * numbers.motor_inertia,
+        numbers.load_friction + squared * numbers.motor_friction);
+  }
+  if (M.llt().info() != Eigen::Success) {
+    throw std::invalid_argument(
+        "the nominal inertias are too small for the joints' coupling: the mass matrix is not "
+        "positive definite");
   }
   return model;
 }
@@ -453,9 +548,8 @@ std::vector<double> AxisPlant::start_pose(const Model& model) const {
 SensingSetup AxisPlant::sensing() const {
   SensingSetup setup;
   for (const AxisSettings& one : axes) {
-    const bool is_motor = one.transmission.is_elastic() && one.transmission.measured == Side::motor;
-    const bool is_own = one.axis.measures_joint() || is_motor;
-    const std::string& joint = is_motor ? one.transmission.motor_joint : one.axis.joint;
+    const std::string joint = one.measured_joint();
+    const bool is_own = one.axis.measures_joint() || joint != one.axis.joint;
     setup.channels.push_back({.name = one.axis.channel,
                               .sensor = is_own ? joint : one.axis.position_sensor,
                               .reading = is_own ? Reading::joint_position : Reading::component,
@@ -483,12 +577,15 @@ SensingSetup AxisPlant::sensing() const {
 void check_plant(AxisPlant& plant, const Config& config) {
   plant.physics.check(config, plant.run);
   plant.timing.check(config, plant.physics);
+  std::optional<Model> file;
   for (const AxisSettings& one : plant.axes) {
-    const TransmissionSettings& transmission = one.transmission;
-    if (!transmission.is_elastic() || transmission.motor_joint.empty()) continue;
-    config.under(one.axis.prefix()).blame("transmission.motor_joint", [&] {
-      return Model::load_physics(plant.mjcf).id(mjOBJ_JOINT, transmission.motor_joint);
-    });
+    if (!one.transmission.is_elastic()) continue;
+    if (!file) file = Model::load_physics(plant.mjcf);
+    try {
+      one.transmission.check_motor(*file, one.axis.joint);
+    } catch (const WrongKey& wrong) {
+      config.under(one.axis.prefix()).fail(wrong.key(), wrong.what());
+    }
   }
   plant.complete(config);
   const SensingSetup sensing = plant.sensing();
@@ -502,7 +599,8 @@ void check_plant(AxisPlant& plant, const Config& config) {
   }
   const Model model = plant.load_model();
   for (const AxisSettings& one : plant.axes) {
-    const int dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, one.axis.joint)];
+    const std::string rubs = one.transmission.friction_joint(one.axis.joint);
+    const int dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, rubs)];
     one.drive.check(config.under(one.axis.prefix()), model->dof_frictionloss[dof]);
     if (one.transmission.is_elastic()) one.transmission.make(model, one.axis.joint);
   }
@@ -512,7 +610,8 @@ void check_plant(AxisPlant& plant, const Config& config) {
 StateSpace linear_axis(const AxisPlant& plant, std::size_t axis) {
   const Model model = plant.load_model();
   const AxisSettings& one = plant.axes[axis];
-  return one.transmission.linear(model, plant.pose(model), one.axis.joint);
+  return one.transmission.linear(one.transmission.true_numbers(
+      model, joint_inertia(model, plant.pose(model)), one.axis.joint));
 }
 
 }  // namespace breakwater

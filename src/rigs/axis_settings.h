@@ -51,12 +51,6 @@ Axis cart_axis();
 Axis named_axis(const std::string& name, const std::string& joint, const std::string& actuator,
                 bool is_hinge);
 
-/// The source of an axis' nominal model.
-enum class NominalFrom {
-  keys,
-  model  ///< the joint's own inertia, with all other joints held
-};
-
 /// The settings of one axis.
 struct AxisSettings {
   AxisSettings(Axis which, const Catalogue& catalogue) : axis(std::move(which)), drive(catalogue) {}
@@ -97,14 +91,20 @@ struct AxisSettings {
   // Only for named axes.
   std::string reference_file;
   DisturbanceSettings disturbance;
+  /// A controller has its reference, so that the end of a hold is judged.
+  bool is_controlled = false;
   // From the model.
-  double model_inertia = 0.0;
-  double model_friction = 0.0;
+  TwoInertia model_numbers;
   double model_limit = std::numeric_limits<double>::infinity();
 
   /// The keys begin with axis.prefix().
   void bind(Fields& fields);
 
+  /// The joint of the side with the encoder.
+  std::string measured_joint() const {
+    const bool is_motor = transmission.is_elastic() && transmission.measured == Side::motor;
+    return is_motor ? transmission.motor(axis.joint) : axis.joint;
+  }
   Encoder encoder() const;
   double quantum() const;                ///< Δ of the encoder; 0: not quantised
   double pulses_per_revolution() const;  ///< b_reso, or counts per metre; 0: not quantised
@@ -154,10 +154,18 @@ struct AxisPlant {
 
   /// The nominal model of an axis, for the estimator and the controller.
   NominalAxis nominal(std::size_t axis = 0) const;
+  /// A line for each axis whose nominal model of one inertia has no motor of its own.
+  std::vector<std::string> warnings() const;
 
   /// The plant's model, with its physics, friction and limits. Throws std::invalid_argument if
   /// the file lacks something.
   Model load_model() const { return load_model(nullptr); }
+  /// The model that controllers know: that of the file without the keys plant.…. The keys
+  /// nominal.… of an axis set its joint's inertia, with all other joints held at the pose, and its
+  /// viscous friction. Throws std::invalid_argument if they give no positive definite mass matrix.
+  Model nominal_model() const;
+  /// Coulomb friction of an axis and its motor, as a force of the drive. Throws as load_model().
+  double coulomb_friction_at_drive(std::size_t axis) const;
   /// The pose of all joints that the keyframe gives. Throws std::invalid_argument if there is none.
   std::vector<double> pose(const Model& model) const;
   /// The same with the axes' distances of the start.
@@ -168,6 +176,7 @@ struct AxisPlant {
 
  private:
   Model load_model(const Config* config) const;  // checks the names of the keys, if it is there
+  Model model_of_file() const;                   // load_model() without the keys plant.…
   void check_names(const Model& model, const Config& config) const;
 
   const Catalogue* catalogue_;

@@ -43,6 +43,14 @@ void DisturbanceSettings::bind(Fields& fields, const std::string& suffix, const 
            "time that a chirp takes to reach its last frequency [s]");
   fields.number("disturbance.start_s", shape.start_s, not_negative(),
                 "time at which the disturbance begins [s]");
+  fields.number("disturbance.end_s", end_s, not_negative(),
+                "time at which the disturbance ends; a step between both times is a pulse; 0: the "
+                "end of the run [s]");
+  fields.standard("disturbance.end_s", {0.0});
+  const std::string offset = "disturbance.offset_" + suffix;
+  fields.number(offset, shape.offset, any(),
+                "constant part, from the start of the run [" + unit + "]");
+  fields.standard(offset, {0.0});
   {
     const Fields::OfPart noise(fields, kind, "noise");
     fields.number("disturbance.hold_s", shape.hold_s, positive(),
@@ -52,16 +60,22 @@ void DisturbanceSettings::bind(Fields& fields, const std::string& suffix, const 
   const Fields::OfPart csv(fields, kind, "csv");
   fields.file(
       "disturbance.file", file,
-      "table with the columns time_s, from the start, and value, a factor on the amplitude");
+      "table with the columns time_s, from the start, and value, a factor on the amplitude; "
+      "linear between its rows, with the last value after them");
 }
 
 void DisturbanceSettings::load(const Config& config) {
+  if (end_s != 0.0 && end_s <= shape.start_s) {
+    config.fail("disturbance.end_s",
+                "must be later than disturbance.start_s, or 0 for the end of the run");
+  }
   if (shape.kind != DisturbanceKind::csv) return;
   config.blame("disturbance.file", [&] { shape.table = read_function(file, "value"); });
 }
 
 Disturbance DisturbanceSettings::make(std::uint64_t seed, const std::string& channel) const {
   Disturbance made = shape;
+  if (end_s != 0.0) made.end_s = end_s;
   if (made.kind == DisturbanceKind::noise) made.noise.emplace(seed, channel);
   return made;
 }

@@ -7,22 +7,15 @@
 namespace breakwater {
 namespace {
 
-// A number that is off at its default.
-void bind_number(Fields& fields, const std::string& key, double& target, const Range& range,
-                 const std::string& doc) {
-  fields.number(key, target, range, doc);
-  fields.standard(key, {target});
-}
-
 // A sine of the position: its amplitude, and its periods per turn or metre.
 void bind_sine(Fields& fields, const std::string& stem, const std::string& amplitude_suffix,
                PositionSine& sine, const AxisUnits& units, const std::string& doc) {
   const std::string amplitude = stem + "_" + amplitude_suffix;
   const bool turns = units.position == "rad";
   const std::string periods = stem + (turns ? "_per_turn" : "_per_m");
-  bind_number(fields, amplitude, sine.amplitude, not_negative(), doc);
-  bind_number(fields, periods, sine.periods, positive(),
-              std::string("periods of that sine in a ") + (turns ? "turn" : "metre"));
+  fields.optional_number(amplitude, sine.amplitude, not_negative(), doc);
+  fields.optional_number(periods, sine.periods, positive(),
+                         std::string("periods of that sine in a ") + (turns ? "turn" : "metre"));
   sine.length = turns ? 2.0 * std::numbers::pi : 1.0;
   fields.only_where({periods}, amplitude + " is not 0", [&sine] { return sine.amplitude != 0.0; });
 }
@@ -39,23 +32,23 @@ void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
       units.force_suffix + "_A";
   const std::string unit = " [" + units.force + "]";
   ElectricDrive& e = electric_;
-  bind_number(fields, "drive.current_bandwidth_rad_s", e.bandwidth_rad_s, not_negative(),
-              "bandwidth of the current loop; 0: the current follows at once [rad/s]");
-  bind_number(fields, "drive.current_damping_ratio", e.damping_ratio, not_negative(),
-              "damping ratio of the current loop; 0: it is of first order");
+  fields.optional_number("drive.current_bandwidth_rad_s", e.bandwidth_rad_s, not_negative(),
+                         "bandwidth of the current loop; 0: the current follows at once [rad/s]");
+  fields.optional_number("drive.current_damping_ratio", e.damping_ratio, not_negative(),
+                         "damping ratio of the current loop; 0: it is of first order");
   fields.only_where({"drive.current_damping_ratio"}, "drive.current_bandwidth_rad_s is not 0",
                     [&e] { return e.bandwidth_rad_s != 0.0; });
-  bind_number(
-      fields, constant, e.torque_constant, positive(),
+  fields.optional_number(
+      constant, e.torque_constant, positive(),
       "k: force of one ampere, and back-EMF [" + units.force + "/A, V per " + units.velocity + "]");
-  bind_number(fields, "drive.current_limit_A", e.current_limit_A, not_negative(),
-              "limit of the current's reference; 0: none [A]");
-  bind_number(fields, "drive.voltage_limit_V", e.voltage_limit_V, not_negative(),
-              "limit of the voltage at the motor; 0: none [V]");
-  bind_number(fields, "drive.resistance_ohm", e.resistance_ohm, not_negative(),
-              "R: resistance of the winding [ohm]");
-  bind_number(fields, "drive.inductance_H", e.inductance_H, not_negative(),
-              "L: inductance of the winding [H]");
+  fields.optional_number("drive.current_limit_A", e.current_limit_A, not_negative(),
+                         "limit of the current's reference; 0: none [A]");
+  fields.optional_number("drive.voltage_limit_V", e.voltage_limit_V, not_negative(),
+                         "limit of the voltage at the motor; 0: none [V]");
+  fields.optional_number("drive.resistance_ohm", e.resistance_ohm, not_negative(),
+                         "R: resistance of the winding [ohm]");
+  fields.optional_number("drive.inductance_H", e.inductance_H, not_negative(),
+                         "L: inductance of the winding [H]");
   fields.only_where({"drive.resistance_ohm", "drive.inductance_H"},
                     "drive.voltage_limit_V is not 0", [&e] { return e.voltage_limit_V != 0.0; });
   bind_sine(fields, "drive.cogging", units.force_suffix, e.cogging, units,
@@ -89,22 +82,22 @@ void ScaleSettings::apply(Encoder& encoder) const {
 }
 
 void TimingSettings::bind(Fields& fields) {
-  bind_number(fields, "control.delay_s", delays_.delay_s, not_negative(),
-              "delay of the command to the drives, any part of a timestep [s]");
+  fields.optional_number("control.delay_s", delays_.delay_s, not_negative(),
+                         "delay of the command to the drives, any part of a timestep [s]");
   constexpr const char* kJitter = "control.jitter";
   fields.choice(kJitter, jitter_, {{"uniform", Jitter::uniform}, {"csv", Jitter::csv}},
                 "further delay of each command: a random one, or that of a file");
   fields.standard(kJitter, {std::string("uniform")});
-  bind_number(fields, "control.jitter_s", delays_.jitter_s, not_negative(),
-              "largest further delay, uniform from 0 [s]");
+  fields.optional_number("control.jitter_s", delays_.jitter_s, not_negative(),
+                         "largest further delay, uniform from 0 [s]");
   fields.only_for({"control.jitter_s"}, kJitter, {"uniform"});
   {
     const Fields::OfPart part(fields, kJitter, "csv");
     fields.file("control.jitter_file", file_,
                 "table with the column jitter_s: a row for each sample, repeated [s]");
   }
-  bind_number(fields, "control.drop_probability", delays_.drop_probability, between(0.0, 0.999),
-              "probability that a command is lost: the drives hold the one before");
+  fields.optional_number("control.drop_probability", delays_.drop_probability, between(0.0, 0.999),
+                         "probability that a command is lost: the drives hold the one before");
 }
 
 CommandDelays TimingSettings::delays() const {

@@ -49,6 +49,7 @@ class LoopParts {
   }
 
   const std::string& controller_name() const { return controller_.chosen(); }
+  const std::string& estimator_name() const { return estimator_.chosen(); }
 
   /// Makes another estimator of the same kind, without a controller.
   std::unique_ptr<Estimator> make_estimator(const Task& task) const {

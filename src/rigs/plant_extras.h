@@ -26,6 +26,8 @@ struct ContactSettings {
   std::string geom_2;
 
   std::string prefix() const { return "contact." + name + "."; }
+  /// The name of its signal.
+  std::string signal() const { return "contact_" + name + "_N"; }
   void bind(Fields& fields);
 };
 

@@ -32,10 +32,12 @@ void bind_lqr(Fields& fields, LqrWeights& weights) {
                            const std::string& what) {
     fields.numbers("controller." + key, target, range, what + ", or one for all");
   };
-  numbers("q_position", weights.q_position, not_negative(),
-          "Q: weights on the positions, one for each joint of the model");
+  numbers(
+      "q_position", weights.q_position, not_negative(),
+      "Q: weights on the positions, one for each joint of the model and then for each motor that "
+      "it lacks");
   numbers("q_velocity", weights.q_velocity, not_negative(),
-          "Q: weights on the velocities, one for each joint of the model");
+          "Q: weights on the velocities, in the same order");
   numbers("r", weights.r, positive(), "R: weights on the forces, one for each driven axis");
 }
 
@@ -61,14 +63,14 @@ std::unique_ptr<Controller> make_lqr(const LqrWeights& weights, const PlantTask&
       spread("controller.q_velocity", weights.q_velocity, n);
   const Eigen::VectorXd r = spread("controller.r", weights.r, plant.inputs());
   const StateSpace sampled = zero_order_hold(plant, task.whole.period_s);
-  PoseFeedbackDesign design{plant, {}, task.pose, task.held_input, task.limit, {}};
+  PoseFeedbackDesign design{plant, task.to_states, {}, task.pose, task.held_input, task.limit, {}};
   design.K = blame("controller.q_position",
                    [&] { return dlqr(sampled.A, sampled.B, q.asDiagonal(), r.asDiagonal()).K; });
   for (std::size_t i = 0; i < task.axes.size(); ++i) {
     const bool is_driven =
         std::find(task.driven.begin(), task.driven.end(), i) != task.driven.end();
     design.axes.push_back(
-        {task.names[i], task.axes[i].axis.units, task.axes[i].reference, is_driven});
+        {task.names[i], task.axes[i].axis.units, task.axes[i].measured_reference(), is_driven});
   }
   return std::make_unique<PoseFeedback>(std::move(estimator), std::move(design));
 }
@@ -102,6 +104,8 @@ PlantTask plant_task(const AxisPlant& plant) {
   task.senses_true_state = plant.senses_true_state;
   const Model model = plant.load_model();
   std::vector<int> joints, actuators;
+  std::vector<std::unique_ptr<Transmission>> transmissions;
+  std::vector<SpringOnJoint> springs;
   std::vector<double> limits;
   task.pose.resize(static_cast<Eigen::Index>(plant.axes.size()));
   for (std::size_t i = 0; i < plant.axes.size(); ++i) {
@@ -113,7 +117,7 @@ PlantTask plant_task(const AxisPlant& plant) {
                                         one.transmission.measured_ratio(),
                          .senses_true_state = plant.senses_true_state});
     task.pose(static_cast<Eigen::Index>(i)) = one.reference.before;
-    joints.push_back(model.id(mjOBJ_JOINT, one.axis.joint));
+    joints.push_back(model.id(mjOBJ_JOINT, one.measured_joint()));
     if (!one.axis.is_driven()) continue;
     task.driven.push_back(i);
     actuators.push_back(model.id(mjOBJ_ACTUATOR, one.axis.actuator));
@@ -131,16 +135,33 @@ PlantTask plant_task(const AxisPlant& plant) {
     whole.sensor.quantum(i) = sensor.quantum(0);
     whole.sensor.noise_std(i) = sensor.noise_std(0);
   }
-  for (const AxisSettings& one : plant.axes) {
-    if (!one.transmission.is_elastic()) continue;
-    task.why_not_linear = "axis " + one.axis.name +
-                          " has a transmission with a stiffness, which the linear model lacks";
-    return task;
-  }
   try {
-    LinearModel linear = linearise(plant.load_model(), plant.pose(model), joints, actuators);
+    Model nominal = plant.nominal_model();
+    for (const AxisSettings& one : plant.axes) {
+      if (!one.transmission.is_elastic()) continue;
+      // The engine never integrates the nominal spring, so its stability does not matter.
+      transmissions.push_back(std::make_unique<Transmission>(
+          nominal, one.transmission.motor(one.axis.joint), one.axis.joint,
+          one.transmission.linear_part(one.nominal_from).design));
+      springs.push_back({transmissions.back().get(),
+                         nominal.id(mjOBJ_JOINT, one.transmission.motor(one.axis.joint))});
+    }
+    LinearModel linear =
+        linearise(std::move(nominal), plant.pose(model), joints, actuators, springs);
     whole.plant = std::move(linear.plant);
     task.held_input = std::move(linear.held_input);
+    task.to_states = whole.plant.C.transpose();
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const AxisSettings& one = plant.axes[static_cast<std::size_t>(i)];
+      task.pose(i) = linear.qpos(model->jnt_qposadr[joints[static_cast<std::size_t>(i)]]);
+      if (!one.transmission.is_elastic()) continue;
+      // At rest the other side of the spring moves too.
+      const bool is_motor = one.transmission.measured == Side::motor;
+      const double ratio = one.transmission.design.ratio;
+      const std::string other = is_motor ? one.axis.joint : one.transmission.motor(one.axis.joint);
+      task.to_states(model->jnt_dofadr[model.id(mjOBJ_JOINT, other)], i) =
+          is_motor ? 1.0 / ratio : ratio;
+    }
   } catch (const std::invalid_argument& error) {
     task.why_not_linear = error.what();
   }

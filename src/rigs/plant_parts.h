@@ -19,10 +19,12 @@ struct PlantTask {
   std::vector<std::size_t> driven;  ///< the axes whose forces the controller commands
   /// The plant linearised about its pose, as one axis with many states. The inputs are the driven
   /// axes, the outputs all axes, and x = [deviations of all joints; their rates]. It has no states
-  /// if it cannot be linearised, and `why_not_linear` then says why.
+  /// if it cannot be linearised, and `why_not_linear` then says why. The springs of the
+  /// transmissions are part of it, without backlash and kinematic error.
   NominalAxis whole;
   std::string why_not_linear;
-  Eigen::VectorXd pose;        ///< the axes' positions there
+  Eigen::MatrixXd to_states;   ///< the state at rest at given deviations of the outputs
+  Eigen::VectorXd pose;        ///< the axes' measured positions there
   Eigen::VectorXd held_input;  ///< the forces that hold it there
   Eigen::VectorXd limit;       ///< force limits of the driven axes
   bool senses_true_state = false;

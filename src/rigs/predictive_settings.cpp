@@ -179,7 +179,7 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
   design.disturbance_use = disturbance_use;
   design.cancel_at = cancel_at;
   design.samples_per_move = static_cast<int>(std::lround(period_s / axis.period_s));
-  design.reference = axis.E.size() == 0 ? task.measured_reference() : task.reference;
+  design.reference = task.modelled_reference();
   design.start_state = task.start();
   design.controlled = axis.controlled;
   design.units = axis.units;

@@ -1,12 +1,14 @@
 // Breakwater's estimators and controllers of the quadrotor: their keys, and how to make them.
 #include <breakwater/rigs/quadrotor_parts.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include <breakwater/control/backstepping.h>
+#include <breakwater/control/wave_mpc.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/observers/resonator_fit.h>
+#include <breakwater/rigs/sea_forecasts.h>
 #include <breakwater/world/waves.h>
 
 namespace breakwater {
@@ -225,7 +227,7 @@ std::unique_ptr<QuadrotorEstimator> make_kalman(const KalmanSettings& settings,
   design.angle_std_rad = printed ? std::sqrt(task.angle_noise) : task.angle_std_rad;
   design.period_s = task.period_s;
   // Place the resonators where the force has its energy, at the reference depth.
-  SeaState assumed = task.sea;
+  SeaState assumed = task.waves.sea;
   if (settings.assumed_period_s > 0.0) assumed.peak_period_s = settings.assumed_period_s;
   design.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -task.reference_m.z());
   design.estimates_wave_frequency = settings.frequency_source == WaveFrequencySource::estimated;
@@ -235,25 +237,49 @@ std::unique_ptr<QuadrotorEstimator> make_kalman(const KalmanSettings& settings,
   return blame("estimator.filter", [&] { return make_quadrotor_estimator(design, task.plant); });
 }
 
-enum class Gains { retuned, dlqr, printed };
+enum class Gains { retuned, dlqr, printed, given };
 
 struct BacksteppingSettings {
   Gains gains = Gains::retuned;
+  double horizontal_gain = 1.0;
+  double vertical_gain = 3.0;
   bool compensates = true;
+  double lead_s = 0.0;
   double position_clamp_m = 0.0;
   double thrust_floor_N = 0.5;
 };
 
-void bind_backstepping(Fields& fields, BacksteppingSettings& settings) {
-  fields.choice("controller.gains", settings.gains,
-                {{"retuned", Gains::retuned}, {"dlqr", Gains::dlqr}, {"printed", Gains::printed}},
-                "gains: retuned (for the physical plant), dlqr (with Q_z = 1e4), or printed");
-  fields.flag("controller.compensate", settings.compensates,
-              "subtract the estimated disturbance from the input");
+void bind_clamps(Fields& fields, BacksteppingSettings& settings) {
   fields.number("controller.position_clamp_m", settings.position_clamp_m, not_negative(),
                 "clamp on the position errors; 0: no clamp [m]");
   fields.number("controller.thrust_floor_N", settings.thrust_floor_N, positive(),
                 "smallest U_z by which the controller divides [N]");
+}
+
+void bind_backstepping(Fields& fields, BacksteppingSettings& settings) {
+  fields.choice("controller.gains", settings.gains,
+                {{"retuned", Gains::retuned},
+                 {"dlqr", Gains::dlqr},
+                 {"printed", Gains::printed},
+                 {"given", Gains::given}},
+                "gains: retuned (for the physical plant), dlqr (with Q_z = 1e4), printed, or given "
+                "(retuned with controller.horizontal_gain and vertical_gain)");
+  fields.number("controller.horizontal_gain", settings.horizontal_gain, positive(),
+                "for given: the gain alpha of x and y, and of their rates [1/s]");
+  fields.number("controller.vertical_gain", settings.vertical_gain, positive(),
+                "for given: the gain alpha of z and of its rate [1/s]");
+  fields.standard("controller.horizontal_gain", {1.0});
+  fields.standard("controller.vertical_gain", {3.0});
+  fields.only_for({"controller.horizontal_gain", "controller.vertical_gain"}, "controller.gains",
+                  {"given"});
+  fields.flag("controller.compensate", settings.compensates,
+              "subtract the estimated disturbance from the input");
+  fields.number(
+      "controller.lead_s", settings.lead_s, not_negative(),
+      "for resonator and spectrum: the horizontal force is the estimator's forecast for so "
+      "much later, since the vehicle must turn first [s]");
+  fields.standard("controller.lead_s", {0.0});
+  bind_clamps(fields, settings);
 }
 
 BacksteppingGains gains(const BacksteppingSettings& settings, const QuadrotorTask& task) {
@@ -265,20 +291,136 @@ BacksteppingGains gains(const BacksteppingSettings& settings, const QuadrotorTas
       return dlqr_gains(parameters, task.period_s);
     case Gains::printed:
       return printed_gains();
+    case Gains::given: {
+      BacksteppingGains alpha = retuned_gains(parameters, task.period_s);
+      alpha(0) = alpha(1) = alpha(6) = alpha(7) = settings.horizontal_gain;
+      alpha(2) = alpha(8) = settings.vertical_gain;
+      return alpha;
+    }
   }
   throw std::logic_error("unknown gains");
 }
 
-std::unique_ptr<Controller> make_backstepping(const BacksteppingSettings& settings,
-                                              const QuadrotorTask& task,
-                                              std::shared_ptr<QuadrotorEstimator> estimator) {
+Backstepping make_law(const BacksteppingSettings& settings, const QuadrotorTask& task) {
   BacksteppingDesign design;
   design.alpha = gains(settings, task);
   design.reference.head<3>() = task.reference_m;
   design.position_clamp_m = settings.position_clamp_m;
   design.thrust_floor_N = settings.thrust_floor_N;
-  return std::make_unique<QuadrotorController>(Backstepping(task.plant, design),
-                                               std::move(estimator), settings.compensates);
+  return {task.plant, design};
+}
+
+std::unique_ptr<Controller> make_backstepping(const BacksteppingSettings& settings,
+                                              const QuadrotorTask& task,
+                                              std::shared_ptr<QuadrotorEstimator> estimator) {
+  return std::make_unique<BacksteppingController>(make_law(settings, task), std::move(estimator),
+                                                  settings.compensates, settings.lead_s);
+}
+
+enum class ForecastSource { estimator, held, autoregressive, upstream, told };
+
+struct WaveMpcSettings {
+  BacksteppingSettings law;  // clamps and the attitude's gains
+  WaveMpcDesign mpc;
+  ForecastSource forecast = ForecastSource::estimator;
+  AutoregressiveDesign autoregressive;
+  double spacing_s = 0.5;
+  double memory_s = 60.0;
+  UpstreamDesign upstream;
+};
+
+void bind_wave_mpc(Fields& fields, WaveMpcSettings& settings) {
+  const WaveMpcDesign mpc;
+  fields.choice(
+      "controller.forecast", settings.forecast,
+      {{"estimator", ForecastSource::estimator},
+       {"held", ForecastSource::held},
+       {"autoregressive", ForecastSource::autoregressive},
+       {"upstream", ForecastSource::upstream},
+       {"told", ForecastSource::told}},
+      "forecast of the force: estimator (its model's free response), held (the present estimate), "
+      "autoregressive (identified on line), upstream (a probe of the elevation), told (the "
+      "future)");
+  fields.standard("controller.forecast", {std::string("estimator")});
+  fields.number("controller.period_s", settings.mpc.period_s, positive(),
+                "period of the controller's decisions, a multiple of control.period_s [s]");
+  fields.standard("controller.period_s", {mpc.period_s});
+  fields.count("controller.prediction_steps", settings.mpc.prediction_steps, between(1, 1000),
+               "N_p: number of predicted steps");
+  fields.standard("controller.prediction_steps", {mpc.prediction_steps});
+  fields.number("controller.q_velocity", settings.mpc.q_velocity, not_negative(),
+                "Q: weight on velocity");
+  fields.standard("controller.q_velocity", {mpc.q_velocity});
+  fields.number("controller.r_horizontal", settings.mpc.r_horizontal, positive(),
+                "R: weight on the change of the horizontal force [m^2/N^2]");
+  fields.standard("controller.r_horizontal", {mpc.r_horizontal});
+  fields.number("controller.r_vertical", settings.mpc.r_vertical, positive(),
+                "R: weight on the change of the vertical force [m^2/N^2]");
+  fields.standard("controller.r_vertical", {mpc.r_vertical});
+  bind_clamps(fields, settings.law);
+
+  fields.count("controller.autoregressive_order", settings.autoregressive.order, between(1, 50),
+               "number of past values in the autoregressive model");
+  fields.standard("controller.autoregressive_order", {settings.autoregressive.order});
+  fields.number("controller.autoregressive_spacing_s", settings.spacing_s, positive(),
+                "time from one of these values to the next, a multiple of controller.period_s [s]");
+  fields.standard("controller.autoregressive_spacing_s", {settings.spacing_s});
+  fields.number("controller.autoregressive_memory_s", settings.memory_s, positive(),
+                "time constant of its forgetting [s]");
+  fields.standard("controller.autoregressive_memory_s", {settings.memory_s});
+  fields.only_for({"controller.autoregressive_order", "controller.autoregressive_spacing_s",
+                   "controller.autoregressive_memory_s"},
+                  "controller.forecast", {"autoregressive"});
+
+  const UpstreamDesign upstream;
+  fields.number("controller.probe_distance_m", settings.upstream.distance_m, not_negative(),
+                "distance of the probe upstream from the reference [m]");
+  fields.standard("controller.probe_distance_m", {upstream.distance_m});
+  fields.number("controller.probe_noise_m", settings.upstream.noise_m, positive(),
+                "standard deviation of the probe's noise [m]");
+  fields.standard("controller.probe_noise_m", {upstream.noise_m});
+  fields.number("controller.probe_window_s", settings.upstream.window_s, positive(),
+                "length of the probe's record that the prediction takes [s]");
+  fields.standard("controller.probe_window_s", {upstream.window_s});
+  fields.only_for(
+      {"controller.probe_distance_m", "controller.probe_noise_m", "controller.probe_window_s"},
+      "controller.forecast", {"upstream"});
+}
+
+std::unique_ptr<ForceForecast> make_forecast(const WaveMpcSettings& settings,
+                                             const QuadrotorTask& task) {
+  const double period_s = settings.mpc.period_s;
+  switch (settings.forecast) {
+    case ForecastSource::estimator:
+      return std::make_unique<EstimatorForecast>(period_s, true);
+    case ForecastSource::held:
+      return std::make_unique<EstimatorForecast>(period_s, false);
+    case ForecastSource::autoregressive: {
+      AutoregressiveDesign design = settings.autoregressive;
+      design.spacing = static_cast<int>(std::round(std::min(settings.spacing_s / period_s, 1e4)));
+      design.memory = settings.memory_s / period_s;
+      design.largest = task.plant.parameters().thrust_limit_N;
+      return blame("controller.autoregressive_spacing_s",
+                   [&] { return std::make_unique<AutoregressiveForecast>(design); });
+    }
+    case ForecastSource::upstream: {
+      UpstreamDesign design = settings.upstream;
+      design.period_s = period_s;
+      return blame("controller.probe_window_s",
+                   [&] { return std::make_unique<UpstreamForecast>(task, design); });
+    }
+    case ForecastSource::told:
+      return blame("controller.forecast",
+                   [&] { return std::make_unique<ToldForecast>(task, period_s); });
+  }
+  throw std::logic_error("unknown forecast");
+}
+
+std::unique_ptr<Controller> make_wave_mpc(const WaveMpcSettings& settings,
+                                          const QuadrotorTask& task,
+                                          std::shared_ptr<QuadrotorEstimator> estimator) {
+  return std::make_unique<WaveMpc>(make_law(settings.law, task), std::move(estimator),
+                                   make_forecast(settings, task), settings.mpc, task.period_s);
 }
 
 }  // namespace
@@ -291,7 +433,9 @@ std::vector<QuadrotorEstimatorKind> quadrotor_estimators() {
 
 std::vector<QuadrotorControllerKind> quadrotor_controllers() {
   return {{"backstepping", "backstepping control with the estimated motion (3.4.2.1)",
-           bind_backstepping, make_backstepping}};
+           bind_backstepping, make_backstepping},
+          {"wave_mpc", "predictive control with a forecast of the disturbing force", bind_wave_mpc,
+           make_wave_mpc}};
 }
 
 }  // namespace breakwater

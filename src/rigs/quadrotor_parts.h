@@ -8,7 +8,7 @@
 #include <breakwater/control/quadrotor_estimator.h>
 #include <breakwater/plants/quadrotor.h>
 #include <breakwater/rigs/loop_parts.h>
-#include <breakwater/world/jonswap.h>
+#include <breakwater/sim/underwater_force.h>
 
 namespace breakwater {
 
@@ -21,7 +21,9 @@ struct QuadrotorTask {
   double angle_std_rad = 0.0;
   double position_noise = 0.0;  ///< V_m and V_p as given, before their interpretation
   double angle_noise = 0.0;
-  SeaState sea;  ///< the expected sea
+  /// The waves. Estimators know the sea's shape alone; only a forecast that is told more may read
+  /// the rest.
+  WaveLoadSetup waves;
 };
 
 inline const QuadrotorTask& what_is_known(const QuadrotorTask& task) {

@@ -123,7 +123,7 @@ QuadrotorTask QuadrotorSettings::task() const {
           .angle_std_rad = deviation(*this, V_p),
           .position_noise = V_m,
           .angle_noise = V_p,
-          .sea = wave_setup(*this).sea};
+          .waves = wave_setup(*this)};
 }
 
 UnderwaterForce QuadrotorSettings::water(const Model& model) const {

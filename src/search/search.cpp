@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <tbb/global_control.h>
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -61,6 +62,8 @@ struct Generation {
 };
 
 void evolve(const SearchSettings& settings, const EvaluateAll& evaluate) {
+  // pagmo's own work is small. Its threads would only be one more thing that may fail.
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const pagmo::problem problem{Cube{&settings, &evaluate}};
   const pagmo::bfe generation{Generation{&settings, &evaluate}};
   pagmo::population first(problem, generation, settings.population, settings.seed);

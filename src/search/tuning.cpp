@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include <breakwater/config/toml_text.h>
@@ -326,6 +327,18 @@ std::string Tuning::print() const {
     if (!validation->keys.empty()) text += "\n[validate.world]\n" + print_keys(validation->keys);
   }
   return text + slurm.print();
+}
+
+std::optional<TuningCandidate> read_candidate(const std::string& line, const Tuning& tuning) {
+  std::istringstream parts(line);
+  TuningCandidate candidate;
+  parts >> candidate.tuned >> candidate.evaluation;
+  parts.ignore();
+  for (std::string value; std::getline(parts, value, '\t');) candidate.values.push_back(value);
+  const bool is_there = candidate.tuned < tuning.cases.size() &&
+                        candidate.evaluation < tuning.budget &&
+                        candidate.values.size() == tuning.cases[candidate.tuned].search.size();
+  return is_there ? std::optional(std::move(candidate)) : std::nullopt;
 }
 
 }  // namespace breakwater

@@ -90,4 +90,14 @@ struct Tuning {
 /// Reads the tables of a tuning's file. Throws std::invalid_argument (`FILE:LINE: key: reason`).
 Tuning read_tuning(const toml::table& tables, const std::string& file);
 
+/// The values of the searched keys in an evaluation of a case.
+struct TuningCandidate {
+  std::size_t tuned = 0;  ///< the case
+  std::size_t evaluation = 0;
+  std::vector<std::string> values;
+};
+
+/// A line of TuningPlan::candidate_lines(); nothing if the tuning has no such candidate.
+std::optional<TuningCandidate> read_candidate(const std::string& line, const Tuning& tuning);
+
 }  // namespace breakwater

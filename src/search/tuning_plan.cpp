@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <map>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include <breakwater/config/toml_text.h>
@@ -224,18 +223,11 @@ std::vector<std::string> TuningPlan::candidate_lines(const std::vector<std::size
 
 void TuningPlan::begin(const std::vector<std::string>& lines, const std::string& origin) {
   for (const std::string& line : lines) {
-    std::istringstream parts(line);
-    std::size_t tuned = 0;
-    std::size_t evaluation = 0;
-    parts >> tuned >> evaluation;
-    parts.ignore();
-    std::vector<std::string> values;
-    for (std::string value; std::getline(parts, value, '\t');) values.push_back(value);
-    if (tuned >= tuning_.cases.size() || evaluation >= tuning_.budget ||
-        values.size() != tuning_.cases[tuned].search.size()) {
+    auto candidate = read_candidate(line, tuning_);
+    if (!candidate) {
       throw std::invalid_argument(fmt::format("{}: has no candidate in: {}", origin, line));
     }
-    begin(tuned, evaluation, std::move(values));
+    begin(candidate->tuned, candidate->evaluation, std::move(candidate->values));
   }
 }
 

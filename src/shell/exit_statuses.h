@@ -19,7 +19,8 @@ inline constexpr std::array kStatusMeanings = {
     StatusMeaning{
         kDefect, "a defect",
         "Breakwater, or a part of your own, has a defect. Please report a defect of Breakwater. "
-        "`doctor` also ends with this status when something on the machine is broken."},
+        "`doctor` also ends with this status when something on the machine is broken, and `diff` "
+        "when two runs differ."},
     StatusMeaning{kUsage, "usage or input",
                   "An option, a scenario file or another input is wrong, or a folder cannot be "
                   "written. The message names the place."},

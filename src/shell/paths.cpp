@@ -127,7 +127,8 @@ fs::path data_file(const std::string& name) {
 
 std::string searched_places() {
   std::string text;
-  for (const fs::path& folder : own_search().path().candidates) {
+  const SearchPath path = own_search().path();
+  for (const fs::path& folder : path.folders.empty() ? path.candidates : path.folders) {
     text += (text.empty() ? "" : ", ") + folder.string();
   }
   return text;

@@ -44,7 +44,7 @@ std::optional<std::filesystem::path> look_for(const std::string& name);
 /// The same, but throws std::invalid_argument with all searched places if there is none.
 std::filesystem::path data_file(const std::string& name);
 
-/// "A, B, C": the places, for messages.
+/// "A, B, C": the places, for messages: those that exist, or all if none does.
 std::string searched_places();
 
 /// Finds a file that a key names: by an absolute path, in `folder`, or with look_for().

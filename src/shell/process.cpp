@@ -4,7 +4,9 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <new>
 #include <stdexcept>
@@ -70,10 +72,11 @@ int caught(const std::string& program, const std::function<int()>& body) {
     return failed(kUsage, program + ": there is not enough memory");
   } catch (const Interrupted& stop) {
     const std::size_t kept = stop.finished_runs();
-    return failed(kInterrupted, fmt::format("{}: interrupted; {}", program,
-                                            kept == 0 ? "nothing is left behind"
-                                                      : fmt::format("{} finished run{} kept", kept,
-                                                                    kept == 1 ? " is" : "s are")));
+    std::string what =
+        kept == 0 ? "nothing is left behind"
+                  : fmt::format("{} finished run{} kept", kept, kept == 1 ? " is" : "s are");
+    if (!stop.kept().empty()) what = (kept == 0 ? "" : what + "; ") + stop.kept();
+    return failed(kInterrupted, fmt::format("{}: interrupted; {}", program, what));
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0 || std::ferror(stderr) != 0) {
       // guarded() prints the reason.
@@ -81,10 +84,29 @@ int caught(const std::string& program, const std::function<int()>& body) {
       errno = printing != nullptr ? printing->code().value() : EIO;
       return kLaterOutputFailed;
     }
+    if (dynamic_cast<const std::system_error*>(&error) != nullptr) {
+      return failed(kUsage, program + ": " + error.what());
+    }
     return failed(
         kDefect,
         program + ": this is a defect of Breakwater, or of a part of your own: " + error.what());
   }
+}
+
+std::terminate_handler usual_end = nullptr;
+
+// Some functions of libraries, such as CLI11's, may not throw but need memory.
+[[noreturn]] void on_terminate() {
+  try {
+    if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    constexpr std::string_view kText = "there is not enough memory\n";
+    [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kText.data(), kText.size());
+    _exit(kUsage);
+  } catch (...) {
+    usual_end();
+  }
+  std::abort();
 }
 
 // An empty "$VARIABLE" of a script must not pass for an omitted option. An option with an optional
@@ -127,6 +149,10 @@ void stop_on_signals(std::initializer_list<int> more) {
 
 void end_soon_while(bool (*model_is_compiled)()) {
   is_deaf = model_is_compiled;
+}
+
+void say_lack_of_memory() {
+  usual_end = std::set_terminate(on_terminate);
 }
 
 const std::atomic<bool>& interrupted() {

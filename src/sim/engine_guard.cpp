@@ -10,6 +10,8 @@
 #include <new>
 #include <stdexcept>
 
+#include <breakwater/sim/engine_functions.h>
+
 namespace breakwater {
 namespace {
 
@@ -39,18 +41,20 @@ void on_warning(const char* message) {
   std::snprintf(state.warning, kTextSize, "%s", message);
 }
 
-void install_handlers() {
+// Before the first call of the engine.
+void prepare_engine() {
   static std::once_flag once;
   std::call_once(once, [] {
     mju_user_error = on_error;
     mju_user_warning = on_warning;
+    engine_functions();
   });
 }
 
 }  // namespace
 
 std::string call_engine(void (*body)(void*), void* argument) {
-  install_handlers();
+  prepare_engine();
   std::jmp_buf here;
   std::jmp_buf* const outer = state.return_point;
   state.return_point = &here;

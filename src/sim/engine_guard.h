@@ -25,7 +25,8 @@ class OutOfMemory : public std::invalid_argument {
 };
 
 /// Calls `body(argument)`, which calls the engine. Returns the text of a fatal error or of a lack
-/// of memory; empty: no error. By default the engine would wait for a key and exit.
+/// of memory; empty: no error. By default the engine would wait for a key and exit. The first call
+/// gives the engine the functions of math/, and throws as engine_functions() does.
 ///
 /// A fatal error leaves `body` by longjmp. When it calls the engine, `body` must therefore own no
 /// object with a needed destructor, and neither must the functions that it calls.

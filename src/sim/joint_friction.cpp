@@ -22,8 +22,8 @@ int row_of(const mjData& data, int dof) {
 }  // namespace
 
 JointFriction::JointFriction(Model& model, const std::string& joint,
-                             std::unique_ptr<FrictionLaw> law)
-    : law_(std::move(law)), bristles_(law_->bristles()) {
+                             std::unique_ptr<FrictionLaw> law, const Transmission* transmission)
+    : law_(std::move(law)), bristles_(law_->bristles()), transmission_(transmission) {
   const int id = model.id(mjOBJ_JOINT, joint);
   set_coulomb_friction(model, id, law_->level(0.0, 0.0));
   dof_ = model->jnt_dofadr[id];
@@ -42,10 +42,9 @@ JointFriction::JointFriction(Model& model, const std::string& joint,
   }
 }
 
-// A joint without an actuator is driven by a transmission. Its force is in qfrc_applied, before
-// this friction adds to it.
+// Other forces on the joint, a disturbance for example, do not pass through its gear.
 double JointFriction::transmitted(const mjData& data) const {
-  double force = actuators_.empty() ? data.qfrc_applied[dof_] : 0.0;
+  double force = transmission_ != nullptr ? transmission_->torque(data.qpos, data.qvel) : 0.0;
   for (const auto& [actuator, gear] : actuators_) force += gear * data.ctrl[actuator];
   return force;
 }

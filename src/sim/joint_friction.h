@@ -8,6 +8,7 @@
 
 #include <breakwater/sim/external_force.h>
 #include <breakwater/sim/model.h>
+#include <breakwater/sim/transmission.h>
 #include <breakwater/world/friction_law.h>
 
 namespace breakwater {
@@ -23,10 +24,13 @@ namespace breakwater {
 /// which also knows contacts and other joints. The force is stable for every σ₀ and step.
 class JointFriction final : public StagedForce {
  public:
-  /// Gives the joint a friction constraint, with the softness that the model has. Throws
-  /// std::invalid_argument if there is no such slide or hinge. Bristles also need a solver that
-  /// reads the constraints at its call (Newton, CG).
-  JointFriction(Model& model, const std::string& joint, std::unique_ptr<FrictionLaw> law);
+  /// Gives the joint a friction constraint, with the softness that the model has. The transmitted
+  /// force of the law is that of the joint's actuators, and of the transmission whose load the
+  /// joint is; null: none. It must outlive the friction. Throws std::invalid_argument if there is
+  /// no such slide or hinge. Bristles also need a solver that reads the constraints at its call
+  /// (Newton, CG).
+  JointFriction(Model& model, const std::string& joint, std::unique_ptr<FrictionLaw> law,
+                const Transmission* transmission = nullptr);
 
   void begin_step() override;
   void apply(double time_s, const mjModel& model, mjData& data) override;
@@ -46,6 +50,7 @@ class JointFriction final : public StagedForce {
   double step_s_;
   double inverse_mass_;                            // that the joint has at its model's zero
   std::vector<std::pair<int, double>> actuators_;  // that drive the joint: index, gear
+  const Transmission* transmission_;
 
   int stage_ = 0;
   int row_ = 0;               // the friction constraint

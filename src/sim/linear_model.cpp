@@ -32,7 +32,8 @@ Eigen::MatrixXd joint_inertia(const Model& model, std::span<const double> qpos) 
 }
 
 LinearModel linearise(Model model, std::span<const double> qpos, const std::vector<int>& joints,
-                      const std::vector<int>& actuators) {
+                      const std::vector<int>& actuators,
+                      const std::vector<SpringOnJoint>& springs) {
   const int n = model->nv;
   const bool has_only_axes =
       std::all_of(model->jnt_type, model->jnt_type + model->njnt,
@@ -47,6 +48,11 @@ LinearModel linearise(Model model, std::span<const double> qpos, const std::vect
   std::copy(qpos.begin(), qpos.end(), data->qpos);
   const auto acceleration = [&]() -> Eigen::VectorXd {
     forward(model, *data);
+    if (!springs.empty()) {
+      mju_zero(data->qfrc_applied, n);
+      for (const SpringOnJoint& spring : springs) spring.force->apply(0.0, *model.get(), *data);
+      forward(model, *data);
+    }
     return view_of(data->qacc, n);
   };
   const auto derivative = [&](mjtNum& value) -> Eigen::VectorXd {
@@ -65,19 +71,29 @@ LinearModel linearise(Model model, std::span<const double> qpos, const std::vect
   linear.plant.B.setZero(2 * n, inputs);
   linear.plant.C.setZero(outputs, 2 * n);
   linear.held_input.setZero(inputs);
-  // The pose must be held before it is varied: an unbalanced force depends on it too.
+  // The pose must be held before it is varied: an unbalanced force depends on it too. The drives
+  // and the twists of the springs hold it.
+  const auto twists = static_cast<Eigen::Index>(springs.size());
+  const auto position = [&](Eigen::Index i) -> mjtNum& {
+    return data->qpos[model->jnt_qposadr[springs[static_cast<std::size_t>(i)].joint]];
+  };
+  Eigen::MatrixXd held(n, inputs + twists);
   for (Eigen::Index i = 0; i < inputs; ++i) {
-    linear.plant.B.col(i).tail(n) = derivative(data->ctrl[actuators[static_cast<std::size_t>(i)]]);
+    held.col(i) = derivative(data->ctrl[actuators[static_cast<std::size_t>(i)]]);
   }
+  for (Eigen::Index i = 0; i < twists; ++i) held.col(inputs + i) = derivative(position(i));
+  linear.plant.B.bottomRows(n) = held.leftCols(inputs);
   Eigen::VectorXd remaining = acceleration();
-  if (inputs > 0) {
-    const Eigen::MatrixXd B = linear.plant.B.bottomRows(n);
-    linear.held_input = -B.completeOrthogonalDecomposition().solve(remaining);
+  if (held.cols() > 0) {
+    const Eigen::VectorXd holds = -held.completeOrthogonalDecomposition().solve(remaining);
+    linear.held_input = holds.head(inputs);
     for (Eigen::Index i = 0; i < inputs; ++i) {
       data->ctrl[actuators[static_cast<std::size_t>(i)]] = linear.held_input(i);
     }
+    for (Eigen::Index i = 0; i < twists; ++i) position(i) += holds(inputs + i);
     remaining = acceleration();
   }
+  linear.qpos = view_of(data->qpos, n);
   linear.acceleration = n > 0 ? remaining.cwiseAbs().maxCoeff() : 0.0;
   linear.plant.A.topRightCorner(n, n).setIdentity();
   for (int i = 0; i < n; ++i) {

@@ -15,6 +15,7 @@
 #include <breakwater/sim/contact_pairs.h>
 #include <breakwater/sim/engine_guard.h>
 #include <breakwater/sim/physics_part.h>
+#include <breakwater/sim/rotor.h>
 
 namespace breakwater {
 namespace {
@@ -319,9 +320,28 @@ void Model::add_mass(const std::string& body, double mass_kg) {
 }
 
 void Model::add_gear(int actuator, int joint, double ratio, double motor_inertia) {
-  mjModel& m = *model_;
-  m.actuator_gear[static_cast<std::ptrdiff_t>(6) * actuator] *= ratio;
-  m.dof_armature[m.jnt_dofadr[joint]] += ratio * ratio * motor_inertia;
+  model_->actuator_gear[static_cast<std::ptrdiff_t>(6) * actuator] *= ratio;
+  add_armature(joint, ratio * ratio * motor_inertia);
+}
+
+void Model::add_armature(int joint, double inertia) {
+  model_->dof_armature[model_->jnt_dofadr[joint]] += inertia;
+  derive_constants();
+}
+
+void Model::add_rotor(int actuator, int joint, double ratio, double inertia,
+                      const std::string& name) {
+  if (has(mjOBJ_JOINT, name) || has(mjOBJ_BODY, name)) {
+    refuse(file_, "has a joint or body named \"" + name + "\", the name of a rotor to be added");
+  }
+  if (!(std::isfinite(inertia) && inertia > 0.0)) {
+    refuse(file_, "the inertia of a rotor must be positive and finite");
+  }
+  std::string fatal;
+  mjModel* made = with_rotor(*model_, joint, ratio, inertia, name, fatal);
+  if (made == nullptr) refuse_for_engine(file_, fatal, "cannot be copied");
+  model_.reset(made);
+  made->actuator_trnid[static_cast<std::ptrdiff_t>(2) * actuator] = id(mjOBJ_JOINT, name);
   derive_constants();
 }
 

@@ -92,6 +92,14 @@ class Model {
   /// the engine cannot compute the derived constants.
   void add_gear(int actuator, int joint, double ratio, double motor_inertia);
 
+  /// Adds to the armature of a hinge or slide, or takes from it. Throws as add_gear().
+  void add_armature(int joint, double inertia);
+
+  /// Gives an actuator of a hinge or slide a rotor of its own (with_rotor()), which it then drives
+  /// in place of the joint. The ids of all other elements stay. Throws std::invalid_argument if the
+  /// name is taken, the inertia is not positive or the engine cannot make the model.
+  void add_rotor(int actuator, int joint, double ratio, double inertia, const std::string& name);
+
   /// Speeds up the search for contacts by with_contact_pairs(), if this changes no contact. After
   /// that, only set_collidable() can change the contact parameters of geoms.
   void list_contacts();

@@ -58,25 +58,26 @@ std::pair<int, bool> place(const Model& model, const SensorChannel& channel) {
 }  // namespace
 
 Sensing::Sensing(const Model& model, const SensingSetup& setup)
-    : nan_policy_(setup.nan_policy), fault_(setup.fault), step_s_(model->opt.timestep) {
+    : nan_policy_(setup.nan_policy), fault_(setup.fault, model->opt.timestep) {
+  const double step_s = model->opt.timestep;
   channels_.reserve(setup.channels.size());
   for (const SensorChannel& channel : setup.channels) {
     check(channel);
     const auto [address, is_of_acceleration] = place(model, channel);
     const bool is_late = is_of_acceleration || channel.low_pass_s > 0.0 || channel.body.is_on() ||
                          channel.electronics.is_on();
-    channels_.push_back({channel, address, is_late, Resonance(channel.body, step_s_),
-                         LowPass(channel.low_pass_s, step_s_),
-                         SampledReading(channel.electronics, step_s_, setup.seed, channel.name),
+    channels_.push_back({channel, address, is_late, Resonance(channel.body, step_s),
+                         LowPass(channel.low_pass_s, step_s),
+                         SampledReading(channel.electronics, step_s, setup.seed, channel.name),
                          Noise(setup.seed, channel.name), DelayLine(channel.delay_samples)});
   }
-  const bool fault_has_channel =
-      fault_.channel.empty() ||
-      std::any_of(channels_.begin(), channels_.end(),
-                  [&](const Channel& c) { return c.setup.name == fault_.channel; });
-  if (!fault_has_channel) {
-    throw std::invalid_argument("sensor fault: there is no channel \"" + fault_.channel + "\"");
+  const std::string& broken = setup.fault.channel;
+  const auto found = std::find_if(channels_.begin(), channels_.end(),
+                                  [&](const Channel& c) { return c.setup.name == broken; });
+  if (!broken.empty() && found == channels_.end()) {
+    throw std::invalid_argument("sensor fault: there is no channel \"" + broken + "\"");
   }
+  broken_ = static_cast<std::size_t>(found - channels_.begin());
 }
 
 double Sensing::Channel::read(const mjData& data) const {
@@ -110,15 +111,6 @@ void Sensing::after_step(const mjData& data) {
   }
 }
 
-bool Sensing::is_faulty(const Channel& channel, double time_s) {
-  if (fault_.samples <= 0 || channel.setup.name != fault_.channel ||
-      time_s < fault_.at_s - 0.5 * step_s_) {
-    return false;
-  }
-  --fault_.samples;
-  return true;
-}
-
 void Sensing::take(std::int64_t k, const mjData& data, Sample& sample) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     Channel& channel = channels_[i];
@@ -132,7 +124,7 @@ void Sensing::take(std::int64_t k, const mjData& data, Sample& sample) {
       measured += channel.setup.noise_std * channel.noise(static_cast<std::uint64_t>(k));
     }
     measured = channel.delay.update(measured);
-    if (is_faulty(channel, sample.time_s)) measured = std::nan("");
+    if (i == broken_) measured = fault_.update(sample.time_s, measured);
 
     if (std::isfinite(measured)) {
       channel.last_good = measured;

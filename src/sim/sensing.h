@@ -15,6 +15,7 @@
 #include <breakwater/world/force_sensor.h>
 #include <breakwater/world/low_pass.h>
 #include <breakwater/world/noise.h>
+#include <breakwater/world/sensor_fault.h>
 
 namespace breakwater {
 
@@ -30,7 +31,7 @@ enum class Reading {
 
 /// One entry of a sample, from a MuJoCo sensor. The value passes these stages: true → body →
 /// low-pass (both analogue, at every physics step) → electronics (if any) → scale error →
-/// disturbance → quantisation → noise → delay → hold.
+/// disturbance → quantisation → noise → delay → fault → hold.
 ///
 /// Position and velocity sensors without a low-pass have the value of the sampling instant. Force,
 /// touch and acceleration sensors, and all sensors with a low-pass, have the value of the last
@@ -54,13 +55,6 @@ struct SensorChannel {
 enum class NanPolicy {
   stop,  ///< the first one stops the run
   drop   ///< holds the channel's last good value; three in a row stop the run
-};
-
-/// Replaces samples of one channel by NaN, to test a NanPolicy.
-struct SensorFault {
-  std::string channel;  ///< empty: no fault
-  double at_s = 0.0;    ///< starts at the first sample at or after this time
-  int samples = 1;      ///< number of samples
 };
 
 struct SensingSetup {
@@ -109,12 +103,10 @@ class Sensing {
     int dropped_in_a_row = 0;
   };
 
-  bool is_faulty(const Channel& channel, double time_s);
-
   std::vector<Channel> channels_;
   NanPolicy nan_policy_;
-  SensorFault fault_;
-  double step_s_;
+  FaultySensor fault_;
+  std::size_t broken_;  // the index of its channel; size(): none
   std::int64_t dropped_ = 0;
 };
 

@@ -47,7 +47,6 @@ Transmission::Transmission(const Model& model, const std::string& motor, const s
   load_ = model->jnt_qposadr[load_joint];
   motor_dof_ = model->jnt_dofadr[motor_joint];
   load_dof_ = model->jnt_dofadr[load_joint];
-  check_stability(model);
 }
 
 void Transmission::check_stability(const Model& model) const {
@@ -75,10 +74,12 @@ void Transmission::check_stability(const Model& model) const {
   if (is_stable(integrator, timestep_s, slopes)) return;
   std::ostringstream text;
   text.precision(6);
-  text << "transmission: a stiffness of " << design_.stiffness << " and damping of "
-       << design_.damping << " between the motor and the load, with an inertia of "
-       << slopes.mass_kg << " of both together, are beyond the stability limit for a timestep of "
-       << timestep_s << " s; the longest stable physics.timestep_s that divides it is "
+  text << "transmission to joint \""
+       << mj_id2name(model.get(), mjOBJ_JOINT, model->dof_jntid[load_dof_]) << "\": a stiffness of "
+       << design_.stiffness << " and damping of " << design_.damping
+       << " between the motor and the load, with an inertia of " << slopes.mass_kg
+       << " of both together, are beyond the stability limit for a timestep of " << timestep_s
+       << " s; the longest stable physics.timestep_s that divides it is "
        << dividing_timestep_s(integrator, timestep_s, slopes);
   throw std::invalid_argument(text.str());
 }
@@ -103,11 +104,14 @@ double Transmission::torque(double motor, double motor_rate, double load, double
   return 0.0;
 }
 
+double Transmission::torque(const double* qpos, const double* qvel) const {
+  return torque(qpos[motor_], qvel[motor_dof_], qpos[load_], qvel[load_dof_]);
+}
+
 void Transmission::apply(double, const mjModel&, mjData& data) const {
-  const double motor = data.qpos[motor_];
-  const double T = torque(motor, data.qvel[motor_dof_], data.qpos[load_], data.qvel[load_dof_]);
+  const double T = torque(data.qpos, data.qvel);
   data.qfrc_applied[load_dof_] += T;
-  data.qfrc_applied[motor_dof_] -= T * slope(motor);
+  data.qfrc_applied[motor_dof_] -= T * slope(data.qpos[motor_]);
 }
 
 }  // namespace breakwater

@@ -27,20 +27,24 @@ struct TransmissionDesign {
 class Transmission final : public ExternalForce {
  public:
   /// Throws std::invalid_argument if a number is not in its range, or if a joint is missing or is
-  /// no slide or hinge. It also throws if the integrator is not stable on the spring between the
-  /// inertias of the model's own pose. This message has the longest stable timestep.
+  /// no slide or hinge.
   Transmission(const Model& model, const std::string& motor, const std::string& load,
                const TransmissionDesign& design);
+
+  /// Throws std::invalid_argument if the model's integrator is not stable on the spring between the
+  /// inertias of the model's own pose. The message has the longest stable timestep.
+  void check_stability(const Model& model) const;
 
   void apply(double time_s, const mjModel& model, mjData& data) const override;
 
   /// φ and T in a state.
   double twist(double motor, double load) const;
   double torque(double motor, double motor_rate, double load, double load_rate) const;
+  /// T in a state of the engine.
+  double torque(const double* qpos, const double* qvel) const;
 
  private:
   double slope(double motor) const;  // ∂φ/∂q_m
-  void check_stability(const Model& model) const;
 
   TransmissionDesign design_;
   int motor_;  // indices in qpos, and of the degrees of freedom

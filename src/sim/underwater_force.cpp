@@ -1,21 +1,27 @@
 #include <breakwater/sim/underwater_force.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include <breakwater/math/functions.h>
 
 namespace breakwater {
-namespace {
 
-SeaState with_period(SeaState sea, double period_s) {
-  sea.peak_period_s = period_s;
-  return sea;
+ChangingSea WaveLoadSetup::water() const {
+  return {sea, low_pass_s, {change_at_s, change_to_period_s, change_within_s}};
 }
 
-}  // namespace
+Eigen::Vector3d wave_force(const QuadrotorParameters& parameters, const WaveLoadSetup& setup,
+                           const WaterMotion& water, const Eigen::Vector3d& velocity) {
+  const double displaced_kg = parameters.water_density_kg_m3 * parameters.volume_m3;
+  Vector6d still = Vector6d::Zero();
+  still.head<3>() = velocity;
+  Vector6d relative = still;
+  relative.head<3>() -= water.velocity + setup.current_m_s;
+  const Vector6d drag = parameters.drag(still) - parameters.drag(relative);
+  return drag.head<3>() + displaced_kg * setup.inertia_coefficient * water.acceleration;
+}
 
 FreeMotion::FreeMotion(const double* qpos, const double* qvel)
     : position(qpos[0], qpos[1], qpos[2]),
@@ -32,7 +38,7 @@ UnderwaterForce::UnderwaterForce(const Model& model, const QuadrotorParameters& 
       still_water_(parameters, physics),
       setup_(waves),
       start_(start),
-      waves_(waves.sea, waves.low_pass_s),
+      sea_(waves.water()),
       angle_{LowPass(waves.low_pass_s, model->opt.timestep),
              LowPass(waves.low_pass_s, model->opt.timestep)},
       body_(model.id(mjOBJ_BODY, "quadrotor")),
@@ -44,34 +50,6 @@ UnderwaterForce::UnderwaterForce(const Model& model, const QuadrotorParameters& 
   }
   qpos_ = model->jnt_qposadr[joint];
   dof_ = model->jnt_dofadr[joint];
-  if (setup_.change_at_s > 0.0) {
-    changed_waves_.emplace(with_period(waves.sea, waves.change_to_period_s), waves.low_pass_s);
-  }
-}
-
-double UnderwaterForce::changed(double time_s) const {
-  if (!changed_waves_) return 0.0;
-  return std::clamp((time_s - setup_.change_at_s) / setup_.change_within_s, 0.0, 1.0);
-}
-
-WaterMotion UnderwaterForce::water(double time_s, const Eigen::Vector3d& position) const {
-  const double share = changed(time_s);
-  WaterMotion motion = share < 1.0 ? waves_.at(time_s, position) : WaterMotion{};
-  if (share > 0.0) {
-    const WaterMotion other = changed_waves_->at(time_s, position);
-    motion.velocity += share * (other.velocity - motion.velocity);
-    motion.acceleration += share * (other.acceleration - motion.acceleration);
-    motion.slope += share * (other.slope - motion.slope);
-    if (share == 1.0) motion = other;
-  }
-  return motion;
-}
-
-double UnderwaterForce::elevation(double time_s, double x_m, double y_m) const {
-  const double share = changed(time_s);
-  double eta = (1.0 - share) * waves_.elevation(time_s, x_m, y_m);
-  if (share > 0.0) eta += share * changed_waves_->elevation(time_s, x_m, y_m);
-  return eta;
 }
 
 std::vector<SurfaceWave> UnderwaterForce::surface_waves() const {
@@ -84,14 +62,14 @@ std::vector<SurfaceWave> UnderwaterForce::surface_waves() const {
                      setup_.change_at_s + setup_.change_within_s});
     }
   };
-  add(waves_, 1.0, changed_waves_ ? 0.0 : 1.0);
-  if (changed_waves_) add(*changed_waves_, 0.0, 1.0);
+  add(sea_.first(), 1.0, sea_.second() ? 0.0 : 1.0);
+  if (sea_.second()) add(*sea_.second(), 0.0, 1.0);
   return all;
 }
 
 double UnderwaterForce::thesis_force(double time_s) const {
   return parameters_.water_density_kg_m3 * parameters_.volume_m3 * setup_.inertia_coefficient *
-         water(time_s, start_).acceleration.z();
+         sea_.water(time_s, start_).acceleration.z();
 }
 
 Vector6d UnderwaterForce::wave_load(double time_s, const FreeMotion& motion) const {
@@ -102,14 +80,8 @@ Vector6d UnderwaterForce::wave_load(double time_s, const FreeMotion& motion) con
                      setup_.torque_per_angle_Nm_rad;
     return load;
   }
-  const WaterMotion water = this->water(time_s, motion.position);
-  const double displaced_kg = parameters_.water_density_kg_m3 * parameters_.volume_m3;
-  Vector6d still = Vector6d::Zero();
-  still.head<3>() = motion.velocity;
-  Vector6d relative = still;
-  relative.head<3>() -= water.velocity + setup_.current_m_s;
-  load = parameters_.drag(still) - parameters_.drag(relative);
-  load.head<3>() += displaced_kg * setup_.inertia_coefficient * water.acceleration;
+  const WaterMotion water = sea_.water(time_s, motion.position);
+  load.head<3>() = wave_force(parameters_, setup_, water, motion.velocity);
   const Eigen::Vector3d pressure(-parameters_.buoyancy_N() * water.slope.x(),
                                  -parameters_.buoyancy_N() * water.slope.y(), 0.0);
   load.tail<3>() = setup_.buoyancy_arm_m * motion.rotation.col(2).cross(pressure);

@@ -2,15 +2,14 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <string>
 
 #include <breakwater/plants/quadrotor.h>
 #include <breakwater/sim/external_force.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/sim/surface_waves.h>
+#include <breakwater/world/changing_sea.h>
 #include <breakwater/world/low_pass.h>
-#include <breakwater/world/waves.h>
 
 namespace breakwater {
 
@@ -30,7 +29,15 @@ struct WaveLoadSetup {
   double change_at_s = 0.0;              ///< time at which the peak period changes; 0: never
   double change_to_period_s = 0.0;       ///< the new peak period
   double change_within_s = 10.0;         ///< duration of the change
+
+  /// The water of the sea with its change. Throws std::invalid_argument as Waves does.
+  ChangingSea water() const;
 };
+
+/// Force of the waves and the current on a vehicle with this velocity, in the world [N]:
+///     F = ρ V C_m a + D(v) − D(v − u).
+Eigen::Vector3d wave_force(const QuadrotorParameters& parameters, const WaveLoadSetup& setup,
+                           const WaterMotion& water, const Eigen::Vector3d& velocity);
 
 /// Motion of a rigid body with the engine's free joint.
 struct FreeMotion {
@@ -68,7 +75,9 @@ class UnderwaterForce final : public ExternalForce {
   /// Force and torque of the waves and the current, in the world frame [N, N m].
   Vector6d wave_load(double time_s, const FreeMotion& motion) const;
   /// The elevation η at a position [m].
-  double elevation(double time_s, double x_m, double y_m) const;
+  double elevation(double time_s, double x_m, double y_m) const {
+    return sea_.elevation(time_s, x_m, y_m);
+  }
   /// The waves whose sum is η.
   std::vector<SurfaceWave> surface_waves() const;
 
@@ -76,17 +85,13 @@ class UnderwaterForce final : public ExternalForce {
   void advance(double time_s, const FreeMotion& motion);
 
  private:
-  WaterMotion water(double time_s, const Eigen::Vector3d& position) const;
   double thesis_force(double time_s) const;
-  // Share of the changed sea state at a time, 0 … 1.
-  double changed(double time_s) const;
 
   QuadrotorParameters parameters_;
   QuadrotorModel still_water_;
   WaveLoadSetup setup_;
   Eigen::Vector3d start_;
-  Waves waves_;
-  std::optional<Waves> changed_waves_;
+  ChangingSea sea_;
   std::array<LowPass, 2> angle_;
   int body_;
   int qpos_;

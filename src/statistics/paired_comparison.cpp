@@ -270,7 +270,7 @@ bool differs(const MetricComparison& comparison, const PairedResults& results) {
 }
 
 ComparisonVerdict verdict_of(const MetricComparison& comparison, double alpha) {
-  if (are_too_few(comparison.blocks, alpha)) return ComparisonVerdict::too_few_blocks;
+  if (comparison.least_p_holm > alpha) return ComparisonVerdict::too_few_blocks;
   const auto& interval = comparison.difference.interval;
   if (comparison.p_holm > alpha || !interval) return ComparisonVerdict::no_difference_shown;
   const bool is_smaller = interval->upper<0.0, is_larger = interval->lower> 0.0;
@@ -303,22 +303,34 @@ FailureComparison compare_failures(const PairedResults& results, const Pair& pai
 }
 
 ComparisonVerdict verdict_of(const FailureComparison& comparison, double alpha) {
-  if (are_too_few(comparison.blocks, alpha)) return ComparisonVerdict::too_few_blocks;
+  if (comparison.least_p_holm > alpha) return ComparisonVerdict::too_few_blocks;
   if (comparison.p_holm > alpha) return ComparisonVerdict::no_difference_shown;
   return comparison.alone < comparison.reference_alone ? ComparisonVerdict::better
                                                        : ComparisonVerdict::worse;
 }
 
-// Holm's p where `counts` is true, else p.
+// Holm's p where `counts` is true, else p. Returns the number of tests.
 template <typename Comparison, typename Counts>
-void adjust(std::vector<Comparison>& comparisons, const Counts& counts) {
+std::size_t adjust(std::vector<Comparison>& comparisons, double Comparison::*of,
+                   double Comparison::*adjusted, const Counts& counts) {
   std::vector<double> p;
   for (const Comparison& one : comparisons) {
-    if (counts(one)) p.push_back(one.p);
+    if (counts(one)) p.push_back(one.*of);
   }
-  const std::vector<double> adjusted = holm(p);
+  const std::vector<double> by_holm = holm(p);
   std::size_t next = 0;
-  for (Comparison& one : comparisons) one.p_holm = counts(one) ? adjusted[next++] : one.p;
+  for (Comparison& one : comparisons) one.*adjusted = counts(one) ? by_holm[next++] : one.*of;
+  return p.size();
+}
+
+// Sets p_holm, its smallest value, and the verdict. Returns the number of tests.
+template <typename Comparison, typename Counts>
+std::size_t set_verdicts(std::vector<Comparison>& comparisons, double alpha, const Counts& counts) {
+  for (Comparison& one : comparisons) one.least_p_holm = least_p(one.blocks);
+  adjust(comparisons, &Comparison::least_p_holm, &Comparison::least_p_holm, counts);
+  const std::size_t tests = adjust(comparisons, &Comparison::p, &Comparison::p_holm, counts);
+  for (Comparison& one : comparisons) one.verdict = verdict_of(one, alpha);
+  return tests;
 }
 
 std::vector<std::string> never_measured(const PairedResults& results, std::size_t candidate) {
@@ -366,7 +378,7 @@ std::optional<RankComparison> rank(const PairedResults& results, std::size_t met
     ++rows;
   }
   comparison.blocks = static_cast<std::size_t>(rows);
-  if (are_too_few(comparison.blocks, alpha)) return std::nullopt;
+  if (least_p(comparison.blocks) > alpha) return std::nullopt;
   if (comparison.goal == Goal::max) whole = -whole;
   const Eigen::VectorXd ranks = average_ranks(whole.topRows(rows));
   comparison.average_ranks.assign(ranks.begin(), ranks.end());
@@ -388,8 +400,9 @@ bool CandidateComparison::has_repeats() const {
                      [](const FailureComparison& one) { return one.pairs > one.blocks; });
 }
 
-bool are_too_few(std::size_t blocks, double alpha) {
-  return std::ldexp(2.0, -static_cast<int>(std::min<std::size_t>(blocks, 1000))) > alpha;
+double least_p(std::size_t blocks, std::size_t tests) {
+  const int n = static_cast<int>(std::min<std::size_t>(blocks, 1000));
+  return std::min(1.0, static_cast<double>(tests) * std::ldexp(2.0, -n));
 }
 
 CandidateComparison compare_candidates(const PairedResults& results,
@@ -425,14 +438,15 @@ CandidateComparison compare_candidates(const PairedResults& results,
       }
     }
   }
-  adjust(comparison.metrics, [&](const auto& one) { return differs(one, results); });
-  for (MetricComparison& one : comparison.metrics) one.verdict = verdict_of(one, settings.alpha);
-  adjust(comparison.interactions, [](const auto&) { return true; });
+  comparison.tests = set_verdicts(comparison.metrics, settings.alpha,
+                                  [&](const auto& one) { return differs(one, results); });
+  adjust(comparison.interactions, &KeyInteraction::p, &KeyInteraction::p_holm,
+         [](const auto&) { return true; });
   judge(comparison, settings.alpha);
 
   for (const Pair& pair : pairs) comparison.failures.push_back(compare_failures(results, pair));
-  adjust(comparison.failures, [](const auto& one) { return one.alone + one.reference_alone > 0; });
-  for (FailureComparison& one : comparison.failures) one.verdict = verdict_of(one, settings.alpha);
+  set_verdicts(comparison.failures, settings.alpha,
+               [](const auto& one) { return one.alone + one.reference_alone > 0; });
 
   if (results.candidates.size() >= kFewestRanked && reach_every_pair(results, comparison)) {
     for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {

@@ -59,6 +59,7 @@ struct MetricComparison {
   EstimatedMedian difference{};      ///< median of x − y
   double p = 1.0;                    ///< signed_rank_test() of x − y
   double p_holm = 1.0;               ///< over all metrics and pairs of candidates
+  double least_p_holm = 1.0;         ///< the smallest that these numbers of blocks can give
   double probability_smaller = 0.5;  ///< share of blocks with x < y; equal ones count half
   std::optional<double> probability_better = {};  ///< if there is a goal
   ComparisonVerdict verdict = ComparisonVerdict::no_difference_shown;
@@ -97,6 +98,7 @@ struct FailureComparison {
   std::size_t alone = 0, reference_alone = 0;
   double p = 1.0;       ///< mcnemar_exact()
   double p_holm = 1.0;  ///< over all pairs of candidates
+  double least_p_holm = 1.0;
   ComparisonVerdict verdict = ComparisonVerdict::no_difference_shown;
 };
 
@@ -120,6 +122,7 @@ struct CandidateComparison {
   /// By candidate: metrics with a goal that another candidate has, but none of its own runs. At
   /// least one of its runs must have ended.
   std::vector<std::vector<std::string>> never;
+  std::size_t tests = 0;                     ///< metrics and pairs in Holm's correction
   std::vector<MetricComparison> metrics;     ///< by metric, then by candidate
   std::vector<KeyInteraction> interactions;  ///< by metric, then by key
   std::vector<FailureComparison> failures;
@@ -134,8 +137,9 @@ struct ComparisonSettings {
   BootstrapSettings bootstrap = {.replicates = 2000, .level = 0.95, .seed = 1};
 };
 
-/// Whether no test can show anything from n blocks: 2·2⁻ⁿ > alpha (five or fewer).
-bool are_too_few(std::size_t blocks, double alpha = ComparisonSettings{}.alpha);
+/// The smallest p that the tests of n blocks can give: m·2·2⁻ⁿ for the first of m tests in Holm's
+/// correction, at most 1.
+double least_p(std::size_t blocks, std::size_t tests = 1);
 
 /// Compares the candidates. Medians have quantile_interval(). The median difference has
 /// bca_interval() of its bootstrap, or quantile_interval() with more than 2000 blocks, where both
@@ -143,8 +147,9 @@ bool are_too_few(std::size_t blocks, double alpha = ComparisonSettings{}.alpha);
 ///
 /// The verdict: x is `better` or `worse` than y if p_holm ≤ alpha and the interval of the median
 /// difference excludes zero on that side. Without a goal it is `smaller` or `larger`. Otherwise it
-/// is `no difference shown`, which does not mean equal, or `too few blocks` (are_too_few()). A
-/// candidate is better in failures if it has fewer in more blocks and p_holm ≤ alpha.
+/// is `no difference shown`, which does not mean equal, or `too few blocks` (no result of so many
+/// blocks and tests could be significant). A candidate is better in failures if it has fewer in
+/// more blocks and p_holm ≤ alpha.
 ///
 /// A metric that no pair has in common has no row. A metric in which no pair differs is not a test
 /// and does not count in Holm's correction.

@@ -195,13 +195,19 @@ std::string few_text(const CandidateComparison& comparison) {
   };
   const auto metric = std::find_if(comparison.metrics.begin(), comparison.metrics.end(), is_few);
   if (metric == comparison.metrics.end()) return "";
-  return few_text(metric->blocks, metric->pairs);
+  return few_text(metric->blocks, metric->pairs, comparison.tests, metric->least_p_holm);
 }
 
-std::string few_text(std::size_t blocks, std::size_t pairs) {
+std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests,
+                     double least_p_holm) {
+  const double alpha = ComparisonSettings{}.alpha;
+  std::size_t needed = blocks;
+  while (least_p(needed, std::max<std::size_t>(1, tests)) > alpha) ++needed;
   std::string text = fmt::format(
-      "Too few blocks: with {} blocks p cannot be below {:.4g}, and a verdict needs at least 6",
-      blocks, std::min(1.0, std::ldexp(2.0, -static_cast<int>(blocks))));
+      "Too few blocks: with {} blocks{} p cannot be below {:.4g}, and a verdict needs "
+      "at least {}{}",
+      blocks, tests > 1 ? fmt::format(" and {} tests (Holm's correction)", tests) : "",
+      least_p_holm, needed, least_p(blocks) > alpha ? "" : ", or fewer metrics (compare.metrics)");
   if (pairs > blocks) {
     text +=
         ". Random seeds repeat a block and do not count as blocks (worlds = \"seeds\" changes "

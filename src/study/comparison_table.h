@@ -25,8 +25,9 @@ std::string turns_text(const CandidateComparison& comparison, const KeyInteracti
 
 /// The reason for the verdict "too few blocks". Empty if no metric has this verdict.
 std::string few_text(const CandidateComparison& comparison);
-/// The same of so many blocks, which are too few, and pairs of runs in them.
-std::string few_text(std::size_t blocks, std::size_t pairs);
+/// The same of so many blocks and tests, the pairs of runs in these blocks, and the smallest p that
+/// they can give.
+std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, double least_p);
 
 /// A note on repeated runs, such as "In 18 blocks b has 2 different runs: …". Empty if no run
 /// repeats.

@@ -13,6 +13,7 @@
 #include <new>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/signals/thread_time.h>
@@ -114,6 +115,13 @@ PointResult execute(std::size_t number, const RunControl& control, Common& commo
   result.number = number;
   try {
     fill(result, control, common);
+    if (result.status == PointStatus::refused) {
+      // A fault of the machine that has passed, such as an unreadable file, is not a result.
+      PointResult again;
+      again.number = number;
+      fill(again, control, common);
+      result = std::move(again);
+    }
   } catch (const std::bad_alloc&) {
     const std::string key = result.key.empty() ? common.source.unprepared_key(number) : result.key;
     throw OutOfMemory(fmt::format("point {}: there is no memory for it", key));

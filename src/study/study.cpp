@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
-#include <regex>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -234,13 +234,18 @@ toml::table option_value(const std::string& option, const std::string& given) {
     }
     throw std::invalid_argument(option + ": " + text + ": must be " + name + "(A,B)");
   }
-  std::smatch parts;
-  if (std::regex_match(text, parts, std::regex(R"(([A-Za-z_]+)\([^()]*\))"))) {
+  // A regular expression would overflow the stack for a long text.
+  const std::size_t bracket = std::min(text.find('('), text.size());
+  const std::string word = text.substr(0, bracket);
+  const bool is_word = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+    return std::isalpha(c) != 0 || c == '_';
+  });
+  if (is_word && text.find_first_of("()", bracket + 1) == text.size() - 1 && text.back() == ')') {
     std::vector<std::string> names = names_of(distributions());
     names.insert(names.end(), {"lin", "log"});
     throw std::invalid_argument(fmt::format("{}: {}: there is no {}(): there are {}{}", option,
-                                            text, parts[1].str(), fmt::join(names, ", "),
-                                            did_you_mean(parts[1], names)));
+                                            text, word, fmt::join(names, ", "),
+                                            did_you_mean(word, names)));
   }
   toml::array values;
   for (const std::string& part : option_parts(text)) {

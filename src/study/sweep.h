@@ -11,6 +11,7 @@
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/study/executor.h>
 #include <breakwater/study/plan.h>
+#include <breakwater/study/point_list.h>
 #include <breakwater/study/results.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/study_folder.h>
@@ -51,11 +52,6 @@ class Sweep : public PointSource {
   std::optional<StudyFolder> folder_;
   Keep keep_ = Keep::metrics;
 };
-
-/// Reads ranges of points such as "0-99,120", sorted and without repetition. Throws
-/// std::invalid_argument if the text is not valid or a point is not below `size`.
-std::vector<std::size_t> parse_points(const std::string& text, std::size_t size);
-std::string print_points(const std::vector<std::size_t>& points);
 
 /// The points without a result, in order.
 std::vector<std::size_t> pending(const ShardIndex& index);

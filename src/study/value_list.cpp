@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <regex>
 #include <stdexcept>
+#include <string_view>
 
 #include <breakwater/math/functions.h>
 
@@ -15,6 +17,8 @@ namespace breakwater {
 namespace {
 
 constexpr double kMostValues = 1e7;
+constexpr const char* kBlank = " \t\n\v\f\r";
+constexpr std::size_t kLongest = 200;  // a regular expression overflows the stack for a long text
 
 std::optional<double> read_number(const std::string& text) {
   double number = 0.0;
@@ -35,17 +39,22 @@ double without_rounding(double x) {
 }  // namespace
 
 bool is_value_list(const std::string& text) {
-  return std::regex_search(text, std::regex(R"(^\s*(lin|log)\s*\()"));
+  const std::size_t first = std::min(text.find_first_not_of(kBlank), text.size());
+  const std::string_view rest = std::string_view(text).substr(first);
+  if (!rest.starts_with("lin") && !rest.starts_with("log")) return false;
+  const std::size_t next = rest.find_first_not_of(kBlank, 3);
+  return next != std::string_view::npos && rest[next] == '(';
 }
 
 std::vector<double> value_list(const std::string& text) {
-  const std::string number = R"(\s*([^\s,()]+)\s*)";
-  const std::regex rule(R"(\s*(lin|log)\s*\()" + number + "," + number + "," + number + R"(\)\s*)");
+  static const std::string number = R"(\s*([^\s,()]+)\s*)";
+  static const std::regex rule(R"(\s*(lin|log)\s*\()" + number + "," + number + "," + number +
+                               R"(\)\s*)");
   const auto refuse = [&](const std::string& reason) {
     throw std::invalid_argument("\"" + text + "\" " + reason);
   };
   std::smatch parts;
-  if (!std::regex_match(text, parts, rule)) {
+  if (text.size() > kLongest || !std::regex_match(text, parts, rule)) {
     refuse("is neither lin(a,b,n) nor log(a,b,n), n values from a to b");
   }
   const std::optional<double> a = read_number(parts[2]), b = read_number(parts[3]),

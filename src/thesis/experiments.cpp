@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <regex>
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
@@ -205,10 +204,12 @@ CellSpec read_cell(const Scope& cell) {
 // Collects all {VARIABLES} in the texts of a table, including nested tables and arrays.
 void collect_variables(const toml::node& node, std::vector<std::string>& names) {
   if (const auto* string = node.as_string()) {
-    const std::regex variable("\\{([^{}]*)\\}");
     const std::string& text = string->get();
-    for (std::sregex_iterator i(text.begin(), text.end(), variable), end; i != end; ++i) {
-      names.push_back((*i)[1]);
+    for (std::size_t open = text.find('{'); open != std::string::npos;) {
+      const std::size_t next = text.find_first_of("{}", open + 1);
+      const bool is_name = next != std::string::npos && text[next] == '}';
+      if (is_name) names.push_back(text.substr(open + 1, next - open - 1));
+      open = is_name ? text.find('{', next) : next;
     }
   }
   if (const toml::table* table = node.as_table()) {

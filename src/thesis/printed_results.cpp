@@ -53,8 +53,15 @@ class Lines {
     const std::size_t e = std::min(digits.find_first_of("eE"), digits.size());
     const std::size_t point = std::min(digits.find('.'), e);
     const auto decimals = static_cast<int>(e - std::min(point + 1, e));
-    const int exponent = e < digits.size() ? std::stoi(digits.substr(e + 1)) : 0;
-    return std::stod(fmt::format("5e{}", exponent - decimals - 1));
+    int exponent = 0;
+    if (e < digits.size()) {
+      const char* const begin = digits.data() + e + (digits[e + 1] == '+' ? 2 : 1);
+      std::from_chars(begin, digits.data() + digits.size(), exponent);
+    }
+    const std::string half = fmt::format("5e{}", std::clamp(exponent, -9999, 9999) - decimals - 1);
+    double read = 0.0;  // also if it is too small for a number
+    std::from_chars(half.data(), half.data() + half.size(), read);
+    return read;
   }
 
   std::string file_;

@@ -8,7 +8,6 @@
 
 #include <breakwater/config/config.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
@@ -110,7 +109,7 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   const fs::path page = reproduction.out / "report.html";
   replace_file(page, report.html);
   const fs::path verdicts = reproduction.out / "verdicts.csv";
-  write_text_file(verdicts.string(), verdict_list(reproduction, measured));
+  replace_file(verdicts, verdict_list(reproduction, measured));
   fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", report.score.text(), report.figures,
              page.string(), verdicts.string());
   return status;

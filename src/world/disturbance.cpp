@@ -32,8 +32,12 @@ Phase chirp_phase(const Disturbance& chirp, double elapsed_s) {
 }  // namespace
 
 double Disturbance::value(double time_s) const {
+  return offset + shape(time_s);
+}
+
+double Disturbance::shape(double time_s) const {
   const double elapsed_s = time_s - start_s;
-  if (elapsed_s < 0.0) return 0.0;
+  if (elapsed_s < 0.0 || time_s >= end_s) return 0.0;
   switch (kind) {
     case DisturbanceKind::none:
       return 0.0;
@@ -63,7 +67,7 @@ double Disturbance::value(double time_s) const {
 
 double Disturbance::rate(double time_s) const {
   const double elapsed_s = time_s - start_s;
-  if (elapsed_s < 0.0) return 0.0;
+  if (elapsed_s < 0.0 || time_s >= end_s) return 0.0;
   switch (kind) {
     case DisturbanceKind::none:
     case DisturbanceKind::step:

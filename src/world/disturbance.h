@@ -1,6 +1,7 @@
 // A disturbance as a function of time: step, ramp, one or two sines, chirp, noise or a table.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include <breakwater/math/table_function.h>
@@ -10,7 +11,8 @@ namespace breakwater {
 
 enum class DisturbanceKind { none, step, ramp, sine, two_sines, chirp, noise, csv };
 
-/// 0 before `start_s`, and from then on, with τ = t − start and amplitude A,
+/// An offset at all times. Between `start_s` and `end_s` a shape is added, with τ = t − start and
+/// amplitude A,
 ///     step: A;  ramp: A τ;  sine: A sin ωτ;  two sines: A sin ωτ + A₂ sin ω₂τ;
 ///     chirp: A sin φ(τ). φ̇ changes linearly from ω to ω_e in the time T, and then stays:
 ///            φ = ωτ + (ω_e − ω) τ²/(2T) up to T, then φ(T) + ω_e (τ − T);
@@ -30,10 +32,15 @@ struct Disturbance {
   double hold_s = 1.0;                  ///< > 0, of noise
   std::optional<Noise> noise = {};      ///< there for the kind noise
   math::TableFunction table = {};       ///< the table of a csv
+  double end_s = std::numeric_limits<double>::infinity();
+  double offset = 0.0;  ///< at all times
 
   double value(double time_s) const;
-  /// The derivative, without the jumps of a step or of noise.
+  /// The derivative, without the jumps of a step, of noise or at the end.
   double rate(double time_s) const;
+
+ private:
+  double shape(double time_s) const;
 };
 
 }  // namespace breakwater

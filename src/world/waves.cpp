@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/math/functions.h>
 #include <breakwater/world/noise.h>
@@ -92,6 +93,13 @@ Waves::Waves(const SeaState& sea, double slope_low_pass_s)
   const double scale = sea.significant_height_m / (4.0 * std::sqrt(variance));
   for (Component& component : components_) component.amplitude_m *= scale;
 }
+
+Waves::Waves(std::vector<Component> components, double heading_rad, double water_depth_m)
+    : cos_heading_(math::cos(heading_rad)),
+      sin_heading_(math::sin(heading_rad)),
+      depth_m_(water_depth_m),
+      slope_low_pass_s_(0.0),
+      components_(std::move(components)) {}
 
 double Waves::elevation(double time_s, double x_m, double y_m) const {
   const double along = x_m * cos_heading_ + y_m * sin_heading_;

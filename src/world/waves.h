@@ -41,6 +41,14 @@ class Waves {
     double wave_number_rad_m;
     double phase_rad;
   };
+  /// Waves with given components; `water_depth_m` is 0 in deep water.
+  Waves(std::vector<Component> components, double heading_rad, double water_depth_m);
+
+  /// Changes amplitude and phase of one component.
+  void set(std::size_t component, double amplitude_m, double phase_rad) {
+    components_[component].amplitude_m = amplitude_m;
+    components_[component].phase_rad = phase_rad;
+  }
   const std::vector<Component>& components() const { return components_; }
   /// Unit vector of the propagation: (cos β, sin β).
   Eigen::Vector2d direction() const { return {cos_heading_, sin_heading_}; }

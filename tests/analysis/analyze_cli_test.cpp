@@ -21,8 +21,29 @@ TEST_F(Analyze, LeavesATableAPageAndTheNumbers) {
 TEST_F(Analyze, EachAxisOfAPlantHasALoop) {
   EXPECT_TRUE(
       has(ran("breakwater analyze plant --design-only").out, "idob, shoulder", "idob, elbow"));
+  EXPECT_EQ(lines("runs/analyze/plant/margins.csv").at(1).substr(0, 14), "idob,shoulder,");
   EXPECT_TRUE(
       lacks(ran("breakwater analyze plant --axis elbow --design-only").out, "idob, shoulder"));
+}
+
+TEST_F(Analyze, TheSineFitsDriveAndFriction) {
+  const std::string elbow =
+      "breakwater analyze plant --axis elbow --points 2 --from 20 --to 50 --settle 1 --set ";
+  // A sine near the limit would not be linear.
+  const std::string weak = elbow + "axis.elbow.drive.limit_Nm=0.8";
+  EXPECT_TRUE(lacks(ran(weak).err, "not linear"));
+  EXPECT_TRUE(has(ran(weak + " --amplitude 0.79").err, "not linear at these amplitudes",
+                  "the drive is at its limit for up to"));
+  EXPECT_TRUE(has(ran(elbow + "axis.elbow.plant.coulomb_friction_Nm=0.8").err,
+                  "plant idob, elbow: the sine of 1 N m is less than 3 times the Coulomb friction "
+                  "at the drive, 0.8 N m"));
+  // The friction of the model file counts too.
+  std::string model = read(testing::source_file("models/scara.xml"));
+  const std::string joint = "<joint name=\"elbow\"";
+  model.insert(model.find(joint) + joint.size(), " frictionloss=\"0.7\"");
+  const testing::TemporaryPath file("sticking.xml", model);
+  EXPECT_TRUE(has(ran(elbow + "model.mjcf=" + file.string()).err,
+                  "3 times the Coulomb friction at the drive, 0.7 N m"));
 }
 
 TEST_F(Analyze, NonsenseIsOneLineAndLeavesNothing) {
@@ -32,6 +53,8 @@ TEST_F(Analyze, NonsenseIsOneLineAndLeavesNothing) {
        {"arm_push",
         "arm_push: expected a scenario of axes (a scenario of your own must be an AxisScenario)"},
        {"plant --axis elbo", "--axis: there is no driven axis \"elbo\" (did you mean elbow?)"},
+       {"plant --axis elbow --amplitude 10",
+        "idob, elbow: --amplitude: 10 N m: must be below the drive's limit, 10 N m"},
        {"motor_estimation --axis elbow", "--axis: there is no driven axis \"elbow\""},
        {testing::source_file("templates/plant/my_plant.toml"),
         "controller.name: \"lqr\" controls all axes at once, so an axis has no loop of its own; "

@@ -22,7 +22,7 @@ struct Prepared {
         axis(dynamic_cast<const AxisScenario*>(run.scenario.get())) {}
 
   LoopAnalysis analyse(const AnalysisOptions& options) const {
-    return breakwater::analyse({{"it", axis->loops().front()}}, options).front();
+    return breakwater::analyse({{{"it"}, axis->loops().front()}}, options).front();
   }
 
   PreparedRun run;

@@ -10,13 +10,20 @@
 
 #include <breakwater/control/quadrotor_process.h>
 #include <breakwater/observers/ekf.h>
+#include <breakwater/observers/eso.h>
 #include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/gsf.h>
 #include <breakwater/observers/idob.h>
+#include <breakwater/observers/immkf.h>
 #include <breakwater/observers/kfd.h>
+#include <breakwater/observers/mckf.h>
+#include <breakwater/observers/mhe.h>
 #include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/stf.h>
+#include <breakwater/observers/tracking_differentiator.h>
 #include <breakwater/observers/ukf.h>
+#include <breakwater/observers/vbakf.h>
 #include <breakwater/observers/vfakfd.h>
 #include <breakwater/plants/damped_inertia.h>
 
@@ -49,25 +56,26 @@ double thread_time_ns() {
   return 1e9 * static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec);
 }
 
-double nanoseconds_per_update(DisturbanceEstimator& estimator, Eigen::Index outputs) {
+double nanoseconds_per_update(DisturbanceEstimator& estimator, Eigen::Index outputs, int updates) {
   std::vector<double> times;
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = Eigen::VectorXd::Zero(outputs);
   for (int run = 0; run < kRuns; ++run) {
     estimator.reset(Eigen::VectorXd::Zero(estimator.state().size()));
     const double start = thread_time_ns();
-    for (int k = 0; k < kUpdates; ++k) {
+    for (int k = 0; k < updates; ++k) {
       y(0) = kQuantum * (k % 7 - 3);
       u(0) = estimator.disturbance()(0);  // a loop, in which an update waits for the last one
       estimator.update(u, y);
     }
-    times.push_back((thread_time_ns() - start) / kUpdates);
+    times.push_back((thread_time_ns() - start) / updates);
   }
   std::sort(times.begin(), times.end());
   return times[kRuns / 2];
 }
 
-void report(const char* name, DisturbanceEstimator& estimator, Eigen::Index outputs) {
-  std::printf("  %-34s %6.1f ns\n", name, nanoseconds_per_update(estimator, outputs));
+void report(const char* name, DisturbanceEstimator& estimator, Eigen::Index outputs,
+            int updates = kUpdates) {
+  std::printf("  %-34s %6.1f ns\n", name, nanoseconds_per_update(estimator, outputs, updates));
 }
 
 SensorError sensor(Eigen::Index outputs) {
@@ -138,6 +146,32 @@ void report_filters(const StateSpace& continuous) {
   report("KFD, sizes known only at run time", dynamic, p);
 }
 
+// The published estimators, in the cases of motor_estimation.
+void report_published() {
+  const StateSpace motor = damped_inertia(1.0, 0.0);
+  const ExtendedPlant plant = sample_with_disturbance_model(motor, 0, kPeriod);
+  const auto design = [&](double q) {
+    return known_sensor_design(plant, sensor(1), q, Eigen::Vector3d::Constant(1e-6));
+  };
+  const ImmDesign imm{.noise_ratio = 1e4, .stays_quiet = 0.999};
+  ImmDesign imm_code = imm;
+  imm_code.likelihood = Likelihood::code;
+  constexpr int kFew = 20'000;
+  report("IMMKF", *sized_immkf(design(1e-8), sensor(1), imm), 1, kFew);
+  report("IMMKF, code", *sized_immkf(design(1e-8), sensor(1), imm_code), 1, kFew);
+  report("MCKF", *sized_mckf(design(1e-6), sensor(1), {}), 1, kFew);
+  report("MCKF, code", *sized_mckf(design(1e-6), sensor(1), {.likelihood = Likelihood::code}), 1,
+         kFew);
+  Eso eso(motor, {20.0, 1e-3}, kPeriod);
+  report("ESO, nonlinear", eso, 1, kFew);
+  TrackingDifferentiator differentiator({1.0, 100.0, 10.0, 2.0}, kPeriod);
+  report("tracking differentiator", differentiator, 1, kFew);
+  report("VBAKF, 10 iterations", *sized_vbakf(design(1e-4), {}), 1, kFew);
+  report("GSF, 5 parts", *sized_gsf(design(1e-4), sensor(1), 5), 1, kFew);
+  Mhe mhe(design(1e-4), sensor(1), 10, true);
+  report("MHE, 10 samples", mhe, 1, kFew);
+}
+
 // The filters of the underwater quadrotor, with measurements of a vehicle at rest.
 template <typename Filter>
 void report_nonlinear(const char* name, Filter filter) {
@@ -197,6 +231,7 @@ int main() {
   MultipleModelEstimator bank({damped_inertia(1.0, 0.0), kPeriod, sensor(1), 10.0});
   const std::string name = "QBANK, " + std::to_string(bank.models().size()) + " models";
   report(name.c_str(), bank, 1);
+  report_published();
   report_quadrotor();
   return 0;
 }

@@ -43,7 +43,8 @@ TEST_F(CommandLine, ListsScenariosAndCases) {
   EXPECT_TRUE(has(list.out, "arm_wall_contact ", "arm_push "));
   EXPECT_EQ(run("arm_wall_contact --list-cases").out,
             "proposed-2N\nhpfc-2N\ndrac-2N\nproposed-5N\nhpfc-5N\ndrac-5N\ntuned-2N\ntuned-5N\n"
-            "tlsc-2N\ntlsc-5N\n");
+            "tlsc-2N\ntlsc-5N\nenergy-2N\nenergy-5N\nimpact-qp-2N\nimpact-qp-5N\n"
+            "contact-mpc-2N\ncontact-mpc-5N\n");
   EXPECT_TRUE(has(run("breakwater estimate --list-cases").out, "stf\nqvff\n"));
   EXPECT_EQ(run("breakwater run arm_push --list-cases").out,
             "proposed-link1\nproposed-link2\nproposed-link3\nhpfc-link1\nhpfc-link2\nhpfc-link3\n"
@@ -244,6 +245,11 @@ TEST_F(NonsenseIn, IsOneLine) {
         "HERE/odd.xml:1: is not a valid URDF: Could not find the 'robot' element in the xml file"},
        {"--set fault.sensor=q9",
         "--set: fault.sensor: there is no channel \"q9\" (did you mean q1?)"},
+       {"--set fault.sensor=q1 fault.kind=bias",
+        "PROJECT/scenarios/arm_wall_contact/arm_wall_contact.toml: fault.size: must not be 0 for "
+        "this fault.kind"},
+       {"--set fault.sensor=q1 fault.kind=delay fault.delay_samples=6",
+        "--set: fault.delay_samples: must be from 1 to 5, is 6"},
        {"--set model.mjcf=weak.xml",
         "HERE/weak.xml: actuator 1 must have gear 1 and the ctrlrange ±20.736000 N m of the URDF's "
         "\"joint1\""},
@@ -288,6 +294,8 @@ TEST_F(CommandLine, UmbrellaRefusesNonsense) {
   expect_refusals(
       "breakwater",
       {{" ''", "breakwater: there is no command \"\" (did you mean ls?)"},
+       {" --", "breakwater: there is no command \"--\" (did you mean ls?)"},
+       {" -- run", "breakwater: there is no command \"--\" (did you mean ls?)"},
        {" --cas", "breakwater: The following argument was not expected: --cas (see --help)"},
        {" reference --out ''", "breakwater reference: --out: must not be empty (see --help)"},
        {" estimate --observer ''",

@@ -80,7 +80,7 @@ class MachineLimits(Folder):
     def test_a_study_without_memory_is_no_study_of_refused_runs(self):
         self.call(*STUDY, "--jobs", "1", "--out", "one")
         ends = set()
-        for mega_bytes in range(248, 304, 2):
+        for mega_bytes in range(248, 380, 4):
             out = f"of_{mega_bytes}_MB"
             status, text = self.limited(*STUDY, "--jobs", "1", "--out", out,
                                         limits={resource.RLIMIT_AS: mega_bytes * 1_000_000})

@@ -20,7 +20,7 @@ void add_broken_files(const Mutant& whole, const std::string& root, const std::s
     mutants.push_back({whole.scenario, whole.option, whole.file, "", change, broken});
   };
   add("empty", "");
-  for (const std::size_t percent : {10, 25, 40, 50, 60}) {
+  for (const std::size_t percent : {10, 25, 40, 50, 55}) {
     add("truncated", text.substr(0, text.size() * percent / 100));
   }
   std::string renamed = text;

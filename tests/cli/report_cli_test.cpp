@@ -311,6 +311,47 @@ TEST_F(Reports, CompareExplainsErrors) {
   EXPECT_TRUE(has(read("page/report.html"), "This run failed at 2"));
 }
 
+TEST_F(Reports, DiffFindsTheFirstSampleThatDiffers) {
+  motor("a", "--duration 6");
+  motor("again", "--duration 6");
+  motor("noisy", "--duration 6 --set noise.std_rad=1e-4");
+  motor("longer", "--set run.duration_s=6.001");
+  motor("mdob", "--duration 6 --case mdob");
+  EXPECT_EQ(run("motor_estimation --quiet --out failed --duration 6 --set fault.sensor=angle "
+                "fault.at_s=2")
+                .status,
+            3);
+  ran("cart_position --quiet --duration 0.1 --out cart");
+  struct Row {
+    const char* runs;
+    int status;
+    std::string first_line;  // first line of the output
+    std::string also;
+  };
+  const std::vector<Row> rows = {
+      {"a again", 0, "", ""},
+      {"a noisy", 1, "control/applied_Nm at 0 s: 0 and ", "\nnoise.std_rad: 0 and 0.0001\n"},
+      {"a noisy --quiet", 1, "", ""},
+      {"a longer", 1, "control: 6001 and 6002 rows\n", "\nrun.duration_s: 6 and 6.001\n"},
+      {"a mdob", 1, "control/", "\nonly a has the signals: control/innovation control/lambda\n"},
+      {"mdob a", 1, "control/", "\ncontrol/poles_discrete_re: 2 and 3 columns\n"},
+      {"a failed", 1, "control: 6001 and 2000 rows\n",
+       "\nresult: complete and failed at 2 s (sensor angle is not finite)\n"},
+      {"a cart", 1, "scenario: motor_estimation and cart_position\n", ""}};
+  for (const Row& row : rows) {
+    const ProgramResult result = run("breakwater diff " + std::string(row.runs));
+    EXPECT_EQ(result.status, row.status) << row.runs << result.err;
+    EXPECT_TRUE(result.out.starts_with(row.first_line)) << row.runs << '\n' << result.out;
+    EXPECT_TRUE(has(result.out, row.also)) << row.runs << '\n' << result.out;
+    if (row.first_line.empty()) {
+      EXPECT_EQ(result.out, "") << row.runs;
+    }
+  }
+  expect_refusals("breakwater diff ",
+                  {{"a", "breakwater diff: RUN: At least 2 required but received 1 (see --help)"},
+                   {"a nowhere", "nowhere: there is no such folder; give the folder of a run"}});
+}
+
 TEST_F(Reports, LabelsOfRunsHaveTheKeysInWhichTheyDiffer) {
   motor("a", "--case kfd --duration 6");
   motor("b", "--case kfd --duration 6 --set run.seed=7");
@@ -329,6 +370,14 @@ TEST_F(Reports, LabelsOfRunsHaveTheKeysInWhichTheyDiffer) {
   // A signal that only one run has.
   ran("breakwater compare a c --signal innovation --out page --no-replay --svg");
   EXPECT_TRUE(has(read("page/compare.html"), "mdob: –"));
+}
+
+// A metric of its own is no other plant.
+TEST_F(Reports, ReportOfAPlantWithItsOwnMetricNamesTheChangedKeys) {
+  ran("breakwater run plant --duration 1 --out own --set run.seed=7 "
+      "metric.own.of=elbow_position_true_rad metric.own.kind=peak");
+  ran("breakwater report own --out page --no-replay");
+  EXPECT_TRUE(has(read("page/report.html"), "<code>run.seed</code></th><td>7</td>"));
 }
 
 // Six seeds of two cases: the row agrees with metrics.json, pair by pair. If all six have the same

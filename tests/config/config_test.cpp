@@ -109,6 +109,18 @@ TEST_F(ConfigTest, CasesStandInTheFilesOrder) {
   EXPECT_EQ(file().default_case(), "slow");
 }
 
+TEST_F(ConfigTest, AnOnlyCaseIsTheDefaultCase) {
+  EXPECT_EQ(file("scenario = \"test\"\n[case.only]\n").default_case(), "only");
+  EXPECT_EQ(read("slow", {}, replaced(kText, "default_case = \"slow\"\n", "")),
+            "FILE: default_case: is missing");
+}
+
+// A table without keys would be ignored.
+TEST_F(ConfigTest, RefusesAnEmptyTableInATable) {
+  EXPECT_EQ(read("slow", {}, std::string(kText) + "[motion.limits]\n"),
+            "FILE:17: motion.limits: the table is empty");
+}
+
 TEST_F(ConfigTest, FileIsBelowCaseIsBelowSet) {
   ASSERT_EQ(read("very-1.5", {}), "");
   EXPECT_EQ(settings_.speed, 1.5);

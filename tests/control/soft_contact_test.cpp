@@ -3,8 +3,9 @@
 #include <breakwater/control/soft_contact.h>
 
 #include <cmath>
+#include <utility>
 
-#include "support.h"
+#include "control/wall_arm.h"
 
 namespace breakwater::soft_contact_test {
 namespace {
@@ -137,101 +138,32 @@ TEST(ContactStiffness, FindsStiffnessAndUndoesTheLag) {
   EXPECT_THROW(ContactStiffness(kLag, 0.0), std::invalid_argument);
 }
 
-class SoftContactLaw : public ::testing::Test {
+class SoftContactLaw : public ::testing::Test, public testing::WallArm {
  protected:
-  SoftContactLaw() : chain_(load_planar_chain(testing::source_file("models/arm.urdf"))) {
-    acceleration_.nominal_inertia_kgm2 = Eigen::Vector3d(1.0, 0.87, 0.82);
-    acceleration_.torque_limit_Nm = chain_.effort_limits_Nm();
-    acceleration_.make_observer = [J = acceleration_.nominal_inertia_kgm2] {
-      return joint_idobs(J, std::vector<PoleGroup>(3, {-150.0, -157.5, -165.0}), kPeriod);
-    };
-    acceleration_.period_s = kPeriod;
-    const double bend = std::acos(0.625);
-    task_.start_angles_rad = Eigen::Vector3d(bend, -2 * bend, bend);
-    task_.start_pose = chain_.tip_pose(task_.start_angles_rad);
-    task_.force_control_from_s = 0.0;
-    task_.force_reference_N = 2.0;
-    task_.force_lag_s = 0.05;
-    design_.positioning = Positioning::workspace;
-    design_.joints.assign(3, PfcDesign{});
-    design_.across.target_response_time_s = 0.2;
-    design_.approach.target_response_time_s = 0.1;
+  SoftContactLaw() {
+    design_.path = path_;
+    design_.approach = approach_;
     design_.contact.target_response_time_s = 0.08;
   }
 
-  static double signal(const Controller& controller, const std::string& name) {
-    for (const Signal& s : controller.signals()) {
-      if (s.name == name) return s.values[0];
-    }
-    ADD_FAILURE() << "no signal " << name;
-    return NAN;
-  }
-
-  struct Course {
-    double free_s = -1.0;  // until the first contact
-    double peak_N = 0.0;   // largest force behind the lag
-    double last_N = 0.0;
-    double stiffness = 0.0;
-    double across = 0.0;  // largest |y|
-    int onsets = 0;
-  };
-
-  // An arm with three independent inertias J_n without friction, and a wall, by Euler's method.
-  Course run(double stiffness, double duration_s) {
+  // The result, and the estimated stiffness.
+  std::pair<Course, double> run(double stiffness, double duration_s) {
     SoftContact law(chain_, acceleration_, task_, design_);
-    Eigen::Vector3d q = task_.start_angles_rad, dq = Eigen::Vector3d::Zero();
-    const double wall_x = task_.start_pose[0] + 0.05;
-    constexpr int kSubsteps = 20;
-    const double h = kPeriod / kSubsteps;
-    Sample sample;
-    sample.y.resize(5);
-    Eigen::VectorXd u(3);
-    TipJacobian J(3, 3);
-    Course course;
-    double force = 0.0, filtered = 0.0;
-    for (int k = 0; k * kPeriod < duration_s; ++k) {
-      sample.time_s = k * kPeriod;
-      sample.y << q, filtered, force;
-      if (k == 0) law.reset(sample);
-      law.update(sample, u);
-      EXPECT_TRUE(u.allFinite());
-      EXPECT_TRUE((u.cwiseAbs() - acceleration_.torque_limit_Nm).maxCoeff() < 1e-9);
-      for (int i = 0; i < kSubsteps; ++i) {
-        const TipPose tip = chain_.tip_pose(q);
-        chain_.tip_jacobian(q, J);
-        const double depth = tip[0] - wall_x;
-        const double before = force;
-        force = depth > 0.0 ? std::max(0.0, stiffness * depth + 10.0 * (J * dq)[0]) : 0.0;
-        if (before == 0.0 && force > 0.0) ++course.onsets;
-        if (course.free_s < 0.0 && force > 0.0) course.free_s = k * kPeriod;
-        filtered += h / task_.force_lag_s * (force - filtered);
-        course.peak_N = std::max(course.peak_N, filtered);
-        course.across = std::max(course.across, std::abs(tip[1] - task_.start_pose[1]));
-        const Eigen::Vector3d torque = u - J.row(0).transpose() * force;
-        dq += h * torque.cwiseQuotient(acceleration_.nominal_inertia_kgm2);
-        q += h * dq;
-      }
-    }
-    course.last_N = filtered;
-    course.stiffness = signal(law, "contact_stiffness_hat_N_m");
+    const Course course = WallArm::run(law, stiffness, duration_s);
     EXPECT_EQ(signal(law, "phase"), 3.0);
-    return course;
+    return {course, signal(law, "contact_stiffness_hat_N_m")};
   }
 
-  static constexpr double kPeriod = 1e-3;
-  PlanarChain chain_;
-  AccelerationControlDesign acceleration_;
-  ArmTask task_;
   SoftContactDesign design_;
 };
 
 TEST_F(SoftContactLaw, MeetsAWallOnceAndPressesWithTheReference) {
   for (const double stiffness : {500.0, 1000.0, 5000.0}) {
     SCOPED_TRACE(stiffness);
-    const Course course = run(stiffness, 3.0);
+    const auto [course, found_N_m] = run(stiffness, 3.0);
     EXPECT_EQ(course.onsets, 1);
     EXPECT_NEAR(course.last_N, 2.0, 0.01);
-    EXPECT_NEAR(course.stiffness, stiffness, 0.1 * stiffness);
+    EXPECT_NEAR(found_N_m, stiffness, 0.1 * stiffness);
     EXPECT_LT(course.across, 5e-4);
     if (stiffness <= 1000.0) {
       EXPECT_LT(course.peak_N, task_.force_reference_N + design_.peak_margin_N);
@@ -240,9 +172,9 @@ TEST_F(SoftContactLaw, MeetsAWallOnceAndPressesWithTheReference) {
 }
 
 TEST_F(SoftContactLaw, WithAHigherLimitIsFasterAndHitsHarder) {
-  const Course soft = run(1000.0, 2.0);
+  const Course soft = run(1000.0, 2.0).first;
   design_.peak_margin_N = 5.0;
-  const Course hard = run(1000.0, 2.0);
+  const Course hard = run(1000.0, 2.0).first;
   EXPECT_LT(hard.free_s, 0.9 * soft.free_s);
   EXPECT_GT(hard.peak_N, 1.2 * soft.peak_N);
 }
@@ -264,7 +196,7 @@ TEST_F(SoftContactLaw, RefusesInvalidParameters) {
   design_.wall_stiffness_N_m = 0.0;
   EXPECT_THROW(SoftContact(chain_, acceleration_, task_, design_), std::invalid_argument);
   design_.wall_stiffness_N_m = 1000.0;
-  design_.joints.pop_back();
+  design_.path.joints.pop_back();
   EXPECT_THROW(SoftContact(chain_, acceleration_, task_, design_), std::invalid_argument);
 }
 

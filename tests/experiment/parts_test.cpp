@@ -356,8 +356,8 @@ TEST(OwnParts, RefusesARegulatorThatCannotWork) {
             "--set: controller.name: a regulator brings the axis to 0 and has no reference: "
             "set the reference to 0");
   EXPECT_EQ(complaint("motor_estimation", "lqr"),
-            "--set: controller.name: this scenario does not measure the true state: "
-            "choose lqr_observer");
+            "--set: controller.name: needs samples with the true state (sensor.true_state in "
+            "a plant): choose lqr_observer");
 }
 
 }  // namespace

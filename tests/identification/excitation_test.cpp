@@ -1,4 +1,5 @@
 #include <breakwater/identification/excitation.h>
+#include <breakwater/identification/friction_axis.h>
 
 #include <algorithm>
 #include <cmath>

@@ -444,6 +444,27 @@ TEST(ActiveSet, WarmAndColdAgree) {
 }
 
 // Two equations contradict each other by less than the rounding error of their sums.
+TEST(ActiveSet, NewMatricesAreANewProblem) {
+  Random random(38);
+  for (int i = 0; i < 200; ++i) {
+    const QpSize size = kQpSizes[i % 2];
+    const QpModel first = random_qp_model(random, size), second = random_qp_model(random, size);
+    ActiveSetQp changed(first, 1000), fresh(second, 1000);
+    QpSolution solution(size.variables, size.rows), expected = solution;
+    changed.solve(random_feasible_input(random, first), solution);
+    const QpInput input = random_feasible_input(random, second);
+    changed.set_matrices(second.H, second.Omega);
+    changed.solve(input, solution);
+    fresh.solve(input, expected);
+    ASSERT_EQ(solution.status, QpStatus::solved) << i;
+    ASSERT_LT(optimality_error(second, input, solution), 1e-7) << i;
+    ASSERT_LT((solution.z - expected.z).cwiseAbs().maxCoeff(), 1e-6) << i;
+  }
+  ActiveSetQp solver(unit_model(), 10);
+  EXPECT_THROW(solver.set_matrices(Eigen::MatrixXd::Identity(3, 3), unit_model().Omega),
+               std::invalid_argument);
+}
+
 TEST(ActiveSet, RoundingDoesNotExhaustTheIterations) {
   QpModel model = unit_model();
   model.Omega << 0.3, 0.7, 0.3, 0.7;

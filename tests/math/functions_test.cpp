@@ -61,6 +61,7 @@ TEST(Math, IsWithinUnitsInTheLastPlace) {
   EXPECT_LT(largest_error(math::cos, std::cos, {-1e18, 1e18}), 1.0);
   EXPECT_LT(largest_error(math::tan, std::tan, {-1e18, 1e18}), 1.0);
   EXPECT_LT(largest_error(math::asin, std::asin, {-1.0, 1.0}), 1.0);
+  EXPECT_LT(largest_error(math::acos, std::acos, {-1.0, 1.0}), 1.0);
   EXPECT_LT(largest_error(math::exp, std::exp, {-745.0, 709.0}), 1.0);
   EXPECT_LT(largest_error(math::expm1, std::expm1, {-40.0, 709.0}), 1.0);
   EXPECT_LT(largest_error(math::log, std::log, {kTiny, 4.0}), 1.0);
@@ -102,9 +103,10 @@ bool same(double a, double b) {
 // Annex F of C99, which glibc follows.
 TEST(Math, SpecialArgumentsFollowTheStandard) {
   const std::vector<std::pair<Function, Function>> pairs = {
-      {math::sin, std::sin},   {math::cos, std::cos},   {math::tan, std::tan},
-      {math::asin, std::asin}, {math::exp, std::exp},   {math::expm1, std::expm1},
-      {math::log, std::log},   {math::tanh, std::tanh}, {math::erfc, std::erfc}};
+      {math::sin, std::sin},     {math::cos, std::cos},   {math::tan, std::tan},
+      {math::asin, std::asin},   {math::acos, std::acos}, {math::exp, std::exp},
+      {math::expm1, std::expm1}, {math::log, std::log},   {math::tanh, std::tanh},
+      {math::erfc, std::erfc}};
   const std::vector<double> special = {0.0, -0.0, 1.0, -1.0, kInf, -kInf, kNaN, kTiny, -kTiny};
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     for (const double x : special) {
@@ -156,6 +158,7 @@ TEST(Math, BitsAreTheSameEverywhere) {
   EXPECT_EQ(bits_of(math::sin, {0.0, 1e9}), 0xcefe9a6d39ad3dafULL);
   EXPECT_EQ(bits_of(math::tan, {-2.0, 2.0}), 0xb8d82913ebfb2fa8ULL);
   EXPECT_EQ(bits_of(math::asin, {-1.0, 1.0}), 0x84913713dde45500ULL);
+  EXPECT_EQ(bits_of(math::acos, {-1.0, 1.0}), 0xb7afd55bcab09befULL);
   EXPECT_EQ(bits_of(atan2, {-4.0, 4.0}), 0x6faa59c483afdd93ULL);
   EXPECT_EQ(bits_of(math::exp, {-32.0, 32.0}), 0xf892fee62bb4d7fbULL);
   EXPECT_EQ(bits_of(math::expm1, {-2.0, 2.0}), 0x1bfeebbbf271d38dULL);

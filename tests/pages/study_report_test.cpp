@@ -450,7 +450,8 @@ TEST(Labels, AreForPeople) {
         std::tuple("rmse_velocity_rad_s", "rad/s", "RMSE of velocity [rad/s]"),
         std::tuple("bounce_count", "1", "Bounce count"),
         std::tuple("max_y_error_m", "m", "Largest y error [m]"),
-        std::tuple("settling_time_5pct_s", "s", "Settling time to 5 % [s]")}) {
+        std::tuple("settling_time_5pct_s", "s", "Settling time to 5 % [s]"),
+        std::tuple("overshoot_j1_1", "", "Overshoot j1")}) {
     EXPECT_EQ(metric_label_with_unit(metric, unit), label);
   }
   EXPECT_EQ(key_label_with_unit("contact.stiffness_N_m", unit_of("contact.stiffness_N_m")),

@@ -12,6 +12,7 @@ import breakwater as bw
 from support import BIN, temporary_folder
 
 TRUE = {"inertia_kgm2": 2.1e-3, "viscous_Nms": 6e-3, "coulomb_Nm": 0.09, "offset_Nm": -0.03, "delay_s": 4.4e-3}
+TWO = {"motor": 1.5e-3, "load": 3e-3}  # kg m^2
 QUANTUM = 2 * np.pi / 10000  # 2500 lines, four counts each
 FREQUENCIES = np.array([0.6, 1.3, 2.2, 3.7, 6.1])
 
@@ -39,6 +40,29 @@ def record(seed, rate=500, duration=4.0, mean=0.0, swing=0.35, inertia=TRUE["ine
         at[end] = state[0]
     q = np.array([at[t] for t in time]) + 0.4 * QUANTUM * random.standard_normal(len(time))
     return {"time_s": time, "u": u, "y": QUANTUM * np.floor(q / QUANTUM)}
+
+
+def two_inertia_record(seed, rate=500, duration=1.2):
+    """A motor and a load with a spring, in small steps; noise of 0.3 counts."""
+    random = np.random.default_rng(seed)
+    steps, T = 100, 1 / rate
+    time = np.arange(int(duration * rate)) * T
+    frequencies = np.array([0.9, 2.3, 6.0, 9.0, 13.0, 16.0])
+    u = 0.3 * np.sin(2 * np.pi * np.outer(time, frequencies) + random.uniform(0, 6, 6)).sum(axis=1)
+    at = {"motor": [0.0, 0.0], "load": [0.0, 0.0]}
+    positions = []
+    for torque in u:
+        positions.append(at["motor"][0])
+        for _ in range(steps):
+            between = 12.0 * (at["motor"][0] - at["load"][0]) + 3e-3 * (at["motor"][1] - at["load"][1])
+            for side, push, coulomb in (("motor", torque - between, 0.03), ("load", between, 0.05)):
+                q, v = at[side]
+                v += T / steps * (push - 2e-3 * v) / TWO[side]
+                stop = T / steps * coulomb / TWO[side]
+                v = 0.0 if abs(v) < stop else v - np.copysign(stop, v)
+                at[side] = [q + T / steps * v, v]
+    y = np.array(positions) + 0.3 * QUANTUM * random.standard_normal(len(time))
+    return {"time_s": time, "u": u, "y": QUANTUM * np.round(y / QUANTUM)}
 
 
 def write(file, data):
@@ -93,6 +117,119 @@ class Identify(unittest.TestCase):
         self.assertGreater(len(run.time_s), 200)
         self.assertTrue((self.folder / "id" / "report.html").exists())
 
+    def test_the_studies_draw_the_plant(self):
+        write(self.folder / "bench.csv", self.data)
+        identify(self.folder, "bench.csv", "--out", "id")
+        found = json.loads((self.folder / "id" / "identified.json").read_text())
+        runs = bw.sweep(self.folder / "id" / "sweep.toml", out=self.folder / "sweep", seeds=[1], duration=0.1)
+        self.assertEqual(len(runs), 32)
+        self.assertEqual(set(runs["status"]), {"complete"})
+        for key, name in (("plant.inertia_ratio", "inertia_kgm2"), ("plant.coulomb_friction_Nm", "coulomb_Nm"),
+                          ("disturbance.offset_Nm", "offset_Nm"), ("control.delay_s", "delay_s")):
+            low, high = found[name]["low"], found[name]["high"]
+            inside = np.mean((runs[key] >= low) & (runs[key] <= high))
+            self.assertGreater(inside, 0.85, key)
+            self.assertGreater(np.ptp(runs[key]), 0.8 * (high - low), key)
+        done = subprocess.run([BIN / "breakwater", "tune", "id/tune.toml", "--out", "tune", "--dry-run"],
+                              cwd=self.folder, text=True, capture_output=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_the_estimate_file_runs_on_the_record_with_a_tuned_observer(self):
+        write(self.folder / "bench.csv", self.data | {"y": np.round(self.data["y"] / QUANTUM)})
+        identify(self.folder, "bench.csv", "--out", "id", "--set", f"csv.position_scale={QUANTUM!r}")
+        tuned = (self.folder / "id" / "identified.toml").read_text()
+        tuned = tuned.replace('name = "stf"', 'name = "kfd"').replace("process_noise = 0.0", "process_noise = 612.5")
+        tuned = tuned.replace('process_noise_on = "input"', 'process_noise_on = "disturbance"')
+        (self.folder / "tuned.toml").write_text(tuned)
+        done = subprocess.run([BIN / "breakwater", "estimate", "--config", "id/estimate.toml", "--tuned", "tuned.toml",
+                               "--out", "est"], cwd=self.folder, text=True, capture_output=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual("", done.stderr)
+        self.assertIn("estimate kfd:", done.stdout)
+        config = (self.folder / "est" / "config.toml").read_text()
+        self.assertIn('name = "kfd"', config)
+        self.assertIn("process_noise = 612.5\n", config)
+        estimates = bw.load(self.folder / "est")
+        moving = np.abs(estimates["velocity_hat_rad_s"]) > 1.0
+        # Coulomb friction and offset are the disturbance.
+        friction = np.mean(estimates["d_hat_Nm"] * np.sign(estimates["velocity_hat_rad_s"]), where=moving)
+        self.assertAlmostEqual(friction, TRUE["coulomb_Nm"], delta=0.3 * TRUE["coulomb_Nm"])
+
+    def test_forgotten_scales_are_warned_of(self):
+        slow = {**self.data, "time_s": 1e3 * self.data["time_s"], "y": np.round(self.data["y"] / QUANTUM)}
+        write(self.folder / "bench.csv", slow)
+        done = identify(self.folder, "bench.csv", "--out", "id", "--set", "csv.time_scale=1e-3",
+                        f"csv.position_scale={QUANTUM!r}")
+        self.assertNotIn("csv.", done.stderr)
+        done = subprocess.run([BIN / "breakwater", "estimate", "--csv", "bench.csv", "--out", "est", "--set",
+                               "plant.inertia=1", "encoder.quantum=1"], cwd=self.folder, text=True, capture_output=True)
+        self.assertIn("the rows are 2 s apart. If the times are milliseconds, set csv.time_scale=1e-3", done.stderr)
+        self.assertIn("set csv.position_scale to one count", done.stderr)
+
+    def test_a_given_inertia_and_a_false_model_are_said(self):
+        write(self.folder / "bench.csv", self.data)
+        done = identify(self.folder, "bench.csv", "--inertia", TRUE["inertia_kgm2"], "--out", "id")
+        found = json.loads((self.folder / "id" / "identified.json").read_text())
+        self.assertEqual(found["inertia_kgm2"]["value"], TRUE["inertia_kgm2"])
+        self.assertTrue(found["inertia_kgm2"]["given"])
+        self.assertAlmostEqual(found["torque_constant"]["value"], 1.0, delta=0.01)
+        # The smooth friction of this simulator is not that of the model.
+        self.assertFalse(found["fit"]["white"])
+        self.assertTrue(found["coulomb_Nm"]["too_narrow"])
+        self.assertIn("yes, interval too narrow", done.stdout)
+        self.assertIn("too narrow", (self.folder / "id" / "sweep.toml").read_text())
+
+    def test_a_motor_and_a_load_have_a_file_that_runs(self):
+        write(self.folder / "bench.csv", two_inertia_record(1))
+        done = identify(self.folder, "bench.csv", "--model", "two_inertia", "--inertia", TWO["motor"], "--out", "id")
+        found = json.loads((self.folder / "id" / "identified.json").read_text())
+        self.assertNotIn("inertia_kgm2", found)
+        self.assertEqual(found["motor_inertia_kgm2"]["value"], TWO["motor"])
+        self.assertTrue(found["motor_inertia_kgm2"]["given"])
+        self.assertAlmostEqual(found["load_inertia_kgm2"]["value"] / TWO["load"], 1.0, delta=0.02)
+        self.assertAlmostEqual(found["stiffness_Nm_rad"]["value"] / 12.0, 1.0, delta=0.02)
+        self.assertFalse((self.folder / "id" / "sweep.toml").exists())
+        self.assertIn("load_inertia_kgm2", done.stdout)
+        run = bw.run("two_inertia", config=self.folder / "id" / "identified.toml", duration=0.5)
+        self.assertGreater(len(run.time_s), 200)
+
+    def test_clocks_that_differ_are_found(self):
+        shifted = dict(self.data)
+        # The row of u is 0.31 s late.
+        shifted["u"] = np.interp(self.data["time_s"] + 0.31, self.data["time_s"], self.data["u"])
+        with self.assertWarnsRegex(UserWarning, r"the clocks of u and y differ: u acts later by 0\.3\d* s"):
+            found = bw.identify(shifted)
+        self.assertAlmostEqual(found.parameters["inertia_kgm2"].value / TRUE["inertia_kgm2"], 1.0, delta=0.02)
+        self.assertFalse(found.parameters["delay_s"].identifiable)
+
+    def test_the_folder_is_replaced_as_a_whole_or_left_alone(self):
+        write(self.folder / "bench.csv", self.data)
+        identify(self.folder, "bench.csv", "--out", "id")
+        identify(self.folder, "bench.csv", "--out", "id", "--inertia", TRUE["inertia_kgm2"])
+        self.assertIn("given", (self.folder / "id" / "identified.json").read_text())
+        self.assertEqual({file.name for file in self.folder.iterdir()}, {"bench.csv", "id"})
+        (self.folder / "id" / "notes.txt").write_text("mine")
+        done = identify(self.folder, "bench.csv", "--out", "id", status=2)
+        self.assertIn("holds notes.txt", done.stderr)
+
+    def test_a_design_from_an_identified_axis_keeps_its_speed(self):
+        write(self.folder / "bench.csv", self.data)
+        identify(self.folder, "bench.csv", "--out", "id")
+        done = identify(self.folder, "--design", "--from", "id/identified.json", "--limits", "torque=0.5,speed=8",
+                        "--duration", "2", "--rate", "500", "--out", "excite.csv")
+        self.assertIn("results: excite.csv", done.stdout)
+        guess = identify(self.folder, "--design", "--limits", "torque=0.5,speed=8", "--duration", "2", "--rate", "500",
+                         "--out", "guess.csv")
+        self.assertIn("results: guess.csv", guess.stdout)
+        self.assertNotEqual((self.folder / "excite.csv").read_text(), (self.folder / "guess.csv").read_text())
+        # With a torque constant of 2 the input is half the torque.
+        found = json.loads((self.folder / "id" / "identified.json").read_text())
+        (self.folder / "known.json").write_text(json.dumps(found | {"torque_constant": {"value": 2.0}}))
+        identify(self.folder, "--design", "--from", "known.json", "--limits", "torque=0.5", "--duration", "2",
+                 "--rate", "500", "--out", "half.csv")
+        u = np.loadtxt(self.folder / "half.csv", delimiter=",", skiprows=1)[:, 1]
+        self.assertAlmostEqual(np.abs(u).max(), 0.25, delta=0.01)
+
     def test_what_a_record_cannot_show_is_said(self):
         with self.assertWarnsRegex(UserWarning, "coulomb_Nm is not identifiable: the velocity never reverses"):
             found = bw.identify(record(3, mean=0.8, swing=0.1), out=self.folder / "kept")
@@ -109,6 +246,8 @@ class Identify(unittest.TestCase):
 
     def test_wrong_arguments_are_refused(self):
         write(self.folder / "bench.csv", self.data)
+        known = {key: {"value": value} for key, value in TRUE.items()}
+        (self.folder / "known.json").write_text(json.dumps(known))
         (self.folder / "word.csv").write_text("time_s,u,y\n0,1,2\n1,x,2\n2,1,2\n")
         for arguments, message in [
             (["nowhere.csv"], "nowhere.csv"),
@@ -118,7 +257,11 @@ class Identify(unittest.TestCase):
             (["--design", "--limits", "torque=5"], "breakwater identify: --limits: speed is missing"),
             (["--design", "--limits", "torqe=5"], "must be torque=VALUE[,speed=VALUE], is torqe=5"),
             (["--design", "--limits", "torque=5,speed=20", "--duration", "0.01"], "gives 10 rows"),
+            (["--design", "--from", "word.csv", "--limits", "torque=5"], "--from: word.csv: has no value of inertia_kgm2"),
             (["bench.csv", "--model", "arm"], "--model"),
+            (["--design", "--from", "known.json", "--limits", "torque=0.1"], "does not move the axis in both directions"),
+            (["--design", "--model", "two_inertia", "--limits", "torque=5,speed=20"], "Use --model axis with --inertia"),
+            (["bench.csv", "--set", "encoder.side=load"], "encoder.side: load needs --model two_inertia"),
             (["bench.csv", "--set", "csv.time_scal=1"], "csv.time_scal"),
             (["bench.csv", "--set", "csv.input_scale=0"], "csv.input_scale: must not be 0"),
             (["bench.csv", "--set", "encoder.quantum=10"], "the position moves by"),

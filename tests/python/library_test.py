@@ -41,6 +41,13 @@ def every_filter():
         "StateObserver": bw.StateObserver(**plant, poles=[-10, -20]),
         "qbank": bw.AxisObserver("qbank", **plant, delta=1e-3, largest_disturbance=1.0),
         "stf": bw.AxisObserver("stf", **plant, delta=1e-3, sigma=1e-5, disturbance_order=0),
+        **{
+            name: bw.AxisObserver(name, **plant, delta=1e-3, disturbance_order=0, process_noise=1e-2,
+                                  initial_covariance=[1.0, 1.0, 1.0])
+            for name in ("immkf", "mckf", "vbakf", "gsf")
+        },
+        "mhe": bw.AxisObserver("mhe", **plant, delta=1e-3, disturbance_order=0, process_noise=1e-2),
+        "eso": bw.AxisObserver("eso", **plant, delta=1e-3),
         "Mdob": bw.Mdob(0.5, cutoff_rad_s=20, derivative_cutoff_rad_s=50, period_s=PERIOD),
     }
 

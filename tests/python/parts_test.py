@@ -1,5 +1,6 @@
 """Controllers and estimators in Python. A copy of a C++ one's commands gives the same bits."""
 
+import pathlib
 import traceback
 import unittest
 
@@ -107,6 +108,71 @@ class Same(unittest.TestCase):
         self.assertNotIn("nees_mean", ours.metrics)
 
 
+class RepeatAxis(bw.Controller):
+    """Repeats the commands of one axis of another run's plant."""
+
+    def __init__(self, commands):
+        self.commands = commands
+
+    def reset(self, t, y):
+        self.k = -1
+
+    def update(self, t, y):
+        self.k += 1
+        return self.commands[self.k]
+
+
+class OfOneAxis(unittest.TestCase):
+    def test_controllers_that_repeat_the_commands_of_their_axes_give_the_same_bits(self):
+        theirs = bw.run("plant", duration=0.5)
+        both = {axis: RepeatAxis(theirs[f"{axis}_command_Nm"]) for axis in ("shoulder", "elbow")}
+        ours = bw.run("plant", duration=0.5, controllers=both)
+        self.assertEqual(ours.state_hash, theirs.state_hash)
+        self.assertEqual(ours.config["axis"]["elbow"]["controller"]["name"], "RepeatAxis_elbow")
+        one = bw.run("plant", duration=0.5, controllers={"elbow": both["elbow"]})
+        self.assertEqual(one.state_hash, theirs.state_hash)
+        self.assertEqual(one.config["axis"]["shoulder"]["controller"]["name"], "pd")
+        self.assertEqual(both["elbow"].setup.A.shape, (2, 2))
+
+    def test_an_estimator_of_one_axis_stands_beside_those_of_others(self):
+        class Position(bw.Estimator):
+            def update(self, u, y):
+                return [y.position, 0.0, 0.5]
+
+        run = bw.run("plant", duration=0.1, estimators={"elbow": Position()})
+        np.testing.assert_array_equal(run["elbow_position_hat_rad"], run["elbow_position_measured_rad"])
+        np.testing.assert_array_equal(run["elbow_d_hat_Nm"], 0.5)
+        self.assertGreater(np.ptp(run["shoulder_d_hat_Nm"]), 0.1)
+
+    def test_the_reference_is_at_the_side_of_the_encoder(self):
+        drive = pathlib.Path(__file__).parents[1] / "regression" / "elastic_drive.toml"
+
+        class Idle(bw.Controller):
+            def update(self, t, y):
+                return 0.0
+
+        # The step at 0.1 s is 0.2 rad of the load, and the gear has the ratio 10.
+        for case, at_step in (("pd", 2.0), ("spring", 0.2)):
+            own = Idle()
+            bw.run(str(drive), case, duration=0.01, controllers={"arm": own})
+            self.assertAlmostEqual(own.setup.reference(0.2), at_step)
+        whole = Idle()
+        bw.run(str(drive), "pd", duration=0.01, controller=whole)
+        np.testing.assert_allclose(whole.setup.reference(0.2), [2.0])
+
+    def test_a_wrong_axis_is_named(self):
+        wrong = {"elbwo": RepeatAxis([])}
+        with self.assertRaisesRegex(bw.InputError, r"no table \[axis.elbwo\] \(did you mean elbow"):
+            bw.run("plant", duration=0.1, controllers=wrong)
+        with self.assertRaisesRegex(bw.InputError, "controllers: elbow: must be a bw.Controller"):
+            bw.run("plant", duration=0.1, controllers={"elbow": 1.0})
+        both = {"controllers": {"elbow": RepeatAxis([])}, "estimators": {"elbow": bw.Estimator()}}
+        with self.assertRaisesRegex(bw.InputError, "estimators: elbow: its controller in Python uses none"):
+            bw.run("plant", duration=0.1, **both)
+        lqr = bw.run("plant", case="lqr", duration=0.1, controllers={"elbow": RepeatAxis([])})
+        self.assertRegex(lqr.warnings[0], "axis.elbow.controller.name: has an effect only where controller.name is axes")
+
+
 class Told(unittest.TestCase):
     def test_named_fields_and_setup(self):
         class Look(bw.Controller):
@@ -169,6 +235,13 @@ class Told(unittest.TestCase):
         run = bw.run("arm_push", duration=0.01, controller=Rest(), set={"controller.k_position": 3.0})
         self.assertEqual(len(run.warnings), 1)
         self.assertRegex(run.warnings[0], "set: controller.k_position: has an effect only where controller.name is hpfc")
+
+    def test_an_estimator_beside_a_controller_is_not_silently_unused(self):
+        run = bw.run("motor_estimation", "stf", duration=0.01, controller=Returns(0.0), set={"observer.name": "qvff"})
+        self.assertIn("set: observer.name: has no effect: a controller in Python uses no estimator", run.warnings)
+        self.assertEqual(bw.run("motor_estimation", "stf", duration=0.01, controller=Returns(0.0)).warnings, [])
+        with self.assertRaisesRegex(bw.InputError, "^estimator: a controller in Python uses none"):
+            bw.run("motor_estimation", duration=0.01, controller=Returns(0.0), estimator=bw.Estimator())
 
 
 class Returns(bw.Controller):

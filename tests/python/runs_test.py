@@ -78,8 +78,13 @@ class Warnings(unittest.TestCase):
         self.assertEqual(said(set={"noise.std_rad": 0.01}), [])
 
     def test_of_a_reference_that_is_not_held(self):
-        run = bw.run("cart_position", "idob", set={"controller.kp": 1e-3})
+        with self.assertWarnsRegex(UserWarning, "does not hold its reference"):
+            run = bw.run("cart_position", "idob", set={"controller.kp": 1e-3})
         self.assertIn("does not hold its reference", run.warnings[0])
+        self.assertIn(", 1 warning,", repr(run))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            self.assertNotIn("warning", repr(bw.run("cart_position", "idob")))
 
 
 class Logs(unittest.TestCase):

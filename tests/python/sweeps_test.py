@@ -57,6 +57,11 @@ class SameAsTheCommand(unittest.TestCase):
             expected = [float(cell) if cell else np.nan for cell in cells] if numbers else cells
             np.testing.assert_array_equal(table[name].to_numpy(), expected, name)
 
+    def test_a_scenario_file_is_swept(self):
+        file = pathlib.Path(__file__).parents[2] / "templates" / "plant" / "my_plant.toml"
+        table = bw.sweep(file, seeds=[1], duration=0.1)
+        self.assertEqual(list(table["state_hash"]), [bw.run(str(file), duration=0.1).state_hash])
+
     def test_each_row_is_the_run_of_that_configuration(self):
         table = bw.sweep("motor_estimation", **MOTOR)
         self.assertEqual(list(table["case"]), ["idob", "stf"] * 6)

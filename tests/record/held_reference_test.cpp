@@ -9,8 +9,9 @@ namespace {
 
 // The warning for a run of 8 s with a reference of 1 m or `asked`; "" if there is none.
 std::string warning_of(const std::function<double(double)>& error, double asked = 1.0,
-                       double end_s = 8.0) {
+                       double end_s = 8.0, double large = INFINITY) {
   HeldReference held({0.0, 8.0}, "the position", "m");
+  held.stay_within(large);
   if (asked != 0.0) held.ask(asked);
   for (int k = 0; k <= 1000.0 * end_s; ++k) held.add(1e-3 * k, error(1e-3 * k));
   std::vector<std::string> warnings;
@@ -35,6 +36,15 @@ TEST(HeldReference, ReportsAnErrorOfTheReferencesSize) {
   EXPECT_NE(warning_of([](double t) { return std::sin(40 * t); }), "") << "it swings";
   EXPECT_EQ(warning_of([](double) { return -0.9; }, 0.0), "") << "nothing was asked for";
   EXPECT_EQ(warning_of([](double) { return -0.9; }, 5.0), "") << "most of it is done";
+}
+
+TEST(HeldReference, ReportsALargeErrorOfAHeldPose) {
+  const auto falls = [](double t) { return std::min(t, 3.0); };
+  EXPECT_EQ(warning_of(falls, 0.0, 8.0, 0.5),
+            "the position does not hold its reference: over the last 1 s its error is 3 m (rms)");
+  EXPECT_TRUE(has(warning_of(falls, 0.1, 8.0, 0.5), "is 3 m (rms), of 0.1 m to go"));
+  EXPECT_EQ(warning_of([](double) { return 0.4; }, 0.0, 8.0, 0.5), "") << "it sags";
+  EXPECT_EQ(warning_of([](double t) { return std::exp(-t); }, 0.0, 8.0, 0.5), "");
 }
 
 TEST(HeldReference, ReportsAGrowingError) {

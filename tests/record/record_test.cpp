@@ -9,6 +9,7 @@
 
 #include <breakwater/record/csv.h>
 #include <breakwater/record/hdf5_log.h>
+#include <breakwater/record/partial_file.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/record/run_folder.h>
@@ -223,6 +224,17 @@ class RunFolders : public ::testing::Test {
 
   const testing::TemporaryPath base_{"runs"};
 };
+
+TEST_F(RunFolders, AFileIsClearedOfKilledProcesses) {
+  const std::string dead = process_name(2000000000), alive = process_name(getppid());
+  for (const std::string& name : {dead, alive, std::string("anotherhost-2000000000")}) {
+    write_text_file((base_ / (".page.partial-" + name)).string(), "half");
+  }
+  replace_file(base_ / "page", "whole");
+  EXPECT_EQ(text_of(base_ / "page"), "whole");
+  EXPECT_FALSE(fs::exists(base_ / (".page.partial-" + dead)));
+  EXPECT_EQ(entries(), 3U);
+}
 
 TEST_F(RunFolders, AreAbsentUntilWhole) {
   const fs::path target = base_ / "deep" / "run";

@@ -5,13 +5,17 @@
 #include <cstdlib>
 
 #include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/gsf.h>
 #include <breakwater/observers/idob.h>
+#include <breakwater/observers/immkf.h>
+#include <breakwater/observers/mckf.h>
 #include <breakwater/observers/mdob.h>
 #include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
+#include <breakwater/observers/vbakf.h>
 #include <breakwater/plants/damped_inertia.h>
 #include "linear/random_qp.h"
 #include "regression/run_case.h"
@@ -66,12 +70,13 @@ void allow_eigen_malloc([[maybe_unused]] bool allowed) {
 // Counts from the second progress report, after the first step, to the last one in the loop.
 // Metrics after the loop may allocate.
 long allocations_in_loop(const std::string& scenario, const std::string& case_name,
-                         const std::vector<std::string>& sets) {
+                         const std::vector<std::string>& sets, LogStream* stream = nullptr) {
   allocations = 0;
   long counted = 0;
   int reports = 0;
   double before = 0.0;
   RunControl control;
+  control.stream = stream;
   control.progress = [&](double fraction) {
     counted = allocations;
     const bool is_last = 2.0 * fraction - before > 1.0 - 1e-9;
@@ -99,12 +104,23 @@ TEST(Allocation, CounterCounts) {
 
 // Includes the switch to force control, the impact, and the log at the physics rate.
 TEST(Allocation, WallContactLoopDoesNotAllocate) {
-  for (const char* name : {"proposed-2N", "hpfc-2N", "drac-2N", "tlsc-2N"}) {
+  for (const char* name : {"proposed-2N", "hpfc-2N", "drac-2N", "tlsc-2N", "energy-2N",
+                           "impact-qp-2N", "contact-mpc-2N"}) {
     EXPECT_EQ(allocations_in_loop("arm_wall_contact", name,
                                   {"run.duration_s=32", "sensor.angle_noise_rad=1e-6"}),
               0)
         << name;
   }
+}
+
+// The loop writes the log too. HDF5 writes only the headers, at the first sample.
+TEST(Allocation, AStreamedLogDoesNotAllocate) {
+  const testing::TemporaryPath folder("stream");
+  std::filesystem::create_directory(folder);
+  LogStream stream(folder, "", "{}");
+  EXPECT_EQ(allocations_in_loop("arm_wall_contact", "proposed-2N", {"run.duration_s=32"}, &stream),
+            0);
+  EXPECT_GT(std::filesystem::file_size(folder / "log.journal"), 32U * sizeof(double));
 }
 
 TEST(Allocation, AContactLawDoesNotAllocate) {
@@ -141,6 +157,14 @@ TEST(Allocation, ADriveAsItIsDoesNotAllocate) {
     sets.insert(sets.end(), motor.begin(), motor.end());
     EXPECT_EQ(allocations_in_loop("motor_estimation", "vfakfd", sets), 0) << sets.front();
   }
+}
+
+TEST(Allocation, AnElasticDriveDoesNotAllocate) {
+  EXPECT_EQ(allocations_in_loop("arm_push", "proposed-link2",
+                                {"run.duration_s=12", "transmission.stiffness_Nm_rad=1e4",
+                                 "transmission.backlash_rad=1e-4", "friction.law=load_dependent",
+                                 "friction.load_ratio=0.1"}),
+            0);
 }
 
 TEST(Allocation, PushLoopDoesNotAllocate) {
@@ -190,7 +214,9 @@ TEST(Allocation, QuadraticProgramsDoNotAllocate) {
 }
 
 TEST(Allocation, EstimatorsDoNotAllocate) {
-  for (const char* name : {"mdob", "idob", "kfd", "fakfd-095", "vfakfd", "qvff", "stf", "qbank"}) {
+  for (const char* name :
+       {"mdob", "idob", "kfd", "fakfd-095", "vfakfd", "qvff", "stf", "qbank", "immkf", "immkf-code",
+        "mckf", "mckf-code", "eso", "eso-fal", "tracking_differentiator", "vbakf", "gsf", "mhe"}) {
     EXPECT_EQ(
         allocations_in_loop("motor_estimation", name,
                             {"run.duration_s=120", "disturbance.start_s=15", "noise.std_rad=1e-4",
@@ -233,6 +259,15 @@ TEST(Allocation, EstimatorsDoNotAllocateWithVariableIntervals) {
   estimators.push_back(std::make_unique<Mdob>(MdobDesign{1e-3, 50.0, 20.0}, T));
   estimators.push_back(
       std::make_unique<MultipleModelEstimator>(MultipleModelDesign{motor, T, sensor, 1.0}));
+  const KalmanDesign known =
+      known_sensor_design(plant, sensor, 1e-6, Eigen::VectorXd::Constant(4, 1e-6));
+  for (const Likelihood likelihood : {Likelihood::gauss, Likelihood::code}) {
+    estimators.push_back(
+        sized_immkf(known, sensor, {.noise_ratio = 1e4, .likelihood = likelihood}));
+    estimators.push_back(sized_mckf(known, sensor, {.likelihood = likelihood}));
+  }
+  estimators.push_back(sized_vbakf(known, {}));
+  estimators.push_back(sized_gsf(known, sensor, 5));
   Eigen::VectorXd u = Eigen::VectorXd::Constant(1, 0.1);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(1);
   for (std::size_t i = 0; i < estimators.size(); ++i) {
@@ -274,7 +309,9 @@ TEST(Allocation, ObserversOfSeveralOutputsDoNotAllocateWithVariableIntervals) {
 
 // The loop reports every 10 s, so its first 10 s count too.
 TEST(Allocation, QuadrotorLoopDoesNotAllocate) {
-  for (const char* name : {"resonator", "spectrum", "ukf-second", "ekf-second", "ukf-none"}) {
+  for (const char* name :
+       {"resonator", "spectrum", "ukf-second", "ekf-second", "ukf-none", "spectrum-lead",
+        "mpc-held", "mpc-forecast", "mpc-autoregressive", "mpc-upstream", "mpc-told"}) {
     EXPECT_EQ(allocations_in_loop("quadrotor_waves", name,
                                   {"run.duration_s=111", "estimator.wave_frequency=estimated"}),
               0)

@@ -98,6 +98,128 @@ TEST(Drive, EachJointOfTheArmHasItsParts) {
   }
 }
 
+const Sets kElastic = {"transmission.stiffness_Nm_rad=[2e4,1e4,5e3]",
+                       "transmission.damping_Nms_rad=5", "sensor.encoder_side=motor",
+                       "friction.side=motor"};
+
+// The link is light without the inertia of its motor, and needs a hand with less damping.
+constexpr const char* kSoftHand = "push.damping_Nms_rad=10";
+
+// At rest under the hand's moment M about joint 3, the spring of this joint has the twist −M/K.
+TEST(Drive, SpringOfAJointOfTheArmTwistsByTheHandsMoment) {
+  const Recording run =
+      completed_run("arm_push", "proposed-link3", with(kElastic, {kSoftHand, "run.duration_s=5"}));
+  // The value of the last joint at the last sample.
+  const auto last = [&](const char* name) { return run.track("control").values(name).back(); };
+  const double moment_Nm = last("push_moment_Nm");
+  EXPECT_GT(std::abs(moment_Nm), 5.0);
+  EXPECT_NEAR(last("motor_q_true_rad") - last("q_true_rad"), -moment_Nm / 5e3,
+              0.01 * std::abs(moment_Nm) / 5e3);
+  EXPECT_NEAR(last("transmission_Nm"), -moment_Nm, 0.01 * std::abs(moment_Nm));
+}
+
+// A rigid joint beside it gets the true torque of its motor.
+TEST(Drive, RigidJointOfAnElasticArmGetsTheTorqueOfItsMotor) {
+  const Recording run = completed_run(
+      "arm_push", "proposed-link3",
+      {"transmission.stiffness_Nm_rad=[2e4,0,0]", "transmission.damping_Nms_rad=5",
+       "sensor.encoder_side=motor", "friction.side=motor", "drive.current_bandwidth_rad_s=2000",
+       "drive.current_damping_ratio=0.7", kSoftHand, "run.duration_s=5"});
+  // The values of joint 3, the last of each sample.
+  const auto of_joint_3 = [&](const char* name) {
+    const std::vector<double> all = run.track("control").values(name);
+    std::vector<double> own;
+    for (std::size_t i = 2; i < all.size(); i += 3) own.push_back(all[i]);
+    return own;
+  };
+  EXPECT_EQ(of_joint_3("transmission_Nm"), of_joint_3("motor_Nm"));
+  EXPECT_NE(of_joint_3("transmission_Nm"), of_joint_3("torque_applied_Nm"));
+}
+
+// The same motion with the inertia and the friction of the motor before and behind the gear.
+TEST(Drive, RatioOfAJointOfTheArmReflectsItsMotor) {
+  const auto overshoot = [](const Sets& sets) {
+    return *completed_run("arm_push", "proposed-link2",
+                          with(with(kElastic, sets), {"run.duration_s=8"}))
+                .metric("max_push_rad");
+  };
+  const double direct = overshoot(
+      {"transmission.motor_inertia_kgm2=0.25", "transmission.motor_viscous_friction_Nms_rad=0.5"});
+  const double geared =
+      overshoot({"transmission.motor_inertia_kgm2=1e-4",
+                 "transmission.motor_viscous_friction_Nms_rad=2e-4", "transmission.ratio=50"});
+  EXPECT_NEAR(geared, direct, 1e-9);
+  EXPECT_NE(overshoot({}), direct);
+}
+
+// The armature of a joint is the inertia of its motor, also where this gets a rotor.
+TEST(Drive, StiffTransmissionOfTheArmIsARigidOne) {
+  const auto peak = [](const Sets& sets) {
+    return *completed_run("arm_push", "proposed-link1",
+                          with(sets, {kSoftHand, "run.duration_s=10"}))
+                .metric("peak_speed_rad_s");
+  };
+  const double rigid = peak({});
+  EXPECT_NEAR(peak({"transmission.stiffness_Nm_rad=3e5", "transmission.damping_Nms_rad=4",
+                    "friction.side=motor"}),
+              rigid, 0.005 * rigid);
+}
+
+TEST(Drive, ElasticArmHoldsTheContactWithEachLaw) {
+  for (const char* law : {"kelvin_voigt", "hunt_crossley"}) {
+    const Recording run = completed_run(
+        "arm_wall_contact", "proposed-2N",
+        with(kElastic, {"run.duration_s=20", "force.from_s=12", "wall.solid_from_s=10",
+                        "metrics.from_s=16", "metrics.to_s=20", "record.fine_from_s=0",
+                        "record.fine_to_s=0", std::string("contact.law=") + law}));
+    EXPECT_NEAR(run.metric("mean_force_error_N").value_or(9.0), 0.0, 0.25) << law;
+    EXPECT_EQ(run.track("control").signal(0).name, "qpos");
+    EXPECT_EQ(run.track("control").signal(0).values.size(), 3U);
+  }
+}
+
+TEST(Drive, AListGivesEachJointItsNumber) {
+  const auto hash = [](const Sets& sets) {
+    return completed_run("arm_push", "proposed-link1", with(sets, {"run.duration_s=4"})).state_hash;
+  };
+  const std::uint64_t one = hash({"drive.current_bandwidth_rad_s=500", "plant.friction_Nm=3"});
+  EXPECT_EQ(hash({"drive.current_bandwidth_rad_s=[500,500,500]", "plant.friction_Nm=[3,3,3]"}),
+            one);
+  EXPECT_NE(hash({"drive.current_bandwidth_rad_s=[500,500,400]", "plant.friction_Nm=3"}), one);
+  EXPECT_NE(hash({"drive.current_bandwidth_rad_s=500", "plant.friction_Nm=[3,3,2]"}), one);
+  // The effective configuration gives the same run.
+  const PreparedRun run =
+      prepare("arm_push", "proposed-link1", {"transmission.stiffness_Nm_rad=[0,0,5e3]"});
+  EXPECT_TRUE(has(run.config_text, "stiffness_Nm_rad = [0.0, 0.0, 5000.0]")) << run.config_text;
+  EXPECT_TRUE(run.ineffective.empty());
+}
+
+TEST(Drive, ArmRefusesWrongKeys) {
+  struct Row {
+    Sets sets;
+    std::vector<std::string> complaint;
+  };
+  const std::vector<Row> rows = {
+      {{"transmission.stiffness_Nm_rad=[1e3,1e3]"},
+       {"transmission.stiffness_Nm_rad: must be a number or an array of 3, has 2"}},
+      {{"friction.law=lugre", "friction.static_ratio=1.2", "friction.stribeck_velocity=0.01",
+        "friction.bristle_stiffness=[1e5,1e5,1e5,1e5]", "friction.bristle_damping=300"},
+       {"friction.bristle_stiffness: must be a number or an array of 3, has 4"}},
+      {{"drive.current_limit_A=[1,-1,1]"}, {"drive.current_limit_A[2]: must be 0 or more"}},
+      {{"plant.friction_Nm=[-0.5,1,1]"}, {"plant.friction_Nm: must be -1"}},
+      {{"transmission.stiffness_Nm_rad=1e3", "transmission.ratio=0"}, {"transmission.ratio"}},
+      {{"transmission.stiffness_Nm_rad=[0,0,1e9]"},
+       {"transmission to joint \"joint3\"", "beyond the stability limit"}},
+      {{"sensor.encoder_side=both"}, {"sensor.encoder_side: must be one of load, motor"}},
+      {{"transmission.motor_joint=a"}, {"transmission.motor_joint: unknown key"}}};
+  for (const Row& row : rows) {
+    EXPECT_TRUE(testing::has_all(
+        complaint_of([&] { prepare("arm_push", "proposed-link1", row.sets); }), row.complaint))
+        << row.sets.back() << "\n"
+        << complaint_of([&] { prepare("arm_push", "proposed-link1", row.sets); });
+  }
+}
+
 TEST(Drive, RefusesWrongKeys) {
   const testing::TemporaryPath empty("empty.csv", "jitter_s\n");
   const testing::TemporaryPath early("early.csv", "jitter_s\n-1\n");

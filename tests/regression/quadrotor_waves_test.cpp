@@ -128,6 +128,21 @@ TEST(QuadrotorWaves, EstimatedFrequencyFollowsTheSea) {
   EXPECT_LE(run.of("vertical_force_rmse_N"), 0.7 * run.of("vertical_force_rmse_of_zero_N"));
 }
 
+// No forecast is better than the true future.
+TEST(QuadrotorWaves, TheToldFutureIsTheFloorOfAllForecasts) {
+  const std::vector<std::string> sets = {"run.duration_s=60", "metrics.window_s=30"};
+  const auto tracking = [&](const char* name) {
+    const Recording run = run_case("quadrotor_waves", name, sets);
+    EXPECT_EQ(metric(run, "converged"), 1.0) << name;
+    return metric(run, "tracking_rmse_m");
+  };
+  const double floor_m = tracking("mpc-told");
+  EXPECT_LT(floor_m, 0.06);
+  for (const char* name : {"mpc-held", "mpc-forecast", "mpc-autoregressive", "mpc-upstream"}) {
+    EXPECT_LE(floor_m, tracking(name)) << name;
+  }
+}
+
 TEST(QuadrotorWaves, IsReproducible) {
   const std::vector<std::string> sets = {"run.duration_s=5", "metrics.window_s=2"};
   const Recording one = run_case("quadrotor_waves", "resonator", sets);

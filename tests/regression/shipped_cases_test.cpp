@@ -17,8 +17,17 @@ TEST(ReferenceOfARun, IsReportedIfNotHeld) {
       {"cart_position", "idob", {"controller.kp=1e-3"}}};
   for (const auto& [scenario, case_name, sets] : runs) {
     const auto lines = run_case(scenario, case_name, sets).warnings;
-    ASSERT_EQ(lines.size(), 1U) << scenario << " " << case_name;
+    ASSERT_FALSE(lines.empty()) << scenario << " " << case_name;
     EXPECT_TRUE(has(lines.front(), "does not hold its reference", "see breakwater analyze"));
+  }
+}
+
+TEST(SaturationOfARun, IsReportedIfItLastsMostOfTheRun) {
+  for (const bool is_weak : {false, true}) {
+    const auto lines =
+        run_case("cart_position", "idob", {is_weak ? "drive.limit_N=0.3" : "drive.limit_N=3"})
+            .warnings;
+    EXPECT_EQ(!lines.empty() && has(lines.back(), "a drive is at its limit in 100 %"), is_weak);
   }
 }
 

@@ -26,6 +26,8 @@ TEST(UnusedKeys, NoShippedCaseSetsOne) {
 // Another option of a choice.
 std::string other_option(const std::string& key, const std::string& now) {
   static const std::map<std::string, std::vector<std::string>> options = {
+      {"controller.gains", {"retuned", "dlqr"}},
+      {"controller.name", {"pd", "none"}},
       {"controller.positioning", {"joint", "workspace"}},
       {"controller.ik_form", {"printed", "sugihara"}},
       {"controller.cancel_at", {"sample", "decision"}},
@@ -33,17 +35,25 @@ std::string other_option(const std::string& key, const std::string& now) {
       {"controller.last_weight", {"factor", "riccati"}},
       {"encoder.origin", {"counted", "calibrated"}},
       {"encoder.rounding", {"nearest", "truncate"}},
+      {"encoder.side", {"load", "motor"}},
+      {"friction.side", {"load", "motor"}},
       {"estimator.process_noise", {"printed", "tuned"}},
       {"estimator.process_noise_mode", {"per_step", "delta"}},
       {"estimator.process_noise_states", {"all", "highest"}},
       {"estimator.wave_force", {"given", "estimated"}},
       {"estimator.wave_frequency", {"given", "estimated"}},
+      {"nominal.model", {"rigid", "motor"}},
+      {"observer.likelihood", {"gauss", "code"}},
+      {"observer.name", {"idob", "none"}},
+      {"sensor.encoder_side", {"load", "motor"}},
       {"observer.covariance_form", {"symmetric", "printed"}},
       {"observer.process_noise_on", {"input", "all"}},
       {"solver.name", {"active_set", "hildreth"}},
       {"solver.on_infeasible", {"soften", "stop"}},
       {"solver.soften_first", {"position", "velocity"}}};
-  for (const std::string& option : options.at(key)) {
+  // "axis.NAME.observer.name" is an axis' "observer.name".
+  const std::size_t axis_ends = key.starts_with("axis.") ? key.find('.', 5) + 1 : 0;
+  for (const std::string& option : options.at(key.substr(axis_ends))) {
     if (option != now) return option;
   }
   return "";
@@ -61,6 +71,7 @@ std::string other_value(const std::string& key, const ConfigValue& value) {
   if (const auto* whole = std::get_if<std::int64_t>(&value.data)) {
     return fmt::format("{}", *whole > 1 ? *whole - 1 : *whole + 1);
   }
+  if (const auto* flag = std::get_if<bool>(&value.data)) return *flag ? "false" : "true";
   if (const auto* text = std::get_if<std::string>(&value.data)) {
     return '"' + other_option(key, *text) + '"';
   }
@@ -118,7 +129,8 @@ std::vector<Trial> all_trials() {
         {"reading=consistent"},
         {"estimator.wave_frequency=estimated"},
         {"estimator.disturbance=spectrum", "estimator.wave_frequency=estimated"},
-        {"estimator.disturbance=spectrum", "estimator.wave_force=given"}}},
+        {"estimator.disturbance=spectrum", "estimator.wave_force=given"},
+        {"estimator.disturbance=spectrum", "controller.gains=given", "controller.lead_s=0.3"}}},
       {"two_inertia",
        {{"task.kind=torque_step"},
         {"task.kind=reversal", "task.reversal_s=0.2"},

@@ -1,9 +1,11 @@
 #include <breakwater/sim/joint_friction.h>
 
+#include <array>
 #include <cmath>
 #include <sstream>
 
 #include <breakwater/sim/friction.h>
+#include <breakwater/sim/joint_force.h>
 #include <breakwater/sim/simulation.h>
 #include "python.h"
 #include "sim/small_models.h"
@@ -245,6 +247,31 @@ TEST(JointFriction, ALoadedGearNeedsMoreForce) {
     const double left_N = std::abs(force_N) * 0.75 - 1.0;
     EXPECT_NEAR(std::abs(bench.velocity()), std::max(left_N, 0.0), 1e-3);
     EXPECT_NEAR(std::abs(bench.friction().force()), left_N > 0.0 ? 1.0 + 0.25 * 4.0 : 1.2, 2e-3);
+  }
+}
+
+// A disturbance on the load of a transmission does not press its teeth together; its torque does.
+TEST(JointFriction, LoadOfATransmissionRubsByTheTorqueTransmitted) {
+  for (const double torque_Nm : {0.0, 2.0}) {
+    Model model = Model::load(testing::source_file("models/two_inertia.xml"));
+    author_friction(model, model.id(mjOBJ_JOINT, "load"), 0.0, 0.1);
+    const Transmission transmission(model, "motor", "load", {.stiffness = 50.0});
+    JointForce disturbance(model, "load");
+    disturbance.hold(1.0);
+    JointFriction friction(model, "load", std::make_unique<LoadDependentFriction>(0.1, 0.5),
+                           &transmission);
+    FunctionController controller(
+        [](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u.setZero(); });
+    SensingSetup sensing;
+    sensing.channels = {{.name = "angle", .sensor = "load_pos"}};
+    Simulation simulation(std::move(model), controller, sensing, 1);
+    simulation.add(disturbance);
+    simulation.add(transmission);
+    simulation.add(friction);
+    simulation.set_position(std::array{torque_Nm / 50.0, 0.0});
+    simulation.set_velocity(std::array{1.0, 1.0});
+    simulation.step();
+    EXPECT_NEAR(friction.force(), -(0.1 + 0.5 * torque_Nm), 0.01) << torque_Nm;
   }
 }
 

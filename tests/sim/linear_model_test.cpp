@@ -1,5 +1,6 @@
 // A linearised plant and its joint inertia against closed forms.
 #include <breakwater/sim/linear_model.h>
+#include <breakwater/sim/transmission.h>
 
 #include <cmath>
 
@@ -72,6 +73,32 @@ TEST_F(LinearModelTest, InertiaOfTwoLinks) {
   EXPECT_NEAR(M(0, 1), own + coupling, 1e-12);
   EXPECT_NEAR(M(1, 0), own + coupling, 1e-12);
   EXPECT_NEAR(M(1, 1), own, 1e-12);
+}
+
+// A motor holds a pendulum at θ through a gear and a spring. T = −m g l sin θ, u₀ = T/N, and the
+// motor stands N T/K further. The rows of A are those of the two inertias, with gravity.
+TEST_F(LinearModelTest, PendulumBehindASpring) {
+  const double N = 3.0, K = 50.0, D = 0.1, J_m = 0.01, J_l = 0.02 + 0.3 * 0.25, angle = 0.7;
+  Model drive = model(
+      "<body><inertial pos='0 0 0' mass='1' diaginertia='0.01 0.01 0.01'/>"
+      "<joint name='motor' type='hinge' axis='0 1 0'/></body>"
+      "<body><inertial pos='0 0 0.5' mass='0.3' diaginertia='0.02 0.02 0.02'/>"
+      "<joint name='pole' type='hinge' axis='0 1 0'/></body>",
+      "<motor joint='motor'/>");
+  const Transmission spring(drive, "motor", "pole", {.ratio = N, .stiffness = K, .damping = D});
+  const LinearModel linear =
+      linearise(std::move(drive), std::vector<double>{N * angle, angle}, {1}, {0}, {{&spring, 0}});
+  const double torque = -0.3 * 9.81 * 0.5 * std::sin(angle);
+  EXPECT_NEAR(linear.held_input(0), torque / N, 1e-9);
+  EXPECT_NEAR(linear.qpos(0), N * (angle + torque / K), 1e-9);
+  EXPECT_EQ(linear.qpos(1), angle);
+  EXPECT_NEAR(linear.acceleration, 0.0, 1e-8);
+  const double gravity = 0.3 * 9.81 * 0.5 * std::cos(angle);
+  Eigen::MatrixXd A(2, 4);
+  A << -K / (N * N * J_m), K / (N * J_m), -D / (N * N * J_m), D / (N * J_m),  //
+      K / (N * J_l), (gravity - K) / J_l, D / (N * J_l), -D / J_l;
+  EXPECT_LT((linear.plant.A.bottomRows(2) - A).cwiseAbs().maxCoeff(), 1e-5);
+  EXPECT_NEAR(linear.plant.B(2, 0), 1.0 / J_m, 1e-6);
 }
 
 TEST_F(LinearModelTest, RefusesABall) {

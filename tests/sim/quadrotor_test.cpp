@@ -269,7 +269,7 @@ TEST(WaveLoads, StillWaterGivesNone) {
 
 // The loop of estimator and backstepping on both plants, with the same noise and waves.
 struct Loop {
-  static QuadrotorController controller() {
+  static BacksteppingController controller() {
     const QuadrotorModel model({}, QuadrotorPhysics::physical);
     BacksteppingDesign law{.alpha = retuned_gains({}, 0.01), .position_clamp_m = 1.5};
     law.reference.head<3>() << 1.0, 1.5, -10.0;
@@ -301,7 +301,7 @@ TEST(QuadrotorForces, ClosedLoopTracksAsTheOde) {
   const WaveLoadSetup setup = sea(WaveMode::physical);
 
   std::vector<Vector12d> engine;
-  QuadrotorController control = Loop::controller();
+  BacksteppingController control = Loop::controller();
   Vector6d pose = Vector6d::Zero();
   pose(2) = -10.0;
   testing::FunctionController sampled([&](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
@@ -324,7 +324,7 @@ TEST(QuadrotorForces, ClosedLoopTracksAsTheOde) {
   }
 
   std::vector<Vector12d> ode;
-  QuadrotorController twin = Loop::controller();
+  BacksteppingController twin = Loop::controller();
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
   const Eigen::Matrix4d B = thruster_matrix(model.parameters().thruster_arm_m);
   const double h = 1e-3, limit = model.parameters().thrust_limit_N;

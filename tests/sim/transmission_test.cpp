@@ -8,10 +8,12 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <regex>
 #include <string>
 #include <vector>
 
 #include <breakwater/plants/motor_and_load.h>
+#include <breakwater/plants/xml_file.h>
 #include <breakwater/sim/friction.h>
 #include <breakwater/sim/simulation.h>
 #include "sim/small_models.h"
@@ -258,19 +260,117 @@ TEST(Transmission, RefusesATimestepBeyondTheStabilityLimit) {
   const double omega = std::sqrt(50.0 * (1.0 / kMotor + 1.0 / kLoad));
   for (const auto& [integrator, limit] :
        {std::pair{Integrator::rk4, std::sqrt(8.0)}, std::pair{Integrator::euler, 2.0}}) {
-    const auto make = [&, which = integrator](double timestep_s) {
-      return Transmission(drive(timestep_s, which), "motor", "load", {.stiffness = 50.0});
+    const auto check = [&, which = integrator](double timestep_s) {
+      const Model model = drive(timestep_s, which);
+      Transmission(model, "motor", "load", {.stiffness = 50.0}).check_stability(model);
     };
-    EXPECT_NO_THROW(make(0.99 * limit / omega));
-    EXPECT_THROW(make(1.01 * limit / omega), std::invalid_argument);
+    EXPECT_NO_THROW(check(0.99 * limit / omega));
+    EXPECT_THROW(check(1.01 * limit / omega), std::invalid_argument);
   }
+  const Model slow = drive(0.04);
   try {
-    Transmission(drive(0.04), "motor", "load", {.stiffness = 50.0, .damping = 0.0});
+    Transmission(slow, "motor", "load", {.stiffness = 50.0}).check_stability(slow);
     FAIL();
   } catch (const std::invalid_argument& refused) {
     EXPECT_NE(std::string(refused.what()).find("that divides it is 0.02"), std::string::npos)
         << refused.what();
   }
+}
+
+// models/two_inertia.xml without its motor, and with a rotor added in its place.
+Model drive_with_added_rotor(double ratio) {
+  std::string text = read_text(testing::source_file("models/two_inertia.xml"));
+  const auto erase = [&](const std::string& from, const std::string& to) {
+    const std::size_t begin = text.find(from), end = text.find(to, begin);
+    text.erase(begin, end + to.size() - begin);
+  };
+  erase("<body name=\"rotor\">", "</body>");
+  erase("<jointpos name=\"motor_pos\"", "/>");
+  erase("<jointvel name=\"motor_vel\"", "/>");
+  text = std::regex_replace(text, std::regex("joint=\"motor\""), "joint=\"load\"");
+  text = std::regex_replace(text, std::regex("qpos=\"0 0\""), "qpos=\"0.5\"");
+  Model model = testing::model_of(text);
+  model.set_physics(1e-4, Integrator::rk4);
+  model.add_rotor(0, 0, ratio, kMotor, "rotor");
+  return model;
+}
+
+TEST(AddedRotor, MovesAsTheMotorOfTheModelFile) {
+  for (const double ratio : {1.0, 2.5}) {
+    const TransmissionDesign design{
+        .ratio = ratio, .stiffness = 50.0, .damping = 0.01, .kinematic_error = 0.01};
+    const auto run = [&](Model model, const std::string& motor) {
+      author_friction(model, model.id(mjOBJ_JOINT, motor), 0.02, 0.0);
+      author_friction(model, model.id(mjOBJ_JOINT, "load"), 0.005, 0.0);
+      FunctionController controller([](const Sample& sample, Eigen::Ref<Eigen::VectorXd> u) {
+        u(0) = std::sin(40.0 * sample.time_s);
+      });
+      SensingSetup setup;
+      setup.channels = {{.name = "angle", .sensor = "load_pos"}};
+      Simulation simulation(std::move(model), controller, setup, 1);
+      const Transmission transmission(simulation.model(), motor, "load", design);
+      simulation.add(transmission);
+      while (simulation.time_s() < 1.0) simulation.step();
+      const auto q = simulation.qpos();
+      // The added rotor is the last joint, that of the file the first.
+      return motor == "rotor" ? std::array{q[1], q[0]} : std::array{q[0], q[1]};
+    };
+    const auto added = run(drive_with_added_rotor(ratio), "rotor"), own = run(drive(), "motor");
+    EXPECT_GT(std::abs(own[1]), 1e-3);
+    EXPECT_NEAR(added[0], own[0], 1e-12) << ratio;
+    EXPECT_NEAR(added[1], own[1], 1e-12) << ratio;
+  }
+}
+
+// A free twist without damping is φ₀ cos ω_r t.
+TEST(AddedRotor, VibratesAtTheResonanceOfTheClosedForm) {
+  const TransmissionDesign design{.ratio = 2.0, .stiffness = 50.0};
+  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u.setZero(); });
+  SensingSetup setup;
+  setup.channels = {{.name = "angle", .sensor = "load_pos"}};
+  Simulation simulation(drive_with_added_rotor(2.0), controller, setup, 1);
+  const Transmission transmission(simulation.model(), "rotor", "load", design);
+  simulation.add(transmission);
+  simulation.set_position(std::array{-0.1, 0.0});
+  const double resonance = resonance_rad_s(numbers_of(design));
+  double largest = 0.0;
+  while (simulation.time_s() < 1.0) {
+    simulation.step();
+    const double twist = transmission.twist(simulation.qpos()[1], simulation.qpos()[0]);
+    largest = std::max(largest, std::abs(twist - 0.1 * std::cos(resonance * simulation.time_s())));
+  }
+  EXPECT_LT(largest, 1e-7);
+}
+
+TEST(AddedRotor, BeginsWithoutATwistInEachPose) {
+  const Model model = drive_with_added_rotor(2.5);
+  EXPECT_EQ(model->qpos0[1], 0.0);
+  EXPECT_EQ(model->key_qpos[0], 0.5);
+  EXPECT_EQ(model->key_qpos[1], 1.25);
+  EXPECT_EQ(model->actuator_trnid[0], model.id(mjOBJ_JOINT, "rotor"));
+  EXPECT_EQ(model.id(mjOBJ_JOINT, "load"), 0);
+}
+
+// Gravity acts on neither a rotor that turns nor one that slides.
+TEST(AddedRotor, GravityDoesNotActOnIt) {
+  for (const char* type : {"hinge", "slide"}) {
+    Model model = testing::model_of(
+        std::string("<mujoco><worldbody><body name='b'><joint name='load' axis='0 1 0' type='") +
+        type + "'/><geom size='0.1' mass='1' pos='0.1 0 0'/></body></worldbody>" +
+        "<actuator><motor name='motor' joint='load'/></actuator></mujoco>");
+    model.add_rotor(0, 0, 1.0, 0.01, "rotor");
+    const DataPointer data = model.make_data();
+    for (int k = 0; k < 100; ++k) mj_step(model.get(), data.get());
+    EXPECT_EQ(data->qpos[1], 0.0) << type;
+    EXPECT_EQ(data->warning[mjWARN_INERTIA].number, 0) << type;
+  }
+}
+
+TEST(AddedRotor, RefusesNonsense) {
+  Model model = drive_with_added_rotor(1.0);
+  EXPECT_THROW(model.add_rotor(0, 0, 1.0, 0.01, "rotor"), std::invalid_argument);
+  EXPECT_THROW(model.add_rotor(0, 0, 1.0, 0.01, "load"), std::invalid_argument);
+  EXPECT_THROW(model.add_rotor(0, 0, 1.0, 0.0, "other"), std::invalid_argument);
 }
 
 TEST(Transmission, RefusesNonsense) {

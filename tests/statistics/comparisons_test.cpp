@@ -406,6 +406,21 @@ TEST(Blocks, TheVerdictHasPower) {
   }
 }
 
+// Six blocks are enough for one metric, but not for two: Holm's correction doubles p = 2·2⁻⁶.
+TEST(Blocks, MoreTestsNeedMore) {
+  testing::Random random(4);
+  PairedResults results = blocks_and_seeds(6, 1, 8.0, random);
+  EXPECT_EQ(compared(results).verdict, ComparisonVerdict::worse);
+  results.metrics.push_back("other");
+  results.values.push_back(results.values[0]);
+  const CandidateComparison both = compare_candidates(results);
+  EXPECT_EQ(both.metrics[1].least_p_holm, 0.0625);
+  EXPECT_EQ(both.metrics[1].verdict, ComparisonVerdict::too_few_blocks);
+  EXPECT_TRUE(has(comparison_text(both, 300),
+                  "with 6 blocks and 2 tests (Holm's correction) p cannot be below 0.0625, and a "
+                  "verdict needs at least 7, or fewer metrics (compare.metrics)"));
+}
+
 // Five walls and five seeds with small noise: 25 pairs with p = 2·2⁻²⁵, but only five blocks.
 TEST(Blocks, SeedsRepeatABlock) {
   testing::Random random(3);

@@ -217,6 +217,15 @@ TEST_F(Executor, ARefusalWithNoFileToOpenIsNoResult) {
   EXPECT_EQ(ShardIndex(source_.shards(), 4).count(PointStatus::refused), 0U);
 }
 
+TEST_F(Executor, ARefusalThatPassesIsNoResult) {
+  int tries = 0;
+  source_.during[1] = [&] {
+    if (++tries == 1) throw std::invalid_argument("data.csv: cannot be read");
+  };
+  EXPECT_EQ(run(source_), 4U);
+  EXPECT_EQ(ShardIndex(source_.shards(), 4).count(PointStatus::complete), 4U);
+}
+
 TEST_F(Executor, NoMemoryNamesThePoint) {
   source_.during[1] = [] { throw std::bad_alloc(); };
   try {

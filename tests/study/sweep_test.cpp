@@ -411,7 +411,8 @@ TEST_F(Sweep, AnElementOfAnArrayIsAKey) {
         "elements of it"}});
   EXPECT_EQ(run(study + "vain --case hpfc-2N --vary controller.t_ref_s[1]=1,2").err,
             "sweep: warning: --vary: controller.t_ref_s[1]: has an effect only where "
-            "controller.name is proposed or tlsc\n");
+            "controller.name is proposed or tlsc or energy_admittance or impact_qp or "
+            "contact_mpc\n");
 }
 
 TEST_F(Sweep, AReplayEqualsTheRunOrReportsADifference) {

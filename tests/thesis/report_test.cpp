@@ -570,6 +570,10 @@ TEST_F(DamagedRun, HandlesEveryWrongValueOfTheMetrics) {
 TEST(SavedRun, UnitsComeFromTheEndsOfNames) {
   EXPECT_EQ(unit_of("rmse_velocity_rad_s"), "rad/s");
   EXPECT_EQ(unit_of("max_speed_m_s"), "m/s");
+  EXPECT_EQ(unit_of("peak_acceleration_rad_s_s"), "rad/s/s");
+  EXPECT_EQ(unit_of("peak_acceleration_m_s_s"), "m/s/s");
+  EXPECT_EQ(unit_of("peak_rate_Nm_s"), "N m/s");
+  EXPECT_EQ(unit_of("peak_rate_N_s"), "N/s");
   EXPECT_EQ(unit_of("free_motion_time_s"), "s");
   EXPECT_EQ(unit_of("contact_impulse_Ns"), "N s");
   EXPECT_EQ(unit_of("bounce_count"), "");

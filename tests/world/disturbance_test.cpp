@@ -26,6 +26,15 @@ TEST(Disturbance, IsNothingBeforeItsStart) {
   EXPECT_EQ((Disturbance{DisturbanceKind::none, 3.0, 2.0, 1.0}.value(5.0)), 0.0);
 }
 
+TEST(Disturbance, AnOffsetActsAtAllTimes) {
+  for (const auto kind : kKinds) {
+    Disturbance with = of_kind(kind);
+    with.offset = -0.4;
+    EXPECT_EQ(with.value(0.5), -0.4);
+    EXPECT_DOUBLE_EQ(with.value(1.3), of_kind(kind).value(1.3) - 0.4);
+  }
+}
+
 TEST(Disturbance, HasItsShapeFromThenOn) {
   const Disturbance step{DisturbanceKind::step, 3.0, 0.0, 1.0};
   EXPECT_EQ(step.value(1.0), 3.0);  // at the start, exactly
@@ -36,6 +45,17 @@ TEST(Disturbance, HasItsShapeFromThenOn) {
   const Disturbance sine{DisturbanceKind::sine, 2.0, 10.0, 1.0};
   EXPECT_DOUBLE_EQ(sine.value(1.0 + M_PI / 20.0), 2.0);
   EXPECT_NEAR(sine.value(1.0 + M_PI / 10.0), 0.0, 1e-12);
+}
+
+TEST(Disturbance, IsNothingFromItsEndOn) {
+  for (const auto kind : kKinds) {
+    Disturbance pulse = of_kind(kind);
+    const double before = pulse.value(1.9);
+    pulse.end_s = 2.0;
+    EXPECT_EQ(pulse.value(1.9), before);
+    EXPECT_EQ(pulse.value(2.0), 0.0);
+    EXPECT_EQ(pulse.rate(2.0), 0.0);
+  }
 }
 
 // At a quarter of the first sine's period, the second sine (three times its frequency) is at −1.

@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <vector>
 
 #include <breakwater/world/encoder.h>
 #include <breakwater/world/low_pass.h>
+#include <breakwater/world/sensor_fault.h>
 
 namespace breakwater {
 namespace {
@@ -88,6 +91,45 @@ TEST(LowPass, RefusesNonsense) {
   EXPECT_THROW(LowPass(-1.0, 1e-3), std::invalid_argument);
   EXPECT_THROW(LowPass(1.0, 0.0), std::invalid_argument);
   EXPECT_THROW(LowPass(std::nan(""), 1e-3), std::invalid_argument);
+}
+
+TEST(FaultySensor, BreaksFromItsTimeForItsSamples) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  struct Row {
+    FaultKind kind;
+    double size;
+    int delay_samples;
+    std::vector<double> readings;  // readings of 0, 1.1, 2.2, 3.3, 4.4, 5.5, 6.6
+  };
+  const std::vector<Row> rows = {
+      {FaultKind::nan, 0.0, 1, {0.0, 1.1, kNan, kNan, kNan, 5.5, 6.6}},
+      {FaultKind::infinity, 0.0, 1, {0.0, 1.1, kInfinity, kInfinity, kInfinity, 5.5, 6.6}},
+      {FaultKind::frozen, 0.0, 1, {0.0, 1.1, 1.1, 1.1, 1.1, 5.5, 6.6}},
+      {FaultKind::dropped, 0.0, 1, {0.0, 1.1, 1.1, 1.1, 1.1, 1.1, 6.6}},  // 4 times 12.5 ms
+      {FaultKind::spike, 7.0, 1, {0.0, 1.1, 9.2, -3.7, 11.4, 5.5, 6.6}},
+      {FaultKind::bias, -7.0, 1, {0.0, 1.1, -4.8, -3.7, -2.6, 5.5, 6.6}},
+      {FaultKind::delay, 0.0, 1, {0.0, 1.1, 1.1, 2.2, 3.3, 5.5, 6.6}},
+      {FaultKind::delay, 0.0, 4, {0.0, 1.1, 0.0, 0.0, 0.0, 5.5, 6.6}},
+      {FaultKind::stuck, 2.0, 1, {0.0, 1.1, 2.0, 2.0, 4.0, 5.5, 6.6}}};
+  for (const Row& row : rows) {
+    constexpr double kPeriod_s = 0.0125;
+    FaultySensor sensor({"q", 2 * kPeriod_s, 3, row.kind, row.size, row.delay_samples}, 1e-3);
+    for (std::size_t k = 0; k < row.readings.size(); ++k) {
+      const double time = static_cast<double>(k);
+      const double reading = sensor.update(kPeriod_s * time, 1.1 * time);
+      const double expected = row.readings[k];
+      const bool is_same = std::isnan(expected)   ? std::isnan(reading)
+                           : std::isinf(expected) ? reading == expected
+                                                  : std::abs(reading - expected) < 1e-12;
+      EXPECT_TRUE(is_same) << static_cast<int>(row.kind) << ", " << k << ": " << reading;
+    }
+  }
+  FaultySensor at_once({"q", 0.0, 2, FaultKind::frozen}, 1e-3);
+  EXPECT_EQ(at_once.update(0.0, 3.0), 3.0);
+  EXPECT_EQ(at_once.update(1.0, 4.0), 3.0);
+  EXPECT_THROW(FaultySensor({"q", 0.0, 1, FaultKind::stuck}, 1e-3), std::invalid_argument);
+  EXPECT_THROW(FaultySensor({"q", 0.0, 1, FaultKind::bias, kNan}, 1e-3), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,0 +1,145 @@
+#!/usr/bin/python3
+"""Makes docs/studies/published-waves*.csv and docs/pictures/published-waves.png for
+docs/explanation/against-published-methods.md.
+
+    breakwater tune studies/published-waves-tuning.toml --out FOLDER/tuned
+    docs/studies/published_waves.py FOLDER [--jobs N]
+
+Each contestant runs with its tuned values in the seas of studies/published-waves.toml. Finished sweeps are not repeated.
+"""
+import argparse
+import csv
+import statistics
+import subprocess
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+from scipy.stats import wilcoxon
+
+HERE = Path(__file__).resolve().parent
+STUDY = HERE.parents[1] / "studies" / "published-waves.toml"
+FLOOR, OURS = "mpc-told", "spectrum"
+SEA = ["wave.significant_height_m", "wave.peak_period_s", "seed"]
+METRICS = ["tracking_rmse_m", "max_error_m", "thrust_rms_N", "saturated_fraction"]
+KEYS = ("controller.", "estimator.")
+
+
+def read(file):
+    with open(file, newline="", encoding="utf-8") as table:
+        return list(csv.DictReader(table))
+
+
+def write(name, rows):
+    with open(HERE / name, "w", newline="", encoding="utf-8") as table:
+        writer = csv.DictWriter(table, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def found(folder):
+    """{case: its tuned keys}"""
+    return {row["case"]: {key: value for key, value in row.items()
+                          if key.startswith(KEYS) and value and not key.endswith("gains")}
+            for row in read(folder / "tuned" / "front.csv")}
+
+
+def judge(folder, case, keys, jobs, name=None):
+    out = folder / "judged" / (name or case)
+    sets = [f"{key}={value}" for key, value in keys.items()]
+    if "controller.horizontal_gain" in keys:
+        sets.append('controller.gains="given"')
+    if not (out / "results.csv").exists():
+        subprocess.run(["breakwater", "sweep", STUDY, "--case", case, "--set", *sets, "--out", out, "--jobs", str(jobs),
+                        "--quiet"], check=True)
+    return read(out / "results.csv")
+
+
+def shipped(folder, jobs):
+    """Rows about the shipped cases, by the program's own comparison."""
+    out = folder / "shipped"
+    if not (out / "comparison.csv").exists():
+        subprocess.run(["breakwater", "sweep", STUDY, "--baseline", OURS, "--out", out, "--jobs", str(jobs), "--quiet"], check=True)
+    rows = [row for row in read(out / "comparison.csv") if row["metric"] == "tracking_rmse_m" and row["p_holm"]]
+    won = [round(float(row["probability_better"]) * int(row["blocks"])) for row in rows]
+    return [{"case": row["candidate"], "wins over spectrum": wins, "losses": int(row["blocks"]) - wins,
+             "tracking [m]": f"{float(row['median']):.4f}", "of spectrum [m]": f"{float(row['reference_median']):.4f}",
+             "difference [mm] (95 %)": "{:.1f} ({:.1f} to {:.1f})".format(
+                 *(1e3 * float(row[key]) for key in ("difference", "difference_lower", "difference_upper"))),
+             "p (Holm)": f"{float(row['p_holm']):.2g}", "verdict": row["verdict"]} for row, wins in zip(rows, won)]
+
+
+def median_interval(values):
+    """The median, and the order statistics that contain it with 95 % for any distribution."""
+    ordered, n = sorted(values), len(values)
+    tail, term, lower = 0.0, 0.5 ** n, 0
+    while tail + term <= 0.025:
+        tail, lower = tail + term, lower + 1
+        term *= (n - lower + 1) / lower
+    lower = max(lower - 1, 0)
+    return statistics.median(ordered), ordered[lower], ordered[n - 1 - lower]
+
+
+def draw(ratios):
+    figure, axes = plt.subplots(figsize=(7, 3.2))
+    for place, (case, values) in enumerate(ratios.items()):
+        axes.plot(values, [place] * len(values), "o", color="tab:blue" if case != FLOOR else "black", alpha=0.5, markersize=5)
+        axes.plot(statistics.median(values), place, "|", color="black", markersize=18)
+    axes.set_yticks(range(len(ratios)), ratios)
+    axes.invert_yaxis()
+    axes.set_xscale("log")
+    ticks = [1, 1.5, 2, 3, 4]
+    axes.set_xticks(ticks, [str(tick) for tick in ticks], minor=False)
+    axes.set_xticks([], minor=True)
+    axes.set_xlabel("position error over that of the floor, 12 seas; | median")
+    axes.grid(axis="x", alpha=0.3)
+    figure.tight_layout()
+    figure.savefig(HERE.parent / "pictures" / "published-waves.png", dpi=110)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--jobs", type=int, default=1)
+    arguments = parser.parse_args()
+    tuned = found(arguments.folder)
+    write("published-waves-tuned.csv", read(arguments.folder / "tuned" / "front.csv"))
+    runs = {case: judge(arguments.folder, case, keys, arguments.jobs) for case, keys in tuned.items()}
+    write("published-waves-runs.csv", [{"case": case, **{key: row[key] for key in SEA + METRICS}}
+                                  for case, rows in runs.items() for row in rows])
+    error = {case: [float(row["tracking_rmse_m"] or "inf") for row in rows] for case, rows in runs.items()}
+    # The floor may choose its weights after the fact: its own, or those that were found for the probe.
+    other = judge(arguments.folder, FLOOR, tuned["mpc-upstream"], arguments.jobs, FLOOR + "-other-weights")
+    error[FLOOR] = [min(own, float(row["tracking_rmse_m"] or "inf")) for own, row in zip(error[FLOOR], other)]
+    table, pairs = [], []
+    for case, rows in runs.items():
+        ratio, low, high = median_interval([e / f for e, f in zip(error[case], error[FLOOR])])
+        table.append({
+            "case": case,
+            "position error over the floor's (95 %)": f"{ratio:.2f} ({low:.2f}–{high:.2f})",
+            "tracking [m]": f"{statistics.median(error[case]):.4f}",
+            "thrust RMS [N]": f"{statistics.median(float(row['thrust_rms_N']) for row in rows):.2f}",
+            "saturated [%]": f"{100 * statistics.median(float(row['saturated_fraction']) for row in rows):.2f}",
+            "tuned values": len(tuned[case])})
+    draw({case: [e / f for e, f in zip(error[case], error[FLOOR])] for case in runs})
+    tests = []
+    for case in runs:
+        if case == OURS:
+            continue
+        gaps = [a - b for a, b in zip(error[case], error[OURS])]
+        tests.append((wilcoxon(gaps, method="exact").pvalue, case, gaps))
+    largest = 0.0
+    for rank, (p, case, gaps) in enumerate(sorted(tests, key=lambda test: test[0])):  # Holm
+        largest = max(largest, min(1.0, p * (len(tests) - rank)))
+        ratio, low, high = median_interval([a / b for a, b in zip(error[case], error[OURS])])
+        pairs.append({"case": case, "wins over spectrum": sum(g < 0 for g in gaps), "losses": sum(g > 0 for g in gaps),
+                      "error over that of spectrum (95 %)": f"{ratio:.2f} ({low:.2f}–{high:.2f})", "p (Holm)": f"{largest:.2g}"})
+    write("published-waves-table.csv", table)
+    write("published-waves-pairs.csv", pairs)
+    write("published-waves-shipped.csv", shipped(arguments.folder, arguments.jobs))
+
+
+if __name__ == "__main__":
+    main()

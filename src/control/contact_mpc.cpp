@@ -1,0 +1,99 @@
+#include <breakwater/control/contact_mpc.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <breakwater/linear/riccati.h>
+#include <breakwater/math/functions.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kDepthSoftness = 1e-9;  // softness of the force's bound: 1/weight on m²
+
+}  // namespace
+
+LmpcDesign contact_problem(const ContactMpcDesign& design, double reference_N) {
+  if (!(design.acceleration_m_s2 > 0.0) || !(design.wall_correction_per_s >= 0.0)) {
+    throw std::invalid_argument(
+        "contact prediction: the acceleration must be positive, the correction not negative");
+  }
+  const double T = design.period_s;
+  const Eigen::MatrixXd r = Eigen::MatrixXd::Constant(1, 1, design.r);
+  LmpcDesign problem;
+  problem.A = (Eigen::Matrix2d() << 1.0, T, 0.0, 1.0).finished();
+  problem.B = Eigen::Vector2d(0.5 * T * T, T);
+  problem.prediction_steps = problem.control_steps = design.prediction_steps;
+  problem.Q = Eigen::Vector2d(design.q_position, design.q_velocity).asDiagonal();
+  problem.Q_last = dlqr(problem.A, problem.B, problem.Q, r).P;
+  problem.R = Eigen::MatrixXd::Zero(1, 1);
+  problem.S = r;
+  const double bound = design.acceleration_m_s2;
+  const double deepest_m = design.impact.allowed_N(reference_N) / design.impact.stiffness_N_m;
+  problem.input_bounds.push_back({0, -bound, bound, first_steps(design.prediction_steps)});
+  problem.state_bounds.push_back(
+      {0, -kNoBound, deepest_m, spread_steps(design.prediction_steps, design.prediction_steps)});
+  problem.max_iterations = 1;  // counts for Hildreth's method alone
+  problem.softness = kDepthSoftness;
+  return problem;
+}
+
+ContactMpc::ContactMpc(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+                       const ArmTask& task, const ContactMpcDesign& design)
+    : PathControl(chain, acceleration, task, design.path),
+      design_(design),
+      samples_per_move_(samples_per_move(design.period_s, acceleration.period_s)),
+      lmpc_((check(design.impact, {}), contact_problem(design, task.force_reference_N))),
+      forget_(task.force_lag_s > 0.0 ? math::exp(-acceleration.period_s / task.force_lag_s) : 0.0),
+      told_wall_x_m_(task.wall_x_m + design.wall_error_m),
+      wall_x_m_(told_wall_x_m_),
+      input_(Eigen::VectorXd::Zero(1)),
+      reserved_(input_),
+      trajectory_(Eigen::VectorXd::Zero(2 * design.prediction_steps)) {
+  if (!std::isfinite(wall_x_m_)) {
+    throw std::invalid_argument("contact prediction: needs a wall whose place is known");
+  }
+  for (Eigen::Index i = 0; i < trajectory_.size(); i += 2) {
+    trajectory_(i) = task.force_reference_N / design.impact.stiffness_N_m;
+  }
+  publish({"wall_hat_m", "m", "x of the wall, told and corrected by the force", view(wall_x_m_)});
+  publish({"qp_iterations", "1", "changes of the active set", view(iterations_)});
+  publish({"softened_bounds", "1", "1 where the force's bound gave way", view(softened_)});
+}
+
+void ContactMpc::restart() {
+  PathControl::restart();
+  lmpc_.reset();
+  samples_to_move_ = 0;
+  wall_x_m_ = told_wall_x_m_;
+  depth_f_m_ = 0.0;
+  input_.setZero();
+}
+
+double ContactMpc::path_acceleration() {
+  correct_wall(X_hat_[0] - wall_x_m_);
+  if (samples_to_move_ == 0) {
+    samples_to_move_ = samples_per_move_;
+    state_ << X_hat_[0] - wall_x_m_, velocity_[0];
+    // The bounds are on a_x itself, so each optimisation starts from any last input.
+    input_ += lmpc_.optimise(state_, input_, trajectory_, reserved_);
+    iterations_ = lmpc_.iterations();
+    softened_ = lmpc_.softened_bounds();
+  }
+  --samples_to_move_;
+  return input_(0);
+}
+
+void ContactMpc::correct_wall(double depth_m) {
+  // Where the tip is behind the told place without a force, the wall is further away.
+  if (!touches() && !(depth_m > 0.0)) {
+    depth_f_m_ = 0.0;
+    return;
+  }
+  depth_f_m_ = forget_ * depth_f_m_ + (1.0 - forget_) * std::max(0.0, depth_m);
+  const double force_depth_m = force_N_ / design_.impact.stiffness_N_m;
+  wall_x_m_ -= design_.wall_correction_per_s * period_s_ * (force_depth_m - depth_f_m_);
+}
+
+}  // namespace breakwater

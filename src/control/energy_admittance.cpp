@@ -1,0 +1,42 @@
+#include <breakwater/control/energy_admittance.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace breakwater {
+
+double peak_per_speed_Ns_m(double stiffness_N_m, double mass_kg) {
+  return std::sqrt(stiffness_N_m * mass_kg);
+}
+
+void check(const ImpactModel& impact, const Admittance& admittance) {
+  if (!(impact.stiffness_N_m > 0.0) || !(impact.peak_margin_N > 0.0)) {
+    throw std::invalid_argument("impact: the wall's stiffness and the margin must be positive");
+  }
+  if (!(admittance.mass_kg > 0.0) || !(admittance.damping_Ns_m >= 0.0)) {
+    throw std::invalid_argument("admittance: the mass must be positive, the damping not negative");
+  }
+}
+
+EnergyAdmittance::EnergyAdmittance(const PlanarChain& chain,
+                                   const AccelerationControlDesign& acceleration,
+                                   const ArmTask& task, const EnergyAdmittanceDesign& design)
+    : PathControl(chain, acceleration, task, design.path),
+      design_(design),
+      approach_(design.approach) {
+  check(design.impact, design.admittance);
+  publish({"effective_mass_kg", "kg", "nominal effective mass of the tip along x", view(mass_kg_)});
+  publish({"speed_cap_m_s", "m/s", "allowed impact velocity", view(speed_m_s_)});
+}
+
+double EnergyAdmittance::path_acceleration() {
+  if (touches()) {
+    return design_.admittance.acceleration_m_s2(task().force_reference_N - force_N_, velocity_[0]);
+  }
+  mass_kg_ = effective_mass_kg();
+  speed_m_s_ = design_.impact.allowed_N(task().force_reference_N) /
+               peak_per_speed_Ns_m(design_.impact.stiffness_N_m, mass_kg_);
+  return approach_.k_d() * (speed_m_s_ - velocity_[0]);
+}
+
+}  // namespace breakwater

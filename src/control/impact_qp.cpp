@@ -1,0 +1,136 @@
+#include <breakwater/control/impact_qp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace breakwater {
+namespace {
+
+constexpr double kImpactSoftness = 1e-3;  // the impact's rows: 1/weight on (m/s²)², (rad/s²)²
+constexpr int kMostChanges = 200;
+
+QpModel first_model(Eigen::Index joints) {
+  QpModel model;
+  model.H = Eigen::MatrixXd::Identity(joints, joints);
+  model.Omega = QpModel::RowMajor::Zero(2 * joints + 1, joints);
+  model.Omega.topRows(joints).setIdentity();
+  return model;
+}
+
+}  // namespace
+
+ImpactProgram::ImpactProgram(Eigen::Index joints, const ImpactQpDesign& design)
+    : preview_s_(design.preview_s),
+      stiffness_N_m_(design.impact.stiffness_N_m),
+      bounce_(1.0 + design.restitution),
+      posture_weight_(design.posture_weight),
+      model_(first_model(joints)),
+      solver_(model_, kMostChanges),
+      input_(joints, 2 * joints + 1),
+      solution_(joints, 2 * joints + 1),
+      after_(joints) {
+  input_.softness.tail(joints + 1).setConstant(kImpactSoftness);
+}
+
+const Eigen::VectorXd& ImpactProgram::solve(const State& state) {
+  const Eigen::Index n = state.dq.size();
+  const auto along = state.J.row(0);
+  model_.H.noalias() = state.J.transpose() * state.J;
+  model_.H.diagonal().array() += posture_weight_;
+  input_.g.noalias() = state.J.transpose() * -state.wanted;
+
+  double largest_N = state.force_limit_N;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    // A joint that is too fast brakes as hard as it can.
+    const double slowest = (-state.velocity_limit(i) - state.dq(i)) / state.period_s;
+    const double fastest = (state.velocity_limit(i) - state.dq(i)) / state.period_s;
+    input_.lower(i) = std::clamp(slowest, state.lower(i), state.upper(i));
+    input_.upper(i) = std::clamp(fastest, state.lower(i), state.upper(i));
+    const double lever = std::abs(along(i));
+    if (lever * largest_N > state.torque_limit(i)) largest_N = state.torque_limit(i) / lever;
+
+    after_ = -bounce_ * state.mass_kg / state.inertia(i) * along(i) * along.transpose();
+    after_(i) += 1.0;
+    const double now = after_.dot(state.dq);
+    // The impact's rows are divided by T_p: all rows are accelerations, of similar size.
+    model_.Omega.row(n + i) = after_.transpose();
+    input_.lower(n + i) = (-state.velocity_limit(i) - now) / preview_s_;
+    input_.upper(n + i) = (state.velocity_limit(i) - now) / preview_s_;
+  }
+  const double force_per_speed = peak_per_speed_Ns_m(stiffness_N_m_, state.mass_kg);
+  const double now_N = force_per_speed * along.dot(state.dq);
+  model_.Omega.row(2 * n) = along;
+  input_.upper(2 * n) = (largest_N - now_N) / (force_per_speed * preview_s_);
+  if (!state.foresees_impact) {
+    input_.lower.tail(n + 1).setConstant(-kNoBound);
+    input_.upper.tail(n + 1).setConstant(kNoBound);
+  }
+  solver_.set_matrices(model_.H, model_.Omega);
+  solver_.solve(input_, solution_);
+  if (solution_.status != QpStatus::solved && solution_.status != QpStatus::inaccurate) {
+    throw ControlFailure("impact-aware control: the quadratic program has no solution");
+  }
+  foreseen_force_N_ = now_N + force_per_speed * preview_s_ * along.dot(solution_.z);
+  return solution_.z;
+}
+
+ImpactQp::ImpactQp(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+                   const ArmTask& task, const ImpactQpDesign& design)
+    : PathControl(chain, acceleration, task, design.path),
+      design_(design),
+      approach_(design.approach),
+      program_(chain.joints(), design),
+      torque_limit_(acceleration.torque_limit_Nm),
+      lower_(Eigen::VectorXd::Zero(chain.joints())),
+      upper_(lower_) {
+  check(design.impact, design.admittance);
+  if (!(design.approach_speed_m_s > 0.0) || !(design.preview_s > 0.0) ||
+      !(design.posture_weight > 0.0)) {
+    throw std::invalid_argument(
+        "impact-aware control: the speed, the preview and the weight must be positive");
+  }
+  if (!(design.restitution >= 0.0) || !(design.restitution <= 1.0)) {
+    throw std::invalid_argument("impact-aware control: the restitution must be between 0 and 1");
+  }
+  publish({"foreseen_force_N", "N", "force of an impact at the next sample, as foreseen",
+           view(foreseen_force_N_)});
+  publish({"qp_iterations", "1", "changes of the active set", view(iterations_)});
+  publish({"qp_kkt_residual", "1", "KKT residual of the solution", view(kkt_residual_)});
+}
+
+double ImpactQp::path_acceleration() {
+  along_wanted_ = touches() ? design_.admittance.acceleration_m_s2(
+                                  task().force_reference_N - force_N_, velocity_[0])
+                            : approach_.k_d() * (design_.approach_speed_m_s - velocity_[0]);
+  return along_wanted_;
+}
+
+void ImpactQp::decide(Eigen::Ref<Eigen::VectorXd> a) {
+  PathControl::decide(a);
+  if (!force_control_) return;
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    lower_(i) = joints().lower_acceleration(i);
+    upper_(i) = joints().upper_acceleration(i);
+  }
+  wanted_[0] += along_wanted_;
+  const Eigen::Ref<const Eigen::VectorXd> dq(dq_hat_);
+  a = program_.solve(
+      {.J = J_,
+       .dq = dq,
+       .wanted = wanted_,
+       .inertia = inertia_,
+       .velocity_limit = chain().velocity_limits_rad_s(),
+       .torque_limit = torque_limit_,
+       .lower = lower_,
+       .upper = upper_,
+       .mass_kg = effective_mass_kg(),
+       .force_limit_N = design_.impact.allowed_N(task().force_reference_N),
+       .foresees_impact = !touches() && X_hat_[0] >= task().start_pose[0] + design_.expected_from_m,
+       .period_s = period_s_});
+  foreseen_force_N_ = program_.foreseen_force_N();
+  iterations_ = program_.solution().iterations;
+  kkt_residual_ = program_.solution().kkt_residual;
+}
+
+}  // namespace breakwater

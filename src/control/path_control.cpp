@@ -1,0 +1,110 @@
+#include <breakwater/control/path_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <breakwater/linear/pseudo_inverse.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kSingularValueFloor = 0.02;
+constexpr double kLargest_m_s2 = 30.0;  // bound of a_x if the authority is empty
+constexpr double kContact_N = 0.15;     // threshold of contact detection
+constexpr double kLost_s = 0.08;
+
+}  // namespace
+
+PathControl::PathControl(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+                         const ArmTask& task, const PathDesign& design)
+    : ArmController(chain, acceleration, task),
+      inertia_(acceleration.nominal_inertia_kgm2),
+      period_s_(acceleration.period_s),
+      along_(Eigen::VectorXd::Zero(chain.joints())),
+      otherwise_(along_),
+      positioning_(design.positioning),
+      joint_pfc_(design.joints.begin(), design.joints.end()),
+      hold_(design.hold),
+      across_(design.across),
+      J_plus_(chain.joints(), 3) {
+  if (chain.joints() < 3 || static_cast<Eigen::Index>(joint_pfc_.size()) != chain.joints()) {
+    throw std::invalid_argument("path control: needs three joints or more, and a PFC for each");
+  }
+}
+
+void PathControl::decide(Eigen::Ref<Eigen::VectorXd> a) {
+  look_along_path();
+  if (force_control_) {
+    follow_contact();
+  } else {
+    touches_ = false;
+  }
+  measure_authority();
+  if (!force_control_ && positioning_ == Positioning::joint) {
+    for (Eigen::Index i = 0; i < a.size(); ++i) {
+      a(i) = joint_pfc_[static_cast<std::size_t>(i)].acceleration(task().start_angles_rad(i),
+                                                                  q_hat_(i), dq_hat_(i));
+    }
+  } else {
+    double along = force_control_
+                       ? path_acceleration()
+                       : hold_.acceleration(task().start_pose[0], X_hat_[0], velocity_[0]);
+    along = is_possible_ ? std::clamp(along, lower_, upper_)
+                         : std::clamp(along, -kLargest_m_s2, kLargest_m_s2);
+    a = along_ * along + otherwise_;
+  }
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    a(i) = std::clamp(a(i), joints().lower_acceleration(i), joints().upper_acceleration(i));
+  }
+}
+
+// Computes g and r.
+void PathControl::look_along_path() {
+  damped_pseudo_inverse(J_, kSingularValueFloor, J_plus_);
+  velocity_.noalias() = J_ * dq_hat_;
+  const TipPose& start = task().start_pose;
+  wanted_ = -chain().tip_bias_acceleration(q_hat_, dq_hat_);
+  for (const int i : {1, 2}) {
+    wanted_[i] += across_.acceleration(start[i], X_hat_[i], velocity_[i]);
+  }
+  along_ = J_plus_.col(0);
+  otherwise_.noalias() = J_plus_ * wanted_;
+}
+
+void PathControl::measure_authority() {
+  // Finite where no joint limits it, since the log has it.
+  upper_ = std::numeric_limits<double>::max();
+  lower_ = -upper_;
+  for (Eigen::Index i = 0; i < along_.size(); ++i) {
+    if (std::abs(along_(i)) < kSmallestShare) continue;
+    const double one = (joints().lower_acceleration(i) - otherwise_(i)) / along_(i);
+    const double other = (joints().upper_acceleration(i) - otherwise_(i)) / along_(i);
+    lower_ = std::max(lower_, std::min(one, other));
+    upper_ = std::min(upper_, std::max(one, other));
+  }
+  is_possible_ = lower_ <= upper_;
+  authority_ << std::max(kLeastAuthority_m_s2, is_possible_ ? -lower_ : 0.0),
+      std::max(kLeastAuthority_m_s2, is_possible_ ? upper_ : 0.0);
+}
+
+void PathControl::follow_contact() {
+  if (!touches_) {
+    if (raw_force_N_ <= kContact_N) return;
+    touches_ = true;
+    contact_x_m_ = X_hat_[0];
+    unloaded_s_ = 0.0;
+  }
+  const bool is_loaded = raw_force_N_ > kContact_N || force_N_ > kContact_N;
+  unloaded_s_ = is_loaded ? 0.0 : unloaded_s_ + period_s_;
+  if (unloaded_s_ > kLost_s) touches_ = false;
+}
+
+double PathControl::effective_mass_kg() const {
+  double recoil = 0.0;
+  for (Eigen::Index i = 0; i < inertia_.size(); ++i) recoil += J_(0, i) * J_(0, i) / inertia_(i);
+  return 1.0 / recoil;
+}
+
+}  // namespace breakwater

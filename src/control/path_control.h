@@ -1,0 +1,74 @@
+// Control of the arm along a path: the tip moves in x and holds y and φ.
+#pragma once
+
+#include <vector>
+
+#include <breakwater/control/arm_controller.h>
+#include <breakwater/control/implicit_force_pfc.h>
+#include <breakwater/control/pfc.h>
+
+namespace breakwater {
+
+struct PathDesign {
+  Positioning positioning = Positioning::joint;  ///< before force control
+  std::vector<PfcDesign> joints;                 ///< positioning by joints
+  PfcDesign hold;                                ///< x at the start pose, along the path
+  PfcDesign across;                              ///< y and φ
+};
+
+/// The common part of the controllers that reach the wall on a path. A path acceleration a_x needs
+/// the joint accelerations g a_x + r, with
+///     g = J⁺ e_x,   r = J⁺([0, −k_p^y y − k_d^y ẏ, −k_p^y φ − k_d^y φ̇]ᵀ − J̇ q̇).
+/// The *authority* of a_x is [lo, hi] = ∩_i ((±τ_lim,i − τ̂_d,i)/J_n,i − r_i)/g_i. Before force
+/// control the arm holds its start pose. In force control, a derived class chooses a_x. It is
+/// clipped to [lo, hi], so that y and φ keep their torques. Then each joint is clipped.
+class PathControl : public ArmController {
+ protected:
+  /// Throws std::invalid_argument as the parts do, or if the chain has fewer than three joints.
+  PathControl(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+              const ArmTask& task, const PathDesign& design);
+
+  void restart() override { touches_ = false; }
+  void decide(Eigen::Ref<Eigen::VectorXd> a) override;
+
+  /// a_x [m/s²] in force control, before it is clipped. Called once a sample.
+  virtual double path_acceleration() = 0;
+
+  /// Whether the tip touches the wall. Contact begins at a raw force of 0.15 N. It ends with force
+  /// control, or when raw and filtered force have been below this value for 80 ms.
+  bool touches() const { return touches_; }
+  double contact_x_m() const { return contact_x_m_; }  ///< x̂ at the beginning of the last contact
+
+  /// The effective mass of the tip along x, with every joint free to recoil and the nominal
+  /// inertia of the joints:  m = 1/(J_x J_n⁻¹ J_xᵀ) [kg] (Khatib, Int. J. Robotics Research 14
+  /// (1995) 19–36).
+  double effective_mass_kg() const;
+
+  static constexpr double kSmallestShare = 1e-6;  ///< smallest |g_i| of a joint that bounds a_x
+  static constexpr double kLeastAuthority_m_s2 = 0.3;  ///< lower bound for planning
+
+  Eigen::VectorXd inertia_;              // diagonal of J_n
+  double period_s_;                      // T_s
+  Eigen::VectorXd along_;                // g
+  Eigen::VectorXd otherwise_;            // r
+  TipPose wanted_ = TipPose::Zero();     // r = J⁺ wanted
+  TipPose velocity_ = TipPose::Zero();   // J q̇
+  Eigen::Vector2d authority_{0.0, 0.0};  // limits of a_x: to brake and to drive, both positive
+
+ private:
+  void look_along_path();
+  void follow_contact();
+  void measure_authority();
+
+  Positioning positioning_;
+  std::vector<Pfc> joint_pfc_;
+  Pfc hold_, across_;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> J_plus_;
+  double lower_ = 0.0, upper_ = 0.0;  // lo and hi
+  bool is_possible_ = false;          // lo ≤ hi
+  bool touches_ = false;
+  double contact_x_m_ = 0.0;
+  double unloaded_s_ = 0.0;
+};
+
+}  // namespace breakwater

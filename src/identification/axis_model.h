@@ -1,0 +1,113 @@
+// Plants whose parameters a fit to records finds.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <breakwater/signals/encoder_rounding.h>
+
+namespace breakwater {
+
+/// Parameters of an axis in SI units (N m and rad, or N and m). Each model has some of them.
+enum AxisParameter : std::size_t {
+  kInertia,
+  kViscous,
+  kCoulomb,
+  kBreakaway,      ///< friction at v = 0 beyond the Coulomb friction (Stribeck)
+  kStribeckSpeed,  ///< v_s
+  kMotorInertia,
+  kLoadInertia,
+  kStiffness,
+  kDamping,
+  kBacklash,
+  kMotorViscous,
+  kLoadViscous,
+  kMotorCoulomb,
+  kLoadCoulomb,
+  kOffset,
+  kDelay,
+  kTorqueConstant,  ///< scale of the recorded input
+  kAxisParameters
+};
+using AxisValues = std::array<double, kAxisParameters>;
+
+/// Whether a parameter is positive and scaled by its own size.
+bool is_logarithmic(AxisParameter parameter);
+/// Whether a parameter is at least 0: friction, damping or backlash.
+bool is_positive(AxisParameter parameter);
+/// Whether a parameter is proportional to the unit of the torque.
+bool is_torque(AxisParameter parameter);
+
+/// A part of a record without a long gap. Input i acts from input_times_s[i] to the next of these
+/// times, and the last one until the end.
+struct AxisStretch {
+  std::vector<double> input_times_s;
+  std::vector<double> inputs;
+  std::vector<double> times_s;  ///< times of the positions; the first is that of the initial state
+  std::vector<double> positions;  ///< as measured
+  double time_step_s = 0.0;       ///< to which the table rounds jittering times; 0: not rounded
+  /// Motions of independent normal size that this rounding adds (rounded_times.h), one a column.
+  Eigen::MatrixXd drifts;
+  /// Standard deviations of the positions by the same rounding of their own times. Empty: 0.
+  std::vector<double> time_noise;
+
+  /// The standard deviation of row k with this noise before the encoder.
+  double noise_at(std::size_t k, double noise_std) const {
+    return time_noise.empty() ? noise_std : std::hypot(noise_std, time_noise[k]);
+  }
+};
+
+/// The state at the beginning of a stretch. A model uses the first `start_values` of the numbers.
+struct AxisStart {
+  double position = 0.0;
+  double velocity = 0.0;
+  double twist = 0.0;  ///< that of a second inertia
+  double twist_rate = 0.0;
+  Eigen::VectorXd drifts;  ///< sizes of the stretch's drifts; empty: 0
+};
+inline constexpr std::array<double AxisStart::*, 4> kStartParts = {
+    &AxisStart::position, &AxisStart::velocity, &AxisStart::twist, &AxisStart::twist_rate};
+
+struct AxisData;
+
+/// A plant as the fit sees it.
+struct AxisModel {
+  const char* name;                       ///< for the option --model
+  std::vector<AxisParameter> parameters;  ///< found by a fit
+  AxisParameter known_inertia;            ///< which one a user may know
+  std::size_t start_values;               ///< numbers of a start: 2 for each inertia
+  bool has_backlash;                      ///< kBacklash is fitted if the records show it
+  bool has_motor_encoder;                 ///< the first inertia has the encoder
+  /// Moves the plant from a start. `positions` gets the measured one at each of stretch.times_s.
+  /// The motion does not depend on the position of the start.
+  void (*move)(const AxisValues& parameters, const AxisStart& start, const AxisStretch& stretch,
+               std::span<double> positions);
+  /// First values of a fit by linear least squares, with a delay between these bounds.
+  std::vector<AxisValues> (*candidates)(const AxisData& data, double least_delay_s,
+                                        double largest_delay_s);
+  /// Inertia and viscous friction of the whole as parameters of friction_axis().
+  AxisValues (*rigid)(const AxisValues& parameters);
+};
+
+/// One inertia (friction_axis.h).
+const AxisModel& friction_axis();
+
+/// Records of one axis with one encoder, and the model that explains them.
+struct AxisData {
+  const AxisModel* model = &friction_axis();
+  std::vector<AxisStretch> stretches;
+  double period_s = 0.0;
+  double quantum = 0.0;  ///< Δ; 0: not quantised
+  EncoderRounding rounding = EncoderRounding::nearest;
+  double least_delay_s = -std::numeric_limits<double>::infinity();  ///< bounds of a fitted delay
+  double largest_delay_s = std::numeric_limits<double>::infinity();
+
+  std::size_t rows() const;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,267 @@
+#include <breakwater/identification/two_inertia_axis.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <breakwater/identification/input_steps.h>
+#include <breakwater/identification/two_inertia_start.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kOrder = 10;        // the order is that of the polynomials
+constexpr double kLongestStep = 0.5;      // in time constants
+constexpr double kMostSteps = 100.0;      // in a row
+constexpr double kShortestStep = 1e-3;    // relative to the step that an event ends
+constexpr double kTimeTolerance = 1e-13;  // relative to the step that an event ends
+constexpr int kMostTrials = 60;
+
+// Coefficients of a position over the time.
+using Polynomial = std::array<double, kOrder + 1>;
+
+double value_at(const Polynomial& p, double t) {
+  double value = p[kOrder];
+  for (std::size_t k = kOrder; k-- > 0;) value = value * t + p[k];
+  return value;
+}
+
+double slope_at(const Polynomial& p, double t) {
+  double slope = kOrder * p[kOrder];
+  for (std::size_t k = kOrder; k-- > 1;) slope = slope * t + static_cast<double>(k) * p[k];
+  return slope;
+}
+
+// The time in (0, h] at which g falls below 0, by the Illinois method; g(h) < 0.
+template <typename Function>
+double time_of(const Function& g, double h) {
+  double a = 0.0, at_a = g(a);
+  if (at_a <= 0.0) {
+    a = kShortestStep * h;
+    at_a = g(a);
+    if (at_a <= 0.0) return a;
+  }
+  double b = h, at_b = g(b);
+  double side = 0.0;  // on which the last trial was
+  for (int i = 0; i < kMostTrials && b - a > kTimeTolerance * h; ++i) {
+    const double t = a + (b - a) * at_a / (at_a - at_b);
+    const double at_t = g(t);
+    if (at_t == 0.0) return t;
+    if (at_t < 0.0) {
+      b = t;
+      at_b = at_t;
+      if (side < 0.0) at_a *= 0.5;
+      side = -1.0;
+    } else {
+      a = t;
+      at_a = at_t;
+      if (side > 0.0) at_b *= 0.5;
+      side = 1.0;
+    }
+  }
+  return b;
+}
+
+// One of the two inertias.
+struct Body {
+  double inertia;
+  double viscous;
+  double coulomb;
+  double position;
+  double velocity;
+  double sign = 0.0;  // sign of the friction; 0: it sticks, or there is none
+  bool sticks = false;
+  Polynomial path{};
+
+  // Sticks or slips while `torque` begins to act.
+  void take(double torque) {
+    sticks = coulomb > 0.0 && velocity == 0.0 && std::abs(torque) <= coulomb;
+    sign = sticks || coulomb == 0.0 ? 0.0 : std::copysign(1.0, velocity == 0.0 ? torque : velocity);
+    path[0] = position;
+    path[1] = velocity;
+  }
+  // The next coefficient of the path from coefficient k of the torque.
+  void extend(std::size_t k, double torque) {
+    const auto n = static_cast<double>(k);
+    if (k == 0) torque -= sign * coulomb;
+    path[k + 2] =
+        sticks ? 0.0
+               : (torque - viscous * (n + 1.0) * path[k + 1]) / (inertia * (n + 1.0) * (n + 2.0));
+  }
+  void move(double t) {
+    position = value_at(path, t);
+    velocity = sticks ? 0.0 : slope_at(path, t);
+  }
+};
+
+class Motion {
+ public:
+  Motion(Side measured, const AxisValues& p, const AxisStart& start)
+      : measured_(measured),
+        gain_(p[kTorqueConstant]),
+        offset_(p[kOffset]),
+        stiffness_(p[kStiffness]),
+        damping_(p[kDamping]),
+        play_(0.5 * std::abs(p[kBacklash])),
+        motor_{p[kMotorInertia], p[kMotorViscous], p[kMotorCoulomb], start.position,
+               start.velocity},
+        load_{p[kLoadInertia], p[kLoadViscous], p[kLoadCoulomb], start.position, start.velocity} {
+    if (measured == Side::motor) {
+      load_.position -= start.twist;
+      load_.velocity -= start.twist_rate;
+    } else {
+      motor_.position += start.twist;
+      motor_.velocity += start.twist_rate;
+    }
+    if (play_ > 0.0) {
+      const double twist = motor_.position - load_.position;
+      if (std::abs(twist) > play_) flank_ = std::copysign(1.0, twist);
+      if (flank_ * torque() < 0.0) flank_ = 0.0;
+    }
+    const double both = 1.0 / motor_.inertia + 1.0 / load_.inertia;
+    longest_ =
+        kLongestStep / std::max({std::sqrt(stiffness_ * both), damping_ * both,
+                                 motor_.viscous / motor_.inertia, load_.viscous / load_.inertia});
+  }
+
+  double position() const { return measured_ == Side::motor ? motor_.position : load_.position; }
+
+  void advance(double h, double input) {
+    const double steps = std::ceil(h / longest_);
+    if (!(steps <= kMostSteps)) {
+      motor_.position = load_.position = std::numeric_limits<double>::quiet_NaN();
+      return;
+    }
+    const double drive = gain_ * input - offset_;
+    for (double step = h / steps; h > 0.5 * kTimeTolerance * step;) {
+      h -= move(std::min(step, h), drive);
+    }
+  }
+
+ private:
+  bool touches() const { return play_ == 0.0 || flank_ != 0.0; }
+
+  double torque() const {
+    return touches() ? stiffness_ * (motor_.position - load_.position - flank_ * play_) +
+                           damping_ * (motor_.velocity - load_.velocity)
+                     : 0.0;
+  }
+
+  // Up to the first event, if one is on the way. Returns the time that this took.
+  double move(double h, double drive) {
+    const double now = torque();
+    motor_.take(drive - now);
+    load_.take(now);
+    for (std::size_t k = 0; k + 2 <= kOrder; ++k) {
+      double T = 0.0;
+      if (touches()) {
+        T = stiffness_ * (motor_.path[k] - load_.path[k]) +
+            damping_ * static_cast<double>(k + 1) * (motor_.path[k + 1] - load_.path[k + 1]);
+        if (k == 0) T -= stiffness_ * flank_ * play_;
+      }
+      motor_.extend(k, (k == 0 ? drive : 0.0) - T);
+      load_.extend(k, T);
+    }
+    const auto twist = [&](double t) { return value_at(motor_.path, t) - value_at(load_.path, t); };
+    const auto spring = [&](double t, double flank) {
+      return stiffness_ * (twist(t) - flank * play_) +
+             damping_ * (slope_at(motor_.path, t) - slope_at(load_.path, t));
+    };
+    enum class Event { none, motor, load, contact };
+    Event event = Event::none;
+    double first = h;
+    double next_flank = flank_;
+    // The event at which g falls below 0, if it is the first one.
+    const auto meet = [&](Event one, const auto& g) {
+      if (!(g(first) < 0.0)) return false;
+      first = time_of(g, first);
+      event = one;
+      return true;
+    };
+    const auto meet_body = [&](Event one, const Body& body, double pushed, double sense) {
+      if (body.sticks) {
+        meet(one, [&](double t) {
+          const double on_body = pushed + sense * (touches() ? spring(t, flank_) : 0.0);
+          return body.coulomb - std::abs(on_body);
+        });
+      } else if (body.sign != 0.0) {
+        meet(one, [&](double t) { return body.sign * slope_at(body.path, t); });
+      }
+    };
+    meet_body(Event::motor, motor_, drive, -1.0);
+    meet_body(Event::load, load_, 0.0, 1.0);
+    if (play_ > 0.0 && flank_ != 0.0) {
+      if (meet(Event::contact, [&](double t) { return flank_ * spring(t, flank_); })) {
+        next_flank = 0.0;
+      }
+    } else if (play_ > 0.0) {
+      for (const double flank : {-1.0, 1.0}) {
+        const bool touched = meet(Event::contact, [&](double t) {
+          return -std::min(flank * twist(t) - play_, flank * spring(t, flank) / stiffness_);
+        });
+        if (touched) next_flank = flank;
+      }
+    }
+    motor_.move(first);
+    load_.move(first);
+    if (event == Event::motor) motor_.velocity = 0.0;
+    if (event == Event::load) load_.velocity = 0.0;
+    if (event == Event::contact) flank_ = next_flank;
+    return first;
+  }
+
+  Side measured_;
+  double gain_;
+  double offset_;
+  double stiffness_;
+  double damping_;
+  double play_;  // half of the backlash
+  Body motor_;
+  Body load_;
+  double flank_ = 0.0;    // sign of the twist while a flank bears; 0: free, or there is no play
+  double longest_ = 0.0;  // longest step
+};
+
+template <Side measured>
+void move_measured(const AxisValues& parameters, const AxisStart& start, const AxisStretch& stretch,
+                   std::span<double> positions) {
+  move_two_inertias(measured, parameters, start, stretch, positions);
+}
+
+AxisValues as_one_inertia(const AxisValues& values) {
+  AxisValues rigid{};
+  rigid[kInertia] = values[kMotorInertia] + values[kLoadInertia];
+  rigid[kViscous] = values[kMotorViscous] + values[kLoadViscous];
+  rigid[kTorqueConstant] = values[kTorqueConstant];
+  rigid[kStribeckSpeed] = 1.0;
+  return rigid;
+}
+
+template <Side measured>
+AxisModel model() {
+  return {.name = "two_inertia",
+          .parameters = {kMotorInertia, kLoadInertia, kStiffness, kDamping, kMotorViscous,
+                         kLoadViscous, kMotorCoulomb, kLoadCoulomb, kOffset, kDelay},
+          .known_inertia = kMotorInertia,
+          .start_values = 4,
+          .has_backlash = true,
+          .has_motor_encoder = measured == Side::motor,
+          .move = move_measured<measured>,
+          .candidates = two_inertia_candidates<measured>,
+          .rigid = as_one_inertia};
+}
+
+}  // namespace
+
+void move_two_inertias(Side measured, const AxisValues& parameters, const AxisStart& start,
+                       const AxisStretch& stretch, std::span<double> positions) {
+  follow(stretch, parameters[kDelay], Motion(measured, parameters, start), positions);
+}
+
+const AxisModel& two_inertia_axis(Side measured) {
+  static const AxisModel motor = model<Side::motor>();
+  static const AxisModel load = model<Side::load>();
+  return measured == Side::motor ? motor : load;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,87 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include <breakwater/experiment/runner.h>
+#include <breakwater/program/commands.h>
+#include <breakwater/record/cut_run.h>
+#include <breakwater/record/log_stream.h>
+#include <breakwater/record/run_folder.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/process.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+// The folder for the recovered run: the one that the killed run was meant for.
+fs::path target_of(const fs::path& partial, const std::string& out) {
+  if (out.empty() && !is_unfinished_run(partial)) {
+    throw std::invalid_argument(partial.string() +
+                                ": has another name than a killed run: give --out");
+  }
+  const fs::path target = out.empty() ? finished_name(partial) : fs::path(out);
+  if (fs::exists(fs::symlink_status(target))) {
+    throw std::invalid_argument(target.string() +
+                                ": is there already: give another folder with --out");
+  }
+  return target;
+}
+
+// Killed after the last row, the run may be complete and lack its name alone.
+bool is_complete(const fs::path& partial) {
+  try {
+    return is_recoverable(partial) && !is_being_written(partial) && is_run_folder(partial) &&
+           check_log(partial);
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+
+void recover(const fs::path& partial, const std::string& out, bool quiet) {
+  if (is_complete(partial)) {
+    const fs::path target = target_of(partial, out);
+    fs::rename(partial, target);
+    forget_stream(target);
+    if (!quiet) fmt::print("the run is complete\nresults: {}\n", target.string());
+    return;
+  }
+  const CutRun cut(partial);
+  const fs::path target = target_of(partial, out);
+  RunFolder folder(target);
+  write_cut_run(cut, partial, folder);
+  fs::remove_all(partial);
+  if (cut.is_damaged()) {
+    warn("recover", {"the rest of the log is damaged and left out: only a kill was expected"});
+  }
+  if (!quiet) {
+    fmt::print("recovered {:.6g} s of the run, which has no metrics\nresults: {}\n", cut.end_s(),
+               target.string());
+  }
+}
+
+}  // namespace
+
+int recover_main(const Catalogue&, int argc, const char* const* argv) {
+  const std::string program = own_program_name() + " recover";
+  return guarded(program, [&] {
+    CLI::App app("Makes a run of the log that a killed run with record.stream=true left.", program);
+    std::string partial;
+    std::string out;
+    bool quiet = false;
+    app.add_option("DIR", partial, "the folder that the killed run left; ls shows it")->required();
+    app.add_option("--out", out, "the folder of the run (default: the one it was meant for)");
+    app.add_flag("--quiet", quiet, "print errors only");
+    app.footer(
+        "The run has the status \"cut\" and no metrics. Its log ends at most a second before the\n"
+        "kill, of simulated time and of the clock. Exit status: 0 success, 2 usage or input.");
+    if (const auto status = parse(app, argc, argv)) return *status;
+    recover(partial, out, quiet);
+    return static_cast<int>(kSuccess);
+  });
+}
+
+}  // namespace breakwater

@@ -1,0 +1,60 @@
+// The files of a streamed run in its partial folder.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+struct XXH3_state_s;
+
+namespace breakwater::detail {
+
+/// Lists the blocks of rows that are complete in log.h5.
+inline constexpr const char* kJournal = "log.journal";
+
+/// A block of rows of one track. It is written after the rows.
+struct JournalEntry {
+  std::uint32_t track = 0;  ///< number of the track in the log
+  std::uint32_t rows = 0;
+  std::uint64_t hash = 0;  ///< XXH3 of the rows, one dataset after the other
+};
+
+/// XXH3 (64 bits) of several pieces. Only the constructor allocates.
+class BlockHash {
+ public:
+  BlockHash();
+  void reset();
+  void add(const void* data, std::size_t bytes);
+  std::uint64_t digest() const;
+
+ private:
+  std::unique_ptr<XXH3_state_s, void (*)(XXH3_state_s*)> state_;
+};
+
+/// An open file. Throws OutputError with its name.
+class DataFile {
+ public:
+  /// `flags` are those of open().
+  DataFile(std::filesystem::path file, int flags);
+  ~DataFile();
+  DataFile(const DataFile&) = delete;
+  DataFile& operator=(const DataFile&) = delete;
+
+  int descriptor() const { return descriptor_; }
+  void write(const void* data, std::size_t bytes, std::uint64_t place);
+  /// Returns the number of bytes read: less than `bytes` at the end of the file.
+  std::size_t read(void* data, std::size_t bytes, std::uint64_t place) const;
+
+ private:
+  [[noreturn]] void fail(const char* what) const;
+
+  std::filesystem::path file_;
+  int descriptor_;
+};
+
+/// Copies `bytes` bytes from one file to another.
+void copy(const DataFile& from, std::uint64_t from_place, DataFile& to, std::uint64_t to_place,
+          std::uint64_t bytes);
+
+}  // namespace breakwater::detail

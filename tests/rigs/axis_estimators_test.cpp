@@ -1,0 +1,299 @@
+// Every observer of an axis in the catalogue, with numbers that a broken sensor may send.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+#include <limits>
+
+#include <breakwater/config/fields.h>
+#include <breakwater/experiment/catalogue.h>
+#include <breakwater/experiment/parts.h>
+#include <breakwater/observers/kalman_estimator.h>
+#include <breakwater/plants/damped_inertia.h>
+#include <breakwater/rigs/axis_parts.h>
+#include "support.h"
+
+namespace breakwater::axis_estimators_test {
+namespace {
+
+NominalAxis one_axis() {
+  return {.plant = damped_inertia(1.0, 0.2),
+          .period_s = 1e-3,
+          .sensor = {Eigen::VectorXd::Constant(1, 1e-3), Eigen::VectorXd::Zero(1)},
+          .pulses_per_revolution = 6283.0};
+}
+
+std::unique_ptr<DisturbanceEstimator> make(const std::string& name,
+                                           const std::vector<std::string>& sets,
+                                           const NominalAxis& axis = one_axis()) {
+  Catalogue catalogue;
+  for (const AxisEstimatorKind& kind : axis_estimators()) catalogue.add(kind);
+  PartChoice<AxisEstimatorKind> choice(catalogue, "observer.name", "");
+  Fields fields;
+  choice.bind(fields);
+  Config config("test", {});
+  const char* const poles =
+      name == "idob" ? "observer.poles_rad_s=[-10,-20,-30]" : "observer.poles_rad_s=[-10,-20]";
+  for (const std::string& set : std::vector<std::string>{
+           "observer.name=" + name, poles, "observer.derivative_cutoff_rad_s=4",
+           "observer.low_pass_cutoff_rad_s=2", "observer.disturbance_order=0",
+           "observer.process_noise_on=disturbance", "observer.process_noise=1e-4",
+           "observer.observation_noise=1e-6", "observer.initial_covariance=[1e-4,1e-4,1e-4]",
+           "observer.alpha=0.1", "observer.lambda_min=0.8", "observer.lambda_max=1.0",
+           "observer.largest_disturbance=10"}) {
+    config.set(set);
+  }
+  for (const std::string& set : sets) config.set(set);
+  fields.read(config);
+  return choice.check(config, axis);
+}
+
+// The values of observer.likelihood that the observer knows, or one that it does not use.
+std::vector<std::string> likelihoods_of(const std::string& name) {
+  if (name == "immkf" || name == "mckf") return {"gauss", "code"};
+  return {"gauss"};
+}
+
+bool is_finite(const DisturbanceEstimator& estimator) {
+  bool finite = estimator.state().allFinite() && estimator.disturbance().allFinite();
+  for (const Signal& signal : estimator.signals()) {
+    for (const double value : signal.values) finite = finite && std::isfinite(value);
+  }
+  return finite;
+}
+
+class AxisEstimators : public ::testing::TestWithParam<std::string> {};
+
+// Sizes up to 1e75: squares of them, and their product with another square, are finite numbers.
+TEST_P(AxisEstimators, StayFiniteForEveryFiniteInput) {
+  for (const std::string& likelihood : likelihoods_of(GetParam())) {
+    const auto estimator = make(GetParam(), {"observer.likelihood=" + likelihood});
+    testing::Random random(5);
+    for (int k = 0; k < 5000; ++k) {
+      const auto any = [&](double largest) {
+        return random.uniform(-1.0, 1.0) * std::pow(10.0, random.uniform(-largest, largest));
+      };
+      // Every third stretch of 500 samples has huge numbers, the others plausible ones.
+      const double largest = k / 500 % 3 == 1 ? 75.0 : 0.0;
+      const Eigen::VectorXd u = Eigen::VectorXd::Constant(1, any(largest));
+      const Eigen::VectorXd y = Eigen::VectorXd::Constant(1, any(largest));
+      estimator->update(u, y);
+      ASSERT_TRUE(is_finite(*estimator)) << k << " " << u << " " << y;
+    }
+  }
+}
+
+// A random axis: inertia, friction, period and sensor of any usual size.
+NominalAxis any_axis(testing::Random& random) {
+  const auto any = [&](double from, double to) { return std::pow(10.0, random.uniform(from, to)); };
+  NominalAxis axis{
+      .plant = damped_inertia(any(-3.0, 2.0), any(-3.0, 1.0)),
+      .period_s = any(-4.0, -1.5),
+      .force_limit = 10.0,
+      .sensor = {
+          Eigen::VectorXd::Constant(1, random.uniform(0.0, 1.0) < 0.2 ? 0.0 : any(-7.0, -2.0)),
+          Eigen::VectorXd::Constant(1, random.uniform(0.0, 1.0) < 0.3 ? 0.0 : any(-7.0, -3.0))}};
+  axis.pulses_per_revolution = 6.2832 / std::max(1e-6, axis.sensor.quantum(0));
+  return axis;
+}
+
+std::vector<std::string> any_sets(testing::Random& random, const std::string& name) {
+  const auto set = [&](const std::string& key, double from, double to) {
+    return "observer." + key + "=" + std::to_string(std::pow(10.0, random.uniform(from, to)));
+  };
+  const int order = static_cast<int>(random.uniform(0.0, 2.99));
+  std::string covariance = "observer.initial_covariance=[1e-4";
+  for (int i = 0; i < 2 + order; ++i) covariance += ",1e-2";
+  const double pole = -std::pow(10.0, random.uniform(0.0, 2.0));
+  std::string poles =
+      "observer.poles_rad_s=[" + std::to_string(pole) + "," + std::to_string(1.1 * pole);
+  if (name == "idob") poles += "," + std::to_string(1.2 * pole);
+  const auto likelihoods = likelihoods_of(name);
+  return {poles + "]",
+          covariance + "]",
+          "observer.disturbance_order=" + std::to_string(order),
+          "observer.likelihood=" +
+              likelihoods[static_cast<std::size_t>(random.uniform(0.0, 0.99) *
+                                                   static_cast<double>(likelihoods.size()))],
+          set("process_noise", -5.0, 5.0),
+          set("observation_noise", -6.0, 0.0),
+          set("bandwidth_rad_s", 0.0, 2.0),
+          set("alpha", -2.0, 2.0)};
+}
+
+// P of a Kalman filter; empty for the others.
+Eigen::MatrixXd covariance_of(const DisturbanceEstimator& estimator) {
+  if (const auto* one = dynamic_cast<const KalmanEstimator<3, 1, 1>*>(&estimator)) return one->P();
+  if (const auto* one = dynamic_cast<const KalmanEstimator<4, 1, 1>*>(&estimator)) return one->P();
+  if (const auto* one = dynamic_cast<const KalmanEstimator<5, 1, 1>*>(&estimator)) return one->P();
+  if (const auto* one = dynamic_cast<const KalmanEstimator<6, 1, 1>*>(&estimator)) return one->P();
+  if (const auto* one = dynamic_cast<const KalmanEstimator<>*>(&estimator)) return one->P();
+  return {};
+}
+
+// Symmetric, and no eigenvalue is negative beyond rounding, in units that make the diagonal 1.
+void expect_covariance(const Eigen::MatrixXd& P) {
+  ASSERT_TRUE(P.allFinite());
+  ASSERT_GE(P.diagonal().minCoeff(), 0.0);
+  const Eigen::VectorXd scale = P.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd unit = scale.asDiagonal() * P * scale.asDiagonal();
+  ASSERT_LE((unit - unit.transpose()).cwiseAbs().maxCoeff(), 1e-9);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit, Eigen::EigenvaluesOnly);
+  ASSERT_GE(eigen.eigenvalues().minCoeff(), -1e-6);
+}
+
+// Random axes and designs: sequences of plausible and of huge finite numbers.
+TEST_P(AxisEstimators, PropertyStayFiniteWithACovarianceForAnyDesign) {
+  constexpr int kSamples = 100;
+  const int count = testing::property_count(1000);
+  testing::Random random(7);
+  int samples = 0, designs = 0, refused = 0, with_covariance = 0;
+  while (samples < count) {
+    std::unique_ptr<DisturbanceEstimator> estimator;
+    const NominalAxis axis = any_axis(random);
+    const std::vector<std::string> sets = any_sets(random, GetParam());
+    try {
+      estimator = make(GetParam(), sets, axis);
+    } catch (const std::invalid_argument&) {
+      ASSERT_LT(++refused, count) << "no design is accepted";
+      continue;
+    }
+    ++designs;
+    estimator->reset(Eigen::VectorXd::Zero(2));
+    const double largest = designs % 3 == 0 ? 75.0 : 1.0;
+    const auto any = [&] {
+      return Eigen::VectorXd::Constant(
+          1, random.uniform(-1.0, 1.0) * std::pow(10.0, random.uniform(-largest, largest)));
+    };
+    for (int k = 0; k < kSamples; ++k, ++samples) {
+      const Eigen::VectorXd u = any(), y = any();
+      estimator->update(u, y);
+      const auto trace = [&] {
+        std::string text = "design " + std::to_string(designs) + ", sample " + std::to_string(k);
+        for (const std::string& set : sets) text += " " + set;
+        return text + " period " + std::to_string(axis.period_s);
+      };
+      ASSERT_TRUE(is_finite(*estimator)) << trace();
+      const Eigen::MatrixXd P = covariance_of(*estimator);
+      if (P.size() == 0) continue;
+      ++with_covariance;
+      expect_covariance(P);
+      ASSERT_FALSE(HasFatalFailure()) << trace() << "\n" << P;
+    }
+  }
+  std::printf("%s: %d samples in %d designs, %d with a covariance; %d designs refused\n",
+              GetParam().c_str(), samples, designs, with_covariance, refused);
+}
+
+// NaN and infinity: the estimate is finite without them, or not finite from this sample on. After a
+// reset it is as if it had never been.
+TEST_P(AxisEstimators, PropertySayWhenTheyAreNotFinite) {
+  const int count = testing::property_count(300);
+  testing::Random random(8);
+  int survived = 0, said = 0;
+  const auto one = make(GetParam(), {});
+  const auto fresh = make(GetParam(), {});
+  const auto any = [&] { return Eigen::VectorXd::Constant(1, random.uniform(-1.0, 1.0)); };
+  for (int k = 0; k < count; ++k) {
+    one->reset(Eigen::VectorXd::Zero(2));
+    fresh->reset(Eigen::VectorXd::Zero(2));
+    const int good = static_cast<int>(random.uniform(1.0, 6.0));
+    for (int i = 0; i < good; ++i) {
+      const Eigen::VectorXd u = any(), y = any();
+      one->update(u, y);
+      fresh->update(u, y);
+      ASSERT_TRUE(one->state() == fresh->state() && one->disturbance() == fresh->disturbance())
+          << k << ": a reset leaves something";
+    }
+    constexpr double kBad[] = {std::numeric_limits<double>::quiet_NaN(),
+                               std::numeric_limits<double>::infinity(),
+                               -std::numeric_limits<double>::infinity()};
+    const Eigen::VectorXd bad = Eigen::VectorXd::Constant(1, kBad[k % 3]);
+    one->update(any(), bad);
+    const bool is_sound = one->state().allFinite() && one->disturbance().allFinite();
+    ++(is_sound ? survived : said);
+    one->update(any(), any());
+    ASSERT_EQ(is_sound, one->state().allFinite() && one->disturbance().allFinite()) << k;
+  }
+  std::printf("%s: %d sequences, finite in %d, not finite in %d\n", GetParam().c_str(), count,
+              survived, said);
+  EXPECT_TRUE(survived == 0 || said == 0) << "it depends";
+}
+
+std::vector<std::string> names() {
+  std::vector<std::string> all;
+  for (const AxisEstimatorKind& kind : axis_estimators()) all.push_back(kind.name);
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, AxisEstimators, ::testing::ValuesIn(names()),
+                         [](const auto& row) { return row.param; });
+
+TEST(PublishedAxisEstimators, RefuseWrongKeys) {
+  struct Row {
+    const char *name, *set, *message;
+  };
+  for (const Row& row : std::vector<Row>{
+           {"immkf", "observer.process_noise=0", "observer.process_noise: must be positive"},
+           {"mhe", "observer.process_noise=0", "observer.process_noise: must be positive"},
+           {"mckf", "observer.initial_covariance=[1,1]", "needs one initial covariance for each"},
+           {"immkf", "observer.likelihood=student", "observer.likelihood: "},
+           {"immkf", "observer.stays_busy=1.5", "observer.stays_busy: "},
+           {"mckf", "observer.kernel_width=0", "observer.kernel_width: "},
+           {"eso", "observer.bandwidth_rad_s=0", "observer.bandwidth_rad_s: "},
+           {"tracking_differentiator", "observer.filter_samples=0", "observer.filter_samples: "},
+           {"vbakf", "observer.forgetting=0", "observer.forgetting: "},
+           {"gsf", "observer.parts=21", "observer.parts: "},
+           {"mhe", "observer.horizon=51", "observer.horizon: "}}) {
+    try {
+      make(row.name, {row.set});
+      ADD_FAILURE() << row.name << " takes " << row.set;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(row.message), std::string::npos) << error.what();
+    }
+  }
+}
+
+// An axis with the states of two inertias leaves room for a step of d alone.
+TEST(PublishedAxisEstimators, RefuseMoreStatesThanTheyHave) {
+  NominalAxis axis = one_axis();
+  axis.plant = {Eigen::MatrixXd::Zero(4, 4), Eigen::VectorXd::Unit(4, 1),
+                Eigen::RowVectorXd::Unit(4, 0)};
+  axis.plant.A(0, 1) = axis.plant.A(2, 3) = 1.0;
+  axis.plant.A.row(1) << -100.0, 0.0, 100.0, 0.0;
+  axis.plant.A.row(3) = -axis.plant.A.row(1);
+  axis.E = Eigen::VectorXd::Unit(4, 3);
+  try {
+    make("vbakf", {"observer.disturbance_order=1"}, axis);
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("observer.disturbance_order: must be at most 0"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+// The published ones also survive what is not a number, and what overflows.
+TEST(PublishedAxisEstimators, SurviveAnyNumber) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  for (const char* name :
+       {"immkf", "mckf", "eso", "tracking_differentiator", "vbakf", "gsf", "mhe"}) {
+    for (const std::string& likelihood : likelihoods_of(name)) {
+      const auto estimator = make(name, {"observer.likelihood=" + likelihood});
+      testing::Random random(6);
+      for (int k = 0; k < 2000; ++k) {
+        const auto any = [&] {
+          const double size = std::pow(10.0, random.uniform(-308.0, 308.0));
+          const double kind = random.uniform(0.0, 1.0);
+          return kind < 0.1 ? NAN : kind < 0.2 ? -kInf : kind < 0.6 ? -size : size;
+        };
+        estimator->update(Eigen::VectorXd::Constant(1, any()), Eigen::VectorXd::Constant(1, any()));
+        ASSERT_TRUE(is_finite(*estimator)) << name << " " << likelihood << " " << k;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace breakwater::axis_estimators_test

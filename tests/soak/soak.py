@@ -1,0 +1,164 @@
+"""Long work in one process: memory, descriptors and time a repetition stay flat.
+
+    soak.py BUILD_FOLDER [--short] [--only PART] [--plant-leak]
+
+Samples come from /proc, outside of the process. They are in BUILD_FOLDER/soak/PART.csv. The exit status is 1 if a trend
+is significant and larger than its bound (trend.py). The bounds hold for the growth over the whole part: 1 MB of
+resident memory, half a descriptor, or 5 % of the processor's time a repetition. --short takes a few seconds and does
+not judge times. --plant-leak runs a process with a leak instead.
+"""
+
+import argparse
+import csv
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+from trend import BLOCKS, trend
+
+STEPS_PER_ROW = 10
+TICKS_PER_S = os.sysconf("SC_CLK_TCK")
+BOUNDS = {"memory": 1000.0, "descriptors": 0.5, "time": 0.05}  # kB, 1, share
+WARM_UP = {False: 0.2, True: 0.6}  # share of a part, by --short: caches and encoders fill
+
+
+class Watch:
+    """Samples a process while it works. `count` returns its repetitions so far."""
+
+    def __init__(self, words, count=None, interval_s=None, **options):
+        self.samples = []
+        self.begin = time.monotonic()
+        pipe = None if count else subprocess.PIPE
+        self.process = subprocess.Popen(words, text=True, bufsize=1, stdin=pipe, stdout=pipe, **options)
+        if count is None:
+            for line in self.process.stdout:
+                self.sample(int(line))
+                self.process.stdin.write("\n")
+        else:
+            ended = threading.Event()
+            threading.Thread(target=lambda: (self.process.wait(), ended.set()), daemon=True).start()
+            while not ended.wait(interval_s):
+                self.sample(count())
+        if self.process.wait() != 0:
+            sys.exit(f"soak: {words[0]} ended with status {self.process.returncode}")
+
+    def sample(self, count):
+        """Append count, time [s], memory [kB], descriptors and processor's time [s]."""
+        process = pathlib.Path("/proc", str(self.process.pid))
+        try:
+            stat = (process / "stat").read_text().rpartition(")")[2].split()
+            status = (process / "status").read_text()
+            memory = int(status.partition("VmRSS:")[2].split()[0])
+            descriptors = len(list((process / "fd").iterdir()))
+        except (OSError, IndexError):  # it has ended
+            return
+        used_s = (int(stat[11]) + int(stat[12])) / TICKS_PER_S
+        if count > 0 and (not self.samples or count > self.samples[-1][0]):
+            self.samples.append((count, time.monotonic() - self.begin, memory, descriptors, used_s))
+
+
+def rows_of(folder):
+    """The rows of `control` in the journal of a streamed run."""
+    def count():
+        for journal in folder.glob(".run.partial-*/log.journal"):
+            try:
+                blocks = struct.iter_unpack("<IIQ", journal.read_bytes()[: journal.stat().st_size // 16 * 16])
+                return STEPS_PER_ROW * sum(rows for track, rows, _ in blocks if track == 0)
+            except OSError:  # the run has just ended
+                pass
+        return 0
+
+    return count
+
+
+class Soak:
+    def __init__(self, build, is_short):
+        self.build, self.is_short = build, is_short
+        self.out = build / "soak"
+        self.out.mkdir(exist_ok=True)
+        self.lines = []
+
+    def steps(self, folder):
+        """A motor with an observer at 10 kHz, sampled at 1 kHz."""
+        count = 1_000_000 if self.is_short else 100_000_000
+        return Watch([self.build / "bin/motor_estimation", "--quiet", "--case", "stf", "--out", folder / "run", "--set",
+                      "record.stream=true", "physics.timestep_s=1e-4", "physics.integrator=euler",
+                      f"run.duration_s={count * 1e-4}"], rows_of(folder), 0.01 if self.is_short else 1.0)
+
+    def work(self, what, count, folder, *more):
+        return Watch([self.build / "tests/soak_work", what, str(count), folder, *more],
+                     env={**os.environ, "LP_NUM_THREADS": "0"})
+
+    def run_for_pictures(self, folder):
+        subprocess.run([self.build / "bin/cart_position", "--quiet", "--out", folder / "shown"], check=True)
+        # Without it, each replay draws this picture for browsers without WebGL.
+        subprocess.run([self.build / "bin/breakwater", "strip", folder / "shown", "--quiet"], check=True)
+        return folder / "shown"
+
+    def runs(self, folder):
+        return self.work("runs", 300 if self.is_short else 100_000, folder)
+
+    def leak(self, folder):
+        return self.work("leak", 200, folder)
+
+    def frames(self, folder):
+        return self.work("frames", 400 if self.is_short else 10_000, folder, self.run_for_pictures(folder))
+
+    def replays(self, folder):
+        return self.work("replays", 100 if self.is_short else 10_000, folder, self.run_for_pictures(folder))
+
+    def part(self, name):
+        """Run a part, write its samples, and return whether it is flat."""
+        # Files in memory: the disk of a shared machine is no part of this.
+        on_disk = name == "steps" or not os.access("/dev/shm", os.W_OK)
+        folder = pathlib.Path(tempfile.mkdtemp(prefix="soak-", dir=self.out if on_disk else "/dev/shm"))
+        try:
+            samples = getattr(self, name)(folder).samples
+        finally:
+            shutil.rmtree(folder)
+        with open(self.out / f"{name}.csv", "w", newline="") as file:
+            table = csv.writer(file)
+            table.writerow(["count", "wall_s", "resident_kB", "descriptors", "processor_s"])
+            table.writerows(samples)
+        warm_up = WARM_UP[self.is_short]
+        if len(samples) * (1 - warm_up) < 2 * BLOCKS + 2:
+            sys.exit(f"soak: {name}: has {len(samples)} samples, too few for a trend")
+        counts, walls, memories, descriptors, used = zip(*samples)
+        each_us = [1e6 * (b - a) / (n - m) for a, b, m, n in zip(used, used[1:], counts, counts[1:])]
+        memory, files, times = (trend(counts[-len(values):], values, warm_up)
+                                for values in (memories, descriptors, each_us))
+        grown = [what for what, found, bound in (
+            ("memory", memory, BOUNDS["memory"]), ("descriptors", files, BOUNDS["descriptors"]),
+            ("time", times, BOUNDS["time"] * times.start)) if found.exceeds(bound)
+            and not (self.is_short and what == "time")]
+        self.lines.append(
+            f"{name:<8} {counts[-1]:>10}  {walls[-1]:8.0f} s  {max(memories) / 1000:7.1f} MB {memory.growth:+8.0f} kB "
+            f"(t {memory.t:+.1f})  {max(descriptors):3} fd {files.growth:+.1f}  {times.start:10.2f} us "
+            f"{100 * times.growth / times.start:+6.1f} % (t {times.t:+.1f})"
+            f"{'  GROWS: ' + ', '.join(grown) if grown else ''}")
+        print(self.lines[-1], flush=True)
+        return not grown
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("--short", action="store_true")
+    parser.add_argument("--only", choices=["steps", "runs", "frames", "replays"])
+    parser.add_argument("--plant-leak", action="store_true")
+    arguments = parser.parse_args()
+    soak = Soak(arguments.build.resolve(), arguments.short or arguments.plant_leak)
+    names = ["leak"] if arguments.plant_leak else [arguments.only] if arguments.only else [
+        "steps", "runs", "frames", "replays"]
+    print("part      repetitions      time   largest memory, growth      descriptors  time of each, growth", flush=True)
+    sys.exit(0 if all([soak.part(name) for name in names]) else 1)
+
+
+if __name__ == "__main__":
+    main()
