@@ -100,9 +100,8 @@ void FaultSettings::bind(Fields& fields, const std::string& channels) {
        {"bias", FaultKind::bias},
        {"delay", FaultKind::delay},
        {"stuck", FaultKind::stuck}},
-      "readings of the broken sensor: not a number, infinity, the last one (frozen; dropped: "
-      "for 50 ms), with an error of changing (spike) or constant sign (bias), older ones "
-      "(delay), or rounded (stuck)");
+      "readings of the broken sensor: nan, infinity, the last one (frozen; dropped: 50 ms), an "
+      "error (spike, bias), late (delay) or rounded (stuck)");
   fields.standard("fault.kind", {std::string("nan")});
   fields.number("fault.size", fault.size, any(),
                 "error of a spike or bias, smallest step of a stuck quantiser, in the unit of the "

@@ -13,6 +13,7 @@
 #include <breakwater/observers/code_likelihood.h>
 #include <breakwater/recorded/encoder_quantum.h>
 #include <breakwater/shell/table.h>
+#include <breakwater/world/noise.h>
 
 namespace breakwater {
 namespace {
@@ -28,6 +29,8 @@ constexpr int kTrialIterations = 15;
 constexpr std::size_t kFinalists = 2;
 constexpr std::size_t kLags = 20;
 constexpr int kMostRestarts = 4;
+constexpr int kRestarts = 12;        // random ones, if the residuals are not white
+constexpr double kAround = 0.15;     // their distance, relative
 constexpr double kBetter = 0.5;      // rise of 2 ln L by which another fit counts as better
 constexpr double kWhite99 = 37.566;  // 99 % quantile of chi-square with kLags degrees of freedom
 constexpr double kSteady = 0.05;     // spread of a speed that counts as constant, relative
@@ -120,6 +123,29 @@ AxisFit best_beside(const AxisData& data, const FreeParameters& free, const Axis
           fit_axis(data, free, moved_fit(data, free, fit, sign * change), kTrialIterations);
       if (one.deviance < best.deviance - kBetter) best = one;
     }
+  }
+  return best;
+}
+
+// The best of the searches that begin at random points around a fit.
+AxisFit best_around(const AxisData& data, const FreeParameters& free, const AxisFit& fit) {
+  const Noise random(1, "restarts");
+  const AxisValues scales = parameter_scales(data);
+  std::uint64_t drawn = 0;
+  AxisFit best = fit;
+  for (int n = 0; n < kRestarts; ++n) {
+    AxisFit start = fit;
+    for (std::size_t p = 0; p < kAxisParameters; ++p) {
+      if (!free[p]) continue;
+      const auto parameter = static_cast<AxisParameter>(p);
+      const double size = is_logarithmic(parameter) || parameter == kDelay
+                              ? 1.0
+                              : std::abs(fit.values[p]) / scales[p];
+      const double change = kAround * size * random(drawn++);
+      start.values[p] = moved_parameter(data, parameter, fit.values[p], change);
+    }
+    const AxisFit one = fit_axis(data, free, fit_starts(data, start), kTrialIterations);
+    if (one.deviance < best.deviance - kBetter) best = one;
   }
   return best;
 }
@@ -378,13 +404,13 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
     const bool is_of_spring = order[n] == kDamping || order[n] == kBacklash;
     const double shown_std = std::sqrt(shown(i, i));
     estimate.is_identifiable =
-        shown_std <= known_parameter(order[n)].largest_std && (shows_spring || !is_of_spring);
+        shown_std <= known_parameter(order[n]).largest_std && (shows_spring || !is_of_spring);
     if (!estimate.is_identifiable) {
       std::vector<std::string> tied;
       for (std::size_t m = 0; m < order.size(); ++m) {
         const auto j = static_cast<Eigen::Index>(m);
         if (m != n && std::abs(shown(i, j)) > kTied * shown_std * std::sqrt(shown(j, j))) {
-          tied.emplace_back(known_parameter(order[m)].name);
+          tied.emplace_back(known_parameter(order[m]).name);
         }
       }
       explain(estimate, motion, tied);
@@ -556,6 +582,13 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
     }
     const AxisFit beside = best_beside(data, free, fit);
     if (beside.deviance < fit.deviance) result.fit = fit_axis_and_noise(data, free, beside);
+    // A wrong minimum leaves errors that are not white.
+    for (int turn = 0; turn < kMostRestarts && !whiteness_of(scores_of(data, fit)).is_white();
+         ++turn) {
+      const AxisFit around = best_around(data, free, fit);
+      if (!(around.deviance < fit.deviance)) break;
+      result.fit = fit_axis_and_noise(data, free, around);
+    }
   }
   result.is_converged = fit.is_converged;
   if (!std::isfinite(fit.deviance)) return result;

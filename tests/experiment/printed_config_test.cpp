@@ -8,7 +8,7 @@
 #include "catalogue.h"
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::printed_config_test {
 namespace {
 
 // The dotted keys of numbers in a printed file, with their values.
@@ -44,7 +44,8 @@ TEST(PrintedConfig, PropertyReadsAsItself) {
       const PreparedRun run = prepare_point(catalogue, kind.name, file, name, {});
       Origin origin{kind.name, name, file, {}};
       add_numbers(toml::parse(run.config_text), "", origin.numbers);
-      std::erase_if(origin.numbers, [](const auto& one) { return one.first.starts_with("cases."); });
+      std::erase_if(origin.numbers,
+                    [](const auto& one) { return one.first.starts_with("cases."); });
       origins.push_back(std::move(origin));
     }
   }
@@ -69,9 +70,9 @@ TEST(PrintedConfig, PropertyReadsAsItself) {
     }
     ++accepted;
     std::ofstream(path) << run.config_text;
-    const PreparedRun again = prepare_run(catalogue, origin.scenario,
-                                          ScenarioFile(path.string(), origin.scenario),
-                                          origin.case_name, {});
+    const PreparedRun again =
+        prepare_run(catalogue, origin.scenario, ScenarioFile(path.string(), origin.scenario),
+                    origin.case_name, {});
     ASSERT_EQ(again.config_text, run.config_text) << origin.scenario << " " << set;
     std::vector<std::pair<std::string, double>> numbers;
     add_numbers(toml::parse(run.config_text), "", numbers);
@@ -84,4 +85,4 @@ TEST(PrintedConfig, PropertyReadsAsItself) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::printed_config_test

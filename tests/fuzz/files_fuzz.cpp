@@ -1,6 +1,6 @@
-// Files and options of studies: a study, a tuning and its candidates, experiments, shots, printed
-// results, lists of values, seeds and points, and the answers of Slurm. A study or a tuning that is
-// read and printed is read again as the same.
+// Files and options of studies. They are a study, a tuning and its candidates, experiments, shots
+// and printed results. There are lists of values, seeds and points, and the answers of Slurm. A
+// study or a tuning that is read and printed is read again as the same.
 #include <algorithm>
 #include <sstream>
 

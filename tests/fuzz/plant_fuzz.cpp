@@ -1,5 +1,5 @@
-// What MuJoCo compiles: an MJCF through our loader, and the file of a plant with its axes, contacts
-// and metrics on a small MJCF. A plant that is read and printed is read again as the same.
+// Models for MuJoCo's compiler: an MJCF through our loader, and the file of a plant with its axes,
+// contacts and metrics on a small MJCF. A plant that is read and printed is read again as the same.
 #include <breakwater/config/config.h>
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/contact_parts.h>

@@ -1,17 +1,15 @@
 // Any quadratic program: a result satisfies the KKT conditions or has an honest status.
 #include <cmath>
-#include <limits>
 
 #include <breakwater/linear/qp.h>
 #include "linear/hard_qp.h"
 
-namespace breakwater {
+namespace breakwater::qp_property_test {
 namespace {
 
 using testing::HardQp;
 using testing::Random;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostSweeps = 300;
 
 // A program of any condition that has a solution, or with a bound too many, or with one input that
@@ -30,11 +28,12 @@ HardQp any_program(Random& random) {
   } else if (change < 0.3) {
     input.softness(row) = std::pow(10.0, random.uniform(-6.0, 2.0));
   } else if (change < 0.4) {
-    input.g(any_of(input.g.size())) = random.uniform(0.0, 1.0) < 0.5 ? std::nan("") : sign * kInfinity;
+    input.g(any_of(input.g.size())) =
+        random.uniform(0.0, 1.0) < 0.5 ? std::nan("") : sign * kNoBound;
   } else if (change < 0.45) {
-    input.upper(row) = random.uniform(0.0, 1.0) < 0.5 ? std::nan("") : -kInfinity;
+    input.upper(row) = random.uniform(0.0, 1.0) < 0.5 ? std::nan("") : -kNoBound;
   } else if (change < 0.5) {
-    input.softness(row) = random.uniform(0.0, 1.0) < 0.5 ? -1.0 : kInfinity;
+    input.softness(row) = random.uniform(0.0, 1.0) < 0.5 ? -1.0 : kNoBound;
   } else if (change < 0.6) {
     input.g *= std::pow(10.0, random.uniform(-12.0, 12.0));
   }
@@ -42,9 +41,9 @@ HardQp any_program(Random& random) {
 }
 
 bool is_valid(const QpInput& input) {
-  return input.g.allFinite() && (input.lower.array() < kInfinity).all() &&
-         (input.upper.array() > -kInfinity).all() && (input.softness.array() >= 0.0).all() &&
-         (input.softness.array() < kInfinity).all();
+  return input.g.allFinite() && (input.lower.array() < kNoBound).all() &&
+         (input.upper.array() > -kNoBound).all() && (input.softness.array() >= 0.0).all() &&
+         (input.softness.array() < kNoBound).all();
 }
 
 class QpProperty : public ::testing::TestWithParam<QpSolverKind> {};
@@ -83,12 +82,13 @@ TEST_P(QpProperty, AResultIsOptimalOrSaysThatItIsNot) {
     ASSERT_LE(error, 1.01 * kQpSolvedBelow) << k;
     largest = std::max(largest, error);
   }
-  std::printf("%d programs: %d solved, %d at the cap, %d infeasible, %d not finite, %d inaccurate, "
-              "largest error %.1e\n",
-              count, statuses[0], statuses[1], statuses[2], statuses[3], statuses[4], largest);
+  std::printf(
+      "%d programs: %d solved, %d at the cap, %d infeasible, %d not finite, %d inaccurate, "
+      "largest error %.1e\n",
+      count, statuses[0], statuses[1], statuses[2], statuses[3], statuses[4], largest);
   EXPECT_GT(statuses[0], count / 4);
   EXPECT_GT(statuses[3], count / 20);
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::qp_property_test

@@ -3,9 +3,9 @@
     soak.py BUILD_FOLDER [--short] [--only PART] [--plant-leak]
 
 Samples come from /proc, outside of the process. They are in BUILD_FOLDER/soak/PART.csv. The exit status is 1 if a trend
-is significant and larger than its bound (trend.py). The bounds hold for the growth over the whole part: 1 MB of
-resident memory, half a descriptor, or 5 % of the processor's time a repetition. --short takes a few seconds and does
-not judge times. --plant-leak runs a process with a leak instead.
+is significant and larger than its bound (trend.py). The bounds are for the growth over the whole part. They are 1 MB
+of resident memory, half a descriptor, and 5 % of the processor's time a repetition. --short takes a few seconds and
+does not judge times. --plant-leak runs a process with a leak instead.
 """
 
 import argparse
