@@ -27,8 +27,7 @@ PARSERS = {
     "run": ["experiment/run_list.cpp", "experiment/run_manifest.cpp", "experiment/saved_run.cpp",
             "identification/axis_parameters.cpp"],
     "log": ["record/hdf5_log.cpp"],
-    "xml": ["plants/urdf.cpp"],
-    "plant": ["sim/mjcf_files.cpp"]}
+    "xml": ["plants/mjcf_files.cpp", "plants/mjcf_numbers.cpp", "plants/urdf.cpp", "plants/xml_file.cpp"]}
 
 
 def main():

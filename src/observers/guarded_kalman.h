@@ -34,8 +34,10 @@ class GuardedKalman : public Guarded<KalmanEstimator<N, 1, 1>> {
     this->signals_.pop_back();  // lambda: there is no forgetting factor
   }
 
+  /// A variance below 0 is the rounding error of a huge innovation.
   bool is_sound() const override {
     return this->extended_state_.allFinite() && this->covariance_.allFinite() &&
+           this->covariance_.diagonal().minCoeff() >= 0.0 &&
            Guarded<KalmanEstimator<N, 1, 1>>::is_sound();
   }
 

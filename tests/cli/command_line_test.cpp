@@ -286,7 +286,7 @@ TEST_F(NonsenseIn, IsOneLine) {
   expect_refused(
       "arm_wall_contact "
       "--duration 1e7",
-      "run.duration_s: the log of so long a run does not fit in memory");
+      "run.duration_s: the log of so long a run does not fit in memory: set record.stream=true");
 #endif
 }
 
