@@ -18,7 +18,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-from scipy.stats import wilcoxon
+from scipy.stats import binom, wilcoxon
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "scripts"))
@@ -81,6 +81,13 @@ def holm(pairs):
     for rank, pair in enumerate(sorted(pairs, key=lambda pair: pair[-1])):
         largest = max(largest, min(1.0, (len(pairs) - rank) * pair[-1]))
         pair[-1] = largest
+
+
+def median_interval(values):
+    """The median, and the order statistics that contain it with 95 % or more for any distribution."""
+    ranked = sorted(values)
+    rank = int(binom.ppf(0.025, len(ranked), 0.5))
+    return statistics.median(ranked), ranked[rank - 1], ranked[-rank]
 
 
 def label(contact):

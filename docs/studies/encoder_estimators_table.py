@@ -12,19 +12,16 @@ import csv
 import math
 import shutil
 import sys
+import tomllib
 from itertools import combinations
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
+from contact_laws import COLOURS, holm, plt
 from scipy.stats import wilcoxon
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parents[1] / "scripts"))
-from figures import COLOURS  # noqa: E402
+COST = tomllib.loads((HERE / "encoder-estimators.toml").read_text(encoding="utf-8"))["cost"]
 
 QUANTITIES = {"rmse_velocity_rad_s": "velocity", "rmse_disturbance_Nm": "disturbance"}
 OURS = ["qbank", "qbank-tuned", "stf", "qvff"]
@@ -86,10 +83,7 @@ def pairs_of(found):
             d = np.where(np.isnan(d), 0.0, np.clip(d, -99.0, 99.0))
             p = 1.0 if not np.any(d) else wilcoxon(d).pvalue
             pairs[quantity, rows, one, other] = [int(np.sum(d < 0.0)), int(np.sum(d > 0.0)), p]
-    largest = 0.0
-    for rank, pair in enumerate(sorted(pairs.values(), key=lambda pair: pair[-1])):
-        largest = max(largest, min(1.0, (len(pairs) - rank) * pair[-1]))
-        pair[-1] = largest
+    holm(pairs.values())
     return pairs
 
 
@@ -118,7 +112,10 @@ def draw(found, order, path):
                 panel.plot(middle, y + dy, "o", color=colour, mfc=face, ms=5)
         panel.axvline(1.0, color="black", lw=1.0)
         panel.set(xscale="log", xlabel=f"RMSE of the {QUANTITIES[quantity]}, as a multiple of the floor",
-                  xlim=(0.8, 60.0 if quantity == "rmse_velocity_rad_s" else 30.0))
+                  xlim=(0.9, 15.0 if quantity == "rmse_velocity_rad_s" else 40.0))
+        ticks = [1, 2, 3, 5, 10, 20]
+        panel.set_xticks(ticks, [str(tick) for tick in ticks])
+        panel.set_xticks([], minor=True)
         panel.grid(axis="x", alpha=0.25)
     panels[0].set_yticks(range(len(order)), order)
     panels[0].invert_yaxis()
@@ -153,8 +150,10 @@ def main():
             table.writerow([QUANTITIES[q], SETS[s], one, other, wins, losses, f"{p:.2g}"])
     for name in ("tuned", "converged"):
         shutil.copyfile(folder / f"{name}.csv", HERE / f"encoder-estimators-{name}.csv")
+    with open(folder / "tuned.csv", newline="", encoding="utf-8") as file:
+        tuned = {line["estimator"]: len(line["keys"].split()) for line in csv.DictReader(file)}
     for case in order:
-        cells = []
+        cells = [f"`{case}`", f"{tuned[case]}", f"{COST[case]:g}"]
         for s in SETS:
             for q in QUANTITIES:
                 values = found[q, s][case]
@@ -165,8 +164,8 @@ def main():
                 cells.append("")
                 continue
             wins, losses, p = against(pairs, q, "unseen", case, "qbank")
-            cells.append(f"{wins} : {losses}" + (" *" if p < 0.05 else ""))
-        print(f"| {case} | " + " | ".join(cells) + " |")
+            cells.append(f"{wins} : {losses}" + (" **(p < 0.05)**" if p < 0.05 else ""))
+        print(f"| {' | '.join(cells)} |")
     draw(found, order, HERE.parent / "pictures/encoder-estimators.png")
     for number, case, value, error in wrong:
         print(f"row {number}: {case} is below the floor: {value:.3f} +- {error:.3f}", file=sys.stderr)

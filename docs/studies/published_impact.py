@@ -15,10 +15,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from contact_laws import COLOURS, LARGEST_POSTURE_ERROR_rad, holm, plt, write
+from contact_laws import COLOURS, LARGEST_POSTURE_ERROR_rad, holm, median_interval, plt, write
 from contact_limit import SPEED_m_s, START_m, STIFF_N_m, Arm, Wall, time_to_wall, time_under
 from published_impact_runs import LONGEST_s, TOLD
-from scipy.stats import binom, binomtest
+from scipy.stats import binomtest
 
 HERE = Path(__file__).resolve().parent
 NAMES = {"tlsc": "TLSC", "proposed": "proposed", "hpfc": "HPFC", "energy": "energy, admittance",
@@ -81,11 +81,9 @@ def median(values):
 
 
 def interval(values):
-    """Median with its interval of 95 % or more between order statistics."""
-    ranked = np.sort(values)
-    rank = int(binom.ppf(0.025, len(ranked), 0.5))
-    ends = [f"{value:.2f}" if np.isfinite(value) else "∞" for value in (ranked[rank - 1], ranked[-rank])]
-    return f"{median(values):.2f} [{', '.join(ends)}]"
+    """Median with its interval, as text."""
+    middle, *ends = median_interval(values)
+    return f"{middle:.2f} [{', '.join(f'{end:.2f}' if np.isfinite(end) else '∞' for end in ends)}]"
 
 
 def compare(ours, theirs):

@@ -20,8 +20,8 @@ struct EsoDesign {
 };
 
 /// x̄ = [q; q̇; d] of an axis, sampled with a zero-order hold. With ê = y − q(k|k−1):
-///     x̄(k) = Φ x̄(k−1) + Γ u(k−1) + [l₁ ê; l₂ f(ê, ½); l₃ f(ê, ¼)],   f(ê, α) = δ^{1−α} fal(ê, α,
-///     δ).
+///     x̄(k) = Φ x̄(k−1) + Γ u(k−1) + [l₁ ê; l₂ f(ê, ½); l₃ f(ê, ¼)],
+///     f(ê, α) = δ^{1−α} fal(ê, α, δ).
 /// The gains l place all poles of (I − l C̅) Φ at e^{−ω_o T_s}, those of −ω_o in continuous time.
 /// Within ±δ the observer is this linear one. Beyond, the gains of q̇ and d fall as fal does.
 ///

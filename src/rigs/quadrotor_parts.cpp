@@ -338,8 +338,9 @@ void bind_wave_mpc(Fields& fields, WaveMpcSettings& settings) {
        {"autoregressive", ForecastSource::autoregressive},
        {"upstream", ForecastSource::upstream},
        {"told", ForecastSource::told}},
-      "forecast of the force: estimator (its free response), held (the present estimate), "
-      "autoregressive (identified on line), upstream (a probe of the waves), told (the future)");
+      "forecast of the force: estimator (its model's free response), held (the present estimate) "
+      "or autoregressive (identified on line). Told of the sea: upstream (a probe of the "
+      "elevation), told (the future)");
   fields.standard("controller.forecast", {std::string("estimator")});
   fields.number("controller.period_s", settings.mpc.period_s, positive(),
                 "period of the controller's decisions, a multiple of control.period_s [s]");

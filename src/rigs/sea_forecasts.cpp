@@ -80,8 +80,9 @@ UpstreamForecast::UpstreamForecast(const QuadrotorTask& task, const UpstreamDesi
       columns(j, kComponents + i) = sine;
     }
   }
-  const Eigen::MatrixXd normal =
-      columns.transpose() * columns + Eigen::MatrixXd(weights.asDiagonal());
+  // The rounding of Eigen's other product depends on the processor's caches.
+  Eigen::MatrixXd normal = columns.transpose().lazyProduct(columns);
+  normal.diagonal() += weights;
   fit_ = normal.llt().solve(columns.transpose());
 }
 

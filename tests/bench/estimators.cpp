@@ -17,6 +17,7 @@
 #include <breakwater/observers/immkf.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mckf.h>
+#include <breakwater/observers/mdob.h>
 #include <breakwater/observers/mhe.h>
 #include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/qvff.h>
@@ -162,6 +163,8 @@ void report_published() {
   report("MCKF", *sized_mckf(design(1e-6), sensor(1), {}), 1, kFew);
   report("MCKF, code", *sized_mckf(design(1e-6), sensor(1), {.likelihood = Likelihood::code}), 1,
          kFew);
+  Eso linear(motor, {20.0}, kPeriod);
+  report("ESO, linear", linear, 1, kFew);
   Eso eso(motor, {20.0, 1e-3}, kPeriod);
   report("ESO, nonlinear", eso, 1, kFew);
   TrackingDifferentiator differentiator({1.0, 100.0, 10.0, 2.0}, kPeriod);
@@ -228,6 +231,8 @@ int main() {
   Idob idob(damped_inertia(1.0, 0.0), {{-10.0, -20.0, -30.0}}, kPeriod);
   std::puts("3 states, 1 output");
   report("IDOB, sizes known at run time", idob, 1);
+  Mdob mdob({1.0, 100.0, 10.0}, kPeriod);
+  report("MDOB", mdob, 1);
   MultipleModelEstimator bank({damped_inertia(1.0, 0.0), kPeriod, sensor(1), 10.0});
   const std::string name = "QBANK, " + std::to_string(bank.models().size()) + " models";
   report(name.c_str(), bank, 1);

@@ -67,8 +67,8 @@ TEST(SeaForecasts, ToldIsTheClosedFormOfARegularWave) {
   }
 }
 
-// The RMS error of the upstream forecast at step i of a horizon of 3 s. It is a share of the RMS of
-// the true force.
+// The RMS error of the upstream forecast over the RMS of the true force. Element i is that at the
+// step i of a horizon of 3 s.
 Eigen::VectorXd upstream_error(const QuadrotorTask& sea, double noise_m) {
   UpstreamForecast upstream(sea, {.distance_m = 30.0, .noise_m = noise_m});
   ToldForecast told(sea, 0.1);
