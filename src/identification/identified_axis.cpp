@@ -378,13 +378,13 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
     const bool is_of_spring = order[n] == kDamping || order[n] == kBacklash;
     const double shown_std = std::sqrt(shown(i, i));
     estimate.is_identifiable =
-        shown_std <= known_parameter(order[n)].largest_std && (shows_spring || !is_of_spring);
+        shown_std <= known_parameter(order[n]).largest_std && (shows_spring || !is_of_spring);
     if (!estimate.is_identifiable) {
       std::vector<std::string> tied;
       for (std::size_t m = 0; m < order.size(); ++m) {
         const auto j = static_cast<Eigen::Index>(m);
         if (m != n && std::abs(shown(i, j)) > kTied * shown_std * std::sqrt(shown(j, j))) {
-          tied.emplace_back(known_parameter(order[m)].name);
+          tied.emplace_back(known_parameter(order[m]).name);
         }
       }
       explain(estimate, motion, tied);
