@@ -305,6 +305,14 @@ TEST(ElasticDriveTest, SaysWhetherALoopThatMissesItsReferenceIsStable) {
                   "; the loop is not stable, even without"));
 }
 
+TEST(PlantTest, SaysThatAStableLoopHasTheOtherJointsHeld) {
+  const Recording arm =
+      testing::prepare("plant", "pd", {"axis.elbow.controller.kp=0"}).scenario->run({});
+  ASSERT_EQ(arm.warnings.size(), 1U);
+  EXPECT_TRUE(has(arm.warnings.front(), "the loop is stable without",
+                  "and backlash, with the other joints held: see breakwater analyze"));
+}
+
 // A regulator of the whole plant, with a filter.
 std::vector<std::string> regulator() {
   return {"controller.name=lqr",
