@@ -61,7 +61,7 @@ struct LoopAnalysis {
   bool estimates = false;  ///< there is an estimator
   LoopCurve designed;
   LoopCurve measured;
-  std::vector<std::string> hints = {};  ///< what the numbers leave out
+  std::vector<std::string> hints = {};  ///< limits of the numbers
 };
 
 /// One loop to analyse.
