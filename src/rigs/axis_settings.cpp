@@ -32,7 +32,8 @@ int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
       if (one != nullptr && *one != '\0') names.emplace_back(one);
     }
     std::string hint = did_you_mean(name, names);
-    if (hint.empty() && !names.empty() && names.size() <= kFew) {
+    if (names.empty()) hint = " (none there has a name)";
+    if (hint.empty() && names.size() <= kFew) {
       hint = fmt::format(" (it has {})", fmt::join(names, ", "));
     }
     own.fail(key, error.what() + hint);
@@ -434,11 +435,11 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
     const std::string& driven = has_motor ? one.transmission.motor_joint : one.axis.joint;
     const int driven_joint = id_of(own, "transmission.motor_joint", model, mjOBJ_JOINT, driven);
     if (has_motor) {
+      take(own, "transmission.motor_joint", motors, driven_joint,
+           "has another axis: each motor may have one load");
       if (driven_joint == joint) {
         own.fail("transmission.motor_joint", "must be another joint than that of the axis");
       }
-      take(own, "transmission.motor_joint", motors, driven_joint,
-           "has another axis: each motor may have one load");
     }
     if (one.axis.is_driven()) {
       const int actuator = id_of(own, "actuator", model, mjOBJ_ACTUATOR, one.axis.actuator);
