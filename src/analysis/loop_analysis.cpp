@@ -142,7 +142,7 @@ std::vector<std::string> hints(const AxisOfPlant& axis, const AnalysisOptions& o
     texts.emplace_back(measured.points.empty()
                            ? "designed with the other joints held"
                            : "designed with the other joints held, measured with them under their "
-                             "own controllers");
+                             "own controllers, if any");
   }
   if (measured.points.empty()) return texts;
   const AxisSettings& settings = axis.settings();
