@@ -69,14 +69,15 @@ std::vector<AxisOfPlant> Plant::loops() const {
   if (parts_.controller_name() != "axes") {
     throw std::invalid_argument("controller.name: \"" + parts_.controller_name() +
                                 "\" controls all axes at once, so an axis has no loop of its own; "
-                                "analyze needs \"axes\"");
+                                "analyze needs \"axes\". Python has the eigenvalues of the whole "
+                                "loop: setup.A, setup.B and K of bw.lqr()");
   }
   AxisPlant held = plant_;
   for (AxisSettings& axis : held.axes) axis.reference.kind = ReferenceShape::hold;
   const std::vector<AxisTask> tasks = plant_task(held).axes;
   std::vector<AxisOfPlant> loops;
   for (std::size_t i = 0; i < tasks.size(); ++i) {
-    if (!held.axes[i].axis.is_driven()) continue;
+    if (!held.axes[i].axis.is_driven() || axis_parts_[i].controller_name() == "none") continue;
     loops.push_back(
         {held, tasks[i], &axis_parts_[i], i, [this, tasks, i](std::unique_ptr<Controller> own) {
            return axes_control(tasks, std::move(own), i);

@@ -62,8 +62,8 @@ void describe(CLI::App& app, Arguments& arguments) {
       ->type_name("N")
       ->check(CLI::Range(2, 10000));
   app.add_option("--amplitude", options.force_amplitude,
-                 "amplitude of the sine at the drive [N m or N] (default: 1, or a tenth\n"
-                 "of a drive's limit below 2)")
+                 "amplitude of the sine at the drive [N m or N] (default: 1, but at most\n"
+                 "a tenth of the drive's limit)")
       ->type_name("F")
       ->check(CLI::PositiveNumber);
   app.add_option("--noise-amplitude", options.noise_amplitude,
@@ -108,9 +108,13 @@ void add_loops(const PreparedRun& run, const Arguments& arguments,
     if (!arguments.axis.empty() && arguments.axis != name) continue;
     loops.push_back({{run.case_name}, std::move(axis)});
   }
+  if (names.empty()) {
+    throw std::invalid_argument(run.case_name + ": no driven axis has a controller");
+  }
   if (loops.size() == before) {
-    throw std::invalid_argument(fmt::format("--axis: there is no driven axis \"{}\"{}",
-                                            arguments.axis, did_you_mean(arguments.axis, names)));
+    throw std::invalid_argument(
+        fmt::format("--axis: there is no driven axis \"{}\" with a controller{}", arguments.axis,
+                    did_you_mean(arguments.axis, names)));
   }
   if (names.size() == 1) return;
   for (std::size_t i = before; i < loops.size(); ++i) {

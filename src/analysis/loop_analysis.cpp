@@ -76,8 +76,7 @@ void judge(LoopCurve& curve, bool estimates) {
 
 double force_amplitude(const AxisOfPlant& axis, const AnalysisOptions& options) {
   if (options.force_amplitude > 0.0) return options.force_amplitude;
-  const double limit = axis.settings().force_limit();
-  return kUsualForce > 0.5 * limit ? 0.1 * limit : kUsualForce;
+  return std::min(kUsualForce, 0.1 * axis.settings().force_limit());
 }
 
 double noise_amplitude(const AxisOfPlant& axis, const AnalysisOptions& options) {
@@ -133,12 +132,19 @@ void check(const AnalysedLoop& loop, const AnalysisOptions& options, double to_r
   }
 }
 
-// Why a measurement says little about the loop that moves freely.
+// How the loop is cut out of its plant, and why a measurement says little about the loop that moves
+// freely.
 std::vector<std::string> hints(const AxisOfPlant& axis, const AnalysisOptions& options,
                                const LoopCurve& measured) {
   constexpr double kTimesFriction = 3.0, kMuchSaturated = 0.1;
-  if (measured.points.empty()) return {};
   std::vector<std::string> texts;
+  if (has_other_joints(axis.plant, axis.index)) {
+    texts.emplace_back(measured.points.empty()
+                           ? "designed with the other joints held"
+                           : "designed with the other joints held, measured with them under their "
+                             "own controllers, if any");
+  }
+  if (measured.points.empty()) return texts;
   const AxisSettings& settings = axis.settings();
   const std::string& unit = settings.axis.units.force;
   const double amplitude = force_amplitude(axis, options);

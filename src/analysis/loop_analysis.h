@@ -16,8 +16,7 @@ struct AnalysisOptions {
   double from_rad_s = 0.1;
   double to_rad_s = 0.0;  ///< 0: 0.9 of the Nyquist frequency
   int points = 25;        ///< number of measured frequencies; 0: no measurement
-  /// Amplitude of the force probe. 0: 1, or a tenth of the drive's limit if 1 is more than half of
-  /// this limit.
+  /// Amplitude of the force probe. 0: 1, but at most a tenth of the drive's limit.
   double force_amplitude = 0.0;
   double noise_amplitude = 0.0;  ///< sensor probe; 0: three counts of the encoder, or 1e-3
   double settle_s = 5.0;
@@ -62,7 +61,7 @@ struct LoopAnalysis {
   bool estimates = false;  ///< there is an estimator
   LoopCurve designed;
   LoopCurve measured;
-  std::vector<std::string> hints = {};  ///< reasons why the measurement is poor
+  std::vector<std::string> hints = {};  ///< limits of the numbers
 };
 
 /// One loop to analyse.

@@ -34,7 +34,7 @@ PoseFeedback::PoseFeedback(std::shared_ptr<DisturbanceEstimator> estimator,
     add("velocity_hat_" + units.velocity_suffix, units.velocity, "velocity, estimated",
         *(estimator_->state().data() + error_.size() / 2 + state));
     if (!axis.is_driven) continue;
-    add("d_hat_" + units.force_suffix, units.force, "disturbance, estimated",
+    add("d_hat_" + units.force_suffix, units.force, "disturbance at the drive, estimated",
         *(estimator_->disturbance().data() + input++));
   }
   for (const Signal& signal : signals_of(*estimator_, "1")) signals_.push_back(signal);

@@ -206,12 +206,11 @@ void AxisRig::warn(const std::vector<HeldReference>& held,
     const auto loop =
         std::find_if(loops_.begin(), loops_.end(), [i](const Loop& one) { return one.axis == i; });
     if (warnings.size() == before || loop == loops_.end()) continue;
-    warnings.back() +=
-        is_unstable(axis_loop_design(*loop->parts, loop->task, plant_, i), kPulse)
-            ? "; the loop is not stable, even without encoder, limits and friction: see breakwater "
-              "analyze"
-            : "; the loop is stable without encoder, limits, friction and backlash: see breakwater "
-              "analyze";
+    warnings.back() += is_unstable(axis_loop_design(*loop->parts, loop->task, plant_, i), kPulse)
+                           ? "; the loop is not stable, even without encoder, limits and friction"
+                           : "; the loop is stable without encoder, limits, friction and backlash";
+    if (has_other_joints(plant_, i)) warnings.back() += ", with the other joints held";
+    warnings.back() += ": see breakwater analyze";
   }
 }
 

@@ -26,8 +26,9 @@ struct AxisOfPlant {
 /// A scenario that describes the loops of its axes, so that `analyze` can build and probe them.
 class LoopScenario : public Scenario {
  public:
-  /// The driven axes. Valid after the settings are read and checked, and while the scenario lives.
-  /// Throws std::invalid_argument if an axis has no controller of its own.
+  /// The driven axes that have a controller. Valid after the settings are read and checked, and
+  /// while the scenario lives. Throws std::invalid_argument if an axis has no controller of its
+  /// own.
   virtual std::vector<AxisOfPlant> loops() const = 0;
 };
 

@@ -10,10 +10,37 @@
 #include <utility>
 
 #include <breakwater/config/column_table.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/sim/friction.h>
 #include <breakwater/sim/linear_model.h>
 
 namespace breakwater {
+
+namespace {
+
+// The id of the element that a key names.
+int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
+          const std::string& name) {
+  try {
+    return model.id(kind, name);
+  } catch (const std::invalid_argument& error) {
+    constexpr std::size_t kFew = 8;
+    std::vector<std::string> names;
+    // Each element has a letter or more in the model's list of names.
+    for (int i = 0; i < model->nnames; ++i) {
+      const char* const one = mj_id2name(model.get(), kind, i);
+      if (one != nullptr && *one != '\0') names.emplace_back(one);
+    }
+    std::string hint = did_you_mean(name, names);
+    if (names.empty()) hint = " (none there has a name)";
+    if (hint.empty() && names.size() <= kFew) {
+      hint = fmt::format(" (it has {})", fmt::join(names, ", "));
+    }
+    own.fail(key, error.what() + hint);
+  }
+}
+
+}  // namespace
 
 Axis motor_axis() {
   return {.name = "",
@@ -253,13 +280,14 @@ void AxisPlant::learn(const Config& config) {
     int joint = -1;
     bool is_hinge = true;
     std::string actuator = Axis::kNone;
-    if (model && !joint_name.empty()) {
+    if (joint_name.empty()) own.fail("joint", "must name a hinge or a slide of the model");
+    if (model) {
       const Model& m = *model;
-      joint = own.blame("joint", [&] { return m.id(mjOBJ_JOINT, joint_name); });
+      joint = id_of(own, "joint", m, mjOBJ_JOINT, joint_name);
       is_hinge = m->jnt_type[joint] != mjJNT_SLIDE;
-      const int driven = motor_name.empty() ? joint : own.blame("transmission.motor_joint", [&] {
-        return m.id(mjOBJ_JOINT, motor_name);
-      });
+      const int driven = motor_name.empty()
+                             ? joint
+                             : id_of(own, "transmission.motor_joint", m, mjOBJ_JOINT, motor_name);
       for (int i = m->nu - 1; i >= 0; --i) {
         if (m->actuator_trntype[i] != mjTRN_JOINT || m->actuator_trnid[2 * i] != driven) continue;
         const char* const found_name = mj_id2name(m.get(), mjOBJ_ACTUATOR, i);
@@ -315,12 +343,12 @@ void AxisPlant::complete(const Config& config) {
   if (axes.empty() || axis().axis.name.empty()) return;
   load_model(&config);
   const Model model = model_of_file();  // the true plant may differ from the nominal one
-  const std::vector<double> pose =
-      config.blame("start.keyframe", [&] { return this->pose(model); });
+  if (keyframe != Axis::kNone) id_of(config, "start.keyframe", model, mjOBJ_KEY, keyframe);
+  const std::vector<double> pose = this->pose(model);
   const Eigen::MatrixXd inertia = joint_inertia(model, pose);
   for (PushSettings& one : pushes) {
     const Config own = config.under(one.prefix());
-    own.blame("body", [&] { return model.id(mjOBJ_BODY, one.body); });
+    id_of(own, "body", model, mjOBJ_BODY, one.body);
     if (one.along.size() != 3 ||
         (one.along[0] == 0.0 && one.along[1] == 0.0 && one.along[2] == 0.0)) {
       own.fail("along", "must be three numbers that are not all 0");
@@ -329,8 +357,8 @@ void AxisPlant::complete(const Config& config) {
   }
   for (const ContactSettings& one : contacts) {
     const Config own = config.under(one.prefix());
-    own.blame("geom_1", [&] { return model.id(mjOBJ_GEOM, one.geom_1); });
-    own.blame("geom_2", [&] { return model.id(mjOBJ_GEOM, one.geom_2); });
+    id_of(own, "geom_1", model, mjOBJ_GEOM, one.geom_1);
+    id_of(own, "geom_2", model, mjOBJ_GEOM, one.geom_2);
   }
   for (AxisSettings& one : axes) {
     const Config own = config.under(one.axis.prefix());
@@ -395,7 +423,7 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
   };
   for (const AxisSettings& one : axes) {
     const Config own = config.under(one.axis.prefix());
-    const int joint = own.blame("joint", [&] { return model.id(mjOBJ_JOINT, one.axis.joint); });
+    const int joint = id_of(own, "joint", model, mjOBJ_JOINT, one.axis.joint);
     const bool is_axis =
         model->jnt_type[joint] == mjJNT_HINGE || model->jnt_type[joint] == mjJNT_SLIDE;
     if (!is_axis) own.fail("joint", "must be a hinge or a slide");
@@ -405,15 +433,13 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
     }
     const bool has_motor = one.transmission.is_elastic() && !one.transmission.adds_rotor();
     const std::string& driven = has_motor ? one.transmission.motor_joint : one.axis.joint;
-    const int driven_joint =
-        own.blame("transmission.motor_joint", [&] { return model.id(mjOBJ_JOINT, driven); });
+    const int driven_joint = id_of(own, "transmission.motor_joint", model, mjOBJ_JOINT, driven);
     if (has_motor) {
       take(own, "transmission.motor_joint", motors, driven_joint,
            "has another axis: each motor may have one load");
     }
     if (one.axis.is_driven()) {
-      const int actuator =
-          own.blame("actuator", [&] { return model.id(mjOBJ_ACTUATOR, one.axis.actuator); });
+      const int actuator = id_of(own, "actuator", model, mjOBJ_ACTUATOR, one.axis.actuator);
       take(own, "actuator", actuators, actuator,
            "drives another axis: set \"none\" for an axis that is only measured");
       const bool is_motor = model->actuator_trntype[actuator] == mjTRN_JOINT &&
@@ -423,19 +449,30 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
                             model->actuator_gaintype[actuator] == mjGAIN_FIXED &&
                             model->actuator_gainprm[mjNGAIN * actuator] == 1.0 &&
                             model->actuator_biastype[actuator] == mjBIAS_NONE;
+      if (!is_motor && !has_motor && !one.transmission.motor_joint.empty()) {
+        own.fail("transmission.motor_joint",
+                 "needs a transmission with a stiffness: a rigid motor has no joint of its own");
+      }
       if (!is_motor) {
-        own.fail("actuator", "must be a <motor> of joint \"" + driven +
-                                 "\" with gear 1, whose ctrlrange is in " + one.axis.units.force);
+        own.fail("actuator",
+                 fmt::format("\"{}\" must be a <motor> of joint \"{}\" with gear 1, whose "
+                             "ctrlrange is in {}",
+                             one.axis.actuator, driven, one.axis.units.force));
       }
       const mjtNum* range = model->actuator_ctrlrange + 2 * actuator;
       if (model->actuator_ctrllimited[actuator] != 0 && range[0] != -range[1]) {
-        own.fail("actuator", "must have a ctrlrange that is symmetric about 0");
+        own.fail("actuator",
+                 '"' + one.axis.actuator + "\" must have a ctrlrange that is symmetric about 0");
       }
     }
     if (!one.axis.measures_joint()) {
-      own.blame("position_sensor",
-                [&] { return model.id(mjOBJ_SENSOR, one.axis.position_sensor); });
+      id_of(own, "position_sensor", model, mjOBJ_SENSOR, one.axis.position_sensor);
     }
+  }
+  for (const AxisSettings& one : axes) {
+    if (!one.transmission.is_elastic() || one.transmission.motor_joint != one.axis.joint) continue;
+    config.under(one.axis.prefix())
+        .fail("transmission.motor_joint", "must be another joint than that of the axis");
   }
 }
 

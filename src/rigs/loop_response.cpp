@@ -195,6 +195,10 @@ AxisLoopDesign axis_loop_design(const AxisParts& parts, const AxisTask& task,
   return design;
 }
 
+bool has_other_joints(const AxisPlant& plant, std::size_t axis) {
+  return plant.load_model()->nv > (plant.axes[axis].transmission.is_elastic() ? 2 : 1);
+}
+
 bool is_unstable(const AxisLoopDesign& design, double force) {
   return has_run_away(to_pulse(design, Probe::force, force, 0, kFirstLength).command);
 }

@@ -45,6 +45,9 @@ struct AxisLoopDesign {
 AxisLoopDesign axis_loop_design(const AxisParts& parts, const AxisTask& task,
                                 const AxisPlant& plant, std::size_t axis = 0);
 
+/// Whether the model has joints beside those of the axis. They are held in axis_loop_design().
+bool has_other_joints(const AxisPlant& plant, std::size_t axis = 0);
+
 /// Whether the response to a pulse of `force` grows far beyond its beginning within some thousand
 /// samples. A controller that limits its own command does not grow.
 bool is_unstable(const AxisLoopDesign& design, double force);

@@ -1,5 +1,7 @@
 #include <breakwater/rigs/plant_parts.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -44,7 +46,8 @@ void bind_lqr(Fields& fields, LqrWeights& weights) {
 Eigen::VectorXd spread(const char* key, const std::vector<double>& weights, Eigen::Index size) {
   if (weights.size() == 1) return Eigen::VectorXd::Constant(size, weights.front());
   if (static_cast<Eigen::Index>(weights.size()) != size) {
-    throw WrongKey(key, "must have 1 number or " + std::to_string(size));
+    throw WrongKey(key, fmt::format("must have 1 number{}, has {}",
+                                    size == 1 ? "" : fmt::format(" or {}", size), weights.size()));
   }
   return Eigen::Map<const Eigen::VectorXd>(weights.data(), size);
 }
@@ -52,9 +55,13 @@ Eigen::VectorXd spread(const char* key, const std::vector<double>& weights, Eige
 std::unique_ptr<Controller> make_lqr(const LqrWeights& weights, const PlantTask& task,
                                      SharedEstimator estimator) {
   if (!task.why_not_linear.empty()) throw std::invalid_argument(task.why_not_linear);
+  if (task.driven.empty()) {
+    throw std::invalid_argument("lqr needs an axis with a <motor> in the model");
+  }
   if (!estimator) {
     throw WrongKey("observer.name",
-                   "none needs an axis for each joint of the model: lqr feeds all positions back");
+                   "none needs an axis for each joint of the model, because lqr feeds all "
+                   "positions back: add axes, or choose an estimator");
   }
   const StateSpace& plant = task.whole.plant;
   const Eigen::Index n = plant.states() / 2;

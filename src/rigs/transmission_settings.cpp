@@ -99,9 +99,11 @@ void TransmissionSettings::check_motor(const Model& model, const std::string& lo
   if (!adds_rotor()) {
     blame("transmission.motor_joint", [&] { model.id(mjOBJ_JOINT, motor_joint); });
   } else if (!(rotor_inertia(model, load) > 0.0)) {
-    throw WrongKey("transmission." + motor_inertia_key_,
-                   "must be above 0 where the transmission has a stiffness. The model has no joint "
-                   "of the motor, and no armature of the load's joint");
+    throw WrongKey(
+        "transmission." + motor_inertia_key_,
+        "must be above 0 where the transmission has a stiffness. There is no joint "
+        "of the motor (in a plant transmission.motor_joint names it), and no armature of "
+        "the load's joint");
   }
 }
 

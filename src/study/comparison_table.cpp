@@ -226,6 +226,21 @@ std::string never_text(const CandidateComparison& comparison) {
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
+// The goal min of a metric with a sign prefers its most negative value.
+std::string signed_text(const CandidateComparison& comparison) {
+  std::vector<std::string> metrics;
+  for (const MetricComparison& one : comparison.metrics) {
+    const bool is_negative = std::min(one.median.value, one.reference_median.value) < 0.0;
+    if (one.goal != Goal::min || !is_negative) continue;
+    if (metrics.empty() || metrics.back() != one.metric) metrics.push_back(one.metric);
+  }
+  if (metrics.empty()) return "";
+  return fmt::format(
+      "Negative medians of {}: the goal min prefers the most negative value. For a small magnitude "
+      "compare a metric without a sign, such as an rms or a peak",
+      fmt::join(metrics, ", "));
+}
+
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width) {
   const bool has_repeats = comparison.has_repeats();
   std::vector<std::string> header = {"metric", "candidate", "reference",
@@ -283,6 +298,7 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
   add_line(few_text(comparison));
   add_line(repeated_text(comparison));
   add_line(never_text(comparison));
+  add_line(signed_text(comparison));
   return text;
 }
 

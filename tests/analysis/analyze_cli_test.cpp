@@ -19,11 +19,16 @@ TEST_F(Analyze, LeavesATableAPageAndTheNumbers) {
 }
 
 TEST_F(Analyze, EachAxisOfAPlantHasALoop) {
-  EXPECT_TRUE(
-      has(ran("breakwater analyze plant --design-only").out, "idob, shoulder", "idob, elbow"));
+  const testing::ProgramResult result = ran("breakwater analyze plant --design-only");
+  EXPECT_TRUE(has(result.out, "idob, shoulder", "idob, elbow"));
+  EXPECT_TRUE(has(result.err, "plant idob, elbow: designed with the other joints held\n"));
   EXPECT_EQ(lines("runs/analyze/plant/margins.csv").at(1).substr(0, 14), "idob,shoulder,");
   EXPECT_TRUE(
       lacks(ran("breakwater analyze plant --axis elbow --design-only").out, "idob, shoulder"));
+  EXPECT_TRUE(lacks(ran("breakwater analyze plant --design-only --set "
+                        "axis.elbow.controller.name=none")
+                        .out,
+                    "elbow"));
 }
 
 TEST_F(Analyze, TheSineFitsDriveAndFriction) {
@@ -37,6 +42,10 @@ TEST_F(Analyze, TheSineFitsDriveAndFriction) {
   EXPECT_TRUE(has(ran(elbow + "axis.elbow.plant.coulomb_friction_Nm=0.8").err,
                   "plant idob, elbow: the sine of 1 N m is less than 3 times the Coulomb friction "
                   "at the drive, 0.8 N m"));
+  EXPECT_TRUE(has(ran(elbow + "axis.elbow.drive.limit_Nm=4 "
+                              "axis.elbow.plant.coulomb_friction_Nm=0.8")
+                      .err,
+                  "elbow: the sine of 0.4 N m is less than"));
   // The friction of the model file counts too.
   std::string model = read(testing::source_file("models/scara.xml"));
   const std::string joint = "<joint name=\"elbow\"";
@@ -52,13 +61,21 @@ TEST_F(Analyze, NonsenseIsOneLineAndLeavesNothing) {
       {{"", "breakwater analyze: SCENARIO is required (see --help)"},
        {"arm_push",
         "arm_push: expected a scenario of axes (a scenario of your own must be an AxisScenario)"},
-       {"plant --axis elbo", "--axis: there is no driven axis \"elbo\" (did you mean elbow?)"},
+       {"plant --axis elbo",
+        "--axis: there is no driven axis \"elbo\" with a controller (did you mean elbow?)"},
+       {"plant --axis elbow --set axis.elbow.controller.name=none",
+        "--axis: there is no driven axis \"elbow\" with a controller"},
+       {"plant --set axis.elbow.controller.name=none axis.shoulder.controller.name=none",
+        "idob: no driven axis has a controller"},
        {"plant --axis elbow --amplitude 10",
         "idob, elbow: --amplitude: 10 N m: must be below the drive's limit, 10 N m"},
-       {"motor_estimation --axis elbow", "--axis: there is no driven axis \"elbow\""},
+       {"motor_estimation --axis elbow",
+        "--axis: there is no driven axis \"elbow\" with a controller"},
        {testing::source_file("templates/plant/my_plant.toml"),
         "controller.name: \"lqr\" controls all axes at once, so an axis has no loop of its own; "
-        "analyze needs \"axes\""},
+        "analyze needs \"axes\". Python has the eigenvalues of the whole loop: setup.A, setup.B "
+        "and "
+        "K of bw.lqr()"},
        {testing::source_file("scenarios/plant/plant.toml") + " --config x.toml",
         "--config: SCENARIO is a scenario file already"},
        {"motor_estimaton",

@@ -305,6 +305,14 @@ TEST(ElasticDriveTest, SaysWhetherALoopThatMissesItsReferenceIsStable) {
                   "; the loop is not stable, even without"));
 }
 
+TEST(PlantTest, SaysThatAStableLoopHasTheOtherJointsHeld) {
+  const Recording arm =
+      testing::prepare("plant", "pd", {"axis.elbow.controller.kp=0"}).scenario->run({});
+  ASSERT_EQ(arm.warnings.size(), 1U);
+  EXPECT_TRUE(has(arm.warnings.front(), "the loop is stable without",
+                  "and backlash, with the other joints held: see breakwater analyze"));
+}
+
 // A regulator of the whole plant, with a filter.
 std::vector<std::string> regulator() {
   return {"controller.name=lqr",
@@ -460,8 +468,10 @@ struct Refused {
 
 TEST(PlantTest, Refuses) {
   const Refused rows[] = {
-      {"axis.cart.joint=\"rial\"", "axis.cart.joint: "},
-      {"axis.cart.actuator=\"engine\"", "axis.cart.actuator: "},
+      {"axis.cart.joint=\"rial\"", "has no joint named \"rial\" (did you mean rail?)"},
+      {"axis.other.encoder.bits=12", "axis.other.joint: must name a hinge or a slide of the model"},
+      {"axis.cart.actuator=\"engine\"",
+       "cart.xml: has no actuator named \"engine\" (it has drive)"},
       {"axis.cart.position_sensor=\"eye\"", "axis.cart.position_sensor: "},
       {"axis.other.joint=\"rail\"", "axis.other.joint: has another axis: each joint may have one"},
       {"axis.cart.controller.name=\"pid\"", "axis.cart.controller.name: must be one of "},
@@ -479,6 +489,9 @@ TEST(PlantTest, Refuses) {
       {"start.keyframe=\"away\"", "start.keyframe: "},
       {"axis.cart.encoder.side=\"motor\"", "axis.cart.encoder.side: motor needs a transmission",
        "axis.cart.transmission.ratio=3.0"},
+      {"axis.cart.transmission.stiffness_N_m=1e3",
+       "axis.cart.transmission.motor_joint: must be another joint than that of the axis",
+       "axis.cart.transmission.motor_joint=\"rail\""},
       {"axis.cart.transmission.stiffness_N_m=1e3",
        "axis.cart.transmission.motor_inertia_kg: must be above 0 where the transmission has"},
       {"axis.cart.controller.name=\"rrc\"",
@@ -541,6 +554,13 @@ TEST(ElasticDriveTest, Refuses) {
   expect_refused(rigid, "axis.arm.nominal.model=rigid",
                  "controller.name: axis.arm.nominal.motor_inertia_kgm2 and "
                  "axis.arm.nominal.stiffness_Nm_rad must be positive");
+  expect_refused(regulator(), "controller.r=[1, 1]", "controller.r: must have 1 number, has 2");
+  std::vector<std::string> idle = regulator();
+  idle.emplace_back("observer.name=none");
+  expect_refused(idle, "axis.arm.actuator=none",
+                 "controller.name: lqr needs an axis with a <motor> in the model");
+  expect_refused({}, "axis.arm.transmission.stiffness_Nm_rad=0",
+                 "axis.arm.transmission.motor_joint: needs a transmission with a stiffness");
   expect_refused({}, "axis.rotor.joint=motor", ".actuator: drives another axis: set \"none\"");
   expect_refused({"axis.rotor.joint=motor", "axis.rotor.transmission.stiffness_Nm_rad=1"},
                  "axis.rotor.transmission.motor_joint=motor",

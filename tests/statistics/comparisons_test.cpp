@@ -622,6 +622,17 @@ TEST(Comparisons, ReportsMetricsThatWereNeverMeasured) {
   EXPECT_TRUE(has(comparison_text(comparison, 200), "No run of b has settling_s\n"));
 }
 
+TEST(Comparisons, SaysThatASmallNegativeValueIsALargeMagnitude) {
+  Eigen::MatrixXd values(8, 2);
+  values.col(0).setLinSpaced(-3.0, -2.0);
+  values.col(1).setLinSpaced(1.0, 2.0);
+  PairedResults results = results_of({"drift_rad", "rms_rad"}, {values, values.cwiseAbs()});
+  const auto text = [&] { return comparison_text(compare_candidates(results), 300); };
+  EXPECT_TRUE(lacks(text(), "Negative medians"));
+  results.goals = {{"drift_rad", Goal::min}, {"rms_rad", Goal::min}};
+  EXPECT_TRUE(has(text(), "Negative medians of drift_rad: the goal min prefers the most negative"));
+}
+
 TEST(Comparisons, FewerFailuresAreBetter) {
   PairedResults results;
   results.candidates = {"a", "b"};
