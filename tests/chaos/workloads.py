@@ -88,7 +88,7 @@ try:
     {call}
 except (bw.InputError, RuntimeError, OSError, MemoryError) as error:
     status, line = 2, str(error) or type(error).__name__
-except KeyboardInterrupt:
+except (KeyboardInterrupt, pandas.errors.ParserError):  # pandas makes one of an interrupt while it reads
     status, line = 130, "interrupted"
 else:
     status, line = 0, ""
