@@ -62,8 +62,10 @@ struct Generation {
 };
 
 void evolve(const SearchSettings& settings, const EvaluateAll& evaluate) {
-  // pagmo's own work is small. Its threads would only be one more thing that may fail.
-  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  // pagmo's own work is small. Its threads would only be one more thing that may fail. The limit
+  // stays: its end starts threads, and ends the process if it cannot.
+  [[maybe_unused]] static const auto& one_thread =
+      *new tbb::global_control(tbb::global_control::max_allowed_parallelism, 1);
   const pagmo::problem problem{Cube{&settings, &evaluate}};
   const pagmo::bfe generation{Generation{&settings, &evaluate}};
   pagmo::population first(problem, generation, settings.population, settings.seed);

@@ -95,14 +95,20 @@ int caught(const std::string& program, const std::function<int()>& body) {
 
 std::terminate_handler usual_end = nullptr;
 
+[[noreturn]] void end_without_memory() {
+  constexpr std::string_view kText = "there is not enough memory\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kText.data(), kText.size());
+  _exit(kUsage);
+}
+
 // Some functions of libraries, such as CLI11's, may not throw but need memory.
 [[noreturn]] void on_terminate() {
   try {
     if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+    // The standard library does not say what it could not throw, such as from directory_iterator.
+    if (std::uncaught_exceptions() > 0) end_without_memory();
   } catch (const std::bad_alloc&) {
-    constexpr std::string_view kText = "there is not enough memory\n";
-    [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kText.data(), kText.size());
-    _exit(kUsage);
+    end_without_memory();
   } catch (...) {
     usual_end();
   }

@@ -84,14 +84,14 @@ try:
     layer.chaos_begin()
 except AttributeError:  # without the layer
     layer = None
+status, line = 0, ""
 try:
-    {call}
-except (bw.InputError, RuntimeError, OSError, MemoryError) as error:
-    status, line = 2, str(error) or type(error).__name__
+    try:
+        {call}
+    except (bw.InputError, RuntimeError, OSError, MemoryError) as error:
+        status, line = 2, str(error) or type(error).__name__
 except (KeyboardInterrupt, pandas.errors.ParserError):  # pandas makes one of an interrupt while it reads
     status, line = 130, "interrupted"
-else:
-    status, line = 0, ""
 if layer:
     layer.chaos_end()
 if line:
