@@ -84,10 +84,13 @@ mustache::data parameter_rows(const Identification& identification) {
   mustache::data rows(mustache::data::type::list);
   for (const ParameterEstimate& estimate : identification.parameters) {
     mustache::data row;
+    const auto shown = [&estimate](double value) {
+      return estimate.is_identifiable ? number(value) : std::string("–");
+    };
     row.set("name", parameter_key(estimate.parameter));
-    row.set("value", number(estimate.value));
-    row.set("low", number(estimate.low));
-    row.set("high", number(estimate.high));
+    row.set("value", shown(estimate.value));
+    row.set("low", shown(estimate.low));
+    row.set("high", shown(estimate.high));
     row.set("unit", parameter_unit(estimate.parameter));
     row.set("identifiable",
             estimate.is_identifiable
@@ -167,7 +170,7 @@ mustache::data fit_charts(const Identification& identification) {
 mustache::data profile_charts(const Identification& identification) {
   mustache::data charts(mustache::data::type::list);
   for (const ParameterEstimate& estimate : identification.parameters) {
-    if (estimate.profile.size() < 3) continue;
+    if (estimate.profile.size() < 3 || !estimate.is_identifiable) continue;
     // The differences fit the axis better than many equal digits.
     std::vector<PlotPoint> points;
     for (const auto& [value, rise] : estimate.profile) {

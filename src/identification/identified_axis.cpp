@@ -608,7 +608,8 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   result.whiteness = whiteness_of(scores_of(data, fit));
   if (!result.whiteness.is_white()) {
     result.notes.emplace_back(
-        "the residuals are not white: the model lacks something, and the intervals are too narrow");
+        "the residuals are not white: the model lacks something, or times or repaired rows of the "
+        "table are wrong. The intervals are too narrow");
   }
   if (!held_out.empty()) {
     AxisData held = axis_data(held_out, settings.inputs_act_before, largest_delay);

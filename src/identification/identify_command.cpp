@@ -209,6 +209,7 @@ int design(const IdentifyArguments& arguments) {
   ExcitationLimits limits = limits_of(arguments);
   constexpr double kAny = 1.0;  // an inertia that --from replaces
   const bool is_known = !arguments.from.empty();
+  limits.counts_on_friction = is_known;
   AxisValues axis = guessed_axis(limits, arguments.inertia.value_or(is_known ? kAny : 0.0));
   if (is_known) {
     try {

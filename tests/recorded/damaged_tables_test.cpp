@@ -183,12 +183,12 @@ const std::vector<Damage> kDamages = {
      "12: y: must be a finite number, is \"1,000.5\"", 0},
     {"wide_text", [](Lines& l) { l[0].insert(0, "\xff\xfe"); },
      "1: the text is in UTF-16: save it as UTF-8", 0},
-    {"no_rows", [](Lines& l) { l.resize(1); }, " has fewer than two rows", 0},
+    {"no_rows", [](Lines& l) { l.resize(1); }, " has fewer than two rows with different times", 0},
     {"one_time",
      [](Lines& l) {
        for (std::size_t k = 1; k < l.size(); ++k) l[k].replace(0, 4, "0.00");
      },
-     " has fewer than two rows", 0},
+     " has fewer than two rows with different times", 0},
     {"no_input",
      [](Lines& l) {
        for (std::size_t k = 1; k < l.size(); ++k) l[k] = fmt::format("{},,{}", k, k);

@@ -65,7 +65,7 @@ TEST_F(RecordedAxisFile, MessagesNameTheLine) {
             "1: there is no column time_s (did you mean time?): the first line has time, u, y; "
             "set csv.time_column to its name");
   EXPECT_EQ(error_of("time_s,u,y,u\n"), "1: there are two columns u");
-  EXPECT_EQ(error_of(head + "0,1,2\n"), " has fewer than two rows");
+  EXPECT_EQ(error_of(head + "0,1,2\n"), " has fewer than two rows with different times");
   EXPECT_EQ(error_of(head + "0,1,2\n1,2\n2,1,2\n"), "3: has 2 values, the first line 3");
   EXPECT_EQ(error_of(head + "0,1,2\n1,0x10,1\n"), "3: u: must be a finite number, is \"0x10\"");
   EXPECT_EQ(error_of(head + "0,1,2\n1,1e999,1\n"), "3: u: must be a finite number, is \"1e999\"");
