@@ -47,29 +47,21 @@ AxisData record_of(const std::vector<double>& inputs, const ExcitationLimits& li
   return data;
 }
 
-double largest_speed(const std::vector<double>& inputs, const ExcitationLimits& limits,
-                     const AxisValues& axis) {
-  const AxisData data = record_of(inputs, limits, axis);
-  const std::vector<double>& q = data.stretches.front().positions;
-  double fastest = 0.0;
-  for (std::size_t k = 1; k < q.size(); ++k) {
-    fastest = std::max(fastest, std::abs(q[k] - q[k - 1]) / limits.period_s);
-  }
-  return fastest;
-}
-
 // Scales the input down until the axis keeps the speed.
 std::vector<double> within_limits(std::vector<double> inputs, const ExcitationLimits& limits,
                                   const AxisValues& axis) {
   constexpr double kLess = 0.9;
-  AxisValues free = axis;
-  free[kViscous] = free[kCoulomb] = free[kBreakaway] = 0.0;
   for (double& u : inputs) u = std::clamp(u, -limits.torque, limits.torque);
-  while (largest_speed(inputs, limits, axis) > limits.speed ||
-         (!limits.counts_on_friction && largest_speed(inputs, limits, free) > limits.speed)) {
+  for (;;) {
+    const AxisData data = record_of(inputs, limits, axis);
+    const std::vector<double>& q = data.stretches.front().positions;
+    double fastest = 0.0;
+    for (std::size_t k = 1; k < q.size(); ++k) {
+      fastest = std::max(fastest, std::abs(q[k] - q[k - 1]) / limits.period_s);
+    }
+    if (fastest <= limits.speed) return inputs;
     for (double& u : inputs) u *= kLess;
   }
-  return inputs;
 }
 
 // The unknowns of a multisine.

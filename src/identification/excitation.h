@@ -12,7 +12,6 @@ struct ExcitationLimits {
   double speed = std::numeric_limits<double>::infinity();  ///< rad/s
   double duration_s = 0.0;
   double period_s = 0.0;
-  bool counts_on_friction = true;  ///< false: an axis without friction keeps the speed too
 };
 
 /// A guess of an unknown axis: the torque reaches the speed in 0.2 s, and 10 % of it is Coulomb, a

@@ -209,7 +209,6 @@ int design(const IdentifyArguments& arguments) {
   ExcitationLimits limits = limits_of(arguments);
   constexpr double kAny = 1.0;  // an inertia that --from replaces
   const bool is_known = !arguments.from.empty();
-  limits.counts_on_friction = is_known;
   AxisValues axis = guessed_axis(limits, arguments.inertia.value_or(is_known ? kAny : 0.0));
   if (is_known) {
     try {
@@ -237,6 +236,13 @@ int design(const IdentifyArguments& arguments) {
     fmt::print(
         "results: {}\nintervals: at most {:.2f} times those of a chirp or a binary sequence\n",
         arguments.out, worst_ratio(inputs, limits, axis));
+    if (!is_known) {
+      fmt::print(
+          "guess: inertia {:.3g} kg m^2, Coulomb friction {:.3g} N m, viscous friction {:.3g} "
+          "N m s/rad. An axis with less of them is faster than the limit: play a part of the "
+          "torque first, and design again with --from\n",
+          axis[kInertia], axis[kCoulomb], axis[kViscous]);
+    }
   }
   return kSuccess;
 }

@@ -28,20 +28,12 @@ TEST(Excitation, TheDesignHasSmallerIntervalsThanAChirpAndBinarySequences) {
   EXPECT_EQ(designed_excitation(limits, axis, 60), inputs);
 }
 
-class ExcitationLimitsAreKept : public ::testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(Excitation, ExcitationLimitsAreKept, ::testing::Bool());
-
-// Also by an axis without the friction of the guess, if the limits do not count on it.
-TEST_P(ExcitationLimitsAreKept, ByTheAxis) {
-  const ExcitationLimits limits{.torque = 5.0,
-                                .speed = 20.0,
-                                .duration_s = 2.0,
-                                .period_s = 2e-3,
-                                .counts_on_friction = GetParam()};
-  AxisValues axis = guessed_axis(limits, 0.02);
+TEST(Excitation, TheLimitsAreKept) {
+  const ExcitationLimits limits{.torque = 5.0, .speed = 20.0, .duration_s = 2.0, .period_s = 2e-3};
+  const AxisValues axis = guessed_axis(limits, 0.02);
   for (const std::vector<double>& inputs :
-       std::vector{designed_excitation(limits, axis, 6), chirp(limits, axis),
-                   binary_sequence(limits, axis, 0.1)}) {
+       {designed_excitation(limits, axis, 6), chirp(limits, axis),
+        binary_sequence(limits, axis, 0.1)}) {
     AxisStretch stretch;
     for (std::size_t k = 0; k < inputs.size(); ++k) {
       EXPECT_LE(std::abs(inputs[k]), limits.torque);
@@ -50,7 +42,6 @@ TEST_P(ExcitationLimitsAreKept, ByTheAxis) {
     stretch.input_times_s = stretch.times_s;
     stretch.inputs = inputs;
     std::vector<double> q(inputs.size());
-    if (!limits.counts_on_friction) axis[kViscous] = axis[kCoulomb] = 0.0;
     move_axis(axis, {}, stretch, q);
     for (std::size_t k = 1; k < q.size(); ++k) {
       EXPECT_LE(std::abs(q[k] - q[k - 1]) / limits.period_s, limits.speed * (1.0 + 1e-9));
