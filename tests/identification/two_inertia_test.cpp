@@ -282,7 +282,7 @@ TEST(TwoInertiaIdentification, IntervalsCoverTheTruth) {
   EXPECT_LE(sample_median(stiffness_errors), 0.01);
   EXPECT_LE(sample_median(backlash_errors), 0.05);
   const double share = static_cast<double>(covered) / intervals;
-  EXPECT_GE(share, 0.85);
+  EXPECT_GE(share, 0.92);
   EXPECT_LE(share, 0.98);
 }
 
