@@ -90,8 +90,9 @@ class Repair {
 
  private:
   void require_rows() const {
-    if (rows_.size() < 2)
+    if (rows_.size() < 2) {
       throw std::invalid_argument(file_ + ": has fewer than two rows with different times");
+    }
   }
 
   bool is_many(std::size_t count) const {

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include <breakwater/config/column_table.h>
-#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/sim/friction.h>
 #include <breakwater/sim/linear_model.h>
 
@@ -24,16 +23,16 @@ int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
   try {
     return model.id(kind, name);
   } catch (const std::invalid_argument& error) {
-    constexpr std::size_t kFew = 8;
+    constexpr std::size_t kFew = 12;
     std::vector<std::string> names;
     // Each element has a letter or more in the model's list of names.
     for (int i = 0; i < model->nnames; ++i) {
       const char* const one = mj_id2name(model.get(), kind, i);
       if (one != nullptr && *one != '\0') names.emplace_back(one);
     }
-    std::string hint = did_you_mean(name, names);
+    std::string hint;
     if (names.empty()) hint = " (none there has a name)";
-    if (hint.empty() && names.size() <= kFew) {
+    if (!names.empty() && names.size() <= kFew) {
       hint = fmt::format(" (it has {})", fmt::join(names, ", "));
     }
     own.fail(key, error.what() + hint);

@@ -60,7 +60,8 @@ TEST(PendulumTest, AnAxisThatLeavesThePoseItHoldsIsReported) {
 
 // The models that controllers get.
 PlantTask task_of(const Sets& sets) {
-  Sets all = {"controller.name=\"axes\""};
+  Sets all = {"controller.name=\"axes\"", "axis.cart.controller.name=\"pd\"",
+              "axis.cart.controller.kp=1.0", "axis.cart.controller.kd=1.0"};
   all.insert(all.end(), sets.begin(), sets.end());
   const PreparedRun run = prepare_pendulum("lqr", all);
   return plant_task(dynamic_cast<const LoopScenario&>(*run.scenario).loops().front().plant);

@@ -468,7 +468,7 @@ struct Refused {
 
 TEST(PlantTest, Refuses) {
   const Refused rows[] = {
-      {"axis.cart.joint=\"rial\"", "has no joint named \"rial\" (did you mean rail?)"},
+      {"axis.cart.joint=\"rial\"", "has no joint named \"rial\" (it has rail"},
       {"axis.other.encoder.bits=12", "axis.other.joint: must name a hinge or a slide of the model"},
       {"axis.cart.actuator=\"engine\"",
        "cart.xml: has no actuator named \"engine\" (it has drive)"},
