@@ -398,39 +398,38 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
     controller_ = class_name(controller);
     const auto asked = [uses] { uses->controller = true; };
     const SharedObject part = share(controller);
-    const auto object = [part] { return object_of(part); };
     catalogue_.add(kind_of<ArmControllerKind>(
         controller_,
-        [object](const ArmSetup& arm) {
-          return std::make_unique<PythonController>(object(), "ArmSample", setup_of(arm), kTorques);
+        [part](const ArmSetup& arm) {
+          return std::make_unique<PythonController>(object_of(part), "ArmSample", setup_of(arm),
+                                                    kTorques);
         },
         asked));
     catalogue_.add(axis_controller(controller_, part, asked));
     catalogue_.add(kind_of<PlantControllerKind>(
         controller_,
-        [object](const PlantTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
-          return std::make_unique<PythonController>(object(), "PlantSample", setup_of(task),
+        [part](const PlantTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
+          return std::make_unique<PythonController>(object_of(part), "PlantSample", setup_of(task),
                                                     kForces);
         },
         asked));
     catalogue_.add(kind_of<QuadrotorControllerKind>(
         controller_,
-        [object](const QuadrotorTask& task, const std::shared_ptr<QuadrotorEstimator>&) {
-          return std::make_unique<PythonController>(object(), "QuadrotorSample", setup_of(task),
-                                                    kThrusts);
+        [part](const QuadrotorTask& task, const std::shared_ptr<QuadrotorEstimator>&) {
+          return std::make_unique<PythonController>(object_of(part), "QuadrotorSample",
+                                                    setup_of(task), kThrusts);
         },
         asked));
   }
   if (!estimator.is_none()) {
     estimator_ = class_name(estimator);
     const SharedObject part = share(estimator);
-    const auto object = [part] { return object_of(part); };
     catalogue_.add(
         axis_estimator(estimator_, part, [uses] { uses->estimator_key = "observer.name"; }));
     catalogue_.add(kind_of<QuadrotorEstimatorKind>(
         estimator_,
-        [object](const QuadrotorTask& task) {
-          return std::make_unique<PythonQuadrotorEstimator>(object(), setup_of(task));
+        [part](const QuadrotorTask& task) {
+          return std::make_unique<PythonQuadrotorEstimator>(object_of(part), setup_of(task));
         },
         [uses] { uses->estimator_key = "estimator.name"; }));
   }

@@ -69,9 +69,7 @@ OwnRun run(const std::string& scenario_or_file, const std::optional<std::string>
     own.prepared = prepare_run(parts.catalogue(), scenario, file, chosen, sets);
     if (out) folder.emplace(*out);
     own.models = model_hashes(own.prepared.model_files);
-    if (folder && own.prepared.scenario->run_settings().stream) {
-      stream = make_log_stream(own.prepared, own.models, *folder);
-    }
+    if (folder) stream = make_log_stream(own.prepared, own.models, *folder);
     own.recording = own.prepared.scenario->run(
         {.progress = obey_signals, .stop = &is_ending(), .stream = stream.get()});
     own.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -47,10 +47,6 @@ def checked(words, **options):
     return done.stdout
 
 
-def cases(bin_dir, scenario):
-    return checked([bin_dir / scenario, "--list-cases"]).split()
-
-
 def sets(scenario):
     return QUICK.get(scenario, OTHERWISE)
 
@@ -59,7 +55,7 @@ def alone(bin_dir, scenario):
     """(case, hash) of each case, in a process of its own."""
     return [(case, state_hashes.run(bin_dir / scenario, ["--case", case, "--set", *sets(scenario)],
                                     state_hashes.own_class())[0])
-            for case in cases(bin_dir, scenario)]
+            for case in state_hashes.cases(bin_dir, scenario)]
 
 
 def swept(program, scenario, *options, **environment):
@@ -103,7 +99,7 @@ def ways(options):
 
 def compare(options):
     """Print the table. Return the number of cases with another hash."""
-    names = options.scenario or sorted(p.name for p in (ROOT / "scenarios").iterdir() if p.is_dir())
+    names = options.scenario or state_hashes.scenarios()
     reference = {name: dict(alone(options.bin, name)) for name in names}
     print("| way |", " | ".join(names), "|")
     print("|---" * (len(names) + 1) + "|")

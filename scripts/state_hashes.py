@@ -123,6 +123,15 @@ def binaries_of(other):
             subprocess.run([*git, "remove", "--force", tree], check=True)
 
 
+def scenarios():
+    return sorted(p.name for p in (ROOT / "scenarios").iterdir() if p.is_dir())
+
+
+def cases(bin_dir, scenario):
+    return subprocess.run([bin_dir / scenario, "--list-cases"], capture_output=True, text=True,
+                          check=True).stdout.split()
+
+
 def compare(options):
     with binaries_of(options.against) as against:
         differ = compare_with(against, options)
@@ -134,13 +143,12 @@ def compare_with(against, options):
     """Print the table, and return the number of cases with different hashes."""
     if not against and own_class() != FMA:
         sys.exit("this processor has no FMA: there is nothing to compare with")
-    names = options.scenario or sorted(p.name for p in (ROOT / "scenarios").iterdir() if p.is_dir())
+    names = options.scenario or scenarios()
     print("| scenario | cases | hashes that differ | largest relative change of a metric |")
     print("|---|---|---|---|")
     differ = 0
     for name in names:
-        listed = subprocess.run([options.bin / name, "--list-cases"], capture_output=True, text=True,
-                                check=True).stdout.split()
+        listed = cases(options.bin, name)
         different, worst = [], (0.0, "", "")
         for case in listed:
             arguments = ["--case", case, *([] if options.whole else SHORTENED.get(name, []))]

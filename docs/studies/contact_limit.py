@@ -10,6 +10,7 @@ least-free-motion-time.md has the derivation.
 """
 import argparse
 import csv
+import functools
 import json
 import math
 import subprocess
@@ -82,13 +83,19 @@ class Wall:
     speed_m_s: float = 0.0  # away from the arm
 
 
+@functools.cache
+def path():
+    """Places of the tip [m], and the path_terms() there."""
+    places = np.linspace(0.40, 0.599, 400)
+    return places, np.array([path_terms(math.acos((x - LINK_m) / (2 * LINK_m))) for x in places])
+
+
 class Arm:
     """The arm on the path y = 0, phi = 0, as a function of x and its speed."""
 
     def __init__(self, friction_Nm=4.0):
         self.friction_Nm = np.asarray(friction_Nm)[..., None]
-        self.x = np.linspace(0.40, 0.599, 400)
-        self.terms = np.array([path_terms(math.acos((x - LINK_m) / (2 * LINK_m))) for x in self.x])
+        self.x, self.terms = path()
         self.step = self.x[1] - self.x[0]
 
     def acceleration(self, x, v, force, sign):
@@ -205,14 +212,14 @@ def run(binary, case, seed):
 
 
 def write(file, rows):
-    with open(file, "w", newline="") as out:
+    with open(file, "w", newline="", encoding="utf-8") as out:
         writer = csv.DictWriter(out, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
 
 
 def read(file):
-    with open(file, newline="") as rows:
+    with open(file, newline="", encoding="utf-8") as rows:
         return list(csv.DictReader(rows))
 
 

@@ -141,8 +141,8 @@ def main():
                 for number, row in errors[q][s].items():
                     mean = {case: math.sqrt(np.mean(np.square(e))) for case, e in row.items()}
                     table.writerow([f"{number}, {name}", *names[number], rounded(mean["floor"])] +
-                                   [rounded(mean[c] / mean["floor"] if mean["floor"] > SMALLEST else math.nan)
-                                    if mean["floor"] > SMALLEST else "" for c in order])
+                                   [rounded(mean[c] / mean["floor"]) if mean["floor"] > SMALLEST else ""
+                                    for c in order])
     with open(HERE / "encoder-estimators-pairs.csv", "w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["quantity", "rows", "first", "second", "first better", "second better", "p (Holm)"])

@@ -18,7 +18,7 @@ SPEED, PLACE, *STIFFNESS = NOMINAL
 LONGEST_s = {2: 0.7, 5: 0.5}  # median free-motion time, by reference force [N]
 TOLD = "contact-mpc"          # the controller that is told the wall's place
 
-# What differs from the nominal conditions in a tuning, and in the rows that test its results.
+# A tuning, and the rows that test its results, differ in these keys from the nominal conditions.
 TUNINGS = {"known": [SPEED, PLACE], "any-stiffness": [PLACE, *STIFFNESS], "exact": []}
 ROWS = {"known": {"fixed": [], "moving": [SPEED], "place": [PLACE]},
         "any-stiffness": {"stiffness": STIFFNESS},

@@ -8,12 +8,13 @@ docs/explanation/against-published-methods.md.
 Each contestant runs with its tuned values in the seas of studies/published-waves.toml. Finished sweeps are not repeated.
 """
 import argparse
-import csv
 import statistics
 import subprocess
 from pathlib import Path
 
 from contact_laws import COLOURS, holm, median_interval, plt
+from contact_laws_runs import sweep
+from contact_limit import read, write
 from scipy.stats import wilcoxon
 
 HERE = Path(__file__).resolve().parent
@@ -23,18 +24,6 @@ THESIS = ["ukf-zero-tuned"]
 SEA = ["wave.significant_height_m", "wave.peak_period_s", "seed"]
 METRICS = ["tracking_rmse_m", "max_error_m", "thrust_rms_N", "saturated_fraction"]
 KEYS = ("controller.", "estimator.")
-
-
-def read(file):
-    with open(file, newline="", encoding="utf-8") as table:
-        return list(csv.DictReader(table))
-
-
-def write(name, rows):
-    with open(HERE / name, "w", newline="", encoding="utf-8") as table:
-        writer = csv.DictWriter(table, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
 
 
 def found(folder):
@@ -49,9 +38,7 @@ def judge(folder, case, keys, jobs, name=None):
     sets = [f"{key}={value}" for key, value in keys.items()]
     if "controller.horizontal_gain" in keys:
         sets.append('controller.gains="given"')
-    if not (out / "results.csv").exists():
-        subprocess.run(["breakwater", "sweep", STUDY, "--case", case, "--set", *sets, "--out", out, "--jobs", str(jobs),
-                        "--quiet"], check=True)
+    sweep(out, [case], sets, jobs, STUDY)
     return read(out / "results.csv")
 
 
@@ -94,12 +81,12 @@ def main():
     parser.add_argument("--jobs", type=int, default=1)
     arguments = parser.parse_args()
     tuned = found(arguments.folder)
-    write("published-waves-tuned.csv", read(arguments.folder / "tuned" / "front.csv"))
+    write(HERE / "published-waves-tuned.csv", read(arguments.folder / "tuned" / "front.csv"))
     runs = {case: judge(arguments.folder, case, keys, arguments.jobs) for case, keys in tuned.items()}
     # The floor may choose its weights after the fact: its own, or those that were found for the probe.
     other = FLOOR + "-other-weights"
     judged = runs | {other: judge(arguments.folder, FLOOR, tuned["mpc-upstream"], arguments.jobs, other)}
-    write("published-waves-runs.csv", [{"case": case, **{key: row[key] for key in SEA + METRICS}}
+    write(HERE / "published-waves-runs.csv", [{"case": case, **{key: row[key] for key in SEA + METRICS}}
                                        for case, rows in judged.items() for row in rows])
     error = {case: [float(row["tracking_rmse_m"] or "inf") for row in rows] for case, rows in judged.items()}
     error[FLOOR] = [min(pair) for pair in zip(error[FLOOR], error.pop(other))]
@@ -125,9 +112,9 @@ def main():
         ratio, low, high = median_interval([a / b for a, b in zip(error[case], error[OURS])])
         pairs.append({"case": case, "wins over spectrum": sum(g < 0 for g in gaps), "losses": sum(g > 0 for g in gaps),
                       "error over that of spectrum (95 %)": f"{ratio:.2f} ({low:.2f}–{high:.2f})", "p (Holm)": f"{p:.2g}"})
-    write("published-waves-table.csv", table)
-    write("published-waves-pairs.csv", pairs)
-    write("published-waves-shipped.csv", shipped(arguments.folder, arguments.jobs))
+    write(HERE / "published-waves-table.csv", table)
+    write(HERE / "published-waves-pairs.csv", pairs)
+    write(HERE / "published-waves-shipped.csv", shipped(arguments.folder, arguments.jobs))
 
 
 if __name__ == "__main__":

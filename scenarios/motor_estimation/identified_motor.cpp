@@ -6,15 +6,13 @@
 #include <cmath>
 #include <numbers>
 
+#include <breakwater/recorded/record_keys.h>
+
 namespace breakwater {
 namespace {
 
 constexpr int kMostBits = 30;
 constexpr double kMostStaticRatio = 1e3;  // the largest that friction.static_ratio may have
-
-std::string set(const char* key, double value) {
-  return fmt::format("{}={:.12g}", key, value);
-}
 
 double disturbance_of(const IdentifiedPlant& plant) {
   return 0.5 * plant.largest_torque;
@@ -22,27 +20,29 @@ double disturbance_of(const IdentifiedPlant& plant) {
 
 std::vector<std::string> plant_sets(const IdentifiedPlant& plant) {
   // models/motor.xml has 1 kg m².
-  std::vector<std::string> sets = {set("plant.inertia_ratio", plant.inertia),
-                                   set("plant.viscous_friction_Nms_rad", plant.viscous_friction),
-                                   set("plant.coulomb_friction_Nm", plant.coulomb_friction),
-                                   set("disturbance.offset_Nm", plant.offset_torque),
-                                   set("control.delay_s", plant.delay_s)};
-  if (plant.quantum > 0.0) sets.push_back(set("encoder.phase_rad", plant.phase));
+  std::vector<std::string> sets = {
+      number_set("plant.inertia_ratio", plant.inertia),
+      number_set("plant.viscous_friction_Nms_rad", plant.viscous_friction),
+      number_set("plant.coulomb_friction_Nm", plant.coulomb_friction),
+      number_set("disturbance.offset_Nm", plant.offset_torque),
+      number_set("control.delay_s", plant.delay_s)};
+  if (plant.quantum > 0.0) sets.push_back(number_set("encoder.phase_rad", plant.phase));
   if (plant.stribeck_speed > 0.0) {
     sets.emplace_back("friction.law=stribeck");
-    sets.push_back(
-        set("friction.static_ratio",
-            std::min(kMostStaticRatio, 1.0 + plant.breakaway_friction / plant.coulomb_friction)));
-    sets.push_back(set("friction.stribeck_velocity", plant.stribeck_speed));
+    sets.push_back(number_set(
+        "friction.static_ratio",
+        std::min(kMostStaticRatio, 1.0 + plant.breakaway_friction / plant.coulomb_friction)));
+    sets.push_back(number_set("friction.stribeck_velocity", plant.stribeck_speed));
   }
   return sets;
 }
 
 std::vector<std::string> other_sets(const IdentifiedPlant& plant) {
-  std::vector<std::string> sets = {set("nominal.inertia_kgm2", plant.inertia),
-                                   set("nominal.viscous_friction_Nms_rad", plant.viscous_friction),
-                                   set("control.period_s", plant.period_s),
-                                   set("physics.timestep_s", plant.period_s)};
+  std::vector<std::string> sets = {
+      number_set("nominal.inertia_kgm2", plant.inertia),
+      number_set("nominal.viscous_friction_Nms_rad", plant.viscous_friction),
+      number_set("control.period_s", plant.period_s),
+      number_set("physics.timestep_s", plant.period_s)};
   const double counts = plant.quantum == 0.0 ? 0.0 : 2.0 * std::numbers::pi / plant.quantum;
   int bits = 0;
   // Printed digits leave a power of two a little too small.
@@ -50,15 +50,14 @@ std::vector<std::string> other_sets(const IdentifiedPlant& plant) {
   sets.push_back(fmt::format("encoder.bits={}", bits));
   if (bits > 0) {
     const double ratio = counts / std::ldexp(1.0, bits);
-    sets.push_back(set("encoder.gear_ratio", std::abs(ratio - 1.0) < 1e-5 ? 1.0 : ratio));
+    sets.push_back(number_set("encoder.gear_ratio", std::abs(ratio - 1.0) < 1e-5 ? 1.0 : ratio));
   }
-  sets.push_back(fmt::format("encoder.rounding={}",
-                             plant.rounding == EncoderRounding::nearest ? "nearest" : "truncate"));
-  sets.push_back(set("noise.std_rad", plant.noise_std));
+  sets.push_back(rounding_set(plant.rounding));
+  sets.push_back(number_set("noise.std_rad", plant.noise_std));
   // The shipped gains are for 1 kg m².
-  sets.push_back(set("controller.kp", 10.0 * plant.inertia));
-  sets.push_back(set("controller.kd", 5.0 * plant.inertia));
-  sets.push_back(set("disturbance.amplitude_Nm", disturbance_of(plant)));
+  sets.push_back(number_set("controller.kp", 10.0 * plant.inertia));
+  sets.push_back(number_set("controller.kd", 5.0 * plant.inertia));
+  sets.push_back(number_set("disturbance.amplitude_Nm", disturbance_of(plant)));
   return sets;
 }
 

@@ -77,7 +77,7 @@ std::vector<AxisOfPlant> Plant::loops() const {
   const std::vector<AxisTask> tasks = plant_task(held).axes;
   std::vector<AxisOfPlant> loops;
   for (std::size_t i = 0; i < tasks.size(); ++i) {
-    if (!held.axes[i].axis.is_driven() || axis_parts_[i].controller_name() == "none") continue;
+    if (!held.axes[i].axis.is_driven() || !has_own_loop(i)) continue;
     loops.push_back(
         {held, tasks[i], &axis_parts_[i], i, [this, tasks, i](std::unique_ptr<Controller> own) {
            return axes_control(tasks, std::move(own), i);
@@ -90,8 +90,7 @@ void Plant::check(const Config& config) {
   check_plant(plant_, config);
   warnings_ = plant_.warnings();
   for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
-    plant_.axes[i].is_controlled =
-        parts_.controller_name() != "axes" || axis_parts_[i].controller_name() != "none";
+    plant_.axes[i].is_controlled = parts_.controller_name() != "axes" || has_own_loop(i);
   }
   const PlantTask task = this->task();
   if (parts_.controller_name() == "axes") {
@@ -121,6 +120,10 @@ void Plant::check(const Config& config) {
   }
 }
 
+bool Plant::has_own_loop(std::size_t i) const {
+  return parts_.controller_name() == "axes" && axis_parts_[i].controller_name() != "none";
+}
+
 bool Plant::is_fast(const DeclaredMetric& metric) const {
   return std::any_of(
       plant_.contacts.begin(), plant_.contacts.end(),
@@ -136,8 +139,7 @@ Recording Plant::run(const RunControl& control) const {
   const auto loop = parts_.make(task);
   AxisRig rig(plant_, *loop.controller);
   for (std::size_t i : task.driven) {
-    if (parts_.controller_name() != "axes" || axis_parts_[i].controller_name() == "none") continue;
-    rig.know_loop(axis_parts_[i], task.axes[i], i);
+    if (has_own_loop(i)) rig.know_loop(axis_parts_[i], task.axes[i], i);
   }
   const Simulation& sim = rig.simulation();
   const std::vector<Signal> signals = rig.signals();
@@ -150,8 +152,9 @@ Recording Plant::run(const RunControl& control) const {
       absent.push_back({definition.name, definition.unit, missing});
       continue;
     }
-    std::vector<DeclaredValue>& values = is_fast(metric) ? at_steps : at_samples;
-    order.emplace_back(is_fast(metric), values.size());
+    const bool fast = is_fast(metric);
+    std::vector<DeclaredValue>& values = fast ? at_steps : at_samples;
+    order.emplace_back(fast, values.size());
     values.emplace_back(metric, signals, plant_.run.duration_s, period_of(metric));
   }
   const auto step = [&](std::int64_t) {

@@ -38,6 +38,8 @@ class Plant final : public LoopScenario {
 
  private:
   PlantTask task() const;
+  /// Whether the axis has a controller of its own.
+  bool has_own_loop(std::size_t i) const;
   /// Whether the metric needs each physics step: a contact is shorter than a sample.
   bool is_fast(const DeclaredMetric& metric) const;
   /// The time between its values.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <breakwater/recorded/record_keys.h>
+
 namespace breakwater {
 namespace {
 
@@ -15,9 +17,7 @@ constexpr double kLeastVariance = 1e-14;  // rad², for an encoder without count
 
 std::vector<std::string> sets_of(const IdentifiedTwoInertia& plant) {
   std::vector<std::string> sets = {"task.kind=reversal", "nominal.model=spring"};
-  const auto set = [&](const char* key, double value) {
-    sets.push_back(fmt::format("{}={:.12g}", key, value));
-  };
+  const auto set = [&](const char* key, double value) { sets.push_back(number_set(key, value)); };
   const TwoInertia& p = plant.linear;
   set("plant.inertia_ratio", p.load_inertia / kModelLoad);
   set("plant.viscous_friction_Nms_rad", p.load_friction);
@@ -35,9 +35,9 @@ std::vector<std::string> sets_of(const IdentifiedTwoInertia& plant) {
   set("nominal.stiffness_Nm_rad", p.stiffness);
   set("nominal.damping_Nms_rad", p.damping);
   set("control.period_s", plant.period_s);
-  const double resonance = std::sqrt(p.stiffness * (1.0 / p.motor_inertia + 1.0 / p.load_inertia));
   set("physics.timestep_s",
-      plant.period_s / std::max(1.0, std::ceil(plant.period_s * resonance / kLongestStep)));
+      plant.period_s /
+          std::max(1.0, std::ceil(plant.period_s * resonance_rad_s(p) / kLongestStep)));
   sets.emplace_back(plant.measured == Side::motor ? "encoder.side=motor" : "encoder.side=load");
   // A single count of 2π times a ratio: any quantum.
   sets.push_back(fmt::format("encoder.bits={}", plant.quantum > 0.0 ? 1 : 0));
@@ -45,11 +45,10 @@ std::vector<std::string> sets_of(const IdentifiedTwoInertia& plant) {
     sets.emplace_back("encoder.multiplication=1");
     set("encoder.gear_ratio", std::numbers::pi / plant.quantum);
   }
-  sets.push_back(fmt::format("encoder.rounding={}",
-                             plant.rounding == EncoderRounding::nearest ? "nearest" : "truncate"));
+  sets.push_back(rounding_set(plant.rounding));
   set("noise.std_rad", plant.noise_std);
   set("control.delay_s", plant.delay_s);
-  const double anti_resonance = std::sqrt(p.stiffness / p.load_inertia);
+  const double anti_resonance = antiresonance_rad_s(p);
   set("controller.kp", p.motor_inertia * anti_resonance * anti_resonance);
   set("controller.kd", 4.0 * p.motor_inertia * anti_resonance);
   sets.push_back(

@@ -195,15 +195,13 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
     one.of_force.resize(points);
     one.of_noise.resize(points);
   }
-  const auto frequency = [&](std::size_t loop, std::size_t i) {
-    return frequencies(options.from_rad_s, to_rad_s[loop], points)[i];
-  };
+  std::vector<std::vector<double>> omegas;
+  for (const double to : to_rad_s) omegas.push_back(frequencies(options.from_rad_s, to, points));
   std::vector<double> times_s(2 * points * loops.size());
   for (std::size_t task = 0; task < times_s.size(); ++task) {
     constexpr double kPeriods = 4.0;
-    times_s[task] =
-        options.settle_s + kPeriods * 2.0 * std::numbers::pi /
-                               frequency(task / 2 % loops.size(), task / 2 / loops.size());
+    times_s[task] = options.settle_s + kPeriods * 2.0 * std::numbers::pi /
+                                           omegas[task / 2 % loops.size()][task / 2 / loops.size()];
   }
   Progress progress("analyze", times_s, options.quiet);
   on_all_cores(
@@ -215,7 +213,7 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
         const AxisOfPlant& axis = loops[loop].axis;
         const SineTest test{
             .probe = is_force ? Probe::force : Probe::noise,
-            .omega_rad_s = frequency(loop, i),
+            .omega_rad_s = omegas[loop][i],
             .amplitude = is_force ? force_amplitude(axis, options) : noise_amplitude(axis, options),
             .settle_s = options.settle_s,
             .stop = options.stop};

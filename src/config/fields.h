@@ -119,6 +119,12 @@ class Fields {
     standard(key, {target});
   }
   void count(const std::string& key, int& target, const Range& range, const std::string& doc);
+  /// A count whose default value is the present one of the variable.
+  void optional_count(const std::string& key, int& target, const Range& range,
+                      const std::string& doc) {
+    count(key, target, range, doc);
+    standard(key, {std::int64_t{target}});
+  }
   void count(const std::string& key, std::uint64_t& target, const Range& range,
              const std::string& doc);
   void flag(const std::string& key, bool& target, const std::string& doc);

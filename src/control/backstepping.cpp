@@ -55,20 +55,24 @@ BacksteppingGains retuned_gains(const QuadrotorParameters& parameters, double pe
 
 Eigen::Vector4d Backstepping::wrench(const Eigen::Matrix<double, 12, 1>& motion,
                                      const Eigen::Vector3d& force) const {
-  const double clamp_m = design_.position_clamp_m > 0.0 ? design_.position_clamp_m
-                                                        : std::numeric_limits<double>::infinity();
+  const double clamp_m = position_clamp_m();
   const AttitudeTrig attitude(motion.segment<3>(3));
   Eigen::Vector3d f = nominal_.weight_and_coriolis(attitude, Vector6d::Zero()) - force;
   for (int axis = 0; axis < 3; ++axis) {
     const double Z1 = std::clamp(design_.reference(axis) - motion(axis), -clamp_m, clamp_m);
     f(axis) += nominal_.parameters().mass_kg * acceleration(design_.alpha, motion, axis, Z1);
   }
-  return wrench_of_force(motion, f);
+  return wrench_of_force(motion, attitude, f);
+}
+
+double Backstepping::position_clamp_m() const {
+  return design_.position_clamp_m > 0.0 ? design_.position_clamp_m
+                                        : std::numeric_limits<double>::infinity();
 }
 
 Eigen::Vector4d Backstepping::wrench_of_force(const Eigen::Matrix<double, 12, 1>& motion,
+                                              const AttitudeTrig& attitude,
                                               const Eigen::Vector3d& f) const {
-  const AttitudeTrig attitude(motion.segment<3>(3));
   const double U_z =
       f.z() / away_from_zero(attitude.cos_roll * attitude.cos_pitch, kSmallestCosine);
   const double divisor = std::max(U_z, design_.thrust_floor_N);

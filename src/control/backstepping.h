@@ -52,9 +52,12 @@ class Backstepping {
   /// U = [U_z, τ_φ, τ_θ, τ_ψ] for the motion [ζ; ζ̇] and an external force [N].
   Eigen::Vector4d wrench(const Eigen::Matrix<double, 12, 1>& motion,
                          const Eigen::Vector3d& force) const;
-  /// The same with a given force f of the vehicle on x, y and z [N].
+  /// The same with a given force f of the vehicle on x, y and z [N]. `attitude` is that of
+  /// `motion`.
   Eigen::Vector4d wrench_of_force(const Eigen::Matrix<double, 12, 1>& motion,
-                                  const Eigen::Vector3d& f) const;
+                                  const AttitudeTrig& attitude, const Eigen::Vector3d& f) const;
+  /// Upper bound of |Z_1| of x, y, z [m].
+  double position_clamp_m() const;
   /// The largest horizontal force if the thrust carries the weight in water [N].
   double largest_tilt_force_N() const {
     return design_.tilt_limit_rad * nominal_.parameters().net_weight_N();

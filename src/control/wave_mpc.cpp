@@ -129,18 +129,16 @@ void WaveMpc::reset(const Sample& first) {
 }
 
 void WaveMpc::move(double time_s) {
-  const BacksteppingDesign& law = this->law().design();
   const AttitudeTrig attitude(motion_.segment<3>(3));
-  const double clamp_m =
-      law.position_clamp_m > 0.0 ? law.position_clamp_m : std::numeric_limits<double>::infinity();
+  const double clamp_m = law().position_clamp_m();
   const Eigen::Vector3d off =
-      (motion_.head<3>() - law.reference.head<3>()).cwiseMax(-clamp_m).cwiseMin(clamp_m);
+      (motion_.head<3>() - law().design().reference.head<3>()).cwiseMax(-clamp_m).cwiseMin(clamp_m);
   forecast_->update(time_s, estimator(), forces_);
   furthest_ = forces_.rightCols<1>();
   vertical_ << off.z(), motion_(8);
   held_.z() = z_.input(vertical_, forces_.row(2));
   // The tilt gives the horizontal force, and its rate too; near level and for a small yaw.
-  const double up = held_.z() + this->law().nominal().parameters().net_weight_N();
+  const double up = held_.z() + law().nominal().parameters().net_weight_N();
   const Eigen::Vector3d tilt = attitude.thrust_axis();
   horizontal_ << off.x(), motion_(6), up * tilt.x(), up * motion_(10);
   held_.x() = x_.input(horizontal_, forces_.row(0));
@@ -157,7 +155,7 @@ Eigen::Vector4d WaveMpc::wrench(double time_s) {
   --samples_to_move_;
   const AttitudeTrig attitude(motion_.segment<3>(3));
   return law().wrench_of_force(
-      motion_, held_ + law().nominal().weight_and_coriolis(attitude, Vector6d::Zero()));
+      motion_, attitude, held_ + law().nominal().weight_and_coriolis(attitude, Vector6d::Zero()));
 }
 
 }  // namespace breakwater

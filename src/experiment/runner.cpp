@@ -97,8 +97,7 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
   if (options.models != nullptr) options.models->check_unchanged(run.model_files);
   const ModelHashes models = options.models != nullptr ? options.models->of(run.model_files)
                                                        : model_hashes(run.model_files);
-  std::unique_ptr<LogStream> stream;
-  if (run.scenario->run_settings().stream) stream = make_log_stream(run, models, folder);
+  const std::unique_ptr<LogStream> stream = make_log_stream(run, models, folder);
   control.stream = stream.get();
   try {
     const Recording recording = run.scenario->run(control);
@@ -179,6 +178,7 @@ PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenari
 
 std::unique_ptr<LogStream> make_log_stream(const PreparedRun& run, const ModelHashes& models,
                                            const RunFolder& folder) {
+  if (!run.scenario->run_settings().stream) return nullptr;
   return std::make_unique<LogStream>(folder.path(), run.config_text,
                                      manifest_before(run, models).dump());
 }
@@ -187,10 +187,10 @@ void write_run(const PreparedRun& run, const ModelHashes& models, const Recordin
                double wall_s, RunFolder& folder, bool csv, LogStream* stream) {
   const std::filesystem::path& path = folder.path();
   std::filesystem::path log = path / "log.h5";
-  write_text_file(path / "config.toml", run.config_text);
   if (stream != nullptr) {
     log = stream->finish(recording.tracks);
   } else {
+    write_text_file(path / "config.toml", run.config_text);
     write_hdf5_log(log, recording.tracks, run.scenario->run_settings().compression);
   }
   if (csv) write_csv_log(path / "log.csv", recording.tracks.front());

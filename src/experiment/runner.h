@@ -77,7 +77,7 @@ struct RunOptions {
   KnownModels* models = nullptr;
 };
 
-/// The stream for the log of a run. The folder must outlive it.
+/// The stream for the log of a run; null if its log stays in memory. The folder must outlive it.
 std::unique_ptr<LogStream> make_log_stream(const PreparedRun& run, const ModelHashes& models,
                                            const RunFolder& folder);
 

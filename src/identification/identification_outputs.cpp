@@ -10,6 +10,7 @@
 #include <breakwater/experiment/runner.h>
 #include <breakwater/identification/axis_parameters.h>
 #include <breakwater/identification/identified_study.h>
+#include <breakwater/recorded/record_keys.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/table.h>
 
@@ -41,11 +42,8 @@ std::string estimate_toml(const Catalogue& catalogue, const Identification& iden
       "csv.input_column=" + toml_string(source.format.input_column),
       "csv.position_column=" + toml_string(source.format.position_column),
       fmt::format("csv.input_acts={}", source.input_acts == InputActs::after ? "after" : "before"),
-      fmt::format("encoder.rounding={}",
-                  plant.rounding == EncoderRounding::nearest ? "nearest" : "truncate")};
-  const auto set = [&](const char* key, double value) {
-    sets.push_back(fmt::format("{}={:.12g}", key, value));
-  };
+      rounding_set(plant.rounding)};
+  const auto set = [&](const char* key, double value) { sets.push_back(number_set(key, value)); };
   set("csv.time_scale", source.format.time_scale);
   set("csv.time_std_s", time_step_of(identification.data) / std::sqrt(12.0));
   set("csv.input_scale", source.format.input_scale * identification.fit.values[kTorqueConstant]);

@@ -132,18 +132,18 @@ AxisFit best_around(const AxisData& data, const FreeParameters& free, const Axis
   const Noise random(1, "restarts");
   const AxisValues scales = parameter_scales(data);
   std::uint64_t drawn = 0;
+  std::vector<double> sizes;
+  for (std::size_t p = 0; p < kAxisParameters; ++p) {
+    if (!free[p]) continue;
+    const bool is_scaled = is_logarithmic(static_cast<AxisParameter>(p)) || p == kDelay;
+    sizes.push_back(is_scaled ? 1.0 : std::abs(fit.values[p]) / scales[p]);
+  }
   AxisFit best = fit;
   for (int n = 0; n < kRestarts; ++n) {
-    AxisFit start = fit;
-    for (std::size_t p = 0; p < kAxisParameters; ++p) {
-      if (!free[p]) continue;
-      const auto parameter = static_cast<AxisParameter>(p);
-      const double size = is_logarithmic(parameter) || parameter == kDelay
-                              ? 1.0
-                              : std::abs(fit.values[p]) / scales[p];
-      const double change = kAround * size * random(drawn++);
-      start.values[p] = moved_parameter(data, parameter, fit.values[p], change);
-    }
+    Eigen::VectorXd changes(static_cast<Eigen::Index>(sizes.size()));
+    std::transform(sizes.begin(), sizes.end(), changes.begin(),
+                   [&](double size) { return kAround * size * random(drawn++); });
+    const AxisFit start = moved_fit(data, free, fit, changes);
     const AxisFit one = fit_axis(data, free, fit_starts(data, start), kTrialIterations);
     if (one.deviance < best.deviance - kBetter) best = one;
   }

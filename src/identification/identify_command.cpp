@@ -19,6 +19,7 @@
 #include <breakwater/identification/two_inertia_outputs.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/run_folder.h>
+#include <breakwater/record/text_outputs.h>
 #include <breakwater/recorded/record_keys.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
@@ -75,7 +76,6 @@ struct Keys {
     fields.standard("csv.position_scale", {1.0});
     fields.standard("csv.input_acts", {std::string("after")});
     fields.standard("encoder.quantum", {-1.0});
-    fields.standard("encoder.rounding", {std::string("nearest")});
     return fields;
   }
 };
@@ -132,21 +132,21 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
     return kRunFailed;
   }
   const fs::path& out = folder.path();
-  replace_file(out / "identified.json", identified_json(result));
+  write_text_file(out / "identified.json", identified_json(result));
   const auto& scenarios = catalogue.all<IdentifiedScenarioKind>();
   const auto& two_inertias = catalogue.all<IdentifiedTwoInertiaKind>();
   if (has_two && !two_inertias.empty()) {
-    replace_file(out / "identified.toml",
-                 two_inertia_toml(catalogue, result, two_inertias.front(), keys.side));
+    write_text_file(out / "identified.toml",
+                    two_inertia_toml(catalogue, result, two_inertias.front(), keys.side));
   } else if (!has_two && !scenarios.empty()) {
-    replace_file(out / "identified.toml", identified_toml(catalogue, result, scenarios.front()));
-    replace_file(out / "estimate.toml", estimate_toml(catalogue, result,
-                                                      {arguments.files.front(), arguments.config,
-                                                       keys.format, keys.input_acts}));
-    replace_file(out / "sweep.toml", identified_sweep(result, scenarios.front()));
-    replace_file(out / "tune.toml", identified_tuning(result, scenarios.front()));
+    write_text_file(out / "identified.toml", identified_toml(catalogue, result, scenarios.front()));
+    write_text_file(out / "estimate.toml", estimate_toml(catalogue, result,
+                                                         {arguments.files.front(), arguments.config,
+                                                          keys.format, keys.input_acts}));
+    write_text_file(out / "sweep.toml", identified_sweep(result, scenarios.front()));
+    write_text_file(out / "tune.toml", identified_tuning(result, scenarios.front()));
   }
-  replace_file(out / "report.html", identification_report(result, command));
+  write_text_file(out / "report.html", identification_report(result, command));
   folder.commit();
   std::vector<std::string> notes = result.notes;
   for (const ParameterEstimate& estimate : result.parameters) {

@@ -30,16 +30,13 @@ double log_determinant(const Covariance& P) {
 template <int N>
 Gsf<N>::Gsf(const KalmanDesign& design, const SensorError& sensor, int parts)
     : GuardedKalman<N>(design), sensor_(sensor) {
-  check(sensor, 1);
   if (parts < 1 || parts > 20) {
     throw std::invalid_argument("GSF: the number of parts must be from 1 to 20");
   }
-  noise_variance_ = sensor.noise_std(0) * sensor.noise_std(0) + kCodeRounding * kCodeRounding;
   most_parts_ = static_cast<std::size_t>(parts);
   parts_.reserve(most_parts_ * kNodes);
   products_.reserve(most_parts_ * kNodes);
   costs_.setZero(static_cast<long>(products_.capacity()), static_cast<long>(products_.capacity()));
-  weights_.setZero(static_cast<long>(products_.capacity()));
 }
 
 template <int N>
@@ -60,29 +57,28 @@ void Gsf<N>::step(const Vector& held_input, const Vector& y) {
     part.P = this->covariance_;
   }
   if (this->is_measured_) {
-    multiply(code_range(y(0), sensor_.quantum(0), sensor_.rounding), y(0));
+    multiply(sensor_.observe(y(0)));
     reduce();
   }
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    weights_(static_cast<long>(i)) = parts_[i].weight;
-  }
-  mix(parts_, parts_.size(), weights_, this->extended_state_, this->covariance_);
+  const auto weight = [this](long i) { return parts_[static_cast<std::size_t>(i)].weight; };
+  mix(parts_, parts_.size(), weight, this->extended_state_, this->covariance_);
   this->innovation_(0) = innovation;
 }
 
 // Replaces each part by its products with the nodes' densities.
 template <int N>
-void Gsf<N>::multiply(const CodeRange& range, double y) {
-  const double instant = this->instant_error_(0);
-  const double length = range.width();
+void Gsf<N>::multiply(const CodeSensor::Observation& observed) {
+  sensor_.add_noise(this->instant_error_(0));
+  const double length = observed.range.width();
   const std::size_t nodes = length > 0.0 ? kNodes : 1;
   products_.clear();
   double best = -INFINITY;
   for (const Part& part : parts_) {
     for (std::size_t j = 0; j < nodes; ++j) {
       const double share = nodes == 1 ? 0.0 : kWeight[j] * length;
-      const double R = noise_variance_ + instant * instant + share * share / 12.0;
-      const double z = y + range.middle() + (nodes == 1 ? 0.0 : 0.5 * length * kNode[j]);
+      const double R = sensor_.noise_variance() + share * share / 12.0;
+      const double z =
+          observed.y + observed.range.middle() + (nodes == 1 ? 0.0 : 0.5 * length * kNode[j]);
       const double S = part.P(0, 0) + R;
       const double e = z - part.x(0);
       Part product = part;
@@ -161,6 +157,8 @@ void Gsf<N>::reduce() {
     }
   }
 }
+
+template class Gsf<3>;  // An optimiser may leave no constructor of an implicit one.
 
 std::unique_ptr<DisturbanceEstimator> sized_gsf(const KalmanDesign& design,
                                                 const SensorError& sensor, int parts) {

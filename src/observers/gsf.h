@@ -40,18 +40,16 @@ class Gsf final : public GuardedKalman<N> {
   };
 
   void step(const Vector& held_input, const Vector& y) override;
-  void multiply(const CodeRange& range, double y);
+  void multiply(const CodeSensor::Observation& observed);
   void reduce();
   static Part join(const Part& a, const Part& b);
   double cost(std::size_t i, std::size_t j) const;
 
-  SensorError sensor_;
-  double noise_variance_;  // s²
+  CodeSensor sensor_;
   std::size_t most_parts_;
   std::vector<Part> parts_;
   std::vector<Part> products_;
   Eigen::MatrixXd costs_;
-  Eigen::VectorXd weights_;
 };
 
 /// The filter of the design's size.

@@ -31,9 +31,6 @@ class Immkf final : public GuardedKalman<N> {
   /// Throws std::invalid_argument if a probability is outside of [0, 1] or η is not positive.
   Immkf(const KalmanDesign& design, const SensorError& sensor, const ImmDesign& imm);
 
-  /// μ of the quiet and of the busy model.
-  const Eigen::Vector2d& weights() const { return weights_; }
-
  private:
   using typename GuardedKalman<N>::Vector;
   using typename GuardedKalman<N>::State;

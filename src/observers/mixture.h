@@ -5,7 +5,8 @@
 
 namespace breakwater {
 
-/// The first `count` of `parts` have a mean x and a covariance P. Their weights add up to 1. Writes
+/// The first `count` of `parts` have a mean x and a covariance P. Their weights(i) add up to 1.
+/// Writes
 ///     x = Σ w_i x_i,   P = Σ w_i (P_i + (x_i − x)(x_i − x)ᵀ).
 template <typename Parts, typename Weights, typename State, typename Covariance>
 void mix(const Parts& parts, std::size_t count, const Weights& weights, State& x, Covariance& P) {

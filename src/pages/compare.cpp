@@ -159,12 +159,13 @@ void Comparison::choose_signals() {
   }
   const std::vector<LoggedQuantity> logged = quantities(runs_.front().signals(), shots_);
   // Without such a list they are compared by the first quantities that differ.
-  for (std::size_t i = 0; shots_.page.charts.empty() && i < logged.size(); ++i) {
-    const LogEntry& entry = logged[i].kinds.front();
-    if (signals_.size() >= kKeySignals || entry.width > 1 || !is_common(signal_path(entry)) ||
-        !differs(signal_path(entry)))
-      continue;
-    signals_.push_back(signal_path(entry));
+  if (shots_.page.charts.empty()) {
+    for (const LoggedQuantity& quantity : logged) {
+      if (signals_.size() >= kKeySignals) break;
+      const LogEntry& entry = quantity.kinds.front();
+      const std::string path = signal_path(entry);
+      if (entry.width == 1 && is_common(path) && differs(path)) signals_.push_back(path);
+    }
   }
   keys_ = signals_.size();
   for (const LoggedQuantity& quantity : logged) {

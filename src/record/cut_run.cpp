@@ -1,15 +1,13 @@
 #include <breakwater/record/cut_run.h>
 
 #include <fcntl.h>
-#include <sys/file.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <stdexcept>
 
+#include <breakwater/record/file_hash.h>
 #include <breakwater/record/run_folder.h>
 
 namespace breakwater {
@@ -46,7 +44,7 @@ fs::path checked(const fs::path& folder) {
 
 CutRun::CutRun(const fs::path& folder)
     : running_(checked(folder) / kRunning, O_RDWR), log_(folder / "log.h5", O_RDONLY) {
-  if (flock(running_.descriptor(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+  if (!running_.lock()) {
     throw std::invalid_argument(folder.string() +
                                 ": a process still writes this run: stop it first");
   }
@@ -55,7 +53,7 @@ CutRun::CutRun(const fs::path& folder)
 }
 
 void CutRun::read_running(const fs::path& file) {
-  const auto bytes = static_cast<std::uint64_t>(lseek(log_.descriptor(), 0, SEEK_END));
+  const std::uint64_t bytes = log_.size();
   try {
     std::ifstream stream(file);
     const auto running = nlohmann::ordered_json::parse(stream);
@@ -84,8 +82,7 @@ void CutRun::read_running(const fs::path& file) {
 
 // Whether the next rows of a track are those of the journal.
 bool CutRun::holds(const JournalEntry& block) const {
-  detail::BlockHash hash;
-  hash.reset();
+  BlockHash hash;
   std::vector<char> values(kReadAtOnce);
   bool is_known = false;
   for (const Dataset& dataset : datasets_) {

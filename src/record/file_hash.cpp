@@ -4,7 +4,6 @@
 #include <xxhash.h>
 
 #include <fstream>
-#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -17,20 +16,35 @@ constexpr std::size_t kBlock = 1 << 16;
 
 }  // namespace
 
+BlockHash::BlockHash()
+    : state_(XXH3_createState(), [](XXH3_state_t* state) { XXH3_freeState(state); }) {
+  reset();
+}
+
+void BlockHash::reset() {
+  XXH3_64bits_reset(state_.get());
+}
+
+void BlockHash::add(const void* data, std::size_t bytes) {
+  XXH3_64bits_update(state_.get(), data, bytes);
+}
+
+std::uint64_t BlockHash::digest() const {
+  return XXH3_64bits_digest(state_.get());
+}
+
 std::string file_hash(const std::filesystem::path& file) {
   std::ifstream stream = open_input(file);
-  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
-                                                                              XXH3_freeState);
-  XXH3_64bits_reset(state.get());
+  BlockHash hash;
   std::vector<char> block(kBlock);
   while (stream) {
     stream.read(block.data(), static_cast<std::streamsize>(block.size()));
-    XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(stream.gcount()));
+    hash.add(block.data(), static_cast<std::size_t>(stream.gcount()));
   }
   if (stream.bad() || !stream.eof()) {
     throw std::invalid_argument(file.string() + ": cannot be read");
   }
-  return fmt::format("{:016x}", XXH3_64bits_digest(state.get()));
+  return fmt::format("{:016x}", hash.digest());
 }
 
 std::string text_hash(std::string_view text) {

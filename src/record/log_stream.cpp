@@ -1,14 +1,13 @@
 #include <breakwater/record/log_stream.h>
 
 #include <fcntl.h>
-#include <sys/file.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/record/file_hash.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/record/streamed_files.h>
@@ -23,7 +22,8 @@ namespace {
 
 constexpr const char* kLog = "log.h5";
 constexpr std::size_t kBufferBytes = 1 << 20;  // for each track
-// The interval counts in simulated time and on the clock. Together with the last sample this is less than a second.
+// The interval counts in simulated time and on the clock. Together with the last sample this is
+// less than a second.
 constexpr std::chrono::milliseconds kBetweenFlushes(500);
 
 bool same_dataset(const LogEntry& a, const LogEntry& b) {
@@ -48,14 +48,14 @@ struct LogStream::Files {
   DataFile log;
   DataFile journal;
   std::uint64_t journal_size = 0;
-  detail::BlockHash hash = {};
+  BlockHash hash = {};
   std::unique_ptr<DataFile> running = nullptr;  // its lock shows that the run goes on
 };
 
-LogStream::LogStream(fs::path folder, std::string config_text, std::string manifest)
-    : folder_(std::move(folder)),
-      config_text_(std::move(config_text)),
-      manifest_(std::move(manifest)) {}
+LogStream::LogStream(fs::path folder, const std::string& config_text, std::string manifest)
+    : folder_(std::move(folder)), manifest_(std::move(manifest)) {
+  write_text_file(folder_ / "config.toml", config_text);
+}
 
 LogStream::~LogStream() = default;
 
@@ -85,7 +85,6 @@ void LogStream::begin() {
         std::clamp<std::size_t>(kBufferBytes / (width * sizeof(double)), 1, track->room);
     track->buffer.resize(track->capacity * width);
   }
-  write_text_file(folder_ / "config.toml", config_text_);
   places_ = lay_out_hdf5_log(folder_ / kLog, datasets_);
   files_.reset(new Files{DataFile(folder_ / kLog, O_RDWR),
                          DataFile(folder_ / detail::kJournal, O_WRONLY | O_CREAT | O_TRUNC)});
@@ -110,7 +109,7 @@ void LogStream::announce() {
       running.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   PartialFile partial(folder_ / kRunning);
   auto running_file = std::make_unique<DataFile>(partial.path(), O_RDWR | O_CREAT | O_TRUNC);
-  flock(running_file->descriptor(), LOCK_EX | LOCK_NB);  // some file systems have no locks
+  running_file->lock();
   running_file->write(text.data(), text.size(), 0);
   partial.commit();
   files_->running = std::move(running_file);
@@ -210,8 +209,7 @@ void forget_stream(const fs::path& folder) {
 
 bool is_being_written(const fs::path& folder) {
   try {
-    const DataFile running(folder / kRunning, O_RDWR);
-    return flock(running.descriptor(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    return !DataFile(folder / kRunning, O_RDWR).lock();
   } catch (const OutputError&) {
     return false;
   }

@@ -27,9 +27,9 @@ namespace breakwater {
 /// Only the first row allocates.
 class LogStream {
  public:
-  /// `config_text` is for config.toml. `manifest` is a JSON object with the entries of
-  /// manifest.json that are known before the run.
-  LogStream(std::filesystem::path folder, std::string config_text, std::string manifest);
+  /// Writes config.toml, with `config_text`. `manifest` is a JSON object with the entries of
+  /// manifest.json that are known before the run. Throws OutputError.
+  LogStream(std::filesystem::path folder, const std::string& config_text, std::string manifest);
   ~LogStream();
   LogStream(const LogStream&) = delete;
   LogStream& operator=(const LogStream&) = delete;
@@ -56,7 +56,6 @@ class LogStream {
   void flush();
 
   std::filesystem::path folder_;
-  std::string config_text_;
   std::string manifest_;
   std::vector<Streamed> tracks_;
   std::vector<LogEntry> datasets_;  // in the order of the file

@@ -47,11 +47,7 @@ void PartialFile::fail(const std::string& reason) const {
 }
 
 void PartialFile::sync() const {
-  const int descriptor = open(path_.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool is_synced = descriptor >= 0 && is_on_disk(descriptor);
-  const int error = errno;
-  if (descriptor >= 0) close(descriptor);
-  if (!is_synced) fail(std::strerror(error));
+  if (!is_on_disk(path_)) fail(std::strerror(errno));
 }
 
 void PartialFile::commit() {

@@ -177,12 +177,8 @@ void put_in_place(const fs::path& partial, const fs::path& target) {
 
 // Waits until a file, or the list of names in a folder, is on the disk.
 void sync(const fs::path& path) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool is_synced = descriptor >= 0 && is_on_disk(descriptor);
-  const int error = errno;
-  if (descriptor >= 0) close(descriptor);
-  if (!is_synced) {
-    throw OutputError(path.string() + ": cannot be written to the disk (" + std::strerror(error) +
+  if (!is_on_disk(path)) {
+    throw OutputError(path.string() + ": cannot be written to the disk (" + std::strerror(errno) +
                       ")");
   }
 }

@@ -1,8 +1,8 @@
 #include <breakwater/record/streamed_files.h>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -19,21 +19,6 @@ constexpr std::size_t kCopiedAtOnce = 1 << 20;
 
 }  // namespace
 
-BlockHash::BlockHash()
-    : state_(XXH3_createState(), [](XXH3_state_t* state) { XXH3_freeState(state); }) {}
-
-void BlockHash::reset() {
-  XXH3_64bits_reset(state_.get());
-}
-
-void BlockHash::add(const void* data, std::size_t bytes) {
-  XXH3_64bits_update(state_.get(), data, bytes);
-}
-
-std::uint64_t BlockHash::digest() const {
-  return XXH3_64bits_digest(state_.get());
-}
-
 DataFile::DataFile(std::filesystem::path file, int flags)
     : file_(std::move(file)), descriptor_(open(file_.c_str(), flags | O_CLOEXEC, 0666)) {
   if (descriptor_ < 0) fail("opened");
@@ -41,6 +26,14 @@ DataFile::DataFile(std::filesystem::path file, int flags)
 
 DataFile::~DataFile() {
   close(descriptor_);
+}
+
+std::uint64_t DataFile::size() const {
+  return static_cast<std::uint64_t>(lseek(descriptor_, 0, SEEK_END));
+}
+
+bool DataFile::lock() const {
+  return flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
 }
 
 void DataFile::fail(const char* what) const {

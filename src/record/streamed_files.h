@@ -4,9 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
-
-struct XXH3_state_s;
 
 namespace breakwater::detail {
 
@@ -20,18 +17,6 @@ struct JournalEntry {
   std::uint64_t hash = 0;  ///< XXH3 of the rows, one dataset after the other
 };
 
-/// XXH3 (64 bits) of several pieces. Only the constructor allocates.
-class BlockHash {
- public:
-  BlockHash();
-  void reset();
-  void add(const void* data, std::size_t bytes);
-  std::uint64_t digest() const;
-
- private:
-  std::unique_ptr<XXH3_state_s, void (*)(XXH3_state_s*)> state_;
-};
-
 /// An open file. Throws OutputError with its name.
 class DataFile {
  public:
@@ -41,7 +26,10 @@ class DataFile {
   DataFile(const DataFile&) = delete;
   DataFile& operator=(const DataFile&) = delete;
 
-  int descriptor() const { return descriptor_; }
+  std::uint64_t size() const;
+  /// Locks the file. Returns false if another process has it locked. Some file systems have no
+  /// locks.
+  bool lock() const;
   void write(const void* data, std::size_t bytes, std::uint64_t place);
   /// Returns the number of bytes read: less than `bytes` at the end of the file.
   std::size_t read(void* data, std::size_t bytes, std::uint64_t place) const;

@@ -1,5 +1,7 @@
 #include <breakwater/recorded/record_keys.h>
 
+#include <fmt/format.h>
+
 namespace breakwater {
 
 void bind_record_format(Fields& fields, RecordFormat& format, InputActs& input_acts) {
@@ -25,6 +27,15 @@ void check_record_format(const Config& config) {
   for (const char* key : {"csv.input_scale", "csv.position_scale"}) {
     if (config.number(key) == 0.0) config.fail(key, "must not be 0");
   }
+}
+
+std::string number_set(const char* key, double value) {
+  return fmt::format("{}={:.12g}", key, value);
+}
+
+std::string rounding_set(EncoderRounding rounding) {
+  return rounding == EncoderRounding::nearest ? "encoder.rounding=nearest"
+                                              : "encoder.rounding=truncate";
 }
 
 }  // namespace breakwater

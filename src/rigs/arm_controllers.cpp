@@ -251,9 +251,8 @@ void bind_contact_mpc(Fields& fields, ContactMpcSettings& settings) {
   fields.optional_number(
       "controller.period_s", design.period_s, positive(),
       "time from one optimisation to the next, a multiple of control.period_s [s]");
-  fields.count("controller.prediction_steps", design.prediction_steps, between(1, 200),
-               "N_p: number of predicted periods");
-  fields.standard("controller.prediction_steps", {design.prediction_steps});
+  fields.optional_count("controller.prediction_steps", design.prediction_steps, between(1, 200),
+                        "N_p: number of predicted periods");
   fields.optional_number("controller.q_position", design.q_position, positive(),
                          "weight on the error of the depth [1/m^2]");
   fields.optional_number("controller.q_velocity", design.q_velocity, not_negative(),

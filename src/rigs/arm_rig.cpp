@@ -82,9 +82,10 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
     settings.joint(i).scale.apply(encoder);
     const std::string& name = chain.joint(i).name;
     const TransmissionSettings& transmission = settings.joint(i).transmission;
-    const bool is_motor = transmission.is_elastic() && transmission.measured == Side::motor;
+    const std::string measured = transmission.measured_joint(name);
+    const bool is_motor = measured != name;
     setup.channels.push_back({.name = "q" + std::to_string(i + 1),
-                              .sensor = is_motor ? transmission.motor(name) : name + "_pos",
+                              .sensor = is_motor ? measured : name + "_pos",
                               .reading = is_motor ? Reading::joint_position : Reading::component,
                               .encoder = encoder,
                               .noise_std = settings.angle_noise_rad});
@@ -354,15 +355,17 @@ void ArmRig::set_solid(int wall, bool is_solid) {
 
 void ArmRig::observe() {
   for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
-    q_(i) = *q_sensors_[static_cast<std::size_t>(i)];
-    dq_(i) = *dq_sensors_[static_cast<std::size_t>(i)];
     const auto at = static_cast<std::size_t>(i);
-    motor_q_(i) = simulation_->qpos()[motors_[at]];
-    const Transmission* elastic = transmissions_[at].get();
-    transmitted_Nm_(i) =
-        elastic != nullptr ? elastic->torque(simulation_->qpos().data(), simulation_->qvel().data())
-        : has_motors_      ? simulation_->drive_force()(i)
-                           : simulation_->actuation()(i);
+    q_(i) = *q_sensors_[at];
+    dq_(i) = *dq_sensors_[at];
+    if (has_rotors()) {
+      motor_q_(i) = simulation_->qpos()[motors_[at]];
+      const Transmission* elastic = transmissions_[at].get();
+      transmitted_Nm_(i) = elastic != nullptr ? elastic->torque(simulation_->qpos().data(),
+                                                                simulation_->qvel().data())
+                           : has_motors_      ? simulation_->drive_force()(i)
+                                              : simulation_->actuation()(i);
+    }
     if (!frictions_.empty()) friction_Nm_(i) = frictions_[at]->force();
     if (has_motors_) current_A_(i) = simulation_->motor(static_cast<int>(i)).current_A();
   }
@@ -399,7 +402,7 @@ std::vector<Signal> ArmRig::signals() const {
   if (!frictions_.empty()) {
     signals.push_back({"friction_Nm", "N m", "dry friction of the joints", view(friction_Nm_)});
   }
-  if (sim.qpos().size() > positions_of_file_) {
+  if (has_rotors()) {
     signals.push_back({"motor_q_true_rad", "rad",
                        "true angles of the motors over the ratios of their transmissions",
                        view(motor_q_)});

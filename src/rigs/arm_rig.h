@@ -135,6 +135,8 @@ class ArmRig {
   std::vector<Signal> fine_signals() const;
 
  private:
+  bool has_rotors() const { return simulation_->qpos().size() > positions_of_file_; }
+
   PlanarChain chain_;
   std::unique_ptr<Controller> controller_;
   std::unique_ptr<WallContact> contact_;                      // null: the engine's

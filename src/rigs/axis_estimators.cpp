@@ -372,16 +372,12 @@ struct ImmSettings {
 void bind_immkf(Fields& fields, ImmSettings& settings) {
   settings.noise.bind(fields);
   bind_likelihood(fields, settings.imm.likelihood);
-  const ImmDesign standard;
-  fields.number("observer.noise_ratio", settings.imm.noise_ratio, positive(),
-                "eta: process noise of the busy model over that of the quiet one");
-  fields.standard("observer.noise_ratio", {standard.noise_ratio});
-  fields.number("observer.stays_quiet", settings.imm.stays_quiet, between(0, 1),
-                "probability that the quiet model stays from a sample to the next");
-  fields.standard("observer.stays_quiet", {standard.stays_quiet});
-  fields.number("observer.stays_busy", settings.imm.stays_busy, between(0, 1),
-                "the same for the busy model");
-  fields.standard("observer.stays_busy", {standard.stays_busy});
+  fields.optional_number("observer.noise_ratio", settings.imm.noise_ratio, positive(),
+                         "eta: process noise of the busy model over that of the quiet one");
+  fields.optional_number("observer.stays_quiet", settings.imm.stays_quiet, between(0, 1),
+                         "probability that the quiet model stays from a sample to the next");
+  fields.optional_number("observer.stays_busy", settings.imm.stays_busy, between(0, 1),
+                         "the same for the busy model");
 }
 
 Estimator make_immkf(const ImmSettings& settings, const NominalAxis& axis) {
@@ -396,9 +392,9 @@ struct CorrentropySettings {
 void bind_mckf(Fields& fields, CorrentropySettings& settings) {
   settings.noise.bind(fields);
   bind_likelihood(fields, settings.correntropy.likelihood);
-  fields.number("observer.kernel_width", settings.correntropy.kernel_width, positive(),
-                "sigma: width of the kernel, in standard deviations of the predicted disturbance");
-  fields.standard("observer.kernel_width", {CorrentropyDesign{}.kernel_width});
+  fields.optional_number(
+      "observer.kernel_width", settings.correntropy.kernel_width, positive(),
+      "sigma: width of the kernel, in standard deviations of the predicted disturbance");
 }
 
 Estimator make_mckf(const CorrentropySettings& settings, const NominalAxis& axis) {
@@ -449,16 +445,12 @@ struct VariationalSettings {
 
 void bind_vbakf(Fields& fields, VariationalSettings& settings) {
   settings.noise.bind(fields);
-  const VariationalDesign standard;
-  fields.number("observer.forgetting", settings.variational.forgetting, between(0.01, 1),
-                "rho: forgetting factor of the estimate of R; 1: R is known");
-  fields.standard("observer.forgetting", {standard.forgetting});
-  fields.number("observer.prior_samples", settings.variational.prior_samples, positive(),
-                "tau: weight of the predicted covariance, in samples");
-  fields.standard("observer.prior_samples", {standard.prior_samples});
-  fields.count("observer.iterations", settings.variational.iterations, between(1, 100),
-               "fixed-point iterations in a sample");
-  fields.standard("observer.iterations", {static_cast<double>(standard.iterations)});
+  fields.optional_number("observer.forgetting", settings.variational.forgetting, between(0.01, 1),
+                         "rho: forgetting factor of the estimate of R; 1: R is known");
+  fields.optional_number("observer.prior_samples", settings.variational.prior_samples, positive(),
+                         "tau: weight of the predicted covariance, in samples");
+  fields.optional_count("observer.iterations", settings.variational.iterations, between(1, 100),
+                        "fixed-point iterations in a sample");
 }
 
 Estimator make_vbakf(const VariationalSettings& settings, const NominalAxis& axis) {
@@ -472,9 +464,8 @@ struct GaussianSumSettings {
 
 void bind_gsf(Fields& fields, GaussianSumSettings& settings) {
   settings.noise.bind(fields);
-  fields.count("observer.parts", settings.parts, between(1, 20),
-               "number of Gaussian densities after a sample");
-  fields.standard("observer.parts", {static_cast<double>(GaussianSumSettings{}.parts)});
+  fields.optional_count("observer.parts", settings.parts, between(1, 20),
+                        "number of Gaussian densities after a sample");
 }
 
 Estimator make_gsf(const GaussianSumSettings& settings, const NominalAxis& axis) {
@@ -489,12 +480,11 @@ struct MovingHorizonSettings {
 
 void bind_mhe(Fields& fields, MovingHorizonSettings& settings) {
   settings.noise.bind(fields);
-  const MovingHorizonSettings standard;
-  fields.count("observer.horizon", settings.horizon, between(1, 50), "samples in the window");
-  fields.standard("observer.horizon", {static_cast<double>(standard.horizon)});
+  fields.optional_count("observer.horizon", settings.horizon, between(1, 50),
+                        "samples in the window");
   fields.flag("observer.code_constraints", settings.has_constraints,
               "whether the codes' intervals are constraints");
-  fields.standard("observer.code_constraints", {standard.has_constraints});
+  fields.standard("observer.code_constraints", {settings.has_constraints});
 }
 
 Estimator make_mhe(const MovingHorizonSettings& settings, const NominalAxis& axis) {

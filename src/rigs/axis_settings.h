@@ -101,10 +101,7 @@ struct AxisSettings {
   void bind(Fields& fields);
 
   /// The joint of the side with the encoder.
-  std::string measured_joint() const {
-    const bool is_motor = transmission.is_elastic() && transmission.measured == Side::motor;
-    return is_motor ? transmission.motor(axis.joint) : axis.joint;
-  }
+  std::string measured_joint() const { return transmission.measured_joint(axis.joint); }
   Encoder encoder() const;
   double quantum() const;                ///< Δ of the encoder; 0: not quantised
   double pulses_per_revolution() const;  ///< b_reso, or counts per metre; 0: not quantised

@@ -43,14 +43,13 @@ void DisturbanceSettings::bind(Fields& fields, const std::string& suffix, const 
            "time that a chirp takes to reach its last frequency [s]");
   fields.number("disturbance.start_s", shape.start_s, not_negative(),
                 "time at which the disturbance begins [s]");
-  fields.number("disturbance.end_s", end_s, not_negative(),
-                "time at which the disturbance ends; a step between both times is a pulse; 0: the "
-                "end of the run [s]");
-  fields.standard("disturbance.end_s", {0.0});
+  fields.optional_number(
+      "disturbance.end_s", end_s, not_negative(),
+      "time at which the disturbance ends; a step between both times is a pulse; 0: the "
+      "end of the run [s]");
   const std::string offset = "disturbance.offset_" + suffix;
-  fields.number(offset, shape.offset, any(),
-                "constant part, from the start of the run [" + unit + "]");
-  fields.standard(offset, {0.0});
+  fields.optional_number(offset, shape.offset, any(),
+                         "constant part, from the start of the run [" + unit + "]");
   {
     const Fields::OfPart noise(fields, kind, "noise");
     fields.number("disturbance.hold_s", shape.hold_s, positive(),

@@ -149,7 +149,7 @@ PlantTask plant_task(const AxisPlant& plant) {
       // The engine never integrates the nominal spring, so its stability does not matter.
       transmissions.push_back(std::make_unique<Transmission>(
           nominal, one.transmission.motor(one.axis.joint), one.axis.joint,
-          one.transmission.linear_part(one.nominal_from).design));
+          one.transmission.linear_design(one.nominal_from)));
       springs.push_back({transmissions.back().get(),
                          nominal.id(mjOBJ_JOINT, one.transmission.motor(one.axis.joint))});
     }

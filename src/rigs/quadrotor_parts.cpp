@@ -264,21 +264,18 @@ void bind_backstepping(Fields& fields, BacksteppingSettings& settings) {
                  {"given", Gains::given}},
                 "gains: retuned (for the physical plant), dlqr (with Q_z = 1e4), printed, or given "
                 "(retuned with controller.horizontal_gain and vertical_gain)");
-  fields.number("controller.horizontal_gain", settings.horizontal_gain, positive(),
-                "for given: the gain alpha of x and y, and of their rates [1/s]");
-  fields.number("controller.vertical_gain", settings.vertical_gain, positive(),
-                "for given: the gain alpha of z and of its rate [1/s]");
-  fields.standard("controller.horizontal_gain", {1.0});
-  fields.standard("controller.vertical_gain", {3.0});
+  fields.optional_number("controller.horizontal_gain", settings.horizontal_gain, positive(),
+                         "for given: the gain alpha of x and y, and of their rates [1/s]");
+  fields.optional_number("controller.vertical_gain", settings.vertical_gain, positive(),
+                         "for given: the gain alpha of z and of its rate [1/s]");
   fields.only_for({"controller.horizontal_gain", "controller.vertical_gain"}, "controller.gains",
                   {"given"});
   fields.flag("controller.compensate", settings.compensates,
               "subtract the estimated disturbance from the input");
-  fields.number(
+  fields.optional_number(
       "controller.lead_s", settings.lead_s, not_negative(),
       "for resonator and spectrum: the horizontal force is the estimator's forecast for so "
       "much later, since the vehicle must turn first [s]");
-  fields.standard("controller.lead_s", {0.0});
   bind_clamps(fields, settings);
 }
 
@@ -330,7 +327,6 @@ struct WaveMpcSettings {
 };
 
 void bind_wave_mpc(Fields& fields, WaveMpcSettings& settings) {
-  const WaveMpcDesign mpc;
   fields.choice(
       "controller.forecast", settings.forecast,
       {{"estimator", ForecastSource::estimator},
@@ -342,46 +338,36 @@ void bind_wave_mpc(Fields& fields, WaveMpcSettings& settings) {
       "or autoregressive (identified on line). Told of the sea: upstream (a probe of the "
       "elevation), told (the future)");
   fields.standard("controller.forecast", {std::string("estimator")});
-  fields.number("controller.period_s", settings.mpc.period_s, positive(),
-                "period of the controller's decisions, a multiple of control.period_s [s]");
-  fields.standard("controller.period_s", {mpc.period_s});
-  fields.count("controller.prediction_steps", settings.mpc.prediction_steps, between(1, 1000),
-               "N_p: number of predicted steps");
-  fields.standard("controller.prediction_steps", {mpc.prediction_steps});
-  fields.number("controller.q_velocity", settings.mpc.q_velocity, not_negative(),
-                "Q: weight on velocity");
-  fields.standard("controller.q_velocity", {mpc.q_velocity});
-  fields.number("controller.r_horizontal", settings.mpc.r_horizontal, positive(),
-                "R: weight on the change of the horizontal force [m^2/N^2]");
-  fields.standard("controller.r_horizontal", {mpc.r_horizontal});
-  fields.number("controller.r_vertical", settings.mpc.r_vertical, positive(),
-                "R: weight on the change of the vertical force [m^2/N^2]");
-  fields.standard("controller.r_vertical", {mpc.r_vertical});
+  fields.optional_number(
+      "controller.period_s", settings.mpc.period_s, positive(),
+      "period of the controller's decisions, a multiple of control.period_s [s]");
+  fields.optional_count("controller.prediction_steps", settings.mpc.prediction_steps,
+                        between(1, 1000), "N_p: number of predicted steps");
+  fields.optional_number("controller.q_velocity", settings.mpc.q_velocity, not_negative(),
+                         "Q: weight on velocity");
+  fields.optional_number("controller.r_horizontal", settings.mpc.r_horizontal, positive(),
+                         "R: weight on the change of the horizontal force [m^2/N^2]");
+  fields.optional_number("controller.r_vertical", settings.mpc.r_vertical, positive(),
+                         "R: weight on the change of the vertical force [m^2/N^2]");
   bind_clamps(fields, settings.law);
 
-  fields.count("controller.autoregressive_order", settings.autoregressive.order, between(1, 50),
-               "number of past values in the autoregressive model");
-  fields.standard("controller.autoregressive_order", {settings.autoregressive.order});
-  fields.number("controller.autoregressive_spacing_s", settings.spacing_s, positive(),
-                "time from one of these values to the next, a multiple of controller.period_s [s]");
-  fields.standard("controller.autoregressive_spacing_s", {settings.spacing_s});
-  fields.number("controller.autoregressive_memory_s", settings.memory_s, positive(),
-                "time constant of its forgetting [s]");
-  fields.standard("controller.autoregressive_memory_s", {settings.memory_s});
+  fields.optional_count("controller.autoregressive_order", settings.autoregressive.order,
+                        between(1, 50), "number of past values in the autoregressive model");
+  fields.optional_number(
+      "controller.autoregressive_spacing_s", settings.spacing_s, positive(),
+      "time from one of these values to the next, a multiple of controller.period_s [s]");
+  fields.optional_number("controller.autoregressive_memory_s", settings.memory_s, positive(),
+                         "time constant of its forgetting [s]");
   fields.only_for({"controller.autoregressive_order", "controller.autoregressive_spacing_s",
                    "controller.autoregressive_memory_s"},
                   "controller.forecast", {"autoregressive"});
 
-  const UpstreamDesign upstream;
-  fields.number("controller.probe_distance_m", settings.upstream.distance_m, not_negative(),
-                "distance of the probe upstream from the reference [m]");
-  fields.standard("controller.probe_distance_m", {upstream.distance_m});
-  fields.number("controller.probe_noise_m", settings.upstream.noise_m, positive(),
-                "standard deviation of the probe's noise [m]");
-  fields.standard("controller.probe_noise_m", {upstream.noise_m});
-  fields.number("controller.probe_window_s", settings.upstream.window_s, positive(),
-                "length of the probe's record that the prediction takes [s]");
-  fields.standard("controller.probe_window_s", {upstream.window_s});
+  fields.optional_number("controller.probe_distance_m", settings.upstream.distance_m,
+                         not_negative(), "distance of the probe upstream from the reference [m]");
+  fields.optional_number("controller.probe_noise_m", settings.upstream.noise_m, positive(),
+                         "standard deviation of the probe's noise [m]");
+  fields.optional_number("controller.probe_window_s", settings.upstream.window_s, positive(),
+                         "length of the probe's record that the prediction takes [s]");
   fields.only_for(
       {"controller.probe_distance_m", "controller.probe_noise_m", "controller.probe_window_s"},
       "controller.forecast", {"upstream"});

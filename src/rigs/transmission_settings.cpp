@@ -168,14 +168,14 @@ TwoInertia TransmissionSettings::nominal_numbers(double load_inertia, double loa
           .ratio = design.ratio};
 }
 
-TransmissionSettings TransmissionSettings::linear_part(NominalFrom from) const {
-  TransmissionSettings part = *this;
-  part.design.backlash = part.design.kinematic_error = 0.0;
+TransmissionDesign TransmissionSettings::linear_design(NominalFrom from) const {
+  TransmissionDesign linear = design;
+  linear.backlash = linear.kinematic_error = 0.0;
   if (from == NominalFrom::keys) {
-    part.design.stiffness = nominal_stiffness;
-    part.design.damping = nominal_damping;
+    linear.stiffness = nominal_stiffness;
+    linear.damping = nominal_damping;
   }
-  return part;
+  return linear;
 }
 
 StateSpace TransmissionSettings::linear(const TwoInertia& numbers) const {

@@ -52,6 +52,10 @@ struct TransmissionSettings {
   std::string motor(const std::string& load) const {
     return motor_joint.empty() ? load + ".motor" : motor_joint;
   }
+  /// The joint of the side with the encoder.
+  std::string measured_joint(const std::string& load) const {
+    return is_elastic() && measured == Side::motor ? motor(load) : load;
+  }
   /// The joint with the dry friction.
   std::string friction_joint(const std::string& load) const {
     return is_elastic() && friction_side == Side::motor ? motor(load) : load;
@@ -79,9 +83,8 @@ struct TransmissionSettings {
                           const std::string& load) const;
   /// The numbers of the keys nominal.…, with those of the load.
   TwoInertia nominal_numbers(double load_inertia, double load_friction) const;
-  /// The same transmission without backlash and kinematic error, and from keys with the nominal
-  /// spring.
-  TransmissionSettings linear_part(NominalFrom from) const;
+  /// The design without backlash and kinematic error, and from keys with the nominal spring.
+  TransmissionDesign linear_design(NominalFrom from) const;
   /// The linear part of the plant, without backlash and kinematic error.
   StateSpace linear(const TwoInertia& numbers) const;
 

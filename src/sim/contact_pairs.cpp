@@ -16,10 +16,6 @@ using Pair = std::pair<int, int>;
 constexpr std::size_t kMostPairs = 4;
 constexpr mjtNum kNever = -mjMAXVAL;  // a margin below every distance
 
-std::ptrdiff_t at(int row, int columns) {
-  return static_cast<std::ptrdiff_t>(row) * columns;
-}
-
 // The pairs of a world geom and a geom of the only moving body, in the engine's order. Empty if
 // other pairs are possible.
 std::vector<Pair> possible_pairs(const mjModel& m) {

@@ -35,7 +35,7 @@ void copy_rows(const T* from, T* to, int count, int columns) {
 template <typename T>
 void copy_rows(const T* from, T* to, const std::vector<int>& rows, int columns) {
   for (const int row : rows) {
-    to = std::copy_n(from + static_cast<std::ptrdiff_t>(row) * columns, columns, to);
+    to = std::copy_n(from + at(row, columns), columns, to);
   }
 }
 

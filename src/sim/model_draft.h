@@ -33,6 +33,11 @@ class ModelDraft {
   std::vector<std::byte> buffer_;
 };
 
+/// The place of a row in an array of the engine.
+inline std::ptrdiff_t at(int row, int columns) {
+  return static_cast<std::ptrdiff_t>(row) * columns;
+}
+
 /// The ids of all geoms.
 std::vector<int> all_geoms(const mjModel& model);
 

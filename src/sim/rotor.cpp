@@ -7,10 +7,6 @@
 namespace breakwater {
 namespace {
 
-std::ptrdiff_t at(int row, int columns) {
-  return static_cast<std::ptrdiff_t>(row) * columns;
-}
-
 mjModel sizes_of(const mjModel& model, const std::string& name) {
   mjModel sizes = model;
   ++sizes.nbody;

@@ -121,7 +121,6 @@ class Undisturbed:
     after: dict
     stderr: str
     counts: dict
-    seconds: float
 
 
 @dataclasses.dataclass
@@ -263,11 +262,10 @@ class Chaos:
                 raise SystemExit(f"{workload.name}: {' '.join(words)} ends with status {ended.status}: {ended.stderr}")
         shutil.copytree(place.work, fixture)
         before = snapshot(place.work)
-        begin = time.monotonic()
         ended = place.call(workload.words, faults=[], defect=self.defect)
         if ended.status != 0:
             raise SystemExit(f"{workload.name}: ends with status {ended.status} without faults: {ended.stderr}")
-        return Undisturbed(before, snapshot(place.work), ended.stderr, ended.counts, time.monotonic() - begin)
+        return Undisturbed(before, snapshot(place.work), ended.stderr, ended.counts)
 
     # ---- One seed ---------------------------------------------------------------------------------
 

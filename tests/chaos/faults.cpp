@@ -41,7 +41,6 @@
 #include <ctime>
 #include <new>
 #include <string_view>
-#include <utility>
 
 extern "C" {
 void* __libc_malloc(std::size_t size);

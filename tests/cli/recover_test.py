@@ -39,11 +39,11 @@ class Recovery(Folder):
             time.sleep(0.01)
         self.fail("the run does not begin")
 
-    def cut(self, sent=signal.SIGKILL, words=ENDLESS, after=0.3):
+    def cut(self, sent=signal.SIGKILL):
         """The partial folder, the exit status and stderr of a run that got a signal."""
-        process = self.start(*words)
+        process = self.start(*ENDLESS)
         partial = self.partial()
-        time.sleep(after)
+        time.sleep(0.3)
         process.send_signal(sent)
         return partial, process.wait(), process.communicate()[1]
 
@@ -83,7 +83,8 @@ class Recovery(Folder):
 
     def test_the_log_ends_in_the_last_second(self):
         """A slow run: its rows come from the clock's half second."""
-        slow = ["quadrotor_waves", *STREAM, "--case", "mpc-forecast", "--out", "run"]
+        slow = ["quadrotor_waves", *STREAM, "--case", "mpc-forecast", "--duration", "2000",
+                "--out", "run"]
         process = self.start(*slow)
         partial = self.partial()
         time.sleep(1.2)

@@ -18,17 +18,12 @@
 namespace breakwater {
 namespace {
 
-std::string file_with(const std::string& text) {
-  static const fuzz::MemoryFile memory;
-  return memory.with(text);
-}
-
 template <typename File>
 void read_twice(File (*read)(const toml::table&, const std::string&), const std::string& text) {
-  const std::string file = file_with(text);
+  const std::string file = fuzz::file_with(text);
   const std::string printed = read(study_tables(file), file).print();
   try {
-    const std::string again = file_with(printed);
+    const std::string again = fuzz::file_with(printed);
     if (read(study_tables(again), again).print() == printed) return;
   } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "%s\n", error.what());
@@ -40,7 +35,7 @@ void read_twice(File (*read)(const toml::table&, const std::string&), const std:
 // A tuning with one case and two searched keys.
 const Tuning& small_tuning() {
   static const Tuning tuning = [] {
-    const std::string file = file_with(
+    const std::string file = fuzz::file_with(
         "scenario = \"s\"\nbudget = 40\n[search]\na = { uniform = [0, 1] }\nb = [1, 2]\n"
         "[objective]\nm = { goal = \"min\" }\n");
     return read_tuning(study_tables(file), file);
@@ -99,9 +94,9 @@ constexpr fuzz::Parser kParsers[] = {
     {'t', "tuning", [](const std::string& text) { read_twice(read_tuning, text); }},
     {'c', "candidate", read_candidate_line},
     {'e', "experiments",
-     [](const std::string& text) { read_experiments(file_with(text), Effort::full); }},
+     [](const std::string& text) { read_experiments(fuzz::file_with(text), Effort::full); }},
     {'r', "printed_results", read_printed_results},
-    {'p', "shots", [](const std::string& text) { read_shot_list(file_with(text)); }},
+    {'p', "shots", [](const std::string& text) { read_shot_list(fuzz::file_with(text)); }},
     {'v', "value_list",
      [](const std::string& text) {
        if (is_value_list(text)) value_list(text);

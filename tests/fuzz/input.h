@@ -126,6 +126,18 @@ class Folder {
   std::filesystem::path path_;
 };
 
+/// The path of a file in memory with this text. It replaces the one before.
+inline std::string file_with(std::string_view text) {
+  static const MemoryFile memory;
+  return memory.with(text);
+}
+
+/// A folder of the process.
+inline const Folder& folder() {
+  static const Folder made;
+  return made;
+}
+
 inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }

@@ -29,14 +29,8 @@ constexpr const char* kModel = R"(<mujoco>
   <keyframe><key name="bent" qpos="0.1 0.2"/></keyframe>
 </mujoco>)";
 
-const fuzz::Folder& folder() {
-  static const fuzz::Folder made;
-  return made;
-}
-
 void read_model(const std::string& text) {
-  static const fuzz::MemoryFile memory;
-  const std::string file = memory.with(text);
+  const std::string file = fuzz::file_with(text);
   const Model whole = Model::load({file, 1000});
   const Model model = Model::load_physics({file, 1000});
   fuzz::require(model->nv == whole->nv, "a part has the same degrees of freedom");
@@ -58,7 +52,7 @@ const Catalogue& parts() {
 
 // The first case as the run folder has it, after all checks of a run.
 std::string printed(const std::string& text) {
-  const ScenarioFile file(folder().write("plant.toml", text), "plant");
+  const ScenarioFile file(fuzz::folder().write("plant.toml", text), "plant");
   const std::string name = file.default_case();
   const Config config = file.config(name);
   Plant plant(parts());
@@ -73,8 +67,8 @@ std::string printed(const std::string& text) {
 }
 
 void read_plant(const std::string& text) {
-  static const std::string model = folder().write("m.xml", kModel);
-  static const std::string table = folder().write("t.csv", "time_s,value\n0,0\n1,1\n");
+  static const std::string model = fuzz::folder().write("m.xml", kModel);
+  static const std::string table = fuzz::folder().write("t.csv", "time_s,value\n0,0\n1,1\n");
   const std::string first = printed(text);
   try {
     fuzz::require(printed(first) == first, "a printed configuration reads as it is");

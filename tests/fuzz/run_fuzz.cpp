@@ -11,19 +11,14 @@
 namespace breakwater {
 namespace {
 
-const fuzz::Folder& folder() {
-  static const fuzz::Folder made;
-  return made;
-}
-
 void read_run_manifest(const std::string& text) {
-  static const std::string metrics = folder().write("metrics.json", "{\"peak_N\": 1.5}");
-  folder().write("manifest.json", text);
-  const bool is_run = is_run_folder(folder().path());
-  const ListedRun run = list_run(folder().path());
+  static const std::string metrics = fuzz::folder().write("metrics.json", "{\"peak_N\": 1.5}");
+  fuzz::folder().write("manifest.json", text);
+  const bool is_run = is_run_folder(fuzz::folder().path());
+  const ListedRun run = list_run(fuzz::folder().path());
   fuzz::require(is_run || run.status == ListedRun::Status::damaged, "a run has a manifest");
-  note_renderer(folder().path(), "0", "video.mp4", "osmesa");
-  check_log(folder().path());
+  note_renderer(fuzz::folder().path(), "0", "video.mp4", "osmesa");
+  check_log(fuzz::folder().path());
 }
 
 void read_run_metrics(const std::string& text) {
@@ -35,7 +30,7 @@ void read_run_metrics(const std::string& text) {
 }
 
 void read_identified(const std::string& text) {
-  const AxisValues axis = read_identified_axis(folder().write("identified.json", text), {});
+  const AxisValues axis = read_identified_axis(fuzz::folder().write("identified.json", text), {});
   fuzz::require(axis[kInertia] > 0.0, "an inertia is positive");
 }
 

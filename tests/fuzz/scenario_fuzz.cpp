@@ -62,18 +62,18 @@ std::string printed(const std::string& file, const std::vector<std::string>& set
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace breakwater;
-  static const fuzz::MemoryFile file;
   fuzz::count("scenario");
   const std::vector<std::string> parts = fuzz::parts_of(fuzz::text_of(data, size));
   std::string first;
   try {
-    first = printed(file.with(parts[0]), {parts.begin() + 1, parts.end()});
+    first = printed(fuzz::file_with(parts[0]), {parts.begin() + 1, parts.end()});
   } catch (const std::invalid_argument&) {
     return 0;
   }
   if (first.empty()) return 0;
   try {
-    fuzz::require(printed(file.with(first), {}) == first, "a printed configuration reads as it is");
+    fuzz::require(printed(fuzz::file_with(first), {}) == first,
+                  "a printed configuration reads as it is");
   } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "%s\n%s\n", first.c_str(), error.what());
     fuzz::require(false, "a printed configuration is accepted");

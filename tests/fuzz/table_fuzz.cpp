@@ -12,17 +12,12 @@
 namespace breakwater {
 namespace {
 
-std::string file_with(const std::string& text) {
-  static const fuzz::MemoryFile memory;
-  return memory.with(text);
-}
-
 bool are_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
 }
 
 void read_exact(const std::string& text) {
-  const std::string file = file_with(text);
+  const std::string file = fuzz::file_with(text);
   const ColumnTable table = read_columns(file, {{"time_s"}, {"u", "csv.u"}, {"y"}});
   for (const auto& column : table.columns) {
     fuzz::require(column.size() == table.rows() && are_finite(column), "each row has each column");
@@ -31,7 +26,7 @@ void read_exact(const std::string& text) {
 }
 
 void read_record(const std::string& text) {
-  const RecordedAxis axis = read_recorded_axis(file_with(text), {.time_scale = 1e-3});
+  const RecordedAxis axis = read_recorded_axis(fuzz::file_with(text), {.time_scale = 1e-3});
   const std::size_t rows = axis.times_s.size();
   fuzz::require(rows >= 2 && axis.inputs.size() == rows && axis.positions.size() == rows,
                 "each row has each column");
@@ -44,12 +39,12 @@ void read_record(const std::string& text) {
 }
 
 void read_time_function(const std::string& text) {
-  const math::TableFunction function = read_function(file_with(text), "value");
+  const math::TableFunction function = read_function(fuzz::file_with(text), "value");
   for (const double time_s : {-1.0, 0.0, 0.5, 1e9}) function.at(time_s);
 }
 
 void read_force(const std::string& text) {
-  const Series force = read_measured_force(file_with(text));
+  const Series force = read_measured_force(fuzz::file_with(text));
   const ImpactPulse pulse = first_pulse(force);
   fuzz::require(pulse.begin_s >= force.times_s.front() && pulse.begin_s <= force.times_s.back(),
                 "a contact begins in the record");

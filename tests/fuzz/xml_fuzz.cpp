@@ -1,5 +1,4 @@
 // Models in XML: a URDF, and an MJCF as far as it is checked before the engine reads it.
-#include <cmath>
 
 #include <breakwater/plants/mjcf_files.h>
 #include <breakwater/plants/mjcf_numbers.h>
@@ -9,13 +8,8 @@
 namespace breakwater {
 namespace {
 
-std::string file_with(const std::string& text) {
-  static const fuzz::MemoryFile memory;
-  return memory.with(text);
-}
-
 void read_urdf(const std::string& text) {
-  const PlanarChain chain = load_planar_chain(file_with(text));
+  const PlanarChain chain = load_planar_chain(fuzz::file_with(text));
   const Eigen::VectorXd q = Eigen::VectorXd::Zero(chain.joints());
   for (Eigen::Index i = 0; i < chain.joints(); ++i) {
     fuzz::require(chain.joint(i).link_mass_kg > 0.0, "a moving link has a mass");
@@ -25,7 +19,7 @@ void read_urdf(const std::string& text) {
 }
 
 void read_mjcf(const std::string& text) {
-  check_mjcf(file_with(text), 1000);
+  check_mjcf(fuzz::file_with(text), 1000);
 }
 
 constexpr fuzz::Parser kParsers[] = {{'u', "urdf", read_urdf}, {'m', "mjcf_check", read_mjcf}};

@@ -10,10 +10,13 @@
 #include <breakwater/identification/identified_study.h>
 #include <breakwater/identification/rounded_times.h>
 #include <breakwater/statistics/quantile.h>
-#include "support.h"
+#include "identification/bench.h"
 
 namespace breakwater::identified_axis_test {
 namespace {
+
+using testing::normal;
+using testing::of;
 
 AxisValues axis(double inertia, double viscous, double coulomb) {
   AxisValues values{};
@@ -70,11 +73,6 @@ TEST(FrictionAxis, TheDelayShiftsTheInput) {
   EXPECT_NEAR(positions[2], 1.0, 1e-12);
 }
 
-double normal(testing::Random& random) {
-  return std::sqrt(-2.0 * std::log(random.uniform(1e-300, 1.0))) *
-         std::cos(random.uniform(0.0, 2.0 * std::numbers::pi));
-}
-
 // A bench with a jittering clock, an encoder, and noise before it.
 struct Bench {
   double inertia = 1.5e-3;
@@ -97,23 +95,11 @@ struct Bench {
 
   RecordedAxis record(unsigned seed) const {
     testing::Random random(seed);
-    RecordedAxis record;
     const double T = 1.0 / rate_Hz;
-    const auto rows = static_cast<std::size_t>(duration_s * rate_Hz);
-    std::vector<double> phases;
     const double frequencies[] = {0.7, 1.3, 2.9, 4.1, 7.3, 11.9};
-    for (std::size_t i = 0; i < std::size(frequencies); ++i) {
-      phases.push_back(random.uniform(0.0, 2.0 * std::numbers::pi));
-    }
-    for (std::size_t k = 0; k < rows; ++k) {
-      const double t = (static_cast<double>(k) + random.uniform(-0.05, 0.05)) * T;
-      record.times_s.push_back(t);
-      double u = mean_input;
-      for (std::size_t i = 0; i < phases.size(); ++i) {
-        u += swing * 0.3 * std::sin(2.0 * std::numbers::pi * frequencies[i] * t + phases[i]);
-      }
-      record.inputs.push_back(u);
-    }
+    RecordedAxis record =
+        testing::sines(random, rate_Hz, duration_s, mean_input, swing * 0.3, frequencies);
+    const std::size_t rows = record.times_s.size();
     const double phase = random.uniform(0.0, quantum());
     double q = 0.0;
     double v = starts_at_speed ? (mean_input - offset - coulomb) / viscous : 0.0;
@@ -147,13 +133,6 @@ struct Bench {
     return record;
   }
 };
-
-const ParameterEstimate& of(const Identification& identification, AxisParameter parameter) {
-  for (const ParameterEstimate& estimate : identification.parameters) {
-    if (estimate.parameter == parameter) return estimate;
-  }
-  throw std::logic_error("no such parameter");
-}
 
 TEST(Identification, FindsTheParametersOfABench) {
   const Bench bench;

@@ -8,15 +8,13 @@
 #include <breakwater/identification/identified_axis.h>
 #include <breakwater/identification/two_inertia_axis.h>
 #include <breakwater/statistics/quantile.h>
-#include "support.h"
+#include "identification/bench.h"
 
 namespace breakwater::two_inertia_test {
 namespace {
 
-double normal(testing::Random& random) {
-  return std::sqrt(-2.0 * std::log(random.uniform(1e-300, 1.0))) *
-         std::cos(random.uniform(0.0, 2.0 * std::numbers::pi));
-}
+using testing::normal;
+using testing::of;
 
 struct Bench {
   double motor_inertia = 1.5e-3;
@@ -45,6 +43,23 @@ struct Bench {
     return std::sqrt(stiffness * (1.0 / motor_inertia + 1.0 / load_inertia));
   }
 
+  AxisValues values() const {
+    AxisValues all{};
+    all[kMotorInertia] = motor_inertia;
+    all[kLoadInertia] = load_inertia;
+    all[kStiffness] = stiffness;
+    all[kDamping] = damping;
+    all[kBacklash] = backlash;
+    all[kMotorViscous] = motor_viscous;
+    all[kLoadViscous] = load_viscous;
+    all[kMotorCoulomb] = motor_coulomb;
+    all[kLoadCoulomb] = load_coulomb;
+    all[kOffset] = offset;
+    all[kDelay] = delay_s;
+    all[kTorqueConstant] = 1.0;
+    return all;
+  }
+
   double torque(double twist, double rate) const {
     if (backlash == 0.0) return stiffness * twist + damping * rate;
     const double z = std::abs(twist) - 0.5 * backlash;
@@ -62,25 +77,14 @@ struct Bench {
 
   RecordedAxis record(unsigned seed) const {
     testing::Random random(seed);
-    RecordedAxis record;
     const double T = 1.0 / rate_Hz;
-    const auto rows = static_cast<std::size_t>(duration_s * rate_Hz);
-    std::vector<double> phases, frequencies = {0.7, 1.9, 4.1};
+    std::vector<double> frequencies = {0.7, 1.9, 4.1};
     for (const double share : {0.45, 0.6, 0.8, 1.0, 1.25, 1.6}) {
       frequencies.push_back(share * resonance() / (2.0 * std::numbers::pi));
     }
-    for (std::size_t i = 0; i < frequencies.size(); ++i) {
-      phases.push_back(random.uniform(0.0, 2.0 * std::numbers::pi));
-    }
-    for (std::size_t k = 0; k < rows; ++k) {
-      const double t = (static_cast<double>(k) + random.uniform(-0.05, 0.05)) * T;
-      record.times_s.push_back(t);
-      double u = mean_input;
-      for (std::size_t i = 0; i < phases.size(); ++i) {
-        u += swing * 0.25 * std::sin(2.0 * std::numbers::pi * frequencies[i] * t + phases[i]);
-      }
-      record.inputs.push_back(u);
-    }
+    RecordedAxis record =
+        testing::sines(random, rate_Hz, duration_s, mean_input, swing * 0.25, frequencies);
+    const std::size_t rows = record.times_s.size();
     const double phase = random.uniform(0.0, quantum());
     double qm = 0.0, vm = 0.0, ql = 0.0, vl = 0.0;
     if (starts_at_speed) {
@@ -122,13 +126,6 @@ IdentificationSettings settings_of(const Bench& bench) {
   return settings;
 }
 
-const ParameterEstimate& of(const Identification& identification, AxisParameter parameter) {
-  for (const ParameterEstimate& estimate : identification.parameters) {
-    if (estimate.parameter == parameter) return estimate;
-  }
-  throw std::logic_error("no such parameter");
-}
-
 double end_of(const AxisValues& values, const AxisStart& start, double input, double duration) {
   AxisStretch stretch{{0.0}, {input}, {}, {}};
   for (int k = 0; k <= 400; ++k) stretch.times_s.push_back(duration * k / 400.0);
@@ -162,19 +159,7 @@ TEST(TwoInertiaIdentification, AStartIsFoundOnEitherFlankOfThePlay) {
   bench.backlash = 0.04;
   bench.duration_s = 0.6;
   const RecordedAxis record = bench.record(4);
-  AxisFit truth{.noise_std = bench.noise_counts * bench.quantum()};
-  truth.values[kMotorInertia] = bench.motor_inertia;
-  truth.values[kLoadInertia] = bench.load_inertia;
-  truth.values[kStiffness] = bench.stiffness;
-  truth.values[kDamping] = bench.damping;
-  truth.values[kBacklash] = bench.backlash;
-  truth.values[kMotorViscous] = bench.motor_viscous;
-  truth.values[kLoadViscous] = bench.load_viscous;
-  truth.values[kMotorCoulomb] = bench.motor_coulomb;
-  truth.values[kLoadCoulomb] = bench.load_coulomb;
-  truth.values[kOffset] = bench.offset;
-  truth.values[kDelay] = bench.delay_s;
-  truth.values[kTorqueConstant] = 1.0;
+  AxisFit truth{.values = bench.values(), .noise_std = bench.noise_counts * bench.quantum()};
   for (int n = 1; n <= 12; ++n) {
     AxisData data = axis_data({record}, false, 0.02 * n);
     data.model = &two_inertia_axis(bench.side);
@@ -254,18 +239,11 @@ TEST(TwoInertiaIdentification, IntervalsCoverTheTruth) {
     bench.backlash = n % 4 == 3 ? 0.0 : bench.swing / bench.stiffness * random.uniform(0.05, 0.6);
     const Identification found =
         identify_axis({bench.record(5000 + static_cast<unsigned>(n))}, {}, settings_of(bench));
-    const std::pair<AxisParameter, double> truths[] = {{kMotorInertia, bench.motor_inertia},
-                                                       {kLoadInertia, bench.load_inertia},
-                                                       {kStiffness, bench.stiffness},
-                                                       {kDamping, bench.damping},
-                                                       {kBacklash, bench.backlash},
-                                                       {kMotorViscous, bench.motor_viscous},
-                                                       {kLoadViscous, bench.load_viscous},
-                                                       {kMotorCoulomb, bench.motor_coulomb},
-                                                       {kLoadCoulomb, bench.load_coulomb},
-                                                       {kOffset, bench.offset},
-                                                       {kDelay, bench.delay_s}};
-    for (const auto& [parameter, truth] : truths) {
+    const AxisValues truths = bench.values();
+    for (const AxisParameter parameter :
+         {kMotorInertia, kLoadInertia, kStiffness, kDamping, kBacklash, kMotorViscous, kLoadViscous,
+          kMotorCoulomb, kLoadCoulomb, kOffset, kDelay}) {
+      const double truth = truths[parameter];
       const ParameterEstimate& estimate = of(found, parameter);
       const bool holds = estimate.low <= truth && truth <= estimate.high;
       const double error = std::abs(estimate.value - truth) / truth;

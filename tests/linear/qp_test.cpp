@@ -443,7 +443,6 @@ TEST(ActiveSet, WarmAndColdAgree) {
   }
 }
 
-// Two equations contradict each other by less than the rounding error of their sums.
 TEST(ActiveSet, NewMatricesAreANewProblem) {
   Random random(38);
   for (int i = 0; i < 200; ++i) {
@@ -465,6 +464,7 @@ TEST(ActiveSet, NewMatricesAreANewProblem) {
                std::invalid_argument);
 }
 
+// Two equations contradict each other by less than the rounding error of their sums.
 TEST(ActiveSet, RoundingDoesNotExhaustTheIterations) {
   QpModel model = unit_model();
   model.Omega << 0.3, 0.7, 0.3, 0.7;

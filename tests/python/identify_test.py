@@ -70,11 +70,14 @@ def write(file, data):
                header=",".join(data))
 
 
-def identify(folder, *arguments, status=0):
-    done = subprocess.run([BIN / "breakwater", "identify", *map(str, arguments)], cwd=folder, text=True,
-                          capture_output=True)
+def call(folder, *words, status=0):
+    done = subprocess.run([BIN / "breakwater", *map(str, words)], cwd=folder, text=True, capture_output=True)
     assert done.returncode == status, (done.returncode, done.stderr)
     return done
+
+
+def identify(folder, *arguments, status=0):
+    return call(folder, "identify", *arguments, status=status)
 
 
 class Identify(unittest.TestCase):
@@ -91,6 +94,9 @@ class Identify(unittest.TestCase):
             self.assertAlmostEqual(parameters[key].value / TRUE[key], 1.0, delta=tolerance, msg=key)
         self.assertAlmostEqual(parameters["offset_Nm"].value, TRUE["offset_Nm"], delta=1e-3)
         self.assertAlmostEqual(parameters["delay_s"].value, TRUE["delay_s"], delta=0.25 / 500)
+
+    def found(self):
+        return json.loads((self.folder / "id" / "identified.json").read_text())
 
     def test_the_record_of_another_simulator_gives_its_parameters(self):
         with warnings.catch_warnings():
@@ -111,7 +117,7 @@ class Identify(unittest.TestCase):
         (self.folder / "bench.csv").write_text("\n".join(lines) + "\n")
         done = identify(self.folder, "bench.csv", "--out", "id")
         self.assertIn("bench.csv: repaired: 1 row without a position left out (in line 501)", done.stderr)
-        found = json.loads((self.folder / "id" / "identified.json").read_text())
+        found = self.found()
         self.assertEqual(set(TRUE) | {"fit"}, set(found))
         run = bw.run("motor_estimation", config=self.folder / "id" / "identified.toml", duration=0.5)
         self.assertGreater(len(run.time_s), 200)
@@ -120,7 +126,7 @@ class Identify(unittest.TestCase):
     def test_the_studies_draw_the_plant(self):
         write(self.folder / "bench.csv", self.data)
         identify(self.folder, "bench.csv", "--out", "id")
-        found = json.loads((self.folder / "id" / "identified.json").read_text())
+        found = self.found()
         runs = bw.sweep(self.folder / "id" / "sweep.toml", out=self.folder / "sweep", seeds=[1], duration=0.1)
         self.assertEqual(len(runs), 32)
         self.assertEqual(set(runs["status"]), {"complete"})
@@ -130,9 +136,7 @@ class Identify(unittest.TestCase):
             inside = np.mean((runs[key] >= low) & (runs[key] <= high))
             self.assertGreater(inside, 0.85, key)
             self.assertGreater(np.ptp(runs[key]), 0.8 * (high - low), key)
-        done = subprocess.run([BIN / "breakwater", "tune", "id/tune.toml", "--out", "tune", "--dry-run"],
-                              cwd=self.folder, text=True, capture_output=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        call(self.folder, "tune", "id/tune.toml", "--out", "tune", "--dry-run")
 
     def test_the_estimate_file_runs_on_the_record_with_a_tuned_observer(self):
         write(self.folder / "bench.csv", self.data | {"y": np.round(self.data["y"] / QUANTUM)})
@@ -141,9 +145,7 @@ class Identify(unittest.TestCase):
         tuned = tuned.replace('name = "stf"', 'name = "kfd"').replace("process_noise = 0.0", "process_noise = 612.5")
         tuned = tuned.replace('process_noise_on = "input"', 'process_noise_on = "disturbance"')
         (self.folder / "tuned.toml").write_text(tuned)
-        done = subprocess.run([BIN / "breakwater", "estimate", "--config", "id/estimate.toml", "--tuned", "tuned.toml",
-                               "--out", "est"], cwd=self.folder, text=True, capture_output=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = call(self.folder, "estimate", "--config", "id/estimate.toml", "--tuned", "tuned.toml", "--out", "est")
         self.assertEqual("", done.stderr)
         self.assertIn("estimate kfd:", done.stdout)
         config = (self.folder / "est" / "config.toml").read_text()
@@ -169,7 +171,7 @@ class Identify(unittest.TestCase):
     def test_a_given_inertia_and_a_false_model_are_said(self):
         write(self.folder / "bench.csv", self.data)
         done = identify(self.folder, "bench.csv", "--inertia", TRUE["inertia_kgm2"], "--out", "id")
-        found = json.loads((self.folder / "id" / "identified.json").read_text())
+        found = self.found()
         self.assertEqual(found["inertia_kgm2"]["value"], TRUE["inertia_kgm2"])
         self.assertTrue(found["inertia_kgm2"]["given"])
         self.assertAlmostEqual(found["torque_constant"]["value"], 1.0, delta=0.01)
@@ -182,7 +184,7 @@ class Identify(unittest.TestCase):
     def test_a_motor_and_a_load_have_a_file_that_runs(self):
         write(self.folder / "bench.csv", two_inertia_record(1))
         done = identify(self.folder, "bench.csv", "--model", "two_inertia", "--inertia", TWO["motor"], "--out", "id")
-        found = json.loads((self.folder / "id" / "identified.json").read_text())
+        found = self.found()
         self.assertNotIn("inertia_kgm2", found)
         self.assertEqual(found["motor_inertia_kgm2"]["value"], TWO["motor"])
         self.assertTrue(found["motor_inertia_kgm2"]["given"])
@@ -223,7 +225,7 @@ class Identify(unittest.TestCase):
         self.assertIn("results: guess.csv", guess.stdout)
         self.assertNotEqual((self.folder / "excite.csv").read_text(), (self.folder / "guess.csv").read_text())
         # With a torque constant of 2 the input is half the torque.
-        found = json.loads((self.folder / "id" / "identified.json").read_text())
+        found = self.found()
         (self.folder / "known.json").write_text(json.dumps(found | {"torque_constant": {"value": 2.0}}))
         identify(self.folder, "--design", "--from", "known.json", "--limits", "torque=0.5", "--duration", "2",
                  "--rate", "500", "--out", "half.csv")

@@ -1,6 +1,5 @@
 // The streamed log equals the one from memory, and what is left of it after a kill is a part of it.
 #include <cmath>
-#include <memory>
 
 #include <breakwater/record/cut_run.h>
 #include <breakwater/record/hdf5_log.h>

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
-#include <mutex>
 #include <optional>
 
 #include <breakwater/shell/all_cores.h>

@@ -113,10 +113,7 @@ TEST(PendulumTest, ADisturbanceEndsAtItsTime) {
                        "metric.left.of=\"cart_d_true_N\"",
                        "metric.left.kind=\"max\"",
                        "metric.left.from_s=1.01"};
-    for (const Metric& metric : prepare_pendulum("lqr", sets).scenario->run({}).metrics) {
-      if (metric.name == "left_N") return metric.value;
-    }
-    return std::nan("");
+    return prepare_pendulum("lqr", sets).scenario->run({}).metric("left_N").value_or(std::nan(""));
   };
   EXPECT_EQ(largest_after("axis.cart.disturbance.end_s=0.0"), 2.0);
   EXPECT_EQ(largest_after("axis.cart.disturbance.end_s=1.0"), 0.0);
