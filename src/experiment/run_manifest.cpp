@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include <breakwater/record/input_file.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
 
@@ -15,7 +16,7 @@ using nlohmann::json;
 class Reader {
  public:
   explicit Reader(std::string file) : file_(std::move(file)) {
-    std::ifstream stream(file_);
+    std::ifstream stream = open_input(file_);
     json_ = json::parse(stream, nullptr, false);
     if (!json_.is_object() || !json_.contains("scenario") || !json_.contains("state_hash")) {
       throw std::invalid_argument(file_ + ": is not a run's manifest; give the folder of a run");

@@ -45,10 +45,10 @@ SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
       throw std::invalid_argument(folder_.string() + ": the run is incomplete: it has no " + file +
                                   "; run it again");
     }
-    open_input(folder_ / file);
   }
+  open_input(log_file());
   std::stringstream config;
-  config << std::ifstream(folder_ / "config.toml").rdbuf();
+  config << open_input(folder_ / "config.toml").rdbuf();
   config_text_ = config.str();
   if (!failure()) metrics_ = read_metrics(folder_);
   if (failure() && failure()->is_cut) {
@@ -96,7 +96,7 @@ std::vector<Metric> read_metrics(const fs::path& folder) {
                                 ": the run is incomplete: it has no metrics.json; run it again");
   }
   std::vector<Metric> list;
-  std::ifstream stream(file);
+  std::ifstream stream = open_input(file);
   const auto metrics = nlohmann::ordered_json::parse(stream, nullptr, false);
   if (!metrics.is_object()) {
     throw std::invalid_argument(file.string() + ": is no object of numbers; run it again");

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include <breakwater/record/input_file.h>
 
 namespace breakwater {
 namespace {
@@ -36,7 +37,7 @@ const KnownParameter& known_parameter(AxisParameter parameter) {
 }
 
 AxisValues read_identified_axis(const std::string& file, AxisValues axis) {
-  std::ifstream stream(file);
+  std::ifstream stream = open_input(file);
   const auto json = nlohmann::json::parse(stream, nullptr, false);
   for (const AxisParameter p : {kInertia, kViscous, kCoulomb, kOffset, kDelay, kBreakaway,
                                 kStribeckSpeed, kTorqueConstant}) {

@@ -26,8 +26,12 @@ inline std::string why_unreadable(const std::filesystem::path& file) {
 
 /// Throws std::invalid_argument `FILE: cannot be read (REASON)`.
 inline std::ifstream open_input(const std::filesystem::path& file) {
-  const std::string reason = why_unreadable(file);
-  if (reason.empty()) return std::ifstream(file, std::ios::binary);
+  std::string reason = why_unreadable(file);
+  if (reason.empty()) {
+    std::ifstream stream(file, std::ios::binary);
+    if (stream.is_open()) return stream;
+    reason = std::generic_category().message(errno);
+  }
   throw std::invalid_argument(file.string() + ": cannot be read (" + reason + ")");
 }
 

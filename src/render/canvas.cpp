@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <breakwater/render/render_error.h>
+
 namespace breakwater {
 namespace {
 
@@ -129,6 +131,10 @@ void Canvas::text(const Point& at, const std::string& text, double size, const C
   }
   set(colour);
   cairo_show_text(c, text.c_str());
+  if (cairo_status(c) != CAIRO_STATUS_SUCCESS) {
+    throw RenderError(std::string("text cannot be drawn (") +
+                      cairo_status_to_string(cairo_status(c)) + ")");
+  }
 }
 
 void Canvas::clip(const Rectangle& area) {

@@ -57,6 +57,7 @@ class Canvas {
   void dot(const Point& center, double radius, const Colour& colour);
 
   /// Draws text with its baseline at `at.y`. `halo` adds a light rim, for text on a picture.
+  /// Throws RenderError if the font cannot be read.
   void text(const Point& at, const std::string& text, double size, const Colour& colour,
             Align align = Align::left, bool bold = false, bool halo = false);
   double text_width(const std::string& text, double size, bool bold = false);

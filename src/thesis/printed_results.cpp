@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <stdexcept>
 
 #include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
+#include <breakwater/record/input_file.h>
 #include <breakwater/shell/paths.h>
 
 namespace breakwater {
@@ -26,7 +26,7 @@ bool matches(const char* pattern, const char* path) {
 class Lines {
  public:
   explicit Lines(const std::string& file) : file_(file) {
-    std::ifstream stream(file);
+    std::ifstream stream = open_input(file);
     for (std::string line; std::getline(stream, line);) lines_.push_back(line);
   }
 

@@ -140,6 +140,7 @@ class Place:
         base.mkdir()
         self.work, self.graves = self.base / "work", self.base / "graves"
         self.page, self.journal = self.base / "page", self.base / "journal"
+        self.others_page = self.base / "others-page"
 
     def prepare(self, fixture):
         for folder in (self.work, self.graves):
@@ -147,9 +148,10 @@ class Place:
         shutil.copytree(fixture, self.work, symlinks=True)
         self.graves.mkdir()
         self.journal.unlink(missing_ok=True)
-        self.page.write_bytes(bytes(PAGE.size))
+        for page in (self.page, self.others_page):
+            page.write_bytes(bytes(PAGE.size))
 
-    def start(self, words, faults=None, defect="", stderr="stderr"):
+    def start(self, words, faults=None, defect="", stderr="stderr", page=None):
         """Starts a program, with the layer if there is a list of faults."""
         program = words[0]
         paths = {"python3": "/usr/bin/python3", "ishigami_lab": self.build / "tests" / "ishigami_lab"}
@@ -158,7 +160,7 @@ class Place:
                        "PATH": f"{self.work}/slurm:/usr/bin:/bin"}
         if faults is not None:
             environment.update(LD_PRELOAD=str(self.build / "tests" / "libchaos_faults.so"),
-                               CHAOS_PAGE=str(self.page), CHAOS_PROGRAMS=str(self.build), CHAOS_SPARED=self.spared,
+                               CHAOS_PAGE=str(page or self.page), CHAOS_PROGRAMS=str(self.build), CHAOS_SPARED=self.spared,
                                CHAOS_FAULTS=",".join(f for f in faults if not f.startswith("end:")),
                                CHAOS_DEFECT=defect, CHAOS_GRAVES=str(self.graves))
             if any(fault.endswith(":cut") for fault in faults):
@@ -269,7 +271,7 @@ class Chaos:
 
     # ---- One seed ---------------------------------------------------------------------------------
 
-    def draw(self, chance, counts):
+    def draw(self, chance, counts, has_queue):
         """One to three faults, at calls of the undisturbed run."""
         faults = []
         for _ in range(chance.choices((1, 2, 3), (60, 25, 15))[0]):
@@ -282,6 +284,8 @@ class Chaos:
             errors = ERRORS[kind]
             fault = chance.choice(errors if errors and chance.random() < 0.5 else ENDS)
             goes_on = "+" if fault in ("ENOSPC", "EIO", "EMFILE", "EINVAL", "EAGAIN") and chance.random() < 0.3 else ""
+            if kind == "fork" and has_queue:
+                goes_on = ""  # as long as squeue cannot be called, the driver waits
             faults.append(f"{kind}:{chance.randint(1, counts[kind])}{goes_on}:{fault}")
         return faults
 
@@ -291,7 +295,10 @@ class Chaos:
         place, known = self.place, self.undisturbed(workload)
         place.prepare(self.fixture(workload))
         process = place.start(workload.words, faults=faults, defect=self.defect)
-        other = place.start(workload.words, stderr="other") if workload.twice else None
+        other = None
+        if workload.twice:  # what it syncs withstands a power cut too
+            cuts = ["end:1:cut"] if any(fault.endswith(":cut") for fault in faults) else None
+            other = place.start(workload.words, faults=cuts, stderr="other", page=place.others_page)
         ended = place.end_of(process)
         others = place.end_of(other, "other") if other else None
         fired = [fault for fault, count in zip([f for f in faults if not f.startswith("end:")], ended.fired) if count]
@@ -396,7 +403,7 @@ class Chaos:
 
     def run(self, number, workload, faults):
         """A text: the defect, and how to show it again. None without a defect."""
-        faults = faults or self.draw(random.Random(number), self.undisturbed(workload).counts)
+        faults = faults or self.draw(random.Random(number), self.undisturbed(workload).counts, "slurm" in workload.name)
         problem = self.problem(number, workload, faults)
         if not problem:
             return None

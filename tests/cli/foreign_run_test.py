@@ -10,7 +10,7 @@ import subprocess
 import sys
 import unittest
 
-MUTATIONS = 3000 if "--study" in sys.argv else 60
+MUTATIONS = 3000 if "--study" in sys.argv else 25
 if "--study" in sys.argv:
     sys.argv.remove("--study")
 

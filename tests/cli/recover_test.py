@@ -20,7 +20,7 @@ from called_program import BIN, FAILS, Folder, environment
 STUDY = "--study" in sys.argv
 if STUDY:
     sys.argv.remove("--study")
-KILLS = 200 if STUDY else 6
+KILLS = 200 if STUDY else 4
 STREAM = ["--quiet", "--set", "record.stream=true"]
 ENDLESS = ["motor_estimation", *STREAM, "--duration", "20000", "--out", "run"]
 

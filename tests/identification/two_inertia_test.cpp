@@ -196,7 +196,7 @@ TEST(TwoInertiaIdentification, AConstantSpeedShowsNoInertiaNoSpringAndNoBacklash
   Bench bench;
   bench.mean_input = 0.5;
   bench.swing = 0.0;
-  bench.duration_s = 1.0;
+  bench.duration_s = 0.5;
   bench.starts_at_speed = true;
   const Identification found = identify_axis({bench.record(3)}, {}, settings_of(bench));
   for (const AxisParameter parameter : {kMotorInertia, kLoadInertia, kStiffness, kBacklash}) {

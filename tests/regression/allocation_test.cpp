@@ -219,7 +219,7 @@ TEST(Allocation, EstimatorsDoNotAllocate) {
         "mckf", "mckf-code", "eso", "eso-fal", "tracking_differentiator", "vbakf", "gsf", "mhe"}) {
     EXPECT_EQ(
         allocations_in_loop("motor_estimation", name,
-                            {"run.duration_s=120", "disturbance.start_s=15", "noise.std_rad=1e-4",
+                            {"run.duration_s=90", "disturbance.start_s=15", "noise.std_rad=1e-4",
                              "noise.input_std_Nm=0.1", "sensor.delay_samples=1"}),
         0)
         << name;
