@@ -26,6 +26,9 @@ StateSpace zero_order_hold(const StateSpace& continuous, double period_s) {
   generator.topLeftCorner(n, n) = continuous.A * period_s;
   generator.topRightCorner(n, m) = continuous.B * period_s;
   const Eigen::MatrixXd transition = generator.exp();
+  if (!transition.allFinite()) {
+    throw std::invalid_argument("zero-order hold: the sampled plant has no finite numbers");
+  }
   return {transition.topLeftCorner(n, n), transition.topRightCorner(n, m), continuous.C};
 }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <stdexcept>
 
 #include <breakwater/config/column_table.h>
 #include <breakwater/recorded/record_repair.h>
@@ -41,6 +43,21 @@ std::vector<std::string> doubts_of(const RecordedAxis& axis, bool has_position_s
   return doubts;
 }
 
+// Very large or very small numbers may lose this by a repair or a scale.
+void check_finite(const std::string& file, const RecordedAxis& axis) {
+  for (const auto* values : {&axis.times_s, &axis.inputs, &axis.positions, &axis.all_inputs}) {
+    if (!std::all_of(values->begin(), values->end(), [](double x) { return std::isfinite(x); })) {
+      throw std::invalid_argument(file + ": has a number that is too large in SI units");
+    }
+  }
+  for (const auto* times_s : {&axis.times_s, &axis.input_times_s}) {
+    if (std::adjacent_find(times_s->begin(), times_s->end(), std::greater_equal<>()) !=
+        times_s->end()) {
+      throw std::invalid_argument(file + ": two times are the same number of seconds");
+    }
+  }
+}
+
 }  // namespace
 
 RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& format) {
@@ -69,6 +86,7 @@ RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& for
     if (i == 0) multiply(axis.input_times_s, scale);
     if (i == 1) multiply(axis.all_inputs, scale);
   }
+  check_finite(file, axis);
   axis.doubts = doubts_of(axis, has_position_scale);
   return axis;
 }

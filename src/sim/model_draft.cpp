@@ -14,12 +14,13 @@ namespace {
 constexpr std::size_t kAlignment = 64;  // alignment of each array in a model's buffer
 
 // Sets a model's array pointers as the engine does in its buffer, and returns the buffer's length.
+// Without a buffer it returns the length alone.
 std::size_t lay_out(mjModel& m, std::byte* buffer) {
   MJMODEL_POINTERS_PREAMBLE((&m))
   std::size_t size = 0;
-#define X(type, name, rows, columns)                        \
-  size = (size + kAlignment - 1) / kAlignment * kAlignment; \
-  m.name = reinterpret_cast<type*>(buffer + size);          \
+#define X(type, name, rows, columns)                                      \
+  size = (size + kAlignment - 1) / kAlignment * kAlignment;               \
+  if (buffer != nullptr) m.name = reinterpret_cast<type*>(buffer + size); \
   size += sizeof(type) * static_cast<std::size_t>(m.rows) * static_cast<std::size_t>(columns);
   MJMODEL_POINTERS
 #undef X

@@ -182,7 +182,8 @@ std::string Study::print() const {
   for (const VariedKey& key : vary) {
     text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
   }
-  text += fmt::format("\n[compare]\ncase = {}\n", toml_strings(cases));
+  text += "\n[compare]\n";
+  if (!cases.empty()) text += fmt::format("case = {}\n", toml_strings(cases));
   if (!baseline.empty()) text += fmt::format("baseline = {}\n", toml_string(baseline));
   if (!metrics.empty()) text += fmt::format("metrics = {}\n", toml_strings(metrics));
   for (const auto& [metric, goal] : goals) {

@@ -316,6 +316,12 @@ void note_names(const char* what, int from_folder, const char* from, int to_fold
   errno = before;
 }
 
+// Settings of the system's fonts: another system has others, and fontconfig does without them.
+bool is_of_fontconfig(const char* path) {
+  return std::string_view(path).find("/font") != std::string_view::npos &&
+         std::string_view(path).find(".ttf") == std::string_view::npos;
+}
+
 // Before a file is opened. Its old content is lost with O_TRUNC.
 void note_opening(int folder, const char* path, int flags) {
   if (journal < 0 || (flags & (O_CREAT | O_TRUNC)) == 0) return;
@@ -527,7 +533,7 @@ int openat64(int folder, const char* path, int flags, ...) {
   va_start(values, flags);
   const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(values, mode_t) : 0;
   va_end(values);
-  if (!counts) return real(folder, path, flags, mode);
+  if (!counts || is_of_fontconfig(path)) return real(folder, path, flags, mode);
   if (fails(kOpen)) return -1;
   const Written written(path);
   note_opening(folder, written.path, flags);
@@ -560,7 +566,7 @@ int open(const char* path, int flags, ...) {
 
 std::FILE* fopen64(const char* path, const char* mode) {
   REAL(fopen64);
-  if (!counts) return real(path, mode);
+  if (!counts || is_of_fontconfig(path)) return real(path, mode);
   if (fails(kOpen)) return nullptr;
   const Written written(path);
   note_opening(AT_FDCWD, written.path,
@@ -574,7 +580,7 @@ std::FILE* fopen(const char* path, const char* mode) {
 
 DIR* opendir(const char* path) {
   REAL(opendir);
-  return counts && fails(kOpen) ? nullptr : real(path);
+  return counts && !is_of_fontconfig(path) && fails(kOpen) ? nullptr : real(path);
 }
 
 int renameat2(int from_folder, const char* from, int to_folder, const char* to,
