@@ -296,7 +296,7 @@ class Chaos:
         place.prepare(self.fixture(workload))
         process = place.start(workload.words, faults=faults, defect=self.defect)
         other = None
-        if workload.twice:  # what it syncs withstands a power cut too
+        if workload.twice:  # its synced files withstand a power cut too
             cuts = ["end:1:cut"] if any(fault.endswith(":cut") for fault in faults) else None
             other = place.start(workload.words, faults=cuts, stderr="other", page=place.others_page)
         ended = place.end_of(process)
