@@ -237,6 +237,9 @@ void Core<N>::solve(const QpInput& input, QpSolution& solution) {
   } else {
     second_.solve(input, solution);
   }
+  if (!(solution.z.allFinite() && solution.mu.allFinite())) {
+    solution.set_overflowed(solution.status);
+  }
 }
 
 // Like QpFactors::examine(), which only runs if this finds a possible error.

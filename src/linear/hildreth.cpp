@@ -67,14 +67,9 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   solution.z = z_free_;
   solution.z.noalias() -= factors_.step * solution.mu;
   if (!(solution.z.allFinite() && solution.mu.allFinite())) {
-    reset();  // a multiplier has overflowed
-    if (!z_free_.allFinite()) {
-      solution.set_not_finite();
-      return;
-    }
-    solution.status = QpStatus::inaccurate;
-    solution.mu.setZero();
-    solution.z = z_free_;
+    reset();
+    solution.set_overflowed(empty ? QpStatus::infeasible : QpStatus::inaccurate);
+    return;
   }
   values_.noalias() = factors_.columns * solution.z;
   solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, gradient_);

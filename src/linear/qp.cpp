@@ -35,6 +35,11 @@ void QpSolution::set_not_finite() {
   kkt_residual = std::numeric_limits<double>::infinity();
 }
 
+void QpSolution::set_overflowed(QpStatus status_now) {
+  set_not_finite();
+  status = status_now;
+}
+
 double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
                     const Eigen::VectorXd& values, Eigen::VectorXd& gradient) {
   const double scale =

@@ -43,7 +43,8 @@ enum class QpStatus {
   iteration_cap,  ///< reached the limit of iterations: z may violate rows
   infeasible,     ///< proven: no z satisfies all rows; z violates some
   not_finite,     ///< an input is NaN or an invalid infinity; z is 0
-  inaccurate      ///< rounding prevents both a solution and a proof of infeasibility; z is near
+  inaccurate      ///< rounding prevents both a solution and a proof of infeasibility; z is near,
+                  ///< or 0 if its numbers are too large
 };
 
 struct QpSolution {
@@ -60,6 +61,8 @@ struct QpSolution {
 
   /// The result for an input that is not finite.
   void set_not_finite();
+  /// The result if its numbers are too large: as above, but with the status.
+  void set_overflowed(QpStatus status_now);
 };
 
 /// The largest of ‖H z + g + Ωᵀ μ‖∞/γ, the violations of the rows by z, and |μ_i|·(distance from

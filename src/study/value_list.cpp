@@ -75,8 +75,8 @@ std::vector<double> value_list(const std::string& text) {
     const double share = static_cast<double>(i) / (*n - 1.0);
     values[i] = without_rounding(is_log ? *a * math::pow(*b / *a, share) : *a + (*b - *a) * share);
   }
-  values.front() = *a;
-  values.back() = *b;
+  values.front() = *a + 0.0;  // a file has no integer -0
+  values.back() = *b + 0.0;
   return values;
 }
 

@@ -448,13 +448,20 @@ int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, v
 
 // ---- Writing ------------------------------------------------------------------------------------
 
+// POSIX writes as much to a pipe as a whole.
+bool is_atomic(int descriptor, std::size_t size) {
+  struct stat status;
+  return size <= PIPE_BUF && fstat(descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
+}
+
 ssize_t write(int descriptor, const void* bytes, std::size_t size) {
   REAL(write);
   // Standard error is a terminal in the model: a full disk does not stop it.
   const Outcome outcome = descriptor == STDERR_FILENO ? Outcome() : count(kWrite);
   if (outcome.error != 0) return errno = outcome.error, -1;
   note_descriptor('W', descriptor);
-  return real(descriptor, bytes, outcome.is_short ? (size + 1) / 2 : size);
+  const bool is_short = outcome.is_short && !is_atomic(descriptor, size);
+  return real(descriptor, bytes, is_short ? (size + 1) / 2 : size);
 }
 
 ssize_t pwrite64(int descriptor, const void* bytes, std::size_t size, off64_t offset) {
