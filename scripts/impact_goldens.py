@@ -6,8 +6,8 @@
     scripts/impact_goldens.py mutants [--bin build/bin]    checks that `check` detects a change of the physics
 
 tests/regression/impact_goldens.json has the free-motion time and the two peak forces of each case. State hashes
-(state_hashes.py) detect smaller changes, and show that all processors agree. The classes of data/reproduced.toml are wide, as the thesis leaves points
-open.
+(state_hashes.py) detect smaller changes, and show that all processors agree. The classes of data/reproduced.toml are
+wide, as the thesis leaves points open.
 """
 import argparse
 import json
@@ -34,18 +34,18 @@ MUTANTS = {"contact.stiffness_N_m": 1.02, "contact.damping_Ns_m": 1.02,
            "force.filter_time_constant_s": 1.02, "physics.timestep_s": 5.0}
 
 
-def impact(bin_dir, case, processor, sets=()):
+def impact(bin_dir, case, sets=()):
     """The three metrics. Metrics are absent if the run failed or touched nothing."""
     arguments = ["--case", case, *IMPACT_ONLY, *(["--set", *sets] if sets else [])]
-    metrics = run(bin_dir / SCENARIO, arguments, processor)[1]
+    metrics = run(bin_dir / SCENARIO, arguments, own_class())[1]
     return {name: metrics[name] for name in METRICS if name in metrics}
 
 
-def impacts(bin_dir, processors):
-    """{(case, processor): the three metrics} of every case, on all cores."""
-    jobs = list(product(cases(bin_dir, SCENARIO), processors))
+def impacts(bin_dir):
+    """{case: the three metrics}, on all cores."""
+    names = cases(bin_dir, SCENARIO)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return dict(zip(jobs, pool.map(lambda job: impact(bin_dir, *job), jobs)))
+        return dict(zip(names, pool.map(lambda case: impact(bin_dir, case), names)))
 
 
 def change(golden, found):
@@ -74,10 +74,10 @@ def has_finite_change(golden, found):
 
 def check(options):
     goldens = json.loads(GOLDENS.read_text())
-    found = impacts(options.bin, [own_class()])
-    wrong = [f"{case} ({processor}): {text}" for (case, processor), metrics in found.items()
+    found = impacts(options.bin)
+    wrong = [f"{case}: {text}" for case, metrics in found.items()
              for text in differences(goldens.get(case, {}), metrics)]
-    wrong += [f"{case}: there is no such case" for case in goldens.keys() - cases(options.bin, SCENARIO)]
+    wrong += [f"{case}: there is no such case" for case in goldens.keys() - found.keys()]
     if wrong:
         sys.exit("\n".join(wrong) + "\nThe arm does not strike as before. If it ought to differ: "
                  "scripts/impact_goldens.py rebase")
@@ -85,7 +85,7 @@ def check(options):
 
 def rebase(options):
     old = json.loads(GOLDENS.read_text()) if GOLDENS.exists() else {}
-    new = {case: metrics for (case, _), metrics in impacts(options.bin, [own_class()]).items()}
+    new = impacts(options.bin)
     print("| case | metric | old | new | change |\n|---|---|---|---|---|")
     for case, name in product({**old, **new}, METRICS):
         before, after = (goldens.get(case, {}).get(name) for goldens in (old, new))
@@ -104,7 +104,7 @@ def mutants(options):
         table, name = key.split(".")
         value = shipped[table][name] * factor
         for case, golden in goldens.items():
-            found = impact(options.bin, case, own_class(), [f"{key}={value!r}"])
+            found = impact(options.bin, case, [f"{key}={value!r}"])
             if has_finite_change(golden, found):
                 print(f"{key} * {factor:g}: seen by {case}: {'; '.join(differences(golden, found))}",
                       flush=True)

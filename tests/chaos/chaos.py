@@ -332,9 +332,8 @@ class Chaos:
         if len(lines) > 1:  # also said of a disk that stays full, and of a queue that could not be asked
             lines = [line for line in lines
                      if not line.startswith(("standard output: cannot be written", "squeue: cannot be called"))]
-        if any(fault.split(":")[1].endswith("+") for fault in fired):
-            lines = lines[-1:]  # each part of the work may say what it cannot open any more
-        if len(lines) > 1:
+        # With a lasting fault the run and its picture may each say what they cannot open.
+        if len(lines) > 1 + any(fault.split(":")[1].endswith("+") for fault in fired):
             raise Found(f"status {ended.status} with {len(lines)} lines: {said(ended)}")
         if ended.status > 0 and not lines:
             raise Found(f"status {ended.status} without a message")

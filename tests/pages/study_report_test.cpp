@@ -328,7 +328,7 @@ TEST_P(LargeStudy, HasAPageOfLessThan2MB) {
   Study study;
   if (shape == "grid") {
     study = make_study({list_of("a.first", range(1, 2, 40)), list_of("a.second", range(0, 1, 40))},
-                       {"idob", "stf", "mdob"}, 5);
+                       {"idob", "stf", "mdob"}, 20);
   } else {
     std::vector<VariedKey> drawn;
     for (const char* key : {"a", "b", "c", "d", "e", "f"}) {
@@ -336,10 +336,10 @@ TEST_P(LargeStudy, HasAPageOfLessThan2MB) {
     }
     study = make_study(drawn, {"idob", "stf", "mdob"}, 1);
     study.method = shape == "saltelli" ? Method::saltelli : Method::latin_hypercube;
-    study.samples = shape == "saltelli" ? 1024 : 8000;
+    study.samples = shape == "saltelli" ? 4096 : 33333;
   }
   Folder folder("large_" + shape, study);
-  ASSERT_GT(folder.plan().size(), 23'000U);
+  ASSERT_GT(folder.plan().size(), 95'000U);
   std::uint64_t state = 1;
   folder.fill([&](const StudyPoint& point, PointResult& result) {
     const double a = number_of(point.values[0]), b = number_of(point.values[1]);
