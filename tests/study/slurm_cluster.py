@@ -3,6 +3,7 @@
 When the process that called enter() ends, nothing of the cluster remains. Its processes are in a
 PID namespace, its files in a private tmpfs, and its ports in a network without a way out.
 """
+import contextlib
 import fcntl
 import os
 import pathlib
@@ -128,8 +129,7 @@ class Cluster:
             if daemon:
                 daemon.kill()
                 daemon.wait()
-        for process in stepds() + tasks():
-            os.kill(process, signal.SIGKILL)
+        kill_tasks()
         shutil.rmtree(FOLDER)
 
     def start(self, name, *options):
@@ -191,3 +191,10 @@ def tasks():
 
 def stepds():
     return processes(lambda words: words[0].startswith(b"slurmstepd"))
+
+
+def kill_tasks():
+    """Kill the tasks and Slurm's processes that watch them."""
+    for process in stepds() + tasks():
+        with contextlib.suppress(ProcessLookupError):  # it has ended meanwhile
+            os.kill(process, signal.SIGKILL)

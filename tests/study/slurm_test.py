@@ -166,8 +166,7 @@ class Slurm(OnSlurm):
         self.assertEqual(study.looks("--rerun").returncode, 2)
 
         self.cluster.kill_node()
-        for process in slurm_cluster.stepds() + slurm_cluster.tasks():
-            os.kill(process, signal.SIGKILL)
+        slurm_cluster.kill_tasks()
         self.assertLess(study.done(), 500)
         self.cluster.start_node()
         self.finish(study)
@@ -292,8 +291,7 @@ class Slurm(OnSlurm):
         front = study.begun_on_slurm("--tasks", "4")
         wait_for("the second generation", lambda: study.done() > 32 + 4, 120)
         self.cluster.kill_node()
-        for process in slurm_cluster.stepds() + slurm_cluster.tasks():
-            os.kill(process, signal.SIGKILL)
+        slurm_cluster.kill_tasks()
         self.assertLess(study.done(), 64)
         self.cluster.start_node()
 
@@ -375,7 +373,8 @@ def main():
     load = unittest.defaultTestLoader
     suite = (unittest.TestSuite(map(suite_class, names)) if names else
              load.loadTestsFromTestCase(suite_class))
-    result = unittest.TextTestRunner(verbosity=2).run(suite)
+    # A test that fails leaves a cluster on which the next ones would only wait.
+    result = unittest.TextTestRunner(verbosity=2, failfast=True).run(suite)
     return 0 if result.wasSuccessful() else 1
 
 
