@@ -19,15 +19,24 @@ target_precompile_headers(breakwater_precompiled PRIVATE
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/include/breakwater SYMBOLIC)
 
-# breakwater_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...]): a folder as the library
-# Breakwater::NAME, which links the rooms below it.
+# breakwater_outside_loop(TARGET): code that no control step calls. It compiles in two thirds of the
+# time with less optimisation.
+function(breakwater_outside_loop target)
+  target_compile_options(${target} PRIVATE $<BUILD_INTERFACE:$<$<CONFIG:Release>:-O1>>)
+endfunction()
+
+# breakwater_room(NAME [OUTSIDE_LOOP] SOURCES ... [PUBLIC ...] [PRIVATE ...]): a folder as the
+# library Breakwater::NAME, which links the rooms below it.
 function(breakwater_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ROOM "OUTSIDE_LOOP" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   if(ROOM_SOURCES)
     set(scope PUBLIC)
     add_library(breakwater_${name} STATIC ${ROOM_SOURCES})
     breakwater_shareable(breakwater_${name})
     target_precompile_headers(breakwater_${name} REUSE_FROM breakwater_precompiled)
+    if(ROOM_OUTSIDE_LOOP)
+      breakwater_outside_loop(breakwater_${name})
+    endif()
     target_link_libraries(breakwater_${name}
       PRIVATE $<BUILD_INTERFACE:breakwater_options> ${ROOM_PRIVATE})
   else()

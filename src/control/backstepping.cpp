@@ -1,12 +1,12 @@
 #include <breakwater/control/backstepping.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include <breakwater/linear/pole_placement.h>
 #include <breakwater/linear/riccati.h>
 
 namespace breakwater {
@@ -101,12 +101,13 @@ double slowest_pole(const Backstepping& law, const QuadrotorModel& plant) {
   constexpr double kStep = 1e-6;
   Motion rest = Motion::Zero();
   rest.head<6>() = law.design().reference;
-  Eigen::Matrix<double, 12, 12> A;
+  Eigen::MatrixXd A(12, 12);
   for (int j = 0; j < 12; ++j) {
     const Motion e = kStep * Motion::Unit(j);
     A.col(j) = (rate(rest + e) - rate(rest - e)) / (2.0 * kStep);
   }
-  return A.eigenvalues().real().maxCoeff();
+  const auto left_of = [](const auto& one, const auto& other) { return one.real() < other.real(); };
+  return std::ranges::max(eigenvalues(A), left_of).real();
 }
 
 QuadrotorController::QuadrotorController(const Backstepping& law,

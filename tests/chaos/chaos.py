@@ -329,9 +329,10 @@ class Chaos:
         if ended.status not in allowed:
             raise Found(f"status {ended.status}: {said(ended)}")
         lines = messages(ended, known)
-        if len(lines) > 1:  # also said of a disk that stays full, and of a queue that could not be asked
-            lines = [line for line in lines
-                     if not line.startswith(("standard output: cannot be written", "squeue: cannot be called"))]
+        # Also said of a disk that stays full, of a queue that could not be asked, of each child that was killed.
+        if len(lines) > 1:
+            lines = [line for line in lines if " is left undone: its process was ended by " not in line and
+                     not line.startswith(("standard output: cannot be written", "squeue: cannot be called"))]
         # With a lasting fault the run and its picture may each say what they cannot open.
         if len(lines) > 1 + any(fault.split(":")[1].endswith("+") for fault in fired):
             raise Found(f"status {ended.status} with {len(lines)} lines: {said(ended)}")

@@ -1,7 +1,6 @@
 // Backstepping gains and law and the processes of the filters, against the thesis' numbers and an
 // ODE.
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <utility>
 

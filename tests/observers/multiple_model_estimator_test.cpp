@@ -2,12 +2,12 @@
 // a second implementation, and its behaviour with a faulty sensor.
 #include <breakwater/observers/multiple_model_estimator.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include <breakwater/linear/pole_placement.h>
 #include <breakwater/linear/riccati.h>
 #include <breakwater/observers/code_likelihood.h>
 #include <breakwater/observers/kfd.h>
@@ -199,7 +199,7 @@ TEST(MultipleModelEstimator, BandwidthsMatchTheRadiusOfThePoles) {
     const Eigen::MatrixXd R = kNoise * kNoise * Eigen::MatrixXd::Identity(1, 1);
     const Eigen::MatrixXd P = solve_dare(A.transpose(), C.transpose(), Q, R);
     const Eigen::MatrixXd K = A * P * C.transpose() * (C * P * C.transpose() + R).inverse();
-    for (const std::complex<double>& z : Eigen::MatrixXd(A - K * C).eigenvalues()) {
+    for (const std::complex<double>& z : eigenvalues(A - K * C)) {
       EXPECT_NEAR(std::abs(std::log(z)) / kPeriod, model.bandwidth_rad_s,
                   0.05 * model.bandwidth_rad_s);
     }

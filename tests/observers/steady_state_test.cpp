@@ -1,6 +1,5 @@
 // The steady states of the filters against SciPy's Riccati solutions.
 
-#include <Eigen/Eigenvalues>
 
 #include <breakwater/linear/pole_placement.h>
 #include <breakwater/observers/fakfd.h>
