@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the share of the parsers' lines that the corpora of tests/fuzz reach.
+"""Prints the share of the parsers' lines that the corpora of tests/fuzz and the files of the tree reach.
 
     scripts/parser_coverage.py BUILD_FOLDER TARGET...
 
@@ -34,9 +34,12 @@ def main():
     build, targets = pathlib.Path(sys.argv[1]), sys.argv[2:]
     programs = [build / "bin" / f"{target}_fuzz" for target in targets]
     with tempfile.TemporaryDirectory() as folder:
+        seeds = pathlib.Path(folder) / "seeds"
+        subprocess.run([sys.executable, ROOT / "scripts/fuzz_seeds.py", seeds], check=True)
         for target, program in zip(targets, programs):
             environment = os.environ | {"LLVM_PROFILE_FILE": f"{folder}/{target}-%p.profraw"}
-            subprocess.run([program, ROOT / "tests/fuzz/corpus" / target], env=environment, check=True,
+            inputs = [place / target for place in (ROOT / "tests/fuzz/corpus", seeds) if (place / target).exists()]
+            subprocess.run([program, *inputs], env=environment, check=True,
                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         profile = f"{folder}/all.profdata"
         subprocess.run(["llvm-profdata-14", "merge", "-o", profile, *pathlib.Path(folder).glob("*.profraw")], check=True)
