@@ -9,23 +9,23 @@ import pathlib
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-FILES = {
-    "files": [("s", "studies/*.toml"), ("t", "studies/*tuning.toml"), ("e", "data/experiments.toml"),
-              ("p", "scenarios/*/shots.toml")],
-    "xml": [("u", "models/*.urdf"), ("m", "models/*.xml"), ("m", "templates/*/*.xml")]}
-TOGETHER = {"files": [("r", ["data/printed-results.toml", "data/reproduced.toml"])]}
+# Target, letter and files.
+INPUTS = [("files", "s", "studies/*.toml"), ("files", "t", "studies/*tuning.toml"), ("files", "e", "data/experiments.toml"),
+          ("files", "p", "scenarios/*/shots.toml"), ("xml", "u", "models/*.urdf"), ("xml", "m", "models/*.xml"),
+          ("xml", "m", "templates/*/*.xml")]
+
+
+def write(target, name, letter, *files):
+    place = pathlib.Path(sys.argv[1]) / target / name
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.write_bytes(letter.encode() + b"\0".join(file.read_bytes() for file in files))
 
 
 def main():
-    for target, kinds in FILES.items():
-        folder = pathlib.Path(sys.argv[1]) / target
-        folder.mkdir(parents=True, exist_ok=True)
-        for letter, pattern in kinds:
-            for file in sorted(ROOT.glob(pattern)):
-                name = "-".join([letter, *file.relative_to(ROOT).parts])
-                (folder / name).write_bytes(letter.encode() + file.read_bytes())
-        for letter, files in TOGETHER.get(target, []):
-            (folder / letter).write_bytes(letter.encode() + b"\0".join((ROOT / file).read_bytes() for file in files))
+    for target, letter, pattern in INPUTS:
+        for file in ROOT.glob(pattern):
+            write(target, "-".join([letter, *file.relative_to(ROOT).parts]), letter, file)
+    write("files", "r", "r", ROOT / "data/printed-results.toml", ROOT / "data/reproduced.toml")
 
 
 if __name__ == "__main__":

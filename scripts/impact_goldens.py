@@ -20,7 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 from pathlib import Path
 
-from state_hashes import ROOT, cases, own_class, run
+from state_hashes import ROOT, cases, run
 
 GOLDENS = ROOT / "tests/regression/impact_goldens.json"
 SCENARIO = "arm_wall_contact"
@@ -37,7 +37,7 @@ MUTANTS = {"contact.stiffness_N_m": 1.02, "contact.damping_Ns_m": 1.02,
 def impact(bin_dir, case, sets=()):
     """The three metrics. Metrics are absent if the run failed or touched nothing."""
     arguments = ["--case", case, *IMPACT_ONLY, *(["--set", *sets] if sets else [])]
-    metrics = run(bin_dir / SCENARIO, arguments, own_class())[1]
+    metrics = run(bin_dir / SCENARIO, arguments)[1]
     return {name: metrics[name] for name in METRICS if name in metrics}
 
 

@@ -8,6 +8,7 @@ BUILD_FOLDER has the programs of the preset `coverage`. Their sources print, wri
 that an input enters count. The lines of the others are in the second number. HDF5's readers are among these, since they
 work in a child process. Exit status 1: less than 95 % in all.
 """
+import collections
 import json
 import os
 import pathlib
@@ -41,8 +42,8 @@ def main():
         subprocess.run([sys.executable, ROOT / "scripts/fuzz_seeds.py", seeds], check=True)
         for target, program in zip(targets, programs):
             environment = os.environ | {"LLVM_PROFILE_FILE": f"{folder}/{target}-%p.profraw"}
-            inputs = [place / target for place in (ROOT / "tests/fuzz/corpus", ROOT / "build-fuzz/corpus", seeds) if (place / target).exists()]
-            subprocess.run([program, *inputs], env=environment, check=True,
+            inputs = [place / target for place in (ROOT / "tests/fuzz/corpus", ROOT / "build-fuzz/corpus", seeds)]
+            subprocess.run([program, *filter(pathlib.Path.exists, inputs)], env=environment, check=True,
                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         profile = f"{folder}/all.profdata"
         subprocess.run(["llvm-profdata-14", "merge", "-o", profile, *pathlib.Path(folder).glob("*.profraw")], check=True)
@@ -56,14 +57,15 @@ def main():
         own = [region for region in function["regions"] if region[5] == 0]  # not of a macro in another file
         lines = range(min(region[0] for region in own), max(region[2] for region in own) + 1)
         (entered if function["count"] else others).update((function["filenames"][0], line) for line in lines)
+    left_out = collections.Counter(name for name, _ in others - entered)
     covered = lines = 0
     for file in data["files"]:
-        left_out = sum(name == file["filename"] for name, _ in others - entered)
+        name = file["filename"]
         found = file["summary"]["lines"]
-        count = max(found["covered"], found["count"] - left_out)  # two functions may share a line
+        count = max(found["covered"], found["count"] - left_out[name])  # two functions may share a line
         covered, lines = covered + found["covered"], lines + count
-        print(f"{100.0 * found['covered'] / count:5.1f} % of {count:4} lines, without {left_out:3}  "
-              f"{pathlib.Path(file['filename']).relative_to(ROOT)}")
+        print(f"{100.0 * found['covered'] / count:5.1f} % of {count:4} lines, without {left_out[name]:3}  "
+              f"{pathlib.Path(name).relative_to(ROOT)}")
     share = 100.0 * covered / lines
     print(f"{share:5.1f} % of {lines:4} lines in all")
     return 0 if share >= LEAST else 1

@@ -46,7 +46,7 @@ def own_class():
     return FMA if "fma" in flags and "avx2" in flags else NO_FMA
 
 
-def run(program, arguments, processor):
+def run(program, arguments, processor=None):
     """(state hash, metrics) of one run. A failed run (exit status 3) has no metrics."""
     environment = {k: v for k, v in os.environ.items() if k != "GLIBC_TUNABLES"}
     if processor == NO_FMA:

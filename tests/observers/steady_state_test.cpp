@@ -1,6 +1,5 @@
 // The steady states of the filters against SciPy's Riccati solutions.
 
-
 #include <breakwater/linear/pole_placement.h>
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/idob.h>
