@@ -3,8 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <breakwater/observers/ekf.h>
-#include <breakwater/observers/ukf.h>
+#include <breakwater/control/quadrotor_filters.h>
 #include <breakwater/observers/wave_frequency.h>
 
 namespace breakwater {

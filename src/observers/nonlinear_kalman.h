@@ -58,17 +58,7 @@ class GaussianEstimate {
   const Eigen::Matrix<double, p, p>& innovation_covariance() const { return S_; }
 
   /// K = P Cᵀ S⁻¹, x += K e, P −= K S Kᵀ. With S = L_S L_Sᵀ, K S Kᵀ = W Wᵀ, W = P Cᵀ L_S⁻ᵀ.
-  void correct(const Output& y) {
-    innovation_ = y - x_.template head<p>();
-    S_ = P_.template topLeftCorner<p, p>() + design_.R;
-    factor_.compute(S_);
-    W_ = P_.template leftCols<p>();
-    factor_.matrixU().template solveInPlace<Eigen::OnTheRight>(W_);
-    x_.noalias() += W_ * factor_.matrixL().solve(innovation_);
-    P_.noalias() -= W_.lazyProduct(W_.transpose());
-    // For an odd N, Eigen sums the last rows in another order: symmetry is not exact.
-    if constexpr (N % 2 != 0) mirror();
-  }
+  void correct(const Output& y);
 
  protected:
   /// Copies the lower triangle to the upper one: P is exactly symmetric.
@@ -84,5 +74,18 @@ class GaussianEstimate {
   Eigen::LLT<Eigen::Matrix<double, p, p>> factor_;
   Eigen::Matrix<double, N, p> W_;
 };
+
+template <int N, int p>
+void GaussianEstimate<N, p>::correct(const Output& y) {
+  innovation_ = y - x_.template head<p>();
+  S_ = P_.template topLeftCorner<p, p>() + design_.R;
+  factor_.compute(S_);
+  W_ = P_.template leftCols<p>();
+  factor_.matrixU().template solveInPlace<Eigen::OnTheRight>(W_);
+  x_.noalias() += W_ * factor_.matrixL().solve(innovation_);
+  P_.noalias() -= W_.lazyProduct(W_.transpose());
+  // For an odd N, Eigen sums the last rows in another order: symmetry is not exact.
+  if constexpr (N % 2 != 0) mirror();
+}
 
 }  // namespace breakwater

@@ -28,31 +28,7 @@ class SigmaPoints {
   void set_linear(const Square& A) { A_.assign(A); }
 
   void spread(const P& process, const State& x, const Square& transposed_L,
-              const typename P::Input& u) {
-    const double root_n = std::sqrt(static_cast<double>(N));
-    A_.transposed_times(transposed_L, transposed_T);
-    transposed_T *= root_n;
-    A_.times(x, mean);
-    typename P::Nonlinear at_mean, plus, minus;
-    process.nonlinear(x, u, at_mean);
-    typename P::Nonlinear mean_of_g = static_cast<double>(N - P::kArguments) / N * at_mean;
-    State moved = x;
-    for (int j = 0; j < P::kArguments; ++j) {
-      const Eigen::Matrix<double, P::kArguments, 1> offset =
-          root_n * transposed_L.row(j).template head<P::kArguments>().transpose();
-      moved.template head<P::kArguments>() = x.template head<P::kArguments>() + offset;
-      process.nonlinear(moved, u, plus);
-      moved.template head<P::kArguments>() = x.template head<P::kArguments>() - offset;
-      process.nonlinear(moved, u, minus);
-      S.col(j) = 0.5 * (plus + minus);
-      transposed_T.template block<1, P::kRows>(j, P::kFirstRow) += 0.5 * (plus - minus).transpose();
-      mean_of_g += S.col(j) / N;
-    }
-    S.colwise() -= mean_of_g;
-    // All pairs beyond kArguments have the same g as x, hence the same S.
-    rest = std::sqrt(static_cast<double>(N - P::kArguments)) * (at_mean - mean_of_g);
-    mean.template segment<P::kRows>(P::kFirstRow) += mean_of_g;
-  }
+              const typename P::Input& u);
 
   State mean;
   Square transposed_T;
@@ -62,6 +38,34 @@ class SigmaPoints {
  private:
   SparseSquare<N> A_;
 };
+
+template <Process P>
+void SigmaPoints<P>::spread(const P& process, const State& x, const Square& transposed_L,
+                            const typename P::Input& u) {
+  const double root_n = std::sqrt(static_cast<double>(N));
+  A_.transposed_times(transposed_L, transposed_T);
+  transposed_T *= root_n;
+  A_.times(x, mean);
+  typename P::Nonlinear at_mean, plus, minus;
+  process.nonlinear(x, u, at_mean);
+  typename P::Nonlinear mean_of_g = static_cast<double>(N - P::kArguments) / N * at_mean;
+  State moved = x;
+  for (int j = 0; j < P::kArguments; ++j) {
+    const Eigen::Matrix<double, P::kArguments, 1> offset =
+        root_n * transposed_L.row(j).template head<P::kArguments>().transpose();
+    moved.template head<P::kArguments>() = x.template head<P::kArguments>() + offset;
+    process.nonlinear(moved, u, plus);
+    moved.template head<P::kArguments>() = x.template head<P::kArguments>() - offset;
+    process.nonlinear(moved, u, minus);
+    S.col(j) = 0.5 * (plus + minus);
+    transposed_T.template block<1, P::kRows>(j, P::kFirstRow) += 0.5 * (plus - minus).transpose();
+    mean_of_g += S.col(j) / N;
+  }
+  S.colwise() -= mean_of_g;
+  // All pairs beyond kArguments have the same g as x, hence the same S.
+  rest = std::sqrt(static_cast<double>(N - P::kArguments)) * (at_mean - mean_of_g);
+  mean.template segment<P::kRows>(P::kFirstRow) += mean_of_g;
+}
 
 }  // namespace detail
 
@@ -84,21 +88,7 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   Ukf(const P& process, const Design& design) : Base(design), process_(process), points_(process) {}
 
   /// Predicts sample k from sample k − 1 and the held input. Allocates nothing.
-  void predict(const Input& u) {
-    factor_.compute(P_);
-    if (factor_.info() != Eigen::Success) repair();
-    transposed_root_ = factor_.matrixL().transpose();
-    points_.spread(process_, x_, transposed_root_, u);
-    x_ = points_.mean;
-    constexpr double kWeight = 1.0 / N;
-    P_.template triangularView<Eigen::Lower>() =
-        points_.transposed_T.transpose() * points_.transposed_T;
-    nonlinear_part_.noalias() = points_.S * points_.S.transpose();
-    nonlinear_part_.noalias() += points_.rest * points_.rest.transpose();
-    P_.template block<P::kRows, P::kRows>(P::kFirstRow, P::kFirstRow) += nonlinear_part_;
-    P_.template triangularView<Eigen::Lower>() = kWeight * P_ + design_.Q;
-    this->mirror();
-  }
+  void predict(const Input& u);
 
   const P& process() const { return process_; }
   /// Changes the process between samples: calls `change(process)` and reads linear() again. It does
@@ -117,14 +107,7 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   using Base::P_;
   using Base::x_;
 
-  void repair() {
-    constexpr double kFloor = 1e-12;
-    static_assert(N <= kMostStates);
-    ++repairs_;
-    raise_eigenvalues(P_, kFloor);
-    this->mirror();
-    factor_.compute(P_);
-  }
+  void repair();
 
   P process_;
   Eigen::LLT<Covariance> factor_;
@@ -133,5 +116,32 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   Eigen::Matrix<double, P::kRows, P::kRows> nonlinear_part_;
   std::int64_t repairs_ = 0;
 };
+
+template <Process P, int p>
+void Ukf<P, p>::predict(const Input& u) {
+  factor_.compute(P_);
+  if (factor_.info() != Eigen::Success) repair();
+  transposed_root_ = factor_.matrixL().transpose();
+  points_.spread(process_, x_, transposed_root_, u);
+  x_ = points_.mean;
+  constexpr double kWeight = 1.0 / N;
+  P_.template triangularView<Eigen::Lower>() =
+      points_.transposed_T.transpose() * points_.transposed_T;
+  nonlinear_part_.noalias() = points_.S * points_.S.transpose();
+  nonlinear_part_.noalias() += points_.rest * points_.rest.transpose();
+  P_.template block<P::kRows, P::kRows>(P::kFirstRow, P::kFirstRow) += nonlinear_part_;
+  P_.template triangularView<Eigen::Lower>() = kWeight * P_ + design_.Q;
+  this->mirror();
+}
+
+template <Process P, int p>
+void Ukf<P, p>::repair() {
+  constexpr double kFloor = 1e-12;
+  static_assert(N <= kMostStates);
+  ++repairs_;
+  raise_eigenvalues(P_, kFloor);
+  this->mirror();
+  factor_.compute(P_);
+}
 
 }  // namespace breakwater

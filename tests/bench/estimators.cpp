@@ -8,8 +8,7 @@
 
 #include <Eigen/LU>
 
-#include <breakwater/control/quadrotor_process.h>
-#include <breakwater/observers/ekf.h>
+#include <breakwater/control/quadrotor_filters.h>
 #include <breakwater/observers/eso.h>
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/gsf.h>
@@ -23,7 +22,6 @@
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/observers/tracking_differentiator.h>
-#include <breakwater/observers/ukf.h>
 #include <breakwater/observers/vbakf.h>
 #include <breakwater/observers/vfakfd.h>
 #include <breakwater/plants/damped_inertia.h>

@@ -6,9 +6,7 @@
 #include <cmath>
 
 #include <breakwater/control/backstepping.h>
-#include <breakwater/control/quadrotor_process.h>
-#include <breakwater/observers/ekf.h>
-#include <breakwater/observers/ukf.h>
+#include <breakwater/control/quadrotor_filters.h>
 #include "support.h"
 
 namespace breakwater::testing {

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include <breakwater/control/quadrotor_estimator.h>
+#include <breakwater/control/quadrotor_filters.h>
 #include <breakwater/observers/resonator_fit.h>
-#include <breakwater/observers/ukf.h>
 #include <breakwater/observers/wave_force_bank.h>
 #include <breakwater/world/waves.h>
 #include "support.h"

@@ -1,0 +1,18 @@
+#include <breakwater/control/quadrotor_filters.h>
+
+namespace breakwater {
+
+template class GaussianEstimate<12, 6>;
+template class GaussianEstimate<16, 6>;
+template class GaussianEstimate<24, 6>;
+template class GaussianEstimate<30, 6>;
+template class Ukf<ThrusterDisturbance<-1>, 6>;
+template class Ukf<ThrusterDisturbance<0>, 6>;
+template class Ukf<ThrusterDisturbance<2>, 6>;
+template class Ukf<WaveResonators, 6>;
+template class Ukf<WaveForces<2, 2>, 6>;
+template class Ekf<ThrusterDisturbance<-1>, 6>;
+template class Ekf<ThrusterDisturbance<0>, 6>;
+template class Ekf<ThrusterDisturbance<2>, 6>;
+
+}  // namespace breakwater
