@@ -19,6 +19,7 @@ import resource
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -173,6 +174,16 @@ class Bench:
         except subprocess.TimeoutExpired:
             return True
 
+    def first_failure(self, tests):
+        """The first of the tests that fails or takes too long, if one does."""
+        with ThreadPoolExecutor(self.jobs) as pool:
+            limits = [30.0 + 5.0 * self.seconds[test] for test in tests]
+            for test, failed in zip(tests, pool.map(self.fails, tests, limits)):
+                if failed:
+                    pool.shutdown(cancel_futures=True)
+                    return test
+        return None
+
     def verdict(self, mutant):
         """killed (and by which test), survived, same code, or does not compile."""
         path = self.tree / mutant["file"]
@@ -187,9 +198,8 @@ class Bench:
             for tests in (own, others):
                 if not self.made(tests):
                     return {"verdict": "does not compile"}
-                for test in tests:
-                    if self.fails(test, 30.0 + 5.0 * self.seconds[test]):
-                        return {"verdict": "killed", "by": test}
+                if killer := self.first_failure(tests):
+                    return {"verdict": "killed", "by": killer}
             changed = self.hashes(begin)
             if all(self.objects.get(file) == value for file, value in changed.items()):
                 return {"verdict": "same code"}
