@@ -6,7 +6,7 @@
 encoder-estimators.toml has the rows, the generators of the disturbances, the tuned keys and the seeds.
 FOLDER gets tuned.csv (the found keys), floors/ and results.csv (an RMSE for each row, estimator and block of 3 s).
 Finished parts are not repeated; --rows makes results.csv of these rows alone. It needs the Python module and
-build/tests/libparticle_filter.so. About half an hour of one core.
+build/tests/libparticle_filter.so (cmake --build build --target particle_filter). About half an hour of one core.
 """
 import argparse
 import csv

@@ -31,7 +31,7 @@ std::string shortest(double value) {
 }
 
 TEST(PrintedConfig, PropertyReadsAsItself) {
-  const int count = testing::property_count(500);
+  const int count = testing::property_count(250);
   const Catalogue& catalogue = testing::catalogue();
   const testing::TemporaryPath path("printed.toml");
   testing::Random random(12);
