@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares the state hashes of every case of every scenario between different ways to run them.
 
-    scripts/determinism.py [--bin build/bin] [--with NAME=PROGRAM ...] [--slurm] [--scenario NAME ...]
+    scripts/determinism.py [--bin build/bin] [--with NAME=PROGRAM ...] [--slurm] [--scenario NAME ...] [--only WAY ...]
 
 The reference is each case in a process of its own, run by the program of its scenario. Other ways are sweeps in
 threads and in child processes, and the same case twice in one process. Python and glibc without FMA follow.
@@ -94,7 +94,7 @@ def ways(options):
     for entry in options.programs:
         name, _, path = entry.partition("=")
         found[name] = lambda s, path=path: swept(Path(path).resolve(), s)
-    return found
+    return {name: found[name] for name in options.only or found}
 
 
 def compare(options):
@@ -126,6 +126,7 @@ def main():
     parser.add_argument("--with", dest="programs", metavar="NAME=PROGRAM", action="append", default=[])
     parser.add_argument("--slurm", action="store_true")
     parser.add_argument("--scenario", nargs="+")
+    parser.add_argument("--only", nargs="+", metavar="WAY")
     options = parser.parse_args()
     options.bin = options.bin.resolve()
     if not options.slurm:
