@@ -19,8 +19,8 @@ target_precompile_headers(breakwater_precompiled PRIVATE
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/include/breakwater SYMBOLIC)
 
-# breakwater_outside_loop(TARGET): code that no control step calls, and tests. It compiles in two
-# thirds of the time with less optimisation.
+# breakwater_outside_loop(TARGET): code that no control step calls, tests, and the Python module,
+# whose steps wait for Python. It compiles in two thirds of the time with less optimisation.
 function(breakwater_outside_loop target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()

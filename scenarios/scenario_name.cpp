@@ -1,4 +1,4 @@
-// The scenario of a program, which the build names.
+// The name of the scenario of a program, given by the build.
 namespace breakwater {
 extern const char* const kScenario;
 const char* const kScenario = BREAKWATER_SCENARIO;

@@ -10,7 +10,7 @@ threads and in child processes, and the same case twice in one process. Python a
     --with debug=build-debug/bin/breakwater --with "own program=/tmp/own/build/own_lab"
 
 `--slurm` starts a Slurm on this machine and adds it (root only). The table has the number of cases with the hash of
-the reference. Exit status 1: a case has another hash.
+the reference. `--only "own program" Python` tries these ways alone. Exit status 1: a case has another hash.
 """
 import argparse
 import csv
@@ -94,6 +94,8 @@ def ways(options):
     for entry in options.programs:
         name, _, path = entry.partition("=")
         found[name] = lambda s, path=path: swept(Path(path).resolve(), s)
+    if unknown := set(options.only or ()) - found.keys():
+        sys.exit(f"--only: there is no way {', '.join(sorted(unknown))}: {', '.join(found)}")
     return {name: found[name] for name in options.only or found}
 
 

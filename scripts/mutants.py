@@ -15,11 +15,9 @@ import json
 import os
 import random
 import re
-import resource
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -50,7 +48,7 @@ ARGUMENTS = re.compile(rf"(?<=\w\()({SIMPLE}), ({SIMPLE})(?=[,)])")
 # A call or an assignment, but no declaration, which has a type before the name.
 STATEMENT = re.compile(r"^\s+(?!return|throw|using|delete|break|continue)[\w.\->\[\]:*]+"
                        r"(?:\([^;]*\))?(?: [-+*/|&]?= [^;]*|\([^;]*\)(?:\.[^;]*)?| << [^;]*)?;$")
-SKIPPED = re.compile(r"^\s*(#|template|static_assert|using|namespace)|\bconsteval\b|\boperator\b")
+SKIPPED = re.compile(r"^\s*(#|template|extern|static_assert|using|namespace)|\bconsteval\b|\boperator\b")
 
 
 def code_of(line, in_comment):
@@ -150,7 +148,8 @@ class Bench:
         self.seconds = {}
         for test in tests:
             begin = time.monotonic()
-            if self.fails(test, 3600.0):
+            self.seconds[test] = 3600.0
+            if self.first_failure([test]):
                 sys.exit(f"{test} fails without a change")
             self.seconds[test] = time.monotonic() - begin
         self.objects = self.hashes(0.0)
@@ -165,24 +164,28 @@ class Bench:
         return {path: hashlib.sha256(path.read_bytes()).hexdigest()
                 for path in self.build.rglob("*.o") if path.stat().st_mtime >= since}
 
-    def fails(self, test, limit_s):
-        limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))  # noqa: E731
-        try:
-            return subprocess.run([self.build / "tests" / test, "--gtest_fail_fast", "--gtest_brief=1"],
-                                  cwd=self.build, capture_output=True, timeout=limit_s,
-                                  preexec_fn=limit).returncode != 0
-        except subprocess.TimeoutExpired:
-            return True
-
     def first_failure(self, tests):
-        """The first of the tests that fails or takes too long, if one does."""
-        with ThreadPoolExecutor(self.jobs) as pool:
-            limits = [30.0 + 5.0 * self.seconds[test] for test in tests]
-            for test, failed in zip(tests, pool.map(self.fails, tests, limits)):
-                if failed:
-                    pool.shutdown(cancel_futures=True)
-                    return test
-        return None
+        """A test that fails or takes too long, if there is one. Tests run side by side."""
+        waiting, running = list(tests), {}
+        try:
+            while waiting or running:
+                while waiting and len(running) < self.jobs:
+                    test = waiting.pop(0)
+                    running[test] = time.monotonic() + 30.0 + 5.0 * self.seconds[test], subprocess.Popen(
+                        ["prlimit", f"--as={MOST_MEMORY}", self.build / "tests" / test, "--gtest_fail_fast",
+                         "--gtest_brief=1"], cwd=self.build, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                for test, (end, process) in list(running.items()):
+                    if process.poll() is None and time.monotonic() < end:
+                        continue
+                    if process.returncode != 0:  # None if it takes too long
+                        return test
+                    del running[test]
+                time.sleep(0.02)
+            return None
+        finally:
+            for _, process in running.values():
+                process.kill()
+                process.wait()
 
     def verdict(self, mutant):
         """killed (and by which test), survived, same code, or does not compile."""

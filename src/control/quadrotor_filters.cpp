@@ -2,10 +2,10 @@
 
 namespace breakwater {
 
-template class GaussianEstimate<12, 6>;
-template class GaussianEstimate<16, 6>;
-template class GaussianEstimate<24, 6>;
-template class GaussianEstimate<30, 6>;
+template class GaussianEstimate<ThrusterDisturbance<-1>::kStates, 6>;
+template class GaussianEstimate<ThrusterDisturbance<0>::kStates, 6>;
+template class GaussianEstimate<ThrusterDisturbance<2>::kStates, 6>;
+template class GaussianEstimate<WaveForces<2, 2>::kStates, 6>;
 template class Ukf<ThrusterDisturbance<-1>, 6>;
 template class Ukf<ThrusterDisturbance<0>, 6>;
 template class Ukf<ThrusterDisturbance<2>, 6>;

@@ -1,4 +1,5 @@
-// The nonlinear Kalman filters of the quadrotor, compiled once: each takes many seconds.
+// The nonlinear Kalman filters of the quadrotor. They are compiled once, since each takes many
+// seconds to compile.
 #pragma once
 
 #include <breakwater/control/quadrotor_process.h>
@@ -7,10 +8,10 @@
 
 namespace breakwater {
 
-extern template class GaussianEstimate<12, 6>;
-extern template class GaussianEstimate<16, 6>;
-extern template class GaussianEstimate<24, 6>;
-extern template class GaussianEstimate<30, 6>;
+extern template class GaussianEstimate<ThrusterDisturbance<-1>::kStates, 6>;
+extern template class GaussianEstimate<ThrusterDisturbance<0>::kStates, 6>;
+extern template class GaussianEstimate<ThrusterDisturbance<2>::kStates, 6>;
+extern template class GaussianEstimate<WaveForces<2, 2>::kStates, 6>;
 extern template class Ukf<ThrusterDisturbance<-1>, 6>;
 extern template class Ukf<ThrusterDisturbance<0>, 6>;
 extern template class Ukf<ThrusterDisturbance<2>, 6>;

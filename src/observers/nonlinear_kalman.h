@@ -75,6 +75,8 @@ class GaussianEstimate {
   Eigen::Matrix<double, N, p> W_;
 };
 
+// This and the predictions of the filters stand outside their classes. Inside, each file would
+// compile them in spite of `extern template`.
 template <int N, int p>
 void GaussianEstimate<N, p>::correct(const Output& y) {
   innovation_ = y - x_.template head<p>();

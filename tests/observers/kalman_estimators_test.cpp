@@ -85,9 +85,10 @@ TEST(Kfd, FixedAndDynamicSizesAgree) {
     fixed.update(u, y);
     EXPECT_LT((dynamic.extended_state() - fixed.extended_state()).norm(), 1e-12);
   }
-  // One more state, and one more output.
-  EXPECT_THROW((Kfd<3, 1, 1>(random_design(random, 3, 1, 1, 0))), std::invalid_argument);
-  EXPECT_THROW((Kfd<3, 1, 1>(random_design(random, 2, 1, 2, 0))), std::invalid_argument);
+  const KalmanDesign more_states = random_design(random, 3, 1, 1, 0);
+  const KalmanDesign more_outputs = random_design(random, 2, 1, 2, 0);
+  EXPECT_THROW((Kfd<3, 1, 1>(more_states)), std::invalid_argument);
+  EXPECT_THROW((Kfd<3, 1, 1>(more_outputs)), std::invalid_argument);
 }
 
 // One output of a fixed size uses a separate recursion. It is compared with the matrices, for the

@@ -320,12 +320,14 @@ TEST(StudyGroups, LabelsAreAsShortAsTheirValuesAllow) {
             (std::vector<std::string>{"1.00000001", "1.00000002", "2"}));
 }
 
-// Studies of any shape with 36 metrics and 1e5 points. The study large_studies has all shapes.
+// Studies of any shape with 36 metrics and 1e5 points.
 class LargeStudy : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(LargeStudy, HasAPageOfLessThan2MB) {
   const std::string shape = GetParam();
-  if (shape != "saltelli" && std::getenv("BREAKWATER_SHAPES") == nullptr) GTEST_SKIP() << "a study";
+  if (shape == "lhs" && std::getenv("BREAKWATER_SHAPES") == nullptr) {
+    GTEST_SKIP() << "runs in the study large_studies";
+  }
   Study study;
   if (shape == "grid") {
     study = make_study({list_of("a.first", range(1, 2, 40)), list_of("a.second", range(0, 1, 40))},

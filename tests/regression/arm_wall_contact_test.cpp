@@ -13,11 +13,8 @@ using testing::run_case;
 
 constexpr const char* kScenario = "arm_wall_contact";
 
-// Long enough for the impact, but not for the steady state. The arm holds still for 10 s before,
-// not for 30 s.
-const std::vector<std::string> kImpactOnly = {"run.duration_s=13", "wall.solid_from_s=9",
-                                              "force.from_s=10", "record.fine_from_s=9.9",
-                                              "record.fine_to_s=13"};
+// Long enough for the impact, but not for the steady state.
+const std::vector<std::string> kImpactOnly = testing::switched_at_10_s(13);
 
 std::vector<std::string> impact_with(std::vector<std::string> sets) {
   sets.insert(sets.end(), kImpactOnly.begin(), kImpactOnly.end());

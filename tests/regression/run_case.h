@@ -20,4 +20,11 @@ inline Recording completed_run(const std::string& scenario, const std::string& c
   throw std::runtime_error(scenario + " " + case_name + ": " + run.failure->reason);
 }
 
+/// arm_wall_contact with the switch to force control at 10 s instead of 30 s.
+inline std::vector<std::string> switched_at_10_s(int duration_s) {
+  const std::string duration = std::to_string(duration_s);
+  return {"run.duration_s=" + duration, "wall.solid_from_s=9", "force.from_s=10",
+          "record.fine_from_s=9.9", "record.fine_to_s=" + duration};
+}
+
 }  // namespace breakwater::testing
