@@ -110,6 +110,9 @@ TEST(LqrControl, PassesTheDriveLimitsToTheEstimator) {
     LqrControl controller(idob(), K, Eigen::Vector2d::Zero(), uses_true_state, kLimit);
     EXPECT_GT(run_loop(controller, kLimit, 0.0, 300), kLimit);
     EXPECT_NEAR(controller.estimator().disturbance()(0), kDisturbance, 1e-3);
+    ASSERT_GE(controller.signals().size(), 3U);
+    EXPECT_EQ(controller.signals()[0].name, "position_hat_m");
+    EXPECT_EQ(controller.signals()[2].values.data(), controller.estimator().disturbance().data());
   }
   EXPECT_THROW(LqrControl(idob(), K, Eigen::Vector2d::Zero(), false, 0.0), std::invalid_argument);
 }

@@ -203,7 +203,6 @@ TEST(ResonatorFit, RefusesNonsense) {
   std::fill(s.density.begin(), s.density.end(), 0.0);
   EXPECT_THROW(fit_resonators(s), std::invalid_argument);
   EXPECT_THROW(fit_walk(force_of(8.0, 0.17), 0.0), std::invalid_argument);
-  EXPECT_THROW(WaveForceBank({}), std::invalid_argument);
 }
 
 // An axis under the force of a resonator pair, held in place by a known force.
@@ -493,6 +492,24 @@ TEST(WaveForces, NeesIsInItsBandWithATrueModel) {
     nees += (x - ukf.x()).dot(ukf.P().llt().solve(x - ukf.x())) / kRuns;
   }
   EXPECT_NEAR(nees, 30.0, 1.96 * std::sqrt(2.0 * 30.0 / kRuns));
+}
+
+TEST(WaveForceBank, RefusesNonsense) {
+  EXPECT_THROW(WaveForceBank({}), std::invalid_argument);
+  const WaveForceBankDesign good{.shapes = {kSea}};
+  EXPECT_NO_THROW(WaveForceBank{good});
+  using D = WaveForceBankDesign;
+  for (double D::*positive : {&D::mass_kg, &D::bias_std_N, &D::velocity_std_m_s, &D::position_std_m,
+                              &D::weakest_N, &D::memory_s, &D::period_s}) {
+    D wrong = good;
+    wrong.*positive = 0.0;
+    EXPECT_THROW(WaveForceBank{wrong}, std::invalid_argument);
+  }
+  D wrong = good;
+  wrong.strongest_N = wrong.weakest_N;
+  EXPECT_THROW(WaveForceBank{wrong}, std::invalid_argument);
+  wrong.strengths = 1;
+  EXPECT_NO_THROW(WaveForceBank{wrong});
 }
 
 TEST(WaveForces, RefuseNonsense) {
