@@ -36,9 +36,11 @@ std::size_t tests_shown(const Plan& plan, const std::vector<PointResult>& runs) 
       const auto is_named = std::find(study.metrics.begin(), study.metrics.end(), name);
       if (!study.metrics.empty() && is_named == study.metrics.end()) continue;
       for (std::size_t x = is_baseline ? 0 : y + 1; x < runs.size(); ++x) {
-        tests += std::any_of(
-            runs[x].metrics.begin(), runs[x].metrics.end(),
-            [&](const auto& other) { return other.first == name && other.second != value; });
+        // Clang 14 captures no structured bindings by themselves.
+        const auto differs = [&name = name, &value = value](const auto& other) {
+          return other.first == name && other.second != value;
+        };
+        tests += std::any_of(runs[x].metrics.begin(), runs[x].metrics.end(), differs);
       }
     }
   }
