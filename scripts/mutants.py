@@ -7,7 +7,8 @@
 DIR gets a clone of HEAD, its build and results.jsonl. A mutant is one change in one line of linear/, observers/,
 control/ or sim/. The kind of the change is drawn first, then its place. A mutant is killed if a test fails, crashes
 or takes too long. A mutant is not counted if it does not compile or if all compiled code stays the same. The tests of
-its own room run first. The last line has the share of killed mutants; the survivors stand above it.
+its own room run first, then the others that link it. The last line has the share of killed mutants; the survivors
+stand above it.
 """
 import argparse
 import hashlib
@@ -200,7 +201,8 @@ class Bench:
             for tests in (own, others):
                 if not self.made(tests):
                     return {"verdict": "does not compile"}
-                if killer := self.first_failure(tests):
+                linked = [test for test in tests if (self.build / "tests" / test).stat().st_mtime >= begin]
+                if killer := self.first_failure(linked):
                     return {"verdict": "killed", "by": killer}
             changed = self.hashes(begin)
             if all(self.objects.get(file) == value for file, value in changed.items()):

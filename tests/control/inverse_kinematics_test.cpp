@@ -91,6 +91,7 @@ TEST(LmInverseKinematics, RefusesNonsense) {
   EXPECT_THROW(LmInverseKinematics({}, 4), std::invalid_argument);
   EXPECT_THROW(LmInverseKinematics({.weights = {1, 0, 1}}, 3), std::invalid_argument);
   EXPECT_THROW(LmInverseKinematics({.damping = 0.0}, 3), std::invalid_argument);
+  EXPECT_THROW(LmInverseKinematics({.step_limit_rad = 0.0}, 3), std::invalid_argument);
   EXPECT_THROW(LmInverseKinematics({.step_limit_rad = std::nan("")}, 3), std::invalid_argument);
 }
 

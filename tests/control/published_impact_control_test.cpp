@@ -108,6 +108,13 @@ TEST_F(PublishedImpactControl, TheForceCorrectsAWrongPlaceAndAWrongStiffness) {
   }
 }
 
+// The depth has the lag of the force's filter, so a right wall and stiffness are not corrected.
+TEST_F(PublishedImpactControl, TheForcesLagDoesNotMoveAWallThatIsRight) {
+  ContactMpc law(chain_, acceleration_, task_, mpc());
+  EXPECT_GT(WallArm::run(law, 1000.0, 0.5).peak_N, 1.0);
+  EXPECT_NEAR(signal(law, "wall_hat_m"), task_.wall_x_m, 1e-5);
+}
+
 // The law forgets its contact and the corrected place of the wall.
 TEST_F(PublishedImpactControl, AResetStartsTheTaskAnew) {
   ContactMpcDesign design = mpc();

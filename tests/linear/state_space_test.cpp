@@ -49,9 +49,11 @@ TEST(ZeroOrderHold, RefusesNonsense) {
   StateSpace misshapen = plant;
   misshapen.B = Eigen::Vector3d(0, 0, 1);
   EXPECT_THROW(zero_order_hold(misshapen, 0.1), std::invalid_argument);
-  StateSpace infinite = plant;
-  infinite.A(0, 0) = INFINITY;
-  EXPECT_THROW(zero_order_hold(infinite, 0.1), std::invalid_argument);
+  for (Eigen::MatrixXd StateSpace::*part : {&StateSpace::A, &StateSpace::B, &StateSpace::C}) {
+    StateSpace infinite = plant;
+    (infinite.*part)(0, 0) = INFINITY;
+    EXPECT_THROW(zero_order_hold(infinite, 0.1), std::invalid_argument);
+  }
 }
 
 TEST(ExtendByInputDisturbance, PutsMinusBBesideA) {

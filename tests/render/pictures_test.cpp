@@ -17,6 +17,7 @@
 namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
+using testing::Environment;
 using testing::Png;
 using testing::probe;
 using testing::ProgramResult;
@@ -100,20 +101,6 @@ TEST_F(Pictures, AVideoDoesNotChangeTheRun) {
   expect_refused("arm_push --case all --duration 0.2 --video=x.mp4",
                  "--video: one file cannot hold the videos of several runs");
 }
-
-// Sets an environment variable for programs that run during its lifetime.
-class Environment {
- public:
-  Environment(const char* name, const std::string& value) : name_(name) {
-    setenv(name, value.c_str(), 1);
-  }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-  ~Environment() { unsetenv(name_); }
-
- private:
-  const char* name_;
-};
 
 bool is_missing_library(const ProgramResult& result) {
   return result.status == 4 && result.err.find("(Debian package lib") != std::string::npos;

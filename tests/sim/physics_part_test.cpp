@@ -228,6 +228,13 @@ TEST(ContactPairs, AreNotUsedIfTheyMightDiffer) {
       size="1 1 1"/><body><freejoint/><geom size="0.1"/></body><body pos="0 0 1"><freejoint/>
       <geom size="0.1"/></body></worldbody></mujoco>)")),
             nullptr);
+  for (const char* list :
+       {"<exclude body1=\"world\" body2=\"dumbbell\"/>", "<pair geom1=\"floor\" geom2=\"end\"/>"}) {
+    const std::string text = R"(<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/>
+        <body name="dumbbell"><freejoint/><geom name="end" size="0.1"/></body></worldbody><contact>)";
+    EXPECT_NE(listed(testing::model_of(text + "</contact></mujoco>")), nullptr);
+    EXPECT_EQ(listed(testing::model_of(text + list + "</contact></mujoco>")), nullptr) << list;
+  }
   EXPECT_EQ(listed(Model::load(testing::source_file("models/arm.xml"))), nullptr);
   EXPECT_EQ(listed(Model::load_physics(testing::source_file("models/motor.xml"))), nullptr);
 }
