@@ -85,20 +85,6 @@ class TemporaryPath : public std::filesystem::path {
   }
 };
 
-/// Sets an environment variable during its lifetime.
-class Environment {
- public:
-  Environment(const char* name, const std::string& value) : name_(name) {
-    setenv(name, value.c_str(), 1);
-  }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-  ~Environment() { unsetenv(name_); }
-
- private:
-  const char* name_;
-};
-
 /// The path of a project's file.
 std::string source_file(const std::string& relative);
 

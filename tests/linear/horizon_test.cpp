@@ -185,6 +185,7 @@ TEST(Horizon, RefusesInvalidSizes) {
   };
   expect_refused([](Horizon& h) { h.A = Eigen::MatrixXd::Identity(3, 3); });
   expect_refused([](Horizon& h) { h.S = Eigen::MatrixXd(); });
+  expect_refused([](Horizon& h) { h.Q = h.Q.leftCols(1).eval(); });
   expect_refused([](Horizon& h) { h.control_steps = 0; });
   expect_refused([](Horizon& h) { h.control_steps = 6; });
   expect_refused([](Horizon& h) { h.rows.push_back({Horizon::RowKind::change, 3, 0}); });

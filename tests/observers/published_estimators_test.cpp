@@ -68,6 +68,8 @@ void expect_same(DisturbanceEstimator& a, DisturbanceEstimator& b, double tolera
     ASSERT_LE((a.disturbance() - b.disturbance()).norm(),
               tolerance * (1.0 + b.disturbance().norm()))
         << k;
+    const double e = published(b, "innovation")[0];
+    ASSERT_NEAR(published(a, "innovation")[0], e, tolerance * (1.0 + std::abs(e))) << k;
     if (a.poles() == 0) continue;
     const Eigen::MatrixXd F = pole_matrix(b);
     ASSERT_LE((pole_matrix(a) - F).norm(), tolerance * (1.0 + F.norm())) << k;
@@ -143,7 +145,7 @@ TEST(Immkf, IsTheTextbookRecursion) {
         P0[j] = s.A * P0[j] * s.A.transpose() + Q;
       }
     }
-    double sum = 0.0;
+    double sum = 0.0, innovation = 0.0;
     for (int j = 0; j < 2; ++j) {
       const double S = P0[j](0, 0) + R, e = y - x0[j](0);
       const Eigen::Vector3d K = P0[j].col(0) / S;
@@ -151,11 +153,13 @@ TEST(Immkf, IsTheTextbookRecursion) {
       P[j] = P0[j] - K * P0[j].row(0);
       mu[j] = c[j] * std::exp(-0.5 * e * e / S) / std::sqrt(2.0 * std::numbers::pi * S);
       sum += mu[j];
+      innovation += c[j] * e;
     }
     for (double& value : mu) value /= sum;
     const Eigen::Vector3d mean = mu[0] * x[0] + mu[1] * x[1];
     filter->update(one(u), one(y));
     EXPECT_NEAR(published(*filter, "model_weight")[1], mu[1], 1e-9) << k;
+    EXPECT_NEAR(published(*filter, "innovation")[0], innovation, 1e-9) << k;
     EXPECT_LT((filter->state() - mean.head(2)).norm(), 1e-9 * (1.0 + mean.norm())) << k;
     EXPECT_NEAR(filter->disturbance()(0), mean(2), 1e-9 * (1.0 + mean.norm())) << k;
     most = std::max(most, mu[1]);
@@ -212,6 +216,17 @@ TEST(Mckf, IsTheMultiKernelFilterOfThePaper) {
     EXPECT_NEAR(filter->disturbance()(0), x(0), 1e-7 * (1.0 + x.norm())) << k;
   }
   EXPECT_LT(least, 0.1);
+}
+
+// Two ways through the same filter. Jumps put the estimate outside of the interval of the code.
+TEST(Mckf, WithAnInfiniteKernelItIsTheImmOfEqualModelsForCodesToo) {
+  const SensorError coarse = sensor(0.05, 1e-3);
+  const KalmanDesign of_kalman = design(coarse, 1e-2);
+  const Estimator kernel =
+      sized_mckf(of_kalman, coarse, {.kernel_width = 1e12, .likelihood = Likelihood::code});
+  const Estimator models =
+      sized_immkf(of_kalman, coarse, {.noise_ratio = 1.0, .likelihood = Likelihood::code});
+  expect_same(*kernel, *models, 1e-7);
 }
 
 // With a fixed prediction, it is the filter of Särkkä and Nummenmaa with R ~ IG(α, β).

@@ -12,6 +12,7 @@
 #include <breakwater/sim/named_elements.h>
 #include "catalogue.h"
 #include "cli/program.h"
+#include "environment.h"
 #include "render/media.h"
 
 namespace breakwater {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "environment.h"
 #include "support.h"
 
 namespace breakwater {
