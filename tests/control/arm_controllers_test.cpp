@@ -164,7 +164,10 @@ TEST_F(ArmControllers, ForceControlStartsAtItsSample) {
 }
 
 TEST_F(ArmControllers, RefuseNonsense) {
-  EXPECT_THROW(Hpfc(chain_, acceleration_, task_, {-1.0, 0.0, 0.02}), std::invalid_argument);
+  for (const WorkspaceControlDesign& gains : std::vector<WorkspaceControlDesign>{
+           {-1.0, 0.0, 0.02}, {1.0, -1.0, 0.02}, {1.0, 0.0, -0.02}}) {
+    EXPECT_THROW(Hpfc(chain_, acceleration_, task_, gains), std::invalid_argument);
+  }
   ImplicitForcePfcDesign two_joints = pfc_design();
   two_joints.joints.pop_back();
   EXPECT_THROW(ImplicitForcePfc(chain_, acceleration_, task_, two_joints), std::invalid_argument);

@@ -205,7 +205,22 @@ TEST(QuadrotorEstimators, RefuseNonsense) {
   design = {};
   design.position_std_m = 0.0;
   EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);
-  EXPECT_THROW(WaveFrequency({}, -1.0), std::invalid_argument);
+}
+
+TEST(WaveFrequency, RefusesNonsense) {
+  using Design = WaveFrequencyDesign;
+  EXPECT_THROW(WaveFrequency({}, 0.0), std::invalid_argument);
+  EXPECT_THROW(WaveFrequency({.damping = 1.0}, 1.0), std::invalid_argument);
+  EXPECT_THROW(WaveFrequency({.candidates = 1}, 1.0), std::invalid_argument);
+  EXPECT_THROW(WaveFrequency({.longest_period_s = 4.0}, 1.0), std::invalid_argument);
+  for (double Design::*positive :
+       {&Design::mass_kg, &Design::damping, &Design::force_std_N, &Design::bias_std_N,
+        &Design::velocity_std_m_s, &Design::position_std_m, &Design::shortest_period_s,
+        &Design::memory_s, &Design::period_s}) {
+    Design design;
+    design.*positive = 0.0;
+    EXPECT_THROW(WaveFrequency(design, 1.0), std::invalid_argument);
+  }
 }
 
 }  // namespace

@@ -196,6 +196,9 @@ TEST_F(SoftContactLaw, RefusesInvalidParameters) {
   design_.wall_stiffness_N_m = 0.0;
   EXPECT_THROW(SoftContact(chain_, acceleration_, task_, design_), std::invalid_argument);
   design_.wall_stiffness_N_m = 1000.0;
+  design_.peak_margin_N = 0.0;
+  EXPECT_THROW(SoftContact(chain_, acceleration_, task_, design_), std::invalid_argument);
+  design_.peak_margin_N = 2.2;
   design_.path.joints.pop_back();
   EXPECT_THROW(SoftContact(chain_, acceleration_, task_, design_), std::invalid_argument);
 }

@@ -447,6 +447,32 @@ TEST(Gsf, ApproximatesTheTruncatedDensity) {
   }
 }
 
+// With the nodes and weights in closed form.
+TEST(Gsf, TheFirstCodeIsTheSumOverTheNodes) {
+  const double quantum = 0.1, y = 0.1;
+  KalmanDesign wide = design(sensor(quantum));
+  const double P = wide.P0(0, 0) = 0.5 * quantum * quantum;
+  double sum = 0.0, first = 0.0, second = 0.0;
+  for (const double sign : {-1.0, 0.0, 1.0}) {
+    for (const double inner : {-1.0, 1.0}) {
+      if (sign == 0.0 && inner > 0.0) continue;
+      const double node = sign / 3.0 * std::sqrt(5.0 + 2.0 * inner * std::sqrt(10.0 / 7.0));
+      const double weight =
+          sign == 0.0 ? 64.0 / 225.0 : (322.0 - 13.0 * inner * std::sqrt(70.0)) / 1800.0;
+      const double e = y + 0.5 * quantum * node;
+      const double S = P + std::pow(weight * quantum, 2) / 12.0;
+      const double share = weight * std::exp(-0.5 * e * e / S) / std::sqrt(S);
+      sum += share;
+      first += share * P / S * e;
+      second += share * (P - P * P / S + std::pow(P / S * e, 2));
+    }
+  }
+  Gsf<3> filter(wide, sensor(quantum), 20);
+  filter.update(one(0.0), one(y));
+  EXPECT_NEAR(filter.state()(0), first / sum, 1e-12);
+  EXPECT_NEAR(filter.P()(0, 0), second / sum - std::pow(first / sum, 2), 1e-12);
+}
+
 // The first code makes five parts of one. Their union keeps the moments of the sum.
 TEST(Gsf, TheReductionKeepsTheMeanAndTheCovariance) {
   const SensorError coarse = sensor(0.1);
@@ -602,12 +628,22 @@ TEST(PublishedEstimators, OnlyPredictWithoutAMeasurementAndStartAgainAfterAnOver
 TEST(PublishedEstimators, RefuseWrongDesigns) {
   const SensorError noisy = sensor(0.0, kNoise);
   const KalmanDesign good = design(noisy);
-  EXPECT_THROW(sized_immkf(good, noisy, {.noise_ratio = 0.0}), std::invalid_argument);
-  EXPECT_THROW(sized_immkf(good, noisy, {.stays_quiet = 1.1}), std::invalid_argument);
+  for (const ImmDesign& imm : std::vector<ImmDesign>{{.noise_ratio = 0.0},
+                                                     {.noise_ratio = INFINITY},
+                                                     {.stays_quiet = 1.1},
+                                                     {.stays_quiet = -0.1},
+                                                     {.stays_busy = 1.1},
+                                                     {.stays_busy = -0.1}}) {
+    EXPECT_THROW(sized_immkf(good, noisy, imm), std::invalid_argument);
+  }
   EXPECT_THROW(sized_mckf(good, noisy, {.kernel_width = 0.0}), std::invalid_argument);
+  EXPECT_THROW(sized_vbakf(good, {.forgetting = 0.0}), std::invalid_argument);
   EXPECT_THROW(sized_vbakf(good, {.forgetting = 1.1}), std::invalid_argument);
   EXPECT_THROW(sized_vbakf(good, {.prior_samples = 0.0}), std::invalid_argument);
-  EXPECT_THROW(sized_gsf(good, noisy, 0), std::invalid_argument);
+  EXPECT_THROW(sized_vbakf(good, {.iterations = 0}), std::invalid_argument);
+  for (const int parts : {0, 21}) {
+    EXPECT_THROW(sized_gsf(good, noisy, parts), std::invalid_argument);
+  }
   EXPECT_THROW(Mhe(good, noisy, 0, true), std::invalid_argument);
   EXPECT_THROW(Eso(damped_inertia(1.0, 0.0), {0.0}, kPeriod), std::invalid_argument);
   EXPECT_THROW(TrackingDifferentiator({1.0, 0.0, 1.0, 10.0}, kPeriod), std::invalid_argument);

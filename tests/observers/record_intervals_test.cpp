@@ -152,6 +152,15 @@ TEST(KalmanEstimators, PredictOverAGapAsOverSingleSamples) {
   const double R = 1.0 + 4.0 * x(1) * x(1);
   EXPECT_NEAR(filter.K()(0, 0), P(0, 0) / (P(0, 0) + R), 1e-9);
 
+  // A reset brings back the period of the design.
+  Kfd<> fresh(design);
+  filter.follow({.length_s = kMissed * T});
+  for (Kfd<>* one : {&filter, &fresh}) {
+    one->reset(Eigen::Vector2d(0.1, 0.3));
+    for (int k = 0; k < 3; ++k) one->update(u, y);
+  }
+  EXPECT_EQ(filter.extended_state(), fresh.extended_state());
+
   KalmanDesign without = design;
   without.plant.continuous.reset();
   Kfd<> sampled(without);

@@ -42,8 +42,13 @@ TEST(Model, RefusesErrorsThatTheEngineAccepts) {
            {good, "", ""},
            {of_mass("1e300"), "",
             ":1: <inertial> mass=\"1e300\": must be finite and not beyond 1e30"},
-           {of_mass("1e10"), "", ": body \"b\": mass is out of range"},
+           {of_mass("9e8"), "", ""},
+           {of_mass("1.1e9"), "", ": body \"b\": mass is out of range"},
            {of_mass("-1"), "", ":1: <inertial> mass=\"-1\": must not be negative"},
+           {good + "<geom name='g' size='2e6' mass='0'/>", "",
+            ": geom \"g\": size or position is out of range"},
+           {good + "<geom name='g' size='9e5' pos='0 0 -2e6' mass='0'/>", "",
+            ": geom \"g\": size or position is out of range"},
            {good + "<site name='nan' pos='0 NaN 0'/>", "",
             ":1: <site> pos=\"0 NaN 0\": must be finite and not beyond 1e30"},
            {inertial + "<joint name='j' type='hinge' armature='-1'/>", "",
@@ -88,6 +93,14 @@ TEST(Model, NamesMissingElements) {
                   "arm.xml: has no sensor named \"tip_fource\""));
 }
 
+TEST(Model, FindsGeomsByTheBeginOfTheirName) {
+  const Model model =
+      model_of(with_body(std::string(kInertial) + kHinge +
+                         "<geom name='link_a' size='1'/><geom size='1'/>"
+                         "<geom name='tip' size='1'/><geom name='link' size='1'/>"));
+  EXPECT_EQ(model.geoms_named("link"), (std::vector<int>{0, 3}));
+}
+
 TEST(Model, LoadsOnManyThreadsAtOnce) {
   std::vector<std::jthread> threads;
   for (int i = 0; i < 4; ++i) {
@@ -108,6 +121,23 @@ TEST(Model, SharedModelsWaitForOtherCallers) {
   while (!is_called) std::this_thread::yield();
   shared.reset();
   EXPECT_TRUE(is_over);
+}
+
+TEST(Model, ANewOwnerIsToldOfFilesThatAreKnown) {
+  const std::string file = testing::source_file("models/motor.xml");
+  int compiled = 0, told = 0;
+  const SharedModels first([&](const std::string&) { ++compiled; });
+  for (int i = 0; i < 2; ++i) Model::load(file);
+  EXPECT_EQ(compiled, 1);
+  const SharedModels another;
+  Model::load(file);
+  EXPECT_EQ(compiled, 1) << "it asks for nothing, so nothing is compiled again";
+  const SharedModels second([&](const std::string& name) {
+    EXPECT_EQ(name, file);
+    ++told;
+  });
+  for (int i = 0; i < 2; ++i) Model::load(file);
+  EXPECT_EQ(told, 1);
 }
 
 TEST(Models, MotorAndCartHaveTheThesisParameters) {

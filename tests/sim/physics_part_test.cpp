@@ -131,6 +131,9 @@ TEST(PhysicsPart, KeepsReferencedGeoms) {
   EXPECT_FALSE(part.has(mjOBJ_CAMERA, "side"));
   EXPECT_FALSE(part.has(mjOBJ_LIGHT, "lamp"));
   EXPECT_FALSE(part.has(mjOBJ_MATERIAL, "red"));
+  for (int i = 0; i < part->nsite; ++i) EXPECT_EQ(part->site_matid[i], -1);
+  for (int i = 0; i < part->ngeom; ++i) EXPECT_EQ(part->geom_matid[i], -1);
+  for (int i = 0; i < part->ntendon; ++i) EXPECT_EQ(part->tendon_matid[i], -1);
   const auto expect_named = [&](int geom, const char* name) {
     EXPECT_EQ(geom, part.id(mjOBJ_GEOM, name));
   };
