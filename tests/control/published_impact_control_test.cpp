@@ -274,36 +274,29 @@ TEST(ContactProblem, ThePredictedForceStaysBelowThePeak) {
 }
 
 TEST_F(PublishedImpactControl, RefuseInvalidParameters) {
-  const auto refuses = [&]<typename Law>(const auto& design) {
+  const auto refuses = [&]<typename Law>(auto design, auto&& spoil) {
+    spoil(design);
     EXPECT_THROW(Law(chain_, acceleration_, task_, design), std::invalid_argument);
   };
-  const auto refuses_each = [&]<typename Law>(const auto& design, const auto& spoils) {
-    for (const auto& spoil : spoils) {
-      auto spoilt = design;
-      spoil(spoilt);
-      refuses.operator()<Law>(spoilt);
-    }
+  const auto energy_refuses = [&](auto&& spoil) {
+    refuses.operator()<EnergyAdmittance>(energy(), spoil);
   };
-  using Energy = EnergyAdmittanceDesign;
-  refuses_each.operator()<EnergyAdmittance>(
-      energy(), std::vector<void (*)(Energy&)>{[](Energy& d) { d.admittance.mass_kg = 0.0; },
-                                               [](Energy& d) { d.admittance.damping_Ns_m = -1.0; },
-                                               [](Energy& d) { d.impact.stiffness_N_m = 0.0; },
-                                               [](Energy& d) { d.impact.peak_margin_N = 0.0; }});
-  using Program = ImpactQpDesign;
-  refuses_each.operator()<ImpactQp>(
-      qp(), std::vector<void (*)(Program&)>{
-                [](Program& d) { d.restitution = 1.5; }, [](Program& d) { d.restitution = -0.1; },
-                [](Program& d) { d.approach_speed_m_s = 0.0; },
-                [](Program& d) { d.posture_weight = 0.0; }, [](Program& d) { d.preview_s = 0.0; }});
-  using Predictive = ContactMpcDesign;
-  refuses_each.operator()<ContactMpc>(
-      mpc(),
-      std::vector<void (*)(Predictive&)>{[](Predictive& d) { d.period_s = 1.5e-3; },
-                                         [](Predictive& d) { d.acceleration_m_s2 = 0.0; },
-                                         [](Predictive& d) { d.wall_correction_per_s = -1.0; }});
+  energy_refuses([](auto& d) { d.admittance.mass_kg = 0.0; });
+  energy_refuses([](auto& d) { d.admittance.damping_Ns_m = -1.0; });
+  energy_refuses([](auto& d) { d.impact.stiffness_N_m = 0.0; });
+  energy_refuses([](auto& d) { d.impact.peak_margin_N = 0.0; });
+  const auto program_refuses = [&](auto&& spoil) { refuses.operator()<ImpactQp>(qp(), spoil); };
+  program_refuses([](auto& d) { d.restitution = 1.5; });
+  program_refuses([](auto& d) { d.restitution = -0.1; });
+  program_refuses([](auto& d) { d.approach_speed_m_s = 0.0; });
+  program_refuses([](auto& d) { d.posture_weight = 0.0; });
+  program_refuses([](auto& d) { d.preview_s = 0.0; });
+  const auto mpc_refuses = [&](auto&& spoil) { refuses.operator()<ContactMpc>(mpc(), spoil); };
+  mpc_refuses([](auto& d) { d.period_s = 1.5e-3; });
+  mpc_refuses([](auto& d) { d.acceleration_m_s2 = 0.0; });
+  mpc_refuses([](auto& d) { d.wall_correction_per_s = -1.0; });
   task_.wall_x_m = INFINITY;
-  refuses.operator()<ContactMpc>(mpc());
+  mpc_refuses([](auto&) {});
 }
 
 }  // namespace

@@ -207,6 +207,18 @@ TEST(QuadrotorEstimators, RefuseNonsense) {
   EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);
 }
 
+TEST(WaveFrequency, DoesNotDependOnWhereTheAxisStarts) {
+  WaveFrequency here({.settling_s = 1.0}, 1.0), there({.settling_s = 1.0}, 1.0);
+  there.reset(50.0);
+  for (int k = 0; k < 500; ++k) {
+    const double p = 0.3 * std::sin(0.02 * k);
+    here.update(0.0, p);
+    there.update(0.0, 50.0 + p);
+  }
+  EXPECT_NEAR(there.omega_rad_s(), here.omega_rad_s(), 1e-6);
+  EXPECT_NE(here.omega_rad_s(), 1.0);
+}
+
 TEST(WaveFrequency, RefusesNonsense) {
   using Design = WaveFrequencyDesign;
   EXPECT_THROW(WaveFrequency({}, 0.0), std::invalid_argument);

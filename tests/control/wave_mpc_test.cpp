@@ -161,6 +161,37 @@ TEST(WaveMpc, KeepsItsBounds) {
   EXPECT_NEAR(mpc.input(Eigen::Vector2d(-10.0, 0.0), none), 1.5, 1e-7);
 }
 
+// Each column has its number.
+class Numbers final : public ForceForecast {
+ public:
+  void reset(double) override {}
+  void update(double, const QuadrotorEstimator&, ForceTable& forces) override {
+    for (Eigen::Index i = 0; i < forces.cols(); ++i) {
+      forces.col(i).setConstant(static_cast<double>(i));
+    }
+  }
+};
+
+TEST(WaveMpc, AsksForTheForceUpToTheEndOfItsHorizon) {
+  const Backstepping law(kVehicle, {.alpha = retuned_gains({}, 0.01)});
+  const WaveMpcDesign design{.prediction_steps = 12};
+  QuadrotorEstimatorDesign resonator;
+  resonator.order = DisturbanceOrder::resonator;
+  WaveMpc mpc(law, make_quadrotor_estimator(resonator, kVehicle), std::make_unique<Numbers>(),
+              design, 0.01);
+  Sample sample;
+  sample.y.setZero(6);
+  mpc.reset(sample);
+  Eigen::VectorXd u(4);
+  mpc.update(sample, u);
+  for (const Signal& signal : mpc.signals()) {
+    if (signal.name != "force_forecast_N") continue;
+    for (const double force : signal.values) EXPECT_EQ(force, design.prediction_steps);
+    return;
+  }
+  FAIL() << "no forecast";
+}
+
 TEST(WaveMpc, RefusesNonsense) {
   const Backstepping law(kVehicle, {.alpha = retuned_gains({}, 0.01)});
   const auto make = [&](DisturbanceOrder order, double period_s) {

@@ -494,6 +494,20 @@ TEST(WaveForces, NeesIsInItsBandWithATrueModel) {
   EXPECT_NEAR(nees, 30.0, 1.96 * std::sqrt(2.0 * 30.0 / kRuns));
 }
 
+TEST(WaveForceBank, DoesNotDependOnWhereTheAxisStarts) {
+  const WaveForceBankDesign design{.shapes = {kSea}, .settling_s = 1.0};
+  WaveForceBank here(design), there(design);
+  const double first = total_std(here.resonators());
+  there.reset(50.0);
+  for (int k = 0; k < 500; ++k) {
+    const double p = 0.3 * std::sin(0.02 * k);
+    here.update(0.0, p);
+    there.update(0.0, 50.0 + p);
+  }
+  EXPECT_NEAR(total_std(there.resonators()), total_std(here.resonators()), 1e-6);
+  EXPECT_NE(total_std(here.resonators()), first);
+}
+
 TEST(WaveForceBank, RefusesNonsense) {
   EXPECT_THROW(WaveForceBank({}), std::invalid_argument);
   const WaveForceBankDesign good{.shapes = {kSea}};

@@ -636,6 +636,7 @@ TEST(PublishedEstimators, RefuseWrongDesigns) {
                                                      {.stays_busy = -0.1}}) {
     EXPECT_THROW(sized_immkf(good, noisy, imm), std::invalid_argument);
   }
+  EXPECT_NO_THROW(sized_immkf(good, noisy, {.stays_quiet = 1.0, .stays_busy = 0.0}));
   EXPECT_THROW(sized_mckf(good, noisy, {.kernel_width = 0.0}), std::invalid_argument);
   EXPECT_THROW(sized_vbakf(good, {.forgetting = 0.0}), std::invalid_argument);
   EXPECT_THROW(sized_vbakf(good, {.forgetting = 1.1}), std::invalid_argument);

@@ -140,6 +140,25 @@ TEST(Model, ANewOwnerIsToldOfFilesThatAreKnown) {
   EXPECT_EQ(told, 1);
 }
 
+TEST(Model, OnlyWithAnOwnerAFileIsReadOnce) {
+  const auto written = [](const std::string& mass) {
+    return with_body(testing::replaced(kInertial, "mass='1'", "mass='" + mass + "'") + kHinge);
+  };
+  const testing::TemporaryPath file("read_once.xml");
+  const auto masses = [&] {
+    std::vector<double> found;
+    for (const char* mass : {"1", "2"}) {
+      std::ofstream(file) << written(mass);
+      found.push_back(Model::load_physics(file.string())->body_mass[1]);
+      found.push_back(Model::load(file.string())->body_mass[1]);
+    }
+    return found;
+  };
+  EXPECT_EQ(masses(), (std::vector<double>{1, 1, 2, 2}));
+  const SharedModels owner;
+  EXPECT_EQ(masses(), (std::vector<double>{1, 1, 1, 1}));
+}
+
 TEST(Models, MotorAndCartHaveTheThesisParameters) {
   const Model motor = Model::load(testing::source_file("models/motor.xml"));
   const Model cart = Model::load(testing::source_file("models/cart.xml"));

@@ -121,6 +121,24 @@ TEST(Simulation, SaturatesAndRecordsIt) {
   EXPECT_TRUE(simulation.saturated());
 }
 
+TEST(Simulation, SwitchesTheContactsOfOneGeom) {
+  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {});
+  Simulation simulation(testing::model_of(R"(<mujoco><worldbody><geom size="1"/><geom size="1"/>
+      <geom size="1"/></worldbody></mujoco>)"),
+                        controller, {}, 1);
+  const auto expect = [&](int first, int second, int third) {
+    const int expected[] = {first, second, third};
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(simulation.model()->geom_contype[i], expected[i]) << i;
+      EXPECT_EQ(simulation.model()->geom_conaffinity[i], expected[i]) << i;
+    }
+  };
+  simulation.set_collidable(2, false);
+  expect(1, 1, 0);
+  simulation.set_collidable(2, true);
+  expect(1, 1, 1);
+}
+
 TEST(Simulation, ForcesActInTheSameStep) {
   class Wind final : public ExternalForce {
    public:
