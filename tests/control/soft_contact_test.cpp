@@ -132,6 +132,12 @@ TEST(ContactStiffness, FindsStiffnessAndUndoesTheLag) {
       EXPECT_GT(std::abs(force - filtered), 0.4) << "else the lag would not matter";
     }
   }
+  // Walls outside of its range are at the end of the range.
+  for (const auto& [K, expected] : {std::pair(20.0, 200.0), std::pair(1e7, 2e5)}) {
+    ContactStiffness contact(0.0, kPeriod);
+    for (int k = 0; k < 100; ++k) contact.update(3.0 / K * k, 0.0, 3.0 * k);
+    EXPECT_EQ(contact.stiffness_N_m(), expected);
+  }
   ContactStiffness contact(kLag, kPeriod);
   EXPECT_EQ(contact.stiffness_N_m(), 1000.0);
   EXPECT_THROW(ContactStiffness(-1.0, kPeriod), std::invalid_argument);

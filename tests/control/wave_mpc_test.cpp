@@ -87,6 +87,18 @@ TEST(ForceForecast, EstimatorForeseesARegularWave) {
   EXPECT_EQ(forces(2, 40), forces(2, 0));
 }
 
+TEST(AutoregressiveModel, AResetForgetsAllSamples) {
+  const AutoregressiveDesign design{.order = 3, .spacing = 2, .memory = 20.0, .largest = 25.0};
+  AutoregressiveModel used(design), fresh(design);
+  for (int k = 0; k < 50; ++k) used.update(std::sin(0.3 * k));
+  used.reset();
+  for (int k = 0; k < 20; ++k) {
+    used.update(std::cos(0.2 * k));
+    fresh.update(std::cos(0.2 * k));
+    ASSERT_EQ(used.coefficients(), fresh.coefficients()) << k;
+  }
+}
+
 // Without disturbance and active bounds the input is that of the Riccati recursion for [x; u], with
 // the horizon's own last weight.
 TEST(WaveMpc, WithoutDisturbanceEqualsTheRiccatiRecursion) {

@@ -194,14 +194,34 @@ TEST(ResonatorFit, RandomWalkIsTheBestFit) {
   EXPECT_NEAR(fit_walk(s, kPeriod_s), 2e-3, 1e-8);
 }
 
+// White noise of the position, random walks of the velocity and of the force, as forces.
+TEST(ResonatorFit, NoiseOfAnAxisIsTheSumOfItsParts) {
+  const AxisNoise none{2.0, 0.0, 0.0, 0.0, 0.1};
+  AxisNoise position = none, velocity = none, bias = none;
+  position.position_std_m = 0.5;
+  velocity.velocity_std_m_s = 0.3;
+  bias.bias_std_N = 0.3;
+  EXPECT_NEAR(force_noise_density(position, 3.0), 8.1 / M_PI, 1e-12);
+  EXPECT_NEAR(force_noise_density(velocity, 3.0), 3.6 / M_PI, 1e-12);
+  EXPECT_NEAR(force_noise_density(bias, 3.0), 0.1 / M_PI, 1e-12);
+}
+
 TEST(ResonatorFit, RefusesNonsense) {
-  EXPECT_THROW(fit_resonators({}), std::invalid_argument);
-  ForceSpectrum s = force_of(8.0, 0.17);
-  s.noise[3] = 0.0;
-  EXPECT_THROW(fit_resonators(s), std::invalid_argument);
-  s = force_of(8.0, 0.17);
-  std::fill(s.density.begin(), s.density.end(), 0.0);
-  EXPECT_THROW(fit_resonators(s), std::invalid_argument);
+  const ForceSpectrum good = force_of(8.0, 0.17);
+  const auto refuses = [&](auto&& spoil) {
+    ForceSpectrum s = good;
+    spoil(s);
+    EXPECT_THROW(fit_resonators(s), std::invalid_argument);
+  };
+  refuses([](ForceSpectrum& s) { s = {}; });
+  refuses([](ForceSpectrum& s) { s.noise[3] = 0.0; });
+  refuses([](ForceSpectrum& s) { std::fill(s.density.begin(), s.density.end(), 0.0); });
+  refuses([](ForceSpectrum& s) { s.density.pop_back(); });
+  refuses([](ForceSpectrum& s) { s.noise.push_back(1.0); });
+  refuses([](ForceSpectrum& s) { s.omega_rad_s[4] = s.omega_rad_s[3]; });
+  refuses([](ForceSpectrum& s) {
+    for (std::vector<double>* values : {&s.omega_rad_s, &s.density, &s.noise}) values->resize(5);
+  });
   EXPECT_THROW(fit_walk(force_of(8.0, 0.17), 0.0), std::invalid_argument);
 }
 
