@@ -142,15 +142,17 @@ TEST(KalmanEstimators, PredictOverAGapAsOverSingleSamples) {
   const Eigen::VectorXd K = P * C.transpose() / ((C * P * C.transpose())(0, 0) + 1.0);
   EXPECT_LE((filter.K() - K).norm(), 1e-9 * K.norm());
 
-  // The error of the time times the speed is an error of the output.
-  x = filter.extended_state();
-  P = filter.P();
-  x = (plant.sampled.A * x + plant.sampled.B * u).eval();
-  P = (plant.sampled.A * P * plant.sampled.A.transpose() + design.Q).eval();
-  filter.follow({.instant_std_s = 2.0});
-  filter.update(u, y);
-  const double R = 1.0 + 4.0 * x(1) * x(1);
-  EXPECT_NEAR(filter.K()(0, 0), P(0, 0) / (P(0, 0) + R), 1e-9);
+  // The error of the time times the speed is an error of the output. R is in units of its variance.
+  for (const double output_std : {0.0, 0.5}) {
+    x = filter.extended_state();
+    P = filter.P();
+    x = (plant.sampled.A * x + plant.sampled.B * u).eval();
+    P = (plant.sampled.A * P * plant.sampled.A.transpose() + design.Q).eval();
+    filter.follow({.instant_std_s = 2.0, .output_std = output_std});
+    filter.update(u, y);
+    const double R = 1.0 + (output_std > 0.0 ? 16.0 : 4.0) * x(1) * x(1);
+    EXPECT_NEAR(filter.K()(0, 0), P(0, 0) / (P(0, 0) + R), 1e-9);
+  }
 
   // A reset brings back the period of the design.
   Kfd<> fresh(design);

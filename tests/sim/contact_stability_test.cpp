@@ -52,6 +52,13 @@ TEST(ContactStability, SlopesAreThoseOfTheLaw) {
   EXPECT_NEAR(slopes.stiffness_N_m, 1e5 * 1.5 * 0.02 * 1.4, 1e-2);
   EXPECT_NEAR(slopes.damping_Ns_m, 1e5 * 8e-6 * 0.8, 1e-6);
   EXPECT_EQ(slopes.mass_kg, 2.0);
+  WallMotion wall{.mass_kg = 6.0, .stiffness_N_m = 100.0, .damping_Ns_m = 10.0};
+  EXPECT_EQ(with_wall(slopes, wall).mass_kg, 2.0) << "a fixed wall";
+  wall.kind = WallMotionKind::free;
+  const ContactSlopes both = with_wall(slopes, wall);
+  EXPECT_DOUBLE_EQ(both.mass_kg, 1.5);
+  EXPECT_NEAR(both.stiffness_N_m, slopes.stiffness_N_m + 25.0, 1e-9);
+  EXPECT_NEAR(both.damping_Ns_m, slopes.damping_Ns_m + 2.5, 1e-12);
   const StandardLinearSolid solid(1e3, 2e3, 0.01);
   EXPECT_NEAR(slopes_of(solid, {}, 1e-3, 0.0, 1.0).stiffness_N_m, 3e3, 1e-3);
   EXPECT_NEAR(slopes_of(solid, {}, 1e-3, 0.0, 1.0).relaxation_1_s, 100.0, 1e-3);
