@@ -45,6 +45,7 @@ TEST(Model, RefusesErrorsThatTheEngineAccepts) {
            {of_mass("9e8"), "", ""},
            {of_mass("1.1e9"), "", ": body \"b\": mass is out of range"},
            {of_mass("-1"), "", ":1: <inertial> mass=\"-1\": must not be negative"},
+           {good + "<geom name='g' size='1e6' mass='0'/>", "", ""},
            {good + "<geom name='g' size='2e6' mass='0'/>", "",
             ": geom \"g\": size or position is out of range"},
            {good + "<geom name='g' size='9e5' pos='0 0 -2e6' mass='0'/>", "",

@@ -101,7 +101,7 @@ constexpr const char* kAllReasons = R"(<mujoco>
             mass="0.1"/>
       <geom name="listed" type="sphere" size="0.01" contype="0" conaffinity="0" mass="0"/>
       <geom name="bob" type="sphere" size="0.1" pos="0.2 0 -1.1" contype="0" conaffinity="0"/>
-      <site name="end" pos="0 0 -0.6"/>
+      <site name="end" pos="0 0 -0.6" material="red"/>
       <body name="leaf" pos="0.5 0 0"><joint name="twig" axis="1 0 0"/>
         <geom name="ball" type="sphere" size="0.05" pos="0 0 -1.1"/>
         <geom name="vane" type="ellipsoid" size="0.2 0.1 0.02" fluidshape="ellipsoid" contype="0"
@@ -109,7 +109,8 @@ constexpr const char* kAllReasons = R"(<mujoco>
       </body>
     </body>
   </worldbody>
-  <tendon><spatial name="string" stiffness="5" springlength="0.2"><site site="anchor"/>
+  <tendon><spatial name="string" stiffness="5" springlength="0.2" material="red">
+    <site site="anchor"/>
     <geom geom="wrapped"/><site site="end"/></spatial></tendon>
   <contact><pair geom1="paired" geom2="bob"/></contact>
   <custom><tuple name="list"><element objtype="geom" objname="listed" prm="1"/></tuple></custom>
