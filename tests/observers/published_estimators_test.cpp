@@ -625,6 +625,31 @@ TEST(PublishedEstimators, OnlyPredictWithoutAMeasurementAndStartAgainAfterAnOver
   }
 }
 
+// In millimetres and in metres.
+TEST(PublishedEstimators, DoNotDependOnTheUnit) {
+  constexpr double kUnit = 1000.0;
+  const SensorError metres = sensor(0.05, 1e-3), millimetres = sensor(0.05 * kUnit, 1e-3 * kUnit);
+  const KalmanDesign small = design(metres, 1e-2);
+  KalmanDesign large = small;
+  for (Eigen::MatrixXd* of_squares : {&large.Q, &large.R, &large.P0}) *of_squares *= kUnit * kUnit;
+  for (const Likelihood kind : {Likelihood::gauss, Likelihood::code}) {
+    std::vector<std::pair<Estimator, Estimator>> pairs;
+    pairs.emplace_back(sized_immkf(small, metres, {.likelihood = kind}),
+                       sized_immkf(large, millimetres, {.likelihood = kind}));
+    pairs.emplace_back(sized_mckf(small, metres, {.likelihood = kind}),
+                       sized_mckf(large, millimetres, {.likelihood = kind}));
+    pairs.emplace_back(sized_gsf(small, metres, 5), sized_gsf(large, millimetres, 5));
+    for (const auto& [one_unit, other_unit] : pairs) {
+      for (int k = 0; k < 300; ++k) {
+        const double u = std::sin(0.1 * k), y = 0.05 * std::round(6.0 * std::sin(0.05 * k));
+        one_unit->update(one(u), one(y));
+        other_unit->update(one(kUnit * u), one(kUnit * y));
+        ASSERT_LT((other_unit->state() / kUnit - one_unit->state()).norm(), 1e-6) << k;
+      }
+    }
+  }
+}
+
 TEST(PublishedEstimators, RefuseWrongDesigns) {
   const SensorError noisy = sensor(0.0, kNoise);
   const KalmanDesign good = design(noisy);
