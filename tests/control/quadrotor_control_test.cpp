@@ -193,6 +193,33 @@ TEST(QuadrotorEstimators, NoiseOnTheHighestStateMakesItARandomWalk) {
   }
 }
 
+TEST(QuadrotorEstimators, TheTrackedFrequencyDependsOnEachValueOfItsDesign) {
+  const QuadrotorModel model({}, QuadrotorPhysics::physical);
+  const auto frequency = [&](auto&& change) {
+    QuadrotorEstimatorDesign design;
+    design.order = DisturbanceOrder::resonator;
+    design.estimates_wave_frequency = true;
+    change(design);
+    const auto estimator = make_quadrotor_estimator(design, model);
+    const Eigen::Vector4d hover =
+        Eigen::Vector4d::Constant(0.25 * model.parameters().net_weight_N());
+    Vector6d pose = Vector6d::Zero();
+    estimator->reset(pose);
+    for (int k = 0; k < 1800; ++k) {
+      pose(2) = 0.2 * std::sin(0.008 * k) + 0.05 * std::sin(0.9 * k);
+      estimator->update(hover, pose);
+    }
+    return estimator->wave_frequency_rad_s();
+  };
+  using D = QuadrotorEstimatorDesign;
+  const double standard = frequency([](D&) {});
+  EXPECT_NE(frequency([](D& d) { d.resonator.damping *= 2.0; }), standard);
+  EXPECT_NE(frequency([](D& d) { d.resonator.force_std_N *= 2.0; }), standard);
+  EXPECT_NE(frequency([](D& d) { d.resonator.bias_std_N *= 2.0; }), standard);
+  EXPECT_NE(frequency([](D& d) { d.resonator.velocity_std_m_s *= 2.0; }), standard);
+  EXPECT_NE(frequency([](D& d) { d.position_std_m *= 2.0; }), standard);
+}
+
 TEST(QuadrotorEstimators, RefuseNonsense) {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
   QuadrotorEstimatorDesign design;
