@@ -29,8 +29,8 @@ enum Status {
 /// After this call SIGINT, SIGTERM and `more` set interrupted(). A second one ends the process.
 void stop_on_signals(std::initializer_list<int> more = {});
 const std::atomic<bool>& interrupted();
-/// After this call a lack of memory gives one line and a status even where no exception may pass, or
-/// outside guarded().
+/// After this call a lack of memory gives one line and a status even where no exception may pass,
+/// or outside guarded().
 void say_lack_of_memory();
 /// The model compiler ignores signals. If `model_is_compiled` returns true after a signal, the
 /// process ends within two seconds. main() calls this once, at its beginning.
