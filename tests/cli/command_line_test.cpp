@@ -8,6 +8,7 @@
 
 #include <breakwater/record/hdf5_log.h>
 #include "cli/program.h"
+#include "environment.h"
 #include "support.h"
 
 namespace breakwater {
@@ -355,9 +356,8 @@ TEST_F(CommandLine, AnExternalProgramListsTheSearchedFolders) {
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   EXPECT_TRUE(has(result.err, folder_.string() + "/share/breakwater, " + folder_.string() + ", ",
                   "BREAKWATER_PATH"));
-  setenv("BREAKWATER_PATH", ("/nowhere::" + testing::source_file("")).c_str(), 1);
+  const testing::Environment path("BREAKWATER_PATH", "/nowhere::" + testing::source_file(""));
   result = list();
-  unsetenv("BREAKWATER_PATH");
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_TRUE(result.out.starts_with("proposed-2N\n"));
 }
@@ -379,9 +379,8 @@ TEST_F(CommandLine, NewMakesAProjectOrGivesAReasonInOneLine) {
 }
 
 TEST_F(CommandLine, WarnsOfAPathEntryThatIsNotAFolder) {
-  setenv("BREAKWATER_PATH", "/nowhere", 1);
+  const testing::Environment path("BREAKWATER_PATH", "/nowhere");
   const ProgramResult result = run("arm_wall_contact --list-cases");
-  unsetenv("BREAKWATER_PATH");
   EXPECT_EQ(result.status, 0);
   EXPECT_EQ(result.err, "warning: BREAKWATER_PATH: /nowhere is no folder\n");
 }

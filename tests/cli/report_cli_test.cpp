@@ -6,6 +6,7 @@
 #include <breakwater/record/file_hash.h>
 #include <breakwater/study/shards.h>
 #include "cli/program.h"
+#include "environment.h"
 #include "support.h"
 
 namespace breakwater {
@@ -302,9 +303,8 @@ TEST_F(Reports, CompareExplainsErrors) {
                  "(No such file or directory)"},
                 {folder_ / "bare",
                  "figures.py: h5py is missing: apt-get install python3-h5py python3-matplotlib"}}) {
-    setenv("BREAKWATER_PYTHON", python.c_str(), 1);
+    const testing::Environment asked("BREAKWATER_PYTHON", python);
     expect_refused("breakwater compare kfd kfd --signal d_hat_Nm --pdf", line);
-    unsetenv("BREAKWATER_PYTHON");
   }
   // A report of a failed run is possible.
   ran("breakwater report failed kfd --out page");

@@ -5,10 +5,13 @@
 
 #include <breakwater/control/implicit_force_pfc.h>
 #include <breakwater/control/workspace_control.h>
+#include "control/controller_signal.h"
 #include "support.h"
 
 namespace breakwater {
 namespace {
+
+using testing::signal;
 
 class ArmControllers : public ::testing::Test {
  protected:
@@ -30,18 +33,6 @@ class ArmControllers : public ::testing::Test {
 
   ImplicitForcePfcDesign pfc_design(Positioning positioning = Positioning::joint) const {
     return {std::vector<PfcDesign>(3, PfcDesign{}), LmDesign{}, positioning};
-  }
-
-  // The published signal with a name.
-  static Eigen::VectorXd signal(const Controller& controller, const std::string& name) {
-    for (const Signal& s : controller.signals()) {
-      if (s.name == name) {
-        return Eigen::Map<const Eigen::VectorXd>(s.values.data(),
-                                                 static_cast<Eigen::Index>(s.values.size()));
-      }
-    }
-    ADD_FAILURE() << "no signal " << name;
-    return {};
   }
 
   // Feeds moving angles, so that q̂, q̇̂ and d̂ are not zero. Then makes one sample at `time_s`

@@ -1,6 +1,7 @@
 #include <breakwater/control/axes_control.h>
 
-#include <stdexcept>
+#include <memory>
+#include <string>
 
 #include "support.h"
 

@@ -160,6 +160,35 @@ TEST(WaveFrequency, CandidatesBeginAndEndWithTheRange) {
   }
 }
 
+TEST(WaveFrequency, DoesNotDependOnWhereTheAxisStarts) {
+  WaveFrequency here({.settling_s = 1.0}, 1.0), there({.settling_s = 1.0}, 1.0);
+  there.reset(50.0);
+  for (int k = 0; k < 500; ++k) {
+    const double p = 0.3 * std::sin(0.02 * k);
+    here.update(0.0, p);
+    there.update(0.0, 50.0 + p);
+  }
+  EXPECT_NEAR(there.omega_rad_s(), here.omega_rad_s(), 1e-6);
+  EXPECT_NE(here.omega_rad_s(), 1.0);
+}
+
+TEST(WaveFrequency, RefusesNonsense) {
+  using Design = WaveFrequencyDesign;
+  EXPECT_THROW(WaveFrequency({}, 0.0), std::invalid_argument);
+  EXPECT_THROW(WaveFrequency({.damping = 1.0}, 1.0), std::invalid_argument);
+  EXPECT_THROW(WaveFrequency({.candidates = 1}, 1.0), std::invalid_argument);
+  EXPECT_THROW(WaveFrequency({.longest_period_s = 4.0}, 1.0), std::invalid_argument);
+  for (double Design::*positive :
+       {&Design::mass_kg, &Design::damping, &Design::force_std_N, &Design::bias_std_N,
+        &Design::velocity_std_m_s, &Design::position_std_m, &Design::shortest_period_s,
+        &Design::memory_s, &Design::period_s}) {
+    Design design;
+    design.*positive = 0.0;
+    EXPECT_EQ(complaint_of([&] { WaveFrequency(design, 1.0); }),
+              "wave frequency: every value must be positive");
+  }
+}
+
 // The printed Q of the highest derivative alone makes it a random walk. It can also be given by
 // standard deviations.
 TEST(QuadrotorEstimators, NoiseOnTheHighestStateMakesItARandomWalk) {
@@ -232,35 +261,6 @@ TEST(QuadrotorEstimators, RefuseNonsense) {
   design = {};
   design.position_std_m = 0.0;
   EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);
-}
-
-TEST(WaveFrequency, DoesNotDependOnWhereTheAxisStarts) {
-  WaveFrequency here({.settling_s = 1.0}, 1.0), there({.settling_s = 1.0}, 1.0);
-  there.reset(50.0);
-  for (int k = 0; k < 500; ++k) {
-    const double p = 0.3 * std::sin(0.02 * k);
-    here.update(0.0, p);
-    there.update(0.0, 50.0 + p);
-  }
-  EXPECT_NEAR(there.omega_rad_s(), here.omega_rad_s(), 1e-6);
-  EXPECT_NE(here.omega_rad_s(), 1.0);
-}
-
-TEST(WaveFrequency, RefusesNonsense) {
-  using Design = WaveFrequencyDesign;
-  EXPECT_THROW(WaveFrequency({}, 0.0), std::invalid_argument);
-  EXPECT_THROW(WaveFrequency({.damping = 1.0}, 1.0), std::invalid_argument);
-  EXPECT_THROW(WaveFrequency({.candidates = 1}, 1.0), std::invalid_argument);
-  EXPECT_THROW(WaveFrequency({.longest_period_s = 4.0}, 1.0), std::invalid_argument);
-  for (double Design::*positive :
-       {&Design::mass_kg, &Design::damping, &Design::force_std_N, &Design::bias_std_N,
-        &Design::velocity_std_m_s, &Design::position_std_m, &Design::shortest_period_s,
-        &Design::memory_s, &Design::period_s}) {
-    Design design;
-    design.*positive = 0.0;
-    EXPECT_EQ(complaint_of([&] { WaveFrequency(design, 1.0); }),
-              "wave frequency: every value must be positive");
-  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <string>
 
 #include <breakwater/control/path_control.h>
+#include "control/controller_signal.h"
 #include "support.h"
 
 namespace breakwater::testing {
@@ -33,11 +34,7 @@ class WallArm {
   }
 
   static double signal(const Controller& controller, const std::string& name) {
-    for (const Signal& s : controller.signals()) {
-      if (s.name == name) return s.values[0];
-    }
-    ADD_FAILURE() << "no signal " << name;
-    return NAN;
+    return testing::signal(controller, name)(0);
   }
 
   struct Course {

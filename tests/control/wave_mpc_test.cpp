@@ -4,6 +4,7 @@
 
 #include <breakwater/control/wave_mpc.h>
 #include <breakwater/linear/riccati.h>
+#include "control/controller_signal.h"
 #include "support.h"
 
 namespace breakwater {
@@ -40,6 +41,18 @@ TEST(AutoregressiveModel, IsFiniteForAnyFiniteInput) {
     model.forecast(future);
     ASSERT_TRUE(model.coefficients().allFinite()) << k;
     ASSERT_LE(future.cwiseAbs().maxCoeff(), design.largest) << k;
+  }
+}
+
+TEST(AutoregressiveModel, AResetForgetsAllSamples) {
+  const AutoregressiveDesign design{.order = 3, .spacing = 2, .memory = 20.0, .largest = 25.0};
+  AutoregressiveModel used(design), fresh(design);
+  for (int k = 0; k < 50; ++k) used.update(std::sin(0.3 * k));
+  used.reset();
+  for (int k = 0; k < 20; ++k) {
+    used.update(std::cos(0.2 * k));
+    fresh.update(std::cos(0.2 * k));
+    ASSERT_EQ(used.coefficients(), fresh.coefficients()) << k;
   }
 }
 
@@ -85,18 +98,6 @@ TEST(ForceForecast, EstimatorForeseesARegularWave) {
   EstimatorForecast held(0.1, false);
   held.update(0.0, *estimator, forces);
   EXPECT_EQ(forces(2, 40), forces(2, 0));
-}
-
-TEST(AutoregressiveModel, AResetForgetsAllSamples) {
-  const AutoregressiveDesign design{.order = 3, .spacing = 2, .memory = 20.0, .largest = 25.0};
-  AutoregressiveModel used(design), fresh(design);
-  for (int k = 0; k < 50; ++k) used.update(std::sin(0.3 * k));
-  used.reset();
-  for (int k = 0; k < 20; ++k) {
-    used.update(std::cos(0.2 * k));
-    fresh.update(std::cos(0.2 * k));
-    ASSERT_EQ(used.coefficients(), fresh.coefficients()) << k;
-  }
 }
 
 // Without disturbance and active bounds the input is that of the Riccati recursion for [x; u], with
@@ -196,12 +197,8 @@ TEST(WaveMpc, AsksForTheForceUpToTheEndOfItsHorizon) {
   mpc.reset(sample);
   Eigen::VectorXd u(4);
   mpc.update(sample, u);
-  for (const Signal& signal : mpc.signals()) {
-    if (signal.name != "force_forecast_N") continue;
-    for (const double force : signal.values) EXPECT_EQ(force, design.prediction_steps);
-    return;
-  }
-  FAIL() << "no forecast";
+  EXPECT_EQ(testing::signal(mpc, "force_forecast_N"),
+            Eigen::Vector3d::Constant(design.prediction_steps));
 }
 
 TEST(WaveMpc, RefusesNonsense) {

@@ -452,20 +452,20 @@ TEST(Gsf, TheFirstCodeIsTheSumOverTheNodes) {
   const double quantum = 0.1, y = 0.1;
   KalmanDesign wide = design(sensor(quantum));
   const double P = wide.P0(0, 0) = 0.5 * quantum * quantum;
+  std::vector<std::pair<double, double>> nodes = {{0.0, 64.0 / 225.0}};  // and weights
+  for (const double sign : {-1.0, 1.0}) {
+    const double node = std::sqrt(5.0 + 2.0 * sign * std::sqrt(10.0 / 7.0)) / 3.0;
+    const double weight = (322.0 - 13.0 * sign * std::sqrt(70.0)) / 1800.0;
+    nodes.insert(nodes.end(), {{node, weight}, {-node, weight}});
+  }
   double sum = 0.0, first = 0.0, second = 0.0;
-  for (const double sign : {-1.0, 0.0, 1.0}) {
-    for (const double inner : {-1.0, 1.0}) {
-      if (sign == 0.0 && inner > 0.0) continue;
-      const double node = sign / 3.0 * std::sqrt(5.0 + 2.0 * inner * std::sqrt(10.0 / 7.0));
-      const double weight =
-          sign == 0.0 ? 64.0 / 225.0 : (322.0 - 13.0 * inner * std::sqrt(70.0)) / 1800.0;
-      const double e = y + 0.5 * quantum * node;
-      const double S = P + std::pow(weight * quantum, 2) / 12.0;
-      const double share = weight * std::exp(-0.5 * e * e / S) / std::sqrt(S);
-      sum += share;
-      first += share * P / S * e;
-      second += share * (P - P * P / S + std::pow(P / S * e, 2));
-    }
+  for (const auto& [node, weight] : nodes) {
+    const double e = y + 0.5 * quantum * node;
+    const double S = P + std::pow(weight * quantum, 2) / 12.0;
+    const double share = weight * std::exp(-0.5 * e * e / S) / std::sqrt(S);
+    sum += share;
+    first += share * P / S * e;
+    second += share * (P - P * P / S + std::pow(P / S * e, 2));
   }
   Gsf<3> filter(wide, sensor(quantum), 20);
   filter.update(one(0.0), one(y));

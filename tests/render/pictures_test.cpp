@@ -4,7 +4,6 @@
 #include <csignal>
 
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <regex>
 

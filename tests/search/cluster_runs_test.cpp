@@ -1,6 +1,7 @@
 // `breakwater tune --slurm` with fake Slurm programs. tests/study/slurm_test.py uses a real Slurm.
 #include <cstdlib>
 
+#include "environment.h"
 #include "search/tuning_folder.h"
 
 namespace breakwater {
@@ -137,14 +138,9 @@ TEST_F(ClusterRuns, LeaveOutTheRunMadeForTheEstimate) {
 // The command may run in a job itself. Its tasks must not inherit the job's variables.
 TEST_F(ClusterRuns, DoNotInheritTheSubmittingJob) {
   write("t.toml", kSmall);
-  setenv("SLURM_JOB_ID", "3", 1);
-  setenv("SLURM_CPUS_PER_TASK", "64", 1);
-  setenv("SLURM_MEM_PER_CPU", "100", 1);
-  setenv("SLURM_CONF", "/etc/slurm.conf", 1);
+  const testing::Environment job("SLURM_JOB_ID", "3"), cpus("SLURM_CPUS_PER_TASK", "64"),
+      memory("SLURM_MEM_PER_CPU", "100"), conf("SLURM_CONF", "/etc/slurm.conf");
   const ProgramResult result = on_slurm("s --quiet --tasks 1");
-  for (const char* name :
-       {"SLURM_JOB_ID", "SLURM_CPUS_PER_TASK", "SLURM_MEM_PER_CPU", "SLURM_CONF"})
-    unsetenv(name);
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(lines("told"), (std::vector<std::string>{2, "SLURM_CONF=/etc/slurm.conf"}));
 }

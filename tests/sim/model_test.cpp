@@ -28,11 +28,12 @@ std::string with_body(const std::string& body, const std::string& option = "") {
 const char* const kInertial = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
 const char* const kHinge = "<joint name='j' type='hinge'/>";
 
+std::string of_mass(const std::string& mass) {
+  return testing::replaced(kInertial, "mass='1'", "mass='" + mass + "'") + kHinge;
+}
+
 TEST(Model, RefusesErrorsThatTheEngineAccepts) {
   const std::string inertial = kInertial, good = inertial + kHinge;
-  const auto of_mass = [](const std::string& mass) {
-    return testing::replaced(kInertial, "mass='1'", "mass='" + mass + "'") + kHinge;
-  };
   for (const std::string timestep : {"0", "-1", "nan", "inf"}) {
     EXPECT_NE(complaint(with_body(good, "<option timestep='" + timestep + "'/>")), "") << timestep;
   }
@@ -142,14 +143,11 @@ TEST(Model, ANewOwnerIsToldOfFilesThatAreKnown) {
 }
 
 TEST(Model, OnlyWithAnOwnerAFileIsReadOnce) {
-  const auto written = [](const std::string& mass) {
-    return with_body(testing::replaced(kInertial, "mass='1'", "mass='" + mass + "'") + kHinge);
-  };
   const testing::TemporaryPath file("read_once.xml");
   const auto masses = [&] {
     std::vector<double> found;
     for (const char* mass : {"1", "2"}) {
-      std::ofstream(file) << written(mass);
+      std::ofstream(file) << with_body(of_mass(mass));
       found.push_back(Model::load_physics(file.string())->body_mass[1]);
       found.push_back(Model::load(file.string())->body_mass[1]);
     }

@@ -232,13 +232,14 @@ TEST(ContactPairs, AreNotUsedIfTheyMightDiffer) {
       size="1 1 1"/><body><freejoint/><geom size="0.1"/></body><body pos="0 0 1"><freejoint/>
       <geom size="0.1"/></body></worldbody></mujoco>)")),
             nullptr);
-  for (const char* list :
-       {"<exclude body1=\"world\" body2=\"dumbbell\"/>", "<pair geom1=\"floor\" geom2=\"end\"/>"}) {
-    const std::string text = R"(<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/>
-        <body name="dumbbell"><freejoint/><geom name="end" size="0.1"/></body></worldbody><contact>)";
-    EXPECT_NE(listed(testing::model_of(text + "</contact></mujoco>")), nullptr);
-    EXPECT_EQ(listed(testing::model_of(text + list + "</contact></mujoco>")), nullptr) << list;
-  }
+  const auto with_contact = [](const std::string& list) {
+    return testing::model_of(R"(<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/>
+        <body name="ball"><freejoint/><geom name="skin" size="0.1"/></body></worldbody><contact>)" +
+                             list + "</contact></mujoco>");
+  };
+  EXPECT_NE(listed(with_contact("")), nullptr);
+  EXPECT_EQ(listed(with_contact(R"(<exclude body1="world" body2="ball"/>)")), nullptr);
+  EXPECT_EQ(listed(with_contact(R"(<pair geom1="floor" geom2="skin"/>)")), nullptr);
   EXPECT_EQ(listed(Model::load(testing::source_file("models/arm.xml"))), nullptr);
   EXPECT_EQ(listed(Model::load_physics(testing::source_file("models/motor.xml"))), nullptr);
 }

@@ -15,6 +15,7 @@
 #include <breakwater/shell/child_program.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/study_folder.h>
+#include "environment.h"
 #include "study/sweep_folder.h"
 
 namespace breakwater {
@@ -316,9 +317,11 @@ TEST_F(Sweep, ACrashHasTheKeyOfItsPoint) {
 }
 
 TEST_F(Sweep, ACrashBeforeAnyPointIsNoResult) {
-  setenv("ISHIGAMI_TASKS_CRASH", "1", 1);
-  const ProgramResult crashed = sweep("ishigami --vary x.first=1,2 --isolate --jobs 1 --out s");
-  unsetenv("ISHIGAMI_TASKS_CRASH");
+  ProgramResult crashed;
+  {
+    const testing::Environment broken("ISHIGAMI_TASKS_CRASH", "1");
+    crashed = sweep("ishigami --vary x.first=1,2 --isolate --jobs 1 --out s");
+  }
   EXPECT_EQ(crashed.status, 2);
   EXPECT_EQ(crashed.err, "--isolate: a process of the study ended with signal 6 (Aborted)\n");
   EXPECT_TRUE(has(sweep("s --status").out, "0 of 2 points are done"));
