@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -112,12 +113,18 @@ VariedKey varied_key(const TomlEntry& entry, const std::string& path,
   return key;
 }
 
+// Sets are kept as key=value.
+void refuse_sign_in(const std::string& key, const TomlEntry& entry) {
+  if (key.find('=') != std::string::npos) entry.fail("is no key");
+}
+
 // The keys of a table and its subtables, with their positions.
 void collect(const TomlEntry& table, const std::string& prefix, const std::set<std::string>& but,
              std::vector<std::pair<toml::source_position, VariedKey>>& found) {
   for (const auto& [key, entry] : table.entries()) {
     const std::string path = prefix + key;
     if (but.contains(path)) continue;
+    refuse_sign_in(key, entry);
     const toml::table* nested = entry.node()->as_table();
     if (nested != nullptr && !is_distribution(*nested)) {
       refuse_misspelt(entry);
@@ -130,15 +137,13 @@ void collect(const TomlEntry& table, const std::string& prefix, const std::set<s
 }
 
 void collect_sets(const TomlEntry& table, const std::string& prefix,
-                  std::vector<std::string>& sets) {
-  auto entries = table.entries();
-  std::sort(entries.begin(), entries.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [key, entry] : entries) {
+                  std::map<std::string, std::string>& sets) {
+  for (const auto& [key, entry] : table.entries()) {
+    refuse_sign_in(key, entry);
     if (entry.node()->is_table()) {
       collect_sets(entry, prefix + key + ".", sets);
-    } else {
-      sets.push_back(prefix + key + "=" + entry.written());
+    } else if (!sets.emplace(prefix + key, entry.written()).second) {
+      entry.fail("is there twice");
     }
   }
 }
@@ -192,8 +197,10 @@ std::vector<std::uint64_t> read_seeds(const TomlEntry& seeds) {
 }
 
 std::vector<std::string> read_sets(const TomlEntry& table) {
+  std::map<std::string, std::string> sets;
+  collect_sets(table, "", sets);
   std::vector<std::string> all;
-  collect_sets(table, "", all);
+  for (const auto& [key, value] : sets) all.push_back(key + "=" + value);
   return all;
 }
 

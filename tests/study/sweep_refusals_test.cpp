@@ -19,6 +19,8 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
             "bad.toml:3: vary.x.frist: unknown key (did you mean x.first?)"},
            {"[vary]\n\"x.first\" = [1, \"two\"]\n",
             "bad.toml:3: vary.x.first: must be a number, is \"two\""},
+           {"[vary]\n\"x.first=2\" = [1, 2]\n", "bad.toml:3: vary.x.first=2: is no key"},
+           {"[set]\n\"x.first = 2\" = 1\n", "bad.toml:3: set.x.first = 2: is no key"},
            {"[vary]\n\"y.noise\" = [1, -1]\n",
             "bad.toml:3: vary.y.noise: must be 0 or more, is -1"},
            {"[vary]\n\"x.first\" = []\n", "bad.toml:3: vary.x.first: has no values"},
