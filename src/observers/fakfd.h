@@ -17,10 +17,13 @@ inline Eigen::VectorXd diagonal_gamma(const ExtendedPlant& plant, double gamma_d
   return gamma;
 }
 
-/// Throws std::invalid_argument unless the diagonal `gamma` of Γ has N entries ≥ 1.
+/// Throws std::invalid_argument unless the diagonal `gamma` of Γ has N entries from 1 to 1e6, with
+/// which the covariance does not overflow.
 inline void check_factors(const KalmanDesign& design, const Eigen::VectorXd& gamma) {
-  if (gamma.size() != design.plant.states() || !gamma.allFinite() || !(gamma.minCoeff() >= 1.0)) {
-    throw std::invalid_argument("FAKFD: needs one factor gamma >= 1 for each extended state");
+  if (gamma.size() != design.plant.states() ||
+      !(gamma.array() >= 1.0 && gamma.array() <= 1e6).all()) {
+    throw std::invalid_argument(
+        "FAKFD: needs one factor gamma from 1 to 1e6 for each extended state");
   }
 }
 

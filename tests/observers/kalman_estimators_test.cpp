@@ -184,7 +184,9 @@ TEST(Fakfd, HasTheSymmetricFormAndForScalarsEquation418) {
   }
   EXPECT_EQ(diagonal_gamma(design.plant, 1.25).head(2), Eigen::Vector2d::Ones());
   EXPECT_EQ(diagonal_gamma(design.plant, 1.25).tail(2), Eigen::Vector2d::Constant(1.25));
-  EXPECT_THROW(Fakfd<>(design, scalar_gamma(design.plant, 0.9)), std::invalid_argument);
+  for (const double gamma : {0.9, 1.1e6, std::nan("")}) {
+    EXPECT_THROW(Fakfd<>(design, scalar_gamma(design.plant, gamma)), std::invalid_argument);
+  }
   EXPECT_THROW(Fakfd<>(design, Eigen::VectorXd::Ones(3)), std::invalid_argument);
 }
 
