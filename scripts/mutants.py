@@ -252,6 +252,8 @@ def again(bench, done, results):
         if places:
             entry["line"] = min(places, key=lambda n: abs(n - entry["line"]))
             entry |= bench.verdict(entry)
+        else:
+            print(f"{entry['file']}:{entry['line']} has changed, so this survivor is not tried again")
     results.write_text("".join(json.dumps(entry) + "\n" for entry in done))
 
 

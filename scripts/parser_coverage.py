@@ -2,11 +2,11 @@
 """Prints the share of the parsers' lines that inputs reach: the corpora of tests/fuzz, files of the tree, and what
 `./dev fuzz` has found in build-fuzz/corpus.
 
-    scripts/parser_coverage.py BUILD_FOLDER TARGET...
+    scripts/parser_coverage.py BUILD_FOLDER
 
 BUILD_FOLDER has the programs of the preset `coverage`. Their sources print, write and search too, so only functions
-that an input enters count. The lines of the others are in the second number. HDF5's readers are among these, since they
-work in a child process. Exit status 1: less than 95 % in all.
+that an input enters count. The number of the lines of the others stands behind "without". HDF5's readers are among
+these, since they work in a child process. Exit status 1: less than 95 % in all.
 """
 import collections
 import json
@@ -35,12 +35,12 @@ PARSERS = {
 
 
 def main():
-    build, targets = pathlib.Path(sys.argv[1]), sys.argv[2:]
-    programs = [build / "bin" / f"{target}_fuzz" for target in targets]
+    build = pathlib.Path(sys.argv[1])
+    programs = [build / "bin" / f"{target}_fuzz" for target in PARSERS]
     with tempfile.TemporaryDirectory() as folder:
         seeds = pathlib.Path(folder) / "seeds"
         subprocess.run([sys.executable, ROOT / "scripts/fuzz_seeds.py", seeds], check=True)
-        for target, program in zip(targets, programs):
+        for target, program in zip(PARSERS, programs):
             environment = os.environ | {"LLVM_PROFILE_FILE": f"{folder}/{target}-%p.profraw"}
             inputs = [place / target for place in (ROOT / "tests/fuzz/corpus", ROOT / "build-fuzz/corpus", seeds)]
             subprocess.run([program, *filter(pathlib.Path.exists, inputs)], env=environment, check=True,
@@ -48,7 +48,7 @@ def main():
         profile = f"{folder}/all.profdata"
         subprocess.run(["llvm-profdata-14", "merge", "-o", profile, *pathlib.Path(folder).glob("*.profraw")], check=True)
         objects = [word for program in programs[1:] for word in ("-object", program)]
-        files = [ROOT / "src" / name for target in targets for name in PARSERS.get(target, [])]
+        files = [ROOT / "src" / name for names in PARSERS.values() for name in names]
         told = subprocess.run(["llvm-cov-14", "export", f"-instr-profile={profile}", programs[0], *objects, *files],
                               check=True, capture_output=True, text=True).stdout
     data = json.loads(told)["data"][0]

@@ -1,14 +1,14 @@
 // Preloaded library between a program and the system. It counts the calls of each class, and lets
 // one fail or ends the process there. tests/chaos/chaos.py draws the faults.
 //
-//   CHAOS_PAGE=FILE      counters of all processes: kClasses numbers, then one for each fault that
-//   fired CHAOS_PROGRAMS=DIR   counts in the programs below DIR, from main() on; Python calls
-//   chaos_begin() CHAOS_FAULTS=LIST    CLASS:NUMBER:FAULT,...: the fault at this call. NUMBER+ also
-//   at all later ones CHAOS_SPARED=LIST    PROGRAM:BEGIN-END,...: code whose allocations do not
-//   fail, as offsets in a program CHAOS_JOURNAL=FILE   each change of a file and each sync, for the
-//   model of a power cut CHAOS_GRAVES=DIR     with the journal: second names of removed files
-//   CHAOS_DEFECT=NAME    plants a defect: no_fsync (no file is synced), in_place (no temporary
-//   name)
+// - CHAOS_PAGE=FILE: counters of all processes: kClasses numbers, then one for each fired fault
+// - CHAOS_PROGRAMS=DIR: counts in the programs below DIR from main() on, in Python from
+//   chaos_begin() on
+// - CHAOS_FAULTS=CLASS:NUMBER:FAULT,...: the fault at this call. NUMBER+: at all later ones too
+// - CHAOS_SPARED=PROGRAM:BEGIN-END,...: code whose allocations do not fail, as offsets in a program
+// - CHAOS_JOURNAL=FILE: each change of a file and each sync, for the model of a power cut
+// - CHAOS_GRAVES=DIR: with the journal: second names of removed files
+// - CHAOS_DEFECT=NAME: plants a defect: no_fsync (no file is synced), in_place (no temporary name)
 //
 // Calls inside libc do not pass here. stdio is covered by its own functions.
 #include <dirent.h>

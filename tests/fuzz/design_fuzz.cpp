@@ -1,5 +1,5 @@
 // Riccati equations and pole placement for any matrices. A design that is not refused is finite,
-// and its closed loop is stable.
+// and the closed loop of a regulator is stable.
 #include <algorithm>
 #include <stdexcept>
 

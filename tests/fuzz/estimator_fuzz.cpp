@@ -1,5 +1,5 @@
 // Sequences of inputs and measurements for every disturbance estimator of an axis. Every estimate
-// is finite as long as the measurements are.
+// is finite as long as both are below 1e6.
 #include <cmath>
 #include <memory>
 #include <stdexcept>

@@ -77,7 +77,7 @@ void read_answers(const std::string& text) {
 }
 
 void read_printed_results(const std::string& text) {
-  static const fuzz::Folder folder;
+  const fuzz::Folder& folder = fuzz::folder();
   const std::vector<std::string> parts = fuzz::parts_of(text);
   folder.write("printed-results.toml", parts.front());
   folder.write("reproduced.toml", parts.size() > 1 ? parts[1] : "");

@@ -74,27 +74,6 @@ class Input {
   std::size_t size_;
 };
 
-/// A file in memory with a path, for parsers that open a file.
-class MemoryFile {
- public:
-  MemoryFile() : descriptor_(memfd_create("fuzz", MFD_CLOEXEC)) {}
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  ~MemoryFile() { close(descriptor_); }
-
-  /// Replaces its contents and returns its path.
-  std::string with(std::string_view text) const {
-    const bool is_written =
-        ftruncate(descriptor_, 0) == 0 &&
-        pwrite(descriptor_, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
-    if (!is_written) __builtin_trap();
-    return "/proc/self/fd/" + std::to_string(descriptor_);
-  }
-
- private:
-  int descriptor_;
-};
-
 /// A folder in memory that the process removes.
 class Folder {
  public:
@@ -128,8 +107,12 @@ class Folder {
 
 /// The path of a file in memory with this text. It replaces the one before.
 inline std::string file_with(std::string_view text) {
-  static const MemoryFile memory;
-  return memory.with(text);
+  static const int descriptor = memfd_create("fuzz", MFD_CLOEXEC);
+  const bool is_written =
+      ftruncate(descriptor, 0) == 0 &&
+      pwrite(descriptor, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
+  if (!is_written) __builtin_trap();
+  return "/proc/self/fd/" + std::to_string(descriptor);
 }
 
 /// A folder of the process.

@@ -4,15 +4,13 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace breakwater;
-  static const fuzz::Folder& folder = []() -> const fuzz::Folder& {
-    static const fuzz::Folder made;
-    made.write("config.toml", "scenario = \"s\"\n[case.c]\n");
-    made.write("metrics.json", "{}");
-    made.write(
-        "manifest.json",
-        R"({"scenario": "s", "case": "c", "seed": 1, "state_hash": "0", "status": "complete"})");
-    return made;
-  }();
+  const fuzz::Folder& folder = fuzz::folder();
+  static const std::string files[] = {
+      folder.write("config.toml", "scenario = \"s\"\n[case.c]\n"),
+      folder.write("metrics.json", "{}"),
+      folder.write(
+          "manifest.json",
+          R"({"scenario": "s", "case": "c", "seed": 1, "state_hash": "0", "status": "complete"})")};
   fuzz::count("log");
   folder.write("log.h5", fuzz::text_of(data, size));
   try {

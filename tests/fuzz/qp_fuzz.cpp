@@ -1,5 +1,6 @@
 // A quadratic program with any H, g, Ω and bounds, solved a few times in sequence. A solution that
-// is called solved satisfies the KKT conditions, and no result has a value that is not finite.
+// the active-set solver calls solved satisfies the KKT conditions, and no result has a value that
+// is not finite.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>

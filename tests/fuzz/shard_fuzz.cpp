@@ -46,7 +46,7 @@ PointResult written(const PointResult& result) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace breakwater;
-  static const fuzz::Folder folder;
+  const fuzz::Folder& folder = fuzz::folder();
   fuzz::count("shard");
   std::string_view text = fuzz::text_of(data, size);
   std::string bytes = std::string(text) + "\n";

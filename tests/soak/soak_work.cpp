@@ -3,7 +3,7 @@
 //
 // Usage: soak_work runs|frames|replays|leak COUNT FOLDER [RUN_FOLDER]
 // Files are written into FOLDER. RUN_FOLDER is a finished run, for frames and replays. The work
-// `leak` plants a leak of 10 kB and one descriptor for every hundredth of `runs`.
+// `leak` is `runs` with 10 kB lost in each run and a descriptor in each hundredth part.
 #include <fcntl.h>
 #include <malloc.h>
 
