@@ -143,7 +143,7 @@ void collect_sets(const TomlEntry& table, const std::string& prefix,
     if (entry.node()->is_table()) {
       collect_sets(entry, prefix + key + ".", sets);
     } else if (!sets.emplace(prefix + key, entry.written()).second) {
-      entry.fail("is there twice");
+      entry.fail("is given twice");
     }
   }
 }
