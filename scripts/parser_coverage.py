@@ -67,7 +67,7 @@ def main():
         print(f"{100.0 * found['covered'] / count:5.1f} % of {count:4} lines, without {left_out[name]:3}  "
               f"{pathlib.Path(name).relative_to(ROOT)}")
     share = 100.0 * covered / lines
-    print(f"{share:5.1f} % of {lines:4} lines in all")
+    print(f"{share:5.1f} % of {lines:4} lines in all{'' if share >= LEAST else f', less than {LEAST:g} %'}")
     return 0 if share >= LEAST else 1
 
 

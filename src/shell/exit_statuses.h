@@ -33,7 +33,8 @@ inline constexpr std::array kStatusMeanings = {
                   "The run is complete. A later output, such as its video or the printed table, "
                   "could not be made."},
     StatusMeaning{kInterrupted, "interrupted",
-                  "A signal such as Ctrl-C ended the command. Finished runs are kept."}};
+                  "A signal such as Ctrl-C ended the command, or the tasks of a study on a "
+                  "cluster ended before it was complete. Finished runs are kept."}};
 
 /// `Exit status: 0 success, 1 …`, for --help.
 inline std::string statuses_in_brief() {

@@ -326,8 +326,8 @@ class Chaos:
         """Status and message are those that the pages promise."""
         ends = {fault.split(":")[2] for fault in fired} & set(SIGNALS)
         allowed = (STATUSES if fired else {0}) | {-SIGNALS[end] for end in ends}
-        if ends & {"int", "term"}:
-            allowed.add(INTERRUPTED)
+        if ends & {"int", "term"} or (fired and "--status says why" in ended.stderr):
+            allowed.add(INTERRUPTED)  # the second: tasks of a queue that ended early
         if has_second:
             allowed.add(2)  # the other one has the folder
         if ended.status not in allowed:

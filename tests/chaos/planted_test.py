@@ -39,7 +39,7 @@ class PlantedDefects(unittest.TestCase):
         status, said = self.chaos("--planted", "in_place", "--seeds", "1..1", "--workload", "report",
                                   "--faults", "clock:1:step7,write:1:ENOSPC")
         self.assertEqual(status, 1)
-        self.assertIn("--faults write:1:ENOSPC\n", said)
+        self.assertIn("--faults write:1:ENOSPC --planted in_place\n", said)
 
 
 if __name__ == "__main__":
