@@ -35,9 +35,9 @@ SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
                                 ": there is no such folder; give the folder of a run");
   }
   if (!fs::exists(folder_ / "manifest.json")) {
-    throw std::invalid_argument(folder_.string() +
-                                ": is not the folder of a finished run: it has no manifest.json; "
-                                "run the scenario again with --out");
+    throw std::invalid_argument(
+        folder_.string() + ": is not the folder of a finished run: it has no manifest.json; " +
+        (is_recoverable(folder_) ? how_to_recover(folder_) : "run the scenario again with --out"));
   }
   manifest_ = read_manifest(folder_);
   for (const char* file : {"config.toml", "log.h5"}) {

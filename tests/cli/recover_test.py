@@ -103,6 +103,8 @@ class Recovery(Folder):
         out, _ = self.call("breakwater", "ls", ".")
         self.assertIn("  cut ", out)
         self.assertIn(f"breakwater recover ./{partial.name}", " ".join(out.split()))
+        _, err = self.call("breakwater", "report", partial.name, status=2)
+        self.assertTrue(err.endswith(f"its log so far is kept: breakwater recover {partial.name}\n"), err)
         entry, = json.loads(self.call("breakwater", "ls", ".", "--json")[0])
         self.assertEqual((entry["status"], entry["scenario"], entry["seed"]),
                          ("cut", "motor_estimation", "1"))
