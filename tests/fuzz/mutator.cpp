@@ -20,11 +20,11 @@ constexpr const char* kNumbers[] = {
 
 std::vector<std::string_view> lines_of(std::string_view text) {
   std::vector<std::string_view> lines;
-  while (text.find('\n') != std::string_view::npos) {
-    lines.push_back(text.substr(0, text.find('\n') + 1));
-    text.remove_prefix(lines.back().size());
+  std::size_t begin = 0;
+  for (std::size_t end; (end = text.find('\n', begin)) != text.npos; begin = end + 1) {
+    lines.push_back(text.substr(begin, end + 1 - begin));
   }
-  lines.push_back(text);
+  lines.push_back(text.substr(begin));
   return lines;
 }
 

@@ -14,10 +14,6 @@ namespace {
 constexpr int kMostVariables = 4;
 constexpr int kMostRows = 6;
 
-double largest_of(const Eigen::MatrixXd& values) {
-  return values.size() == 0 ? 0.0 : values.lpNorm<Eigen::Infinity>();
-}
-
 void solve(fuzz::Input& input, QpSolverKind kind, const QpModel& model) {
   const auto solver = make_qp_solver(kind, model, 200);
   const Eigen::Index n = model.H.rows();
@@ -39,11 +35,12 @@ void solve(fuzz::Input& input, QpSolverKind kind, const QpModel& model) {
     if (kind != QpSolverKind::active_set || solution.status != QpStatus::solved) continue;
     const double largest = solution.z.lpNorm<Eigen::Infinity>();
     // Products overflow.
-    if (std::max(largest, largest_of(solution.mu)) > 1e140) continue;
+    if (std::max(largest, solution.mu.lpNorm<Eigen::Infinity>()) > 1e140) continue;
     const Eigen::VectorXd values = model.Omega * solution.z;
     // Other sums of Ω z and H z differ from those of the solver.
     const double rounding =
-        1e-12 * largest * std::max(model.H.lpNorm<Eigen::Infinity>(), largest_of(model.Omega));
+        1e-12 * largest *
+        std::max(model.H.lpNorm<Eigen::Infinity>(), model.Omega.lpNorm<Eigen::Infinity>());
     fuzz::require(kkt_residual(model, problem, solution, values, gradient) <=
                       1.01 * kQpSolvedBelow + rounding,
                   "solved means optimal");
