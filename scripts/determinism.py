@@ -94,9 +94,25 @@ def ways(options):
     for entry in options.programs:
         name, _, path = entry.partition("=")
         found[name] = lambda s, path=path: swept(Path(path).resolve(), s)
-    if unknown := set(options.only or ()) - found.keys():
-        sys.exit(f"--only: there is no way {', '.join(sorted(unknown))}: {', '.join(found)}")
-    return {name: found[name] for name in options.only or found}
+    return found
+
+
+def objection(options):
+    """A wrong argument. None if there is none."""
+    if not (options.bin / "breakwater").exists():
+        return f"--bin: {options.bin} has no breakwater: build it first"
+    for name in options.scenario or ():
+        if name not in state_hashes.scenarios():
+            return f"--scenario: there is no {name}: {', '.join(state_hashes.scenarios())}"
+    for entry in options.programs:
+        name, _, path = entry.partition("=")
+        if not name or not Path(path).is_file():
+            return f"--with: {entry}: must be NAME=PROGRAM"
+    found = ways(options)
+    for name in options.only or ():
+        if name not in found:
+            return f"--only: there is no way {name}: {', '.join(found)}"
+    return None
 
 
 def compare(options):
@@ -107,10 +123,11 @@ def compare(options):
     print("|---" * (len(names) + 1) + "|")
     print("| cases |", " | ".join(str(len(reference[name])) for name in names), "|", flush=True)
     differ = []
-    for way, hashes in ways(options).items():
+    tried = ways(options)
+    for way in options.only or tried:
         cells = []
         for name in names:
-            found = hashes(name)
+            found = tried[way](name)
             if {case for case, _ in found} != reference[name].keys():
                 sys.exit(f"{way}, {name}: the cases are others")
             wrong = {case for case, value in found if value != reference[name][case]}
@@ -131,6 +148,8 @@ def main():
     parser.add_argument("--only", nargs="+", metavar="WAY")
     options = parser.parse_args()
     options.bin = options.bin.resolve()
+    if why := objection(options):
+        parser.error(why)
     if not options.slurm:
         sys.exit(1 if compare(options) else 0)
     sys.path.insert(0, str(ROOT / "tests/study"))

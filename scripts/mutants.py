@@ -266,6 +266,10 @@ def main():
     parser.add_argument("--survivors", action="store_true")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     options = parser.parse_args()
+    if min(options.count, options.jobs) < 1:
+        parser.error("--count and --jobs must be positive")
+    if options.survivors and not (options.folder / "results.jsonl").exists():
+        parser.error(f"--survivors: {options.folder} has no results.jsonl")
     options.folder.mkdir(parents=True, exist_ok=True)
     results = options.folder.resolve() / "results.jsonl"
     done = read(results)

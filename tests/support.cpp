@@ -10,6 +10,13 @@ std::string source_file(const std::string& relative) {
   return std::string(BREAKWATER_SOURCE_DIR) + "/" + relative;
 }
 
+int property_count(int in_ci) {
+  const char* const given = std::getenv("BREAKWATER_PROPERTIES");
+  const int count = given == nullptr ? in_ci : std::atoi(given);
+  if (count < 1) throw std::invalid_argument("BREAKWATER_PROPERTIES: must be a positive number");
+  return count;
+}
+
 std::string text_of(const std::filesystem::path& file) {
   std::stringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();

@@ -36,11 +36,9 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// The number of random inputs of a property: BREAKWATER_PROPERTIES, or a few for CI.
-inline int property_count(int in_ci) {
-  const char* const many = std::getenv("BREAKWATER_PROPERTIES");
-  return many == nullptr ? in_ci : std::atoi(many);
-}
+/// The number of random inputs of a property: BREAKWATER_PROPERTIES, or a few for CI. Throws
+/// std::invalid_argument if it is no positive number.
+int property_count(int in_ci);
 
 /// The largest distance between the members of two sets of complex numbers, matched in order.
 inline double distance(std::vector<std::complex<double>> a, std::vector<std::complex<double>> b) {

@@ -1,5 +1,7 @@
 #include <breakwater/experiment/settings.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -82,7 +84,7 @@ double PhysicsSettings::sample_time_s(double time_s) const {
   return is_whole ? samples / rate : samples * control_period_s;
 }
 
-void FaultSettings::bind(Fields& fields, const std::string& channels) {
+void FaultSettings::bind(Fields& fields, const std::string& channels, const double& duration_s) {
   fields.choice(
       "sensor.nan_policy", nan_policy, {{"stop", NanPolicy::stop}, {"drop", NanPolicy::drop}},
       "reaction to a measurement that is not a number: stop the run, or drop the measurement");
@@ -113,6 +115,8 @@ void FaultSettings::bind(Fields& fields, const std::string& channels) {
   fields.only_where(
       {"fault.at_s", "fault.samples", "fault.kind", "fault.size", "fault.delay_samples"},
       "fault.sensor names a channel", [this] { return fault.channel != kNoFault; });
+  fields.only_where({"fault.at_s"}, "it is before run.duration_s",
+                    [this, &duration_s] { return fault.at_s < duration_s; });
   fields.only_for({"fault.samples"}, "fault.kind",
                   {"nan", "infinity", "frozen", "spike", "bias", "delay", "stuck"});
   fields.only_for({"fault.size"}, "fault.kind", {"spike", "bias", "stuck"});
@@ -123,13 +127,17 @@ void FaultSettings::check(const Config& config, const std::vector<SensorChannel>
   std::vector<std::string> names = {kNoFault};
   for (const SensorChannel& channel : channels) names.push_back(channel.name);
   if (std::find(names.begin(), names.end(), fault.channel) == names.end()) {
-    config.fail("fault.sensor", "there is no channel \"" + fault.channel + "\"" +
-                                    did_you_mean(fault.channel, names));
+    config.fail("fault.sensor",
+                fmt::format("there is no channel \"{}\": there are {}{}", fault.channel,
+                            fmt::join(names, ", "), did_you_mean(fault.channel, names)));
   }
-  const bool has_size = fault.kind == FaultKind::spike || fault.kind == FaultKind::bias ||
-                        fault.kind == FaultKind::stuck;
-  if (fault.channel != kNoFault && has_size && fault.size == 0.0) {
-    config.fail("fault.size", "must not be 0 for this fault.kind");
+  if (fault.channel == kNoFault) return;
+  const bool has_error = fault.kind == FaultKind::spike || fault.kind == FaultKind::bias;
+  if (has_error && fault.size == 0.0) {
+    config.fail("fault.kind", "needs a fault.size other than 0");
+  }
+  if (fault.kind == FaultKind::stuck && !(fault.size > 0.0)) {
+    config.fail("fault.kind", "needs a positive fault.size");
   }
 }
 

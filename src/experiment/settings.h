@@ -48,8 +48,9 @@ struct FaultSettings {
   NanPolicy nan_policy = NanPolicy::stop;
   SensorFault fault;
 
-  /// `channels` lists the possible channels: "q1, q2, ..., force".
-  void bind(Fields& fields, const std::string& channels);
+  /// `channels` lists the possible channels: "q1, q2, ..., force". `duration_s` must outlive
+  /// `fields`.
+  void bind(Fields& fields, const std::string& channels, const double& duration_s);
   /// Throws std::invalid_argument for fault.sensor if there is no such channel.
   void check(const Config& config, const std::vector<SensorChannel>& channels) const;
   void apply(SensingSetup& setup) const;

@@ -122,7 +122,7 @@ Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::Matr
   ObserverPlacement placement(A.rows(), C.rows());
   Eigen::MatrixXd H(A.rows(), C.rows());
   placement.place(A, C, groups, H);
-  if (!placement.is_well_conditioned()) fail_as_not_observable();
+  if (!placement.is_well_conditioned() || !H.allFinite()) fail_as_not_observable();
   return H;
 }
 

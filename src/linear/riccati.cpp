@@ -92,8 +92,14 @@ bool stabilises(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen:
 }  // namespace
 
 bool is_positive_definite(const Eigen::MatrixXd& matrix) {
-  return matrix.size() > 0 && is_symmetric(matrix) &&
-         Eigen::LLT<Eigen::MatrixXd>(matrix).info() == Eigen::Success;
+  if (matrix.size() == 0 || !is_symmetric(matrix)) return false;
+  const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
+  if (factor.info() != Eigen::Success) return false;
+  // The pivots of a singular matrix may be rounding errors of its diagonal.
+  const double rounding =
+      static_cast<double>(matrix.rows()) * std::numeric_limits<double>::epsilon();
+  const Eigen::ArrayXd root = factor.matrixLLT().diagonal().array();
+  return (root.square() > rounding * matrix.diagonal().array()).all();
 }
 
 bool is_positive_semidefinite(const Eigen::MatrixXd& matrix) {

@@ -29,7 +29,7 @@ struct LqrDesign {
 LqrDesign dlqr(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& Q,
                const Eigen::MatrixXd& R);
 
-/// Whether a matrix is positive definite, and symmetric up to rounding.
+/// Whether a matrix is positive definite by more than rounding, and symmetric up to rounding.
 bool is_positive_definite(const Eigen::MatrixXd& matrix);
 
 /// Whether a matrix is positive semidefinite and symmetric, up to rounding.

@@ -1,6 +1,7 @@
 #include <breakwater/record/cut_run.h>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <fstream>
@@ -36,8 +37,12 @@ fs::path checked(const fs::path& folder) {
   return folder;
 }
 
+[[noreturn]] void not_recoverable(const fs::path& file, const std::string& why) {
+  throw std::invalid_argument(file.string() + ": " + why + ": the run cannot be recovered");
+}
+
 [[noreturn]] void damaged(const fs::path& file) {
-  throw std::invalid_argument(file.string() + ": is damaged: the run cannot be recovered");
+  not_recoverable(file, "is damaged");
 }
 
 }  // namespace
@@ -48,11 +53,11 @@ CutRun::CutRun(const fs::path& folder)
     throw std::invalid_argument(folder.string() +
                                 ": a process still writes this run: stop it first");
   }
-  read_running(folder / kRunning);
+  read_running(folder / kRunning, folder / "log.h5");
   read_journal(folder / detail::kJournal);
 }
 
-void CutRun::read_running(const fs::path& file) {
+void CutRun::read_running(const fs::path& file, const fs::path& log) {
   const std::uint64_t bytes = log_.size();
   try {
     std::ifstream stream(file);
@@ -68,9 +73,9 @@ void CutRun::read_running(const fs::path& file) {
       const bool is_next = !datasets_.empty() && datasets_.back().entry.group != next.entry.group;
       next.track = datasets_.empty() ? 0 : datasets_.back().track + (is_next ? 1 : 0);
       const std::size_t width = next.entry.width;
-      if (width < 1 || width > kWidest || next.place > bytes ||
-          next.room > (bytes - next.place) / (width * sizeof(double))) {
-        damaged(file);
+      if (width < 1 || width > kWidest) damaged(file);
+      if (next.place > bytes || next.room > (bytes - next.place) / (width * sizeof(double))) {
+        not_recoverable(log, fmt::format("is smaller than {} says", kRunning));
       }
       datasets_.push_back(std::move(next));
     }
@@ -116,7 +121,9 @@ void CutRun::read_journal(const fs::path& file) {
       if (dataset.track == block.track) dataset.entry.rows += block.rows;
     }
   }
-  if (datasets_.front().entry.rows == 0) damaged(file);  // its control track comes first
+  if (datasets_.front().entry.rows == 0) {  // its control track comes first
+    not_recoverable(file, is_damaged_ ? "differs from log.h5 from the first row" : "lists no rows");
+  }
   std::erase_if(datasets_, [](const Dataset& dataset) { return dataset.entry.rows == 0; });
   const Dataset& times = datasets_.front();
   log_.read(&end_s_, sizeof end_s_, times.place + (times.entry.rows - 1) * sizeof end_s_);

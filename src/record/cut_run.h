@@ -37,7 +37,7 @@ class CutRun {
     std::uint32_t track = 0;
   };
 
-  void read_running(const std::filesystem::path& file);
+  void read_running(const std::filesystem::path& file, const std::filesystem::path& log);
   void read_journal(const std::filesystem::path& file);
   bool holds(const detail::JournalEntry& block) const;
 

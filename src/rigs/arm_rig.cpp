@@ -210,7 +210,7 @@ void ArmSettings::bind(Fields& fields) {
                 "standard deviation of white noise on each angle sample [rad]");
   fields.number("sensor.force_noise_N", force_noise_N, not_negative(),
                 "standard deviation of white noise on each force sample [N]");
-  faults.bind(fields, "q1, q2, ..., force, force_raw");
+  faults.bind(fields, "q1, q2, ..., force, force_raw", run.duration_s);
 }
 
 void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& config) {

@@ -330,7 +330,7 @@ void AxisPlant::bind(Fields& fields) {
   for (ContactSettings& one : contacts) one.bind(fields);
   std::vector<std::string> channels;
   for (const AxisSettings& one : axes) channels.push_back(one.axis.channel);
-  faults.bind(fields, fmt::format("{}", fmt::join(channels, ", ")));
+  faults.bind(fields, fmt::format("{}", fmt::join(channels, ", ")), run.duration_s);
   if (!is_named) return;
   fields.standard("sensor.nan_policy", {std::string("stop")});
   fields.standard("fault.sensor", {std::string(Axis::kNone)});

@@ -106,7 +106,7 @@ void QuadrotorSettings::bind(Fields& fields) {
                 {{"variance", NoiseInterpretation::variance},
                  {"standard_deviation", NoiseInterpretation::standard_deviation}},
                 "meaning of V_m and V_p");
-  faults.bind(fields, "x, y, z, roll, pitch, yaw");
+  faults.bind(fields, "x, y, z, roll, pitch, yaw", run.duration_s);
 
   parts.bind(fields);
   fields.only_for({"wave.current_m_s", "wave.buoyancy_arm_m"}, "wave.mode", {"physical"});

@@ -171,6 +171,7 @@ void check_fits(const TomlEntry& root, const Tuning& tuning) {
     for (const Worlds* worlds :
          {&tuning.worlds, tuning.validation ? &*tuning.validation : nullptr}) {
       if (worlds == nullptr) continue;
+      check_seeds(tuning.sets, worlds->seeds, tuning.places);
       for (const VariedKey& key : worlds->keys) {
         if (is_searched(tuned, key)) throw std::invalid_argument(key.place + ": is searched too");
         if (key.is_in(tuning.sets)) {
@@ -261,7 +262,8 @@ Tuning read_tuning(const toml::table& tables, const std::string& file) {
   Tuning tuning;
   tuning.scenario = root["scenario"].text();
   tuning.config = root["config"].text_or_nothing();
-  tuning.sets = read_sets(root["set"]);
+  tuning.places["scenario"] = root["scenario"].place();
+  tuning.sets = read_sets(root["set"], tuning.places);
   root["algorithm"].choice(search_algorithms(), tuning.algorithm);
   tuning.budget = static_cast<std::size_t>(root["budget"].whole(1, kMostEvaluations));
   tuning.population = usual_population(tuning.algorithm);

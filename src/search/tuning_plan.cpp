@@ -24,6 +24,7 @@ Study probed_study(const Tuning& tuning, const TunedCase& tuned, const Worlds& w
   study.scenario = tuning.scenario;
   study.config = tuning.config;
   study.sets = tuning.sets;
+  study.places = tuning.places;
   study.method = Method::random;
   study.samples = 1;
   study.cases = {tuned.name};
@@ -53,9 +54,7 @@ std::string value_of(const VariedKey& key, double u) {
 
 TuningPlan::TuningPlan(const Catalogue& catalogue, Tuning tuning)
     : catalogue_(catalogue), tuning_(std::move(tuning)) {
-  const auto& kind = catalogue.get<ScenarioKind>(tuning_.scenario);
-  const std::string file = tuning_.config.empty() ? kind.file().string() : tuning_.config;
-  file_ = std::make_unique<ScenarioFile>(file, tuning_.scenario);
+  file_ = scenario_file(catalogue, tuning_.scenario, tuning_.config, tuning_.places);
   for (TunedCase& tuned : tuning_.cases) {
     if (tuned.name.empty()) tuned.name = file_->default_case();
     file_->check_case(tuned.name, tuned.place);

@@ -83,9 +83,9 @@ void check_baseline(const Study& study, const std::vector<Candidate>& candidates
     if (candidate.label == study.baseline) return;
     labels.push_back(candidate.label);
   }
-  throw std::invalid_argument(
-      fmt::format("compare.baseline: \"{}\" is not among what is compared: {}{}", study.baseline,
-                  fmt::join(labels, "; "), did_you_mean(study.baseline, labels)));
+  throw std::invalid_argument(fmt::format(
+      "{}: \"{}\" is not among what is compared: {}{}", place_of(study.places, "compare.baseline"),
+      study.baseline, fmt::join(labels, "; "), did_you_mean(study.baseline, labels)));
 }
 
 }  // namespace

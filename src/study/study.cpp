@@ -52,8 +52,10 @@ void read_compare(const TomlEntry& root, Study& study) {
   if (const TomlEntry cases = compare["case"]) {
     if (root["case"]) cases.fail("stands beside case: leave one of them out");
     study.cases = cases.texts();
+    study.places["case"] = cases.place();
   }
   study.baseline = compare["baseline"].text_or_nothing();
+  study.places["compare.baseline"] = compare["baseline"].place();
   study.metrics = compare["metrics"].texts();
   for (const auto& [metric, goal] : compare["goal"].entries()) {
     study.goals.emplace_back(metric, goal.choice(goal_names()));
@@ -119,6 +121,11 @@ bool VariedKey::is_in(const std::vector<std::string>& sets) const {
                      [&](const std::string& set) { return set.starts_with(key + "="); });
 }
 
+std::string place_of(const Places& places, const std::string& key) {
+  const auto found = places.find(key);
+  return found == places.end() ? key : found->second;
+}
+
 Study read_study(const toml::table& tables, const std::string& file) {
   const TomlEntry root = study_root(tables, file);
   if (const TomlEntry objective = root["objective"]) {
@@ -130,7 +137,8 @@ Study read_study(const toml::table& tables, const std::string& file) {
   study.scenario = root["scenario"].text();
   study.config = root["config"].text_or_nothing();
   study.cases = root["case"].texts();
-  study.sets = read_sets(root["set"]);
+  for (const char* key : {"scenario", "case"}) study.places[key] = root[key].place();
+  study.sets = read_sets(root["set"], study.places);
   root["method"].choice(methods(), study.method);
   if (const TomlEntry samples = root["samples"]) {
     study.samples = static_cast<std::size_t>(samples.whole(1, kMostSamples));
@@ -145,6 +153,7 @@ Study read_study(const toml::table& tables, const std::string& file) {
   study.vary = read_varied(root["vary"]);
   read_compare(root, study);
   study.slurm = read_slurm(root);
+  check_seeds(study.sets, study.seeds, study.places);
   check(root, study);
   return study;
 }

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -48,6 +49,12 @@ enum class Keep { metrics, failed, all };
 /// Effect of a failed run: it counts as a result, or it ends the study.
 enum class OnFailure { count, stop };
 
+/// "FILE:LINE: KEY" or the name of an option, by KEY.
+using Places = std::map<std::string, std::string>;
+
+/// The place of a key, or the key if it has none.
+std::string place_of(const Places& places, const std::string& key);
+
 /// A study. It has one run, its point, for each sample (combination of varied values), seed and
 /// candidate.
 struct Study {
@@ -69,6 +76,7 @@ struct Study {
   std::vector<std::pair<std::string, Goal>> goals;
   WorldUnit worlds = WorldUnit::samples;
   SlurmSettings slurm;
+  Places places;  ///< of scenario, case, compare.baseline and each set.KEY
 
   /// The metrics that the user named, the most important first.
   std::vector<std::string> named_metrics() const;

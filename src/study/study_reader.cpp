@@ -137,14 +137,15 @@ void collect(const TomlEntry& table, const std::string& prefix, const std::set<s
 }
 
 void collect_sets(const TomlEntry& table, const std::string& prefix,
-                  std::map<std::string, std::string>& sets) {
+                  std::map<std::string, std::string>& sets, Places& places) {
   for (const auto& [key, entry] : table.entries()) {
     refuse_sign_in(key, entry);
     if (entry.node()->is_table()) {
-      collect_sets(entry, prefix + key + ".", sets);
+      collect_sets(entry, prefix + key + ".", sets, places);
     } else if (!sets.emplace(prefix + key, entry.written()).second) {
       entry.fail("is given twice");
     }
+    places["set." + prefix + key] = entry.place();
   }
 }
 
@@ -196,12 +197,20 @@ std::vector<std::uint64_t> read_seeds(const TomlEntry& seeds) {
   return all;
 }
 
-std::vector<std::string> read_sets(const TomlEntry& table) {
+std::vector<std::string> read_sets(const TomlEntry& table, Places& places) {
   std::map<std::string, std::string> sets;
-  collect_sets(table, "", sets);
+  collect_sets(table, "", sets, places);
   std::vector<std::string> all;
   for (const auto& [key, value] : sets) all.push_back(key + "=" + value);
   return all;
+}
+
+void check_seeds(const std::vector<std::string>& sets, const std::vector<std::uint64_t>& seeds,
+                 const Places& places) {
+  VariedKey seed;
+  seed.key = "run.seed";
+  if (seeds.empty() || !seed.is_in(sets)) return;
+  throw std::invalid_argument(place_of(places, "set.run.seed") + ": stands beside seeds");
 }
 
 std::vector<VariedKey> read_varied(const TomlEntry& table, const std::set<std::string>& but) {

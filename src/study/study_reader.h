@@ -24,8 +24,11 @@ TomlEntry study_root(const toml::table& tables, const std::string& file);
 
 /// Reads { first = 1, count = 20 } or an array. An empty entry gives none.
 std::vector<std::uint64_t> read_seeds(const TomlEntry& seeds);
-/// Reads a table of keys as key=value.
-std::vector<std::string> read_sets(const TomlEntry& table);
+/// Reads a table of keys as key=value. Adds the place of each set.KEY.
+std::vector<std::string> read_sets(const TomlEntry& table, Places& places);
+/// Refuses seeds beside a set of run.seed.
+void check_seeds(const std::vector<std::string>& sets, const std::vector<std::uint64_t>& seeds,
+                 const Places& places);
 /// Reads the keys of tables such as [vary] and [compare], in the order of the file, except `but`.
 std::vector<VariedKey> read_varied(const TomlEntry& table, const std::set<std::string>& but = {});
 

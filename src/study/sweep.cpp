@@ -20,12 +20,52 @@ namespace {
 
 constexpr const char* kAll = "all";
 
+// The keys that a study varies, compares or sets, with their places.
+std::vector<std::pair<std::string, std::string>> places_of_keys(const Study& study) {
+  std::vector<std::pair<std::string, std::string>> places;
+  for (const auto* keys : {&study.vary, &study.compare}) {
+    for (const VariedKey& key : *keys) places.emplace_back(key.key, key.place);
+  }
+  for (const std::string& set : study.sets) {
+    const std::string key = set.substr(0, set.find('='));
+    places.emplace_back(key, place_of(study.places, "set." + key));
+  }
+  return places;
+}
+
+// Names the place of a wrong value in the study.
+std::string blamed(const Study& study, const std::string& error) {
+  const std::string set = "--set: ";
+  if (!error.starts_with(set)) return error;
+  const std::size_t end = std::min(error.find(": ", set.size()), error.size());
+  const std::string wrong = error.substr(set.size(), end - set.size());
+  std::string of_array;  // the array whose element is wrong, or reverse
+  for (const auto& [key, place] : places_of_keys(study)) {
+    if (wrong == key || is_element_of(wrong, key)) {
+      return place + error.substr(set.size() + key.size());
+    }
+    if (of_array.empty() && is_element_of(key, wrong)) of_array = place + error.substr(end);
+  }
+  return of_array.empty() ? error : of_array;
+}
+
+// Calls `body`, and names the place in the study of what it refuses.
+template <typename Body>
+auto in(const Study& study, Body&& body) {
+  try {
+    return std::forward<Body>(body)();
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(blamed(study, error.what()));
+  }
+}
+
 Study completed(Study study, const ScenarioFile& file) {
   if (study.cases.empty()) study.cases = {file.default_case()};
   if (study.cases == std::vector<std::string>{kAll}) study.cases = file.cases();
   std::set<std::optional<std::int64_t>> seeds;
   for (const std::string& name : study.cases) {
-    const Config config = file.config(name, study.sets);
+    file.check_case(name, place_of(study.places, "case"));
+    const Config config = in(study, [&] { return file.config(name, study.sets); });
     const ConfigEntry* entry = config.find("run.seed");
     const auto* seed = entry == nullptr ? nullptr : std::get_if<std::int64_t>(&entry->value.data);
     seeds.insert(seed == nullptr ? std::nullopt : std::optional(*seed));
@@ -36,41 +76,10 @@ Study completed(Study study, const ScenarioFile& file) {
   return study;
 }
 
-// Names the place of a wrong value in the study.
-std::string blamed(const Study& study, const std::string& error) {
-  const std::string set = "--set: ";
-  if (!error.starts_with(set)) return error;
-  const std::size_t end = std::min(error.find(": ", set.size()), error.size());
-  const std::string wrong = error.substr(set.size(), end - set.size());
-  const VariedKey* element = nullptr;  // the array whose element is wrong, or reverse
-  for (const auto* keys : {&study.vary, &study.compare}) {
-    for (const VariedKey& key : *keys) {
-      if (wrong == key.key || is_element_of(wrong, key.key)) {
-        return key.place + error.substr(set.size() + key.key.size());
-      }
-      if (element == nullptr && is_element_of(key.key, wrong)) element = &key;
-    }
-  }
-  return element != nullptr ? element->place + error.substr(end) : error;
-}
-
 // A measure that is proportional to the time of a run.
 double steps_of(const Config& config) {
   return config.number("run.duration_s").value_or(1.0) /
          config.number("physics.timestep_s").value_or(1.0);
-}
-
-// The keys that a study sets, with their places.
-std::vector<std::pair<std::string, std::string>> places_of_keys(const Study& study) {
-  std::vector<std::pair<std::string, std::string>> places;
-  for (const std::string& set : study.sets) {
-    const std::string key = set.substr(0, set.find('='));
-    places.emplace_back(key, "set." + key);
-  }
-  for (const auto* keys : {&study.vary, &study.compare}) {
-    for (const VariedKey& key : *keys) places.emplace_back(key.key, key.place);
-  }
-  return places;
 }
 
 // The mean number of steps of a candidate's runs, divided by that of its first run. A large study
@@ -100,10 +109,19 @@ double mean_length(const Sweep& sweep, std::size_t candidate, const std::atomic<
 
 }  // namespace
 
+std::unique_ptr<ScenarioFile> scenario_file(const Catalogue& catalogue, const std::string& scenario,
+                                            const std::string& config, const Places& places) {
+  const ScenarioKind* kind = nullptr;
+  try {
+    kind = &catalogue.get<ScenarioKind>(scenario);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(place_of(places, "scenario") + ": " + error.what());
+  }
+  return std::make_unique<ScenarioFile>(config.empty() ? kind->file().string() : config, scenario);
+}
+
 Sweep::Sweep(const Catalogue& catalogue, Study study) : catalogue_(catalogue) {
-  const ScenarioKind& kind = catalogue.get<ScenarioKind>(study.scenario);
-  const std::string file = study.config.empty() ? kind.file().string() : study.config;
-  file_ = std::make_unique<ScenarioFile>(file, study.scenario);
+  file_ = scenario_file(catalogue, study.scenario, study.config, study.places);
   plan_ = std::make_unique<Plan>(completed(std::move(study), *file_));
 }
 
@@ -139,7 +157,7 @@ std::vector<std::string> Sweep::check() const {
   const std::vector<StudyPoint> probes = plan_->probes();
   // By key: the number of probes and the reason.
   std::map<std::string, std::pair<std::size_t, std::string>> ineffective;
-  try {
+  in(study, [&] {
     // The first one also checks every table of the file.
     prepare_run(catalogue_, study.scenario, *file_,
                 plan_->candidates()[probes.front().candidate].case_name, probes.front().sets);
@@ -150,9 +168,7 @@ std::vector<std::string> Sweep::check() const {
         reason = key.reason;
       }
     }
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(blamed(study, error.what()));
-  }
+  });
   std::vector<std::string> warnings;
   for (const auto& [key, place] : places_of_keys(study)) {
     const auto found = ineffective.find(whole_key(key));

@@ -18,6 +18,10 @@
 
 namespace breakwater {
 
+/// The file of a study's scenario. Throws std::invalid_argument if there is no such scenario.
+std::unique_ptr<ScenarioFile> scenario_file(const Catalogue& catalogue, const std::string& scenario,
+                                            const std::string& config, const Places& places);
+
 /// A plan with everything that its runs need.
 class Sweep : public PointSource {
  public:

@@ -39,13 +39,13 @@ struct SensorFault {
 class FaultySensor {
  public:
   /// `step_s` is the physics step. Throws std::invalid_argument if delay_samples is negative, or a
-  /// stuck quantiser has no finite size other than 0.
+  /// stuck quantiser has no positive size.
   FaultySensor(const SensorFault& fault, double step_s)
       : fault_(fault), from_s_(fault.at_s - 0.5 * step_s), delay_(fault.delay_samples) {
-    if (!std::isfinite(fault.size) || (fault.kind == FaultKind::stuck && fault.size == 0.0)) {
+    if (!std::isfinite(fault.size) || (fault.kind == FaultKind::stuck && !(fault.size > 0.0))) {
       throw std::invalid_argument(
           "sensor fault: the size must be finite, and a stuck quantiser's "
-          "must not be 0");
+          "must be positive");
     }
   }
 

@@ -437,16 +437,35 @@ def read_range(text):
     return range(int(match[1]), int(match[2] or match[1]) + 1)
 
 
+def read_faults(text):
+    faults = text.split(",")
+    for fault in faults:
+        kind, _, rest = fault.partition(":")
+        if not re.fullmatch(rf"\d+\+?:({'|'.join(ERRORS.get(kind, []) + ENDS)})", rest) or kind not in (*CLASSES, "end"):
+            raise argparse.ArgumentTypeError(f"{fault}: must be CLASS:CALL[+]:FAULT, as in a line that this prints")
+    return faults
+
+
+def read_jobs(text):
+    if not re.fullmatch(r"[1-9]\d*", text):
+        raise argparse.ArgumentTypeError(f"{text}: must be a positive whole number")
+    return int(text)
+
+
 def main():
     names = [workload.name for workload in WORKLOADS]
     parser = argparse.ArgumentParser(prog="./dev chaos")
-    parser.add_argument("build", type=pathlib.Path)
-    parser.add_argument("--seeds", type=read_range, default=range(1, 201), metavar="FROM..TO")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N")
-    parser.add_argument("--workload", choices=names, metavar="NAME")
-    parser.add_argument("--faults", type=lambda text: text.split(","), metavar="LIST")
+    parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
+    parser.add_argument("--seeds", type=read_range, default=range(1, 201), metavar="FROM..TO", help="default: 1..200")
+    parser.add_argument("--jobs", type=read_jobs, default=os.cpu_count(), metavar="N", help="default: one for each core")
+    parser.add_argument("--workload", choices=names, metavar="NAME", help=f"this one alone: {', '.join(names)}")
+    parser.add_argument("--faults", type=read_faults, metavar="LIST", help="these ones, instead of those of the seed")
     parser.add_argument("--planted", choices=("no_fsync", "in_place"), default="", help="let the programs have a defect")
+    parser.add_argument("--check", action="store_true", help=argparse.SUPPRESS)  # the arguments alone
     asked = parser.parse_args()
+    if asked.check:
+        return 0
+    stop = threading.Event()
     adopt_orphans()
     memory = pathlib.Path("/dev/shm")
     begin = time.monotonic()
@@ -459,13 +478,21 @@ def main():
             chaos, found = Chaos(asked.build.resolve(), own, asked.planted), 0
             for number in asked.seeds:
                 nth = names.index(asked.workload) if asked.workload else number % len(WORKLOADS)
+                if stop.is_set():
+                    break
                 if nth % asked.jobs != worker:
                     continue
-                if problem := chaos.run(number, WORKLOADS[nth], asked.faults):
+                problem = chaos.run(number, WORKLOADS[nth], asked.faults)
+                if problem and not stop.is_set():
                     print(problem, flush=True)
                     found += 1
             return found
-        found = sum(pool.map(disturb, range(asked.jobs)))
+        try:
+            found = sum(pool.map(disturb, range(asked.jobs)))
+        except KeyboardInterrupt:
+            stop.set()
+            print("interrupted", file=sys.stderr)
+            return INTERRUPTED
     print(f"{len(asked.seeds)} seeds in {time.monotonic() - begin:.0f} s: {found or 'nothing'} found")
     return 1 if found else 0
 

@@ -64,6 +64,7 @@ TEST(PolePlacement, SamplesPoles) {
 }
 
 TEST(PolePlacement, RefusesImpossiblePoles) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
   const Eigen::Matrix2d A = (Eigen::Matrix2d() << 0, 1, 0, 0).finished();
   const Eigen::RowVector2d C(1, 0);
   EXPECT_THROW(place_observer_poles(A, C, {{-1.0}}), std::invalid_argument);          // too few
@@ -77,6 +78,8 @@ TEST(PolePlacement, RefusesImpossiblePoles) {
             "pole placement: a pole is not finite");
   EXPECT_THROW(place_observer_poles(A, Eigen::RowVector2d(0, 1), {{-1.0, -2.0}}),
                std::invalid_argument);  // not observable
+  EXPECT_THROW(place_observer_poles(one, 1e-309 * one, {{-1.0}}), std::invalid_argument)
+      << "the gain overflows";
 }
 
 }  // namespace

@@ -131,6 +131,9 @@ TEST(Riccati, RefusesNonsense) {
       << "not stabilisable";
   EXPECT_THROW(solve_dare(kOne, 0.0 * kOne, kOne, kOne), std::invalid_argument)
       << "a disturbance that nothing controls";
+  EXPECT_THROW(solve_dare(two, two, two, Eigen::MatrixXd::Constant(2, 2, 5.6953125)),
+               std::invalid_argument)
+      << "a singular R, although rounding gives it a Cholesky factor";
   Eigen::MatrixXd skew = two;
   skew(0, 1) = 0.5;
   EXPECT_THROW(solve_dare(two, two, skew, two), std::invalid_argument);

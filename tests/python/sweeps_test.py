@@ -260,7 +260,7 @@ class Nonsense(unittest.TestCase):
         with temporary_folder() as folder:
             brief = dict(case=["idob", "stf"], duration=0.01)
             for pattern, arguments in {
-                "compare.baseline: .*idb.*did you mean idob": dict(baseline="idb"),
+                "^baseline: .*idb.*did you mean idob": dict(baseline="idb"),
                 "^keep: must be one of": dict(keep="some"),
                 "^worlds: must be one of samples, seeds": dict(worlds="seed"),
                 "^goal: peak: must be one of min, max": dict(goal={"peak": "least"}),

@@ -167,7 +167,8 @@ TEST_F(LogStreams, LeaveOutWhatIsNotWhole) {
   std::ofstream(journal, std::ios::binary) << all;
   fs::resize_file(folder_ / "log.h5", 3000);
   EXPECT_EQ(complaint_of([&] { const CutRun cut(folder_); }),
-            (folder_ / kRunning).string() + ": is damaged: the run cannot be recovered");
+            (folder_ / "log.h5").string() +
+                ": is smaller than running.json says: the run cannot be recovered");
 }
 
 TEST_F(LogStreams, AreRefusedIfNothingCanBeRecovered) {
@@ -187,14 +188,16 @@ TEST_F(LogStreams, AreRefusedIfNothingCanBeRecovered) {
   const std::string text = text_of(running);
   for (const std::string& wrong : {std::string(), text.substr(0, 200),
                                    testing::replaced(text, "\"width\": 1", "\"width\": -1"),
-                                   testing::replaced(text, "\"rows\": 20", "\"rows\": 20000"),
                                    std::string(R"({"manifest": {}, "log": []})")}) {
     std::ofstream(running) << wrong;
     EXPECT_EQ(complaint(), running + damaged);
   }
+  std::ofstream(running) << testing::replaced(text, "\"rows\": 20", "\"rows\": 20000");
+  EXPECT_TRUE(has(complaint(), "log.h5: is smaller than running.json says"));
   std::ofstream(running) << text;
   fs::resize_file(folder_ / "log.journal", 0);
-  EXPECT_EQ(complaint(), (folder_ / "log.journal").string() + damaged);
+  EXPECT_EQ(complaint(),
+            (folder_ / "log.journal").string() + ": lists no rows: the run cannot be recovered");
   std::ofstream(folder_ / "manifest.json") << R"({"scenario": "s", "state_hash": "0"})";
   EXPECT_EQ(complaint(), folder_.string() + ": is a finished run: there is nothing to recover");
   EXPECT_TRUE(has(complaint_of([&] { const CutRun cut(folder_ / "nowhere"); }), "no such folder"));

@@ -229,6 +229,7 @@ class SensorFaults : public ::testing::TestWithParam<Place> {};
 
 TEST_P(SensorFaults, EveryRunIsCompleteOrFailsAtOnce) {
   const char* const folder = std::getenv("BREAKWATER_FAULTS");
+  ASSERT_TRUE(folder == nullptr || std::filesystem::is_directory(folder)) << folder;
   const Place& place = GetParam();
   std::vector<Row> rows;
   const std::vector<std::string> cases = testing::scenario_file(place.scenario).cases();
@@ -250,7 +251,8 @@ TEST_P(SensorFaults, EveryRunIsCompleteOrFailsAtOnce) {
   }
   fmt::print("{} runs with a fault\n", runs);
   if (folder == nullptr) return;
-  std::ofstream(folder + ("/" + std::string(place.scenario)) + ".csv") << table;
+  std::ofstream file(folder + ("/" + std::string(place.scenario)) + ".csv");
+  EXPECT_TRUE(file << table) << "BREAKWATER_FAULTS: " << folder << " cannot be written";
 }
 
 INSTANTIATE_TEST_SUITE_P(Faults, SensorFaults, ::testing::ValuesIn(places()),

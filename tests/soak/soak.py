@@ -1,8 +1,6 @@
 """Long work in one process: memory, descriptors and time a repetition stay flat.
 
-    soak.py BUILD_FOLDER [--short] [--only PART] [--plant-leak]
-
-Samples come from /proc, outside of the process. They are in BUILD_FOLDER/soak/PART.csv. The exit status is 1 if a trend
+Samples come from /proc, outside of the process. They are in build/soak/PART.csv. The exit status is 1 if a trend
 is significant and larger than its bound (trend.py). The bounds are for the growth over the whole part. They are 1 MB
 of resident memory, half a descriptor, and 5 % of the processor's time a repetition. --short takes a few seconds and
 does not judge times. --plant-leak runs a process with a leak instead.
@@ -147,17 +145,24 @@ class Soak:
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=pathlib.Path)
+    parser = argparse.ArgumentParser(prog="./dev soak", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
     parser.add_argument("--short", action="store_true")
     parser.add_argument("--only", choices=["steps", "runs", "frames", "replays"])
     parser.add_argument("--plant-leak", action="store_true")
+    parser.add_argument("--check", action="store_true", help=argparse.SUPPRESS)  # the arguments alone
     arguments = parser.parse_args()
+    if arguments.check:
+        return
     soak = Soak(arguments.build.resolve(), arguments.short or arguments.plant_leak)
     names = ["leak"] if arguments.plant_leak else [arguments.only] if arguments.only else [
         "steps", "runs", "frames", "replays"]
     print("part      repetitions      time   largest memory, growth      descriptors  time of each, growth", flush=True)
-    sys.exit(0 if all([soak.part(name) for name in names]) else 1)
+    try:
+        sys.exit(0 if all([soak.part(name) for name in names]) else 1)
+    except KeyboardInterrupt:
+        sys.exit(130)
 
 
 if __name__ == "__main__":

@@ -21,6 +21,11 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
             "bad.toml:3: vary.x.first: must be a number, is \"two\""},
            {"[vary]\n\"x.first=2\" = [1, 2]\n", "bad.toml:3: vary.x.first=2: is no key"},
            {"[set]\n\"x.first = 2\" = 1\n", "bad.toml:3: set.x.first = 2: is no key"},
+           {"[set]\n\"x.frist\" = 1\n",
+            "bad.toml:3: set.x.frist: unknown key (did you mean x.first?)"},
+           {"[set]\nx.first = \"two\"\n", "bad.toml:3: set.x.first: must be a number, is \"two\""},
+           {"seeds = [1, 2]\n[set]\nrun.seed = 3\n",
+            "bad.toml:4: set.run.seed: stands beside seeds"},
            {"[vary]\n\"y.noise\" = [1, -1]\n",
             "bad.toml:3: vary.y.noise: must be 0 or more, is -1"},
            {"[vary]\n\"x.first\" = []\n", "bad.toml:3: vary.x.first: has no values"},
@@ -51,10 +56,10 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
             "bad.toml:2: seeds.cuont: unknown key (did you mean count?)"},
            {"seeds = [1, 1]\n", "bad.toml:2: seeds: one is there twice"},
            {"[compare]\ncase = [\"plain\", \"nosy\"]\n",
-            "--case: PROJECT/tests/study/ishigami/ishigami.toml has no case \"nosy\" (did you mean "
-            "noisy?)"},
+            "bad.toml:3: compare.case: PROJECT/tests/study/ishigami/ishigami.toml has no case "
+            "\"nosy\" (did you mean noisy?)"},
            {compare + "baseline = \"other\"\n",
-            "compare.baseline: \"other\" is not among what is compared: plain; noisy"},
+            "bad.toml:4: compare.baseline: \"other\" is not among what is compared: plain; noisy"},
            {compare + "goal = { y_1 = \"mni\" }\n",
             "bad.toml:4: compare.goal.y_1: must be one of min, max, is \"mni\" (did you mean "
             "min?)"},
@@ -71,6 +76,9 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
     SCOPED_TRACE(text);
     expect_refused("ishigami_lab sweep bad.toml --out s", line);
   }
+  write("bad.toml", "scenario = \"ishigam\"\n");
+  expect_refused("ishigami_lab sweep bad.toml --out s",
+                 "bad.toml:1: scenario: there is no scenario \"ishigam\" (did you mean ishigami?)");
 }
 
 TEST_F(SweepRefusals, NonsenseInTheCommand) {
@@ -83,6 +91,11 @@ TEST_F(SweepRefusals, NonsenseInTheCommand) {
        {"ishigami --vary x.first", "--vary: x.first: must be of the form KEY=VALUE"},
        {"ishigami --vary x.first=1,,2", "--vary: x.first: 1,,2: a value is missing"},
        {"ishigami --vary x.first=1 --vary x.first=2", "--vary: x.first: is given twice"},
+       {"ishigami --case nosy",
+        "--case: PROJECT/tests/study/ishigami/ishigami.toml has no case \"nosy\" (did you mean "
+        "noisy?)"},
+       {"ishigami --set x.frist=2", "--set: x.frist: unknown key (did you mean x.first?)"},
+       {"ishigami --seeds 1..2 --set run.seed=2", "--set: run.seed: stands beside seeds"},
        {"ishigami --vary x.first=1 --set x.first=2", "--vary: x.first: is set and varied"},
        {"ishigami --vary x.first=unifrom(0,1)",
         "--vary: x.first: unifrom(0,1): there is no unifrom(): there are uniform, "
