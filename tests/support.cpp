@@ -1,6 +1,7 @@
 #include "support.h"
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <sstream>
 
@@ -12,8 +13,12 @@ std::string source_file(const std::string& relative) {
 
 int property_count(int in_ci) {
   const char* const given = std::getenv("BREAKWATER_PROPERTIES");
-  const int count = given == nullptr ? in_ci : std::atoi(given);
-  if (count < 1) throw std::invalid_argument("BREAKWATER_PROPERTIES: must be a positive number");
+  if (given == nullptr) return in_ci;
+  const std::string text = given;
+  int count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (error != std::errc() || end != text.data() + text.size() || count < 1)
+    throw std::invalid_argument("BREAKWATER_PROPERTIES: must be a positive number");
   return count;
 }
 

@@ -88,15 +88,15 @@ ListedRun list_streamed_run(const fs::path& folder) {
   std::error_code ignored;
   run.written = fs::last_write_time(folder / "log.h5", ignored);
   std::ifstream stream(folder / kRunning);
-  const auto running = nlohmann::json::parse(stream, nullptr, false);
-  const auto manifest = running.is_object() ? running.find("manifest") : running.end();
-  if (manifest == running.end() || !manifest->is_object()) {
+  try {
+    const auto manifest = nlohmann::json::parse(stream).at("manifest");
+    run.scenario = manifest.at("scenario");
+    run.case_name = manifest.at("case");
+    run.seed = manifest.at("seed").dump();
+  } catch (const nlohmann::json::exception&) {
     run.reason = (folder / kRunning).string() + ": is damaged";
     return run;
   }
-  run.scenario = manifest->value("scenario", "");
-  run.case_name = manifest->value("case", "");
-  run.seed = manifest->value("seed", nlohmann::json()).dump();
   run.status = is_being_written(folder) ? ListedRun::Status::running : ListedRun::Status::cut;
   if (run.status == ListedRun::Status::cut) run.reason = how_to_recover(folder);
   return run;

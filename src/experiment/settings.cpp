@@ -128,23 +128,21 @@ void FaultSettings::check(const Config& config, const std::vector<SensorChannel>
   for (const SensorChannel& channel : channels) names.push_back(channel.name);
   if (std::find(names.begin(), names.end(), fault.channel) == names.end()) {
     config.fail("fault.sensor",
-                fmt::format("there is no channel \"{}\": there are {}{}", fault.channel,
-                            fmt::join(names, ", "), did_you_mean(fault.channel, names)));
+                fmt::format("must be one of {}, is \"{}\"{}", fmt::join(names, ", "), fault.channel,
+                            did_you_mean(fault.channel, names)));
   }
   if (fault.channel == kNoFault) return;
   const bool has_error = fault.kind == FaultKind::spike || fault.kind == FaultKind::bias;
-  if (has_error && fault.size == 0.0) {
-    config.fail("fault.kind", "needs a fault.size other than 0");
-  }
-  if (fault.kind == FaultKind::stuck && !(fault.size > 0.0)) {
-    config.fail("fault.kind", "needs a positive fault.size");
-  }
+  const bool is_stuck = fault.kind == FaultKind::stuck;
+  if (!(has_error && fault.size == 0.0) && !(is_stuck && fault.size <= 0.0)) return;
+  if (config.find("fault.size") == nullptr) config.fail("fault.kind", "needs fault.size");
+  config.fail("fault.size", is_stuck ? "must be positive for fault.kind = \"stuck\""
+                                     : "must not be 0 for this fault.kind");
 }
 
 void FaultSettings::apply(SensingSetup& setup) const {
   setup.nan_policy = nan_policy;
-  setup.fault = fault;
-  if (setup.fault.channel == kNoFault) setup.fault.channel.clear();
+  if (fault.channel != kNoFault) setup.fault = fault;
 }
 
 void bind_encoder_rounding(Fields& fields, const std::string& key, EncoderRounding& rounding) {

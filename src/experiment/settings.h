@@ -51,7 +51,7 @@ struct FaultSettings {
   /// `channels` lists the possible channels: "q1, q2, ..., force". `duration_s` must outlive
   /// `fields`.
   void bind(Fields& fields, const std::string& channels, const double& duration_s);
-  /// Throws std::invalid_argument for fault.sensor if there is no such channel.
+  /// Throws std::invalid_argument if there is no such channel, or if the kind needs another size.
   void check(const Config& config, const std::vector<SensorChannel>& channels) const;
   void apply(SensingSetup& setup) const;
 };

@@ -28,7 +28,8 @@ void check_group(const PoleGroup& group) {
 
 [[noreturn]] void fail_as_not_observable() {
   throw std::invalid_argument(
-      "pole placement: the poles cannot be placed (not observable, or poles too close)");
+      "pole placement: the poles cannot be placed (not observable, poles too close, or the gain "
+      "overflows)");
 }
 
 }  // namespace

@@ -44,8 +44,14 @@ bool is_complete(const fs::path& partial) {
 void recover(const fs::path& partial, const std::string& out, bool quiet) {
   if (is_complete(partial)) {
     const fs::path target = target_of(partial, out);
-    fs::rename(partial, target);
-    forget_stream(target);
+    RunFolder folder(target);
+    for (const auto& entry : fs::directory_iterator(partial)) {
+      if (entry.path().filename() == kRunning) continue;
+      fs::copy(entry.path(), folder.path() / entry.path().filename());
+    }
+    forget_stream(folder.path());
+    folder.commit();
+    fs::remove_all(partial);
     if (!quiet) fmt::print("the run is complete\nresults: {}\n", target.string());
     return;
   }
@@ -55,7 +61,8 @@ void recover(const fs::path& partial, const std::string& out, bool quiet) {
   write_cut_run(cut, partial, folder);
   fs::remove_all(partial);
   if (cut.is_damaged()) {
-    warn("recover", {"the rest of the log is damaged and left out: only a kill was expected"});
+    warn("recover", {"the rest of the log differs from its journal, as after a power failure: it "
+                     "is left out"});
   }
   if (!quiet) {
     fmt::print("recovered {:.6g} s of the run, which has no metrics\nresults: {}\n", cut.end_s(),
@@ -76,7 +83,8 @@ int recover_main(const Catalogue&, int argc, const char* const* argv) {
     app.add_option("--out", out, "the folder of the run (default: the one it was meant for)");
     app.add_flag("--quiet", quiet, "print errors only");
     app.footer(
-        "The run has the status \"cut\" and no metrics. Its log ends at most a second before the\n"
+        "The run has the status \"cut\" and no metrics. Its log ends less than a second before "
+        "the\n"
         "kill, of simulated time and of the clock. Exit status: 0 success, 2 usage or input.");
     if (const auto status = parse(app, argc, argv)) return *status;
     recover(partial, out, quiet);

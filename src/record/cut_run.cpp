@@ -45,6 +45,11 @@ fs::path checked(const fs::path& folder) {
   not_recoverable(file, "is damaged");
 }
 
+// Refuses numbers with a point too: they may be too large.
+std::uint64_t whole(const nlohmann::ordered_json& value) {
+  return value.get_ref<const std::uint64_t&>();
+}
+
 }  // namespace
 
 CutRun::CutRun(const fs::path& folder)
@@ -62,14 +67,20 @@ void CutRun::read_running(const fs::path& file, const fs::path& log) {
   try {
     std::ifstream stream(file);
     const auto running = nlohmann::ordered_json::parse(stream);
-    manifest_ = running.at("manifest").dump();
+    const auto& manifest = running.at("manifest");
+    whole(manifest.at("seed"));
+    if (!manifest.at("scenario").is_string() || !manifest.at("case").is_string()) damaged(file);
+    manifest_ = manifest.dump();
     for (const auto& dataset : running.at("log")) {
       Dataset next;
-      next.entry = {
-          dataset.at("group"), dataset.at("name"), dataset.at("unit"), dataset.at("description"), 0,
-          dataset.at("width")};
-      next.room = dataset.at("rows");
-      next.place = dataset.at("place");
+      next.entry = {dataset.at("group"),
+                    dataset.at("name"),
+                    dataset.at("unit"),
+                    dataset.at("description"),
+                    0,
+                    whole(dataset.at("width"))};
+      next.room = whole(dataset.at("rows"));
+      next.place = whole(dataset.at("place"));
       const bool is_next = !datasets_.empty() && datasets_.back().entry.group != next.entry.group;
       next.track = datasets_.empty() ? 0 : datasets_.back().track + (is_next ? 1 : 0);
       const std::size_t width = next.entry.width;

@@ -16,7 +16,8 @@ namespace breakwater {
 class CutRun {
  public:
   /// Locks the run, and checks the rows. Throws std::invalid_argument, one line, if the folder
-  /// holds no such run, a process still writes it, or it has no complete rows.
+  /// holds no such run, a process still writes it, or it has no complete rows. Throws OutputError
+  /// if a file cannot be opened.
   explicit CutRun(const std::filesystem::path& folder);
 
   /// The entries of manifest.json that were known before the run, as a JSON object.

@@ -21,7 +21,7 @@ namespace breakwater {
 /// The number of rows is known before the run. HDF5 therefore writes the headers of all datasets at
 /// the first row, and then closes the file. Later rows go to their places without HDF5, so a kill
 /// cannot damage the file. A journal lists the complete blocks. Rows are written after half a
-/// second of simulated time or of the clock, whatever comes first. CutRun reads what a killed
+/// second of simulated time or of the clock, whichever comes first. CutRun reads what a killed
 /// process left.
 ///
 /// Only the first row allocates.

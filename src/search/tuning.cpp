@@ -150,6 +150,8 @@ void read_validation(const TomlEntry& table, Tuning& tuning) {
 }
 
 void check_fits(const TomlEntry& root, const Tuning& tuning) {
+  check_seeds(tuning.sets, tuning.worlds.seeds, tuning.places);
+  if (tuning.validation) check_seeds(tuning.sets, tuning.validation->seeds, tuning.places);
   for (const TunedCase& tuned : tuning.cases) {
     const std::string reason = objection(tuning.settings(tuned));
     if (reason.empty()) continue;
@@ -164,17 +166,16 @@ void check_fits(const TomlEntry& root, const Tuning& tuning) {
   };
   for (const TunedCase& tuned : tuning.cases) {
     for (const VariedKey& key : tuned.search) {
-      if (key.is_in(tuning.sets)) {
+      if (is_set(tuning.sets, key.key)) {
         throw std::invalid_argument(key.place + ": is set and searched");
       }
     }
     for (const Worlds* worlds :
          {&tuning.worlds, tuning.validation ? &*tuning.validation : nullptr}) {
       if (worlds == nullptr) continue;
-      check_seeds(tuning.sets, worlds->seeds, tuning.places);
       for (const VariedKey& key : worlds->keys) {
         if (is_searched(tuned, key)) throw std::invalid_argument(key.place + ": is searched too");
-        if (key.is_in(tuning.sets)) {
+        if (is_set(tuning.sets, key.key)) {
           throw std::invalid_argument(key.place + ": is set and varied");
         }
       }

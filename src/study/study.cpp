@@ -95,7 +95,7 @@ void check(const TomlEntry& root, const Study& study) {
     for (const VariedKey& other : study.compare) {
       if (other.key == key.key) fail("is varied and compared");
     }
-    if (key.is_in(study.sets)) fail("is set and varied");
+    if (is_set(study.sets, key.key)) fail("is set and varied");
     const std::set<std::string> different(key.values.begin(), key.values.end());
     if (study.method != Method::list && different.size() < key.values.size()) {
       fail("a value is there twice");
@@ -116,7 +116,7 @@ std::string without_blanks(const std::string& text) {
 
 }  // namespace
 
-bool VariedKey::is_in(const std::vector<std::string>& sets) const {
+bool is_set(const std::vector<std::string>& sets, const std::string& key) {
   return std::any_of(sets.begin(), sets.end(),
                      [&](const std::string& set) { return set.starts_with(key + "="); });
 }

@@ -24,10 +24,10 @@ struct VariedKey {
   std::optional<Distribution> distribution;  ///< for a numeric key
   std::string written;  ///< as in a study file: "[1, 2]", "{ uniform = [0, 1] }"
   std::string place;    ///< "FILE:LINE: vary.KEY" or "--vary: KEY"
-
-  /// Whether `sets` (key=value) give it a value.
-  bool is_in(const std::vector<std::string>& sets) const;
 };
+
+/// Whether `sets` (key=value) give a key a value.
+bool is_set(const std::vector<std::string>& sets, const std::string& key);
 
 /// How the values of the varied keys are combined.
 enum class Method {
@@ -92,7 +92,7 @@ Study read_study(const toml::table& tables, const std::string& file);
 
 /// The TOML value of an option's text: "500,1000", "lin(0,1,5)", "uniform(0,1)". Throws
 /// std::invalid_argument (`OPTION: reason`).
-toml::table option_value(const std::string& option, const std::string& text);
+toml::table option_value(const std::string& option, const std::string& given);
 
 /// Splits an option's text at its commas, except inside brackets and quotes, and trims the parts.
 std::vector<std::string> option_parts(const std::string& text);

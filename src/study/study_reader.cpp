@@ -142,7 +142,9 @@ void collect_sets(const TomlEntry& table, const std::string& prefix,
     refuse_sign_in(key, entry);
     if (entry.node()->is_table()) {
       collect_sets(entry, prefix + key + ".", sets, places);
-    } else if (!sets.emplace(prefix + key, entry.written()).second) {
+      continue;
+    }
+    if (!sets.emplace(prefix + key, entry.written()).second) {
       entry.fail("is given twice");
     }
     places["set." + prefix + key] = entry.place();
@@ -207,9 +209,7 @@ std::vector<std::string> read_sets(const TomlEntry& table, Places& places) {
 
 void check_seeds(const std::vector<std::string>& sets, const std::vector<std::uint64_t>& seeds,
                  const Places& places) {
-  VariedKey seed;
-  seed.key = "run.seed";
-  if (seeds.empty() || !seed.is_in(sets)) return;
+  if (seeds.empty() || !is_set(sets, "run.seed")) return;
   throw std::invalid_argument(place_of(places, "set.run.seed") + ": stands beside seeds");
 }
 

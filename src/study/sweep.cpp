@@ -51,9 +51,9 @@ std::string blamed(const Study& study, const std::string& error) {
 
 // Calls `body`, and names the place in the study of what it refuses.
 template <typename Body>
-auto in(const Study& study, Body&& body) {
+auto in(const Study& study, const Body& body) {
   try {
-    return std::forward<Body>(body)();
+    return body();
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(blamed(study, error.what()));
   }
@@ -200,7 +200,8 @@ Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop) {
   };
   const bool lengths_vary = varies("run.duration_s") || varies("physics.timestep_s");
   const std::size_t candidates = plan.candidates().size();
-  const auto of_each = static_cast<double>(plan.size() / candidates);
+  const std::size_t runs = plan.size() / candidates;
+  const auto of_each = static_cast<double>(runs);
   Estimate estimate;
   RunControl control;
   control.stop = &stop;

@@ -42,7 +42,7 @@ class Sweep : public PointSource {
   }
 
   PreparedRun prepare(std::size_t point) const override;
-  std::string unprepared_key(std::size_t point) const override;
+  std::string unprepared_key(std::size_t number) const override;
   std::filesystem::path folder(std::size_t point, const std::string& key,
                                bool failed) const override;
   bool logs(std::size_t point) const override;

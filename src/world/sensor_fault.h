@@ -38,8 +38,8 @@ struct SensorFault {
 /// Applies a fault to the readings of its channel. Allocates nothing.
 class FaultySensor {
  public:
-  /// `step_s` is the physics step. Throws std::invalid_argument if delay_samples is negative, or a
-  /// stuck quantiser has no positive size.
+  /// `step_s` is the physics step. Throws std::invalid_argument if delay_samples is negative, the
+  /// size is not finite, or that of a stuck quantiser is not positive.
   FaultySensor(const SensorFault& fault, double step_s)
       : fault_(fault), from_s_(fault.at_s - 0.5 * step_s), delay_(fault.delay_samples) {
     if (!std::isfinite(fault.size) || (fault.kind == FaultKind::stuck && !(fault.size > 0.0))) {

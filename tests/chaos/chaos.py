@@ -34,7 +34,8 @@ from workloads import WORKLOADS  # noqa: E402
 # The order and the number of faults are those of faults.cpp.
 CLASSES = ("write", "open", "rename", "sync", "mmap", "fork", "thread", "clock", "read", "remove", "mkdir",
            "close", "memory")
-PAGE = struct.Struct(f"<{len(CLASSES) + 8}Q")
+MOST_FAULTS = 8
+PAGE = struct.Struct(f"<{len(CLASSES) + MOST_FAULTS}Q")
 ERRORS = {
     "write": ["ENOSPC", "EIO", "EINTR", "short"], "open": ["EACCES", "EMFILE", "EIO"],
     "rename": ["EIO", "EACCES", "EINVAL"], "sync": ["EIO", "ENOSPC"], "mmap": ["ENOMEM"], "fork": ["EAGAIN", "ENOMEM"],
@@ -52,6 +53,7 @@ OF_MACHINE = re.compile(rb"<!-- this machine.*?<!-- end of this machine -->", re
 OF_PROCESSES = re.compile(r"(^|/)(shards|slurm)(/|$)|(^|/)script\.py$")
 TEMPORARY = re.compile(r"(^|/)\.[^/]*\.(partial|earlier)-[^/]*$")
 KEPT = re.compile(r"\.kept(-\d+)?(/|$)")
+STREAM_FILES = {"running.json", "log.journal"}
 RUN_FILES = {"config.toml", "metrics.json", "manifest.json", "log.h5", "log.csv"}
 # Made from what is done so far, so an interrupted study has other ones.
 OF_PARTS = {"results.csv", "results.sqlite", "comparison.csv", "comparison_by_key.csv", "front.csv", "hypervolume.csv",
@@ -320,7 +322,28 @@ class Chaos:
         place.wait_for_all()
         if again.status != 0 or messages(again, known):
             raise Found(f"the same command again ends with status {again.status}: {said(again)}")
+        self.recover_all()
         self.check_whole(snapshot(place.work), known)
+
+    def recover_all(self):
+        """A run that is left with its streamed log is recovered, or recover says in one line why not."""
+        place = self.place
+        recovered = place.work / "recovered"
+        for running in sorted(place.work.rglob(".*.partial-*/running.json")):
+            partial = running.parent.relative_to(place.work)
+            ended = place.call(("breakwater", "recover", "--quiet", "--out", recovered.name, str(partial)), stderr="again")
+            lines = [line for line in ended.stderr.splitlines() if ": warning: " not in line]
+            if ended.status not in (0, 2) or len(lines) != (ended.status == 2):
+                raise Found(f"recover ends with status {ended.status}: {said(ended)}")
+            if recovered.exists() != (ended.status == 0) or (place.work / partial).exists() != (ended.status == 2):
+                raise Found(f"recover ends with status {ended.status}, and left the wrong folder")
+            if ended.status == 0:
+                differ = place.call(("breakwater", "diff", "--quiet", recovered.name, "run"), stderr="again")
+                is_cut = json.loads((recovered / "manifest.json").read_text())["status"] == "cut"
+                if differ.status != is_cut:
+                    raise Found(f"diff with the recovered run ends with status {differ.status}: {said(differ)}")
+            for folder in (recovered, place.work / partial):
+                shutil.rmtree(folder, ignore_errors=True)
 
     def check_end(self, ended, fired, known, has_second):
         """Status and message are those that the pages promise."""
@@ -354,7 +377,8 @@ class Chaos:
         for name in {*now, *earlier, *new}:
             content = now.get(name)
             if TEMPORARY.search(name) or any(TEMPORARY.search(str(p)) for p in pathlib.Path(name).parents):
-                is_excused = was_killed or has_second or "kept in" in ended.stderr or any(
+                is_excused = was_killed or has_second or "kept in" in ended.stderr or \
+                    "log so far is kept" in ended.stderr or any(
                     f.startswith(("remove:", "open:", "memory:")) for f in fired)
                 if not is_excused:
                     raise Found(f"status {ended.status} leaves {name}")
@@ -365,6 +389,9 @@ class Chaos:
                 continue
             if content == new.get(name):
                 continue
+            folder, _, file = name.rpartition("/")
+            if file in STREAM_FILES and f"{folder}/manifest.json" in found:
+                continue  # they are removed once the run has its name
             is_old = content == earlier.get(name) or self.is_aside(name, earlier, now)
             if ended.status == 0 and not any(fault.endswith(":cut") for fault in fired) and not has_second:
                 raise Found(f"status 0, and {name} is {'the earlier one' if is_old else 'another one'}")
@@ -441,8 +468,11 @@ def read_faults(text):
     faults = text.split(",")
     for fault in faults:
         kind, _, rest = fault.partition(":")
-        if not re.fullmatch(rf"\d+\+?:({'|'.join(ERRORS.get(kind, []) + ENDS)})", rest) or kind not in (*CLASSES, "end"):
+        is_fault = kind in CLASSES and re.fullmatch(rf"[1-9]\d*\+?:({'|'.join(ERRORS[kind] + ENDS)})", rest)
+        if not is_fault and fault != "end:1:cut":
             raise argparse.ArgumentTypeError(f"{fault}: must be CLASS:CALL[+]:FAULT, as in a line that this prints")
+    if len(faults) > MOST_FAULTS:
+        raise argparse.ArgumentTypeError(f"has more than {MOST_FAULTS} faults")
     return faults
 
 
@@ -454,10 +484,11 @@ def read_jobs(text):
 
 def main():
     names = [workload.name for workload in WORKLOADS]
-    parser = argparse.ArgumentParser(prog="./dev chaos")
+    parser = argparse.ArgumentParser(prog="./dev chaos", allow_abbrev=False)
     parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
     parser.add_argument("--seeds", type=read_range, default=range(1, 201), metavar="FROM..TO", help="default: 1..200")
-    parser.add_argument("--jobs", type=read_jobs, default=os.cpu_count(), metavar="N", help="default: one for each core")
+    parser.add_argument("--jobs", type=read_jobs, default=os.cpu_count(), metavar="N",
+                        help="default: one for each core; one has all seeds of a workload")
     parser.add_argument("--workload", choices=names, metavar="NAME", help=f"this one alone: {', '.join(names)}")
     parser.add_argument("--faults", type=read_faults, metavar="LIST", help="these ones, instead of those of the seed")
     parser.add_argument("--planted", choices=("no_fsync", "in_place"), default="", help="let the programs have a defect")
@@ -493,6 +524,9 @@ def main():
             stop.set()
             print("interrupted", file=sys.stderr)
             return INTERRUPTED
+        except BaseException:
+            stop.set()
+            raise
     print(f"{len(asked.seeds)} seeds in {time.monotonic() - begin:.0f} s: {found or 'nothing'} found")
     return 1 if found else 0
 

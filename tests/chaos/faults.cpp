@@ -89,7 +89,6 @@ struct Fault {
   long step_s = 0;
 };
 
-// The code whose allocations count: not that of libraries which end the process without memory.
 struct Range {
   std::uintptr_t begin, end;
 };
@@ -113,6 +112,7 @@ struct Ranges {
   }
 };
 
+// The code whose allocations count: not that of libraries which end the process without memory.
 Ranges own_code, spared_code;
 int journal = -1;
 std::atomic<unsigned> graves = 0;

@@ -146,5 +146,6 @@ WORKLOADS = [
     Workload("video", ("breakwater", "video", "run", "--fps", "20", *PICTURE), earlier=((*CART, "run"),)),
     Workload("still", ("breakwater", "still", "run", "--at", "0.05", *PICTURE), earlier=((*CART, "run"),)),
     Workload("python_run", **python('bw.run("cart_position", duration=0.1, out="run")')),
+    Workload("run_streamed", ("cart_position", "--quiet", "--duration", "3", "--set", "record.stream=true", "--out", "run")),
     Workload("python_sweep", **python('bw.sweep("cart_position", seeds=range(1, 4), duration=0.1, out="study")')),
 ]

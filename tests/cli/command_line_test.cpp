@@ -245,12 +245,14 @@ TEST_F(NonsenseIn, IsOneLine) {
        {"--set model.urdf=odd.xml",
         "HERE/odd.xml:1: is not a valid URDF: Could not find the 'robot' element in the xml file"},
        {"--set fault.sensor=q9",
-        "--set: fault.sensor: there is no channel \"q9\": there are none, q1, q2, q3, force, "
-        "force_raw (did you mean q1?)"},
-       {"--set fault.sensor=q1 fault.kind=bias",
-        "--set: fault.kind: needs a fault.size other than 0"},
+        "--set: fault.sensor: must be one of none, q1, q2, q3, force, force_raw, is \"q9\" (did "
+        "you "
+        "mean q1?)"},
+       {"--set fault.sensor=q1 fault.kind=bias", "--set: fault.kind: needs fault.size"},
+       {"--set fault.sensor=q1 fault.kind=spike fault.size=0",
+        "--set: fault.size: must not be 0 for this fault.kind"},
        {"--set fault.sensor=q1 fault.kind=stuck fault.size=-1",
-        "--set: fault.kind: needs a positive fault.size"},
+        "--set: fault.size: must be positive for fault.kind = \"stuck\""},
        {"--set fault.sensor=q1 fault.kind=delay fault.delay_samples=6",
         "--set: fault.delay_samples: must be from 1 to 5, is 6"},
        {"--set model.mjcf=weak.xml",
@@ -330,6 +332,9 @@ TEST_F(CommandLine, WarnsOfIneffectiveKeys) {
   EXPECT_EQ(brief("--set fault.sensor=q1 fault.at_s=0.01"),
             "arm_wall_contact: warning: --set: fault.at_s: has an effect only where it is before "
             "run.duration_s\n");
+  EXPECT_EQ(brief("--set fault.kind=stuck"),
+            "arm_wall_contact: warning: --set: fault.kind: has an effect only where fault.sensor "
+            "names a channel\n");
   // Some cases use it.
   EXPECT_EQ(brief("--set controller.k_force=1 --case all"), "");
   copy_with(kWallFile, "ineffective.toml", "[case.drac-2N]",

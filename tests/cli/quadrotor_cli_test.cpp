@@ -32,8 +32,8 @@ TEST_F(QuadrotorCommandLine, NonsenseIsOneLineAndStatus2) {
        {"model.mjcf=models/cart.xml", "PROJECT/models/cart.xml: needs 4 thrusters"},
        {"metrics.window_s=0", "--set: metrics.window_s: must be positive, is 0"},
        {"fault.sensor=q1",
-        "--set: fault.sensor: there is no channel \"q1\": there are none, x, y, z, roll, pitch, "
-        "yaw (did you mean x?)"},
+        "--set: fault.sensor: must be one of none, x, y, z, roll, pitch, yaw, is \"q1\" (did you "
+        "mean x?)"},
        {"model.mjcf=no_site.xml", "HERE/no_site.xml: has no site named \"t3\""}});
 }
 

@@ -17,6 +17,8 @@ constexpr double kPeriod_s = 0.3;
 constexpr int kFinePerRow = 10;
 
 // A run with two tracks, of which "physics" is there from row 3 to row 6 of "control".
+constexpr const char* kManifest = R"({"scenario":"s","case":"c","seed":1})";
+
 struct Tracks {
   Tracks(LogStream* stream, std::size_t rows)
       : fine("physics", {{"force_N", "N", "a force, in µN", {&force, 1}}}, 3 * kFinePerRow, stream),
@@ -61,7 +63,7 @@ class LogStreams : public ::testing::Test {
   }
   // Streams `rows` of 20 rows, and is not finished.
   void leave(int rows) {
-    LogStream stream(folder_, "x = 1\n", R"({"scenario": "s"})");
+    LogStream stream(folder_, "x = 1\n", kManifest);
     Tracks tracks(&stream, 20);
     for (int k = 0; k < rows; ++k) tracks.append(k);
   }
@@ -138,7 +140,7 @@ TEST_F(LogStreams, LeaveAllButTheLastSecond) {
             << path;
       }
     }
-    EXPECT_EQ(CutRun(folder_).manifest(), R"({"scenario":"s"})");
+    EXPECT_EQ(CutRun(folder_).manifest(), kManifest);
     EXPECT_EQ(text_of(folder_ / "config.toml"), "x = 1\n");
   }
 }
@@ -176,7 +178,7 @@ TEST_F(LogStreams, AreRefusedIfNothingCanBeRecovered) {
   const std::string running = (folder_ / kRunning).string();
   EXPECT_TRUE(has(complaint(), "it has no running.json"));
   {
-    LogStream stream(folder_, "", "{}");
+    LogStream stream(folder_, "", kManifest);
     Tracks tracks(&stream, 20);
     tracks.append(0);
     EXPECT_TRUE(is_being_written(folder_));
@@ -186,9 +188,11 @@ TEST_F(LogStreams, AreRefusedIfNothingCanBeRecovered) {
   EXPECT_EQ(complaint(), "");
   const std::string damaged = ": is damaged: the run cannot be recovered";
   const std::string text = text_of(running);
-  for (const std::string& wrong : {std::string(), text.substr(0, 200),
-                                   testing::replaced(text, "\"width\": 1", "\"width\": -1"),
-                                   std::string(R"({"manifest": {}, "log": []})")}) {
+  for (const std::string& wrong :
+       {std::string(), text.substr(0, 200),
+        testing::replaced(text, "\"width\": 1", "\"width\": -1"),
+        testing::replaced(text, "\"seed\"", "\"sede\""), testing::replaced(text, "\"s\"", "5"),
+        std::string(R"({"manifest": {}, "log": []})")}) {
     std::ofstream(running) << wrong;
     EXPECT_EQ(complaint(), running + damaged);
   }

@@ -18,8 +18,6 @@ import tempfile
 import threading
 import time
 
-from trend import BLOCKS, trend
-
 STEPS_PER_ROW = 10
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 BOUNDS = {"memory": 1000.0, "descriptors": 0.5, "time": 0.05}  # kB, 1, share
@@ -80,7 +78,6 @@ class Soak:
         self.build, self.is_short = build, is_short
         self.out = build / "soak"
         self.out.mkdir(exist_ok=True)
-        self.lines = []
 
     def steps(self, folder):
         """A motor with an observer at 10 kHz, sampled at 1 kHz."""
@@ -124,6 +121,7 @@ class Soak:
             table = csv.writer(file)
             table.writerow(["count", "wall_s", "resident_kB", "descriptors", "processor_s"])
             table.writerows(samples)
+        from trend import BLOCKS, trend  # not before the arguments are read: it needs NumPy
         warm_up = WARM_UP[self.is_short]
         if len(samples) * (1 - warm_up) < 2 * BLOCKS + 2:
             sys.exit(f"soak: {name}: has {len(samples)} samples, too few for a trend")
@@ -135,17 +133,16 @@ class Soak:
             ("memory", memory, BOUNDS["memory"]), ("descriptors", files, BOUNDS["descriptors"]),
             ("time", times, BOUNDS["time"] * times.start)) if found.exceeds(bound)
             and not (self.is_short and what == "time")]
-        self.lines.append(
+        print(
             f"{name:<8} {counts[-1]:>10}  {walls[-1]:8.0f} s  {max(memories) / 1000:7.1f} MB {memory.growth:+8.0f} kB "
             f"(t {memory.t:+.1f})  {max(descriptors):3} fd {files.growth:+.1f}  {times.start:10.2f} us "
             f"{100 * times.growth / times.start:+6.1f} % (t {times.t:+.1f})"
-            f"{'  GROWS: ' + ', '.join(grown) if grown else ''}")
-        print(self.lines[-1], flush=True)
+            f"{'  GROWS: ' + ', '.join(grown) if grown else ''}", flush=True)
         return not grown
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="./dev soak", description=__doc__,
+    parser = argparse.ArgumentParser(prog="./dev soak", allow_abbrev=False, description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
     parser.add_argument("--short", action="store_true")
