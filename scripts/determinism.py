@@ -10,7 +10,8 @@ threads and in child processes, and the same case twice in one process. Python a
     --with debug=build-debug/bin/breakwater --with "own program=/tmp/own/build/own_lab"
 
 `--slurm` starts a Slurm on this machine and adds it (root only). The table has the number of cases with the hash of
-the reference. `--only "own program" Python` tries these ways alone. Exit status 1: a case has another hash.
+the reference. `--only "own program" Python` tries these ways alone. Exit status 1: a case has another hash. 2: a way
+could not be tried.
 """
 import argparse
 import csv
@@ -40,10 +41,16 @@ for case in bw.cases(sys.argv[1]):
 """
 
 
+def fail(why):
+    """End with another status than that of a difference."""
+    print(why, file=sys.stderr)
+    sys.exit(2)
+
+
 def checked(words, **options):
     done = subprocess.run([str(word) for word in words], capture_output=True, text=True, **options)
     if done.returncode:
-        sys.exit(f"{' '.join(map(str, words))}: {done.returncode}\n{done.stderr}")
+        fail(f"{' '.join(map(str, words))}: {done.returncode}\n{done.stderr}")
     return done.stdout
 
 
@@ -63,6 +70,8 @@ def swept(program, scenario, *options, **environment):
         out = Path(folder) / "study"
         checked([program, "sweep", scenario, "--case", "all", "--set", *sets(scenario), "--quiet",
                  "--out", out, *options], env=os.environ | environment)
+        if not (out / "results.csv").exists():
+            fail(f"--with: {program} has no command sweep")
         with open(out / "results.csv", newline="") as results:
             return [(row["case"], row["state_hash"]) for row in csv.DictReader(results)]
 
@@ -106,8 +115,10 @@ def objection(options):
             return f"--scenario: there is no {name}: {', '.join(state_hashes.scenarios())}"
     for entry in options.programs:
         name, _, path = entry.partition("=")
-        if not name or not Path(path).is_file():
+        if not name or not path:
             return f"--with: {entry}: must be NAME=PROGRAM"
+        if not os.access(path, os.X_OK):
+            return f"--with: {path}: is no program"
     found = ways(options)
     for name in options.only or ():
         if name not in found:
@@ -129,7 +140,7 @@ def compare(options):
         for name in names:
             found = tried[way](name)
             if {case for case, _ in found} != reference[name].keys():
-                sys.exit(f"{way}, {name}: the cases are others")
+                fail(f"{way}, {name}: the cases are others")
             wrong = {case for case, value in found if value != reference[name][case]}
             differ += [f"{way}: {name} {case}" for case in sorted(wrong)]
             cells.append(str(len(reference[name]) - len(wrong)))

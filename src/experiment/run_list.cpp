@@ -86,7 +86,14 @@ ListedRun list_streamed_run(const fs::path& folder) {
   ListedRun run;
   run.folder = folder;
   std::error_code ignored;
-  run.written = fs::last_write_time(folder / "log.h5", ignored);
+  for (const char* name : {kRunning, "config.toml", "log.journal", "log.h5"}) {
+    const fs::file_time_type time = fs::last_write_time(folder / name, ignored);
+    if (ignored) {
+      run.reason = (folder / name).string() + ": is missing";
+      return run;
+    }
+    run.written = time;
+  }
   std::ifstream stream(folder / kRunning);
   try {
     const auto manifest = nlohmann::json::parse(stream).at("manifest");

@@ -115,8 +115,8 @@ void FaultSettings::bind(Fields& fields, const std::string& channels, const doub
   fields.only_where(
       {"fault.at_s", "fault.samples", "fault.kind", "fault.size", "fault.delay_samples"},
       "fault.sensor names a channel", [this] { return fault.channel != kNoFault; });
-  fields.only_where({"fault.at_s"}, "it is before run.duration_s",
-                    [this, &duration_s] { return fault.at_s < duration_s; });
+  fields.only_where({"fault.at_s"}, "it is not after run.duration_s",
+                    [this, &duration_s] { return fault.at_s <= duration_s; });
   fields.only_for({"fault.samples"}, "fault.kind",
                   {"nan", "infinity", "frozen", "spike", "bias", "delay", "stuck"});
   fields.only_for({"fault.size"}, "fault.kind", {"spike", "bias", "stuck"});

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
 
+#include <breakwater/config/config.h>
+#include <breakwater/experiment/run_list.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/program/commands.h>
 #include <breakwater/record/cut_run.h>
@@ -31,6 +34,28 @@ fs::path target_of(const fs::path& partial, const std::string& out) {
   return target;
 }
 
+// The folder without a `.` at its end, which cannot be renamed or removed.
+fs::path named(const fs::path& folder) {
+  const fs::path last = folder.lexically_normal().filename();
+  return last == "." || last == ".." || last.empty() ? fs::weakly_canonical(folder) : folder;
+}
+
+// Refuses what would lose something: the folder is removed at the end.
+void check_nothing_is_lost(const fs::path& partial, const fs::path& target) {
+  const fs::path from = fs::weakly_canonical(partial);
+  const fs::path to = fs::weakly_canonical(target);
+  if (std::mismatch(from.begin(), from.end(), to.begin(), to.end()).first == from.end()) {
+    throw std::invalid_argument(target.string() + ": is inside the folder that is recovered");
+  }
+  if (const std::string name = other_than_a_runs(partial); !name.empty()) {
+    throw std::invalid_argument(partial.string() + ": holds " + name +
+                                ", which is not a run's: move it away first");
+  }
+  // The run would be of no use without its keys.
+  const ScenarioFile config((partial / "config.toml").string(),
+                            list_streamed_run(partial).scenario);
+}
+
 // Killed after the last row, the run may be complete and lack its name alone.
 bool is_complete(const fs::path& partial) {
   try {
@@ -44,6 +69,7 @@ bool is_complete(const fs::path& partial) {
 void recover(const fs::path& partial, const std::string& out, bool quiet) {
   if (is_complete(partial)) {
     const fs::path target = target_of(partial, out);
+    check_nothing_is_lost(partial, target);
     RunFolder folder(target);
     for (const auto& entry : fs::directory_iterator(partial)) {
       if (entry.path().filename() == kRunning) continue;
@@ -57,6 +83,7 @@ void recover(const fs::path& partial, const std::string& out, bool quiet) {
   }
   const CutRun cut(partial);
   const fs::path target = target_of(partial, out);
+  check_nothing_is_lost(partial, target);
   RunFolder folder(target);
   write_cut_run(cut, partial, folder);
   fs::remove_all(partial);
@@ -87,7 +114,7 @@ int recover_main(const Catalogue&, int argc, const char* const* argv) {
         "the\n"
         "kill, of simulated time and of the clock. Exit status: 0 success, 2 usage or input.");
     if (const auto status = parse(app, argc, argv)) return *status;
-    recover(partial, out, quiet);
+    recover(named(partial), out, quiet);
     return static_cast<int>(kSuccess);
   });
 }

@@ -29,7 +29,7 @@ fs::path checked(const fs::path& folder) {
     throw std::invalid_argument(folder.string() +
                                 ": is a finished run: there is nothing to recover");
   }
-  if (!fs::exists(folder / kRunning)) {
+  if (!fs::is_regular_file(folder / kRunning)) {
     throw std::invalid_argument(
         folder.string() + ": is not what a killed run with record.stream=true left: it has no " +
         kRunning);

@@ -100,9 +100,8 @@ bool is_of_a_run(const std::string& name) {
 std::string complaint_of(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) return "is a file, not a folder";
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    if (!is_of_a_run(name)) return "holds " + name + ", which is not a run's; it is left alone";
+  if (const std::string name = other_than_a_runs(folder); !name.empty()) {
+    return "holds " + name + ", which is not a run's; it is left alone";
   }
   if (fs::is_empty(folder, error) || is_finished(folder)) return "";
   return "holds something that is not a run, or one whose manifest.json is damaged; it is left "
@@ -219,9 +218,18 @@ bool is_run_folder(const fs::path& folder) {
   return manifest.is_object() && manifest.contains("scenario") && manifest.contains("state_hash");
 }
 
+std::string other_than_a_runs(const fs::path& folder) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    std::string name = entry.path().filename().string();
+    if (!is_of_a_run(name)) return name;
+  }
+  return "";
+}
+
 bool is_recoverable(const fs::path& folder) {
   std::error_code ignored;
-  return is_unfinished_run(folder) && fs::exists(folder / kRunning, ignored);
+  return is_unfinished_run(folder) && fs::is_regular_file(folder / kRunning, ignored);
 }
 
 bool is_unfinished_run(const fs::path& folder) {

@@ -63,6 +63,9 @@ class RunFolder {
 /// Whether a folder holds a finished run, by its manifest.json.
 bool is_run_folder(const std::filesystem::path& folder);
 
+/// The name of something in a folder that is no file of a run; empty if there is none.
+std::string other_than_a_runs(const std::filesystem::path& folder);
+
 /// Whether a folder has a streamed log that is not that of a finished run.
 bool is_recoverable(const std::filesystem::path& folder);
 

@@ -52,7 +52,7 @@ std::vector<Constraint> read_constraints(const TomlEntry& table) {
     Constraint constraint;
     constraint.metric = metric;
     constraint.place = entry.place();
-    if (!entry["min"] == !entry["max"]) entry.fail("must have min or max");
+    if (!entry["min"] == !entry["max"]) entry.fail("must have either min or max");
     constraint.min = entry["min"].number_or_nothing().value_or(constraint.min);
     constraint.max = entry["max"].number_or_nothing().value_or(constraint.max);
     entry["over"].choice(over_names(), constraint.over);
@@ -85,6 +85,7 @@ std::vector<VariedKey> read_world(const TomlEntry& table, WorldMethod method) {
     if (key.distribution) {
       throw std::invalid_argument(key.place + ": a world has values: an array, lin() or log()");
     }
+    if (key.key == "run.seed") throw std::invalid_argument(key.place + ": say seeds instead");
     if (method == WorldMethod::list && key.values.size() != keys.front().values.size()) {
       throw std::invalid_argument(
           fmt::format("{}: has {} values, {} has {}: in a list all have as "
@@ -263,7 +264,7 @@ Tuning read_tuning(const toml::table& tables, const std::string& file) {
   Tuning tuning;
   tuning.scenario = root["scenario"].text();
   tuning.config = root["config"].text_or_nothing();
-  tuning.places["scenario"] = root["scenario"].place();
+  for (const char* key : {"scenario", "config"}) tuning.places[key] = root[key].place();
   tuning.sets = read_sets(root["set"], tuning.places);
   root["algorithm"].choice(search_algorithms(), tuning.algorithm);
   tuning.budget = static_cast<std::size_t>(root["budget"].whole(1, kMostEvaluations));

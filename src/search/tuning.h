@@ -81,7 +81,7 @@ struct Tuning {
   std::optional<Worlds> validation;
   std::size_t validated_points = 0;  ///< maximum per front
   SlurmSettings slurm;
-  Places places;  ///< for scenario and each set.KEY
+  Places places;  ///< for scenario, config and each set.KEY
 
   SearchSettings settings(const TunedCase& tuned) const;
   /// The tuning as a file. Equal tunings give equal text.

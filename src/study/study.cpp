@@ -137,7 +137,7 @@ Study read_study(const toml::table& tables, const std::string& file) {
   study.scenario = root["scenario"].text();
   study.config = root["config"].text_or_nothing();
   study.cases = root["case"].texts();
-  for (const char* key : {"scenario", "case"}) study.places[key] = root[key].place();
+  for (const char* key : {"scenario", "config", "case"}) study.places[key] = root[key].place();
   study.sets = read_sets(root["set"], study.places);
   root["method"].choice(methods(), study.method);
   if (const TomlEntry samples = root["samples"]) {

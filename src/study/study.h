@@ -76,7 +76,7 @@ struct Study {
   std::vector<std::pair<std::string, Goal>> goals;
   WorldUnit worlds = WorldUnit::samples;
   SlurmSettings slurm;
-  Places places;  ///< for scenario, case, compare.baseline and each set.KEY
+  Places places;  ///< for scenario, config, case, compare.baseline and each set.KEY
 
   /// The metrics that the user named, the most important first.
   std::vector<std::string> named_metrics() const;

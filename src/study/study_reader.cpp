@@ -115,7 +115,7 @@ VariedKey varied_key(const TomlEntry& entry, const std::string& path,
 
 // Sets are kept as key=value.
 void refuse_sign_in(const std::string& key, const TomlEntry& entry) {
-  if (key.find('=') != std::string::npos) entry.fail("is no key");
+  if (key.empty() || key.find('=') != std::string::npos) entry.fail("is no key");
 }
 
 // The keys of a table and its subtables, with their positions.
@@ -210,7 +210,8 @@ std::vector<std::string> read_sets(const TomlEntry& table, Places& places) {
 void check_seeds(const std::vector<std::string>& sets, const std::vector<std::uint64_t>& seeds,
                  const Places& places) {
   if (seeds.empty() || !is_set(sets, "run.seed")) return;
-  throw std::invalid_argument(place_of(places, "set.run.seed") + ": stands beside seeds");
+  throw std::invalid_argument(place_of(places, "set.run.seed") +
+                              ": stands beside seeds: leave one of them out");
 }
 
 std::vector<VariedKey> read_varied(const TomlEntry& table, const std::set<std::string>& but) {

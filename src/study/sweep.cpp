@@ -117,6 +117,9 @@ std::unique_ptr<ScenarioFile> scenario_file(const Catalogue& catalogue, const st
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(place_of(places, "scenario") + ": " + error.what());
   }
+  if (!config.empty() && !std::filesystem::exists(config)) {
+    throw std::invalid_argument(place_of(places, "config") + ": there is no file " + config);
+  }
   return std::make_unique<ScenarioFile>(config.empty() ? kind->file().string() : config, scenario);
 }
 

@@ -460,7 +460,7 @@ def said(ended):
 def read_range(text):
     match = re.fullmatch(r"(\d+)(?:\.\.(\d+))?", text)
     if not match or int(match[2] or match[1]) < int(match[1]):
-        raise argparse.ArgumentTypeError(f"{text}: must be FROM..TO")
+        raise argparse.ArgumentTypeError(f"{text}: must be a seed, or FROM..TO with FROM not above TO")
     return range(int(match[1]), int(match[2] or match[1]) + 1)
 
 
@@ -486,7 +486,7 @@ def main():
     names = [workload.name for workload in WORKLOADS]
     parser = argparse.ArgumentParser(prog="./dev chaos", allow_abbrev=False)
     parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
-    parser.add_argument("--seeds", type=read_range, default=range(1, 201), metavar="FROM..TO", help="default: 1..200")
+    parser.add_argument("--seeds", type=read_range, default=range(1, 201), metavar="FROM..TO", help="or one seed; default: 1..200")
     parser.add_argument("--jobs", type=read_jobs, default=os.cpu_count(), metavar="N",
                         help="default: one for each core; one has all seeds of a workload")
     parser.add_argument("--workload", choices=names, metavar="NAME", help=f"this one alone: {', '.join(names)}")

@@ -329,9 +329,10 @@ TEST_F(CommandLine, WarnsOfIneffectiveKeys) {
   EXPECT_EQ(brief("--set controller.k_force=1"), "arm_wall_contact: warning: --set: " + why);
   EXPECT_EQ(brief("--set controller.k_force=1 --quiet"), "");
   EXPECT_EQ(brief("--set controller.k_force=1 --case hpfc-2N"), "");
-  EXPECT_EQ(brief("--set fault.sensor=q1 fault.at_s=0.01"),
-            "arm_wall_contact: warning: --set: fault.at_s: has an effect only where it is before "
-            "run.duration_s\n");
+  EXPECT_EQ(
+      brief("--set fault.sensor=q1 fault.at_s=0.011"),
+      "arm_wall_contact: warning: --set: fault.at_s: has an effect only where it is not after "
+      "run.duration_s\n");
   EXPECT_EQ(brief("--set fault.kind=stuck"),
             "arm_wall_contact: warning: --set: fault.kind: has an effect only where fault.sensor "
             "names a channel\n");

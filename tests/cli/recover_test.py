@@ -4,8 +4,10 @@ Usage: recover_test.py [--study] BIN_FOLDER
 """
 
 import json
+import os
 import pathlib
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -172,6 +174,49 @@ class Recovery(Folder):
             self.assertEqual(err, "motor_estimation: interrupted; its log so far is kept: breakwater "
                                   f"recover {partial}\n")
             self.call("breakwater", "recover", partial.name, "--out", f"saved-{sent}")
+
+    def test_nothing_is_lost(self):
+        partial, _, _ = self.cut()
+        config = partial / "config.toml"
+        text = config.read_text()
+
+        def refused(reason, *words):
+            _, err = self.call("breakwater", "recover", partial.name, *words, status=2)
+            self.assertIn(reason, err)
+            self.assertTrue((partial / "log.h5").exists())
+        refused("is inside the folder that is recovered", "--out", f"{partial.name}/inner/run")
+        (partial / "notes.txt").write_text("mine")
+        refused("holds notes.txt, which is not a run's: move it away first")
+        (partial / "notes.txt").unlink()
+        for damaged in ("", "\0"):
+            config.write_text(damaged)
+            refused(f"{partial.name}/config.toml")
+        config.write_text(text)
+        subprocess.run([BIN / "breakwater", "recover", "."], cwd=partial, env=environment(), check=True,
+                       capture_output=True)
+        self.call("breakwater", "diff", "run", "run")
+        self.assertFalse(partial.exists())
+
+    def test_a_folder_without_its_files_is_listed_as_damaged(self):
+        partial, _, _ = self.cut()
+        for name in ("log.h5", "log.journal", "running.json"):
+            (partial / name).unlink()
+            if name == "running.json":
+                os.mkfifo(partial / name)  # must not be waited for
+                self.assertNotIn(partial.name, self.call("breakwater", "ls", ".")[0])
+            else:
+                self.assertIn(f"{name}: is missing", " ".join(self.call("breakwater", "ls", ".")[0].split()))
+
+    def test_a_complete_run_gets_its_name(self):
+        self.call("motor_estimation", *STREAM, "--duration", "0.5", "--out", "whole")
+        partial, _, _ = self.cut()
+        for path in (self.folder / "whole").iterdir():
+            shutil.copy(path, partial / path.name)
+        out, _ = self.call("breakwater", "recover", partial.name, "--out", "new/parents/run")
+        self.assertEqual(out, "the run is complete\nresults: new/parents/run\n")
+        self.call("breakwater", "diff", "--quiet", "new/parents/run", "whole")
+        self.assertEqual(sorted(path.name for path in (self.folder / "whole").iterdir()),
+                         sorted(path.name for path in (self.folder / "new/parents/run").iterdir()))
 
     def test_is_refused_while_the_run_goes_on(self):
         process = self.start(*ENDLESS)

@@ -247,7 +247,7 @@ class Nonsense(unittest.TestCase):
             "^out: is empty": sweep(out=""),
             "^method: is empty": sweep(method=""),
             "^study: is empty": sweep(""),
-            "nowhere.toml: cannot be read": sweep(config="nowhere.toml"),
+            "config: there is no file .*nowhere.toml": sweep(config="nowhere.toml"),
             "^controller: a sweep runs without Python": sweep(controller=bw.Controller()),
             "^vary: has too many values for a command": sweep(
                 vary={"noise.std_rad": np.random.default_rng(1).random(20_000)}),

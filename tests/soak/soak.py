@@ -145,9 +145,9 @@ def main():
     parser = argparse.ArgumentParser(prog="./dev soak", allow_abbrev=False, description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
-    parser.add_argument("--short", action="store_true")
-    parser.add_argument("--only", choices=["steps", "runs", "frames", "replays"])
-    parser.add_argument("--plant-leak", action="store_true")
+    parser.add_argument("--short", action="store_true", help="a few seconds, without judging times")
+    parser.add_argument("--only", choices=["steps", "runs", "frames", "replays"], help="this part alone")
+    parser.add_argument("--plant-leak", action="store_true", help="a process that leaks instead: must end with 1")
     parser.add_argument("--check", action="store_true", help=argparse.SUPPRESS)  # the arguments alone
     arguments = parser.parse_args()
     if arguments.check:
@@ -159,6 +159,7 @@ def main():
     try:
         sys.exit(0 if all([soak.part(name) for name in names]) else 1)
     except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
         sys.exit(130)
 
 
