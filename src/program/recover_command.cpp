@@ -26,7 +26,7 @@ fs::path target_of(const fs::path& partial, const std::string& out) {
     throw std::invalid_argument(partial.string() +
                                 ": has another name than a killed run: give --out");
   }
-  const fs::path target = out.empty() ? finished_name(partial) : fs::path(out);
+  fs::path target = out.empty() ? finished_name(partial) : fs::path(out);
   if (fs::exists(fs::symlink_status(target))) {
     throw std::invalid_argument(target.string() +
                                 ": is there already: give another folder with --out");
