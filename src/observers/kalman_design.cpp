@@ -8,6 +8,8 @@
 namespace breakwater {
 namespace {
 
+constexpr double kLargest = 1e100;  // products of larger covariances overflow
+
 void require(bool fulfilled, Eigen::Index size, const std::string& what) {
   if (fulfilled) return;
   throw std::invalid_argument("Kalman filter: " + what + " and " + std::to_string(size) + "×" +
@@ -25,6 +27,10 @@ void check(const KalmanDesign& design) {
           "R must be symmetric positive definite");
   require(design.P0.rows() == N && is_positive_definite(design.P0), N,
           "P0 must be symmetric positive definite");
+  for (const Eigen::MatrixXd* covariance : {&design.Q, &design.R, &design.P0}) {
+    if (covariance->cwiseAbs().maxCoeff() <= kLargest) continue;
+    throw std::invalid_argument("Kalman filter: Q, R and P0 must be at most 1e100");
+  }
 }
 
 Eigen::MatrixXd input_noise(const ExtendedPlant& plant, double q) {

@@ -14,7 +14,7 @@ struct KalmanDesign {
 };
 
 /// Throws std::invalid_argument unless the shapes fit, Q is symmetric positive semidefinite, and R
-/// and P0 are symmetric positive definite.
+/// and P0 are symmetric positive definite. No value may be above 1e100.
 void check(const KalmanDesign& design);
 
 /// The process noise of the KFD. It enters like the input: Q = B̅ q B̅ᵀ (Eqs. 3.5, 3.8, 4.12). The

@@ -82,6 +82,7 @@ TEST(KalmanDesign, RefusesAnInvalidCovariance) {
   EXPECT_THROW(check(KalmanDesign{plant, -I3, I1, I3}), std::invalid_argument);
   EXPECT_THROW(check(KalmanDesign{plant, I3, 0.0 * I1, I3}), std::invalid_argument);
   EXPECT_THROW(check(KalmanDesign{plant, I3, I1, -I3}), std::invalid_argument);
+  EXPECT_THROW(check(KalmanDesign{plant, I3, 1e101 * I1, I3}), std::invalid_argument);
   EXPECT_THROW(check(KalmanDesign{plant, I1, I1, I3}), std::invalid_argument);
   Eigen::MatrixXd lopsided = I3;
   lopsided(0, 1) = 0.5;
