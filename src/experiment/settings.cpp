@@ -134,7 +134,8 @@ void FaultSettings::check(const Config& config, const std::vector<SensorChannel>
   if (fault.channel == kNoFault) return;
   const bool has_error = fault.kind == FaultKind::spike || fault.kind == FaultKind::bias;
   const bool is_stuck = fault.kind == FaultKind::stuck;
-  if (!(has_error && fault.size == 0.0) && !(is_stuck && fault.size <= 0.0)) return;
+  const bool is_wrong = is_stuck ? fault.size <= 0.0 : has_error && fault.size == 0.0;
+  if (!is_wrong) return;
   if (config.find("fault.size") == nullptr) config.fail("fault.kind", "needs fault.size");
   config.fail("fault.size", is_stuck ? "must be positive for fault.kind = \"stuck\""
                                      : "must not be 0 for this fault.kind");

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -66,35 +67,38 @@ bool is_complete(const fs::path& partial) {
   }
 }
 
-void recover(const fs::path& partial, const std::string& out, bool quiet) {
-  if (is_complete(partial)) {
-    const fs::path target = target_of(partial, out);
-    check_nothing_is_lost(partial, target);
-    RunFolder folder(target);
-    for (const auto& entry : fs::directory_iterator(partial)) {
-      if (entry.path().filename() == kRunning) continue;
-      fs::copy(entry.path(), folder.path() / entry.path().filename());
-    }
-    forget_stream(folder.path());
-    folder.commit();
-    fs::remove_all(partial);
-    if (!quiet) fmt::print("the run is complete\nresults: {}\n", target.string());
-    return;
+void write_complete_run(const fs::path& partial, RunFolder& folder) {
+  for (const auto& entry : fs::directory_iterator(partial)) {
+    if (entry.path().filename() == kRunning) continue;
+    fs::copy(entry.path(), folder.path() / entry.path().filename());
   }
-  const CutRun cut(partial);
+  forget_stream(folder.path());
+  folder.commit();
+}
+
+void recover(const fs::path& partial, const std::string& out, bool quiet) {
+  std::optional<CutRun> cut;
+  if (!is_complete(partial)) cut.emplace(partial);
   const fs::path target = target_of(partial, out);
   check_nothing_is_lost(partial, target);
   RunFolder folder(target);
-  write_cut_run(cut, partial, folder);
+  if (cut) {
+    write_cut_run(*cut, partial, folder);
+  } else {
+    write_complete_run(partial, folder);
+  }
   fs::remove_all(partial);
-  if (cut.is_damaged()) {
+  if (cut && cut->is_damaged()) {
     warn("recover", {"the rest of the log differs from its journal, as after a power failure: it "
                      "is left out"});
   }
-  if (!quiet) {
-    fmt::print("recovered {:.6g} s of the run, which has no metrics\nresults: {}\n", cut.end_s(),
-               target.string());
+  if (quiet) return;
+  if (cut) {
+    fmt::print("recovered {:.6g} s of the run, which has no metrics\n", cut->end_s());
+  } else {
+    fmt::print("the run is complete\n");
   }
+  fmt::print("results: {}\n", target.string());
 }
 
 }  // namespace
@@ -110,9 +114,8 @@ int recover_main(const Catalogue&, int argc, const char* const* argv) {
     app.add_option("--out", out, "the folder of the run (default: the one it was meant for)");
     app.add_flag("--quiet", quiet, "print errors only");
     app.footer(
-        "The run has the status \"cut\" and no metrics. Its log ends less than a second before "
-        "the\n"
-        "kill, of simulated time and of the clock. Exit status: 0 success, 2 usage or input.");
+        "The run has the status \"cut\" and no metrics. Its log ends less than a second before\n"
+        "the kill, of simulated time and of the clock. Exit status: 0 success, 2 usage or input.");
     if (const auto status = parse(app, argc, argv)) return *status;
     recover(named(partial), out, quiet);
     return static_cast<int>(kSuccess);

@@ -521,12 +521,10 @@ def main():
         try:
             found = sum(pool.map(disturb, range(asked.jobs)))
         except KeyboardInterrupt:
-            stop.set()
             print("interrupted", file=sys.stderr)
             return INTERRUPTED
-        except BaseException:
+        finally:
             stop.set()
-            raise
     print(f"{len(asked.seeds)} seeds in {time.monotonic() - begin:.0f} s: {found or 'nothing'} found")
     return 1 if found else 0
 

@@ -246,8 +246,7 @@ TEST_F(NonsenseIn, IsOneLine) {
         "HERE/odd.xml:1: is not a valid URDF: Could not find the 'robot' element in the xml file"},
        {"--set fault.sensor=q9",
         "--set: fault.sensor: must be one of none, q1, q2, q3, force, force_raw, is \"q9\" (did "
-        "you "
-        "mean q1?)"},
+        "you mean q1?)"},
        {"--set fault.sensor=q1 fault.kind=bias", "--set: fault.kind: needs fault.size"},
        {"--set fault.sensor=q1 fault.kind=spike fault.size=0",
         "--set: fault.size: must not be 0 for this fault.kind"},

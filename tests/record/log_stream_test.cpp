@@ -16,9 +16,9 @@ using testing::text_of;
 constexpr double kPeriod_s = 0.3;
 constexpr int kFinePerRow = 10;
 
-// A run with two tracks, of which "physics" is there from row 3 to row 6 of "control".
 constexpr const char* kManifest = R"({"scenario":"s","case":"c","seed":1})";
 
+// A run with two tracks, of which "physics" is there from row 3 to row 6 of "control".
 struct Tracks {
   Tracks(LogStream* stream, std::size_t rows)
       : fine("physics", {{"force_N", "N", "a force, in µN", {&force, 1}}}, 3 * kFinePerRow, stream),
