@@ -140,10 +140,7 @@ std::optional<double> TomlEntry::number_or_nothing() const {
 std::size_t TomlEntry::choice_of(const std::vector<std::string>& names) const {
   const std::string name = text();
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
-    fail(fmt::format("must be one of {}, is \"{}\"{}", fmt::join(names, ", "), name,
-                     did_you_mean(name, names)));
-  }
+  if (found == names.end()) fail(must_be_one_of(names, name));
   return static_cast<std::size_t>(found - names.begin());
 }
 

@@ -1,7 +1,5 @@
 #include <breakwater/experiment/settings.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -127,9 +125,7 @@ void FaultSettings::check(const Config& config, const std::vector<SensorChannel>
   std::vector<std::string> names = {kNoFault};
   for (const SensorChannel& channel : channels) names.push_back(channel.name);
   if (std::find(names.begin(), names.end(), fault.channel) == names.end()) {
-    config.fail("fault.sensor",
-                fmt::format("must be one of {}, is \"{}\"{}", fmt::join(names, ", "), fault.channel,
-                            did_you_mean(fault.channel, names)));
+    config.fail("fault.sensor", must_be_one_of(names, fault.channel));
   }
   if (fault.channel == kNoFault) return;
   const bool has_error = fault.kind == FaultKind::spike || fault.kind == FaultKind::bias;

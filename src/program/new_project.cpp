@@ -109,9 +109,7 @@ int new_project(const Catalogue& catalogue, const std::string& kind, const std::
   const fs::path templates = data_file("templates");
   const std::vector<std::string> kinds = kinds_of_projects(templates);
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
-    throw std::invalid_argument(fmt::format("new: KIND must be one of {}, is \"{}\"{}",
-                                            fmt::join(kinds, ", "), kind,
-                                            did_you_mean(kind, kinds)));
+    throw std::invalid_argument("new: KIND " + must_be_one_of(kinds, kind));
   }
   check_project_name(catalogue, name);
   const fs::path out = folder.empty() ? name : folder;

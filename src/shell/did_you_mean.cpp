@@ -1,5 +1,7 @@
 #include <breakwater/shell/did_you_mean.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -36,6 +38,11 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
     }
   }
   return best != nullptr ? " (did you mean " + *best + "?)" : "";
+}
+
+std::string must_be_one_of(const std::vector<std::string>& names, const std::string& word) {
+  return fmt::format("must be one of {}, is \"{}\"{}", fmt::join(names, ", "), word,
+                     did_you_mean(word, names));
 }
 
 }  // namespace breakwater
