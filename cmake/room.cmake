@@ -5,25 +5,31 @@ function(breakwater_shareable target)
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
 
-# Precompiled headers of the standard library and Eigen. No header may depend on this: the lint
-# preset builds without them.
-file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")  # as old as it is
-add_library(breakwater_precompiled STATIC ${PROJECT_BINARY_DIR}/precompiled.cpp)
-target_link_libraries(breakwater_precompiled PRIVATE Eigen3::Eigen breakwater_options)
-breakwater_shareable(breakwater_precompiled)
-target_precompile_headers(breakwater_precompiled PRIVATE
-  <algorithm> <filesystem> <functional> <map> <memory> <stdexcept> <string> <vector>
-  <Eigen/Cholesky> <Eigen/Core> <Eigen/LU>)
-
-# Headers are included as <breakwater/ROOM/NAME.h>, in the tree and when installed.
-file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
-file(CREATE_LINK ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/include/breakwater SYMBOLIC)
-
 # breakwater_outside_loop(TARGET): code that no control step calls, tests, and the Python module,
 # whose steps wait for Python. It compiles in two thirds of the time with less optimisation.
 function(breakwater_outside_loop target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
+
+# Precompiled headers. No header may depend on this: the lint preset builds without them. GCC keeps
+# the optimisation that they were compiled with, so those of code outside of the loop are others.
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")  # as old as it is
+function(breakwater_precompile name)
+  add_library(${name} STATIC ${PROJECT_BINARY_DIR}/precompiled.cpp)
+  target_link_libraries(${name} PRIVATE Eigen3::Eigen breakwater_options)
+  breakwater_shareable(${name})
+  target_precompile_headers(${name} PRIVATE
+    <algorithm> <filesystem> <functional> <map> <memory> <stdexcept> <string> <vector>
+    <Eigen/Cholesky> <Eigen/Core> <Eigen/LU> ${ARGN})
+endfunction()
+breakwater_precompile(breakwater_precompiled)
+breakwater_precompile(breakwater_precompiled_outside_loop <fmt/format.h> <nlohmann/json.hpp>)
+target_link_libraries(breakwater_precompiled_outside_loop PRIVATE fmt::fmt nlohmann_json::nlohmann_json)
+breakwater_outside_loop(breakwater_precompiled_outside_loop)
+
+# Headers are included as <breakwater/ROOM/NAME.h>, in the tree and when installed.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/include/breakwater SYMBOLIC)
 
 # breakwater_room(NAME [OUTSIDE_LOOP] SOURCES ... [PUBLIC ...] [PRIVATE ...]): a folder as the
 # library Breakwater::NAME, which links the rooms below it.
@@ -33,10 +39,12 @@ function(breakwater_room name)
     set(scope PUBLIC)
     add_library(breakwater_${name} STATIC ${ROOM_SOURCES})
     breakwater_shareable(breakwater_${name})
-    target_precompile_headers(breakwater_${name} REUSE_FROM breakwater_precompiled)
+    set(precompiled breakwater_precompiled)
     if(ROOM_OUTSIDE_LOOP)
       breakwater_outside_loop(breakwater_${name})
+      set(precompiled breakwater_precompiled_outside_loop)
     endif()
+    target_precompile_headers(breakwater_${name} REUSE_FROM ${precompiled})
     target_link_libraries(breakwater_${name}
       PRIVATE $<BUILD_INTERFACE:breakwater_options> ${ROOM_PRIVATE})
   else()
