@@ -1,12 +1,21 @@
 # The compiler options of all targets: target `breakwater_options`.
 find_program(CCACHE ccache)
-if(CCACHE)
+if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   # Hashed files do not contain the path of the clone.
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
       CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
 set(BREAKWATER_SANITIZER "" CACHE STRING "address, fuzzer or coverage (both Clang) or thread; empty for none")
+# Both link faster than GNU's linker.
+find_program(FASTER_LINKER NAMES mold ld.lld)
+if(FASTER_LINKER MATCHES "mold$")
+  add_link_options(-fuse-ld=mold)
+elseif(FASTER_LINKER)
+  add_link_options(-fuse-ld=lld)
+endif()
+
+option(BREAKWATER_TOOLS "All but the programs of the scenarios on axes: pages, studies, tests, ..." ON)
 option(BREAKWATER_NATIVE "Compile for this machine's processor: for benchmarks, not for goldens" OFF)
 option(BREAKWATER_PYTHON "The Python module (Debian: pybind11-dev)" ON)
 option(BREAKWATER_WARNINGS_AS_ERRORS "As the presets that are tested have it" OFF)
