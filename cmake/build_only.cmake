@@ -1,16 +1,22 @@
 # Packages that only the tree needs. An installed Breakwater does not.
 get_property(packages GLOBAL PROPERTY BREAKWATER_PACKAGES)
+if(NOT BREAKWATER_TOOLS)
+  list(REMOVE_ITEM packages Boost::headers ceres::tiny_solver Pagmo::pagmo PkgConfig::cairo
+    PkgConfig::ffmpeg PkgConfig::nlopt PkgConfig::sqlite3 TBB::tbb)
+endif()
 foreach(package IN LISTS packages)
   breakwater_find(${package} REQUIRED)
 endforeach()
 
 find_package(PkgConfig REQUIRED)
-# OpenGL is not linked: render/ loads OSMesa or EGL for the first picture.
-find_path(EGL_INCLUDE_DIR EGL/egl.h REQUIRED)
-# dygraphs and three.js go into each page as a whole.
-find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
-find_path(THREE_DIR three.min.js PATHS /usr/share/javascript/three NO_DEFAULT_PATH REQUIRED)
-find_path(DYGRAPHS_DIR dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH REQUIRED)
+if(BREAKWATER_TOOLS)
+  # OpenGL is not linked: render/ loads OSMesa or EGL for the first picture.
+  find_path(EGL_INCLUDE_DIR EGL/egl.h REQUIRED)
+  # dygraphs and three.js go into each page as a whole.
+  find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
+  find_path(THREE_DIR three.min.js PATHS /usr/share/javascript/three NO_DEFAULT_PATH REQUIRED)
+  find_path(DYGRAPHS_DIR dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH REQUIRED)
+endif()
 # HDF5 and its compression libraries, linked into the programs (src/record/hdf5_linked.cpp).
 find_library(HDF5_HL_STATIC_LIBRARY libhdf5_serial_hl.a REQUIRED)
 find_library(HDF5_STATIC_LIBRARY libhdf5_serial.a REQUIRED)

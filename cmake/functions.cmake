@@ -1,18 +1,22 @@
 # Functions for programs with Breakwater's commands: our own and those of users.
 set(BREAKWATER_FUNCTIONS_DIR ${CMAKE_CURRENT_LIST_DIR})
 
-# breakwater_program(NAME [ONE_SCENARIO] SOURCES FILE...): a program whose main() passes a catalogue
-# to breakwater::program() (docs/tutorials/own-controller.md). It links Breakwater::program and
-# ::scenarios. With ONE_SCENARIO main() passes it to breakwater::scenario_program(). The program
-# then runs one scenario, and links ::scenario_program without pages, pictures and studies.
+# breakwater_program(NAME [ONE_SCENARIO] [CATALOGUE ROOM] SOURCES FILE...): a program whose main()
+# passes a catalogue to breakwater::program() (docs/tutorials/own-controller.md). It links
+# Breakwater::program and the room of the catalogue: ::scenarios, or ::axes_scenarios, which has no
+# quadrotor. With ONE_SCENARIO main() passes it to breakwater::scenario_program(). The program then
+# runs one scenario, and links ::scenario_program without pages, pictures and studies.
 function(breakwater_program name)
-  cmake_parse_arguments(PROGRAM "ONE_SCENARIO" "" "SOURCES" ${ARGN})
+  cmake_parse_arguments(PROGRAM "ONE_SCENARIO" "CATALOGUE" "SOURCES" ${ARGN})
   add_executable(${name} ${PROGRAM_SOURCES})
   set(main program)
   if(PROGRAM_ONE_SCENARIO)
     set(main scenario_program)
   endif()
-  target_link_libraries(${name} PRIVATE Breakwater::scenarios Breakwater::${main})
+  if(NOT PROGRAM_CATALOGUE)
+    set(PROGRAM_CATALOGUE scenarios)
+  endif()
+  target_link_libraries(${name} PRIVATE Breakwater::${PROGRAM_CATALOGUE} Breakwater::${main})
 endfunction()
 
 # breakwater_scenario(TARGET NAME [SOURCES FILE...]): adds the scenario in the folder NAME to a

@@ -32,9 +32,10 @@ set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "testbed for robust model-based motion c
  predictive control, force control of an arm and an underwater quadrotor.")
 
 # A user's program is built against all of them: the build's packages without the tools.
-file(STRINGS ${PROJECT_SOURCE_DIR}/packages/build.txt lines REGEX "^[a-z]")
+file(STRINGS ${PROJECT_SOURCE_DIR}/packages/demo.txt lines REGEX "^[a-z]")
+file(STRINGS ${PROJECT_SOURCE_DIR}/packages/build.txt more REGEX "^[a-z]")
 set(depends "breakwater (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
-foreach(line IN LISTS lines)
+foreach(line IN LISTS lines more)
   string(REGEX MATCH "^[a-z0-9.+-]+" package "${line}")
   if(NOT package MATCHES "^(ccache|git|musl-dev|libegl-dev|libosmesa6|fonts-dejavu-core|libjs-dygraphs|libjs-three)$")
     string(APPEND depends ", ${package}")

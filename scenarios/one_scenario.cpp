@@ -3,9 +3,10 @@
 
 namespace breakwater {
 extern const char* const kScenario;  // scenario_name.cpp
-}
+Catalogue catalogue_of_scenario();   // the same
+}  // namespace breakwater
 
 int main(int argc, char** argv) {
-  return breakwater::scenario_program(argc, argv, breakwater::standard_catalogue(),
+  return breakwater::scenario_program(argc, argv, breakwater::catalogue_of_scenario(),
                                       breakwater::kScenario);
 }

@@ -10,6 +10,10 @@ namespace breakwater {
 /// The catalogue of everything in Breakwater. The component `scenarios` contains it.
 Catalogue standard_catalogue();
 
+/// The part of it that needs no quadrotor and no recorded data. The component `axes_scenarios`
+/// contains it.
+Catalogue axes_catalogue();
+
 namespace detail {
 int scenario_program(int argc, const char* const* argv, const Catalogue& catalogue,
                      const std::string& scenario, const char* installation);
