@@ -29,8 +29,6 @@ install(TARGETS breakwater ${BREAKWATER_SCENARIOS} RUNTIME DESTINATION ${CMAKE_I
   COMPONENT runtime)
 install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater COMPONENT development
   FILES_MATCHING PATTERN "*.h")
-install(FILES ${PROJECT_BINARY_DIR}/generated/include/breakwater/version.h
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater COMPONENT development)
 install(DIRECTORY templates DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater COMPONENT runtime)
 install(DIRECTORY models data renders docs DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater
   COMPONENT runtime FILES_MATCHING PATTERN "*.xml" PATTERN "*.urdf" PATTERN "*.toml" PATTERN "*.md"

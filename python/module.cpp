@@ -7,11 +7,11 @@
 #include <stdexcept>
 
 #include <breakwater/experiment/scenario.h>
+#include <breakwater/experiment/version.h>
 #include <breakwater/record/output_error.h>
 #include <breakwater/record/stop_asked.h>
 #include <breakwater/record/track.h>
 #include <breakwater/shell/paths.h>
-#include <breakwater/version.h>
 #include "interpreter.h"
 #include "linear.h"
 #include "observers.h"

@@ -12,12 +12,12 @@
 #include <breakwater/experiment/main_metrics.h>
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/record/file_hash.h>
+#include <breakwater/experiment/version.h>
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/sim/engine_guard.h>
-#include <breakwater/version.h>
 
 namespace breakwater {
 namespace {

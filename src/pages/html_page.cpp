@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include <breakwater/experiment/version.h>
 #include <breakwater/pictures/page_data.h>
 #include <breakwater/record/file_bytes.h>
 #include <breakwater/render/identity.h>
 #include <breakwater/shell/paths.h>
-#include <breakwater/version.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

@@ -9,6 +9,7 @@
 
 #include <breakwater/experiment/run_tables.h>
 #include <breakwater/experiment/runner.h>
+#include <breakwater/experiment/version.h>
 #include <breakwater/program/run_changes.h>
 #include <breakwater/program/video_later.h>
 #include <breakwater/record/run_folder.h>
@@ -18,7 +19,6 @@
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/terminal.h>
 #include <breakwater/sim/opengl_asked.h>
-#include <breakwater/version.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

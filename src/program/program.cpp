@@ -10,6 +10,7 @@
 #include <breakwater/analysis/analyze_command.h>
 #include <breakwater/config/scenario_name.h>
 #include <breakwater/experiment/command_kind.h>
+#include <breakwater/experiment/version.h>
 #include <breakwater/identification/identify_command.h>
 #include <breakwater/pages/report_commands.h>
 #include <breakwater/pictures/picture_commands.h>
@@ -21,7 +22,6 @@
 #include <breakwater/shell/process.h>
 #include <breakwater/study/study_folder.h>
 #include <breakwater/thesis/reproduce_command.h>
-#include <breakwater/version.h>
 
 namespace breakwater {
 namespace {

@@ -9,11 +9,11 @@
 
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
+#include <breakwater/experiment/version.h>
 #include <breakwater/record/file_bytes.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/paths.h>
-#include <breakwater/version.h>
 
 namespace breakwater {
 namespace {
