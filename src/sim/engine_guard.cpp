@@ -1,6 +1,7 @@
 #include <breakwater/sim/engine_guard.h>
 
 #include <mujoco/mujoco.h>
+#include <sys/mman.h>
 
 #include <csetjmp>
 #include <cstdio>
@@ -41,12 +42,26 @@ void on_warning(const char* message) {
   std::snprintf(state.warning, kTextSize, "%s", message);
 }
 
+// The engine's compiler fills data of 3 MB for every model, whatever its size. Large pages save 770
+// page faults, half of those of a short run. Larger blocks are stacks, which are hardly touched.
+void* allocate(std::size_t bytes) {
+  constexpr std::size_t kLargePage = std::size_t{1} << 21, kMost = 4 * kLargePage;
+  constexpr std::size_t kAlignment = 64;
+  const std::size_t alignment = bytes > kLargePage && bytes <= kMost ? kLargePage : kAlignment;
+  const std::size_t size = (bytes + alignment - 1) / alignment * alignment;
+  void* block = size < bytes ? nullptr : std::aligned_alloc(alignment, size);
+  if (block != nullptr && alignment == kLargePage) madvise(block, size, MADV_HUGEPAGE);
+  return block;
+}
+
 // Before the first call of the engine.
 void prepare_engine() {
   static std::once_flag once;
   std::call_once(once, [] {
     mju_user_error = on_error;
     mju_user_warning = on_warning;
+    mju_user_malloc = allocate;
+    mju_user_free = std::free;
     engine_functions();
   });
 }
