@@ -20,7 +20,7 @@ ModelHashes model_hashes(const std::vector<std::string>& files);
 /// effective configuration and the models.
 std::string point_key(const std::string& config_text, const ModelHashes& models);
 
-/// The hash of program_file(), read once. It distinguishes builds of one version.
+/// The hash of the linker's build id (without one, of program_file()). It tells builds apart.
 const std::string& program_hash();
 
 }  // namespace breakwater
