@@ -8,8 +8,11 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <set>
 #include <stdexcept>
+#include <string_view>
+#include <unordered_map>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/shell/did_you_mean.h>
@@ -67,6 +70,79 @@ std::string name_here(const std::string& key, const std::set<std::string>& keys)
     std::copy_if(keys.begin(), keys.end(), std::back_inserter(found), is_in_group);
   }
   return found.empty() ? "" : fmt::format(" (here it is {})", fmt::join(found, " or "));
+}
+
+// Answers that do not change during a pass over all keys: which parts are chosen.
+template <typename Ask>
+class Remembered {
+ public:
+  explicit Remembered(Ask ask) : ask_(std::move(ask)) {}
+
+  bool operator()(const std::string& choice, const std::string& name) {
+    const auto [known, is_new] = known_.try_emplace({choice, name}, false);
+    if (is_new) known->second = ask_(choice, name);
+    return known->second;
+  }
+
+  // The variable of the scenario or of the chosen part; null if there is none.
+  template <typename Field>
+  auto in_use(const Field& field) {
+    const auto find = [&](auto&& counts) {
+      const auto found = std::find_if(field.variables.begin(), field.variables.end(), counts);
+      return found != field.variables.end() ? &*found : nullptr;
+    };
+    const auto* own = find([](const auto& v) { return v.part.name.empty(); });
+    return own != nullptr
+               ? own
+               : find([this](const auto& v) { return (*this)(v.part.choice, v.part.name); });
+  }
+
+ private:
+  Ask ask_;
+  std::map<std::pair<std::string_view, std::string_view>, bool> known_;
+};
+
+// Each key of a table must exist, and its value must suit one of its variables. Keys of a part that
+// does not exist are unknown too. Report the choice first: it is the cause. assign(table, field,
+// value) refuses a wrong value.
+template <typename Fields, typename Assign>
+void check_tables(Fields& fields, std::span<const Config> tables, const Assign& assign) {
+  std::unordered_map<std::string_view, std::size_t> by_key;
+  std::set<std::string_view> choices;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    by_key.emplace(fields[i].key, i);
+    for (const auto& variable : fields[i].variables) choices.insert(variable.part.choice);
+  }
+  const auto check_values = [&](const Config& table, const auto& is_wanted) {
+    std::vector<std::pair<std::size_t, const ConfigValue*>> values;
+    for (const auto& [key, entry] : table.entries()) {
+      const auto known = by_key.find(key);
+      if (known != by_key.end() && is_wanted(key)) values.emplace_back(known->second, &entry.value);
+    }
+    std::sort(values.begin(), values.end());  // the order of the keys here, not in the table
+    for (const auto& [number, value] : values) assign(table, fields[number], *value);
+  };
+  for (const Config& table : tables) {
+    check_values(table, [&](const std::string& key) { return choices.contains(key); });
+  }
+  for (const Config& table : tables) {
+    for (const auto& [key, entry] : table.entries()) {
+      if (by_key.contains(key)) continue;
+      std::set<std::string> keys;
+      for (const auto& field : fields) keys.insert(field.key);
+      const std::string here = name_here(key, keys);
+      table.fail(key, "unknown key" +
+                          (here.empty() ? did_you_mean(key, {keys.begin(), keys.end()}) : here));
+    }
+    check_values(table, [](const std::string&) { return true; });
+  }
+}
+
+// Whether the name of a file is among the meanings of a key.
+template <typename Field>
+bool names_file(const Field& field) {
+  return std::any_of(field.variables.begin(), field.variables.end(),
+                     [](const auto& variable) { return variable.file != nullptr; });
 }
 
 // "" for a root key.
@@ -417,9 +493,10 @@ Fields::Error Fields::assign(Field& field, const ConfigValue& value, const Varia
 
 std::vector<UnusedKey> Fields::unused() const {
   std::vector<UnusedKey> keys;
+  Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
   for (const Field& field : fields_) {
     if (!field.was_read) continue;
-    const Variable* variable = in_use(field);
+    const Variable* variable = chosen.in_use(field);
     if (variable == nullptr) {
       std::vector<std::string> names;
       for (const Variable& of_part : field.variables) names.push_back(of_part.part.name);
@@ -443,34 +520,10 @@ void Fields::fail_if(const Config& config, const Field& field, const Error& erro
   if (error) config.fail(field.key + error->element, error->reason);
 }
 
-// Keys of a part that does not exist are unknown too. Report the choice first: it is the cause.
-void Fields::check_choices(const Config& table) {
-  std::set<std::string> choices;
-  for (const Field& field : fields_) {
-    for (const Variable& variable : field.variables) choices.insert(variable.part.choice);
-  }
-  for (Field& field : fields_) {
-    const ConfigEntry* entry = table.find(field.key);
-    if (entry == nullptr || !choices.contains(field.key)) continue;
-    fail_if(table, field, assign(field, entry->value, nullptr));
-  }
-}
-
-// Each key of a table must exist, and its value must suit one of its variables.
-void Fields::check(const Config& table) {
-  std::set<std::string> keys;
-  for (const Field& field : fields_) keys.insert(field.key);
-  for (const auto& [key, entry] : table.entries()) {
-    if (keys.contains(key)) continue;
-    const std::string here = name_here(key, keys);
-    table.fail(
-        key, "unknown key" + (here.empty() ? did_you_mean(key, {keys.begin(), keys.end()}) : here));
-  }
-  for (Field& field : fields_) {
-    const ConfigEntry* entry = table.find(field.key);
-    if (entry == nullptr) continue;
-    fail_if(table, field, assign(field, entry->value, nullptr));
-  }
+void Fields::check(std::span<const Config> tables) {
+  check_tables(fields_, tables, [](const Config& table, Field& field, const ConfigValue& value) {
+    fail_if(table, field, assign(field, value, nullptr));
+  });
 }
 
 // Sets the missing keys that have a default value. One of them may be a choice, so set them first.
@@ -485,6 +538,7 @@ void Fields::assign_standards(const Config& config) {
 }
 
 void Fields::find_file(const Config& config, const Field& field) const {
+  if (!names_file(field)) return;
   const Variable* variable = in_use(field);
   if (variable == nullptr || variable->file == nullptr) return;
   *variable->file = config.find_file_of(field.key, *variable->file);
@@ -512,11 +566,11 @@ std::string Fields::missing_in_words(const std::vector<const Field*>& missing) c
 
 std::vector<const Fields::Field*> Fields::assign_all(const Config& config) {
   assign_standards(config);
-  check_choices(config);
-  check(config);  // the choices are now known
+  check(std::span(&config, 1));  // the choices are then known
   std::vector<const Field*> missing;
+  Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
   for (Field& field : fields_) {
-    const Variable* counts = in_use(field);
+    const Variable* counts = chosen.in_use(field);
     if (const ConfigEntry* entry = config.find(field.key)) {
       fail_if(config, field, assign(field, entry->value, counts));
     } else if (counts != nullptr && !counts->standard) {
@@ -541,8 +595,8 @@ void Fields::read_incomplete(const Config& config) {
 }
 
 void Fields::check(const ScenarioFile& file) {
-  for (const Config& table : file.tables()) check_choices(table);
-  for (const Config& table : file.tables()) check(table);
+  const std::vector<Config> tables = file.tables();
+  check(tables);
 }
 
 std::vector<std::string> Fields::read_finished(const Config& config) {
@@ -568,28 +622,26 @@ std::vector<std::string> Fields::read_finished(const Config& config) {
 std::string Fields::print(const std::string& scenario, const std::string& case_name) const {
   std::string text = fmt::format("scenario = {}\ndefault_case = {}\n", toml_string(scenario),
                                  toml_string(case_name));
-  // Keys of parts that are not chosen are printed only if they were given.
-  std::vector<const Field*> printed;
+  // Each table with its lines, in the order of their first keys. The root's keys come first.
+  std::vector<std::pair<std::string, std::string>> tables = {{"", ""}};
+  Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
   for (const Field& field : fields_) {
-    if (in_use(field) != nullptr || field.was_read) printed.push_back(&field);
+    const Variable* variable = chosen.in_use(field);
+    // Keys of parts that are not chosen are printed only if they were given.
+    if (variable == nullptr && !field.was_read) continue;
+    if (variable == nullptr) variable = &field.variables[field.suited];
+    const std::string name = table_of(field.key);
+    auto table = std::find_if(tables.begin(), tables.end(),
+                              [&](const auto& other) { return other.first == name; });
+    if (table == tables.end()) table = tables.insert(table, {name, ""});
+    const bool is_missing = field.is_missing && !variable->standard;
+    std::string& lines = table->second;
+    lines.append("# ").append(field.doc()).append(is_missing ? "\n# " : "\n");
+    lines.append(field.key, name.empty() ? 0 : name.size() + 1).append(" = ");
+    lines.append(is_missing ? "  # required" : variable->print()).append("\n");
   }
-  std::vector<std::string> tables = {""};  // the root's keys come first
-  for (const Field* field : printed) {
-    const std::string table = table_of(field->key);
-    if (std::find(tables.begin(), tables.end(), table) == tables.end()) tables.push_back(table);
-  }
-  for (const std::string& table : tables) {
-    if (!table.empty()) text += fmt::format("\n[{}]\n", table);
-    for (const Field* field : printed) {
-      if (table_of(field->key) != table) continue;
-      const std::string name = table.empty() ? field->key : field->key.substr(table.size() + 1);
-      const Variable* variable = in_use(*field);
-      if (variable == nullptr) variable = &field->variables[field->suited];
-      const bool is_missing = field->is_missing && !variable->standard;
-      text += fmt::format("# {}\n", field->doc());
-      text += is_missing ? fmt::format("# {} =   # required\n", name)
-                         : fmt::format("{} = {}\n", name, variable->print());
-    }
+  for (const auto& [name, lines] : tables) {
+    text += (name.empty() ? "" : "\n[" + name + "]\n") + lines;
   }
   return text + fmt::format("\n[case.{}]\n", toml_key(case_name));
 }
@@ -620,6 +672,7 @@ std::vector<KeyHelp> Fields::help() const {
 std::vector<std::string> Fields::files() const {
   std::vector<std::string> files;
   for (const Field& field : fields_) {
+    if (!names_file(field)) continue;
     const Variable* variable = in_use(field);
     if (variable != nullptr && variable->file != nullptr) files.push_back(*variable->file);
   }

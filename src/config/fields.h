@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -248,9 +249,8 @@ class Fields {
   static Error assign(Field& field, const ConfigValue& value, const Variable* counts);
   static void fail_if(const Config& config, const Field& field, const Error& error);
   void assign_standards(const Config& config);
-  void check(const Config& table);
-  // Checks the choices alone.
-  void check_choices(const Config& table);
+  // Checks the choices of all tables, then each table.
+  void check(std::span<const Config> tables);
   void find_file(const Config& config, const Field& field) const;
   void add_choice(const std::string& key, const std::vector<std::string>& names,
                   std::function<void(std::size_t)> assign, std::function<std::string()> print,
