@@ -69,7 +69,7 @@ ModelHashes model_hashes(const std::vector<std::string>& files) {
 }
 
 std::string point_key(const std::string& config_text, const ModelHashes& models) {
-  std::vector<std::string> parts = {config_text};
+  std::vector<std::string> parts(1, config_text);
   for (const auto& [file, hash] : models) parts.insert(parts.end(), {file, hash});
   return fingerprint(parts);
 }

@@ -52,9 +52,13 @@ std::string text_hash(std::string_view text) {
 }
 
 std::string fingerprint(const std::vector<std::string>& parts) {
-  std::string all;
-  for (const std::string& part : parts) all += std::to_string(part.size()) + ":" + part;
-  return text_hash(all);
+  BlockHash hash;
+  for (const std::string& part : parts) {
+    const std::string size = std::to_string(part.size()) + ":";
+    hash.add(size.data(), size.size());
+    hash.add(part.data(), part.size());
+  }
+  return fmt::format("{:016x}", hash.digest());
 }
 
 }  // namespace breakwater
