@@ -20,6 +20,7 @@ endif()
 # HDF5 and its compression libraries, linked into the programs (src/record/hdf5_linked.cpp).
 find_library(HDF5_HL_STATIC_LIBRARY libhdf5_serial_hl.a REQUIRED)
 find_library(HDF5_STATIC_LIBRARY libhdf5_serial.a REQUIRED)
-find_library(SZ_LIBRARY sz REQUIRED)
-set(HDF5_STATIC_LIBRARIES ${HDF5_HL_STATIC_LIBRARY} ${HDF5_STATIC_LIBRARY} ${SZ_LIBRARY}
-    PkgConfig::zlib ${CMAKE_DL_LIBS})
+find_library(SZ_STATIC_LIBRARY libsz.a REQUIRED)
+find_library(AEC_STATIC_LIBRARY libaec.a REQUIRED)
+set(HDF5_STATIC_LIBRARIES ${HDF5_HL_STATIC_LIBRARY} ${HDF5_STATIC_LIBRARY} ${SZ_STATIC_LIBRARY}
+    ${AEC_STATIC_LIBRARY} PkgConfig::zlib ${CMAKE_DL_LIBS})

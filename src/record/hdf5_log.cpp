@@ -131,11 +131,6 @@ void make_scale(hid_t group, const std::string& name) {
   require(hdf5().H5DSset_scale(scale, name.c_str()));
 }
 
-void attach_scale(hid_t group, hid_t dataset, const std::string& name, unsigned dimension) {
-  const Handle scale(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
-  require(hdf5().H5DSattach_scale(dataset, scale, dimension));
-}
-
 // Writes 1 … width, the scale of all vectors of this width in the group.
 std::string write_index(hid_t group, std::size_t width) {
   std::string name = index_name(width);
@@ -156,12 +151,18 @@ void write_group(hid_t file, std::span<const LogEntry> datasets, Write&& write) 
                      hdf5().H5Gclose);
   write(group, 0);
   make_scale(group, kTimeBase);
+  const auto opened = [&](const std::string& name) {
+    return hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT);
+  };
+  const Handle times(opened(kTimeBase), hdf5().H5Dclose);
   for (std::size_t i = 1; i < datasets.size(); ++i) {
     const LogEntry& entry = datasets[i];
     write(group, i);
-    const Handle dataset(hdf5().H5Dopen2(group, entry.name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
-    attach_scale(group, dataset, kTimeBase, 0);
-    if (entry.width > 1) attach_scale(group, dataset, write_index(group, entry.width), 1);
+    const Handle dataset(opened(entry.name), hdf5().H5Dclose);
+    require(hdf5().H5DSattach_scale(dataset, times, 0));
+    if (entry.width == 1) continue;
+    const Handle index(opened(write_index(group, entry.width)), hdf5().H5Dclose);
+    require(hdf5().H5DSattach_scale(dataset, index, 1));
   }
 }
 
