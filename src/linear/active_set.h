@@ -2,8 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include <breakwater/linear/ldl_factor.h>
+#include <breakwater/linear/orthogonal_active_set.h>
 #include <breakwater/linear/qp.h>
+#include <breakwater/linear/row_scan.h>
 
 namespace breakwater {
 
@@ -30,27 +34,105 @@ class ActiveSetQp final : public QpSolver {
   /// std::invalid_argument as make_qp_solver() does.
   ActiveSetQp(const QpModel& model, int max_changes);
 
-  void solve(const QpInput& input, QpSolution& solution) override {
-    solver_->solve(input, solution);
-  }
-  void reset() override { solver_->reset(); }
-  const QpModel& model() const override { return solver_->model(); }
+  void solve(const QpInput& input, QpSolution& solution) override;
+  void reset() override;
+  const QpModel& model() const override { return factors_.model; }
 
   /// Changes the matrices between two solves. They have the sizes of the first ones; H is symmetric
   /// positive definite, which is not checked. The next solve starts from the last working set.
   /// Throws std::invalid_argument if a size differs or the model has a Horizon. Allocates nothing.
-  void set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor& Omega) {
-    solver_->set_matrices(H, Omega);
-  }
-
-  /// The interface of the solvers for each number of variables.
-  class Core : public QpSolver {
-   public:
-    virtual void set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor& Omega) = 0;
-  };
+  void set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor& Omega);
 
  private:
-  std::unique_ptr<Core> solver_;  // specialised for a small number of variables
+  struct Small;
+
+  struct Violation {
+    Eigen::Index row = -1;  // −1: none
+    double amount = 0.0;
+    bool upper = false;
+  };
+
+  // A row of the working set.
+  struct Active {
+    Eigen::Index row;
+    double side;    // 1: at its upper bound, −1: at its lower
+    double length;  // squared, in the metric of H⁻¹
+  };
+
+  Eigen::Index active_count() const { return factor_.size(); }
+  const Active& active(Eigen::Index j) const { return active_[static_cast<std::size_t>(j)]; }
+  static double bound(const QpInput& input, const Active& row) {
+    return row.side > 0.0 ? input.upper(row.row) : input.lower(row.row);
+  }
+  double softness(Eigen::Index row) const { return has_soft_ ? softness_(row) : 0.0; }
+  const double* row_data(Eigen::Index row) const {
+    return factors_.model.Omega.data() + row * factors_.variables();
+  }
+
+  void derive();
+  QpStatus examine(const QpInput& input);
+  void take_over(const QpInput& input);
+  void attempt(const QpInput& input, QpSolution& solution);
+  void weigh(Eigen::Index row);
+  void refactor();
+  QpStatus search(const QpInput& input, QpSolution& solution);
+  void make_dual_feasible(const QpInput& input);
+  void place(const QpInput& input, QpSolution& solution);
+  void scan(const QpInput& input, const QpSolution& solution);
+  void multiply(const Eigen::MatrixXd& M, const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
+  void rows_of(const Eigen::VectorXd& z, Eigen::VectorXd& values);
+  Violation worst_violation(const QpInput& input) const;
+  QpStatus drive_to_bound(Violation violation, QpSolution& solution);
+  double active_error(const QpInput& input) const;
+  double pivot_towards(Eigen::Index row);
+  double pivot_with_less_cancellation(Eigen::Index row, double own);
+  void hold_bounds(const QpInput& input);
+  void refine(const QpInput& input, QpSolution& solution);
+  void finish(const QpInput& input, QpSolution& solution);
+  void measure(const QpInput& input, QpSolution& solution);
+  void set_multipliers(QpSolution& solution) const;
+  void set_gradient(const QpInput& input, const QpSolution& solution);
+  void add(Eigen::Index row, double side, double pivot);
+  void remove(Eigen::Index position);
+
+  QpFactors factors_;
+  const Small* small_;        // products for this number of variables; nullptr: it is not small
+  Eigen::VectorXd length_;    // squared length of each row in the metric of H⁻¹
+  double largest_row_ = 0.0;  // ‖Ω‖∞
+  int max_changes_;
+  int changes_left_ = 0;  // in this attempt
+
+  // nullptr unless the problem has a long Horizon.
+  std::unique_ptr<HorizonSweeps> sweeps_;
+
+  LdlFactor factor_;  // factor of S
+  std::vector<Active> active_;
+  std::vector<Active> previous_;  // work space of refactor()
+  Eigen::VectorXd weight_;    // 1/length of each inactive row in the metric of H⁻¹; 0: active
+  Eigen::VectorXd softness_;  // softness in the present factor
+  bool is_softness_known_ = true;  // the input has the same softness
+  bool has_soft_ = false;
+  bool is_tilted_ = false;  // the residual is not only due to violated rows
+
+  // Their size is that of the largest working set. Only the first active_count() entries
+  // are used.
+  Eigen::VectorXd mu_;         // multipliers of the working set
+  Eigen::VectorXd target_;     // S μ
+  Eigen::VectorXd half_;       // D⁻¹ L⁻¹ s, with the column s of a row in the Gram matrix
+  Eigen::VectorXd direction_;  // S⁻¹ s: the response of the working set's multipliers
+  Eigen::VectorXd correction_;
+
+  double g_norm_ = 0.0;     // ‖g‖∞
+  Eigen::VectorXd z_free_;  // −H⁻¹ g
+  Eigen::VectorXd values_;  // Ω z
+  Eigen::VectorXd scores_;  // weighted violations of the rows
+  RowScan scan_;
+  Eigen::VectorXd values_free_;  // Ω z_free
+  Eigen::VectorXd gradient_;
+  Eigen::VectorXd residual_;
+  Eigen::VectorXd room_;   // n
+  Eigen::VectorXd proof_;  // m: certificate of infeasibility
+  OrthogonalActiveSet second_;
 };
 
 }  // namespace breakwater

@@ -1,6 +1,9 @@
 #include <breakwater/linear/horizon.h>
 
+#include <algorithm>
 #include <stdexcept>
+
+#include <breakwater/linear/small_products.h>
 
 namespace breakwater {
 namespace {
@@ -30,47 +33,47 @@ void check(const Horizon& horizon) {
   }
 }
 
-// Sweeps for n states and m inputs.
-template <int n, int m>
+// Sweeps for n states and one input. Plain arrays keep the compiler's work small.
+template <int n>
 class Sweeps final : public HorizonSweeps {
  public:
   explicit Sweeps(const Horizon& horizon)
       : A_(horizon.A),
-        B_(horizon.B),
         A_transposed_(horizon.A.transpose()),
         A_squared_(horizon.A * horizon.A),
-        AB_(horizon.A * horizon.B),
         A_squared_transposed_(A_squared_.transpose()),
         Q_(horizon.Q),
         Q_last_(horizon.Q_last),
-        R_(horizon.R),
-        S_(horizon.S),
-        has_S_(!horizon.S.isZero(0.0)),
+        B_(State::of(horizon.B.data())),
+        AB_(State::of(Eigen::MatrixXd(horizon.A * horizon.B).data())),
+        R_(horizon.R(0, 0)),
+        S_(horizon.S(0, 0)),
         prediction_steps_(horizon.prediction_steps),
         control_steps_(horizon.control_steps),
-        changes_(Inputs::Zero(B_.cols(), control_steps_)),
-        inputs_(Inputs::Zero(B_.cols(), prediction_steps_)),
-        states_(States::Zero(A_.rows(), prediction_steps_)),
+        changes_(static_cast<std::size_t>(control_steps_)),
+        inputs_(static_cast<std::size_t>(prediction_steps_)),
+        states_(static_cast<std::size_t>(prediction_steps_)),
         change_forces_(changes_),
         input_forces_(inputs_),
         state_forces_(states_) {
     for (const Horizon::Row& row : horizon.rows) {
+      const auto step = static_cast<std::size_t>(row.step);
       switch (row.kind) {
         case Horizon::RowKind::change:
-          add_row(changes_, change_forces_, row.component, row.step);
+          add_row(changes_[step], change_forces_[step]);
           break;
         case Horizon::RowKind::input:
-          add_row(inputs_, input_forces_, row.component, row.step);
+          add_row(inputs_[step], input_forces_[step]);
           break;
         case Horizon::RowKind::state:
-          add_row(states_, state_forces_, row.component, row.step - 1);
+          add_row(states_[step - 1].x[row.component], state_forces_[step - 1].x[row.component]);
           break;
       }
     }
   }
 
   void rows(const Eigen::VectorXd& changes, Eigen::VectorXd& values) override {
-    roll_out(changes);
+    roll_out(changes.data());
     for (std::size_t i = 0; i < values_.size(); ++i) {
       values(static_cast<Eigen::Index>(i)) = *values_[i];
     }
@@ -78,133 +81,149 @@ class Sweeps final : public HorizonSweeps {
 
   void gradient(const Eigen::VectorXd& changes, const Eigen::VectorXd& mu,
                 Eigen::VectorXd& gradient) override {
-    roll_out(changes);
-    weigh(states_);
-    change_forces_.noalias() = R_ * changes_;
-    if (has_S_) {
-      input_forces_.leftCols(control_steps_).noalias() = S_ * inputs_.leftCols(control_steps_);
-    } else {
-      input_forces_.leftCols(control_steps_).setZero();
+    roll_out(changes.data());
+    weigh(states_.front().x);
+    for (std::size_t i = 0; i < changes_.size(); ++i) {
+      change_forces_[i] = R_ * changes_[i];
+      input_forces_[i] = S_ != 0.0 ? S_ * inputs_[i] : 0.0;
     }
     for (std::size_t i = 0; i < forces_.size(); ++i) {
       *forces_[i] += mu(static_cast<Eigen::Index>(i));
     }
-    sweep_back(gradient);
+    sweep_back(gradient.data());
   }
 
   void free_response(const Eigen::Ref<const Eigen::VectorXd>& x,
                      const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::VectorXd& states) override {
-    Eigen::Map<States> all(states.data(), A_.rows(), prediction_steps_);
-    const State push = B_ * Input(u);
-    State now = x;
+    const State push = B_ * u(0);
+    State now = State::of(x.data());
     for (int i = 0; i < prediction_steps_; ++i) {
-      const State next = A_ * now + push;
-      all.col(i) = now = next;
+      now = A_ * now + push;
+      std::copy_n(now.x, n, states.data() + n * i);
     }
   }
 
   void slope(const Eigen::VectorXd& errors, const Eigen::Ref<const Eigen::VectorXd>& u,
              Eigen::VectorXd& g) override {
-    weigh(Eigen::Map<const States>(errors.data(), A_.rows(), prediction_steps_));
-    change_forces_.setZero();
-    input_forces_.leftCols(control_steps_).colwise() = Input(S_ * Input(u));
-    sweep_back(g);
+    weigh(errors.data());
+    std::fill(change_forces_.begin(), change_forces_.end(), 0.0);
+    std::fill_n(input_forces_.begin(), control_steps_, S_ * u(0));
+    sweep_back(g.data());
   }
 
  private:
-  using State = Eigen::Matrix<double, n, 1>;
-  using Input = Eigen::Matrix<double, m, 1>;
-  using States = Eigen::Matrix<double, n, Eigen::Dynamic>;
-  using Inputs = Eigen::Matrix<double, m, Eigen::Dynamic>;
+  struct State {
+    double x[n];
 
-  template <typename Steps>
-  void add_row(Steps& values, Steps& forces, Eigen::Index component, int column) {
-    values_.push_back(&values(component, column));
-    forces_.push_back(&forces(component, column));
+    static State of(const double* numbers) {
+      State state;
+      std::copy_n(numbers, n, state.x);
+      return state;
+    }
+    State operator+(const State& other) const {
+      State sum;
+      for (int i = 0; i < n; ++i) sum.x[i] = x[i] + other.x[i];
+      return sum;
+    }
+    State operator*(double factor) const {
+      State product;
+      for (int i = 0; i < n; ++i) product.x[i] = x[i] * factor;
+      return product;
+    }
+  };
+
+  struct Square {
+    double M[n * n];
+
+    explicit Square(const Eigen::MatrixXd& matrix) { std::copy_n(matrix.data(), n * n, M); }
+    State operator*(const State& state) const {
+      State product;
+      multiply<n>(M, state.x, product.x);
+      return product;
+    }
+    Eigen::MatrixXd transpose() const {
+      return Eigen::Map<const Eigen::MatrixXd>(M, n, n).transpose();
+    }
+  };
+
+  void add_row(double& value, double& force) {
+    values_.push_back(&value);
+    forces_.push_back(&force);
   }
 
   // Computes changes_, inputs_ and states_ from x_0 = 0. It takes two steps at a time, x_{i+2} = A²
   // x_i + A B u_i + B u_{i+1}: this halves the chain of dependent operations.
-  void roll_out(const Eigen::VectorXd& changes) {
-    changes_ = Eigen::Map<const Inputs>(changes.data(), B_.cols(), control_steps_);
-    Input input = Input::Zero(B_.cols());
+  void roll_out(const double* changes) {
+    std::copy_n(changes, control_steps_, changes_.begin());
+    double input = 0.0;
     for (int i = 0; i < prediction_steps_; ++i) {
-      if (i < control_steps_) input += changes_.col(i);
-      inputs_.col(i) = input;
+      if (i < control_steps_) input += changes[i];
+      inputs_[i] = input;
     }
-    State x = State::Zero(A_.rows());
+    State x = {};
     int i = 0;
     for (; i + 2 <= prediction_steps_; i += 2) {
-      const Input first = inputs_.col(i);
-      const Input second = inputs_.col(i + 1);
-      const State push = AB_ * first + B_ * second;
-      states_.col(i) = A_ * x + B_ * first;
-      const State after = A_squared_ * x + push;
-      states_.col(i + 1) = x = after;
+      const State push = AB_ * inputs_[i] + B_ * inputs_[i + 1];
+      states_[i] = A_ * x + B_ * inputs_[i];
+      states_[i + 1] = x = A_squared_ * x + push;
     }
-    if (i < prediction_steps_) states_.col(i) = A_ * x + B_ * inputs_.col(i);
+    if (i < prediction_steps_) states_[i] = A_ * x + B_ * inputs_[i];
   }
 
   // state_forces_ = Q̅ states.
-  template <typename Steps>
-  void weigh(const Steps& states) {
-    for (int i = 0; i + 1 < prediction_steps_; ++i) {
-      state_forces_.col(i).noalias() = Q_ * states.col(i);
+  void weigh(const double* states) {
+    for (int i = 0; i + 1 < prediction_steps_; ++i, states += n) {
+      multiply<n>(Q_.M, states, state_forces_[i].x);
     }
-    state_forces_.col(prediction_steps_ - 1).noalias() =
-        Q_last_ * states.col(prediction_steps_ - 1);
+    multiply<n>(Q_last_.M, states, state_forces_.back().x);
   }
 
   // The gradient with respect to ΔU, from those with respect to changes, inputs and states (the
   // forces f). The adjoint is p_i = f_i + Aᵀ p_{i+1}, two steps at a time as above. Bᵀ p_{i+1} acts
-  // on u_i, and u_i is the sum of all changes up to i.
-  void sweep_back(Eigen::VectorXd& gradient) {
-    const int N = prediction_steps_;
-    Eigen::Map<Inputs> result(gradient.data(), B_.cols(), control_steps_);
-    State p = state_forces_.col(N - 1);  // p_{i+1} of the step i = N − 1
-    int i = N - 1;
+  // on u_i, and u_i is the sum of all changes up to i. p_{i+1} overwrites the force f_i, which is
+  // not needed any more.
+  void sweep_back(double* gradient) {
+    State* const adjoint = state_forces_.data();
+    int i = prediction_steps_ - 1;
+    State p = adjoint[i];  // p_{i+1} of the last step
     for (; i >= 2; i -= 2) {
-      const State one = state_forces_.col(i - 1);
-      const State carried = state_forces_.col(i - 2) + A_transposed_ * one;
-      adjoint(i) = p;
-      adjoint(i - 1) = one + A_transposed_ * p;
-      const State before = A_squared_transposed_ * p + carried;
-      p = before;
+      const State one = adjoint[i - 1];
+      const State carried = adjoint[i - 2] + A_transposed_ * one;
+      adjoint[i] = p;
+      adjoint[i - 1] = one + A_transposed_ * p;
+      p = A_squared_transposed_ * p + carried;
     }
-    adjoint(i) = p;
-    if (i == 1) adjoint(0) = state_forces_.col(0) + A_transposed_ * p;
+    adjoint[i] = p;
+    if (i == 1) adjoint[0] = adjoint[0] + A_transposed_ * p;
 
-    Input sum = Input::Zero(B_.cols());
-    for (i = N - 1; i >= 0; --i) {
-      sum += B_.transpose() * adjoint(i);
+    double sum = 0.0;
+    for (i = prediction_steps_ - 1; i >= 0; --i) {
+      sum += dot<n>(B_.x, adjoint[i].x);
       if (i >= control_steps_) continue;
-      sum += input_forces_.col(i);
-      result.col(i) = change_forces_.col(i) + sum;
+      sum += input_forces_[i];
+      gradient[i] = change_forces_[i] + sum;
     }
   }
-  // p_{i+1} overwrites the force f_i, which is not needed any more.
-  auto adjoint(int i) { return state_forces_.col(i); }
 
-  Eigen::Matrix<double, n, n> A_;
-  Eigen::Matrix<double, n, m> B_;
-  Eigen::Matrix<double, n, n> A_transposed_;
-  Eigen::Matrix<double, n, n> A_squared_;
-  Eigen::Matrix<double, n, m> AB_;
-  Eigen::Matrix<double, n, n> A_squared_transposed_;
-  Eigen::Matrix<double, n, n> Q_;
-  Eigen::Matrix<double, n, n> Q_last_;
-  Eigen::Matrix<double, m, m> R_;
-  Eigen::Matrix<double, m, m> S_;
-  bool has_S_;
+  Square A_;
+  Square A_transposed_;
+  Square A_squared_;
+  Square A_squared_transposed_;
+  Square Q_;
+  Square Q_last_;
+  State B_;
+  State AB_;
+  double R_;
+  double S_;
   int prediction_steps_;
   int control_steps_;
 
-  Inputs changes_;
-  Inputs inputs_;  // for every predicted step
-  States states_;
-  Inputs change_forces_;
-  Inputs input_forces_;
-  States state_forces_;
+  std::vector<double> changes_;
+  std::vector<double> inputs_;  // for every predicted step
+  std::vector<State> states_;
+  std::vector<double> change_forces_;
+  std::vector<double> input_forces_;
+  std::vector<State> state_forces_;
   std::vector<const double*> values_;  // the value of each row, in one of the above
   std::vector<double*> forces_;
 };
@@ -216,13 +235,13 @@ std::unique_ptr<HorizonSweeps> make_horizon_sweeps(const Horizon& horizon) {
   if (horizon.B.cols() != 1) return nullptr;
   switch (horizon.A.rows()) {
     case 1:
-      return std::make_unique<Sweeps<1, 1>>(horizon);
+      return std::make_unique<Sweeps<1>>(horizon);
     case 2:
-      return std::make_unique<Sweeps<2, 1>>(horizon);
+      return std::make_unique<Sweeps<2>>(horizon);
     case 3:
-      return std::make_unique<Sweeps<3, 1>>(horizon);
+      return std::make_unique<Sweeps<3>>(horizon);
     case 4:
-      return std::make_unique<Sweeps<4, 1>>(horizon);
+      return std::make_unique<Sweeps<4>>(horizon);
     default:
       return nullptr;
   }
