@@ -13,6 +13,7 @@
 #include <breakwater/pages/figure_script.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/render/canvas.h>
+#include <breakwater/render/render_error.h>
 #include <breakwater/render/renderer_probe.h>
 #include <breakwater/render/video_file.h>
 #include <breakwater/shell/child_program.h>
@@ -103,17 +104,21 @@ HealthCheck check_video() {
     return {"video", State::ok, fmt::format("H.264 by {} of FFmpeg's libraries", format.encoder),
             ""};
   } catch (const std::exception& error) {
-    return {"video", State::missing, error.what(), "apt install libavcodec59"};
+    return {"video", State::missing, error.what(), "apt install libavformat59"};
   }
 }
 
 HealthCheck check_font() {
-  const std::string wanted = Canvas::font();
-  const std::string used = Canvas(1, 1).font_in_use();
-  if (used == wanted) return {"font", State::ok, used, ""};
-  return {"font", State::missing,
-          fmt::format("pictures are lettered in {}, not in {}", used, wanted),
-          "apt install fonts-dejavu-core"};
+  try {
+    const std::string wanted = Canvas::font();
+    const std::string used = Canvas(1, 1).font_in_use();
+    if (used == wanted) return {"font", State::ok, used, ""};
+    return {"font", State::missing,
+            fmt::format("pictures are lettered in {}, not in {}", used, wanted),
+            "apt install fonts-dejavu-core"};
+  } catch (const RenderError& error) {
+    return {"font", State::missing, error.what(), "apt install libcairo2"};
+  }
 }
 
 HealthCheck check_pages() {

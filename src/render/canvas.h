@@ -1,8 +1,6 @@
 // Text and lines on top of a picture.
 #pragma once
 
-#include <cairo.h>
-
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -42,10 +40,11 @@ class Canvas {
   static std::string font();
   std::string font_in_use();
 
-  /// Makes a white picture of its own.
+  /// Makes a white picture of its own. Both constructors throw RenderError if there is no Cairo.
   Canvas(int width, int height);
   /// Draws on a picture that must outlive it.
   Canvas(std::uint8_t* pixels, int width, int height);
+  ~Canvas();
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -73,10 +72,7 @@ class Canvas {
   std::string png() const;
 
  private:
-  struct Delete {
-    void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
-    void operator()(cairo_t* cairo) const { cairo_destroy(cairo); }
-  };
+  struct Drawing;  // of Cairo, which is loaded for the first canvas
 
   void use_font(double size, bool bold);
   void set(const Colour& colour);
@@ -85,8 +81,7 @@ class Canvas {
   std::uint8_t* pixels_;
   int width_;
   int height_;
-  std::unique_ptr<cairo_surface_t, Delete> surface_;
-  std::unique_ptr<cairo_t, Delete> cairo_;
+  std::unique_ptr<Drawing> drawing_;
 };
 
 }  // namespace breakwater

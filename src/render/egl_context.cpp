@@ -34,7 +34,7 @@ constexpr std::array<EGLint, 17> kConfig = {EGL_SURFACE_TYPE,
 
 template <typename Function>
 Function* egl(const char* name) {
-  return egl_library().function<Function>(name);
+  return egl_library().symbol<NoOpenGl, Function>(name);
 }
 
 // A function of an extension; null if EGL does not have it.
@@ -77,8 +77,8 @@ std::vector<EGLDeviceEXT> chosen(const EglDevices& wanted) {
   std::vector<EGLDeviceEXT> devices = all_devices();
   if (wanted.number) {
     if (*wanted.number >= static_cast<int>(devices.size())) {
-      throw no_opengl(fmt::format("EGL has no device {} (MUJOCO_EGL_DEVICE_ID) but lists {}",
-                                  *wanted.number, devices.size()));
+      throw NoOpenGl(fmt::format("EGL has no device {} (MUJOCO_EGL_DEVICE_ID) but lists {}",
+                                 *wanted.number, devices.size()));
     }
     return {devices[static_cast<std::size_t>(*wanted.number)]};
   }
@@ -109,7 +109,7 @@ class EglContext : public OpenGlContext {
       GLint largest = 0;
       function<void(GLenum, GLint*)>("glGetIntegerv")(GL_MAX_TEXTURE_SIZE, &largest);
       if (size > largest) {
-        throw no_opengl(fmt::format("EGL draws no picture of {}x{}", target.width, target.height));
+        throw NoOpenGl(fmt::format("EGL draws no picture of {}x{}", target.width, target.height));
       }
       // The background: black, with 0 in the fourth byte.
       function<void(GLbitfield)>("glClear")(GL_COLOR_BUFFER_BIT);
@@ -180,7 +180,7 @@ class EglContext : public OpenGlContext {
 
   [[noreturn]] static void fail(const std::string& reason) {
     const EGLint error = egl<decltype(eglGetError)>("eglGetError")();
-    throw no_opengl(fmt::format("EGL {} (error {:#06x})", reason, error));
+    throw NoOpenGl(fmt::format("EGL {} (error {:#06x})", reason, error));
   }
 
   OpenGlTarget target_;

@@ -24,7 +24,7 @@ Choice choose() {
   }
   if (osmesa_library().is_there()) return {true, {}};
   if (egl_library().is_there()) return {false, {std::nullopt, true}};
-  throw no_opengl(osmesa_library().complaint() + ", and " + egl_library().complaint());
+  throw NoOpenGl(osmesa_library().complaint() + ", and " + egl_library().complaint());
 }
 
 std::unique_ptr<OpenGlContext> make_context(const OpenGlTarget& target) {

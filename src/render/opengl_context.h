@@ -34,7 +34,7 @@ class OpenGlContext {
   template <typename Function>
   Function* function(const char* name) const {
     void* const address = find(name);
-    if (address == nullptr) throw no_opengl(std::string(library()) + " has no " + name);
+    if (address == nullptr) throw NoOpenGl(std::string(library()) + " has no " + name);
     return reinterpret_cast<Function*>(address);
   }
 

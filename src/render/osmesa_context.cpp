@@ -24,14 +24,14 @@ constexpr int kStencilBits = 8;  // for reflections
 class OsmesaContext : public OpenGlContext {
  public:
   explicit OsmesaContext(const OpenGlTarget& target) {
-    if (handle_ == nullptr) throw no_opengl("OSMesa made no context");
-    if (osmesa_library().function<MakeCurrent>("OSMesaMakeCurrent")(
+    if (handle_ == nullptr) throw NoOpenGl("OSMesa made no context");
+    if (osmesa_library().symbol<NoOpenGl, MakeCurrent>("OSMesaMakeCurrent")(
             handle_, target.pixels, GL_UNSIGNED_BYTE, target.width, target.height) == GL_FALSE) {
       destroy_(handle_);
-      throw no_opengl("OSMesa draws no picture of " + std::to_string(target.width) + "x" +
-                      std::to_string(target.height));
+      throw NoOpenGl("OSMesa draws no picture of " + std::to_string(target.width) + "x" +
+                     std::to_string(target.height));
     }
-    osmesa_library().function<PixelStore>("OSMesaPixelStore")(kRowsFromBelow, 0);
+    osmesa_library().symbol<NoOpenGl, PixelStore>("OSMesaPixelStore")(kRowsFromBelow, 0);
     finish_ = function<void()>("glFinish");
   }
   ~OsmesaContext() override { destroy_(handle_); }
@@ -41,12 +41,13 @@ class OsmesaContext : public OpenGlContext {
 
  private:
   void* find(const char* name) const override {
-    return osmesa_library().function<GetProcAddress>("OSMesaGetProcAddress")(name);
+    return osmesa_library().symbol<NoOpenGl, GetProcAddress>("OSMesaGetProcAddress")(name);
   }
 
-  DestroyContext* destroy_ = osmesa_library().function<DestroyContext>("OSMesaDestroyContext");
-  OsmesaHandle handle_ = osmesa_library().function<CreateContextExt>("OSMesaCreateContextExt")(
-      kBgra, kDepthBits, kStencilBits, 0, nullptr);
+  DestroyContext* destroy_ =
+      osmesa_library().symbol<NoOpenGl, DestroyContext>("OSMesaDestroyContext");
+  OsmesaHandle handle_ = osmesa_library().symbol<NoOpenGl, CreateContextExt>(
+      "OSMesaCreateContextExt")(kBgra, kDepthBits, kStencilBits, 0, nullptr);
   void (*finish_)() = nullptr;
 };
 

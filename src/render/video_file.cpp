@@ -12,14 +12,39 @@ extern "C" {
 #include <string>
 #include <system_error>
 
+#include <breakwater/record/loaded_library.h>
 #include <breakwater/record/output_error.h>
 #include <breakwater/render/render_error.h>
 
 namespace breakwater {
 namespace {
 
-// Fast enough to keep up with drawing. On x264's quality scale, 18 looks like the original.
-constexpr const char* kPreset = "superfast";
+struct NoFfmpeg : RenderError {
+  explicit NoFfmpeg(const std::string& reason)
+      : RenderError("videos need FFmpeg's libraries: " + reason) {}
+};
+
+// It links FFmpeg's other libraries, and with them 130 more.
+const LoadedLibrary& libavformat() {
+  static const LoadedLibrary library("libavformat.so." AV_STRINGIFY(LIBAVFORMAT_VERSION_MAJOR),
+                                     "libavformat" AV_STRINGIFY(LIBAVFORMAT_VERSION_MAJOR));
+  return library;
+}
+
+// clang-format off
+#define X(name) BREAKWATER_LOADED(libavformat, NoFfmpeg, name)
+X(av_dict_free) X(av_dict_set) X(av_frame_alloc) X(av_frame_free) X(av_interleaved_write_frame)
+X(av_log_set_level) X(av_opt_set) X(av_packet_alloc) X(av_packet_free) X(av_packet_rescale_ts)
+X(av_strerror) X(av_write_trailer) X(avcodec_alloc_context3) X(avcodec_find_encoder_by_name)
+X(avcodec_free_context) X(avcodec_open2) X(avcodec_parameters_from_context)
+X(avcodec_receive_packet) X(avcodec_send_frame) X(avformat_alloc_output_context2)
+X(avformat_free_context) X(avformat_new_stream) X(avformat_write_header) X(avio_closep)
+X(avio_flush) X(avio_open)
+#undef X
+    // clang-format on
+
+    // Fast enough to keep up with drawing. On x264's quality scale, 18 looks like the original.
+    constexpr const char* kPreset = "superfast";
 constexpr const char* kQuality = "19";
 // More than one would change the bits of the file. The other cores are busy with drawing.
 constexpr int kThreads = 1;
@@ -44,7 +69,7 @@ struct VideoFile::Streams {
   AVFrame* frame = nullptr;
   AVPacket* packet = nullptr;
 
-  Streams() = default;
+  Streams() { av_log_set_level(AV_LOG_QUIET); }  // throws if the libraries are not there
   Streams(const Streams&) = delete;
   Streams& operator=(const Streams&) = delete;
   ~Streams() {
@@ -60,7 +85,6 @@ struct VideoFile::Streams {
 
 VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& format)
     : partial_(file), format_(format), streams_(std::make_unique<Streams>()) {
-  av_log_set_level(AV_LOG_QUIET);
   Streams& s = *streams_;
   const AVCodec* codec = avcodec_find_encoder_by_name(format.encoder.c_str());
   if (codec == nullptr) {

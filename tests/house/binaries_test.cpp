@@ -21,5 +21,16 @@ TEST(Binaries, HaveNoRunPath) {
   EXPECT_GE(count, 9);
 }
 
+// They would be loaded at every start, before a program prints anything.
+TEST(Binaries, LinkNoLibraryThatFewCommandsUse) {
+  for (const auto& entry : fs::directory_iterator(testing::bin_folder())) {
+    const std::string section =
+        testing::output_of("readelf --dynamic --wide '" + entry.path().string() + "'");
+    for (const char* library : {"libav", "libcairo", "libhdf5"}) {
+      EXPECT_TRUE(lacks(section, library)) << entry.path();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace breakwater
