@@ -11,7 +11,8 @@ list(TRANSFORM libraries PREPEND breakwater_)
 if(TARGET breakwater_python)
   set(python breakwater_python)
 endif()
-foreach(target IN LISTS libraries python ITEMS breakwater ${BREAKWATER_SCENARIOS})
+foreach(target IN LISTS libraries python
+    ITEMS breakwater breakwater_search_engines ${BREAKWATER_SCENARIOS})
   get_target_property(type ${target} TYPE)
   if(NOT type STREQUAL "INTERFACE_LIBRARY")
     list(APPEND artefacts "$<TARGET_FILE:${target}>")
@@ -27,6 +28,7 @@ endforeach()
 
 install(TARGETS breakwater ${BREAKWATER_SCENARIOS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR}
   COMPONENT runtime)
+install(TARGETS breakwater_search_engines LIBRARY DESTINATION lib/breakwater COMPONENT runtime)
 install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater COMPONENT development
   FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY templates DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater COMPONENT runtime)

@@ -39,7 +39,7 @@ set(depends "breakwater (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 foreach(line IN LISTS lines more)
   string(REGEX MATCH "^[a-z0-9.+-]+" package "${line}")
   if(NOT package MATCHES "^(ccache|git|musl-dev|libegl-dev|libosmesa6|fonts-dejavu-core|libjs-dygraphs|libjs-three)$"
-     AND NOT package MATCHES "^lib(avcodec|avformat|avutil|cairo2)-dev$")
+     AND NOT package MATCHES "^lib(avcodec|avformat|avutil|cairo2|nlopt-cxx|pagmo|tbb)-dev$")
     string(APPEND depends ", ${package}")
   endif()
 endforeach()

@@ -1,21 +1,28 @@
 #include <breakwater/search/front.h>
 
 #include <algorithm>
-#include <pagmo/utils/hypervolume.hpp>
-#include <pagmo/utils/multi_objective.hpp>
+#include <functional>
+
+#include <breakwater/search/engines.h>
 
 namespace breakwater {
+namespace {
+
+bool dominates(const std::vector<double>& one, const std::vector<double>& other) {
+  return one != other &&
+         std::equal(one.begin(), one.end(), other.begin(), other.end(), std::less_equal<>());
+}
+
+}  // namespace
 
 std::vector<std::size_t> front_of(const Vectors& points) {
   std::vector<std::size_t> front;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto rules_out = [&](std::size_t other) {
-      return points[other] == points[i] || pagmo::pareto_dominance(points[other], points[i]);
+      return points[other] == points[i] || dominates(points[other], points[i]);
     };
     if (std::any_of(front.begin(), front.end(), rules_out)) continue;
-    std::erase_if(front, [&](std::size_t other) {
-      return pagmo::pareto_dominance(points[i], points[other]);
-    });
+    std::erase_if(front, [&](std::size_t other) { return dominates(points[i], points[other]); });
     front.push_back(i);
   }
   return front;
@@ -31,7 +38,7 @@ double hypervolume_below(const Vectors& points, const std::vector<double>& refer
   if (inside.empty()) return 0.0;
   if (reference.size() == 1)
     return reference[0] - std::min_element(inside.begin(), inside.end())->front();
-  return pagmo::hypervolume(inside, true).compute(reference);
+  return search_engines().hypervolume(inside, reference);
 }
 
 std::vector<std::size_t> evenly_spaced(std::size_t size, std::size_t count) {

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <breakwater/shell/own_library.h>
 #include <breakwater/signals/environment.h>
 
 namespace breakwater {
@@ -43,9 +44,7 @@ class OwnSearch {
   SearchPath path() {
     const std::lock_guard lock(mutex_);
     if (!path_) {
-      const fs::path program =
-          places_.program.empty() ? fs::read_symlink(kOwnProgram) : places_.program;
-      path_ = search_path(environment(kVariable).value_or(""), program, places_);
+      path_ = search_path(environment(kVariable).value_or(""), program(), places_);
       if (!has_warned_) {
         for (const std::string& warning : path_->warnings) fmt::print(stderr, "{}\n", warning);
       }
@@ -59,7 +58,22 @@ class OwnSearch {
     return places_.program.empty() ? kOwnProgram : places_.program;
   }
 
+  fs::path own_library(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    const fs::path file = fs::path("lib") / "breakwater" / name;
+    for (fs::path folder = program(); folder != folder.parent_path();) {
+      folder = folder.parent_path();
+      if (is_there(folder / file)) return folder / file;
+    }
+    const fs::path share = places_.installation.empty() ? program() : places_.installation;
+    return share.parent_path().parent_path() / file;
+  }
+
  private:
+  fs::path program() const {
+    return places_.program.empty() ? fs::read_symlink(kOwnProgram) : places_.program;
+  }
+
   std::mutex mutex_;
   DataPlaces places_;
   std::optional<SearchPath> path_;
@@ -123,6 +137,10 @@ fs::path data_file(const std::string& name) {
   throw std::invalid_argument(fmt::format(
       "{} is in none of {}: name the folder that holds it in the environment variable {}", name,
       searched_places(), kVariable));
+}
+
+fs::path own_library(const std::string& name) {
+  return own_search().own_library(name);
 }
 
 std::string searched_places() {

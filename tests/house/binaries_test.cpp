@@ -26,7 +26,7 @@ TEST(Binaries, LinkNoLibraryThatFewCommandsUse) {
   for (const auto& entry : fs::directory_iterator(testing::bin_folder())) {
     const std::string section =
         testing::output_of("readelf --dynamic --wide '" + entry.path().string() + "'");
-    for (const char* library : {"libav", "libcairo", "libhdf5"}) {
+    for (const char* library : {"libav", "libcairo", "libhdf5", "libnlopt", "libpagmo", "libtbb"}) {
       EXPECT_TRUE(lacks(section, library)) << entry.path();
     }
   }

@@ -16,7 +16,27 @@ execute_process(COMMAND ${lab} list --parts OUTPUT_VARIABLE parts COMMAND_ERROR_
 if(NOT parts MATCHES "  own_controller .*  own_observer ")
   message(FATAL_ERROR "${parts}")
 endif()
-run_in(${all} ${lab} run arm_push --set controller.name=own_controller --duration 0.1 --quiet)
+run_in(${all} ${lab} run arm_push --set controller.name=own_controller --duration 0.1 --quiet --out push)
+# These commands load libraries that the program does not link.
+run_in(${all} ${lab} video push --size 64x64 --to 0.02 --quiet)
+expect_file(${all}/push/video.mp4)
+file(WRITE ${all}/tune.toml [[
+scenario = "cart_position"
+algorithm = "cmaes"
+budget = 10
+population = 5
+[set]
+"run.duration_s" = 0.6
+[search]
+"controller.kp" = { uniform = [5, 20] }
+[objective]
+max_position_m = { goal = "min" }
+]])
+run_in(${all} ${lab} tune tune.toml --quiet --out tuned)
+expect_file(${all}/tuned/front/1.toml)
+run_in(${all} ${lab} identify ${prefix}/share/breakwater/data/identify/bench1.csv --quiet --out identified
+  --set csv.position_scale=0.00153398 csv.input_scale=0.068)
+expect_file(${all}/identified/report.html)
 # The scenario chooses the estimator, which came from elsewhere.
 run_in(${all} ${lab} run own_scenario --set observer.name=own_observer --quiet --out with)
 file(READ ${all}/with/metrics.json metrics)

@@ -1,6 +1,7 @@
 #include <breakwater/shell/paths.h>
 
 #include <breakwater/record/text_outputs.h>
+#include <breakwater/shell/own_library.h>
 
 #include "support.h"
 
@@ -68,6 +69,15 @@ class OwnPlaces : public SearchPathOf {
  protected:
   ~OwnPlaces() override { set_data_places({}); }
 };
+
+TEST_F(OwnPlaces, LibrariesAreAboveTheProgramOrInItsInstallation) {
+  set_data_places(
+      {.installation = root_ / "built/share/breakwater", .program = root_ / "prefix/bin/lab"});
+  EXPECT_EQ(own_library("x.so"), root_ / "built/lib/breakwater/x.so");
+  fs::create_directories(root_ / "prefix/lib/breakwater");
+  write("prefix/lib/breakwater/x.so", "");
+  EXPECT_EQ(own_library("x.so"), root_ / "prefix/lib/breakwater/x.so");
+}
 
 TEST_F(OwnPlaces, AModelBesideItsScenarioHasAPortableName) {
   const fs::path model = root_ / "own/plant.xml";
