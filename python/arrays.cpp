@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 
 namespace breakwater::python {
@@ -26,7 +27,33 @@ void check_finite(const py::array_t<double>& values, const std::string& name) {
   }
 }
 
+bool is_real(const py::array& array) {
+  return std::strchr("fiu", array.dtype().kind()) != nullptr;
+}
+
+// NumPy would take the numbers under a mask, also of the arrays in a list.
+py::array array_of(const py::handle& object) {
+  bool has_mask = is_masked(object);
+  if (py::isinstance<py::list>(object) || py::isinstance<py::tuple>(object)) {
+    for (const py::handle& entry : object) has_mask = has_mask || is_masked(entry);
+  }
+  if (!has_mask) return py::array::ensure(py::reinterpret_borrow<py::object>(object));
+  const py::object masked = py::module_::import("numpy.ma").attr("array")(object);
+  if (!is_real(py::array(masked))) return masked;
+  return masked.attr("astype")(py::dtype::of<double>())
+      .attr("filled")(std::numeric_limits<double>::quiet_NaN());
+}
+
 }  // namespace
+
+bool is_plain_array(const py::handle& object) {
+  return Py_IS_TYPE(object.ptr(), py::detail::npy_api::get().PyArray_Type_) != 0;
+}
+
+bool is_masked(const py::handle& object) {
+  return py::isinstance<py::array>(object) && !is_plain_array(object) &&
+         py::isinstance(object, py::module_::import("numpy.ma").attr("MaskedArray"));
+}
 
 SharedObject share(py::object object) {
   return {object.release().ptr(), [](PyObject* pointer) {
@@ -42,6 +69,10 @@ std::string description(const py::handle& object) {
     return "an array of shape " + shape_of(array) + " and dtype " +
            py::str(array.dtype()).cast<std::string>();
   }
+  if (py::isinstance<py::int_>(object)) {
+    const auto bits = object.attr("bit_length")().cast<int>();
+    if (bits > 64) return "an integer of " + std::to_string(bits) + " bits";
+  }
   if (py::isinstance<py::float_>(object) || py::isinstance<py::int_>(object)) {
     return py::repr(object).cast<std::string>();
   }
@@ -53,15 +84,33 @@ std::string description(const py::handle& object) {
 }
 
 py::array_t<double> numbers(const py::handle& object, const std::string& name) {
-  const auto any = object.is_none() ? py::array()
-                                    : py::array::ensure(py::reinterpret_borrow<py::object>(object));
-  const bool is_real =
-      !object.is_none() && any && std::strchr("fiu", any.dtype().kind()) != nullptr;
-  if (!is_real) refuse(name, "an array of real numbers", object);
+  const auto any = object.is_none() ? py::array() : array_of(object);
+  if (object.is_none() || !any || !is_real(any)) refuse(name, "an array of real numbers", object);
   return py::array_t<double, py::array::c_style | py::array::forcecast>(any);
 }
 
+std::string utf8(const py::handle& object, const std::string& name) {
+  Py_ssize_t size = 0;
+  const char* const utf8 =
+      PyUnicode_Check(object.ptr()) ? PyUnicode_AsUTF8AndSize(object.ptr(), &size) : nullptr;
+  if (utf8 != nullptr) return {utf8, static_cast<std::size_t>(size)};
+  PyErr_Clear();
+  refuse(name, "text in UTF-8", object);
+}
+
+int whole_number(const py::handle& object, const std::string& name) {
+  if (PyLong_Check(object.ptr())) {
+    int overflow = 0;
+    const long value = PyLong_AsLongAndOverflow(object.ptr(), &overflow);
+    if (overflow == 0 && std::in_range<int>(value)) return static_cast<int>(value);
+  }
+  refuse(name, "a whole number of 32 bits", object);
+}
+
 double number(const py::handle& object, const std::string& name) {
+  if (PyFloat_CheckExact(object.ptr()) && std::isfinite(PyFloat_AS_DOUBLE(object.ptr()))) {
+    return PyFloat_AS_DOUBLE(object.ptr());
+  }
   const py::array_t<double> value = numbers(object, name);
   if (value.ndim() != 0) refuse(name, "one number", object);
   check_finite(value, name);

@@ -7,7 +7,9 @@
 #include <Eigen/Core>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
+#include <typeinfo>
 #include <vector>
 
 namespace breakwater::python {
@@ -20,9 +22,18 @@ SharedObject share(py::object object);
 /// A description of `object` for messages: "an array of shape (2, 3)", "None", "a str".
 std::string description(const py::handle& object);
 
-/// An array of doubles in C order. Throws std::invalid_argument (`NAME: must be …`) unless it has
-/// real numbers.
+/// Whether it is an array of NumPy's own class.
+bool is_plain_array(const py::handle& object);
+/// Whether it is an array with a mask.
+bool is_masked(const py::handle& object);
+
+/// An array of doubles in C order, NaN where a mask is. Throws std::invalid_argument
+/// (`NAME: must be …`) unless it has real numbers.
 py::array_t<double> numbers(const py::handle& object, const std::string& name);
+
+/// Text, and a whole number that fits an int. Throws std::invalid_argument (`NAME: must be …`).
+std::string utf8(const py::handle& object, const std::string& name);
+int whole_number(const py::handle& object, const std::string& name);
 
 /// Finite numbers. A matrix comes from a number or from two dimensions. Throws
 /// std::invalid_argument (`NAME: must be …`).
@@ -43,5 +54,29 @@ py::array_t<double> matrix_array(const Eigen::MatrixXd& values);
 /// A read-only view of doubles without a copy. It keeps `owner`, which has the data, alive.
 py::array view_of(const double* data, std::vector<py::ssize_t> shape,
                   std::vector<py::ssize_t> strides, const py::object& owner);
+
+/// A class whose objects cannot be used before their __init__.
+template <typename T>
+py::class_<T> bind_class(py::module_& module, const char* name, const char* doc = "") {
+  py::class_<T> bound(module, name, doc);
+  // pybind11 would make an object without a constructor.
+  py::detail::get_type_info(typeid(T))->operator_new = [](std::size_t) -> void* {
+    throw std::invalid_argument("the object has no contents: __init__ was not called");
+  };
+  return bound;
+}
+
+/// Binds a method for users. Calls without its arguments, such as "u, y", get one line.
+template <typename T, typename Method, typename... Extra>
+void bind_method(py::class_<T>& bound, const std::string& name, const std::string& takes,
+                 const Method& method, const std::string& doc, const Extra&... extra) {
+  bound.def(name.c_str(), method, (name + "($self, " + takes + ")\n--\n\n" + doc).c_str(),
+            extra...);
+  bound.def(name.c_str(),
+            [line = name + "() takes " + takes](const py::object& /*self*/, const py::args&,
+                                                const py::kwargs&) -> py::object {
+              throw py::type_error(line);
+            });
+}
 
 }  // namespace breakwater::python

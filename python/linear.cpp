@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@
 #include <breakwater/plants/planar_chain.h>
 #include <breakwater/shell/paths.h>
 #include "arrays.h"
+#include "interpreter.h"
 
 namespace breakwater::python {
 namespace {
@@ -29,31 +31,36 @@ py::tuple matrices(const StateSpace& plant) {
 }
 
 py::tuple dare(const py::object& A, const py::object& B, const py::object& Q, const py::object& R) {
-  const LqrDesign design = dlqr(matrix(A, "A"), matrix(B, "B"), matrix(Q, "Q"), matrix(R, "R"));
+  const LqrDesign design = apart([A = matrix(A, "A"), B = matrix(B, "B"), Q = matrix(Q, "Q"),
+                                  R = matrix(R, "R")] { return dlqr(A, B, Q, R); });
   return py::make_tuple(matrix_array(design.K), matrix_array(design.P));
 }
 
 py::array_t<double> place_for_observer(const py::object& A, const py::object& C,
                                        const std::vector<PoleGroup>& poles) {
-  return matrix_array(place_observer_poles(matrix(A, "A"), matrix(C, "C"), poles));
+  return matrix_array(apart([A = matrix(A, "A"), C = matrix(C, "C"), poles] {
+    return place_observer_poles(A, C, poles);
+  }));
 }
 
 py::array_t<double> place_for_control(const py::object& A, const py::object& B,
                                       const std::vector<PoleGroup>& poles) {
   // eig(A − B K) = eig(Aᵀ − Kᵀ Bᵀ).
-  const Eigen::MatrixXd transposed =
-      place_observer_poles(matrix(A, "A").transpose(), matrix(B, "B").transpose(), poles);
-  return matrix_array(transposed.transpose());
+  return matrix_array(apart([A = matrix(A, "A"), B = matrix(B, "B"), poles]() -> Eigen::MatrixXd {
+    return place_observer_poles(A.transpose(), B.transpose(), poles).transpose();
+  }));
 }
 
 py::tuple hold(const py::object& A, const py::object& B, const py::object& C, double period_s) {
-  return matrices(zero_order_hold({matrix(A, "A"), matrix(B, "B"), matrix(C, "C")}, period_s));
+  return matrices(apart([plant = StateSpace{matrix(A, "A"), matrix(B, "B"), matrix(C, "C")},
+                         period_s] { return zero_order_hold(plant, period_s); }));
 }
 
-py::tuple extend(const py::object& A, const py::object& B, const py::object& C, int order,
-                 double period_s) {
+py::tuple extend(const py::object& A, const py::object& B, const py::object& C,
+                 const py::object& order, double period_s) {
+  const int whole = whole_number(order, "order");
   return matrices(
-      extend_by_disturbance_model({matrix(A, "A"), matrix(B, "B"), matrix(C, "C")}, order, period_s)
+      extend_by_disturbance_model({matrix(A, "A"), matrix(B, "B"), matrix(C, "C")}, whole, period_s)
           .sampled);
 }
 
@@ -95,9 +102,13 @@ Eigen::VectorXd bounds(const py::object& object, Eigen::Index size, double other
 
 class Qp {
  public:
-  Qp(const py::object& H, const py::object& Omega, const std::string& solver, int max_iterations) {
-    const QpModel model{matrix(H, "H"), matrix(Omega, "Omega")};
-    solver_ = make_qp_solver(solver_kind(solver), model, max_iterations);
+  Qp(const py::object& H, const py::object& Omega, const py::object& solver,
+     const py::object& max_iterations) {
+    solver_ = apart([kind = solver_kind(utf8(solver, "solver")),
+                     model = QpModel{matrix(H, "H"), matrix(Omega, "Omega")},
+                     most = whole_number(max_iterations, "max_iterations")] {
+      return make_qp_solver(kind, model, most);
+    });
   }
 
   py::tuple solve(const py::object& g, const py::object& lower, const py::object& upper,
@@ -113,16 +124,24 @@ class Qp {
       throw std::invalid_argument("softness: must not be negative");
     }
     QpSolution solution(n, m);
-    solver_->solve(input, solution);
+    {
+      const std::lock_guard lock(turn_);
+      const Unlocked unlocked;
+      solver_->solve(input, solution);
+    }
     return py::make_tuple(array(Eigen::Ref<const Eigen::VectorXd>(solution.z)),
                           array(Eigen::Ref<const Eigen::VectorXd>(solution.mu)),
                           text(solution.status), solution.iterations, solution.kkt_residual);
   }
 
-  void reset() { solver_->reset(); }
+  void reset() {
+    const std::lock_guard lock(turn_);
+    solver_->reset();
+  }
 
  private:
   std::unique_ptr<QpSolver> solver_;
+  Turn turn_;
 };
 
 // One angle per joint.
@@ -136,45 +155,49 @@ Eigen::VectorXd angles(const PlanarChain& chain, const py::object& q, const char
 }
 
 // A file as in a key of a scenario: from the working folder, or one of Breakwater's.
-PlanarChain load_chain(const std::string& urdf) {
-  const auto found = find_file(urdf, std::filesystem::current_path());
-  return load_planar_chain(found ? found->string() : urdf);
+PlanarChain load_chain(const py::object& urdf) {
+  const std::string file = utf8(urdf, "urdf");
+  const auto found = find_file(file, std::filesystem::current_path());
+  return load_planar_chain(found ? found->string() : file);
 }
 
 void bind_chain(py::module_& module) {
-  py::class_<PlanarChain>(
+  auto bound = bind_class<PlanarChain>(
       module, "PlanarChain",
       "A planar serial manipulator from a URDF file: kinematics, masses and limits.\n\n"
-      "Its tip is the frame of the one link without children.")
-      .def(py::init(&load_chain), py::arg("urdf"))
+      "Its tip is the frame of the one link without children.");
+  bind_method(
+      bound, "tip_pose", "q_rad",
+      [](const PlanarChain& chain, const py::object& q) {
+        const TipPose pose = chain.tip_pose(angles(chain, q, "q_rad"));
+        return array(Eigen::Ref<const Eigen::VectorXd>(pose));
+      },
+      "The tip's x, y and angle [m, m, rad] at the joint angles (n) [rad].", py::arg("q_rad"));
+  bind_method(
+      bound, "tip_jacobian", "q_rad",
+      [](const PlanarChain& chain, const py::object& q) {
+        TipJacobian J(3, chain.joints());
+        chain.tip_jacobian(angles(chain, q, "q_rad"), J);
+        return matrix_array(J);
+      },
+      "The derivative of the pose with respect to the angles, (3, n).", py::arg("q_rad"));
+  bind_method(
+      bound, "mass_matrix", "q_rad",
+      [](const PlanarChain& chain, const py::object& q) {
+        return matrix_array(chain.mass_matrix(angles(chain, q, "q_rad")));
+      },
+      "(n, n) [kg m^2], without the motors' armature.", py::arg("q_rad"));
+  bound.def(py::init(&load_chain), py::arg("urdf"))
+      .def(py::init([](const py::args&, const py::kwargs&) -> std::unique_ptr<PlanarChain> {
+        throw py::type_error("PlanarChain() takes urdf");
+      }))
       .def_property_readonly("joints", &PlanarChain::joints, "The number n of joints.")
       .def_property_readonly(
           "effort_limits_Nm",
           [](const PlanarChain& chain) {
             return array(Eigen::Ref<const Eigen::VectorXd>(chain.effort_limits_Nm()));
           },
-          "The torque limits of the joints (n) [N m].")
-      .def(
-          "tip_pose",
-          [](const PlanarChain& chain, const py::object& q) {
-            const TipPose pose = chain.tip_pose(angles(chain, q, "q_rad"));
-            return array(Eigen::Ref<const Eigen::VectorXd>(pose));
-          },
-          py::arg("q_rad"), "The tip's x, y and angle [m, m, rad] at the joint angles (n) [rad].")
-      .def(
-          "tip_jacobian",
-          [](const PlanarChain& chain, const py::object& q) {
-            TipJacobian J(3, chain.joints());
-            chain.tip_jacobian(angles(chain, q, "q_rad"), J);
-            return matrix_array(J);
-          },
-          py::arg("q_rad"), "The derivative of the pose with respect to the angles, (3, n).")
-      .def(
-          "mass_matrix",
-          [](const PlanarChain& chain, const py::object& q) {
-            return matrix_array(chain.mass_matrix(angles(chain, q, "q_rad")));
-          },
-          py::arg("q_rad"), "(n, n) [kg m^2], without the motors' armature.");
+          "The torque limits of the joints (n) [N m].");
 }
 
 }  // namespace
@@ -189,13 +212,13 @@ void bind_linear(py::module_& module) {
     return matrices(damped_inertia(inertia, viscous_friction));
   });
   module.def("observability_rank", [](const py::object& A_object, const py::object& C_object) {
-    const Eigen::MatrixXd A = matrix(A_object, "A");
-    const Eigen::MatrixXd C = matrix(C_object, "C");
-    check(StateSpace{A, Eigen::MatrixXd::Zero(A.rows(), 1), C});
-    return observability_rank(A, C);
+    return apart([A = matrix(A_object, "A"), C = matrix(C_object, "C")] {
+      check(StateSpace{A, Eigen::MatrixXd::Zero(A.rows(), 1), C});
+      return observability_rank(A, C);
+    });
   });
-  py::class_<Qp>(module, "Qp")
-      .def(py::init<const py::object&, const py::object&, const std::string&, int>())
+  bind_class<Qp>(module, "Qp")
+      .def(py::init<const py::object&, const py::object&, const py::object&, const py::object&>())
       .def("solve", &Qp::solve)
       .def("reset", &Qp::reset);
   bind_chain(module);

@@ -58,6 +58,8 @@ void translate(std::exception_ptr thrown) {
 
 PYBIND11_MODULE(_core, module) {
   using namespace breakwater::python;  // NOLINT: the module's own
+  pybind11::options options;
+  options.disable_function_signatures();
   set_places();
   breakwater::stop_asked = [] {
     const py::gil_scoped_acquire held;

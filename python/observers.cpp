@@ -5,6 +5,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -52,7 +53,7 @@ class Arguments {
   double period_s() const { return has("period_s") ? number("period_s") : 1.0; }
 
   ExtendedPlant extended() const {
-    const int order = at("order").cast<int>();
+    const int order = whole_number(at("order"), "order");
     return has("period_s") ? sample_with_disturbance_model(plant(), order, period_s())
                            : extend_by_disturbance_model(plant(), order, period_s());
   }
@@ -63,7 +64,7 @@ class Arguments {
     SensorError error{vector_of(at("delta"), outputs, "delta"),
                       vector_of(at("sigma"), outputs, "sigma")};
     if (!arguments_.contains("rounding")) return error;
-    const auto rounding = at("rounding").cast<std::string>();
+    const std::string rounding = utf8(at("rounding"), "rounding");
     if (rounding == "truncate") {
       error.rounding = EncoderRounding::truncate;
     } else if (rounding != "nearest") {
@@ -82,7 +83,7 @@ class Arguments {
     const ExtendedPlant plant = extended();
     const Eigen::Index N = plant.states();
     KalmanDesign design{plant, {}, square("R", plant.outputs()), square("P0", N)};
-    const auto on = at("noise_on").cast<std::string>();
+    const std::string on = utf8(at("noise_on"), "noise_on");
     if (numbers(at("Q"), "Q").ndim() != 0) {
       design.Q = matrix_of(at("Q"), N, N, "Q");
     } else if (on == "input") {
@@ -158,7 +159,7 @@ Estimator make_of_catalogue(const Arguments& arguments) {
   Fields fields;
   choice.bind(fields);
   Config config("AxisObserver", {});
-  for (const auto& key : arguments.at("keys").cast<std::vector<std::string>>()) config.set(key);
+  for (const py::handle& key : arguments.at("keys")) config.set(utf8(key, "keys"));
   fields.read(config);
   for (const UnusedKey& unused : fields.unused()) config.fail(unused.key, unused.reason);
   const StateSpace plant = arguments.plant();
@@ -195,11 +196,11 @@ Estimator make(const std::string& kind, const Arguments& arguments) {
   throw std::invalid_argument("there is no estimator \"" + kind + "\"");
 }
 
-// A finite record, rows × width.
+// A finite record, rows × width. A copy: another thread may change the array during the work.
 class Record {
  public:
   Record(const py::object& object, Eigen::Index width, const char* name)
-      : values_(numbers(object, name)) {
+      : values_(py::array_t<double>(numbers(object, name).attr("copy")())) {
     const bool is_column = width == 1 && values_.ndim() == 1;
     if (!is_column && !(values_.ndim() == 2 && values_.shape(1) == width)) {
       throw std::invalid_argument(std::string(name) + ": must be of shape (samples" +
@@ -262,7 +263,25 @@ class RegularAfterwards {
   DisturbanceEstimator& estimator_;
 };
 
-// One estimator for one thread at a time. Others wait without the interpreter's lock.
+// Obeys signals in a long loop. The caller lacks the interpreter's lock.
+class Lookout {
+ public:
+  void sample() {
+    if (++samples_ % kSamples != 0 || Clock::now() < next_) return;
+    obey_signals();
+    next_ = Clock::now() + kLook;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr int kSamples = 64;  // between two looks at the clock, which takes as long as one
+
+  unsigned samples_ = 0;
+  Clock::time_point next_ = Clock::now() + kLook;
+};
+
+// One estimator for one thread at a time. No Python code runs while it is in use, except signal
+// handlers.
 class ArrayEstimator {
  public:
   ArrayEstimator(const std::string& kind, const py::dict& dict) {
@@ -280,17 +299,22 @@ class ArrayEstimator {
 
   void reset(const py::object& x0) {
     const Eigen::VectorXd x = x0.is_none() ? Eigen::VectorXd::Zero(n_) : vector_of(x0, n_, "x0");
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(turn_);
     estimator_->reset(x);
   }
 
   py::tuple update(const py::object& u, const py::object& y) {
     const Eigen::VectorXd held = vector_of(u, m_, "u");
     const Eigen::VectorXd measured = vector_of(y, C_.rows(), "y");
-    const std::lock_guard lock(mutex_);
-    estimator_->update(held, measured);
-    return py::make_tuple(array(Vector(estimator_->state())),
-                          array(Vector(estimator_->disturbance())));
+    py::array_t<double> x(n_);
+    py::array_t<double> d(m_);
+    {
+      const std::lock_guard lock(turn_);
+      estimator_->update(held, measured);
+      copy(estimator_->state(), x);
+      copy(estimator_->disturbance(), d);
+    }
+    return py::make_tuple(x, d);
   }
 
   py::tuple filter(const py::object& u_object, const py::object& y_object,
@@ -326,13 +350,15 @@ class ArrayEstimator {
     Column innovation(y.rows(), innovation_.size());
     Column lambda(y.rows(), lambda_.size());
     {
+      const std::lock_guard lock(turn_);
       const Unlocked unlocked;
-      const std::lock_guard lock(mutex_);
+      Lookout lookout;
       const RegularAfterwards regular(*estimator_);
       estimator_->reset(start);
       const double* const state = estimator_->state().data();
       const double* const disturbance = estimator_->disturbance().data();
       for (py::ssize_t k = 0; k < y.rows(); ++k) {
+        lookout.sample();
         if (is_followed && k > 0) {
           intervals.move_to(static_cast<std::size_t>(k));
           estimator_->follow(intervals.interval());
@@ -349,18 +375,35 @@ class ArrayEstimator {
     return py::make_tuple(x.array(), d.array(), innovation.array(), lambda.array());
   }
 
-  py::array_t<double> state() const { return array(Vector(estimator_->state())); }
-  py::array_t<double> disturbance() const { return array(Vector(estimator_->disturbance())); }
-  py::array_t<double> innovation() const { return array(innovation_); }
+  py::array_t<double> state() { return copy_of(estimator_->state()); }
+  py::array_t<double> disturbance() { return copy_of(estimator_->disturbance()); }
+  py::array_t<double> innovation() {
+    return copy_of({innovation_.data(), static_cast<Eigen::Index>(innovation_.size())});
+  }
 
-  py::object pole_matrix() const {
+  py::object pole_matrix() {
     const Eigen::Index poles = estimator_->poles();
     Eigen::MatrixXd F(poles, poles);
-    if (poles > 0) estimator_->pole_matrix(F);
+    if (poles > 0) {
+      const std::lock_guard lock(turn_);
+      estimator_->pole_matrix(F);
+    }
     return matrix_array(F);
   }
 
  private:
+  using View = Eigen::Map<const Eigen::VectorXd>;
+
+  static void copy(const View& from, py::array_t<double>& to) {
+    std::copy_n(from.data(), from.size(), to.mutable_data());
+  }
+  py::array_t<double> copy_of(const View& values) {
+    py::array_t<double> all(values.size());
+    const std::lock_guard lock(turn_);
+    copy(values, all);
+    return all;
+  }
+
   void check_times(const Record& t) const {
     if (!(period_s_ > 0.0)) {
       throw std::invalid_argument("t: needs an estimator of a plant in continuous time (period_s)");
@@ -379,13 +422,13 @@ class ArrayEstimator {
   double sensor_std_ = 0.0;  // 0: unknown
   std::span<const double> innovation_;
   std::span<const double> lambda_;
-  std::mutex mutex_;
+  Turn turn_;
 };
 
 template <typename Enum>
 Enum choice(const py::dict& arguments, const char* name,
             const std::vector<std::pair<const char*, Enum>>& options) {
-  const auto chosen = arguments[name].cast<std::string>();
+  const std::string chosen = utf8(arguments[name], name);
   std::string names;
   for (const auto& [option, value] : options) {
     if (chosen == option) return value;
@@ -426,17 +469,22 @@ class ArrayQuadrotorFilter {
 
   void reset(const py::object& pose) {
     const Eigen::VectorXd start = vector_of(pose, 6, "pose");
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(turn_);
     filter_->reset(start);
   }
 
   py::tuple update(const py::object& u, const py::object& y) {
     const Eigen::Vector4d thrusts = vector_of(u, 4, "u");
     const Vector6d pose = vector_of(y, 6, "y");
-    const std::lock_guard lock(mutex_);
-    filter_->update(thrusts, pose);
-    const Eigen::Vector3d force = filter_->force();
-    return py::make_tuple(array(Vector(filter_->motion())), array(Vector(force)));
+    QuadrotorEstimator::Motion motion;
+    Eigen::Vector3d force;
+    {
+      const std::lock_guard lock(turn_);
+      filter_->update(thrusts, pose);
+      motion = filter_->motion();
+      force = filter_->force();
+    }
+    return py::make_tuple(array(Vector(motion)), array(Vector(force)));
   }
 
   py::tuple filter(const py::object& u_object, const py::object& y_object) {
@@ -446,10 +494,12 @@ class ArrayQuadrotorFilter {
     Column motion(y.rows(), 12);
     Column force(y.rows(), 3);
     if (y.rows() > 0) {
+      const std::lock_guard lock(turn_);
       const Unlocked unlocked;
-      const std::lock_guard lock(mutex_);
+      Lookout lookout;
       filter_->reset(y.row(0));
       for (py::ssize_t k = 0; k < y.rows(); ++k) {
+        lookout.sample();
         filter_->update(u.row(std::max<py::ssize_t>(k - 1, 0)), y.row(k));
         motion.append(filter_->motion().data(), 12);
         const Eigen::Vector3d now = filter_->force();
@@ -461,21 +511,23 @@ class ArrayQuadrotorFilter {
 
  private:
   std::unique_ptr<QuadrotorEstimator> filter_;
-  std::mutex mutex_;
+  Turn turn_;
 };
 
 }  // namespace
 
 void bind_observers(py::module_& module) {
-  py::class_<ArrayEstimator>(module, "ArrayEstimator")
-      .def(py::init<const std::string&, const py::dict&>())
-      .def("reset", &ArrayEstimator::reset, py::arg("x0") = py::none(),
-           "Start from the state x0 (n; default: zeros) without a disturbance.")
-      .def("update", &ArrayEstimator::update, py::arg("u"), py::arg("y"),
-           "Take one sample: the input u (m) since the last one, the measurement y (p). Returns "
-           "(x, d).\n\n"
-           "The first u after a reset is ignored.")
-      .def("filter_record", &ArrayEstimator::filter)
+  auto estimator = bind_class<ArrayEstimator>(module, "ArrayEstimator");
+  bind_method(estimator, "reset", "x0=None", &ArrayEstimator::reset,
+              "Start from the state x0 (n; default: zeros) without a disturbance.",
+              py::arg("x0") = py::none());
+  bind_method(estimator, "update", "u, y", &ArrayEstimator::update,
+              "Take one sample: the input u (m) since the last one, the measurement y (p). Returns "
+              "(x, d).\n\n"
+              "The first u after a reset is ignored.",
+              py::arg("u"), py::arg("y"));
+  estimator.def(py::init<const std::string&, const py::dict&>())
+      .def("filter_record", &ArrayEstimator::filter, "The arrays of filter().")
       .def_property_readonly("x", &ArrayEstimator::state, "A copy of the estimated state (n).")
       .def_property_readonly("d", &ArrayEstimator::disturbance,
                              "A copy of the estimated disturbance (m), which opposes the input.")
@@ -483,14 +535,16 @@ void bind_observers(py::module_& module) {
                              "y - C x(k|k-1) (p), a copy; empty of one that has none.")
       .def_property_readonly("pole_matrix", &ArrayEstimator::pole_matrix,
                              "The matrix whose eigenvalues are the poles at this sample.");
-  py::class_<ArrayQuadrotorFilter>(module, "ArrayQuadrotorFilter")
-      .def(py::init<const py::dict&>())
-      .def("reset", &ArrayQuadrotorFilter::reset, py::arg("pose"),
-           "Start at rest at a pose (6) without a disturbance.")
-      .def("update", &ArrayQuadrotorFilter::update, py::arg("u"), py::arg("y"),
-           "Take one sample: the thrusts u (4) since the last one [N], the measured pose y (6).\n"
-           "Returns (motion, force): [pose; its rate] (12), and the disturbance force (3) [N].")
-      .def("filter_record", &ArrayQuadrotorFilter::filter);
+  auto filter = bind_class<ArrayQuadrotorFilter>(module, "ArrayQuadrotorFilter");
+  bind_method(filter, "reset", "pose", &ArrayQuadrotorFilter::reset,
+              "Start at rest at a pose (6) without a disturbance.", py::arg("pose"));
+  bind_method(filter, "update", "u, y", &ArrayQuadrotorFilter::update,
+              "Take one sample: the thrusts u (4) since the last one [N], the measured pose y "
+              "(6).\nReturns (motion, force): [pose; its rate] (12), and the disturbance force (3) "
+              "[N].",
+              py::arg("u"), py::arg("y"));
+  filter.def(py::init<const py::dict&>())
+      .def("filter_record", &ArrayQuadrotorFilter::filter, "The arrays of filter().");
 }
 
 }  // namespace breakwater::python

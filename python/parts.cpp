@@ -47,21 +47,26 @@ class Part {
 
   const std::string& name() const { return name_; }
 
-  py::object call_update(const py::object& first, const py::object& second) const {
-    return call(update_, first, second);
+  py::object call_update(const py::object& first, const py::object& second) {
+    py::object result = call(update_, first, second);
+    copy_signals();
+    return result;
   }
-  void call_reset(const py::object& first, const py::object& second) const {
+  void call_reset(const py::object& first, const py::object& second) {
     call(reset_, first, second);
+    copy_signals();
   }
-  void call_reset(const py::object& state) const { py::handle(reset_.get())(state); }
+  void call_reset(const py::object& state) {
+    py::handle(reset_.get())(state);
+    copy_signals();
+  }
 
   // A new array for y.
   py::object sample(const double* values, Eigen::Index size) const {
     Py_INCREF(dtype_.get());  // the array takes this reference
     const Py_intptr_t shape[] = {size};
     py::object array = steal_or_throw(py::detail::npy_api::get().PyArray_NewFromDescr_(
-        reinterpret_cast<PyTypeObject*>(sample_class_.get()), dtype_.get(), 1, shape, nullptr,
-        nullptr, 0, nullptr));
+        type_of(sample_class_), dtype_.get(), 1, shape, nullptr, nullptr, 0, nullptr));
     std::memcpy(py::detail::array_proxy(array.ptr())->data, values,
                 static_cast<std::size_t>(size) * sizeof(double));
     return array;
@@ -73,8 +78,7 @@ class Part {
       *target = PyFloat_AS_DOUBLE(result.ptr());
       return;
     }
-    const auto& api = py::detail::npy_api::get();
-    if (api.PyArray_Check_(result.ptr())) {
+    if (is_plain_array(result) || Py_IS_TYPE(result.ptr(), type_of(sample_class_))) {
       const auto* array = py::detail::array_proxy(result.ptr());
       if (array->descr == dtype_.get() && array->nd == 1 && array->dimensions[0] == size &&
           array->strides[0] == sizeof(double)) {
@@ -97,7 +101,8 @@ class Part {
 
   void set_setup(const py::object& setup) const { py::setattr(part_.get(), "setup", setup); }
 
-  // The result of signals(), a dict NAME: (unit, description, array). Keeps the arrays.
+  // The result of signals(), a dict NAME: (unit, description, array). Keeps the arrays, and copies
+  // them after each call.
   std::vector<Signal> signals() {
     std::vector<Signal> list;
     const py::object published = py::handle(part_.get()).attr("signals")();
@@ -106,7 +111,7 @@ class Part {
       throw std::invalid_argument(place + ": must return a dict, is " + description(published));
     }
     for (const auto& [key, value] : published.cast<py::dict>()) {
-      const auto name = py::str(key).cast<std::string>();
+      const std::string name = utf8(py::str(key), place);
       const std::string where = place + ": " + name;
       const bool is_entry = py::isinstance<py::tuple>(value) && py::len(value) == 3;
       if (!is_entry) {
@@ -115,24 +120,51 @@ class Part {
       }
       const auto entry = py::reinterpret_borrow<py::tuple>(value);
       const py::object values = entry[2];
-      constexpr int kContiguous = py::array::c_style;
-      if (!py::array_t<double, kContiguous>::check_(values) ||
-          values.cast<py::array>().ndim() != 1) {
+      if (!is_vector(values)) {
         throw std::invalid_argument(
             where + ": must be an array of float64 of one dimension that is written in place, is " +
             description(values));
       }
-      const auto array = values.cast<py::array_t<double>>();
-      kept_.push_back(share(values));
-      list.push_back({name,
-                      py::str(entry[0]).cast<std::string>(),
-                      py::str(entry[1]).cast<std::string>(),
-                      {array.data(), static_cast<std::size_t>(array.size())}});
+      const py::ssize_t size = values.cast<py::array>().size();
+      published_.push_back(
+          {where, share(values), std::vector<double>(static_cast<std::size_t>(size))});
+      list.push_back({name, utf8(py::str(entry[0]), where), utf8(py::str(entry[1]), where),
+                      published_.back().values});
     }
+    copy_signals();
     return list;
   }
 
  private:
+  struct Published {
+    std::string where;
+    SharedObject array;
+    std::vector<double> values;
+  };
+
+  static bool is_vector(const py::handle& object) {
+    return py::array_t<double, py::array::c_style>::check_(object) && !is_masked(object) &&
+           py::reinterpret_borrow<py::array>(object).ndim() == 1;
+  }
+
+  // Python may have moved an array, or given it another size or type.
+  void copy_signals() {
+    for (Published& signal : published_) {
+      const py::handle object = signal.array.get();
+      const auto* const array = py::detail::array_proxy(object.ptr());
+      const std::size_t size = signal.values.size();
+      if (!is_vector(object) || array->dimensions[0] != static_cast<Py_intptr_t>(size)) {
+        throw std::invalid_argument(signal.where + ": must keep its " + std::to_string(size) +
+                                    " numbers of float64, is " + description(object));
+      }
+      if (size > 0) std::memcpy(signal.values.data(), array->data, size * sizeof(double));
+    }
+  }
+
+  static PyTypeObject* type_of(const SharedObject& type) {
+    return reinterpret_cast<PyTypeObject*>(type.get());
+  }
+
   static py::object call(const SharedObject& method, const py::object& first,
                          const py::object& second) {
     PyObject* arguments[] = {nullptr, first.ptr(), second.ptr()};
@@ -146,7 +178,7 @@ class Part {
   SharedObject update_;
   SharedObject sample_class_;
   SharedObject dtype_;
-  std::vector<SharedObject> kept_;
+  std::vector<Published> published_;
 };
 
 py::object namespace_of(const py::dict& entries) {
@@ -274,11 +306,19 @@ py::object setup_of(const NominalAxis& axis) {
       py::arg("noise_std") = array(Input(axis.sensor.noise_std)), py::arg("joint") = axis.joint));
 }
 
+template <typename Function>
+py::cpp_function function_of_time(const Function& function) {
+  return [function](const py::args& given, const py::kwargs& named) -> py::object {
+    if (given.size() != 1 || !named.empty()) throw py::type_error("reference() takes t");
+    return function(number(given[0], "t"));
+  };
+}
+
 py::object setup_of(const AxisTask& task) {
   py::object setup = setup_of(task.axis);
   setup.attr("start_state") = array(Input(task.start_state));
-  setup.attr("reference") = py::cpp_function(
-      [reference = task.modelled_reference()](double t) { return reference.at(t); });
+  setup.attr("reference") = function_of_time(
+      [reference = task.modelled_reference()](double t) { return py::float_(reference.at(t)); });
   return setup;
 }
 
@@ -291,7 +331,7 @@ py::object setup_of(const PlantTask& task) {
   setup.attr("force_limit") = array(Input(task.limit));
   std::vector<Reference> references;
   for (const AxisTask& axis : task.axes) references.push_back(axis.measured_reference());
-  setup.attr("reference") = py::cpp_function([references](double t) {
+  setup.attr("reference") = function_of_time([references](double t) {
     Eigen::VectorXd values(static_cast<Eigen::Index>(references.size()));
     for (std::size_t i = 0; i < references.size(); ++i) {
       values(static_cast<Eigen::Index>(i)) = references[i].at(t);
@@ -436,7 +476,7 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
   // Two axes may have objects of one class.
   const auto choose = [this](const py::dict& parts, const char* key, auto&& kind) {
     for (const auto& [name, part] : parts) {
-      const std::string axis = py::str(name);
+      const std::string axis = utf8(name, key);
       axes_.push_back(axis);
       const std::string its_name = class_name(part) + "_" + axis;
       catalogue_.add(kind(its_name, share(py::reinterpret_borrow<py::object>(part)), [] {}));

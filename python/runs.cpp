@@ -7,6 +7,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,16 +33,15 @@ struct OwnRun {
   double wall_s = 0.0;
 };
 
-// HDF5 is not thread-safe, and h5py uses it with the interpreter's lock held. So this code holds
-// the lock too.
+// A run's folder. Its signals are read by one thread at a time.
+struct FolderRun : SavedRun {
+  using SavedRun::SavedRun;
+  Turn turn;
+};
+
+// The caller lacks the interpreter's lock. Debian's HDF5 is thread-safe: h5py may use it meanwhile.
 void write(const OwnRun& own, RunFolder& folder, LogStream* stream = nullptr) {
   write_run(own.prepared, own.models, own.recording, own.wall_s, folder, false, stream);
-}
-
-// Checks for Ctrl-C when a run reports its progress. Signal handlers run only in the main thread.
-void obey_signals(double /*fraction_done*/) {
-  const Locked lock;
-  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
 OwnRun run(const std::string& scenario_or_file, const std::optional<std::string>& case_name,
@@ -70,11 +70,13 @@ OwnRun run(const std::string& scenario_or_file, const std::optional<std::string>
     if (out) folder.emplace(*out);
     own.models = model_hashes(own.prepared.model_files);
     if (folder) stream = make_log_stream(own.prepared, own.models, *folder);
-    own.recording = own.prepared.scenario->run(
-        {.progress = obey_signals, .stop = &is_ending(), .stream = stream.get()});
+    own.recording =
+        own.prepared.scenario->run({.progress = [](double /*fraction_done*/) { obey_signals(); },
+                                    .stop = &is_ending(),
+                                    .stream = stream.get()});
     own.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (folder) write(own, *folder, stream.get());
   }
-  if (folder) write(own, *folder, stream.get());
   return own;
 }
 
@@ -145,13 +147,19 @@ py::array array_of(const py::object& self, const std::string& group, const std::
 }
 
 void save(const OwnRun& own, const std::string& folder) {
+  const Unlocked unlocked;
   RunFolder target(folder);
   write(own, target);
 }
 
 py::array array_of_saved(const py::object& self, const std::string& path) {
   constexpr auto kSize = static_cast<py::ssize_t>(sizeof(double));
-  const LoggedSignal& signal = self.cast<const SavedRun&>().dataset(path);
+  const LoggedSignal& signal = [&]() -> const LoggedSignal& {
+    auto& run = self.cast<FolderRun&>();
+    const std::lock_guard lock(run.turn);
+    const Unlocked unlocked;
+    return run.dataset(path);
+  }();
   const auto rows = static_cast<py::ssize_t>(signal.rows);
   const auto width = static_cast<py::ssize_t>(signal.width);
   if (width == 1) return view_of(signal.values.data(), {rows}, {kSize}, self);
@@ -170,7 +178,7 @@ py::list signals_of(const SavedRun& run) {
 }  // namespace
 
 void bind_runs(py::module_& module) {
-  py::class_<OwnRun>(module, "OwnRun")
+  bind_class<OwnRun>(module, "OwnRun")
       .def_property_readonly("scenario",
                              [](const OwnRun& own) { return own.prepared.scenario->name(); })
       .def_property_readonly("case", [](const OwnRun& own) { return own.prepared.case_name; })
@@ -196,19 +204,22 @@ void bind_runs(py::module_& module) {
       .def("save", save);
   module.def("run", run);
 
-  py::class_<SavedRun>(module, "SavedRun")
-      .def(py::init<const fs::path&>())
-      .def_property_readonly("scenario", &SavedRun::scenario)
-      .def_property_readonly("case", &SavedRun::case_name)
-      .def_property_readonly("config_text", &SavedRun::config_text)
-      .def_property_readonly("metrics", [](const SavedRun& run) { return dict_of(run.metrics()); })
+  bind_class<FolderRun>(module, "SavedRun")
+      .def(py::init([](const fs::path& folder) {
+        const Unlocked unlocked;
+        return std::make_unique<FolderRun>(folder);
+      }))
+      .def_property_readonly("scenario", &FolderRun::scenario)
+      .def_property_readonly("case", &FolderRun::case_name)
+      .def_property_readonly("config_text", &FolderRun::config_text)
+      .def_property_readonly("metrics", [](const FolderRun& run) { return dict_of(run.metrics()); })
       .def_property_readonly("failure",
-                             [](const SavedRun& run) { return failure_of(run.failure()); })
-      .def_property_readonly("state_hash", &SavedRun::state_hash)
-      .def_property_readonly("signals", [](const SavedRun& run) { return signals_of(run); })
+                             [](const FolderRun& run) { return failure_of(run.failure()); })
+      .def_property_readonly("state_hash", &FolderRun::state_hash)
+      .def_property_readonly("signals", [](const FolderRun& run) { return signals_of(run); })
       .def_property_readonly(
-          "is_cut", [](const SavedRun& run) { return run.failure() && run.failure()->is_cut; })
-      .def_property_readonly("notes", &SavedRun::notes)
+          "is_cut", [](const FolderRun& run) { return run.failure() && run.failure()->is_cut; })
+      .def_property_readonly("notes", &FolderRun::notes)
       .def("array", [](const py::object& self, const std::string& group, const std::string& name) {
         return array_of_saved(self, group + "/" + name);
       });

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 
 from . import _core
+from .arguments import checked_text
 from .errors import InputError
 
 _USAGE = 2  # exit status for wrong arguments
@@ -30,7 +31,7 @@ def call(words: list[str]) -> tuple[int, list[str]]:
     A second Ctrl-C ends it at once.
     """
     with subprocess.Popen(
-        [program(), *words],
+        [program(), *(checked_text(word, words[0]) for word in words)],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,

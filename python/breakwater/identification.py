@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .arguments import path_or_none, set_lines, text_or_none
+from .arguments import filled, finite, path_or_none, set_lines, text_or_none
 from .commands import call, failure_of
 from .errors import InputError
 
@@ -111,7 +111,7 @@ def identify(
         words += [f"--friction={text_or_none(friction, 'friction')}", f"--out={folder / 'result'}"]
         words += [f"--set={line}" for line in lines]
         if inertia is not None:
-            words.append(f"--inertia={float(inertia)!r}")
+            words.append(f"--inertia={finite(inertia, 'inertia')!r}")
         if holdout is not None:
             words += [f"--holdout={file}" for file in _files(holdout, "holdout", folder)]
         status, said = call([*words, "--", *_files(data, "data", folder)])
@@ -141,7 +141,7 @@ def _file(record: Any, file: pathlib.Path, name: str) -> str:
     if isinstance(record, (str, bytes, os.PathLike)):
         return path_or_none(record, name)
     try:
-        columns = [np.asarray(record[column], dtype=float) for column in _COLUMNS]
+        columns = [filled(record[column], float) for column in _COLUMNS]
         table = np.column_stack(columns)
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise InputError(f"{name}: must have the columns time_s, u and y of equal length: {error}") from None

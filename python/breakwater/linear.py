@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .arguments import filled, finite
 from .errors import InputError
 
 Matrix = npt.ArrayLike
@@ -69,11 +70,11 @@ def lqr(A: Matrix, B: Matrix, Q: Matrix, R: Matrix) -> Regulator:
 
 def _groups(poles: object, count: int, what: str) -> list[list[complex]]:
     try:
-        rows = np.asarray(poles, dtype=complex).tolist() if count == 1 else list(poles)  # type: ignore
+        rows = filled(poles, complex).tolist() if count == 1 else list(poles)  # type: ignore
         if count == 1:
             rows = [rows] if not rows or not isinstance(rows[0], list) else rows
         groups = [[complex(pole) for pole in group] for group in rows]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(
             f"poles: must be numbers, in one list for each {what} where there are several"
         ) from None
@@ -110,7 +111,7 @@ def place_poles(
 
 def zero_order_hold(A: Matrix, B: Matrix, C: Matrix, period_s: float) -> Plant:
     """The plant dx/dt = A x + B u, y = C x, sampled exactly every period_s [s] with a held input."""
-    return Plant(*_core.zero_order_hold(A, B, C, _number(period_s, "period_s")))
+    return Plant(*_core.zero_order_hold(A, B, C, finite(period_s, "period_s")))
 
 
 def extend_by_disturbance_model(
@@ -121,7 +122,7 @@ def extend_by_disturbance_model(
     The disturbance d opposes the input. It is a step (order 0), ramp (1) or parabola (2).
     """
     return Plant(
-        *_core.extend_by_disturbance_model(A, B, C, _whole(order, "order"), _number(period_s, "period_s"))
+        *_core.extend_by_disturbance_model(A, B, C, _whole(order, "order"), finite(period_s, "period_s"))
     )
 
 
@@ -132,7 +133,7 @@ def damped_inertia(inertia: float, viscous_friction: float = 0.0) -> Plant:
     """
     return Plant(
         *_core.damped_inertia(
-            _number(inertia, "inertia"), _number(viscous_friction, "viscous_friction")
+            finite(inertia, "inertia"), finite(viscous_friction, "viscous_friction")
         )
     )
 
@@ -140,14 +141,6 @@ def damped_inertia(inertia: float, viscous_friction: float = 0.0) -> Plant:
 def observability_rank(A: Matrix, C: Matrix) -> int:
     """The rank of [C; C A; ...] with balanced columns. (A, C) is observable if it is n."""
     return _core.observability_rank(A, C)
-
-
-def _number(value: object, name: str) -> float:
-    if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
-        if np.isfinite(value):
-            return float(value)
-        raise InputError(f"{name}: must be finite, is {value}")
-    raise InputError(f"{name}: must be a number, is {type(value).__name__}")
 
 
 def _whole(value: object, name: str) -> int:

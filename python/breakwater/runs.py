@@ -11,6 +11,7 @@ import os
 import pathlib
 import re
 import shutil
+import sys
 import tempfile
 import tomllib
 import warnings
@@ -20,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _core
-from .arguments import folder_path, path_or_none, set_lines, text_or_none
+from .arguments import did_you_mean, folder_path, mapping, path_or_none, set_lines, text_or_none
 from .commands import call, failure_of
 from .errors import InputError
 from .parts import Controller, Estimator
@@ -181,7 +182,7 @@ class Run:
             name = match["name"]
             if (group, name) in self._signals or (name == "time_s" and group in self.groups):
                 return group, name, int(match["index"]) if match["index"] else None
-        near = _core.did_you_mean(str(signal), self.signals)
+        near = did_you_mean(signal, self.signals)
         raise KeyError(f"signal: there is no {signal!r} in the log{near}")
 
     def __getitem__(self, signal: str) -> np.ndarray:
@@ -344,7 +345,7 @@ class Run:
         if self._folder is None:
             return None
         try:
-            saved = _core.SavedRun(self._folder)
+            saved = _saved(self._folder)
         except InputError as error:
             return str(error)
         if (saved.config_text, saved.state_hash) == (self.config_text, self.state_hash):
@@ -388,6 +389,13 @@ class Run:
             f"<p>{html.escape(repr(self))}</p><table>{rows}</table>"
             f"<p>not in three dimensions: {html.escape(note)}</p>"
         )
+
+
+def _saved(folder: pathlib.Path) -> Any:
+    h5py = sys.modules.get("h5py._objects")
+    # To read an older log safely the process forks. No thread may be in HDF5 then.
+    with h5py.phil if h5py else contextlib.nullcontext():
+        return _core.SavedRun(folder)
 
 
 _seeds: dict[int, tuple[int, str]] = {}  # the first run of each configuration, apart from its seed
@@ -447,14 +455,15 @@ def run(
         sets += set_lines({"run.duration_s": duration})
     if controller is not None and estimator is not None:
         raise InputError("estimator: a controller in Python uses none: update your estimator in its update()")
-    for axis in (controllers or {}).keys() & (estimators or {}).keys():
+    controllers, estimators = mapping(controllers, "controllers"), mapping(estimators, "estimators")
+    for axis in controllers.keys() & estimators.keys():
         raise InputError(f"estimators: {axis}: its controller in Python uses none: update your estimator in its update()")
     parts = [
         _handle(_part(controller, Controller, "controller")),
         _handle(_part(estimator, Estimator, "estimator")),
     ]
     of_axes = [
-        {axis: _handle(_part(part, base, f"{name}: {axis}")) for axis, part in (given or {}).items()}
+        {axis: _handle(_part(part, base, f"{name}: {axis}")) for axis, part in given.items()}
         for given, base, name in (
             (controllers, Controller, "controllers"),
             (estimators, Estimator, "estimators"),
@@ -483,7 +492,7 @@ def run(
     for part in parts:
         if part is not None:
             part.let_go()
-    data = _core.SavedRun(pathlib.Path(folder)) if folder is not None and core.is_streamed else core
+    data = _saved(pathlib.Path(folder)) if folder is not None and core.is_streamed else core
     finished = Run(data, None if folder is None else pathlib.Path(folder), lines)
     if any(line.startswith("run.seed=") for line in sets):
         _warn_of_seeds(finished)
@@ -499,7 +508,7 @@ def load(folder: str | os.PathLike[str]) -> Run:
     no metrics.
     """
     path = folder_path(folder)
-    saved = _core.SavedRun(path)
+    saved = _saved(path)
     return Run(saved, path, saved.notes)
 
 

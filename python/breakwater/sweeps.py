@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .arguments import path_or_none, set_lines, text_or_none, toml_text
+from .arguments import did_you_mean, mapping, path_or_none, set_lines, text_or_none, toml_text
 from .commands import call, failure_of
 from .errors import InputError
 from .parts import Controller
@@ -38,7 +38,7 @@ def _kind(value: Any) -> str:
 def _values(value: Any, name: str, wish: str) -> list[Any]:
     """A list, range or array as a list with at least one entry."""
     if not isinstance(value, (list, tuple, range)):
-        array = np.asarray(value) if hasattr(value, "__array__") else None
+        array = np.asanyarray(value) if hasattr(value, "__array__") else None
         if array is None or array.ndim == 0:
             raise InputError(f"{name}: must be {wish}, is {_kind(value)}")
         value = array.tolist()
@@ -61,9 +61,13 @@ def _names(value: Any, name: str) -> str:
 def _whole(value: Any, name: str) -> int:
     try:
         if not isinstance(value, (bool, np.bool_)):
-            return operator.index(value)
+            number = operator.index(value)
+            str(number)
+            return number
     except TypeError:
         pass
+    except ValueError:  # Python does not write so many digits
+        raise InputError(f"{name}: is too large") from None
     raise InputError(f"{name}: must be a whole number, is {_kind(value)}")
 
 
@@ -83,7 +87,7 @@ def _varied(value: Any, name: str) -> str:
             raise InputError(f"{name}: must be one distribution, has {len(value)}")
         ((kind, numbers),) = value.items()
         if kind not in _DISTRIBUTIONS:
-            near = _core.did_you_mean(str(kind), list(_DISTRIBUTIONS))
+            near = did_you_mean(kind, list(_DISTRIBUTIONS))
             raise InputError(f"{name}: there is no distribution {kind!r}{near}")
         both = _values(numbers, f"{name}: {kind}", "two numbers")
         return f"{kind}({','.join(toml_text(number, name) for number in both)})"
@@ -92,12 +96,10 @@ def _varied(value: Any, name: str) -> str:
 
 
 def _keys(values: Any, name: str) -> Mapping[str, Any]:
-    if not isinstance(values, Mapping):
-        raise InputError(f"{name}: must be a dict, is {_kind(values)}")
-    for key in values:
-        if not isinstance(key, str) or not key or "=" in key:
+    for key in mapping(values, name):
+        if not key or "=" in key:
             raise InputError(f"{name}: there is no key {key!r}")
-    return values
+    return mapping(values, name)
 
 
 def _table(file: pathlib.Path) -> pandas.DataFrame:
@@ -193,8 +195,8 @@ def sweep(
     lines = set_lines(set)
     if duration is not None:
         lines += set_lines({"run.duration_s": duration})
-    varied = {} if vary is None else _keys(vary, "vary")
-    goals = {} if goal is None else _keys(goal, "goal")
+    varied = _keys(vary, "vary")
+    goals = _keys(goal, "goal")
     if jobs is not None and not 1 <= _whole(jobs, "jobs") <= _MOST_JOBS:
         raise InputError(f"jobs: must be 1 to {_MOST_JOBS}, is {jobs}")
     options = [

@@ -259,7 +259,7 @@ Size checked_size(hid_t dataset) {
   return size;
 }
 
-// Debian's serial HDF5 is not built thread-safe.
+// HDF5 may be built without safety for threads, though Debian's has it.
 std::mutex hdf5_in_use;
 
 // The step by which the file in memory grows. HDF5 clears each step: it must not be too large.

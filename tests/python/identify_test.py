@@ -168,6 +168,11 @@ class Identify(unittest.TestCase):
         self.assertIn("the rows are 2 s apart. If the times are milliseconds, set csv.time_scale=1e-3", done.stderr)
         self.assertIn("set csv.position_scale to one count", done.stderr)
 
+    def test_a_masked_row_is_left_out(self):
+        y = np.ma.array(self.other["y"], mask=np.arange(len(self.other["y"])) == 300)
+        with self.assertWarnsRegex(UserWarning, "1 row without a position left out"):
+            bw.identify({**self.other, "y": y})
+
     def test_a_given_inertia_and_a_false_model_are_said(self):
         write(self.folder / "bench.csv", self.data)
         done = identify(self.folder, "bench.csv", "--inertia", TRUE["inertia_kgm2"], "--out", "id")

@@ -1,5 +1,7 @@
 """The library on arrays, compared with NumPy, SciPy, CVXOPT and runs of the programs."""
 
+import signal
+import sys
 import threading
 import unittest
 
@@ -8,6 +10,8 @@ import scipy.linalg
 import scipy.signal
 
 import breakwater as bw
+from breakwater import _core
+from support import temporary_folder
 
 A = np.array([[0.0, 1.0], [0.0, -0.3]])
 B = np.array([[0.0], [2.0]])
@@ -230,6 +234,142 @@ class Filters(unittest.TestCase):
             np.testing.assert_array_equal(result, expected)
 
 
+class Interrupted(Exception):
+    pass
+
+
+class Work(unittest.TestCase):
+    def switch(self, seconds):
+        self.addCleanup(sys.setswitchinterval, sys.getswitchinterval())
+        sys.setswitchinterval(seconds)
+
+    def test_threads_with_one_object_do_not_hang(self):
+        self.switch(1e-6)
+        u, y = record(2000)
+        qp = bw.QpSolver(np.eye(2), np.eye(2))
+        every = {name: (f, [0.0, 0.0], lambda f: f.update(0.1, 0.2), lambda f: f.filter(u, y))
+                 for name, f in every_filter().items() if name in ("Stf", "qbank")}
+        every["quadrotor"] = (bw.QuadrotorFilter(), np.zeros(6), lambda f: f.update(np.ones(4), np.zeros(6)),
+                              lambda f: f.filter(np.ones((50, 4)), np.zeros((50, 6))))
+        every["qp"] = (qp, None, lambda f: f.solve([-1.0, -1.0], None, [0.5, 0.5]), lambda f: None)
+        for name, (f, start, update, whole) in every.items():
+            def work(k):
+                for i in range(400):
+                    (update, lambda f: f.reset() if start is None else f.reset(start), update)[k](f)
+                    if i % 100 == k:
+                        whole(f)
+
+            with self.subTest(name):
+                threads = [threading.Thread(target=work, args=(k,)) for k in range(3)]
+                for thread in threads:
+                    thread.start()
+                for thread in threads:
+                    thread.join()
+
+    def test_others_go_on(self):
+        self.switch(1000)  # nobody gets the interpreter's lock who is not given it
+        random = np.random.default_rng(1)
+        wide, narrow, eye = random.normal(size=(60, 60)) / 8, random.normal(size=(60, 1)), np.eye(60)
+        poles = [[0.01 * k for k in range(60)]]
+        run = bw.run("motor_estimation", case="stf", duration=1)
+        u, y = record(20000)
+        laps, is_over = [0], threading.Event()
+
+        def others():
+            while not is_over.wait(1e-6):
+                laps[0] += 1
+
+        with temporary_folder() as folder:
+            run.save(folder / "run")
+            thread = threading.Thread(target=others)
+            thread.start()
+            try:
+                for name, work in {
+                    "dare": lambda: _core.dare(wide, wide, eye, eye),
+                    "place_poles": lambda: _core.place_poles(wide, narrow, poles),
+                    "zero_order_hold": lambda: _core.zero_order_hold(wide, wide, wide, 0.1),
+                    "QpSolver": lambda: _core.Qp(eye, eye, "active_set", 10),
+                    "filter": lambda f=every_filter()["Stf"]: f.filter_record(u, y, None, None, 0.0),
+                    "load": lambda: _core.SavedRun(folder / "run"),
+                    "save": lambda: run._core.save(str(folder / "saved")),
+                }.items():
+                    with self.subTest(name):
+                        for _ in range(1000):  # it may not wake before the work is done
+                            before = laps[0]
+                            try:
+                                work()
+                            except bw.InputError:
+                                pass
+                            if laps[0] > before:
+                                break
+                        else:
+                            self.fail("it never went on")
+            finally:
+                is_over.set()
+                thread.join()
+
+    def test_a_signal_is_heard_at_once(self):
+        """The handler finds the object in use, or the thread at work."""
+        stf, quadrotor = every_filter()["Stf"], bw.QuadrotorFilter()
+        zeros = np.zeros(4_000_000)
+        wide = np.random.default_rng(1).normal(size=(400, 400)) / 20
+        others = threading.active_count()
+
+        def threads():
+            with open("/proc/self/status") as status:
+                return int(next(line for line in status if line.startswith("Threads:")).split()[1])
+
+        alone = threads()
+
+        def reset(f, start):
+            with self.assertRaisesRegex(bw.InputError, "a signal handler cannot use the object"):
+                f.reset(start)
+
+        for name, work, look in (
+            ("filter", lambda: stf.filter(zeros, zeros), lambda: reset(stf, [0.0, 0.0])),
+            ("quadrotor", lambda: quadrotor.filter(np.ones((10**5, 4)), np.zeros((10**5, 6))),
+             lambda: reset(quadrotor, np.zeros(6))),
+            ("dare", lambda: bw.dare(wide, wide[:, :5], np.eye(400), np.eye(5)),
+             lambda: self.assertEqual(threads(), alone + 1)),
+        ):
+            def handle(*_):
+                look()
+                raise Interrupted
+
+            with self.subTest(name):
+                before = signal.signal(signal.SIGALRM, handle)
+                try:
+                    signal.setitimer(signal.ITIMER_REAL, 0.2)
+                    self.assertRaises(Interrupted, work)
+                finally:
+                    signal.signal(signal.SIGALRM, before)
+        stf.reset()  # it is free again
+
+
+class Masks(unittest.TestCase):
+    def test_a_masked_number_is_none(self):
+        one = np.ma.array([0.1, 9e9, 0.3], mask=[False, True, False])
+        f = every_filter()["Stf"]
+        for pattern, call in {
+            "y: must be finite; sample 1 is not": lambda: f.filter(np.zeros(3), one),
+            "u: must be finite; sample 1 is not": lambda: f.filter(one, np.zeros(3)),
+            "y: must be finite, entry 0 is nan": lambda: f.update(0.0, one[1:2]),
+            "x0: must be finite, entry 1 is nan": lambda: f.reset(one[:2]),
+            "R: must be finite, entry 0 is nan": lambda: bw.dare(A, B, np.eye(2), np.ma.masked),
+            "A: must be finite, entry 1 is nan": lambda: bw.dare([one[:2], one[:2]], B, np.eye(2), 1),
+            "Q: must be finite, entry 3 is nan": lambda: bw.dare(
+                A, B, np.ma.array(np.eye(2, dtype=int), mask=[[0, 0], [0, 1]]), 1),
+            "lower: must not be nan": lambda: bw.solve_qp(np.eye(3), [0, 0, 0], np.eye(3), one),
+            "a pole is not finite": lambda: bw.place_poles(A, B, one[:2]),
+            "seeds: must be a whole number": lambda: bw.sweep(
+                "motor_estimation", seeds=np.ma.array([1, 2], mask=[0, 1])),
+            "set: a: must be a number": lambda: bw.run("motor_estimation", set={"a": one}),
+        }.items():
+            with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern):
+                call()
+        np.testing.assert_array_equal(f.filter(np.zeros(2), one[::2]).x, f.filter(np.zeros(2), [0.1, 0.3]).x)
+
+
 class Nonsense(unittest.TestCase):
     def test_is_an_input_error_that_names_the_argument(self):
         u, y = record(20)
@@ -287,8 +427,38 @@ class Nonsense(unittest.TestCase):
             "kind: must be one of": lambda: bw.QuadrotorFilter("pf"),
             "pose: must be of 6 numbers": lambda: bw.QuadrotorFilter().reset([1, 2]),
             "nowhere.urdf": lambda: bw.PlanarChain("nowhere.urdf"),
+            "urdf: must be text in UTF-8, is 5": lambda: bw.PlanarChain(5),
+            "period_s: must be finite, is an integer of 1329 bits": lambda: bw.zero_order_hold(A, B, C, 10**400),
+            "R: must be an array of real numbers, is an integer of 1329 bits": lambda: bw.dare(A, B, eye, 10**400),
+            "order: must be a whole number of 32 bits, is an integer": lambda: bw.Stf(A, B, C, delta=1, order=10**400),
+            "max_iterations: must be a whole number of 32": lambda: bw.solve_qp(eye, [0, 0], eye, max_iterations=10**400),
+            "solver: must be text in UTF-8": lambda: bw.QpSolver(eye, eye, solver="\ud800"),
+            "kind: must be text in UTF-8": lambda: bw.QuadrotorFilter("\ud800"),
+            "rounding: must be text in UTF-8": lambda: bw.Stf(A, B, C, delta=1, rounding="\ud800"),
+            "keys: must be text in UTF-8": lambda: bw.AxisObserver("\ud800", A, B, C, period_s=PERIOD),
+            "poles: must be numbers,": lambda: bw.place_poles(A, B, [10**400, 1]),
+            "__init__ was not called": lambda: bw.PlanarChain.__new__(bw.PlanarChain).joints,
+            "no contents: __init__ was not called": lambda: bw.Stf.__new__(bw.Stf).x,
+            "object has no contents": lambda: bw.QuadrotorFilter.__new__(bw.QuadrotorFilter).update(u, y),
+            "the object has no contents": lambda: _core.OwnRun.__new__(_core.OwnRun).case,
+            "the object has no contents: ": lambda: _core.SavedRun.__new__(_core.SavedRun).case,
+            "the object has no contents: __": lambda: _core.Qp.__new__(_core.Qp).reset(),
         }.items():
-            with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern):
+            with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern) as caught:
+                call()
+            self.assertNotIn("\n", str(caught.exception))
+
+    def test_a_wrong_number_of_arguments_is_one_line(self):
+        stf, chain = bw.Stf(A, B, C, delta=1e-3, period_s=PERIOD), bw.PlanarChain("models/arm.urdf")
+        for line, call in {
+            r"update\(\) takes u, y": lambda: stf.update(1.0),
+            r"reset\(\) takes x0=None": lambda: stf.reset(1.0, 2.0),
+            r"update\(\) takes u, y$": lambda: bw.QuadrotorFilter().update(),
+            r"PlanarChain\(\) takes urdf": lambda: bw.PlanarChain(),
+            r"tip_pose\(\) takes q_rad": lambda: chain.tip_pose(),
+            r"mass_matrix\(\) takes q_rad": lambda: chain.mass_matrix(q=[0, 0, 0]),
+        }.items():
+            with self.subTest(line), self.assertRaisesRegex(TypeError, f"^{line}$"):
                 call()
 
 

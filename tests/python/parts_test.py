@@ -164,6 +164,11 @@ class OfOneAxis(unittest.TestCase):
         wrong = {"elbwo": RepeatAxis([])}
         with self.assertRaisesRegex(bw.InputError, r"no table \[axis.elbwo\] \(did you mean elbow"):
             bw.run("plant", duration=0.1, controllers=wrong)
+        for given, line in (([1], "^controllers: must be a dict, is of type list$"), (5, "^controllers: must be a dict"),
+                            ({5: RepeatAxis([])}, "^controllers: keys must be str, one is int$"),
+                            ({"\ud800": RepeatAxis([])}, "^controllers: must be UTF-8, is '.ud800'$")):
+            with self.subTest(line), self.assertRaisesRegex(bw.InputError, line):
+                bw.run("plant", duration=0.1, controllers=given)
         with self.assertRaisesRegex(bw.InputError, "controllers: elbow: must be a bw.Controller"):
             bw.run("plant", duration=0.1, controllers={"elbow": 1.0})
         both = {"controllers": {"elbow": RepeatAxis([])}, "estimators": {"elbow": bw.Estimator()}}
@@ -277,6 +282,8 @@ class Nonsense(unittest.TestCase):
         with self.assertRaisesRegex(bw.RunFailed, "command of actuator 2 is not finite") as caught:
             bw.run("arm_push", duration=0.01, controller=Returns([0, np.nan, 0]))
         self.assertEqual(caught.exception.time_s, 0.0)
+        with self.assertRaisesRegex(bw.RunFailed, "command of actuator 2 is not finite"):
+            bw.run("arm_push", duration=0.01, controller=Returns(np.ma.array([0.0, 1.0, 0.0], mask=[0, 1, 0])))
 
     def test_an_exception_leaves_with_its_own_traceback(self):
         class Breaks(bw.Controller):
@@ -326,6 +333,9 @@ class Nonsense(unittest.TestCase):
                                ({"x": ("m", "x", [1.0])}, "x: must be an array of float64"),
                                ({"x": ("m", "x", np.zeros(1, int))}, "x: must be an array of float64"),
                                ({"x": ("m", "x", np.zeros((2, 2)))}, "of one dimension"),
+                               ({"x": ("m", "x", np.ma.zeros(1))}, "x: must be an array of float64"),
+                               ({"\ud800": ("m", "x", np.zeros(1))}, r"signals\(\): must be text in UTF-8"),
+                               ({"x": ("\ud800", "x", np.zeros(1))}, "x: must be text in UTF-8"),
                                ({"time_s": ("m", "x", np.zeros(1))}, "cannot be named"),
                                ({"qpos": ("m", "x", np.zeros(1))}, "two signals have this name")):
             with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern):
@@ -337,6 +347,34 @@ class Nonsense(unittest.TestCase):
 
         with self.assertRaisesRegex(bw.InputError, r"Wrong.update\(\).*position, velocity, disturbance"):
             bw.run("motor_estimation", duration=0.1, estimator=Wrong())
+
+        class Resizes(Returns):
+            def __init__(self, value, again):
+                super().__init__(value)
+                self.a, self.again = np.full(2, 7.0), again
+
+            def signals(self):
+                return {"a_m": ("m", "x", self.a)}
+
+            def update(self, t, y):
+                self.a.resize(10**6, refcheck=False)  # moves it
+                self.a.resize(self.again, refcheck=False)
+                return self.value
+
+        moved = bw.run("motor_estimation", duration=0.01, controller=Resizes(0.0, 2))
+        np.testing.assert_array_equal(moved["a_m"], np.full((len(moved.time_s), 2), 7.0))
+        with self.assertRaisesRegex(bw.InputError, r"a_m: must keep its 2 numbers of float64, is .*shape \(3,\)"):
+            bw.run("motor_estimation", duration=0.01, controller=Resizes(0.0, 3))
+
+        class Asks(Returns):
+            def update(self, t, y):
+                return self.setup.reference(*self.value)
+
+        for given, error, line in ((["x"], bw.InputError, "^t: must be an array of real numbers, is of type str$"),
+                                   ([10**400], bw.InputError, "^t: .*an integer of 1329 bits$"),
+                                   ([], TypeError, r"^reference\(\) takes t$")):
+            with self.subTest(line), self.assertRaisesRegex(error, line):
+                bw.run("motor_estimation", duration=0.01, controller=Asks(given))
 
         class pd(Returns):
             pass

@@ -218,10 +218,21 @@ class Nonsense(unittest.TestCase):
             "^folder: must not hold a NUL": lambda: bw.load("\0a"),
         }.items():
             with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern) as caught:
+            "^scenario: must be UTF-8, is '.ud800'$": lambda: run("\ud800"),
+            "^case: must be UTF-8": lambda: run("arm_push", case="\ud800"),
+            "^set: must be UTF-8": lambda: run("arm_push", set={"\ud800": 1}),
+            "^set: a: must be UTF-8": lambda: run("arm_push", set={"a": "\ud800"}),
+            "^out: must be UTF-8, is '.udcff'$": lambda: run("arm_push", out=b"\xff"),
+            "^out: is empty": lambda: run("arm_push", duration=0.01, out=""),
+            "^config: is empty": lambda: run("arm_push", config=""),
+            "^folder: is empty": lambda: bw.load(""),
+            "^video: must be UTF-8": lambda: run("arm_push", duration=0.01).video("x.mp4", camera="\ud800"),
+            "^set: run.seed: is too large": lambda: run("arm_push", seed=10**5000),
                 call()
             self.assertNotIn("\n", str(caught.exception))
 
     def test_a_log_that_does_not_fit_is_a_memory_error(self):
+        self.assertNotIn("\ud800", run("arm_push", duration=0.01))
         self.assertRaisesRegex(MemoryError, "run.duration_s", bw.run, "arm_wall_contact", duration=1e7)
 
     def test_leaves_nothing_behind(self):

@@ -221,7 +221,7 @@ class Nonsense(unittest.TestCase):
             "^vary: noise.std_rad: a distribution needs a method that draws": sweep(
                 vary={"noise.std_rad": {"uniform": [0, 1]}}),
             "^vary: must be a dict, is of type list": sweep(vary=["encoder.bits"]),
-            "^vary: there is no key 3": sweep(vary={3: [1]}),
+            "^vary: keys must be str, one is int": sweep(vary={3: [1]}),
             "^vary: run.seed: say seeds": sweep(vary={"run.seed": [1]}),
             "^set: keys must be str": sweep(set={1: 1}),
             "wall.distance_m": sweep(set={"wall.distance_m": 1}),
