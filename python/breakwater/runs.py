@@ -15,6 +15,7 @@ import sys
 import tempfile
 import tomllib
 import warnings
+import weakref
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     import xarray
 
 _CONTROL = "control"
+_FILES = ("config.toml", "metrics.json", "manifest.json", "log.h5")
 _LARGEST_FRAME = 3_000_000  # characters of a replay, which a notebook stores
 # The page in the frame unpacks itself. Most of it is three.js, which compresses to a quarter.
 _UNPACK = """<!doctype html><script>(async () => {
@@ -57,6 +59,9 @@ class RunFailed(RuntimeError):
         self.time_s = time_s
         self.reason = reason
         self.run = run
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return RunFailed, (self.time_s, self.reason, self.run)
 
 
 def _part(value: Any, base: type, name: str) -> Any:
@@ -104,11 +109,19 @@ class Run:
         self._folder = folder
         self._warnings = warnings
         self._config: dict[str, Any] | None = None
+        self._copy: pathlib.Path | None = None
         self._arrays: dict[tuple[str, str], np.ndarray] = {}
         self._signals = {
             (group, name): (unit, description, width)
             for group, name, unit, description, width in core.signals
         }
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        trouble = self._trouble()
+        self._check_data(trouble, "pickle")
+        with self._some_folder(trouble is None) as folder:
+            files = {name: (folder / name).read_bytes() for name in _FILES if (folder / name).exists()}
+        return _unpickled, (files, self._folder and self._folder.absolute(), self._warnings)
 
     @property
     def scenario(self) -> str:
@@ -267,12 +280,13 @@ class Run:
         """
         target = folder_path(folder)
         if isinstance(self._core, _core.SavedRun):
-            if (trouble := self._trouble()) is not None:
-                raise InputError(trouble)
-            if self._folder is not None and target.resolve() != self._folder.resolve():
-                shutil.copytree(self._folder, target)
-            return target
-        self._core.save(str(target))
+            trouble = self._trouble()
+            self._check_data(trouble, "save")
+            if trouble is not None or self._folder is None or target.resolve() != self._folder.resolve():
+                with self._some_folder(trouble is None) as folder:
+                    shutil.copytree(folder, target)
+        else:
+            self._core.save(str(target))
         if self._folder is None:
             self._folder = target
         return target
@@ -316,8 +330,7 @@ class Run:
         if file is None and self._folder is None:
             raise InputError("file: must be given for a run that has no folder")
         trouble = self._trouble()
-        if trouble is not None and isinstance(self._core, _core.SavedRun):  # the object has no data of its own
-            raise InputError(f"{command}: {trouble}")
+        self._check_data(trouble, command)
         if trouble is not None and file is None:
             raise InputError(f"file: must be given: {trouble}")
         target = path_or_none(file, "file") or str(self._folder / name)
@@ -335,10 +348,18 @@ class Run:
         if self._folder is not None and is_there:
             yield self._folder
             return
+        if self._copy is not None:
+            yield self._copy
+            return
         with tempfile.TemporaryDirectory() as temporary:
             folder = pathlib.Path(temporary) / "run"
             self._core.save(str(folder))
             yield folder
+
+    def _check_data(self, trouble: str | None, use: str) -> None:
+        """Raise InputError if the data was in a folder that no longer has it."""
+        if trouble is not None and self._copy is None and isinstance(self._core, _core.SavedRun):
+            raise InputError(f"{use}: {trouble}")
 
     def _trouble(self) -> str | None:
         """The reason why the folder no longer has the run; None if it has, or there never was one."""
@@ -396,6 +417,16 @@ def _saved(folder: pathlib.Path) -> Any:
     # To read an older log safely the process forks. No thread may be in HDF5 then.
     with h5py.phil if h5py else contextlib.nullcontext():
         return _core.SavedRun(folder)
+
+
+def _unpickled(files: dict[str, bytes], folder: pathlib.Path | None, warnings: list[str]) -> Run:
+    copy = pathlib.Path(tempfile.mkdtemp(prefix="breakwater_run_"))
+    for name, content in files.items():
+        (copy / name).write_bytes(content)
+    run = Run(_saved(copy), folder, warnings)
+    run._copy = copy
+    weakref.finalize(run, shutil.rmtree, copy, ignore_errors=True)
+    return run
 
 
 _seeds: dict[int, tuple[int, str]] = {}  # the first run of each configuration, apart from its seed

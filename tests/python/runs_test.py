@@ -1,8 +1,10 @@
 """Runs from Python: equal to those of the programs, and safe to use."""
 
+import concurrent.futures
 import gc
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -216,8 +218,6 @@ class Nonsense(unittest.TestCase):
             "^set: must not hold a NUL": lambda: run("arm_push", set={"a\0": 1}),
             "^out: must not hold a NUL": lambda: run("arm_push", duration=0.01, out="\0a"),
             "^folder: must not hold a NUL": lambda: bw.load("\0a"),
-        }.items():
-            with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern) as caught:
             "^scenario: must be UTF-8, is '.ud800'$": lambda: run("\ud800"),
             "^case: must be UTF-8": lambda: run("arm_push", case="\ud800"),
             "^set: must be UTF-8": lambda: run("arm_push", set={"\ud800": 1}),
@@ -228,11 +228,13 @@ class Nonsense(unittest.TestCase):
             "^folder: is empty": lambda: bw.load(""),
             "^video: must be UTF-8": lambda: run("arm_push", duration=0.01).video("x.mp4", camera="\ud800"),
             "^set: run.seed: is too large": lambda: run("arm_push", seed=10**5000),
+        }.items():
+            with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern) as caught:
                 call()
             self.assertNotIn("\n", str(caught.exception))
+        self.assertNotIn("\ud800", run("arm_push", duration=0.01))
 
     def test_a_log_that_does_not_fit_is_a_memory_error(self):
-        self.assertNotIn("\ud800", run("arm_push", duration=0.01))
         self.assertRaisesRegex(MemoryError, "run.duration_s", bw.run, "arm_wall_contact", duration=1e7)
 
     def test_leaves_nothing_behind(self):
@@ -328,6 +330,35 @@ print("main ends")
                 self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "main ends\n", ""))
                 left = [path for path in folder.rglob(".*")]
                 self.assertEqual(left, [])
+
+    def test_another_process_returns_its_run(self):
+        with concurrent.futures.ProcessPoolExecutor(1) as pool, temporary_folder() as folder:
+            with warnings.catch_warnings(record=True):
+                made = pool.submit(bw.run, "motor_estimation", **MOTOR, set={"observer.gamma": 1.1}).result()
+                own = bw.run("motor_estimation", **MOTOR, set={"observer.gamma": 1.1})
+            self.assertIsNone(made.folder)
+            self.assertEqual((made.metrics, made.config, made.warnings), (own.metrics, own.config, own.warnings))
+            self.assertCountEqual(made.signals, own.signals)
+            for signal_name in own.signals:
+                np.testing.assert_array_equal(made[signal_name], own[signal_name])
+            again = pickle.loads(pickle.dumps(made))  # by its copy
+            self.assertRaisesRegex(bw.InputError, "^file: must be given", again.replay)
+            self.assertEqual(bw.load(again.save(folder / "made")).state_hash, own.state_hash)
+
+            saved = bw.run("motor_estimation", **MOTOR, out=folder / "run")
+            self.assertEqual(pickle.loads(pickle.dumps(saved)).folder, folder / "run")
+            packed = pickle.dumps(bw.load(folder / "run"))
+            loaded = bw.load(folder / "run")
+            bw.run("motor_estimation", case="idob", duration=0.1, out=folder / "run")
+            self.assertEqual(pickle.loads(packed).state_hash, saved.state_hash)
+            self.assertEqual(pickle.loads(pickle.dumps(saved)).state_hash, saved.state_hash)
+            self.assertRaisesRegex(bw.InputError, "^pickle: there is another run in", pickle.dumps, loaded)
+
+            failed = pool.submit(bw.run, "motor_estimation", case="stf", duration=1,
+                                 set={"fault.sensor": "angle", "fault.at_s": 0.5}).exception()
+            self.assertIsInstance(failed, bw.RunFailed)
+            self.assertAlmostEqual(failed.time_s, 0.5)
+            self.assertEqual(len(failed.run.time_s), 500)
 
     def test_a_forked_process_runs_as_its_parent(self):
         expected = bw.run("motor_estimation", **MOTOR).state_hash
