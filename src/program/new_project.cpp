@@ -161,8 +161,7 @@ void make_project(const fs::path& from, const std::string& placeholder, const st
   }
   const std::map<fs::path, fs::path> files = files_of(from, placeholder, name);
   const fs::path partial =
-      folder.parent_path() /
-      fmt::format(".{}.partial-{}", folder.filename().string(), process_name());
+      folder.parent_path() / (hidden_name(folder, ".partial-") + unique_name());
   try {
     fs::create_directory(partial);
     for (const auto& [file, original] : files) {

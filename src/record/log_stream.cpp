@@ -108,10 +108,10 @@ void LogStream::announce() {
   const std::string text =
       running.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   PartialFile partial(folder_ / kRunning);
-  auto running_file = std::make_unique<DataFile>(partial.path(), O_RDWR | O_CREAT | O_TRUNC);
-  running_file->lock();
-  running_file->write(text.data(), text.size(), 0);
+  write_text_file(partial.path(), text);
   partial.commit();
+  auto running_file = std::make_unique<DataFile>(folder_ / kRunning, O_RDWR);
+  running_file->lock();
   files_->running = std::move(running_file);
 }
 

@@ -8,6 +8,7 @@
 
 #include <breakwater/record/on_disk.h>
 #include <breakwater/record/process_name.h>
+#include <breakwater/record/streamed_files.h>
 #include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
@@ -15,26 +16,36 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-std::string begin_of_name(const fs::path& file) {
-  return "." + file.filename().string() + ".partial-";
-}
+constexpr const char* kMark = ".partial-";
 
 }  // namespace
 
 void remove_left(const fs::path& file) {
-  const std::string begin = begin_of_name(file);
+  const std::string begin = hidden_name(file, kMark);
   std::error_code ignored;
   for (const auto& entry :
        fs::directory_iterator(file.has_parent_path() ? file.parent_path() : ".", ignored)) {
     const std::string name = entry.path().filename().string();
-    if (!name.starts_with(begin) || name == begin + process_name()) continue;
-    if (is_of_dead_process(name.substr(begin.size()))) fs::remove(entry.path(), ignored);
+    if (!name.starts_with(begin) || !is_of_dead_process(name.substr(begin.size()))) continue;
+    if (!detail::is_locked(entry.path())) fs::remove(entry.path(), ignored);
   }
 }
 
-PartialFile::PartialFile(fs::path file)
-    : file_(std::move(file)), path_(file_.parent_path() / (begin_of_name(file_) + process_name())) {
-  remove_left(file_);
+PartialFile::PartialFile(fs::path file) : file_(std::move(file)) {
+  const fs::path target = followed(file_);
+  std::error_code ignored;
+  const fs::file_status status = fs::status(target, ignored);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) {
+    fail("it is no file");
+  }
+  remove_left(target);
+  path_ = target.parent_path() / (hidden_name(target, kMark) + unique_name());
+  try {
+    lock_ = std::make_unique<detail::DataFile>(path_, O_WRONLY | O_CREAT | O_EXCL);
+    lock_->lock();
+  } catch (const OutputError&) {
+    fail(std::strerror(errno));
+  }
 }
 
 PartialFile::~PartialFile() {
@@ -53,7 +64,7 @@ void PartialFile::sync() const {
 void PartialFile::commit() {
   sync();
   std::error_code error;
-  fs::rename(path_, file_, error);
+  fs::rename(path_, followed(file_), error);
   if (error) fail(error.message());
 }
 

@@ -2,16 +2,22 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include <breakwater/record/output_error.h>
 
 namespace breakwater {
+namespace detail {
+class DataFile;
+}
 
 /// A file that is written under a temporary name beside the final one. Without commit() it is
-/// removed.
+/// removed. If the name is a symbolic link, the file that it names is written. Something that is no
+/// file, such as /dev/null, is never replaced.
 class PartialFile {
  public:
+  /// Throws OutputError.
   explicit PartialFile(std::filesystem::path file);
   PartialFile(const PartialFile&) = delete;
   PartialFile& operator=(const PartialFile&) = delete;
@@ -32,6 +38,7 @@ class PartialFile {
 
   std::filesystem::path file_;
   std::filesystem::path path_;
+  std::unique_ptr<detail::DataFile> lock_;  // while it is written
 };
 
 /// Removes what killed processes have left of a file. PartialFile does this first.

@@ -1,9 +1,11 @@
 #include <breakwater/record/run_folder.h>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -13,6 +15,8 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <thread>
+#include <tuple>
 
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/log_stream.h>
@@ -36,11 +40,6 @@ constexpr const char* kIdentified = "identified.json";
 fs::path without_slash(const fs::path& folder) {
   const fs::path normal = fs::absolute(folder).lexically_normal();
   return normal.has_filename() ? normal : normal.parent_path();
-}
-
-// ".run.partial-", without the host and the number of the process.
-std::string hidden_name(const fs::path& target, const char* mark) {
-  return "." + target.filename().string() + mark;
 }
 
 bool is_of_this_host(const std::string& suffix) {
@@ -79,8 +78,8 @@ void restore_earlier(const fs::path& target, const LeftBeside* beside) {
   if (!latest.empty()) fs::rename(latest, target, error);
 }
 
-// The partial folders that threads of this process write, and the lock for making, swapping and
-// removing folders. The names of the folders tell processes apart, but not threads.
+// The folders that threads of this process write, and the lock for making, swapping and removing
+// folders.
 std::mutex in_this_process;
 std::set<fs::path> written_here;
 
@@ -125,8 +124,8 @@ void remove_abandoned(const fs::path& target, const LeftBeside* left) {
   }
   for (const std::string& suffix : suffixes(target, kPartialMark, left)) {
     const fs::path partial = beside(kPartialMark, suffix);
-    if (is_of_dead_process(suffix) && !fs::exists(partial / kKeptMark, ignored) &&
-        !is_recoverable(partial)) {
+    if (is_of_dead_process(suffix) && !detail::is_locked(partial) &&
+        !fs::exists(partial / kKeptMark, ignored) && !is_recoverable(partial)) {
       fs::remove_all(partial, ignored);
     }
   }
@@ -144,7 +143,7 @@ void exchange(const fs::path& partial, const fs::path& target) {
   // In two steps the target is missing for a moment. If this process is killed then, the next run
   // or reader restores the earlier run.
   const fs::path earlier =
-      target.parent_path() / (hidden_name(target, kEarlierMark) + process_name());
+      target.parent_path() / (hidden_name(target, kEarlierMark) + unique_name());
   std::error_code error;
   fs::rename(target, earlier, error);
   if (error) cannot_replace(target, error.message());
@@ -264,7 +263,9 @@ std::string why_not_removable(const fs::path& folder) {
   if (!is_unfinished_run(without_slash(folder))) return complaint_of(folder);
   const std::string name = without_slash(folder).filename().string();
   const std::string suffix = name.substr(name.rfind(kPartialMark) + std::strlen(kPartialMark));
-  return is_of_dead_process(suffix) ? "" : "may still be written, by process " + suffix;
+  return is_of_dead_process(suffix) && !detail::is_locked(folder)
+             ? ""
+             : "may still be written, by process " + suffix;
 }
 
 bool remove_run(const fs::path& folder, const std::function<bool(const fs::path&)>& may_go) {
@@ -272,7 +273,7 @@ bool remove_run(const fs::path& folder, const std::function<bool(const fs::path&
   fs::path going = whole;
   if (!is_unfinished_run(whole)) {
     // An incomplete folder must not count as a run.
-    going = whole.parent_path() / (hidden_name(whole, kPartialMark) + process_name());
+    going = whole.parent_path() / (hidden_name(whole, kPartialMark) + unique_name());
     std::error_code error;
     fs::rename(whole, going, error);
     if (error) throw OutputError(folder.string() + ": cannot be removed (" + error.message() + ")");
@@ -309,23 +310,53 @@ std::vector<std::string> LeftBeside::behind(const std::string& begin) const {
 
 void restore_run(const fs::path& folder) {
   const std::lock_guard lock(in_this_process);
-  restore_earlier(without_slash(folder), nullptr);
+  restore_earlier(followed(without_slash(folder)), nullptr);
 }
 
-bool check_log(const fs::path& folder) {
+void read_whole(const fs::path& folder, const std::function<void()>& read) {
+  constexpr int kMostTries = 200;
+  constexpr std::chrono::milliseconds kPause(2);
+  const fs::path target = followed(without_slash(folder));
+  const auto identity = [&] {
+    struct stat now = {};
+    stat(target.c_str(), &now);  // all zeros without a folder
+    return std::tuple(now.st_dev, now.st_ino, now.st_ctim.tv_sec, now.st_ctim.tv_nsec);
+  };
+  for (int tries = 1;; ++tries) {
+    restore_run(folder);
+    const auto before = identity();
+    try {
+      read();
+      if (identity() == before || tries == kMostTries) return;
+    } catch (const std::invalid_argument&) {
+      // A process that cannot exchange folders leaves none for a moment.
+      const bool is_missing = before == decltype(before)() && identity() == before &&
+                              !suffixes(target, kEarlierMark, nullptr).empty();
+      if ((identity() == before && !is_missing) || tries == kMostTries) throw;
+    }
+    std::this_thread::sleep_for(kPause);
+  }
+}
+
+bool check_file(const fs::path& folder, const char* file) {
   std::ifstream stream(folder / "manifest.json");
   const auto manifest = nlohmann::json::parse(stream, nullptr, false);
-  if (!manifest.is_object() || !manifest.contains("log_hash")) return false;
-  const fs::path log = folder / "log.h5";
-  if (manifest["log_hash"] != file_hash(log)) {
-    throw std::invalid_argument(log.string() +
+  const fs::path path = folder / file;
+  const std::string key = path.stem().string() + "_hash";
+  if (!manifest.is_object() || !manifest.contains(key)) return false;
+  if (manifest[key] != file_hash(path)) {
+    throw std::invalid_argument(path.string() +
                                 ": is damaged: it is not what the run wrote; run it again");
   }
   return true;
 }
 
+bool check_log(const fs::path& folder) {
+  return check_file(folder, "log.h5");
+}
+
 RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
-    : target_(without_slash(target)) {
+    : target_(followed(without_slash(target))) {
   const std::lock_guard lock(in_this_process);
   try {
     restore_earlier(target_, beside);
@@ -335,19 +366,21 @@ RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
     }
     made_parents_ = missing_parents(target_.parent_path());
     fs::create_directories(target_.parent_path());
-    partial_ = fs::canonical(target_.parent_path()) /
-               (hidden_name(target_, kPartialMark) + process_name());
-    if (written_here.contains(partial_)) {
+    const fs::path parent = fs::canonical(target_.parent_path());
+    written_ = parent / target_.filename();
+    if (written_here.contains(written_)) {
       throw std::invalid_argument(target.string() +
                                   ": another thread of this process makes a run there: wait for "
                                   "it, or give another folder");
     }
     remove_abandoned(target_, beside);
-    // An earlier process may have had this number.
-    const std::string first = partial_.string() + kCopyMark;
-    for (int n = 2; is_recoverable(partial_); ++n) partial_ = first + std::to_string(n);
-    fs::create_directory(partial_);
-    written_here.insert(partial_);
+    partial_ = parent / (hidden_name(target_, kPartialMark) + unique_name());
+    if (!fs::create_directory(partial_)) {
+      throw fs::filesystem_error("", std::make_error_code(std::errc::file_exists));
+    }
+    lock_ = std::make_unique<detail::DataFile>(partial_, O_RDONLY | O_DIRECTORY);
+    lock_->lock();
+    written_here.insert(written_);
   } catch (const fs::filesystem_error& error) {
     remove_empty(made_parents_);
     throw std::invalid_argument(target.string() + ": cannot be made (" + error.code().message() +
@@ -357,7 +390,7 @@ RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
 
 RunFolder::~RunFolder() {
   const std::lock_guard lock(in_this_process);
-  written_here.erase(partial_);
+  written_here.erase(written_);
   if (is_done_ || is_recoverable(partial_)) return;
   std::error_code ignored;
   fs::remove_all(partial_, ignored);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@
 #include <breakwater/record/output_error.h>
 
 namespace breakwater {
+namespace detail {
+class DataFile;
+}
 
 /// A file in the partial folder of a run whose log is streamed (LogStream). CutRun recovers a
 /// folder that has it, so only the user removes it.
@@ -27,7 +31,8 @@ class LeftBeside {
   std::set<std::string> names_;
 };
 
-/// Files are written into a partial folder beside the target. commit() renames it when it is
+/// Files are written into a partial folder beside the target, or beside the folder that a symbolic
+/// link names. commit() renames it when it is
 /// complete and on the disk, and removes an earlier run. Without commit(), nothing is left, not
 /// even parent folders that were made for it.
 ///
@@ -56,6 +61,8 @@ class RunFolder {
 
   std::filesystem::path target_;
   std::filesystem::path partial_;
+  std::filesystem::path written_;                    // what no other thread may write
+  std::unique_ptr<detail::DataFile> lock_;           // on the partial folder
   std::vector<std::filesystem::path> made_parents_;  // innermost first
   bool is_done_ = false;                             // committed or kept
 };
@@ -88,8 +95,14 @@ bool remove_run(const std::filesystem::path& folder,
 /// For readers: restores the earlier run if a process was killed while it replaced `folder`.
 void restore_run(const std::filesystem::path& folder);
 
-/// Throws std::invalid_argument, one line, if log.h5 differs from the hash in manifest.json.
-/// Returns whether the manifest has a `log_hash`; versions before 0.2 wrote none.
+/// Calls `read` again if another run has replaced the folder meanwhile, so that all files belong to
+/// one run. Passes on its std::invalid_argument. Restores the run first.
+void read_whole(const std::filesystem::path& folder, const std::function<void()>& read);
+
+/// Throws std::invalid_argument, one line, if a file of a run differs from its hash in
+/// manifest.json. Returns whether the manifest has one: `config_hash` of config.toml. Versions
+/// before 0.2 wrote none, and 0.2 only `log_hash`.
+bool check_file(const std::filesystem::path& folder, const char* file);
 bool check_log(const std::filesystem::path& folder);
 
 }  // namespace breakwater

@@ -65,6 +65,14 @@ std::size_t DataFile::read(void* data, std::size_t bytes, std::uint64_t place) c
   return all;
 }
 
+bool is_locked(const std::filesystem::path& path) {
+  try {
+    return !DataFile(path, O_RDONLY).lock();
+  } catch (const OutputError&) {
+    return false;
+  }
+}
+
 void copy(const DataFile& from, std::uint64_t from_place, DataFile& to, std::uint64_t to_place,
           std::uint64_t bytes) {
   std::vector<char> block(std::min<std::uint64_t>(bytes, kCopiedAtOnce));

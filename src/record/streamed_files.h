@@ -41,6 +41,10 @@ class DataFile {
   int descriptor_;
 };
 
+/// Whether somebody has a lock on a file or folder. Unlike the name of a process, this holds for
+/// several containers too.
+bool is_locked(const std::filesystem::path& path);
+
 /// Copies `bytes` bytes from one file to another.
 void copy(const DataFile& from, std::uint64_t from_place, DataFile& to, std::uint64_t to_place,
           std::uint64_t bytes);

@@ -102,7 +102,6 @@ void ResultsTable::write_csv(const std::filesystem::path& file) const {
 
 void ResultsTable::write_sqlite(const std::filesystem::path& file) const {
   PartialFile partial(file);
-  std::filesystem::remove(partial.path());
   {
     Database database(partial.path());
     // The file gets its name when it is complete, so it needs no journal.

@@ -1,11 +1,17 @@
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <climits>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
 
 #include <breakwater/record/csv.h>
 #include <breakwater/record/hdf5_log.h>
@@ -13,6 +19,7 @@
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/record/run_folder.h>
+#include <breakwater/record/streamed_files.h>
 #include <breakwater/record/text_outputs.h>
 #include "support.h"
 
@@ -360,8 +367,103 @@ TEST_F(RunFolders, ClearUpAfterAKilledRun) {
   EXPECT_TRUE(fs::exists(alive));
   EXPECT_TRUE(fs::exists(elsewhere));
   EXPECT_TRUE(fs::exists(unnumbered));
-  EXPECT_EQ(folder.path(), own);
-  EXPECT_TRUE(fs::is_empty(own));
+  EXPECT_FALSE(fs::exists(own));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+// Two containers may have the same host name and process number. The lock tells them apart.
+TEST_F(RunFolders, OfAnotherProcessWithThisNameStay) {
+  const fs::path other = base_ / (".run.partial-" + unique_name());
+  fs::create_directory(other);
+  const fs::path page = base_ / (".page.partial-" + unique_name());
+  write_text_file(page, "half");
+  {
+    const detail::DataFile folder_lock(other, O_RDONLY), file_lock(page, O_RDONLY);
+    ASSERT_TRUE(folder_lock.lock() && file_lock.lock());
+    RunFolder folder(base_ / "run");
+    EXPECT_NE(folder.path(), other);
+    EXPECT_TRUE(detail::is_locked(folder.path()));
+    finish(folder, "mine");
+    replace_file(base_ / "page", "mine");
+    EXPECT_EQ(entries(), 4U);
+    EXPECT_NE(why_not_removable(other), "");
+  }
+  const RunFolder next(base_ / "run");
+  replace_file(base_ / "page", "mine");
+  EXPECT_FALSE(fs::exists(other) || fs::exists(page));
+}
+
+TEST_F(RunFolders, HaveNamesUpToTheLongest) {
+  for (const std::string& name : {std::string(255, 'n'), std::string(221, 'n')}) {
+    {
+      RunFolder folder(base_ / name);
+      EXPECT_TRUE(is_unfinished_run(folder.path()));
+      finish(folder, name);
+    }
+    EXPECT_EQ(text_of(base_ / name / "log.csv"), name);
+  }
+  std::string accents;
+  while (accents.size() < 254) accents += "é";
+  replace_file(base_ / accents, "page");
+  EXPECT_EQ(entries(), 3U);
+}
+
+TEST_F(RunFolders, FollowLinks) {
+  const testing::TemporaryPath elsewhere{"elsewhere"};
+  fs::create_directories(elsewhere);
+  for (const char* content : {"first", "second"}) {
+    {
+      RunFolder folder(elsewhere / "run");
+      finish(folder, content);
+    }
+    fs::remove(base_ / "link");
+    fs::create_directory_symlink(elsewhere / "run", base_ / "link");
+    {
+      RunFolder folder(base_ / "link/");
+      finish(folder, "through the link");
+    }
+    EXPECT_TRUE(fs::is_symlink(base_ / "link"));
+    EXPECT_EQ(text_of(elsewhere / "run/log.csv"), "through the link");
+  }
+  fs::create_symlink(elsewhere / "page", base_ / "page");
+  for (const char* content : {"first", "second"}) {  // at first the link has no target
+    replace_file(base_ / "page", content);
+    EXPECT_TRUE(fs::is_symlink(base_ / "page"));
+    EXPECT_EQ(text_of(elsewhere / "page"), content);
+  }
+  ASSERT_EQ(mkfifo((base_ / "pipe").c_str(), 0600), 0);
+  EXPECT_THROW(replace_file(base_ / "pipe", "text"), OutputError);
+  EXPECT_TRUE(fs::is_fifo(base_ / "pipe"));
+}
+
+// The files that a reader sees belong to one run, while another process replaces it all the time.
+TEST_F(RunFolders, AreReadWholeWhileTheyAreReplaced) {
+  const fs::path target = base_ / "run";
+  std::atomic<bool> is_over = false;
+  const auto write = [&](int number) {
+    RunFolder folder(target);
+    write_text_file(folder.path() / "config.toml", std::to_string(number));
+    finish(folder, std::to_string(number));
+  };
+  write(0);
+  std::thread writer([&] {
+    for (int number = 1; !is_over; ++number) write(number);
+  });
+  std::set<std::string> seen;
+  for (int i = 0; i < 30; ++i) {
+    std::string first, second;
+    read_whole(target, [&] {
+      if (!fs::exists(target / "config.toml")) throw std::invalid_argument("is missing");
+      first = text_of(target / "config.toml");
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      second = text_of(target / "log.csv");
+    });
+    EXPECT_EQ(first, second);
+    seen.insert(first);
+  }
+  is_over = true;
+  writer.join();
+  EXPECT_GT(seen.size(), 1U);
 }
 
 // A folder with very many runs is listed only once.
