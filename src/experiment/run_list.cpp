@@ -63,7 +63,7 @@ ListedRun list_run(const fs::path& folder) {
   // The manifest's time is no use: drawing a picture changes it.
   run.written = fs::last_write_time(folder / "log.h5", ignored);
   if (ignored) run.written = fs::last_write_time(folder / "manifest.json", ignored);
-  try {
+  const auto read = [&] {
     const RunManifest manifest = read_manifest(folder);
     run.scenario = manifest.scenario;
     run.case_name = manifest.case_name;
@@ -76,6 +76,9 @@ ListedRun list_run(const fs::path& folder) {
       run.metrics = read_metrics(folder);
       run.status = ListedRun::Status::complete;
     }
+  };
+  try {
+    read_whole(folder, read);
   } catch (const std::invalid_argument& error) {
     run.reason = error.what();
   }

@@ -67,6 +67,10 @@ void write_manifest(const RunFolder& folder, const ordered_json& before,
   for (const char* first : {"scenario", "case", "seed"}) entries[first] = before.at(first);
   entries.update(results);
   entries.update(before);
+  for (const char* file : {"config.toml", "metrics.json"}) {
+    const std::filesystem::path path = folder.path() / file;
+    if (std::filesystem::exists(path)) entries[path.stem().string() + "_hash"] = file_hash(path);
+  }
   write_text_file(folder.path() / "manifest.json", entries.dump(2) + "\n");
 }
 

@@ -19,6 +19,9 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
+// With more runs than this, a process could open no other file.
+constexpr int kMostOpenFiles = 512;
+
 // NAME means control/NAME.
 SignalName place_of(const std::string& name) {
   SignalName place = signal_name(name);
@@ -29,7 +32,25 @@ SignalName place_of(const std::string& name) {
 }  // namespace
 
 SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
-  restore_run(folder_);
+  read_whole(folder_, [&] { read(); });
+}
+
+template <typename Read>
+auto SavedRun::read_log(const Read& read) const {
+  const std::string name = log_ ? fmt::format("/proc/self/fd/{}", fileno(log_.get())) : log_file();
+  try {
+    return read(name);
+  } catch (const std::invalid_argument& error) {
+    std::string text = error.what();
+    if (text.starts_with(name)) text.replace(0, name.size(), log_file());
+    throw std::invalid_argument(text);
+  }
+}
+
+void SavedRun::read() {
+  metrics_.clear();
+  notes_.clear();
+  read_.clear();
   if (!fs::is_directory(folder_)) {
     throw std::invalid_argument(folder_.string() +
                                 ": there is no such folder; give the folder of a run");
@@ -47,21 +68,26 @@ SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
     }
   }
   open_input(log_file());
+  log_.reset(std::fopen(log_file().c_str(), "re"), [](std::FILE* file) {
+    if (file != nullptr) std::fclose(file);
+  });
+  if (log_ && fileno(log_.get()) > kMostOpenFiles) log_.reset();
   std::stringstream config;
   config << open_input(folder_ / "config.toml").rdbuf();
   config_text_ = config.str();
+  check_file(folder_, "config.toml");
   if (!failure()) metrics_ = read_metrics(folder_);
   if (failure() && failure()->is_cut) {
     notes_.push_back(fmt::format("{}: was cut at {:.6g} s: {}", folder_.string(), failure()->time_s,
                                  failure()->reason));
   }
   if (check_log(folder_)) {
-    signals_ = list_hdf5_signals(log_file());
+    signals_ = read_log([](const std::string& log) { return list_hdf5_signals(log); });
     return;
   }
   notes_.push_back(log_file() +
                    ": may not be what the run wrote: its manifest.json has no log_hash");
-  LogContents log = read_foreign_log(log_file());
+  LogContents log = read_log([](const std::string& name) { return read_foreign_log(name); });
   signals_ = std::move(log.signals);
   read_ = std::move(log.datasets);
   is_read_whole_ = true;
@@ -113,6 +139,7 @@ std::vector<Metric> read_metrics(const fs::path& folder) {
       throw std::invalid_argument(file.string() + ": " + error.what());
     }
   }
+  check_file(folder, "metrics.json");
   return list;
 }
 
@@ -127,7 +154,7 @@ const LoggedSignal& SavedRun::dataset(const std::string& path) const {
   const auto found = read_.find(path);
   if (found != read_.end()) return found->second;
   if (is_read_whole_) throw std::invalid_argument(log_file() + ": has no " + path);
-  LoggedSignal data = read_hdf5_signal(log_file(), path);
+  LoggedSignal data = read_log([&](const std::string& log) { return read_hdf5_signal(log, path); });
   check_rows(path, data);
   return read_.emplace(path, std::move(data)).first->second;
 }

@@ -1,8 +1,10 @@
 // Reads the folder of any scenario's run.
 #pragma once
 
+#include <cstdio>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,7 +17,7 @@
 namespace breakwater {
 
 /// The manifest, metrics, configuration and log of a run. A run that failed or was cut has a reason
-/// and no metrics.
+/// and no metrics. All are of one run, even if another one replaces it meanwhile.
 class SavedRun {
  public:
   /// Throws std::invalid_argument with a hint, one line, if the folder is not that of a run.
@@ -52,11 +54,16 @@ class SavedRun {
   const LoggedSignal& dataset(const std::string& path) const;
 
  private:
+  void read();
+  // Calls `read` with a name of the log that is open.
+  template <typename Read>
+  auto read_log(const Read& read) const;
   const LogEntry* find(const std::string& place) const;
   void check_rows(const std::string& path, const LoggedSignal& data) const;
   std::string log_file() const { return (folder_ / "log.h5").string(); }
 
   std::filesystem::path folder_;
+  std::shared_ptr<std::FILE> log_;  // stays open: another run may replace the folder
   RunManifest manifest_;
   std::string config_text_;
   std::vector<Metric> metrics_;

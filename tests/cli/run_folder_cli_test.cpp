@@ -83,6 +83,13 @@ TEST_F(RunFolderCli, EveryReaderRefusesADamagedLog) {
   manifest.erase("log_hash");
   write("run/manifest.json", manifest.dump());
   ran("breakwater compare whole run");
+
+  for (const std::string file : {"config.toml", "metrics.json"}) {
+    write("whole/" + file, " " + read("whole/" + file));
+    expect_refused("breakwater compare run whole",
+                   "whole/" + file + ": is damaged: it is not what the run wrote; run it again");
+    write("whole/" + file, read("whole/" + file).substr(1));
+  }
 }
 
 TEST_F(RunFolderCli, ARunWithItsPicturesIsReplacedByTheNext) {
