@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <memory>
 #include <stdexcept>
 
 #include <breakwater/cluster/slurm_options.h>
@@ -92,10 +93,11 @@ int StudyCommand::run() {
     throw std::invalid_argument(fmt::format("{}: has no {}: nothing was begun",
                                             folder_.path().string(), folder_.kind().file));
   }
-  std::optional<ShardIndex> before;  // results before the call
+  std::unique_ptr<const ShardIndex> before;  // results before the call
   if (is_there) {
     folder_.check_is(text(), text_there());
-    before.emplace(folder_.shards(), size());
+    before.reset(new ShardIndex(index()));
+    if (!options_.rerun) warn(name(), before->foreign());
     if (options_.status) {
       print_status(*before);
       print_slurm_status(folder_, *before);
@@ -111,7 +113,7 @@ int StudyCommand::run() {
   if (options_.slurm) most_tasks();  // fails without a cluster before anything is made
   if (!is_there || options_.rerun) {
     begin(is_there);
-    before.emplace(folder_.shards(), size());
+    before.reset(new ShardIndex(index()));
   }
   remove_left(folder_.study_file());
   return options_.is_task() ? run_task(*before) : go_on(*before);
@@ -132,7 +134,7 @@ std::size_t StudyCommand::run_here(const std::vector<std::size_t>& points,
   options.threads = options_.is_task() && options_.jobs == 0 ? task_threads() : options_.jobs;
   options.is_task = options_.is_task();
   options.stop = &interrupted();
-  Shard shard(folder_.shards());
+  Shard shard(folder_.shards(), folder_.origin());
   if (options_.isolate) {
     run_isolated(points, source(), folder_, shard, options);
   } else {

@@ -75,7 +75,9 @@ class StudyCommand {
 
  protected:
   const char* name() const { return folder_.kind().command; }
-  ShardIndex index() const { return {folder_.shards(), size()}; }
+  ShardIndex index() const {
+    return folder_.index(size(), [this](std::size_t point) { return source().asked(point); });
+  }
   /// Runs points here or in child processes. Returns the number of undone points.
   std::size_t run_here(const std::vector<std::size_t>& points, ExecutorOptions options) const;
 

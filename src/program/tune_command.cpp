@@ -303,6 +303,12 @@ class TuneCommand : public StudyCommand {
     }
     try {
       const TuningResult result = search_and_validate();
+      if (result.replaced > 0) {
+        warn(name(), {fmt::format("{}: {} in the shards had other values than this search asks "
+                                  "for, and ran again: tune.toml, libpagmo or libnlopt is another "
+                                  "one, or a shard is of another tuning",
+                                  folder_.path().string(), number_of(result.replaced, "run"))});
+      }
       warn_of_copies(plan_, result.runs);
       write_outputs(plan_, result, folder_.path());
       write_tuning_report(catalogue_, plan_, result, folder_.path());

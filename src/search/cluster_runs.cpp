@@ -59,7 +59,8 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
   for (int without_result = 0;;) {
     wait_for_queue(folder, plan.size());
     if (interrupted()) throw Interrupted();
-    const ShardIndex index(folder.shards(), plan.size());
+    const ShardIndex index =
+        folder.index(plan.size(), [&](std::size_t run) { return plan.asked(run); });
     const std::optional<double> each_s = mean_s(plan, index, runs);
     const std::size_t before = left.size();
     left = missing(index, runs);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 
 #include <breakwater/search/front.h>
@@ -15,7 +16,11 @@ namespace {
 class Runs {
  public:
   Runs(const TuningPlan& plan, const StudyFolder& folder, const TunerOptions& options)
-      : plan_(plan), folder_(folder), options_(options), shard_(folder.shards()) {
+      : plan_(plan),
+        folder_(folder),
+        options_(options),
+        origin_(folder.origin()),
+        shard_(folder.shards(), origin_) {
     look();
   }
 
@@ -31,6 +36,8 @@ class Runs {
   // Call it after the last run. Throws OutputError.
   void finish() { shard_.finish(); }
 
+  std::size_t replaced() const { return replaced_.size(); }
+
   std::vector<PointResult> all() const {
     std::vector<PointResult> results;
     for (const auto& [number, result] : known_) results.push_back(result);
@@ -42,13 +49,9 @@ class Runs {
  private:
   // Reads the shards.
   void look() {
-    const ShardIndex index(folder_.shards(), plan_.size());
-    index.check_models();
-    for (std::size_t number = 0; number < index.points(); ++number) {
-      if (index.has(number) && !earlier_.contains(number)) {
-        earlier_.emplace(number, index.read(number));
-      }
-    }
+    ShardIndex(folder_.shards(), plan_.size()).check_models();
+    earlier_ = results_by_key(folder_.shards(), &PointResult::asked);
+    for (const auto& [asked, result] : earlier_) numbers_.insert(result.number);
   }
 
   // Takes the finished runs out of `earlier_` and returns the numbers of the others.
@@ -56,13 +59,15 @@ class Runs {
     std::vector<std::size_t> missing;
     for (const std::size_t number : numbers) {
       if (known_.contains(number)) continue;
-      const auto found = earlier_.find(number);
+      const auto found = earlier_.find(asked_of(origin_, plan_.asked(number)));
       if (found == earlier_.end()) {
         missing.push_back(number);
+        if (numbers_.contains(number)) replaced_.insert(number);
         continue;
       }
-      check_same(found->second);
-      keep(found->second);
+      PointResult result = found->second;
+      result.number = number;  // another evaluation may have had the same values
+      keep(result);
     }
     return missing;
   }
@@ -92,36 +97,15 @@ class Runs {
     throw Interrupted();
   }
 
-  // Compares the keys. A different key at the same number means that the stored run is from another
-  // search.
-  void check_same(const PointResult& result) const {
-    std::string key;
-    try {
-      const PreparedRun run = plan_.prepare(result.number);
-      key = point_key(run.config_text, hashes(run.model_files));
-    } catch (const std::invalid_argument&) {
-      key = plan_.unprepared_key(result.number);
-    }
-    // A run that crashed during its preparation has another key.
-    if (key == result.key || plan_.unprepared_key(result.number) == result.key) return;
-    throw std::invalid_argument(
-        fmt::format("{}: run {} is of another candidate than the search asks for (another libpagmo "
-                    "or libnlopt?): begin anew with --rerun",
-                    folder_.path().string(), result.number));
-  }
-
-  const ModelHashes& hashes(const std::vector<std::string>& files) const {
-    const auto found = hashes_.find(files);
-    return found != hashes_.end() ? found->second : hashes_[files] = model_hashes(files);
-  }
-
   const TuningPlan& plan_;
   const StudyFolder& folder_;
   const TunerOptions& options_;
+  const std::string origin_;
   Shard shard_;
-  std::unordered_map<std::size_t, PointResult> earlier_;  // from the shards
-  std::unordered_map<std::size_t, PointResult> known_;    // in use by the search
-  mutable std::map<std::vector<std::string>, ModelHashes> hashes_;
+  std::unordered_map<std::string, PointResult> earlier_;  // from the shards, by PointResult::asked
+  std::set<std::size_t> numbers_;                         // of runs in the shards
+  std::set<std::size_t> replaced_;
+  std::unordered_map<std::size_t, PointResult> known_;  // in use by the search
 };
 
 std::vector<std::size_t> numbers_of(const TuningPlan& plan, std::size_t tuned,
@@ -293,6 +277,7 @@ TuningResult tune(TuningPlan& plan, const StudyFolder& folder, const TunerOption
   if (tuning.validation) validate_all(plan, runs, options, result.fronts);
   runs.finish();
   result.runs = runs.all();
+  result.replaced = runs.replaced();
   return result;
 }
 

@@ -35,6 +35,8 @@ struct TuningResult {
   std::vector<double> reference;  ///< reference point of the hypervolume, with all goals min
   std::vector<TunedFront> fronts;
   std::vector<PointResult> runs;  ///< in the order of their numbers
+  /// Runs that were made again, since the shards had other values for them than the search.
+  std::size_t replaced = 0;
 };
 
 struct TunerOptions {

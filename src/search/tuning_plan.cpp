@@ -245,3 +245,8 @@ std::string TuningPlan::unprepared_key(std::size_t number) const {
 }
 
 }  // namespace breakwater
+std::string TuningPlan::asked(std::size_t number) const {
+  const TuningRun one = run(number);
+  return has(one.tuned, one.evaluation) ? unprepared_key(number) : "";
+}
+

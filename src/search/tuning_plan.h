@@ -83,6 +83,7 @@ class TuningPlan : public PointSource {
   PreparedRun prepare(std::size_t number) const override;
   std::string unprepared_key(std::size_t number) const override;
   std::filesystem::path folder(std::size_t, const std::string&, bool) const override { return {}; }
+  std::string asked(std::size_t number) const override;
   bool logs(std::size_t) const override { return false; }
   std::vector<std::string> task_words(const std::vector<std::size_t>& runs) const override;
 

@@ -66,6 +66,7 @@ void fill(PointResult& result, RunControl control, Common& common) {
   Recording recording;
   ModelHashes models;
   try {
+  result.asked = source.asked(number);
     if (common.is_task) common.shard->begin(number, "");
     run = source.prepare(number);
     models = known.of(run.model_files);

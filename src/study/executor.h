@@ -28,6 +28,9 @@ class PointSource {
   }
   /// The key of a point that cannot be prepared.
   virtual std::string unprepared_key(std::size_t point) const = 0;
+  /// A hash of what the study asks for at this point; empty: not known yet. It is cheaper than the
+  /// key, which needs the configuration.
+  virtual std::string asked(std::size_t point) const { return unprepared_key(point); }
   /// The folder for the run and its log; empty: none. `failed` is known after the run. If only
   /// failed points are kept, such a point runs again with its log.
   virtual std::filesystem::path folder(std::size_t point, const std::string& key,

@@ -54,10 +54,11 @@ class Children {
       written = results_of_process(folder_.shards(), child.process(), std::move(written));
       for (std::size_t i = before; i < written.results.size(); ++i) {
         // An earlier process may have had the same process number.
-        const std::size_t nth = place_of(written.results[i].number, begin, end);
-        if (nth == end) continue;
+        const PointResult& result = written.results[i];
+        const std::size_t nth = place_of(result.number, begin, end);
+        if (nth == end || result.asked != asked_of(origin_, source_.asked(result.number))) continue;
         next = nth + 1;
-        finish(nth, written.results[i]);
+        finish(nth, result);
       }
       if (has_to_stop()) child.interrupt();
     });
@@ -82,6 +83,7 @@ class Children {
     PointResult lost;
     lost.number = points_[at];
     lost.key = written.begun_key;
+    lost.asked = source_.asked(lost.number);
     if (ended.has_crashed()) {
       if (lost.key.empty()) lost.key = source_.unprepared_key(lost.number);
       lost.status = PointStatus::crashed;
@@ -119,6 +121,7 @@ class Children {
   const std::vector<std::size_t>& points_;
   const PointSource& source_;
   const StudyFolder& folder_;
+  const std::string origin_ = folder_.origin();
   Shard& shard_;
   const ExecutorOptions& options_;
   std::atomic<bool> is_stopped_ = false;

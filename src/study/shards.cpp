@@ -20,6 +20,7 @@
 #include <breakwater/record/on_disk.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/shell/table.h>
 
 namespace breakwater {
 namespace {
@@ -28,9 +29,11 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kHashLength = 16;
 constexpr std::string_view kSuffix = ".shard";
-constexpr std::string_view kPoint = "point";  // a kind of line
+constexpr std::string_view kPoint = "point";       // a kind of line
+constexpr std::string_view kAskedPoint = "asked";  // it begins with PointResult::asked
 constexpr std::string_view kModel = "model";
 constexpr std::string_view kBegin = "begin";
+constexpr std::size_t kNamed = 3;  // keys in a line of foreign()
 
 const std::array<std::string, 4>& statuses() {
   static const std::array<std::string, 4> names = {"complete", "failed", "refused", "crashed"};
@@ -62,9 +65,15 @@ bool read_number(std::string_view text, Number& number) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-// Reads the fields before the metrics; nothing if they are not valid.
+// Reads the fields before the reason; nothing if the line is of another kind or not valid.
 std::optional<PointResult> read_head(Parts& parts) {
   PointResult result;
+  const std::string_view kind = parts.next();
+  if (kind == kAskedPoint) {
+    result.asked = parts.next();
+  } else if (kind != kPoint) {
+    return std::nullopt;
+  }
   if (!read_number(parts.next(), result.number)) return std::nullopt;
   result.key = parts.next();
   const auto* const status = std::find(statuses().begin(), statuses().end(), parts.next());
@@ -86,7 +95,6 @@ std::optional<std::string_view> checked(std::string_view line) {
 // Reads the result in a line without its checksum; nothing if it is not valid.
 std::optional<PointResult> read_result(std::string_view rest) {
   Parts parts(rest);
-  if (parts.next() != kPoint) return std::nullopt;
   auto result = read_head(parts);
   if (!result) return std::nullopt;
   result->reason = parts.next();
@@ -180,6 +188,10 @@ const std::string& name_of(PointStatus status) {
   return statuses()[static_cast<std::size_t>(status)];
 }
 
+std::string asked_of(const std::string& origin, const std::string& asked) {
+  return origin.empty() || asked.empty() ? asked : fingerprint({origin, asked});
+}
+
 Shard::~Shard() {
   if (descriptor_ < 0) return;
   fsync(descriptor_);  // the results must survive any end of the study
@@ -197,9 +209,12 @@ void Shard::finish() {
 }
 
 void Shard::add(const PointResult& result) {
-  std::string text = fmt::format("{}\t{}\t{}\t{}\t{}\t{:.6g}\t{}", kPoint, result.number,
-                                 result.key, name_of(result.status), result.state_hash,
-                                 result.cost_s, one_line(result.reason));
+  const std::string asked = asked_of(origin_, result.asked);
+  std::string text =
+      asked.empty() ? std::string(kPoint) : fmt::format("{}\t{}", kAskedPoint, asked);
+  text +=
+      fmt::format("\t{}\t{}\t{}\t{}\t{:.6g}\t{}", result.number, result.key, name_of(result.status),
+                  result.state_hash, result.cost_s, one_line(result.reason));
   for (const auto& [name, value] : result.metrics) {
     text += fmt::format("\t{}={:.17g}", one_line(name), value);
   }
@@ -239,28 +254,38 @@ void Shard::append(const std::string& text) {
   }
 }
 
-ShardIndex::ShardIndex(const fs::path& folder, std::size_t points)
+ShardIndex::ShardIndex(const fs::path& folder, std::size_t points, const Asked& asked)
     : places_(points), folder_(folder.string()) {
-  for (const fs::path& file : shards_of(folder)) read_file(file);
+  for (const fs::path& file : shards_of(folder)) read_file(file, asked);
+  if (done_ == points) foreign_.clear();
+  std::erase_if(foreign_, [&](const auto& one) { return one.first < points && has(one.first); });
 }
 
 ShardIndex::~ShardIndex() {
   if (open_ >= 0) close(open_);
 }
 
-void ShardIndex::read_file(const fs::path& file) {
+void ShardIndex::read_file(const fs::path& file, const Asked& asked) {
   names_.push_back(file.string());
+  ModelHashes models;
+  std::size_t own = 0;
   each_line(file, [&](std::size_t offset, std::size_t length, std::string_view rest) {
     Parts parts(rest);
-    const std::string_view kind = parts.next();
-    if (kind == kModel) {
+    const auto head = read_head(parts);
+    if (!head) {
+      parts = Parts(rest);
+      if (parts.next() != kModel) return;
       const std::string name(parts.next());
-      const std::string_view hash = parts.next();
-      if (models_.emplace(name, hash).first->second != hash) ambiguous_model_ = name;
+      models.emplace(name, parts.next());
       return;
     }
-    const auto head = kind == kPoint ? read_head(parts) : std::nullopt;
-    if (!head || head->number >= places_.size()) return;
+    const std::string wanted = asked && head->number < places_.size() ? asked(head->number) : "";
+    const bool is_other = !wanted.empty() && !head->asked.empty() && head->asked != wanted;
+    if (head->number >= places_.size() || is_other) {
+      foreign_[head->number] = {static_cast<std::uint32_t>(names_.size() - 1), head->key};
+      return;
+    }
+    ++own;
     cost_s_ += head->cost_s;
     Place& place = places_[head->number];
     if (place.length > 0 && place.status != PointStatus::crashed) return;
@@ -274,6 +299,26 @@ void ShardIndex::read_file(const fs::path& file) {
     ++counts_[static_cast<std::size_t>(place.status)];
     ++done_;
   });
+  if (own == 0) return;
+  for (const auto& [name, hash] : models) {
+    if (models_.emplace(name, hash).first->second != hash) ambiguous_model_ = name;
+  }
+}
+
+std::vector<std::string> ShardIndex::foreign() const {
+  std::map<std::uint32_t, std::vector<std::string>> by_file;
+  for (const auto& [point, line] : foreign_) by_file[line.first].push_back(line.second);
+  std::vector<std::string> lines;
+  for (const auto& [file, keys] : by_file) {
+    lines.push_back(fmt::format(
+        "{}: {} of other runs than this study asks for, and {} not count: "
+        "{}{}",
+        names_[file], number_of(keys.size(), "result") + (keys.size() == 1 ? " is" : " are"),
+        keys.size() == 1 ? "does" : "do",
+        fmt::join(keys.begin(), keys.begin() + std::min(keys.size(), kNamed), ", "),
+        keys.size() > kNamed ? " …" : ""));
+  }
+  return lines;
 }
 
 std::string ShardIndex::line(const Place& place) const {
@@ -293,7 +338,13 @@ std::string ShardIndex::line(const Place& place) const {
 
 PointResult ShardIndex::read(std::size_t point) const {
   auto result = read_result(*checked(line(places_[point])));
-  if (!result) throw std::invalid_argument(names_[places_[point].file] + ": is damaged");
+  if (!result) {
+    const Place& place = places_[point];
+    const MappedFile mapped(names_[place.file]);
+    const std::string_view before = mapped.text().substr(0, place.offset);
+    throw std::invalid_argument(fmt::format("{}:{}: is damaged", names_[place.file],
+                                            1 + std::count(before.begin(), before.end(), '\n')));
+  }
   return *std::move(result);
 }
 
@@ -312,9 +363,7 @@ std::size_t ShardIndex::find(const std::string& key) const {
     if (!has(point)) continue;
     const std::string text = line(places_[point]);
     Parts parts(*checked(text));
-    parts.next();
-    parts.next();
-    const std::string_view other = parts.next();
+    const std::string other = read_head(parts)->key;
     if (other == key) return point;
     if (!other.starts_with(key) || other == whole) continue;
     if (!whole.empty()) {
@@ -369,7 +418,8 @@ std::vector<int> other_writers(const fs::path& folder) {
   return processes;
 }
 
-std::unordered_map<std::string, PointResult> results_by_key(const fs::path& folder) {
+std::unordered_map<std::string, PointResult> results_by_key(const fs::path& folder,
+                                                            std::string PointResult::*key) {
   std::vector<std::pair<fs::file_time_type, fs::path>> files;
   for (const fs::path& file : shards_of(folder))
     files.emplace_back(fs::last_write_time(file), file);
@@ -378,7 +428,7 @@ std::unordered_map<std::string, PointResult> results_by_key(const fs::path& fold
   for (const auto& [time, file] : files) {
     each_line(file, [&](std::size_t, std::size_t, std::string_view rest) {
       auto result = read_result(rest);
-      if (result) results.insert_or_assign(result->key, std::move(*result));
+      if (result) results.insert_or_assign((*result).*key, std::move(*result));
     });
   }
   return results;

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -32,15 +34,21 @@ struct PointResult {
   double cost_s = 0.0;     ///< processor time
   std::string reason;      ///< why it is not complete: "at 3 s: diverged"
   std::vector<std::pair<std::string, double>> metrics;  ///< in the scenario's order
+  /// PointSource::asked() of the point that ran, and the shard's origin; empty in shards of before.
+  std::string asked = {};
 };
+
+/// A hash of a run that a study asks for, and of the study's origin, which may be empty.
+std::string asked_of(const std::string& origin, const std::string& asked);
 
 /// A file to which only one process appends whole lines. A line has a checksum, a kind ("point",
 /// "model" or "begin") and its data, separated by tabs. A line counts only if its checksum (XXH3 of
 /// the rest) is right.
 class Shard {
  public:
-  /// The file is made in the folder at the first write.
-  explicit Shard(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  /// The file is made in the folder at the first write. `origin` is StudyFolder::origin().
+  explicit Shard(std::filesystem::path folder, std::string origin = "")
+      : folder_(std::move(folder)), origin_(std::move(origin)) {}
   /// Like finish(), but ignores errors.
   ~Shard();
   Shard(const Shard&) = delete;
@@ -62,6 +70,7 @@ class Shard {
   void append(const std::string& text);
 
   std::filesystem::path folder_;
+  std::string origin_;
   std::filesystem::path file_;
   int descriptor_ = -1;
   bool is_torn_ = false;  // the file ends within a line
@@ -72,10 +81,14 @@ class Shard {
 /// An index of the results in all shards of a folder. Not thread-safe.
 class ShardIndex {
  public:
-  /// `points` is the number of points of the study. Lines of higher numbers are ignored. If a point
-  /// has several lines, a run counts before a crash. A missing folder counts as empty. Throws
+  /// asked_of() a point; empty: not known yet.
+  using Asked = std::function<std::string(std::size_t)>;
+
+  /// `points` is the number of points of the study. A line is foreign if it has a higher number, or
+  /// if it is of another run than `asked` says. Foreign lines are ignored. If a point has several
+  /// lines, a run counts before a crash. A missing folder counts as empty. Throws
   /// std::invalid_argument if the folder or a shard cannot be read.
-  ShardIndex(const std::filesystem::path& folder, std::size_t points);
+  ShardIndex(const std::filesystem::path& folder, std::size_t points, const Asked& asked = {});
   ~ShardIndex();
   ShardIndex(const ShardIndex&) = delete;
   ShardIndex& operator=(const ShardIndex&) = delete;
@@ -91,6 +104,8 @@ class ShardIndex {
   double cost_s() const { return cost_s_; }
   double cost_s(std::size_t point) const { return static_cast<double>(places_[point].cost_s); }
   const ModelHashes& models() const { return models_; }
+  /// One line per shard with foreign results in place of those of this study.
+  std::vector<std::string> foreign() const;
   /// Throws std::invalid_argument if the points used different versions of a model file.
   void check_models() const;
 
@@ -109,7 +124,7 @@ class ShardIndex {
     PointStatus status = PointStatus::complete;
   };
 
-  void read_file(const std::filesystem::path& file);
+  void read_file(const std::filesystem::path& file, const Asked& asked);
   std::string line(const Place& place) const;
 
   std::vector<std::string> names_;  // shards
@@ -122,6 +137,7 @@ class ShardIndex {
   std::string folder_;
   ModelHashes models_;
   std::string ambiguous_model_;  // a model file with different hashes
+  std::map<std::size_t, std::pair<std::uint32_t, std::string>> foreign_;  // point → file and key
 };
 
 /// All results that a process of this computer has written so far.
@@ -141,9 +157,10 @@ ProcessResults results_of_process(const std::filesystem::path& folder, pid_t pro
 /// study.
 std::vector<int> other_writers(const std::filesystem::path& folder);
 
-/// The results in all shards of a folder by key, for points without fixed numbers. If a key has
-/// several lines, the last one in the newest shard counts. A missing folder counts as empty. Throws
-/// std::invalid_argument if a shard cannot be read.
-std::unordered_map<std::string, PointResult> results_by_key(const std::filesystem::path& folder);
+/// The results in all shards of a folder by key, or by another member, for points without fixed
+/// numbers. If a key has several lines, the last one in the newest shard counts. A missing folder
+/// counts as empty. Throws std::invalid_argument if a shard cannot be read.
+std::unordered_map<std::string, PointResult> results_by_key(
+    const std::filesystem::path& folder, std::string PointResult::*key = &PointResult::key);
 
 }  // namespace breakwater

@@ -67,6 +67,15 @@ bool StudyFolder::is_there() const {
   return fs::exists(study_file());
 }
 
+std::string StudyFolder::origin() const {
+  return fingerprint({made_by(study_file(), "program"), made_by(study_file(), "scenario_file")});
+}
+
+ShardIndex StudyFolder::index(std::size_t points, const ShardIndex::Asked& asked) const {
+  return {shards(), points,
+          [&, origin = origin()](std::size_t point) { return asked_of(origin, asked(point)); }};
+}
+
 std::string StudyFolder::whole_text(const std::string& text, const ScenarioFile& file) {
   return text + fmt::format(
                     "\n# What the results are of; it is gone on with nothing else.\n"

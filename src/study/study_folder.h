@@ -33,6 +33,10 @@ class StudyFolder {
   std::filesystem::path run(const std::string& key) const { return folder_ / "runs" / key; }
 
   bool is_there() const;
+  /// The program and the scenario file that the study was begun with, for the lines of its shards.
+  std::string origin() const;
+  /// The results of the study's own runs. `asked` is PointSource::asked().
+  ShardIndex index(std::size_t points, const ShardIndex::Asked& asked) const;
   /// Makes the folder with `text` in its file. Throws std::invalid_argument if the folder contains
   /// something else or another process has begun a different study in it, OutputError if it cannot
   /// be written.

@@ -75,6 +75,19 @@ TEST_F(Tune, WorkersAndKillsChangeNoResult) {
   expect_same("one", "killed");
 }
 
+TEST_F(Tune, AnEditedTuningRunsAgainWhatItAsksFor) {
+  const std::string other = testing::replaced(kTuning, "[-3, 3]", "[-2, 3]");
+  ASSERT_NE(other, kTuning);
+  write("t.toml", kTuning);
+  write("other.toml", other);
+  tuned("t.toml --out s --quiet");
+  tuned("other.toml --out new --quiet");
+  write("s/tune.toml", testing::replaced(read("s/tune.toml"), "[-3, 3]", "[-2, 3]"));
+  EXPECT_TRUE(has(tuned("s --quiet").err, "had other values than this search asks for"));
+  expect_same("s", "new");
+  EXPECT_TRUE(lacks(tuned("s --quiet").err, "had other values"));
+}
+
 TEST_F(Tune, NonsenseIsOneLineAndStatus2) {
   const std::string search = "[search]\n\"x.first\" = { uniform = [-3, 3] }\n";
   const std::string objective = "[objective]\ny_1 = { goal = \"min\" }\n";

@@ -418,6 +418,30 @@ TEST_F(Sweep, AnElementOfAnArrayIsAKey) {
             "contact_mpc\n");
 }
 
+// A study's file is edited in its folder, or shards are copied from another study.
+TEST_F(Sweep, ARowHasTheResultsOfItsOwnRun) {
+  const auto same_as_new = [&](const std::string& study, const std::string& words) {
+    const ProgramResult result = swept(study);
+    EXPECT_TRUE(has(result.err, "sweep: warning: ", ".shard: ", "of other runs than this study"));
+    swept("ishigami --case noisy " + words + " --out new --rerun");
+    EXPECT_EQ(read(study + "/results.csv"), read("new/results.csv")) << words;
+    EXPECT_EQ(swept(study).err, "");
+  };
+  swept("ishigami --case noisy --vary x.first=1,2 --seeds 1..3 --out s");
+  write("s/study.toml", testing::replaced(read("s/study.toml"), "[1, 2]", "[5, 6]"));
+  EXPECT_TRUE(has(sweep("s --status").out, "0 of 6 points are done"));
+  same_as_new("s", "--vary x.first=5,6 --seeds 1..3");
+  write("s/study.toml", testing::replaced(read("s/study.toml"), "count = 3", "count = 4"));
+  same_as_new("s", "--vary x.first=5,6 --seeds 1..4");
+  write("s/study.toml", testing::replaced(read("s/study.toml"), "count = 4", "count = 1"));
+  same_as_new("s", "--vary x.first=5,6 --seeds 1");
+
+  swept("ishigami --case noisy --vary x.first=7,8 --out t");
+  fs::remove_all(folder_ / "s/shards");
+  fs::copy(folder_ / "t/shards", folder_ / "s/shards");
+  same_as_new("s", "--vary x.first=5,6 --seeds 1");
+}
+
 TEST_F(Sweep, AReplayEqualsTheRunOrReportsADifference) {
   swept("ishigami --vary x.first=1,2 --out s");
   const std::string key = results("s").at(1).at(0);
