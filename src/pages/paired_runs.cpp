@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
+#include <breakwater/experiment/differing_keys.h>
 #include <breakwater/shell/did_you_mean.h>
 
 namespace breakwater {
@@ -97,6 +99,35 @@ PairedResults paired_runs(const std::vector<SavedRun>& runs,
     }
   }
   return results;
+}
+
+std::vector<std::string> other_differences(const Catalogue& catalogue,
+                                           const std::vector<SavedRun>& runs) {
+  std::map<std::string, std::set<std::string>> differing;  // the values of a key
+  const auto note = [&](const std::vector<SavedRun>& some, const std::set<std::string>* only) {
+    for (const DifferingKey& key : differing_keys(some)) {
+      if (key.key == "run.seed" || key.key.starts_with("record.")) continue;
+      if (only != nullptr && !only->contains(key.key)) continue;
+      differing[key.key].insert(key.values.begin(), key.values.end());
+    }
+  };
+  std::map<std::string, std::vector<SavedRun>> of_case;
+  for (const SavedRun& run : runs) of_case[run.case_name()].push_back(run);
+  std::vector<SavedRun> one_of_each;
+  std::set<std::string> changed;  // cases differ, but not in what a user changed
+  for (const auto& [name, same] : of_case) {
+    note(same, nullptr);
+    one_of_each.push_back(same.front());
+    for (const ChangedKey& key : changed_keys(catalogue, same.front())) changed.insert(key.key);
+  }
+  note(one_of_each, &changed);
+  if (differing.empty()) return {};
+  std::vector<std::string> texts;
+  for (const auto& [key, values] : differing) {
+    texts.push_back(fmt::format("{} ({})", key, fmt::join(values, "; ")));
+  }
+  return {fmt::format("--paired: the runs differ in more than case and seed: {}",
+                      fmt::join(texts, ", "))};
 }
 
 }  // namespace breakwater

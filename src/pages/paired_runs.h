@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/statistics/paired_comparison.h>
 
@@ -17,5 +18,10 @@ namespace breakwater {
 PairedResults paired_runs(const std::vector<SavedRun>& runs,
                           const std::vector<std::string>& metrics, const std::string& baseline,
                           const std::map<std::string, Goal>& goals);
+
+/// One line if the runs differ in more than their cases and seeds do; else nothing. It names the
+/// keys and their values: paired by the seed alone, such runs may have other test conditions.
+std::vector<std::string> other_differences(const Catalogue& catalogue,
+                                           const std::vector<SavedRun>& runs);
 
 }  // namespace breakwater

@@ -144,13 +144,13 @@ std::map<std::string, Goal> read_goals(const std::vector<std::string>& texts) {
   return goals;
 }
 
-int compare_paired(const RunsArguments& arguments) {
+int compare_paired(const Catalogue& catalogue, const RunsArguments& arguments) {
   const std::vector<SavedRun> runs = open_all(arguments.runs);
   const CandidateComparison comparison = compare_candidates(
       paired_runs(runs, arguments.choice.metrics, arguments.baseline, read_goals(arguments.goals)));
   const fs::path file = made_folder(arguments.out) / "comparison.csv";
   replace_file(file, comparison_csv(comparison));
-  say("compare", {}, runs);
+  say("compare", other_differences(catalogue, runs), runs);
   if (!arguments.quiet) {
     fmt::print("{}\n{}\n", comparison_text(comparison, output_width()), file.string());
   }
@@ -272,7 +272,7 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
                    "scripts/figures.py (python3-h5py, python3-matplotlib), which you may copy."
                  : "It writes report.html, a page that needs no network.");
   if (const auto status = parse(app, argc, argv)) return *status;
-  if (arguments.paired) return compare_paired(arguments);
+  if (arguments.paired) return compare_paired(catalogue, arguments);
   if (!arguments.measured.empty()) return compare_measured(arguments);
   return is_comparison ? compare(catalogue, arguments) : report(catalogue, arguments);
 }

@@ -429,6 +429,16 @@ TEST_F(Reports, CompareOfSetsOfRunsIsPairedBySeed) {
                    {"kfd1 stf1 --baseline st", "--baseline: st: no run has it (did you mean stf?)"},
                    {"kfd1 stf1 --goal rmse_velocity=min", "--goal: rmse_velocity: no run has it"},
                    {"kfd1 kfd1 stf1", "kfd1: kfd with seed 1 is there twice"}});
+
+  // Other test conditions are named, within a case and between the cases.
+  const std::string usual = " --seed 7 --set noise.std_rad=0.01 --case ";
+  motor("kfd7", usual + "kfd --duration 12");
+  motor("stf7", usual + "stf --duration 11");
+  const std::string pair = "breakwater compare --paired kfd1 stf1 kfd7 stf7 --quiet";
+  EXPECT_EQ(ran(pair).err,
+            "compare: --paired: the runs differ in more than case and seed: run.duration_s (11; "
+            "12)\n");
+  EXPECT_EQ(ran("breakwater compare --paired kfd7 stf7 --quiet").err, ran(pair).err);
 }
 
 // Folder names are plain text: not mathematics for matplotlib, not a formula for a spreadsheet.
