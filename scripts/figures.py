@@ -125,6 +125,7 @@ def labels_of(runs):
 
 
 def draw(runs, labels, looks, signals, window, width):
+    plt.style.use("default")  # a matplotlibrc of the user must not change the figure
     plt.rcParams.update(STYLE)
     figure, axes = plt.subplots(len(signals), 1, sharex=True, squeeze=False,
                                 figsize=(width, 0.45 + PANEL_HEIGHT * len(signals)),

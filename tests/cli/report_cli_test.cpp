@@ -449,6 +449,12 @@ TEST_F(Reports, CompareTreatsFolderNamesAsText) {
           "--no-replay --quiet");
   EXPECT_EQ(result.err, "");
   EXPECT_TRUE(fs::exists(folder_ / "both/compare.svg"));
+  // A file of settings in the working folder changes no figure.
+  const std::string figure = read("both/compare.svg");
+  write("matplotlibrc", "axes.facecolor: red\naxes.titlesize: 40\n");
+  ran("breakwater compare $\\bad{$ =cmd|calc --out both --svg --signal d_hat_Nm --no-replay "
+      "--quiet");
+  EXPECT_EQ(read("both/compare.svg"), figure);
   const std::string csv = read("both/compare.csv");
   EXPECT_TRUE(csv.starts_with("metric,unit,$\\bad{$,'=cmd|calc,'=cmd|calc minus $\\bad{$\n"))
       << csv.substr(0, csv.find('\n'));
