@@ -93,8 +93,10 @@ VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& forma
   s.encoder = avcodec_alloc_context3(codec);
   s.frame = av_frame_alloc();
   s.packet = av_packet_alloc();
-  // The muxer needs the name: it opens the file again to put the index in front.
-  avformat_alloc_output_context2(&s.container, nullptr, "mp4", partial_.path().c_str());
+  // The muxer needs the name: it opens the file again to put the index in front. Without "file:" a
+  // name such as "2N:5N.mp4" would be the address of a protocol.
+  const std::string url = "file:" + std::filesystem::absolute(partial_.path()).string();
+  avformat_alloc_output_context2(&s.container, nullptr, "mp4", url.c_str());
   if (s.encoder == nullptr || s.frame == nullptr || s.packet == nullptr || s.container == nullptr) {
     throw RenderError("video: no memory for the encoder");
   }
@@ -130,7 +132,7 @@ VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& forma
   s.frame->width = e.width;
   s.frame->height = e.height;
 
-  check(avio_open(&s.container->pb, partial_.path().c_str(), AVIO_FLAG_WRITE));
+  check(avio_open(&s.container->pb, url.c_str(), AVIO_FLAG_WRITE));
   AVDictionary* options = nullptr;
   av_dict_set(&options, "movflags", "+faststart", 0);
   const int status = avformat_write_header(s.container, &options);
