@@ -65,7 +65,7 @@ Entry entry_of(const StudySummary& study) {
 Entry study_entry(const fs::path& folder) {
   try {
     return entry_of(summarise_study(folder));
-  } catch (const std::invalid_argument& error) {
+  } catch (const std::exception& error) {  // one unreadable study does not end the list
     std::error_code ignored;
     return {folder,
             fs::last_write_time(folder, ignored),

@@ -30,8 +30,9 @@ std::vector<std::pair<std::string, std::vector<double>>> values_of(
 }  // namespace
 
 bool is_study_folder(const fs::path& folder) {
-  return fs::is_directory(folder / "shards") &&
-         (fs::exists(folder / kSweep.file) || fs::exists(folder / kTune.file));
+  std::error_code ignored;  // a folder that cannot be read is no study
+  return fs::is_directory(folder / "shards", ignored) &&
+         (fs::exists(folder / kSweep.file, ignored) || fs::exists(folder / kTune.file, ignored));
 }
 
 StudySummary summarise_study(const fs::path& folder) {

@@ -76,6 +76,16 @@ class RunList(Folder):
         self.assertEqual(self.call("breakwater", "ls", "empty")[0], "no run below empty\n")
         self.assertEqual(json.loads(self.call("breakwater", "ls", "empty", "--json")[0]), [])
 
+    def test_one_unreadable_folder_does_not_end_the_list(self):
+        # A link to itself cannot be followed, not even by root.
+        for folder in ("runs/broken", "runs/arm/broken"):
+            (self.folder / folder).mkdir()
+            for name in ("shards", "manifest.json"):
+                (self.folder / folder / name).symlink_to(name)
+        told = json.loads(self.call("breakwater", "ls", "--json")[0])
+        self.assertEqual(len(told), 3)
+        self.assertIn("removed 1 run\n", self.call("breakwater", "rm", "--failed")[0])
+
     def test_removes_failed_runs_alone(self):
         runs = self.folder / "runs"
         host = socket.gethostname()
