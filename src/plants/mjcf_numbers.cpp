@@ -1,11 +1,14 @@
 #include <breakwater/plants/mjcf_numbers.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
 
@@ -35,13 +38,62 @@ bool must_not_be_negative(const tinyxml2::XMLAttribute& attribute) {
   return names.contains(attribute.Name());
 }
 
-// The engine allocates memory for the numbers of <size> without a limit. It needs user data once
-// for each element.
+// The engine allocates memory for the numbers of <size>, and for <numeric>, without a limit. It
+// needs user data once for each element.
 double largest(const tinyxml2::XMLElement& element, const tinyxml2::XMLAttribute& attribute) {
   constexpr double kLargestSize = 1e7;
   constexpr double kMostUserData = 1e3;
-  if (std::string_view(element.Name()) != "size") return std::numeric_limits<double>::infinity();
-  return std::string_view(attribute.Name()).starts_with("nuser_") ? kMostUserData : kLargestSize;
+  const std::string_view kind = element.Name();
+  const std::string_view name = attribute.Name();
+  if (kind == "numeric" && name == "size") return kLargestSize;
+  if (kind != "size") return std::numeric_limits<double>::infinity();
+  return name.starts_with("nuser_") ? kMostUserData : kLargestSize;
+}
+
+double number_of(const tinyxml2::XMLElement& element, const char* attribute) {
+  const char* text = element.Attribute(attribute);
+  const auto numbers = text != nullptr ? read_numbers(text) : std::nullopt;
+  return numbers && !numbers->empty() ? std::max(numbers->front(), 0.0) : 0.0;
+}
+
+// The memory of a grid [bytes]: heights as floats, or pixels. A texture is a cube of six squares
+// unless it says otherwise.
+double bytes_of_grid(const tinyxml2::XMLElement& element) {
+  const std::string_view kind = element.Name();
+  if (kind == "hfield") return 4.0 * number_of(element, "nrow") * number_of(element, "ncol");
+  if (kind != "texture") return 0.0;
+  const char* type = element.Attribute("type");
+  const double width = number_of(element, "width");
+  const bool is_flat = type != nullptr && std::string_view(type) == "2d";
+  return 3.0 * width * (is_flat ? number_of(element, "height") : 6.0 * width);
+}
+
+// The memory of a PNG's pixels [bytes], by its head; 0 for another file.
+double bytes_of_png(const std::filesystem::path& file) {
+  constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
+  std::array<unsigned char, 24> head = {};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(reinterpret_cast<char*>(head.data()), head.size());
+  if (!stream ||
+      !std::equal(kSignature.begin(), kSignature.end(), head.begin(),
+                  [](char a, unsigned char b) { return static_cast<unsigned char>(a) == b; })) {
+    return 0.0;
+  }
+  const auto size = [&](std::size_t at) {
+    double value = 0.0;
+    for (std::size_t i = at; i < at + 4; ++i) value = 256.0 * value + head[i];
+    return value;
+  };
+  return 3.0 * size(16) * size(20);
+}
+
+// The complaint about the memory of grids; empty if it is small enough.
+std::string too_large(double bytes) {
+  constexpr double kMostBytes = 250e6;
+  if (bytes <= kMostBytes) return "";
+  return ": here height fields and textures take " +
+         std::to_string(std::llround(std::min(bytes, 1e18) / 1e6)) + " MB: must be at most " +
+         std::to_string(std::llround(kMostBytes / 1e6)) + " MB";
 }
 
 std::string quoted(const tinyxml2::XMLAttribute& attribute) {
@@ -101,6 +153,10 @@ class MjcfCheck {
       elements.pop_back();
       check_element(xml, *element);
       count(xml, *element);
+      bytes_ += bytes_of_grid(*element);
+      if (const std::string complaint = too_large(bytes_); !complaint.empty()) {
+        xml.fail(element->GetLineNum(), std::string("<") + element->Name() + ">" + complaint);
+      }
       const char* included = element->Attribute("file");
       if (included != nullptr && std::string_view(element->Name()) == "include") {
         check(folder_ / included);
@@ -124,6 +180,7 @@ class MjcfCheck {
   std::filesystem::path folder_;  // the folder for includes
   std::uint64_t most_elements_;
   double elements_ = 0.0;
+  double bytes_ = 0.0;  // of grids
   std::set<std::filesystem::path> visited_;
 };
 
@@ -131,7 +188,13 @@ class MjcfCheck {
 
 void check_mjcf(const std::string& file, std::uint64_t most_elements) {
   MjcfCheck(file, most_elements);
-  mjcf_files(file);  // meshes and textures must be regular files too
+  double bytes = 0.0;
+  for (const auto& asset : mjcf_files(file)) {  // meshes and textures must be regular files too
+    bytes += bytes_of_png(asset);
+    if (const std::string complaint = too_large(bytes); !complaint.empty()) {
+      throw std::invalid_argument(asset.string() + complaint);
+    }
+  }
 }
 
 }  // namespace breakwater

@@ -59,7 +59,21 @@ TEST(Model, RefusesErrorsThatTheEngineAccepts) {
            {good, "<size nuser_body='2000000000'/>",
             ":1: <size> nuser_body=\"2000000000\": must be at most 1000"},
            {good, "<size nkey='20000000'/>",
-            ":1: <size> nkey=\"20000000\": must be at most 10000000"}}) {
+            ":1: <size> nkey=\"20000000\": must be at most 10000000"},
+           {good, "<custom><numeric name='n' size='20000000' data='1'/></custom>",
+            ":1: <numeric> size=\"20000000\": must be at most 10000000"},
+           {good, "<asset><hfield name='h' nrow='20000' ncol='20000' size='1 1 1 1'/></asset>",
+            ":1: <hfield>: here height fields and textures take 1600 MB: must be at most 250 MB"},
+           {good, "<asset><texture name='t' builtin='flat' width='10000' height='10000'/></asset>",
+            ":1: <texture>: here height fields and textures take 1800 MB: must be at most 250 MB"},
+           {good,
+            "<asset><texture name='t' type='2d' builtin='flat' width='8000' "
+            "height='8000'/><texture "
+            "name='s' type='2d' builtin='flat' width='8000' height='8000'/></asset>",
+            ":1: <texture>: here height fields and textures take 384 MB: must be at most 250 MB"},
+           {good,
+            "<asset><texture name='t' type='2d' builtin='flat' width='64' height='64'/></asset>",
+            ""}}) {
     EXPECT_EQ(complaint(with_body(body, option)), line);
   }
 }
