@@ -101,7 +101,10 @@ std::string job_script(const SlurmStudy& study, const fs::path& submission, std:
     text += fmt::format("module load {0} || fail {1}\n", shell_quoted(module),
                         shell_quoted("module load " + module + " has failed"));
   }
-  for (const std::string& line : slurm.environment) text += "export " + shell_quoted(line) + "\n";
+  for (const std::string& line : slurm.environment) {
+    text += fmt::format("export {0} || fail {1}\n", shell_quoted(line),
+                        shell_quoted("export " + line + " has failed"));
+  }
   text += fmt::format(
       "[ -x {} ] || fail {}\nexec {} @{}:$SLURM_ARRAY_TASK_ID\n", shell_quoted(own_program()),
       shell_quoted("there is no " + own_program() + ": it must lie where all nodes see it"),

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <breakwater/study/slurm_settings.h>
+
 namespace breakwater {
 
 void add_slurm_options(CLI::App& app, SlurmRequest& request) {
@@ -21,6 +23,7 @@ void add_slurm_options(CLI::App& app, SlurmRequest& request) {
       ->group(kOnCluster);
   app.add_option("--sbatch", request.options, "pass these options to sbatch")
       ->type_name("OPTIONS")
+      ->check(overriding)
       ->expected(1)
       ->take_all()
       ->group(kOnCluster);

@@ -21,6 +21,10 @@ struct SlurmSettings {
   std::string print() const;
 };
 
+/// A complaint about options of sbatch that would override those of the job script, such as
+/// --array; empty if there are none.
+std::string overriding(const std::string& options);
+
 /// Reads the table from a file's root. Without [slurm] nothing is set. Throws std::invalid_argument
 /// (`FILE:LINE: key: reason`).
 SlurmSettings read_slurm(const TomlEntry& root);

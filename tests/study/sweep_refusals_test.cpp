@@ -71,6 +71,19 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
            {compare + "baseline = \"\"\n",
             "bad.toml:4: compare.baseline: must be a text, is empty"},
            {"[slurm]\naccount = \"\"\n", "bad.toml:3: slurm.account: must be a text, is empty"},
+           {"[slurm]\nenvironment = [\"B;touch P=1\"]\n",
+            "bad.toml:3: slurm.environment: B;touch P=1: must be NAME=VALUE; a name has letters, "
+            "digits and _"},
+           {"[slurm]\nenvironment = [\"SLURM_ARRAY_TASK_ID=1\"]\n",
+            "bad.toml:3: slurm.environment: SLURM_ARRAY_TASK_ID=1: is a variable that Slurm sets "
+            "for "
+            "each task"},
+           {"[slurm]\noptions = [\"--mem=4G\", \"--qos=x --arr=0-9\"]\n",
+            "bad.toml:3: slurm.options: --arr=0-9: is an option that the job script sets: leave it "
+            "out"},
+           {"[slurm]\noptions = [\"-a0-9\"]\n",
+            "bad.toml:3: slurm.options: -a0-9: is an option that the job script sets: leave it "
+            "out"},
            {compare + "metrics = []\n", "bad.toml:4: compare.metrics: is empty"},
            {"[vary]\n\"x.first\"" + many + "\"x.second\"" + many + "\"x.third\"" + many,
             "vary: 1e+12 points are more than 10000000: 1e+12 samples, 1 seeds, 1 candidates"}}) {
