@@ -11,6 +11,8 @@
 #include <thread>
 #include <utility>
 
+#include <breakwater/math/float_environment.h>
+
 namespace breakwater::python {
 namespace py = pybind11;
 
@@ -33,8 +35,8 @@ class Locked {
   PyGILState_STATE state_;
 };
 
-/// Releases the lock. The interpreter's exit waits some time for such threads. Throws as
-/// check_not_ending().
+/// Releases the lock, for work whose bits do not depend on the caller's floating-point environment.
+/// The interpreter's exit waits some time for such threads. Throws as check_not_ending().
 class Unlocked {
  public:
   Unlocked();
@@ -43,6 +45,7 @@ class Unlocked {
   Unlocked& operator=(const Unlocked&) = delete;
 
  private:
+  const math::FloatEnvironment floats_;
   PyThreadState* state_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <breakwater/experiment/run_loop.h>
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/sim/hand_on_link.h>
 #include <breakwater/sim/named_elements.h>
@@ -65,6 +66,7 @@ void ArmPush::prepare_scene(Model& model) const {
 }
 
 Recording ArmPush::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   ArmRig rig(arm_, push_role());
   Simulation& sim = rig.simulation();
   const HandOnLink hand(hand_, sim.model(), rig.chain(), arm_.start_angles_rad, link_);

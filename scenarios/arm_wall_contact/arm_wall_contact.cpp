@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <breakwater/experiment/run_loop.h>
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/sim/apparent_mass.h>
 #include <breakwater/sim/named_elements.h>
@@ -98,6 +99,7 @@ void ArmWallContact::animate_scene(Model& model, double time_s) const {
 }
 
 Recording ArmWallContact::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   ArmRig rig(arm_, role());
   Simulation& sim = rig.simulation();
   const int wall = geom_id(sim.model(), kWall);

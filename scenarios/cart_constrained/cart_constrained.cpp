@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/window_metrics.h>
 #include <breakwater/rigs/predictive_settings.h>
 
@@ -93,6 +94,7 @@ void CartConstrained::check(const Config& config) {
 }
 
 Recording CartConstrained::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   const AxisLoop loop = parts_.make(task());
   AxisRig rig(plant(), *loop.controller);
   rig.know_loop(parts_, task());

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/window_metrics.h>
 
 namespace breakwater {
@@ -147,6 +148,7 @@ void CartEstimation::check(const Config& config) {
 }
 
 Recording CartEstimation::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   const Disturbance force = disturbance();
   const AxisLoop loop = parts_.make(task());
   loop.controller->set_watched(control.logs);

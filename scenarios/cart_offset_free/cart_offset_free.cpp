@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/window_metrics.h>
 #include <breakwater/rigs/predictive_settings.h>
 
@@ -79,6 +80,7 @@ void CartOffsetFree::check(const Config& config) {
 }
 
 Recording CartOffsetFree::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   const AxisLoop loop = parts_.make(task());
   AxisRig rig(plant(), *loop.controller);
   rig.know_loop(parts_, task());

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <breakwater/linear/high_pass.h>
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/window_metrics.h>
 #include <breakwater/rigs/predictive_settings.h>
 
@@ -63,6 +64,7 @@ void CartPosition::check(const Config& config) {
 }
 
 Recording CartPosition::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   const AxisLoop loop = parts_.make(task());
   loop.controller->set_watched(control.logs);
   AxisRig rig(plant_, *loop.controller);

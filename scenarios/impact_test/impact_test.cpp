@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <breakwater/experiment/run_loop.h>
+#include <breakwater/math/float_environment.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/sim/joint_force.h>
 #include <breakwater/sim/named_elements.h>
@@ -108,6 +109,7 @@ void ImpactTest::animate_scene(Model& model, double time_s) const {
 }
 
 Recording ImpactTest::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   NoController controller;
   Simulation sim(plant(), controller, sensing(), physics_.steps_per_sample());
   const std::unique_ptr<WallContact> contact = wall_.make(sim.model(), kImpactTip, kStruckWall);

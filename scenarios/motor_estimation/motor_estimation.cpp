@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/window_metrics.h>
 
 namespace breakwater {
@@ -78,6 +79,7 @@ void MotorEstimation::check(const Config& config) {
 }
 
 Recording MotorEstimation::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   const AxisLoop loop = parts_.make(task());
   AxisRig rig(plant(), *loop.controller);
   rig.know_loop(parts_, task());

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <breakwater/control/axes_control.h>
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/hdf5_log.h>
 
 namespace breakwater {
@@ -135,6 +136,7 @@ double Plant::period_of(const DeclaredMetric& metric) const {
 }
 
 Recording Plant::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   const PlantTask task = this->task();
   const auto loop = parts_.make(task);
   AxisRig rig(plant_, *loop.controller);

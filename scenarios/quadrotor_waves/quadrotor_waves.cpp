@@ -9,6 +9,7 @@
 
 #include <breakwater/control/backstepping.h>
 #include <breakwater/experiment/run_loop.h>
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/record/window_metrics.h>
 #include <breakwater/signals/thread_time.h>
@@ -233,6 +234,7 @@ std::vector<WavingSurface> QuadrotorWaves::waving_surfaces(const Model& model) c
 }
 
 Recording QuadrotorWaves::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   QuadrotorRig rig(quadrotor_);
   const QuadrotorTruth& truth = rig.truth();
   const QuadrotorLoop& loop = rig.loop();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/window_metrics.h>
 #include <breakwater/rigs/predictive_settings.h>
 
@@ -103,6 +104,7 @@ void TwoInertiaDrive::check(const Config& config) {
 }
 
 Recording TwoInertiaDrive::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   const AxisTask task = this->task();
   const NominalAxis& nominal = task.axis;
   const AxisLoop loop = parts_.make(task);

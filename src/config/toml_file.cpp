@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/input_file.h>
 
 namespace breakwater {
@@ -92,6 +93,7 @@ std::string at_line(const std::string& file, const toml::source_region& source) 
 }
 
 toml::table parse_toml_file(const std::string& file, std::string* text_of_file) {
+  const math::FloatEnvironment floats;
   std::ifstream stream = open_input(file);
   // Reads at most one character more than is allowed, which shows that the file is too long.
   std::string text;
@@ -116,6 +118,7 @@ toml::table parse_toml_file(const std::string& file, std::string* text_of_file) 
 }
 
 std::optional<toml::table> parse_toml_value(const std::string& text, const std::string& origin) {
+  const math::FloatEnvironment floats;
   if (const char* complaint = Guard(text).complaint()) {
     // Only these can nest. Any other text, such as a path with many dots, is a bare word.
     const std::size_t first = text.find_first_not_of(" \t");

@@ -13,6 +13,7 @@
 #include <breakwater/experiment/main_metrics.h>
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/experiment/version.h>
+#include <breakwater/math/float_environment.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/text_outputs.h>
@@ -66,11 +67,11 @@ void write_manifest(const RunFolder& folder, const ordered_json& before,
   ordered_json entries;
   for (const char* first : {"scenario", "case", "seed"}) entries[first] = before.at(first);
   entries.update(results);
-  entries.update(before);
   for (const char* file : {"config.toml", "metrics.json"}) {
     const std::filesystem::path path = folder.path() / file;
     if (std::filesystem::exists(path)) entries[path.stem().string() + "_hash"] = file_hash(path);
   }
+  entries.update(before);
   write_text_file(folder.path() / "manifest.json", entries.dump(2) + "\n");
 }
 
@@ -97,6 +98,7 @@ class RunFolders {
 
 RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& options,
                    RunControl control) {
+  const math::FloatEnvironment floats;
   const auto start = std::chrono::steady_clock::now();
   // The models may have changed since the preparation: other runs may have taken hours.
   if (options.models != nullptr) options.models->check_unchanged(run.model_files);
@@ -154,6 +156,7 @@ bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run, const Sce
 PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioFile& file,
                              const std::string& case_name, const std::vector<std::string>& sets,
                              Tables tables, const std::string& called) {
+  const math::FloatEnvironment floats;
   PreparedRun run;
   run.scenario = std::move(scenario);
   run.case_name = called.empty() ? case_name : called;

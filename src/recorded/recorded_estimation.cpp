@@ -7,6 +7,7 @@
 #include <numbers>
 #include <span>
 
+#include <breakwater/math/float_environment.h>
 #include <breakwater/observers/record_intervals.h>
 #include <breakwater/plants/damped_inertia.h>
 #include <breakwater/record/window_metrics.h>
@@ -164,6 +165,7 @@ std::vector<std::string> RecordedEstimation::warnings() const {
 }
 
 Recording RecordedEstimation::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
   const NominalAxis axis = this->axis();
   const AxisUnits& units = axis.units;
   const auto estimator = estimator_.make(axis);

@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/math/float_environment.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/signals/thread_time.h>
 #include <breakwater/sim/engine_guard.h>
@@ -65,8 +66,8 @@ void fill(PointResult& result, RunControl control, Common& common) {
   PreparedRun run;
   Recording recording;
   ModelHashes models;
-  try {
   result.asked = source.asked(number);
+  try {
     if (common.is_task) common.shard->begin(number, "");
     run = source.prepare(number);
     models = known.of(run.model_files);
@@ -112,6 +113,7 @@ void fill(PointResult& result, RunControl control, Common& common) {
 }
 
 PointResult execute(std::size_t number, const RunControl& control, Common& common) {
+  const math::FloatEnvironment floats;
   PointResult result;
   result.number = number;
   try {

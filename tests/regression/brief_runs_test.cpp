@@ -1,6 +1,10 @@
 // Runs that end before the windows of their metrics, and equal runs.
 
+#include <xmmintrin.h>
+
+#include <cfenv>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 
@@ -32,6 +36,47 @@ double most_lost_counts(const std::string& scenario, const std::string& case_nam
     most = std::max(most, (std::abs(q[i]) - std::abs(y[i])) / quantum);
   }
   return most;
+}
+
+// Rounding, subnormal numbers, the precision of the x87 and traps of the caller. They change no
+// run, and the caller has them again afterwards.
+TEST(EqualRuns, HaveTheirOwnFloatingPointEnvironment) {
+  const auto set_x87 = [](unsigned short control) { __asm__("fldcw %0" : : "m"(control)); };
+  const auto x87 = [] {
+    unsigned short control = 0;
+    __asm__("fnstcw %0" : "=m"(control));
+    return control;
+  };
+  constexpr unsigned kFlushes = 0x8040, kFlags = 0x3F;
+  const std::vector<std::function<void()>> environments = {
+      [] { std::fesetround(FE_UPWARD); },
+      [] { std::fesetround(FE_DOWNWARD); },
+      [] { std::fesetround(FE_TOWARDZERO); },
+      [] { _mm_setcsr(_mm_getcsr() | kFlushes); },
+      [&] { set_x87(0x027F); },  // 53 bits
+      [] { feenableexcept(FE_INEXACT | FE_UNDERFLOW | FE_DIVBYZERO | FE_OVERFLOW | FE_INVALID); }};
+  for (const auto& [scenario, name, duration] :
+       {std::tuple("motor_estimation", "stf", "run.duration_s=0.3"),
+        {"cart_constrained", "lqr-idob", "run.duration_s=0.3"},
+        {"quadrotor_waves", "ekf-second", "run.duration_s=0.3"}}) {
+    const Recording usual = run_case(scenario, name, {duration});
+    for (std::size_t i = 0; i < environments.size(); ++i) {
+      std::fenv_t before;
+      std::fegetenv(&before);
+      environments[i]();
+      const unsigned csr = _mm_getcsr() & ~kFlags, control = x87();
+      const Recording run = run_case(scenario, name, {duration});
+      const unsigned csr_then = _mm_getcsr() & ~kFlags, control_then = x87();
+      std::fesetenv(&before);
+      EXPECT_EQ(run.state_hash, usual.state_hash) << scenario << ", environment " << i;
+      EXPECT_EQ(csr_then, csr);
+      EXPECT_EQ(control_then, control);
+      ASSERT_EQ(run.metrics.size(), usual.metrics.size());
+      for (std::size_t m = 0; m < run.metrics.size(); ++m) {
+        EXPECT_EQ(run.metrics[m].value, usual.metrics[m].value) << run.metrics[m].name;
+      }
+    }
+  }
 }
 
 TEST(EncoderRounding, IsAKeyOfMotorCartsAndArm) {

@@ -1,0 +1,26 @@
+// The floating-point environment of a run.
+#pragma once
+
+#include <cfenv>
+
+namespace breakwater::math {
+
+/// Until it is destroyed, this thread rounds to nearest, keeps subnormal numbers, computes long
+/// doubles with 64 bits and raises no signal, as at the start of a program. Then the caller's
+/// environment is back. Without it, a caller's rounding mode or FTZ bit would change the bits of a
+/// run. Threads inherit the environment of the thread that starts them.
+class FloatEnvironment {
+ public:
+  FloatEnvironment() {
+    std::fegetenv(&callers_);
+    std::fesetenv(FE_DFL_ENV);
+  }
+  ~FloatEnvironment() { std::fesetenv(&callers_); }
+  FloatEnvironment(const FloatEnvironment&) = delete;
+  FloatEnvironment& operator=(const FloatEnvironment&) = delete;
+
+ private:
+  std::fenv_t callers_ = {};
+};
+
+}  // namespace breakwater::math
