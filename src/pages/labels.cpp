@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <string_view>
 #include <vector>
 
 #include <breakwater/render/identity.h>
@@ -18,9 +19,16 @@ const std::map<std::string, std::string> kWords = {
     {"rms", "RMS of"},    {"std", "deviation of"},   {"max", "largest"},   {"min", "smallest"},
     {"qp", "QP"},         {"nees", "NEES"},          {"5pct", "to 5 %"},   {"99pct", "to 99 %"}};
 
-std::string in_words(const std::string& word) {
-  const auto found = kWords.find(word);
-  return found == kWords.end() ? word : found->second;
+// The words of a name in full. "RMSE of" needs a word that follows and is not "of" itself.
+void put_in_words(std::vector<std::string>& words) {
+  constexpr std::string_view kOf = " of";
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto found = kWords.find(words[i]);
+    if (found == kWords.end()) continue;
+    words[i] = found->second;
+    const bool has_object = i + 1 < words.size() && words[i + 1] != "of";
+    if (words[i].ends_with(kOf) && !has_object) words[i].resize(words[i].size() - kOf.size());
+  }
 }
 
 // "rad_s2" of "rad/s^2": how a unit ends a name.
@@ -71,9 +79,8 @@ std::string without_unit(const std::string& name, const std::string& unit) {
 
 std::string metric_label(const std::string& metric, const std::string& unit) {
   Split parts = split(metric, unit.empty() ? "1" : unit);
-  for (auto* words : {&parts.quantity, &parts.roles}) {
-    std::transform(words->begin(), words->end(), words->begin(), in_words);
-  }
+  put_in_words(parts.quantity);
+  put_in_words(parts.roles);
   const std::string quantity = joined(parts.quantity);
   return capitalised(parts.roles.empty() || quantity.empty()
                          ? quantity + joined(parts.roles)
@@ -89,7 +96,9 @@ std::string unit_after(const std::string& unit) {
 }
 
 std::string key_label_with_unit(const std::string& key, const std::string& unit) {
-  std::string label = without_unit(key, unit);
+  const std::size_t bracket = std::min(key.find('['), key.size());  // of an element
+  std::string label = without_unit(key.substr(0, bracket), unit) + " " + key.substr(bracket);
+  if (label.ends_with(' ')) label.pop_back();
   std::replace_if(
       label.begin(), label.end(), [](char c) { return c == '.' || c == '_'; }, ' ');
   return with_unit(label, unit);
@@ -101,7 +110,7 @@ std::string quantity_of(const LogEntry& entry) {
 
 std::string signal_label(const LogEntry& entry) {
   Split parts = split(entry.name, entry.unit);
-  std::transform(parts.roles.begin(), parts.roles.end(), parts.roles.begin(), in_words);
+  put_in_words(parts.roles);
   return joined(parts.roles.empty() ? parts.quantity : parts.roles);
 }
 

@@ -54,7 +54,8 @@ void set_pairs(mustache::data& section, const CandidateComparison& comparison,
   section.set("all_blocks", std::to_string(comparison.blocks));
   section.set("has_repeats", comparison.has_repeats());
   section.set("repeated", repeated_text(comparison));
-  section.set("few", few_text(comparison));
+  const std::string few = few_text(comparison);
+  if (!few.empty()) section.set("few", few);  // an empty text counts as there
   section.set("never", never_text(comparison));
 }
 

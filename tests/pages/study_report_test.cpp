@@ -451,6 +451,8 @@ TEST(Labels, AreForPeople) {
   for (const auto& [metric, unit, label] :
        {std::tuple("peak_force_filtered_N", "N", "Peak force, filtered [N]"),
         std::tuple("rmse_velocity_rad_s", "rad/s", "RMSE of velocity [rad/s]"),
+        std::tuple("tracking_rmse_m", "m", "Tracking RMSE [m]"),
+        std::tuple("std_of_zero_N", "N", "Deviation of zero [N]"),
         std::tuple("bounce_count", "1", "Bounce count"),
         std::tuple("max_y_error_m", "m", "Largest y error [m]"),
         std::tuple("settling_time_5pct_s", "s", "Settling time to 5 % [s]"),
@@ -459,6 +461,15 @@ TEST(Labels, AreForPeople) {
   }
   EXPECT_EQ(key_label_with_unit("contact.stiffness_N_m", unit_of("contact.stiffness_N_m")),
             "contact stiffness [N/m]");
+  for (const auto& [key, label] :
+       {std::pair("spring.stiffness_Nm_rad", "spring stiffness [N m/rad]"),
+        {"joint.damping_Nms_rad", "joint damping [N m s/rad]"},
+        {"motor.torque_constant_Nm_A", "motor torque constant [N m/A]"},
+        {"path.acceleration_m_s2", "path acceleration [m/s^2]"},
+        {"observer.wall_correction_per_s", "observer wall correction per s"},
+        {"contact.stiffness_N_m[2]", "contact stiffness [2] [N/m]"}}) {
+    EXPECT_EQ(key_label_with_unit(key, unit_of(key)), label);
+  }
   EXPECT_EQ(key_label_with_unit("encoder.bits", unit_of("encoder.bits")), "encoder bits");
 }
 
