@@ -113,7 +113,6 @@ ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<st
     part.chart->to_s = part.window.to_s;
     if (part.chart->series.empty()) part.chart.reset();
   }
-  const std::string strip = strip_address(runs.front(), part.shots, options.camera, part.notes);
   const std::string about =
       fmt::format("{} in three dimensions: {}", fmt::join(labels, ", "),
                   part.shots.title.empty() ? runs.front().scenario().summary() : part.shots.title);
@@ -122,12 +121,17 @@ ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<st
   part.box.set("time", fmt::format("{:.6g}", begin_of(part.shots, runs.front(), part.window)));
   part.box.set("alt", about);
   part.box.set("json", data.json);
-  if (!strip.empty()) {
+  mustache::data strips(mustache::data::type::list);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const std::string strip = strip_address(runs[i], part.shots, options.camera, part.notes);
+    if (strip.empty()) break;  // the others have none either
     mustache::data picture;
     picture.set("address", strip);
-    picture.set("alt", "Pictures of the run " + labels.front() + " in a row");
-    part.box.set("strip", picture);
+    picture.set("alt", "Pictures of the run " + labels[i] + " in a row");
+    picture.set("label", runs.size() > 1 ? mustache::data(labels[i]) : mustache::data(false));
+    strips << picture;
   }
+  part.box.set("strip", strips);
   return part;
 }
 

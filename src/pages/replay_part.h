@@ -32,7 +32,7 @@ struct ReplayOptions {
 };
 
 /// The replay of one to four runs of one scenario, with a label each. A browser without WebGL shows
-/// the strip of pictures of the first run; it is drawn if the run's folder has none. Throws
+/// a strip of pictures of each run; it is drawn if the run's folder has none. Throws
 /// std::invalid_argument or RenderError.
 ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
                        const ReplayOptions& options);
