@@ -62,11 +62,17 @@ void say(const std::string& program, std::vector<std::string> notes,
   for (const std::string& note : notes) fmt::print(stderr, "{}: {}\n", program, note);
 }
 
-fs::path made_folder(const std::string& folder) {
+// The file to write: --out names it, or its folder, which is made.
+fs::path made_place(const std::string& out, const char* name) {
+  const fs::path place = out;
   std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw std::invalid_argument(folder + ": cannot be made (" + error.message() + ")");
-  return folder;
+  const bool is_file = place.extension() == fs::path(name).extension() && !fs::is_directory(place);
+  const fs::path folder = is_file ? place.parent_path() : place;
+  if (!folder.empty()) fs::create_directories(folder, error);
+  if (error) {
+    throw std::invalid_argument(folder.string() + ": cannot be made (" + error.message() + ")");
+  }
+  return is_file ? place : folder / name;
 }
 
 int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
@@ -77,8 +83,8 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
     throw std::invalid_argument("--svg and --pdf: say which signals with --signal");
   }
   if (has_figures && !can_draw_figures()) return kUsage;
-  const fs::path out = made_folder(arguments.out);
-  std::vector<fs::path> written = {out / "compare.html"};
+  std::vector<fs::path> written = {made_place(arguments.out, "compare.html")};
+  const fs::path out = written.front().parent_path();
   std::vector<std::string> notes;
   replace_file(written[0], comparison.html(notes));
   say("compare", notes, runs);
@@ -118,7 +124,7 @@ int compare_measured(const RunsArguments& arguments) {
   const ImpactComparison comparison(runs.front(),
                                     signals.empty() ? "physics/force_sensor_N" : signals.front(),
                                     arguments.measured);
-  const fs::path file = made_folder(arguments.out) / "measured.html";
+  const fs::path file = made_place(arguments.out, "measured.html");
   replace_file(file, comparison.html());
   say("compare", {}, runs);
   if (arguments.json) {
@@ -148,7 +154,7 @@ int compare_paired(const Catalogue& catalogue, const RunsArguments& arguments) {
   const std::vector<SavedRun> runs = open_all(arguments.runs);
   const CandidateComparison comparison = compare_candidates(
       paired_runs(runs, arguments.choice.metrics, arguments.baseline, read_goals(arguments.goals)));
-  const fs::path file = made_folder(arguments.out) / "comparison.csv";
+  const fs::path file = made_place(arguments.out, "comparison.csv");
   replace_file(file, comparison_csv(comparison));
   say("compare", other_differences(catalogue, runs), runs);
   if (!arguments.quiet) {
@@ -159,7 +165,7 @@ int compare_paired(const Catalogue& catalogue, const RunsArguments& arguments) {
 
 int report(const Catalogue& catalogue, const RunsArguments& arguments) {
   const std::vector<SavedRun> runs = open_all(arguments.runs);
-  const fs::path file = made_folder(arguments.out) / "report.html";
+  const fs::path file = made_place(arguments.out, "report.html");
   std::vector<std::string> notes;
   replace_file(file, run_report(catalogue, runs, {arguments.choice.with_replay}, notes));
   say("report", notes, runs);
@@ -219,7 +225,7 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
                argv[0]);
   RunsArguments arguments;
   app.add_option("RUN", arguments.runs, "the folders of finished runs")->required();
-  app.add_option("--out", arguments.out, "the folder for what is written")
+  app.add_option("--out", arguments.out, "the folder for what is written, or the page's .html")
       ->type_name("DIR")
       ->capture_default_str();
   if (is_comparison) {
