@@ -51,9 +51,13 @@ bool are_same(const ConfigValue& a, const ConfigValue& b) {
   return text_of(a) == text_of(b) && a.data.index() == b.data.index();
 }
 
+Config config_of(const fs::path& folder, const std::string& scenario,
+                 const std::string& case_name) {
+  return ScenarioFile((folder / "config.toml").string(), scenario).config(case_name);
+}
+
 Config config_of(const SavedRun& run) {
-  return ScenarioFile((run.folder() / "config.toml").string(), run.scenario())
-      .config(run.case_name());
+  return config_of(run.folder(), run.scenario(), run.case_name());
 }
 
 // Different values get different texts.
@@ -91,17 +95,16 @@ bool has_own_axis(const Config& config, const Config& other) {
   });
 }
 
-}  // namespace
-
-std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun& run) {
+std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const fs::path& folder,
+                                     const std::string& scenario, const std::string& case_name) {
   std::vector<ChangedKey> changed;
-  if (!catalogue.has<ScenarioKind>(run.scenario())) return changed;
+  if (!catalogue.has<ScenarioKind>(scenario)) return changed;
   try {
-    const ScenarioKind& kind = catalogue.get<ScenarioKind>(run.scenario());
+    const ScenarioKind& kind = catalogue.get<ScenarioKind>(scenario);
     const ScenarioFile file(kind.file().string(), kind.name);
-    if (!file.has_case(run.case_name())) return changed;
-    const Config shipped = file.config(run.case_name());
-    const Config own = config_of(run);
+    if (!file.has_case(case_name)) return changed;
+    const Config shipped = file.config(case_name);
+    const Config own = config_of(folder, scenario, case_name);
     if (has_own_axis(own, shipped)) return changed;
     for (const auto& [key, entry] : own.entries()) {
       const ConfigEntry* other = shipped.find(key);
@@ -113,6 +116,17 @@ std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun&
     changed.clear();  // the run may be of another version
   }
   return changed;
+}
+
+}  // namespace
+
+std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun& run) {
+  return changed_keys(catalogue, run.folder(), run.scenario(), run.case_name());
+}
+
+std::string label_of(const Catalogue& catalogue, const fs::path& folder,
+                     const std::string& scenario, const std::string& case_name) {
+  return case_name + parts_in_words(changed_keys(catalogue, folder, scenario, case_name));
 }
 
 std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs) {

@@ -1,6 +1,7 @@
 // Differences of finished runs, from their shipped case and among each other.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,10 @@ struct ChangedKey {
 /// does not have the scenario, or the file not the case. Also empty for another plant, that is, if
 /// the run has a table that the file lacks, such as [axis.mine].
 std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun& run);
+
+/// A label for a finished run of any size: its case, with changed parts: "hpfc-5N with mine".
+std::string label_of(const Catalogue& catalogue, const std::filesystem::path& folder,
+                     const std::string& scenario, const std::string& case_name);
 
 /// A key that differs between runs, and its value in each; "–" if a run does not have it.
 struct DifferingKey {

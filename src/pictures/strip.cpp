@@ -81,8 +81,8 @@ Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle
               fmt::format("t = {:.3f} s", moment.time_s), text, kInk, Align::center);
   }
   if (!lines.empty()) {
-    Chart chart(shots.chart_title + "   " + run.case_name(), lines, stage.style.chart_range, width,
-                chart_height, unit);
+    Chart chart(shots.chart_title + "   " + stage.runs.front().caption, lines,
+                stage.style.chart_range, width, chart_height, unit);
     for (int i = 0; i < count; ++i) {
       const double time_s = moments[static_cast<std::size_t>(i)].time_s;
       if (time_s >= window.from_s && time_s <= window.to_s) {

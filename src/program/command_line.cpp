@@ -7,6 +7,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include <breakwater/experiment/differing_keys.h>
 #include <breakwater/experiment/run_tables.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/version.h>
@@ -265,9 +266,10 @@ int run_cases(const Call& call) {
         }
         const RunSummary& run = runs.front();
         if (run.failure) return "";
-        return fmt::format("{} {}: {:.6g} s simulated in {:.1f} s\nresults: {}\n\n{}",
-                           call.scenario, run.case_name, run.simulated_s, run.wall_s, out,
-                           coloured(metrics_table(call.scenario, run, call.catalogue)));
+        return fmt::format(
+            "{} {}: {:.6g} s simulated in {:.1f} s\nresults: {}\n\n{}", call.scenario,
+            label_of(call.catalogue, run.folder, call.scenario, run.case_name), run.simulated_s,
+            run.wall_s, out, coloured(metrics_table(call.scenario, run, call.catalogue)));
       });
 }
 

@@ -81,6 +81,10 @@ Request request_of(const Arguments& arguments) {
     const ConfigEntry* const name = config.find("observer.name");
     if (name != nullptr) called = plain_text(toml_value(name->value));
   }
+  const std::string name = "observer.name=";
+  for (const std::string& set : arguments.sets) {
+    if (set.starts_with(name)) called = plain_text(set.substr(name.size()));
+  }
   sets.insert(sets.end(), arguments.sets.begin(), arguments.sets.end());
   return {std::move(file), std::move(case_name), std::move(sets), std::move(called)};
 }
