@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -159,8 +160,11 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
                                 parameter_key(estimate.parameter), estimate.reason,
                                 estimate.excitation));
   }
+  // A forgotten scale is one cause. Its consequences would hide it.
+  const bool is_doubtful = std::any_of(records.begin(), records.end(),
+                                       [](const RecordedAxis& one) { return !one.doubts.empty(); });
   if (!arguments.quiet) {
-    warn(kIdentify, notes);
+    if (!is_doubtful) warn(kIdentify, notes);
     fmt::print("results: {}\n\n{}", arguments.out, parameter_table(result, output_width()));
   }
   if (!result.is_converged) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 
 #include <breakwater/config/column_table.h>
@@ -110,6 +111,9 @@ RecordedTiming timing_of(const std::vector<double>& times_s, double period_s, do
     }
     timing.period_s = sum / count;
   }
+  // Stamps that are exact but for their last digit have no jitter.
+  constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+  const double largest_s = std::max(std::abs(times_s.front()), std::abs(times_s.back()));
   double squares = 0.0;
   for (std::size_t k = 0; k < intervals.size(); ++k) {
     if (intervals[k] > gap_periods * timing.period_s) {
@@ -117,6 +121,7 @@ RecordedTiming timing_of(const std::vector<double>& times_s, double period_s, do
       continue;
     }
     const double off = std::abs(intervals[k] - timing.period_s);
+    if (off <= kRounding * largest_s) continue;
     squares += off * off;
     timing.jitter_max_s = std::max(timing.jitter_max_s, off);
     if (off > jitter_share * timing.period_s) ++timing.irregular;

@@ -163,6 +163,11 @@ class Identify(unittest.TestCase):
         done = identify(self.folder, "bench.csv", "--out", "id", "--set", "csv.time_scale=1e-3",
                         f"csv.position_scale={QUANTUM!r}")
         self.assertNotIn("csv.", done.stderr)
+        # One cause, one warning: its consequences are not told.
+        done = subprocess.run([BIN / "breakwater", "identify", "bench.csv", "--out", "id", "--set",
+                               "csv.time_scale=1e-3"], cwd=self.folder, text=True, capture_output=True)
+        self.assertEqual(done.stderr.count("warning"), 1, done.stderr)
+        self.assertIn("set csv.position_scale to one count", done.stderr)
         done = subprocess.run([BIN / "breakwater", "estimate", "--csv", "bench.csv", "--out", "est", "--set",
                                "plant.inertia=1", "encoder.quantum=1"], cwd=self.folder, text=True, capture_output=True)
         self.assertIn("the rows are 2 s apart. If the times are milliseconds, set csv.time_scale=1e-3", done.stderr)

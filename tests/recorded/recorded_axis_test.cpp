@@ -91,6 +91,10 @@ TEST(RecordedTiming, JitterIsCountedAndAveragedOut) {
   EXPECT_NEAR(timing.jitter_max_s, 0.2, 1e-12);
   EXPECT_NEAR(timing.jitter_rms_s, std::sqrt((0.04 + 0.04) / 4.0), 1e-12);
   EXPECT_EQ(timing_of({0.0, 1.2, 2.0, 3.0, 4.0}, 0.8, 1.6, 0.5).period_s, 0.8);
+  // Decimal stamps are rounded in their last digit, which is no jitter.
+  std::vector<double> decimal;
+  for (int k = 0; k < 5000; ++k) decimal.push_back(k / 1000.0);
+  EXPECT_EQ(timing_of(decimal, 0.0, 1.5, 0.1).jitter_rms_s, 0.0);
   EXPECT_EQ(timing_of({0.0, 1.0, 2.0}, 0.5, 1.5, 0.1).gaps.size(), 2U);
 }
 
