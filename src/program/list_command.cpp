@@ -12,8 +12,12 @@ namespace breakwater {
 namespace {
 
 void print_scenarios(const Catalogue& catalogue) {
+  std::size_t width = 0;
   for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
-    fmt::print("{:<20}{}\n", kind.name, kind.make(catalogue)->summary());
+    width = std::max(width, kind.name.size());
+  }
+  for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
+    fmt::print("{:<{}} {}\n", kind.name, width, kind.make(catalogue)->summary());
   }
 }
 
@@ -24,10 +28,12 @@ void print_parts(const Catalogue& catalogue) {
       headings.push_back(part.what);
     }
   }
+  std::size_t width = 0;
+  for (const ListedPart& part : catalogue.parts()) width = std::max(width, part.name.size());
   for (const std::string& heading : headings) {
     fmt::print("{}{}\n", heading == headings.front() ? "" : "\n", heading);
     for (const ListedPart& part : catalogue.parts()) {
-      if (part.what == heading) fmt::print("  {:<18}{}\n", part.name, part.help);
+      if (part.what == heading) fmt::print("  {:<{}} {}\n", part.name, width, part.help);
     }
   }
 }

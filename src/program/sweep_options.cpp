@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <stdexcept>
 #include <string_view>
@@ -69,13 +70,10 @@ constexpr WhatOption kOthers[] = {
 void add_what(CLI::App& app, SweepOptions& options, const WhatOption& what) {
   CLI::Option* const added = app.add_option(what.option, options.what[what.option], what.help)
                                  ->type_name(what.type)
-                                 ->group(kWhat);
-  if (what.as == As::names) {
-    added->delimiter(',');
-  } else {
-    added->expected(1);
-    if (std::string_view(what.type).find('=') != std::string_view::npos) added->take_all();
-  }
+                                 ->group(kWhat)
+                                 ->expected(1);
+  const bool may_repeat = std::string_view(what.type).find('=') != std::string_view::npos;
+  if (what.as == As::names || may_repeat) added->take_all();
 }
 
 // Removes a key from a table, whether it is written as "a.b" = 1 or a.b = 1.
@@ -113,15 +111,24 @@ class OptionTables {
     if (what.as == As::number) {
       const auto value = parse_toml_value(given.back(), what.option);
       if (!value) {
-        throw std::invalid_argument(
-            fmt::format("{}: {}: must be a number", what.option, given.back()));
+        const bool is_large = given.back().find_first_not_of("0123456789") == std::string::npos;
+        throw std::invalid_argument(fmt::format(
+            "{}: {}: must be {}", what.option, given.back(),
+            is_large ? fmt::format("at most {}", std::numeric_limits<std::int64_t>::max())
+                     : "a number"));
       }
       put(into, what.key, *value->get("value"));
     }
     if (what.as == As::names) {
       toml::array names;
       for (const std::string& name : given) {
-        for (const std::string& part : option_parts(name)) names.push_back(part);
+        for (const std::string& part : option_parts(name)) {
+          if (part.empty()) {
+            throw std::invalid_argument(
+                fmt::format("{}: {}: a name is missing", what.option, name));
+          }
+          names.push_back(part);
+        }
       }
       into.insert_or_assign(what.key, std::move(names));
     }

@@ -101,6 +101,11 @@ TEST_F(SweepRefusals, NonsenseInTheCommand) {
   expect_refusals(
       "ishigami_lab sweep ",
       {{"noisy.toml --case ''", "sweep: --case: must not be empty (see --help)"},
+       {"noisy.toml --case , --out X", "--case: ,: a name is missing"},
+       {"ishigami --metrics y_1,,y_2", "--metrics: y_1,,y_2: a name is missing"},
+       {"ishigami --sampling-seed 18446744073709551615",
+        "--sampling-seed: 18446744073709551615: must be at most 9223372036854775807"},
+       {"ishigami --sampling-seed two", "--sampling-seed: two: must be a number"},
        {"noisy.toml --replay ''", "sweep: --replay: must not be empty (see --help)"},
        {"ishigami --goal y_1=least", "--goal: y_1: must be one of min, max, is \"least\""},
        {"ishigami --vary x.first", "--vary: x.first: must be of the form KEY=VALUE"},
