@@ -102,11 +102,19 @@ void print_preview(const Sweep& sweep, std::size_t jobs) {
   Table table({"candidate", "one run", "metrics"});
   for (std::size_t c = 0; c < time.runs.size(); ++c) {
     table.add({plan.candidates()[c].label, fmt::format("{:.3g} s", time.runs[c].cost_s),
-               std::to_string(time.runs[c].metrics.size())});
+               time.is_whole[c] ? std::to_string(time.runs[c].metrics.size()) : "–"});
   }
   fmt::print("\n{}\n{}", table.print(output_width()), time_needed(time.seconds, jobs));
   std::fflush(stdout);
-  warn(kSweep.command, warnings_of(sweep, time.runs));
+  const auto cut = std::find(time.is_whole.begin(), time.is_whole.end(), false);
+  if (cut == time.is_whole.end()) {
+    warn(kSweep.command, warnings_of(sweep, time.runs));
+  } else {
+    const auto c = static_cast<std::size_t>(cut - time.is_whole.begin());
+    warn(kSweep.command, {fmt::format("{}: a run takes so long that it was stopped: its metrics "
+                                      "are not checked",
+                                      plan.candidates()[c].label)});
+  }
 }
 
 void check_asked_metrics(const Sweep& sweep) {
@@ -114,6 +122,10 @@ void check_asked_metrics(const Sweep& sweep) {
   std::vector<std::string> known;
   RunControl control;
   control.stop = &interrupted();
+  // A metric that these runs lack, since they are too short for its window, is no mistake.
+  for (const MetricDefinition& one : sweep.prepare(0).scenario->metric_definitions()) {
+    known.push_back(one.name);
+  }
   const std::size_t candidates = sweep.plan().candidates().size();
   for (const std::size_t first : {std::size_t{0}, sweep.plan().size() - candidates}) {
     for (std::size_t c = 0; c < candidates; ++c) {

@@ -247,7 +247,7 @@ class TuneCommand : public StudyCommand {
     warn(name(), plan_.check());
     if (!options_.quiet) print_count(plan_);
     std::fflush(stdout);
-    const Trial trial = plan_.try_each_case(interrupted());
+    const Trial trial = plan_.try_each_case(interrupted(), true);
     warn(name(), trial.warnings);
     if (options_.quiet) return;
     fmt::print("{}", time_needed(trial.search_s + trial.validation_s, options_.jobs));
@@ -266,7 +266,7 @@ class TuneCommand : public StudyCommand {
   void check() const override {
     if (options_.isolate) return check_apart(target_);
     warn(name(), plan_.check());
-    warn(name(), plan_.try_each_case(interrupted()).warnings);
+    warn(name(), plan_.try_each_case(interrupted(), false).warnings);
   }
 
   // The process that searches sends the values of the keys.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -96,7 +97,7 @@ std::vector<std::string> TuningPlan::check() const {
   return warnings;
 }
 
-Trial TuningPlan::try_each_case(const std::atomic<bool>& stop) const {
+Trial TuningPlan::try_each_case(const std::atomic<bool>& stop, bool is_brief) const {
   Trial trial;
   const auto runs = static_cast<double>(evaluations() * tuning_.worlds.size());
   const std::size_t fresh =
@@ -106,16 +107,30 @@ Trial TuningPlan::try_each_case(const std::atomic<bool>& stop) const {
     std::vector<std::string> sets =
         own_sets(c, values(c, std::vector<double>(tuned.search.size(), 0.5)));
     for (std::string& set : tuning_.worlds.sets(0)) sets.push_back(std::move(set));
-    RunControl control;
-    control.stop = &stop;
+    BriefLook look(stop);
+    RunControl control = look.control();
+    if (!is_brief) control = {.stop = &stop};
     control.logs = false;
     const double begin_s = thread_time_s();
-    const Recording recording =
-        prepare_point(catalogue_, tuning_.scenario, *file_, tuned.name, sets)
-            .scenario->run(control);
-    const double cost_s = thread_time_s() - begin_s;
+    double cost_s = 0.0;
+    std::optional<Recording> run;
+    std::vector<MetricDefinition> defined;
+    try {
+      const PreparedRun prepared =
+          prepare_point(catalogue_, tuning_.scenario, *file_, tuned.name, sets);
+      defined = prepared.scenario->metric_definitions();
+      run = prepared.scenario->run(control);
+      cost_s = thread_time_s() - begin_s;
+    } catch (const Interrupted&) {
+      if (stop) throw;
+      cost_s = look.whole_s();
+      trial.warnings.push_back(fmt::format(
+          "{}: a run takes so long that it was stopped: its metrics are not checked", tuned.name));
+    }
     trial.search_s += runs * cost_s;
     trial.validation_s += static_cast<double>(fresh) * cost_s;
+    if (!run) continue;
+    const Recording& recording = *run;
     if (recording.failure) {
       trial.warnings.push_back(fmt::format("{}: the candidate in the middle fails: at {:.6g} s: {}",
                                            tuned.name, recording.failure->time_s,
@@ -126,6 +141,19 @@ Trial TuningPlan::try_each_case(const std::atomic<bool>& stop) const {
     for (const Metric& metric : recording.metrics) names.push_back(metric.name);
     const auto check = [&](const std::string& place, const std::string& metric) {
       if (std::find(names.begin(), names.end(), metric) != names.end()) return;
+      const auto absent = std::find_if(recording.absent.begin(), recording.absent.end(),
+                                       [&](const AbsentMetric& one) { return one.name == metric; });
+      const bool is_defined =
+          std::any_of(defined.begin(), defined.end(),
+                      [&](const MetricDefinition& one) { return one.name == metric; });
+      if (absent != recording.absent.end() || is_defined) {
+        throw std::invalid_argument(
+            fmt::format("{}: a run of {} lacks it: {}", place, tuned.name,
+                        absent != recording.absent.end()
+                            ? absent->reason
+                            : fmt::format("in {:.6g} s there is no window or event for it",
+                                          recording.simulated_s)));
+      }
       throw std::invalid_argument(fmt::format("{}: a run of {} has no such metric{}", place,
                                               tuned.name, did_you_mean(metric, names)));
     };
@@ -238,6 +266,11 @@ std::vector<std::string> TuningPlan::task_words(const std::vector<std::size_t>& 
   return words;
 }
 
+std::string TuningPlan::asked(std::size_t number) const {
+  const TuningRun one = run(number);
+  return has(one.tuned, one.evaluation) ? unprepared_key(number) : "";
+}
+
 std::string TuningPlan::unprepared_key(std::size_t number) const {
   std::vector<std::string> parts = {tuning_.scenario, tuning_.cases[run(number).tuned].name};
   for (std::string& set : sets(number)) parts.push_back(std::move(set));
@@ -245,8 +278,3 @@ std::string TuningPlan::unprepared_key(std::size_t number) const {
 }
 
 }  // namespace breakwater
-std::string TuningPlan::asked(std::size_t number) const {
-  const TuningRun one = run(number);
-  return has(one.tuned, one.evaluation) ? unprepared_key(number) : "";
-}
-

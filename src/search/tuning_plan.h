@@ -46,8 +46,9 @@ class TuningPlan : public PointSource {
   /// each ineffective key. Throws std::invalid_argument for the first mistake.
   std::vector<std::string> check() const;
   /// Runs each case in the middle of its ranges, in the first test condition. Throws Interrupted,
-  /// and std::invalid_argument if a complete run lacks a metric of an objective or constraint.
-  Trial try_each_case(const std::atomic<bool>& stop) const;
+  /// and std::invalid_argument if a complete run lacks a metric of an objective or constraint. If
+  /// `is_brief`, a long run is only a BriefLook.
+  Trial try_each_case(const std::atomic<bool>& stop, bool is_brief) const;
 
   std::size_t size() const;
   /// The number of runs of all searches with full budgets.
@@ -82,8 +83,8 @@ class TuningPlan : public PointSource {
 
   PreparedRun prepare(std::size_t number) const override;
   std::string unprepared_key(std::size_t number) const override;
-  std::filesystem::path folder(std::size_t, const std::string&, bool) const override { return {}; }
   std::string asked(std::size_t number) const override;
+  std::filesystem::path folder(std::size_t, const std::string&, bool) const override { return {}; }
   bool logs(std::size_t) const override { return false; }
   std::vector<std::string> task_words(const std::vector<std::size_t>& runs) const override;
 

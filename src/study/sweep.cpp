@@ -14,6 +14,7 @@
 
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/record/file_hash.h>
+#include <breakwater/signals/thread_time.h>
 
 namespace breakwater {
 namespace {
@@ -194,6 +195,24 @@ std::vector<std::size_t> pending(const ShardIndex& index) {
   return points;
 }
 
+BriefLook::BriefLook(const std::atomic<bool>& stop) : stop_(stop), begin_s_(thread_time_s()) {}
+
+RunControl BriefLook::control() {
+  constexpr double kLongest_s = 10.0;
+  RunControl control;
+  control.stop = &is_enough_;
+  control.progress = [this](double done) {
+    spent_s_ = thread_time_s() - begin_s_;
+    done_ = done;
+    if (stop_ || (spent_s_ > kLongest_s && done > 0.0)) is_enough_ = true;
+  };
+  return control;
+}
+
+double BriefLook::whole_s() const {
+  return spent_s_ / done_;
+}
+
 Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop) {
   const Plan& plan = sweep.plan();
   const auto varies = [&](const std::string& key) {
@@ -206,10 +225,17 @@ Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop) {
   const std::size_t runs = plan.size() / candidates;
   const auto of_each = static_cast<double>(runs);
   Estimate estimate;
-  RunControl control;
-  control.stop = &stop;
   for (std::size_t c = 0; c < candidates; ++c) {
-    estimate.runs.push_back(run_point(c, sweep, control));
+    BriefLook look(stop);
+    try {
+      estimate.runs.push_back(run_point(c, sweep, look.control()));
+      estimate.is_whole.push_back(true);
+    } catch (const Interrupted&) {
+      if (stop) throw;
+      estimate.runs.emplace_back();
+      estimate.runs.back().cost_s = look.whole_s();
+      estimate.is_whole.push_back(false);
+    }
     const double length = lengths_vary ? mean_length(sweep, c, stop) : 1.0;
     estimate.seconds += estimate.runs.back().cost_s * of_each * length;
   }
