@@ -138,6 +138,15 @@ void check_tables(Fields& fields, std::span<const Config> tables, const Assign& 
   }
 }
 
+// The field of a key; null if there is none. The key that was bound last is asked for most.
+template <typename Fields>
+auto find_key(Fields& fields, const std::string& key) {
+  const auto found = std::find_if(fields.rbegin(), fields.rend(), [&](const auto& field) {
+    return field.key.size() == key.size() && field.key == key;
+  });
+  return found != fields.rend() ? &*found : nullptr;
+}
+
 // Whether the name of a file is among the meanings of a key.
 template <typename Field>
 bool names_file(const Field& field) {
@@ -346,9 +355,8 @@ void Fields::add_choice(const std::string& key, const std::vector<std::string>& 
 
 void Fields::add(const std::string& name, Variable variable) {
   const std::string key = prefix_ + name;
-  auto field = std::find_if(fields_.begin(), fields_.end(),
-                            [&](const Field& other) { return other.key == key; });
-  if (field == fields_.end()) field = fields_.insert(field, Field{key, {}});
+  Field* field = find_key(fields_, key);
+  if (field == nullptr) field = &fields_.emplace_back(Field{key, {}});
   for (Variable& other : field->variables) {
     if (other.part != variable.part) continue;
     if (place_ == 0) throw std::logic_error("the key " + key + " is bound twice");
@@ -376,9 +384,7 @@ void Fields::join(Variable& first, Variable other) {
 }
 
 const Fields::Field* Fields::find(const std::string& key) const {
-  const auto found = std::find_if(fields_.begin(), fields_.end(),
-                                  [&](const Field& field) { return field.key == key; });
-  return found != fields_.end() ? &*found : nullptr;
+  return find_key(fields_, key);
 }
 
 // The variables that a statement on a key concerns: that of the part being bound, or all outside of
@@ -386,9 +392,8 @@ const Fields::Field* Fields::find(const std::string& key) const {
 std::vector<Fields::Variable*> Fields::at(const std::string& name) {
   const std::string key = prefix_ + name;
   std::vector<Variable*> variables;
-  for (Field& field : fields_) {
-    if (field.key != key) continue;
-    for (Variable& variable : field.variables) {
+  if (Field* field = find_key(fields_, key)) {
+    for (Variable& variable : field->variables) {
       if (variable.part == part_ || part_.name.empty()) variables.push_back(&variable);
     }
   }
