@@ -17,10 +17,10 @@
 #include <breakwater/control/quadrotor_estimator.h>
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/idob.h>
+#include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mdob.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/record_intervals.h>
-#include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/rigs/axis_parts.h>
@@ -125,9 +125,9 @@ Estimator make_mdob(const Arguments& arguments) {
 
 Estimator make_fakfd(const Arguments& arguments) {
   const KalmanDesign design = arguments.kalman();
-  return sized_fakfd(design,
-                     scalar_gamma(design.plant, arguments.number("gamma"))
-                         .cwiseProduct(diagonal_gamma(design.plant, arguments.number("gamma_d"))));
+  return std::make_unique<Fakfd>(
+      design, scalar_gamma(design.plant, arguments.number("gamma"))
+                  .cwiseProduct(diagonal_gamma(design.plant, arguments.number("gamma_d"))));
 }
 
 Estimator make_vfakfd(const Arguments& arguments) {
@@ -137,20 +137,21 @@ Estimator make_vfakfd(const Arguments& arguments) {
   design.alpha = vector_of(arguments.at("alpha"), p, "alpha");
   design.dead_zone = vector_of(arguments.at("dead_zone"), p, "dead_zone");
   arguments.limit(design);
-  return sized_vfakfd(kalman, design);
+  return std::make_unique<Vfakfd>(kalman, design);
 }
 
 Estimator make_qvff(const Arguments& arguments) {
   const ExtendedPlant plant = arguments.extended();
   VfakfdDesign design = qvff_design(arguments.sensor(plant.outputs()));
   arguments.limit(design);
-  return sized_vfakfd(variable_forgetting_design(plant, kQvffInitialCovariance), design);
+  return std::make_unique<Vfakfd>(variable_forgetting_design(plant, kQvffInitialCovariance),
+                                  design);
 }
 
 Estimator make_stf(const Arguments& arguments) {
   const ExtendedPlant plant = arguments.extended();
   const SensorError error = arguments.sensor(plant.outputs());
-  return sized_stf(stf_design(plant, error, arguments.period_s()), error);
+  return std::make_unique<Stf>(stf_design(plant, error, arguments.period_s()), error);
 }
 
 // An estimator of the catalogue, with its own keys.
@@ -187,7 +188,7 @@ Estimator make(const std::string& kind, const Arguments& arguments) {
                                   arguments.number("period_s"));
   }
   if (kind == "mdob") return make_mdob(arguments);
-  if (kind == "kfd") return sized_kfd(arguments.kalman());
+  if (kind == "kfd") return std::make_unique<Kfd>(arguments.kalman());
   if (kind == "fakfd") return make_fakfd(arguments);
   if (kind == "vfakfd") return make_vfakfd(arguments);
   if (kind == "qvff") return make_qvff(arguments);

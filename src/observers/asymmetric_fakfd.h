@@ -14,18 +14,18 @@ enum class CovarianceForm {
 
 /// The KFD with one of the two asymmetric forms, whose P is no covariance. With one output:
 ///     K(k) = P(k|k−1) C̅ᵀ / (C̅ P(k|k−1) C̅ᵀ + R).
-class AsymmetricFakfd final : public KalmanEstimator<> {
+class AsymmetricFakfd final : public KalmanEstimator {
  public:
   /// Throws as Fakfd does, and std::invalid_argument for more than one output.
   AsymmetricFakfd(const KalmanDesign& design, const Eigen::VectorXd& gamma, CovarianceForm form)
-      : KalmanEstimator<>(design),
+      : KalmanEstimator(design, false),
         gamma_(gamma),
         inflates_correction_(form == CovarianceForm::left) {
     check_factors(design, gamma);
     if (design.plant.outputs() != 1) {
       throw std::invalid_argument("FAKFD: Eq. 4.5 as printed needs a plant with one output");
     }
-    this->lambda_ = 1.0 / gamma.maxCoeff();
+    lambda_ = 1.0 / gamma.maxCoeff();
     output_cross_.setZero(1, gamma.size());
   }
 

@@ -31,32 +31,24 @@ inline void check_factors(const KalmanDesign& design, const Eigen::VectorXd& gam
 ///     P(k|k) = √Γ (I − K C̅) P(k|k−1) √Γ.
 /// With Γ = γ·I this is Eq. 4.18. For other diagonal Γ, the printed {Γ − K C̅} P (Eq. 4.5) and Γ (I
 /// − K C̅) P are not symmetric: see asymmetric_fakfd.h.
-template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
-class Fakfd final : public KalmanEstimator<N, m, p> {
+class Fakfd final : public KalmanEstimator {
  public:
   /// `gamma` is the diagonal of Γ. Throws as check_factors() does.
-  Fakfd(const KalmanDesign& design, const Eigen::VectorXd& gamma)
-      : KalmanEstimator<N, m, p>(design) {
+  Fakfd(const KalmanDesign& design, const Eigen::VectorXd& gamma) : KalmanEstimator(design) {
     check_factors(design, gamma);
     const Eigen::VectorXd root = gamma.cwiseSqrt();
     inflation_ = root * root.transpose();
-    this->lambda_ = 1.0 / gamma.maxCoeff();
+    lambda_ = 1.0 / gamma.maxCoeff();
   }
 
-  void update(const DisturbanceEstimator::Vector& held_input,
-              const DisturbanceEstimator::Vector& y) override {
-    this->predict(held_input, y);
-    if constexpr (KalmanEstimator<N, m, p>::kOneOutput) {
-      const double R = this->R_(0, 0);
-      this->correct_one(R, 1.0 / (this->output_covariance_(0, 0) + R), inflation_);
-    } else {
-      this->correct(this->R_);
-      this->covariance_ = this->covariance_.cwiseProduct(inflation_);
-    }
+  void update(const Vector& held_input, const Vector& y) override {
+    predict(held_input, y);
+    correct(R_);
+    covariance_ = covariance_.cwiseProduct(inflation_);
   }
 
  private:
-  Eigen::Matrix<double, N, N> inflation_;  // √γ_i √γ_j
+  Eigen::MatrixXd inflation_;  // √γ_i √γ_j
 };
 
 }  // namespace breakwater

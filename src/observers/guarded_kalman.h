@@ -21,31 +21,34 @@ enum class Likelihood { gauss, code };
 
 /// A guarded Kalman filter with N extended states, one input, and the first state as output.
 template <int N>
-class GuardedKalman : public Guarded<KalmanEstimator<N, 1, 1>> {
+class GuardedKalman : public Guarded<KalmanEstimator> {
  protected:
-  using Vector = DisturbanceEstimator::Vector;
   using State = Eigen::Matrix<double, N, 1>;
   using Covariance = Eigen::Matrix<double, N, N>;
 
-  explicit GuardedKalman(const KalmanDesign& design) : Guarded<KalmanEstimator<N, 1, 1>>(design) {
-    if (!this->measures_first_) {
+  explicit GuardedKalman(const KalmanDesign& design) : Guarded<KalmanEstimator>(design) {
+    if (!(kernel_ && measures_first_ && extended_state().size() == N)) {
       throw std::invalid_argument("Kalman filter: the output must be the first state");
     }
-    this->signals_.pop_back();  // lambda: there is no forgetting factor
+    signals_.pop_back();  // lambda: there is no forgetting factor
   }
 
   /// A variance below 0 is the rounding error of a huge innovation.
   bool is_sound() const override {
-    return this->extended_state_.allFinite() && this->covariance_.allFinite() &&
-           this->covariance_.diagonal().minCoeff() >= 0.0 &&
-           Guarded<KalmanEstimator<N, 1, 1>>::is_sound();
+    return extended_state_.allFinite() && covariance_.allFinite() &&
+           covariance_.diagonal().minCoeff() >= 0.0 && Guarded<KalmanEstimator>::is_sound();
   }
 
   /// Computes x̄(k|k−1), P(k|k−1) and ê(k), which is 0 without a measurement.
   void predict_sample(const Vector& held_input, const Vector& y) {
-    this->predict(held_input, y);
-    if (!this->is_measured_) this->innovation_.setZero();
+    predict(held_input, y);
+    if (!is_measured_) innovation_.setZero();
   }
+
+  /// The base's x̄, P and K with their sizes.
+  Eigen::Map<State> extended_state_{KalmanEstimator::extended_state_.data()};
+  Eigen::Map<Covariance> covariance_{KalmanEstimator::covariance_.data()};
+  Eigen::Map<State> gain_{KalmanEstimator::gain_.data()};
 };
 
 /// The largest number of extended states of an axis in a GuardedKalman.

@@ -9,15 +9,13 @@ namespace breakwater {
 /// The Kalman filter of the extended plant, Eqs. 3.7–3.11. (Eqs. 3.7 and 3.8 print the last
 /// prediction in place of the last estimate.) The process noise selects the KFD (input_noise,
 /// uniform_noise) or the DKF (disturbance_noise).
-template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
-class Kfd final : public KalmanEstimator<N, m, p> {
+class Kfd final : public KalmanEstimator {
  public:
-  explicit Kfd(const KalmanDesign& design) : KalmanEstimator<N, m, p>(design) {}
+  explicit Kfd(const KalmanDesign& design) : KalmanEstimator(design) {}
 
-  void update(const DisturbanceEstimator::Vector& held_input,
-              const DisturbanceEstimator::Vector& y) override {
-    this->predict(held_input, y);
-    this->correct(this->R_);
+  void update(const Vector& held_input, const Vector& y) override {
+    predict(held_input, y);
+    correct(R_);
   }
 };
 

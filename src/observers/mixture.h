@@ -14,7 +14,7 @@ void mix(const Parts& parts, std::size_t count, const Weights& weights, State& x
   for (std::size_t i = 0; i < count; ++i) x += weights(static_cast<long>(i)) * parts[i].x;
   P.setZero();
   for (std::size_t i = 0; i < count; ++i) {
-    const State offset = parts[i].x - x;
+    const auto offset = (parts[i].x - x).eval();
     P += weights(static_cast<long>(i)) * (parts[i].P + offset * offset.transpose());
   }
 }

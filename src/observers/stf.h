@@ -1,9 +1,6 @@
 // Strong tracking filter (STF): a large innovation raises the covariance of a Kalman filter.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include <breakwater/observers/kalman_estimator.h>
 #include <breakwater/observers/sensor_error.h>
 
@@ -28,48 +25,17 @@ KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error, do
 ///
 /// For p outputs, the largest factor among the open gates applies. λ(k) is its inverse. If the
 /// sample times are uncertain, the resulting output error counts as σ does.
-template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
-class Stf final : public KalmanEstimator<N, m, p> {
+class Stf final : public KalmanEstimator {
  public:
   /// Throws as stf_design() and check(SensorError) do.
-  Stf(const KalmanDesign& design, const SensorError& error) : KalmanEstimator<N, m, p>(design) {
-    check(error, design.plant.outputs());
-    gate_ = error.quantum + kNoiseShare * error.noise_std;
-  }
+  Stf(const KalmanDesign& design, const SensorError& error);
 
-  void update(const DisturbanceEstimator::Vector& held_input,
-              const DisturbanceEstimator::Vector& y) override {
-    this->predict(held_input, y);
-    const double inflation = this->inflation();
-    this->lambda_ = 1.0;
-    if (inflation > 1.0) {
-      this->lambda_ = 1.0 / inflation;
-      this->covariance_ *= inflation;
-      this->compute_output_covariance();
-    }
-    this->correct(this->R_);
-  }
+  void update(const Vector& held_input, const Vector& y) override;
 
  private:
-  static constexpr double kNoiseShare = 5.0;
-  static constexpr double kUncertaintyShare = 2.0;
-  static constexpr double kInflationGain = 4.0;
-  static constexpr double kLargestInflation = 1e6;
+  double inflation() const;
 
-  double inflation() const {
-    double factor = 1.0;
-    for (Eigen::Index i = 0; i < gate_.size(); ++i) {
-      const double e = std::abs(this->innovation_(i));
-      const double P_ii = this->output_covariance_(i, i);
-      const double gate = gate_(i) + kNoiseShare * this->instant_error_(i);
-      if (e > gate + kUncertaintyShare * std::sqrt(P_ii)) {
-        factor = std::max(factor, kInflationGain * e * e / (P_ii + this->R_(i, i)));
-      }
-    }
-    return std::min(factor, kLargestInflation);
-  }
-
-  Eigen::Matrix<double, p, 1> gate_;  // Δ + 5σ
+  Eigen::VectorXd gate_;  // Δ + 5σ
 };
 
 }  // namespace breakwater

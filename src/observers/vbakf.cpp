@@ -45,7 +45,7 @@ void Vbakf<N>::step(const Vector& held_input, const Vector& y) {
     x = predicted;
     P = prior;
     this->compute_output_covariance();
-    this->correct(Eigen::Matrix<double, 1, 1>(R));
+    this->correct(R);
     noise_variance_ = R;
   }
   degrees_ = degrees + 1.0;

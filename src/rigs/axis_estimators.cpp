@@ -4,12 +4,12 @@
 #include <breakwater/observers/gsf.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/immkf.h>
+#include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mckf.h>
 #include <breakwater/observers/mdob.h>
 #include <breakwater/observers/mhe.h>
 #include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/qvff.h>
-#include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/observers/tracking_differentiator.h>
@@ -197,7 +197,7 @@ void bind_kfd(Fields& fields, KalmanNoise& settings) {
 }
 
 Estimator make_kfd(const KalmanNoise& settings, const NominalAxis& axis) {
-  return sized_kfd(settings.design(axis));
+  return std::make_unique<Kfd>(settings.design(axis));
 }
 
 struct FakfdSettings {
@@ -239,7 +239,7 @@ Estimator make_fakfd(const FakfdSettings& settings, const NominalAxis& axis) {
   const Eigen::VectorXd gamma = scalar_gamma(design.plant, settings.gamma / settings.lambda)
                                     .cwiseProduct(diagonal_gamma(design.plant, settings.gamma_d));
   if (settings.form == CovarianceForm::symmetric) {
-    return sized_fakfd(design, gamma);
+    return std::make_unique<Fakfd>(design, gamma);
   }
   return std::make_unique<AsymmetricFakfd>(design, gamma, settings.form);
 }
@@ -287,7 +287,7 @@ Estimator make_vfakfd(const VfakfdSettings& settings, const NominalAxis& axis) {
   design.dead_zone = Eigen::VectorXd::Zero(1);
   settings.limits.apply(design);
   const KalmanDesign filter = settings.noise.design(axis);
-  return blame("observer.lambda_min", [&] { return sized_vfakfd(filter, design); });
+  return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd>(filter, design); });
 }
 
 struct QvffSettings {
@@ -305,7 +305,7 @@ Estimator make_qvff(const QvffSettings& settings, const NominalAxis& axis) {
   settings.limits.apply(design);
   const KalmanDesign filter =
       variable_forgetting_design(settings.model.extend(axis), kQvffInitialCovariance);
-  return blame("observer.lambda_min", [&] { return sized_vfakfd(filter, design); });
+  return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd>(filter, design); });
 }
 
 void bind_stf(Fields& fields, DisturbanceModel& settings) {
@@ -313,7 +313,8 @@ void bind_stf(Fields& fields, DisturbanceModel& settings) {
 }
 
 Estimator make_stf(const DisturbanceModel& settings, const NominalAxis& axis) {
-  return sized_stf(stf_design(settings.extend(axis), axis.sensor, axis.period_s), axis.sensor);
+  return std::make_unique<Stf>(stf_design(settings.extend(axis), axis.sensor, axis.period_s),
+                               axis.sensor);
 }
 
 // The noise of the published estimators: on the disturbance alone, with R from the sensor.

@@ -126,14 +126,12 @@ void report_filters(const StateSpace& continuous) {
       extend_by_disturbance_model(zero_order_hold(continuous, kPeriod), 0, kPeriod);
   const KalmanDesign design{plant, input_noise(plant, 1e-2), Eigen::MatrixXd::Identity(p, p) * 1e-4,
                             Eigen::MatrixXd::Identity(N, N) * 1e-4};
-  Kfd<N, 1, p> kfd(design);
-  Fakfd<N, 1, p> fakfd(design, scalar_gamma(plant, 1.05));
-  Vfakfd<N, 1, p> vfakfd(variable_forgetting_design(plant, 1e-8),
-                         {Eigen::VectorXd::Constant(p, 0.25), Eigen::VectorXd::Zero(p)});
-  Vfakfd<N, 1, p> qvff(variable_forgetting_design(plant, kQvffInitialCovariance),
-                       qvff_design(sensor(p)));
-  Stf<N, 1, p> stf(stf_design(plant, sensor(p), kPeriod), sensor(p));
-  Kfd<> dynamic(design);
+  Kfd kfd(design);
+  Fakfd fakfd(design, scalar_gamma(plant, 1.05));
+  Vfakfd vfakfd(variable_forgetting_design(plant, 1e-8),
+                {Eigen::VectorXd::Constant(p, 0.25), Eigen::VectorXd::Zero(p)});
+  Vfakfd qvff(variable_forgetting_design(plant, kQvffInitialCovariance), qvff_design(sensor(p)));
+  Stf stf(stf_design(plant, sensor(p), kPeriod), sensor(p));
   PlainFilter<N, p> plain(design);
   std::printf("%d states, %d output%s\n", N, p, p == 1 ? "" : "s");
   report("textbook's Kalman filter in Eigen", plain, p);
@@ -142,7 +140,6 @@ void report_filters(const StateSpace& continuous) {
   report("VFAKFD", vfakfd, p);
   report("QVFF", qvff, p);
   report("STF", stf, p);
-  report("KFD, sizes known only at run time", dynamic, p);
 }
 
 // The published estimators, in the cases of motor_estimation.

@@ -63,7 +63,7 @@ double filter_s(int samples) {
   const SensorError error{Eigen::VectorXd::Constant(1, 1e-3), Eigen::VectorXd::Zero(1)};
   const ExtendedPlant plant =
       extend_by_disturbance_model(zero_order_hold(damped_inertia(1.0, 0.0), 1e-3), 0, 1e-3);
-  Stf<> stf(stf_design(plant, error, 1e-3), error);
+  Stf stf(stf_design(plant, error, 1e-3), error);
   std::vector<double> estimates(5 * static_cast<std::size_t>(samples));
   const double begin = thread_time_s();
   stf.reset(Eigen::Vector2d(y[0], 0.0));

@@ -14,8 +14,8 @@
 #include <breakwater/control/resonance_ratio.h>
 #include <breakwater/control/state_feedback.h>
 #include <breakwater/observers/idob.h>
+#include <breakwater/observers/kfd.h>
 #include <breakwater/observers/multiple_model_estimator.h>
-#include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/plants/damped_inertia.h>
 
@@ -44,12 +44,13 @@ ExtendedPlant extended(Side side) {
 
 Estimator kfd(Side side) {
   const ExtendedPlant plant = extended(side);
-  return sized_kfd({plant, disturbance_noise(plant, 1e-7), Eigen::MatrixXd::Constant(1, 1, 1e-10),
-                    Eigen::MatrixXd::Identity(5, 5)});
+  return std::make_unique<Kfd>(KalmanDesign{plant, disturbance_noise(plant, 1e-7),
+                                            Eigen::MatrixXd::Constant(1, 1, 1e-10),
+                                            Eigen::MatrixXd::Identity(5, 5)});
 }
 
 Estimator stf(Side side) {
-  return sized_stf(stf_design(extended(side), sensor(1e-5), kPeriod), sensor(1e-5));
+  return std::make_unique<Stf>(stf_design(extended(side), sensor(1e-5), kPeriod), sensor(1e-5));
 }
 
 Estimator qbank(Side side) {

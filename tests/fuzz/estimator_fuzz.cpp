@@ -5,13 +5,16 @@
 #include <stdexcept>
 
 #include <breakwater/observers/eso.h>
+#include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/gsf.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/immkf.h>
+#include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mckf.h>
 #include <breakwater/observers/multiple_model_estimator.h>
-#include <breakwater/observers/sized_filters.h>
+#include <breakwater/observers/stf.h>
 #include <breakwater/observers/vbakf.h>
+#include <breakwater/observers/vfakfd.h>
 #include "fuzz/input.h"
 
 namespace breakwater {
@@ -49,13 +52,14 @@ std::unique_ptr<DisturbanceEstimator> estimator(fuzz::Input& input) {
   design.P0 = positive(input) * Eigen::MatrixXd::Identity(n, n);
   switch (kind) {
     case 3:
-      return sized_kfd(design);
+      return std::make_unique<Kfd>(design);
     case 4:
-      return sized_fakfd(design, Eigen::VectorXd::Constant(n, 1.0 + std::abs(input.number())));
+      return std::make_unique<Fakfd>(design,
+                                     Eigen::VectorXd::Constant(n, 1.0 + std::abs(input.number())));
     case 5:
-      return sized_vfakfd(design, {});
+      return std::make_unique<Vfakfd>(design, VfakfdDesign{});
     case 6:
-      return sized_stf(design, error);
+      return std::make_unique<Stf>(design, error);
     case 7:
       return sized_immkf(design, error, {});
     case 8:

@@ -15,6 +15,7 @@
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/observers/vfakfd.h>
+#include "observers/idle_output.h"
 #include "observers/random_plant.h"
 
 namespace breakwater {
@@ -51,7 +52,7 @@ TEST(Kfd, IsTheTextbookFilter) {
   for (const auto& [n, m, p] : {std::tuple(2, 1, 1), std::tuple(3, 2, 2), std::tuple(4, 1, 2)}) {
     const KalmanDesign design = random_design(random, n, m, p, m == 1 ? 1 : 0);
     const StateSpace& s = design.plant.sampled;
-    Kfd<> filter(design);
+    Kfd filter(design);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(s.states());
     Eigen::MatrixXd P = design.P0;
     for (int k = 0; k < 200; ++k) {
@@ -74,60 +75,47 @@ TEST(Kfd, IsTheTextbookFilter) {
   }
 }
 
-TEST(Kfd, FixedAndDynamicSizesAgree) {
-  Random random(4);
-  const KalmanDesign design = random_design(random, 2, 1, 1, 0);
-  Kfd<> dynamic(design);
-  Kfd<3, 1, 1> fixed(design);
-  for (int k = 0; k < 500; ++k) {
-    const Eigen::VectorXd u = random.vector(1), y = random.vector(1);
-    dynamic.update(u, y);
-    fixed.update(u, y);
-    EXPECT_LT((dynamic.extended_state() - fixed.extended_state()).norm(), 1e-12);
-  }
-  const KalmanDesign more_states = random_design(random, 3, 1, 1, 0);
-  const KalmanDesign more_outputs = random_design(random, 2, 1, 2, 0);
-  EXPECT_THROW((Kfd<3, 1, 1>(more_states)), std::invalid_argument);
-  EXPECT_THROW((Kfd<3, 1, 1>(more_outputs)), std::invalid_argument);
-}
-
-// One output of a fixed size uses a separate recursion. It is compared with the matrices, for the
-// first state as output and for a combination of states.
-TEST(AdaptiveFilters, FixedAndDynamicSizesAgree) {
+// One output has a recursion of its own. It is compared with the matrices, for the first state as
+// output and for a combination of states.
+TEST(AdaptiveFilters, OneOutputEqualsMatrixProducts) {
   Random random(15);
   for (int trial = 0; trial < 10; ++trial) {
     KalmanDesign design = random_design(random, 2, 1, 1, 0);
     if (trial % 2 == 0) design.plant.sampled.C = Eigen::RowVector3d::Unit(0);
+    KalmanDesign two = design;
+    two.plant = testing::with_idle_output(design.plant);
+    two.R = Eigen::Vector2d(design.R(0, 0), 1.0).asDiagonal();
     const Eigen::VectorXd gamma = Eigen::Vector3d(1.0, 1.1, 1.3);
-    VfakfdDesign forgetting{Eigen::VectorXd::Constant(1, 4.0), Eigen::VectorXd::Constant(1, 0.2)};
-    forgetting.lambda_min = 0.6;
-    forgetting.lambda_max = 0.98;
-    const SensorError error{Eigen::VectorXd::Constant(1, 0.4), Eigen::VectorXd::Constant(1, 0.1)};
-    Fakfd<> fakfd(design, gamma);
-    Fakfd<3, 1, 1> fixed_fakfd(design, gamma);
-    Vfakfd<> vfakfd(design, forgetting);
-    Vfakfd<3, 1, 1> fixed_vfakfd(design, forgetting);
-    Stf<> stf(design, error);
-    Stf<3, 1, 1> fixed_stf(design, error);
+    const auto forgetting = [](Eigen::Index p) {
+      return VfakfdDesign{Eigen::VectorXd::Constant(p, 4.0), Eigen::VectorXd::Constant(p, 0.2), 0.6,
+                          0.98};
+    };
+    const auto error = [](Eigen::Index p) {
+      return SensorError{Eigen::VectorXd::Constant(p, 0.4), Eigen::VectorXd::Constant(p, 0.1)};
+    };
+    Fakfd fakfd(design, gamma), fakfd_of_two(two, gamma);
+    Vfakfd vfakfd(design, forgetting(1)), vfakfd_of_two(two, forgetting(2));
+    Stf stf(design, error(1)), stf_of_two(two, error(2));
     double least = 1.0, most = 0.0, inflated = 1.0;  // range of λ
     for (int k = 0; k < 500; ++k) {
       const Eigen::VectorXd u = random.vector(1), y = random.vector(1, k % 50 == 0 ? 30.0 : 1.0);
-      const auto expect_same = [&](auto& dynamic, auto& fixed, const char* name) {
-        dynamic.update(u, y);
-        fixed.update(u, y);
-        EXPECT_LT((dynamic.extended_state() - fixed.extended_state()).norm(),
-                  1e-11 * (1.0 + fixed.extended_state().norm()))
+      const auto expect_same = [&](KalmanEstimator& one, KalmanEstimator& of_two,
+                                   const char* name) {
+        one.update(u, y);
+        of_two.update(u, Eigen::Vector2d(y(0), 0.0));
+        EXPECT_LT((one.extended_state() - of_two.extended_state()).norm(),
+                  1e-11 * (1.0 + one.extended_state().norm()))
             << name << " " << trial << " " << k;
-        EXPECT_LT((dynamic.P() - fixed.P()).norm(), 1e-11 * (1.0 + fixed.P().norm())) << name;
-        EXPECT_NEAR(dynamic.lambda(), fixed.lambda(), 1e-12) << name;
-        EXPECT_EQ(fixed.P(), fixed.P().transpose()) << name;
+        EXPECT_LT((one.P() - of_two.P()).norm(), 1e-11 * (1.0 + one.P().norm())) << name;
+        EXPECT_NEAR(one.lambda(), of_two.lambda(), 1e-12) << name;
+        EXPECT_EQ(one.P(), one.P().transpose()) << name;
       };
-      expect_same(fakfd, fixed_fakfd, "FAKFD");
-      expect_same(vfakfd, fixed_vfakfd, "VFAKFD");
-      expect_same(stf, fixed_stf, "STF");
-      least = std::min(least, fixed_vfakfd.lambda());
-      most = std::max(most, fixed_vfakfd.lambda());
-      inflated = std::min(inflated, fixed_stf.lambda());
+      expect_same(fakfd, fakfd_of_two, "FAKFD");
+      expect_same(vfakfd, vfakfd_of_two, "VFAKFD");
+      expect_same(stf, stf_of_two, "STF");
+      least = std::min(least, vfakfd.lambda());
+      most = std::max(most, vfakfd.lambda());
+      inflated = std::min(inflated, stf.lambda());
     }
     EXPECT_NEAR(least, 0.6, 1e-12);
     EXPECT_NEAR(most, 0.98, 1e-12);
@@ -144,11 +132,11 @@ TEST(AdaptiveFilters, WithoutForgettingEqualTheKalmanFilter) {
     KalmanDesign unit = design;
     unit.R.setIdentity(p, p);
     const SensorError coarse{Eigen::VectorXd::Constant(p, 1e300), Eigen::VectorXd::Zero(p)};
-    Kfd<> plain(design), plain_unit(unit);
-    Fakfd<> scalar(design, scalar_gamma(design.plant, 1.0));
-    Fakfd<> diagonal(design, diagonal_gamma(design.plant, 1.0));
-    Vfakfd<> variable(design, never_forgets(p));
-    Stf<> gated(design, coarse);
+    Kfd plain(design), plain_unit(unit);
+    Fakfd scalar(design, scalar_gamma(design.plant, 1.0));
+    Fakfd diagonal(design, diagonal_gamma(design.plant, 1.0));
+    Vfakfd variable(design, never_forgets(p));
+    Stf gated(design, coarse);
     for (int k = 0; k < 300; ++k) {
       const Eigen::VectorXd u = random.vector(1), y = random.vector(p);
       for (DisturbanceEstimator* filter : std::initializer_list<DisturbanceEstimator*>{
@@ -159,8 +147,9 @@ TEST(AdaptiveFilters, WithoutForgettingEqualTheKalmanFilter) {
       EXPECT_LT((scalar.extended_state() - plain.extended_state()).norm(), 1e-12 * scale);
       EXPECT_LT((diagonal.extended_state() - plain.extended_state()).norm(), 1e-12 * scale);
       EXPECT_LT((gated.extended_state() - plain.extended_state()).norm(), 1e-12 * scale);
+      // With one output, the VFAKFD rounds differently: it divides once.
       EXPECT_LT((variable.extended_state() - plain_unit.extended_state()).norm(),
-                1e-12 * (1.0 + plain_unit.extended_state().norm()));
+                (p == 1 ? 1e-11 : 1e-12) * (1.0 + plain_unit.extended_state().norm()));
       EXPECT_LT((gated.P() - plain.P()).norm(), 1e-12 * plain.P().norm());
       EXPECT_LT((variable.P() - plain_unit.P()).norm(), 1e-12 * plain_unit.P().norm());
     }
@@ -170,10 +159,10 @@ TEST(AdaptiveFilters, WithoutForgettingEqualTheKalmanFilter) {
 TEST(Fakfd, HasTheSymmetricFormAndForScalarsEquation418) {
   Random random(6);
   const KalmanDesign design = random_design(random, 2, 1, 1, 1);
-  Kfd<> one_step(design);
+  Kfd one_step(design);
   for (const Eigen::VectorXd& gamma :
        {scalar_gamma(design.plant, 1.25), diagonal_gamma(design.plant, 1.25)}) {
-    Fakfd<> filter(design, gamma);
+    Fakfd filter(design, gamma);
     const Eigen::VectorXd u = random.vector(1), y = random.vector(1);
     one_step.reset(Eigen::Vector2d::Zero());
     one_step.update(u, y);
@@ -185,9 +174,9 @@ TEST(Fakfd, HasTheSymmetricFormAndForScalarsEquation418) {
   EXPECT_EQ(diagonal_gamma(design.plant, 1.25).head(2), Eigen::Vector2d::Ones());
   EXPECT_EQ(diagonal_gamma(design.plant, 1.25).tail(2), Eigen::Vector2d::Constant(1.25));
   for (const double gamma : {0.9, 1.1e6, std::nan("")}) {
-    EXPECT_THROW(Fakfd<>(design, scalar_gamma(design.plant, gamma)), std::invalid_argument);
+    EXPECT_THROW(Fakfd(design, scalar_gamma(design.plant, gamma)), std::invalid_argument);
   }
-  EXPECT_THROW(Fakfd<>(design, Eigen::VectorXd::Ones(3)), std::invalid_argument);
+  EXPECT_THROW(Fakfd(design, Eigen::VectorXd::Ones(3)), std::invalid_argument);
 }
 
 TEST(AsymmetricFakfd, IsEquation45AsPrintedAndItsLeftForm) {
@@ -228,7 +217,7 @@ TEST(Vfakfd, LambdaFollowsEquation420) {
   Random random(7);
   KalmanDesign design = random_design(random, 2, 1, 1, 0);
   const double alpha = 0.3;
-  Vfakfd<> filter(design, {Eigen::VectorXd::Constant(1, alpha), Eigen::VectorXd::Zero(1)});
+  Vfakfd filter(design, {Eigen::VectorXd::Constant(1, alpha), Eigen::VectorXd::Zero(1)});
   bool wide = false, narrow = false, between = false;
   for (int k = 0; k < 300; ++k) {
     const Eigen::MatrixXd P = filter.P();
@@ -259,13 +248,13 @@ TEST(Vfakfd, RefusesNonsense) {
   Random random(8);
   const KalmanDesign design = random_design(random, 2, 1, 1, 0);
   const Eigen::VectorXd one = Eigen::VectorXd::Ones(1), zero = Eigen::VectorXd::Zero(1);
-  EXPECT_THROW(Vfakfd<>(design, {zero, zero, 0.8, 1.0}), std::invalid_argument);
-  EXPECT_THROW(Vfakfd<>(design, {one, -one, 0.8, 1.0}), std::invalid_argument);
-  EXPECT_THROW(Vfakfd<>(design, {one, zero, 0.0, 1.0}), std::invalid_argument);
-  EXPECT_THROW(Vfakfd<>(design, {one, zero, 0.9, 0.8}), std::invalid_argument);
-  EXPECT_THROW(Vfakfd<>(design, {one, zero, 0.8, 1.1}), std::invalid_argument);
-  EXPECT_THROW(Vfakfd<>(design, {one * std::nan(""), zero, 0.8, 1.0}), std::invalid_argument);
-  EXPECT_THROW(Vfakfd<>(design, {Eigen::VectorXd::Ones(2), zero, 0.8, 1.0}), std::invalid_argument);
+  EXPECT_THROW(Vfakfd(design, {zero, zero, 0.8, 1.0}), std::invalid_argument);
+  EXPECT_THROW(Vfakfd(design, {one, -one, 0.8, 1.0}), std::invalid_argument);
+  EXPECT_THROW(Vfakfd(design, {one, zero, 0.0, 1.0}), std::invalid_argument);
+  EXPECT_THROW(Vfakfd(design, {one, zero, 0.9, 0.8}), std::invalid_argument);
+  EXPECT_THROW(Vfakfd(design, {one, zero, 0.8, 1.1}), std::invalid_argument);
+  EXPECT_THROW(Vfakfd(design, {one * std::nan(""), zero, 0.8, 1.0}), std::invalid_argument);
+  EXPECT_THROW(Vfakfd(design, {Eigen::VectorXd::Ones(2), zero, 0.8, 1.0}), std::invalid_argument);
 }
 
 TEST(Qvff, IgnoresInnovationsWithinTheSensorErrorOnly) {
@@ -276,7 +265,7 @@ TEST(Qvff, IgnoresInnovationsWithinTheSensorErrorOnly) {
                                   0, 0.01);
   const double quantum = 0.02;
   const SensorError error{Eigen::VectorXd::Constant(1, quantum), Eigen::VectorXd::Zero(1)};
-  Vfakfd<> filter(variable_forgetting_design(plant, kQvffInitialCovariance), qvff_design(error));
+  Vfakfd filter(variable_forgetting_design(plant, kQvffInitialCovariance), qvff_design(error));
   const Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
   for (int k = 0; k < 50; ++k) {
     filter.update(u, Eigen::VectorXd::Constant(1, k % 2 == 0 ? 0.49 * quantum : -0.49 * quantum));
@@ -298,7 +287,7 @@ TEST(Stf, InflatesToHalfAStandardDeviation) {
   const SensorError error{Eigen::VectorXd::Constant(1, quantum), Eigen::VectorXd::Zero(1)};
   const KalmanDesign design = stf_design(plant, error, T);
   EXPECT_NEAR(design.R(0, 0), quantum * quantum / 12.0, 1e-18);
-  Stf<> filter(design, error);
+  Stf filter(design, error);
   const Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
   for (int k = 0; k < 20; ++k) filter.update(u, Eigen::VectorXd::Zero(1));
   EXPECT_EQ(filter.lambda(), 1.0);
@@ -320,13 +309,13 @@ std::vector<std::unique_ptr<DisturbanceEstimator>> one_of_each(const KalmanDesig
   KalmanDesign quiet = design;
   quiet.Q.setZero();
   std::vector<std::unique_ptr<DisturbanceEstimator>> filters;
-  filters.push_back(std::make_unique<Kfd<>>(design));
-  filters.push_back(std::make_unique<Fakfd<>>(design, scalar_gamma(design.plant, 1.05)));
-  filters.push_back(std::make_unique<Fakfd<>>(design, diagonal_gamma(design.plant, 1.05)));
-  filters.push_back(std::make_unique<Vfakfd<>>(
+  filters.push_back(std::make_unique<Kfd>(design));
+  filters.push_back(std::make_unique<Fakfd>(design, scalar_gamma(design.plant, 1.05)));
+  filters.push_back(std::make_unique<Fakfd>(design, diagonal_gamma(design.plant, 1.05)));
+  filters.push_back(std::make_unique<Vfakfd>(
       quiet, VfakfdDesign{Eigen::VectorXd::Constant(p, alpha), Eigen::VectorXd::Zero(p)}));
-  filters.push_back(std::make_unique<Vfakfd<>>(quiet, qvff_design(error)));
-  filters.push_back(std::make_unique<Stf<>>(quiet, error));
+  filters.push_back(std::make_unique<Vfakfd>(quiet, qvff_design(error)));
+  filters.push_back(std::make_unique<Stf>(quiet, error));
   return filters;
 }
 
@@ -342,12 +331,12 @@ TEST(KalmanEstimators, CovarianceStaysPositiveDefiniteForAMillionSamples) {
   const double quantum = 1e-2;
   const SensorError error{Eigen::VectorXd::Constant(1, quantum), Eigen::VectorXd::Zero(1)};
   const VfakfdDesign vff{Eigen::VectorXd::Constant(1, quantum), Eigen::VectorXd::Zero(1)};
-  Kfd<3, 1, 1> kfd(design);
-  Fakfd<3, 1, 1> scalar(variable_forgetting_design(plant, 1e-8), scalar_gamma(plant, 1 / 0.95));
-  Fakfd<3, 1, 1> diagonal(design, diagonal_gamma(plant, 1.2));
-  Vfakfd<3, 1, 1> vfakfd(variable_forgetting_design(plant, 1e-8), vff);
-  Vfakfd<3, 1, 1> qvff(variable_forgetting_design(plant, 1e-4), qvff_design(error));
-  Stf<3, 1, 1> stf(stf_design(plant, error, T), error);
+  Kfd kfd(design);
+  Fakfd scalar(variable_forgetting_design(plant, 1e-8), scalar_gamma(plant, 1 / 0.95));
+  Fakfd diagonal(design, diagonal_gamma(plant, 1.2));
+  Vfakfd vfakfd(variable_forgetting_design(plant, 1e-8), vff);
+  Vfakfd qvff(variable_forgetting_design(plant, 1e-4), qvff_design(error));
+  Stf stf(stf_design(plant, error, T), error);
   Random random(9);
   const auto expect_covariance = [](const Eigen::Matrix3d& P, int k, const char* name) {
     ASSERT_EQ(P, P.transpose()) << name << " " << k;
@@ -386,15 +375,15 @@ TEST(KalmanEstimators, CovarianceOfRandomPlantsStaysPositiveDefinite) {
     const Eigen::Index n = design.plant.states();
     design.Q = 1e-4 * Eigen::MatrixXd::Identity(n, n);
     const SensorError error{Eigen::VectorXd::Constant(p, 0.2), Eigen::VectorXd::Zero(p)};
-    std::vector<std::unique_ptr<KalmanEstimator<>>> filters;
-    filters.push_back(std::make_unique<Kfd<>>(design));
-    filters.push_back(std::make_unique<Fakfd<>>(design, scalar_gamma(design.plant, 1.05)));
-    filters.push_back(std::make_unique<Fakfd<>>(design, diagonal_gamma(design.plant, 1.05)));
-    filters.push_back(std::make_unique<Vfakfd<>>(
+    std::vector<std::unique_ptr<KalmanEstimator>> filters;
+    filters.push_back(std::make_unique<Kfd>(design));
+    filters.push_back(std::make_unique<Fakfd>(design, scalar_gamma(design.plant, 1.05)));
+    filters.push_back(std::make_unique<Fakfd>(design, diagonal_gamma(design.plant, 1.05)));
+    filters.push_back(std::make_unique<Vfakfd>(
         design, VfakfdDesign{Eigen::VectorXd::Constant(p, 0.05), Eigen::VectorXd::Zero(p)}));
-    filters.push_back(std::make_unique<Vfakfd<>>(design, qvff_design(error)));
+    filters.push_back(std::make_unique<Vfakfd>(design, qvff_design(error)));
     // With order 2 it winds up, as its docstring says.
-    if (order < 2) filters.push_back(std::make_unique<Stf<>>(design, error));
+    if (order < 2) filters.push_back(std::make_unique<Stf>(design, error));
     const StateSpace plant{design.plant.sampled.A.topLeftCorner(2, 2),
                            design.plant.sampled.B.topRows(2), design.plant.sampled.C.leftCols(2)};
     Eigen::VectorXd x = Eigen::VectorXd::Zero(2);

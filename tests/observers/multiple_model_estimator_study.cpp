@@ -105,12 +105,12 @@ class Row {
     const Eigen::MatrixXd P0 = Eigen::MatrixXd::Identity(3, 3);
     const ExtendedPlant model = extended();
     for (double ratio = 1.0; ratio < 1e15; ratio *= 10.0) {
-      Kfd<3, 1, 1> dkf({model, disturbance_noise(model, ratio), one, P0});
+      Kfd dkf({model, disturbance_noise(model, ratio), one, P0});
       take("DKF", dkf);
     }
     for (const double forgotten : {1e-4, 3e-4, 1e-3, 3e-3, .01, .03, .1, .2, .3}) {
-      Fakfd<3, 1, 1> fakfd({model, input_noise(model, 0.0), one, P0},
-                           scalar_gamma(model, 1.0 / (1.0 - forgotten)));
+      Fakfd fakfd({model, input_noise(model, 0.0), one, P0},
+                  scalar_gamma(model, 1.0 / (1.0 - forgotten)));
       take("FAKFD", fakfd);
     }
     return best;
@@ -139,10 +139,10 @@ Result compare(double period_s, const Behind& behind, const Acting& acting,
   variable.alpha = Eigen::VectorXd::Constant(
       1, behind.noise_std > 0.0 ? 100.0 : vfakfd_alpha(behind.pulses, period_s));
   variable.dead_zone = Eigen::VectorXd::Zero(1);
-  Vfakfd<3, 1, 1> vfakfd(variable_forgetting_design(row.extended(), 1e-8), variable);
-  Vfakfd<3, 1, 1> qvff(variable_forgetting_design(row.extended(), kQvffInitialCovariance),
-                       qvff_design(row.sensor()));
-  Stf<3, 1, 1> stf(stf_design(row.extended(), row.sensor(), period_s), row.sensor());
+  Vfakfd vfakfd(variable_forgetting_design(row.extended(), 1e-8), variable);
+  Vfakfd qvff(variable_forgetting_design(row.extended(), kQvffInitialCovariance),
+              qvff_design(row.sensor()));
+  Stf stf(stf_design(row.extended(), row.sensor(), period_s), row.sensor());
   return {row.error(bank), row.best_rival(), row.error(vfakfd), row.error(qvff), row.error(stf)};
 }
 

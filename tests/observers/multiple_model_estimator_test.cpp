@@ -163,9 +163,9 @@ TEST(MultipleModelEstimator, ItsConstantModelEqualsTheKalmanFilter) {
   const ExtendedPlant plant =
       extend_by_disturbance_model(zero_order_hold(damped_inertia(1.0, 0.0), kPeriod), 0, kPeriod);
   const double variance = kNoise * kNoise;
-  Kfd<> plain({plant, Eigen::MatrixXd::Zero(3, 3),
-               (variance + 4e-20) * Eigen::MatrixXd::Identity(1, 1),
-               variance * Eigen::MatrixXd::Identity(3, 3)});
+  Kfd plain({plant, Eigen::MatrixXd::Zero(3, 3),
+             (variance + 4e-20) * Eigen::MatrixXd::Identity(1, 1),
+             variance * Eigen::MatrixXd::Identity(3, 3)});
   testing::Random random(5);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = u;
   for (int k = 0; k < 500; ++k) {

@@ -105,7 +105,7 @@ TEST(PublishedEstimators, EqualTheKalmanFilterInTheirLimits) {
   }
   for (const Row& row : rows) {
     SCOPED_TRACE(row.name);
-    Kfd<3, 1, 1> kalman(row.kalman);
+    Kfd kalman(row.kalman);
     expect_same(*row.estimator, kalman, row.tolerance);
   }
 }
@@ -354,13 +354,13 @@ TEST(PublishedEstimators, ShortenTheErrorAfterAJumpOnThePlantOfTheirPaper) {
                               Eigen::Vector3d(1e-4, 1e-4, 1e-2).asDiagonal(),
                               Eigen::MatrixXd::Constant(1, 1, 1e-4), Eigen::Matrix3d::Identity()};
   const SensorError noisy = sensor(0.0, 0.01);
-  Kfd<3, 1, 1> kalman(of_paper);
+  Kfd kalman(of_paper);
   const PulseErrors plain = of_the_paper(kalman);
   const PulseErrors imm = of_the_paper(*sized_immkf(of_paper, noisy, {std::exp(4.0), 0.98, 0.5}));
   const PulseErrors correntropy = of_the_paper(*sized_mckf(of_paper, noisy, {.kernel_width = 1.5}));
   KalmanDesign busy = of_paper;
   busy.Q(2, 2) *= std::exp(4.0);
-  Kfd<3, 1, 1> wide(busy);
+  Kfd wide(busy);
   const PulseErrors fast = of_the_paper(wide);
   for (const PulseErrors& errors : {imm, correntropy}) {
     EXPECT_LT(errors.pulse, 0.85 * plain.pulse);

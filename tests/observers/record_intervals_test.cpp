@@ -120,7 +120,7 @@ TEST(KalmanEstimators, PredictOverAGapAsOverSingleSamples) {
   const Eigen::Index N = plant.states();
   const KalmanDesign design{plant, uniform_noise(plant, 1e-3), Eigen::MatrixXd::Identity(1, 1),
                             Eigen::MatrixXd::Identity(N, N)};
-  Kfd<> filter(design);
+  Kfd filter(design);
   const Eigen::VectorXd u = Eigen::VectorXd::Constant(1, 0.7);
   Eigen::VectorXd y = Eigen::VectorXd::Constant(1, 0.2);
   filter.reset(Eigen::Vector2d(0.1, 0.3));
@@ -155,9 +155,9 @@ TEST(KalmanEstimators, PredictOverAGapAsOverSingleSamples) {
   }
 
   // A reset brings back the period of the design.
-  Kfd<> fresh(design);
+  Kfd fresh(design);
   filter.follow({.length_s = kMissed * T});
-  for (Kfd<>* one : {&filter, &fresh}) {
+  for (Kfd* one : {&filter, &fresh}) {
     one->reset(Eigen::Vector2d(0.1, 0.3));
     for (int k = 0; k < 3; ++k) one->update(u, y);
   }
@@ -165,7 +165,7 @@ TEST(KalmanEstimators, PredictOverAGapAsOverSingleSamples) {
 
   KalmanDesign without = design;
   without.plant.continuous.reset();
-  Kfd<> sampled(without);
+  Kfd sampled(without);
   EXPECT_FALSE(sampled.follow({})) << "its plant in continuous time is not known";
 }
 

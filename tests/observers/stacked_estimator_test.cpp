@@ -33,10 +33,10 @@ KalmanDesign walk(double inertia) {
 
 std::unique_ptr<DisturbanceEstimator> estimator(int kind, double inertia) {
   const StateSpace plant = damped_inertia(inertia, 0.0);
-  if (kind == 0) return std::make_unique<Kfd<>>(walk(inertia));
+  if (kind == 0) return std::make_unique<Kfd>(walk(inertia));
   if (kind == 1) {
     const ExtendedPlant extended = sample_with_disturbance_model(plant, 0, kPeriod);
-    return std::make_unique<Stf<>>(stf_design(extended, encoder(), kPeriod), encoder());
+    return std::make_unique<Stf>(stf_design(extended, encoder(), kPeriod), encoder());
   }
   return std::make_unique<MultipleModelEstimator>(
       MultipleModelDesign{plant, kPeriod, encoder(), 50.0 * inertia});
@@ -116,7 +116,7 @@ TEST(StackedEstimator, WithIdobsEqualsTheIdobOfAllJoints) {
 // the arm's scenario files.
 TEST(Kfd, ForARandomWalkConvergesToButterworthPoles) {
   for (const double inertia : kInertia) {
-    Kfd<> kfd(walk(inertia));
+    Kfd kfd(walk(inertia));
     for (int k = 0; k < 3000; ++k) kfd.update(Eigen::VectorXd::Zero(1), Eigen::VectorXd::Zero(1));
     Eigen::MatrixXd F(3, 3);
     kfd.pole_matrix(F);

@@ -31,7 +31,7 @@ TEST(KalmanEstimators, ConvergeToTheSolutionOfTheRiccatiEquation) {
     for (const Eigen::VectorXd& gamma :
          {scalar_gamma(design.plant, 1.0), scalar_gamma(design.plant, 1.05),
           diagonal_gamma(design.plant, 1.1)}) {
-      Fakfd<> filter(design, gamma);
+      Fakfd filter(design, gamma);
       for (int k = 0; k < 5000; ++k) {
         filter.update(Eigen::VectorXd::Zero(1), Eigen::VectorXd::Zero(p));
       }

@@ -8,11 +8,11 @@
 #include <breakwater/observers/gsf.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/immkf.h>
+#include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mckf.h>
 #include <breakwater/observers/mdob.h>
 #include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/qvff.h>
-#include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/observers/vbakf.h>
@@ -252,10 +252,11 @@ TEST(Allocation, EstimatorsDoNotAllocateWithVariableIntervals) {
   const ExtendedPlant plant = sample_with_disturbance_model(motor, 1, T);
   const KalmanDesign design = stf_design(plant, sensor, T);
   std::vector<std::unique_ptr<DisturbanceEstimator>> estimators;
-  estimators.push_back(sized_stf(design, sensor));
-  estimators.push_back(sized_kfd(design));
-  estimators.push_back(sized_fakfd(design, scalar_gamma(plant, 1.02)));
-  estimators.push_back(sized_vfakfd(variable_forgetting_design(plant, 1e-6), qvff_design(sensor)));
+  estimators.push_back(std::make_unique<Stf>(design, sensor));
+  estimators.push_back(std::make_unique<Kfd>(design));
+  estimators.push_back(std::make_unique<Fakfd>(design, scalar_gamma(plant, 1.02)));
+  estimators.push_back(
+      std::make_unique<Vfakfd>(variable_forgetting_design(plant, 1e-6), qvff_design(sensor)));
   estimators.push_back(std::make_unique<Idob>(motor, std::vector<PoleGroup>{{-10, -20, -30}}, T));
   estimators.push_back(
       std::make_unique<StateObserver>(motor, std::vector<PoleGroup>{{{-10, 5}, {-10, -5}}}, T));

@@ -128,11 +128,7 @@ std::vector<std::string> any_sets(testing::Random& random, const std::string& na
 
 // P of a Kalman filter; empty for the others.
 Eigen::MatrixXd covariance_of(const DisturbanceEstimator& estimator) {
-  if (const auto* one = dynamic_cast<const KalmanEstimator<3, 1, 1>*>(&estimator)) return one->P();
-  if (const auto* one = dynamic_cast<const KalmanEstimator<4, 1, 1>*>(&estimator)) return one->P();
-  if (const auto* one = dynamic_cast<const KalmanEstimator<5, 1, 1>*>(&estimator)) return one->P();
-  if (const auto* one = dynamic_cast<const KalmanEstimator<6, 1, 1>*>(&estimator)) return one->P();
-  if (const auto* one = dynamic_cast<const KalmanEstimator<>*>(&estimator)) return one->P();
+  if (const auto* one = dynamic_cast<const KalmanEstimator*>(&estimator)) return one->P();
   return {};
 }
 
