@@ -72,7 +72,7 @@ class Canvas {
   std::string png() const;
 
  private:
-  struct Drawing;  // of Cairo, which is loaded for the first canvas
+  struct Drawing;  // Cairo draws with it. The first canvas loads Cairo.
 
   void use_font(double size, bool bold);
   void set(const Colour& colour);

@@ -9,6 +9,14 @@
 #include <breakwater/shell/own_library.h>
 
 namespace breakwater {
+namespace {
+
+struct NoEngines : std::invalid_argument {
+  explicit NoEngines(const std::string& reason)
+      : std::invalid_argument("searches need pagmo and NLopt: " + reason) {}
+};
+
+}  // namespace
 
 const Names<SearchAlgorithm>& search_algorithms() {
   static const Names<SearchAlgorithm> names = {{"nsga2", SearchAlgorithm::nsga2},
@@ -78,7 +86,7 @@ void search(const SearchSettings& settings, const EvaluateAll& evaluate) {
 
 const SearchEngines& search_engines() {
   static const LoadedLibrary library(own_library(BREAKWATER_SEARCH_ENGINES), "breakwater");
-  return *library.symbol<std::invalid_argument, const SearchEngines>("breakwater_search_engines");
+  return *library.symbol<NoEngines, const SearchEngines>("breakwater_search_engines");
 }
 
 }  // namespace breakwater
