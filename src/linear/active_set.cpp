@@ -12,9 +12,9 @@
 namespace breakwater {
 namespace {
 
-constexpr double kDoubtfulViolation = 1e-6;  // below: may be rounding of the active rows,
-constexpr double kActiveShare = 1e-3;        // if their error is at least this share of it
-constexpr double kWrongSign = 1e-11;  // multiplier with the wrong sign, relative to max(1, ‖g‖∞)
+// The scales are those of kkt_residual().
+constexpr double kActiveShare = 1e-3;   // share of a violation
+constexpr double kWrongSign = 1e-11;    // multiplier with the wrong sign, relative to g
 constexpr double kRefineAbove = 1e-10;  // KKT residual
 constexpr int kMostRefinements = 3;
 // Share of a row's squared length, in the metric of H⁻¹, that is orthogonal to the working set:
@@ -24,6 +24,16 @@ constexpr Eigen::Index kLongHorizon = 24;  // from this number of variables on, 
 
 bool is_finite(const Eigen::VectorXd& x) {
   return (x.array() - x.array()).sum() == 0.0;  // ∞ − ∞ and every sum with NaN are NaN
+}
+
+// The largest |a_i b_i|.
+double largest_product(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return a.cwiseProduct(b).lpNorm<Eigen::Infinity>();
+}
+
+// a/b, where no error is no share of nothing.
+double share_of(double a, double b) {
+  return a > 0.0 ? a / b : 0.0;
 }
 
 }  // namespace
@@ -85,8 +95,8 @@ ActiveSetQp::ActiveSetQp(const QpModel& model, int max_changes)
   active_.reserve(static_cast<std::size_t>(m));
   previous_.reserve(static_cast<std::size_t>(m));
   softness_.setZero(m);
-  weight_.setZero(m);
-  for (Eigen::Index i = 0; i < m; ++i) weigh(i);
+  size_ = share_ = free_weight_ = weight_ = softness_;
+  weigh_all();
   if (factors_.model.horizon && n >= kLongHorizon) {
     sweeps_ = make_horizon_sweeps(*factors_.model.horizon);
   }
@@ -99,6 +109,7 @@ ActiveSetQp::ActiveSetQp(const QpModel& model, int max_changes)
 
 void ActiveSetQp::derive() {
   length_ = factors_.gram.diagonal();
+  inverse_root_ = factors_.root.cwiseInverse();
   largest_row_ = 0.0;
   for (Eigen::Index i = 0; i < factors_.rows(); ++i) {
     largest_row_ = std::max(largest_row_, factors_.model.Omega.row(i).cwiseAbs().sum());
@@ -119,15 +130,21 @@ void ActiveSetQp::set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor
   refactor();
 }
 
-// The weight of a violation. A row of zeros has the largest weight, because no z satisfies it.
-void ActiveSetQp::weigh(Eigen::Index row) {
+// The sizes of the rows and the weights of their violations. A row of zeros has a share that makes
+// every violation large, because no z satisfies it.
+void ActiveSetQp::weigh_all() {
   constexpr double kOfNothing = 1e150;
-  const double length = length_(row) + softness(row);
-  weight_(row) = length > 0.0 ? 1.0 / std::sqrt(length) : kOfNothing;
+  for (Eigen::Index i = 0; i < size_.size(); ++i) {
+    const double length = length_(i) + softness(i);
+    size_(i) = std::max(factors_.size(i), std::sqrt(softness(i)));
+    share_(i) = size_(i) > 0.0 ? 1.0 / size_(i) : kOfNothing;
+    free_weight_(i) = length > 0.0 ? size_(i) / std::sqrt(length) : 1.0;
+  }
+  weight_ = free_weight_;
 }
 
 void ActiveSetQp::reset() {
-  for (const Active& row : active_) weigh(row.row);
+  for (const Active& row : active_) weight_(row.row) = free_weight_(row.row);
   active_.clear();
   factor_.clear();
 }
@@ -168,14 +185,14 @@ void ActiveSetQp::solve(const QpInput& input, QpSolution& solution) {
 
 // Like QpFactors::examine(), which only runs if this finds a possible error.
 QpStatus ActiveSetQp::examine(const QpInput& input) {
-  g_norm_ = input.g.lpNorm<Eigen::Infinity>();
+  slope_ = largest_product(input.g, inverse_root_);
   is_softness_known_ =
       softness_.size() == 0 ||
       std::memcmp(softness_.data(), input.softness.data(),
                   static_cast<std::size_t>(softness_.size()) * sizeof(double)) == 0;
-  if (is_softness_known_ && is_finite(input.g) && are_bounds(input.lower, input.upper)) {
-    return QpStatus::solved;
-  }
+  bound_ = largest_bound(input.lower, input.upper, share_);
+  if (is_softness_known_ && is_finite(input.g) && bound_ >= 0.0) return QpStatus::solved;
+  bound_ = bound_scale(factors_.model, input);
   return QpFactors::examine(input);
 }
 
@@ -214,7 +231,7 @@ void ActiveSetQp::refactor() {
     const double pivot = pivot_towards(row.row);
     if (pivot > 0.0) add(row.row, row.side, pivot);
   }
-  for (Eigen::Index i = 0; i < softness_.size(); ++i) weigh(i);
+  weigh_all();
   for (const Active& row : active_) weight_(row.row) = 0.0;
 }
 
@@ -223,10 +240,10 @@ QpStatus ActiveSetQp::search(const QpInput& input, QpSolution& solution) {
   for (;;) {
     place(input, solution);
     Violation violation = worst_violation(input);
-    if (violation.row >= 0 && violation.amount < kDoubtfulViolation &&
-        active_error(input) > kActiveShare * violation.amount) {
-      hold_bounds(input);
-      place(input, solution);
+    // The violation may be an error of the active rows.
+    if (violation.row >= 0 &&
+        active_error(input) > kActiveShare * share_(violation.row) * violation.amount) {
+      hold_bounds(input, solution);
       violation = worst_violation(input);
     }
     if (violation.row < 0) return QpStatus::solved;
@@ -240,7 +257,7 @@ QpStatus ActiveSetQp::search(const QpInput& input, QpSolution& solution) {
 
 // Solves S μ = Ω_W z_free − β_W, and removes rows while a multiplier has the wrong sign.
 void ActiveSetQp::make_dual_feasible(const QpInput& input) {
-  const double wrong = kWrongSign * std::max(1.0, g_norm_);
+  const double wrong = kWrongSign * slope_;
   if (small_ != nullptr) {
     small_->dots(row_data(0), active_, z_free_.data(), target_.data());
   } else if (active_count() > 0) {
@@ -253,10 +270,10 @@ void ActiveSetQp::make_dual_feasible(const QpInput& input) {
     for (Eigen::Index j = 0; j < k; ++j) mu_(j) = target_(j);
     factor_.solve(mu_.data());
     Eigen::Index worst = -1;
-    double most = wrong;
+    double most = 0.0;
     for (Eigen::Index j = 0; j < k; ++j) {
       const double against = -active(j).side * mu_(j);
-      if (against > most) {
+      if (against > most && size_(active(j).row) * against > wrong) {
         most = against;
         worst = j;
       }
@@ -269,23 +286,28 @@ void ActiveSetQp::make_dual_feasible(const QpInput& input) {
 
 // Computes z and the rows' values from the multipliers.
 void ActiveSetQp::place(const QpInput& input, QpSolution& solution) {
-  if (small_ != nullptr) {
-    small_->move(z_free_.data(), factors_.step.data(), active_, mu_.data(), solution.z.data());
-  } else {
-    solution.z = z_free_;
-    for (Eigen::Index j = 0; j < active_count(); ++j) {
-      solution.z -= mu_(j) * factors_.step.col(active(j).row);
-    }
-  }
+  move(z_free_, mu_, solution.z);
   scan(input, solution);
+}
+
+// z = from − H⁻¹ Ω_Wᵀ mu.
+void ActiveSetQp::move(const Eigen::VectorXd& from, const Eigen::VectorXd& mu,
+                       Eigen::VectorXd& z) const {
+  if (small_ != nullptr) {
+    small_->move(from.data(), factors_.step.data(), active_, mu.data(), z.data());
+    return;
+  }
+  z = from;
+  for (Eigen::Index j = 0; j < active_count(); ++j) z -= mu(j) * factors_.step.col(active(j).row);
 }
 
 void ActiveSetQp::scan(const QpInput& input, const QpSolution& solution) {
   if (small_ == nullptr) rows_of(solution.z, values_);
+  reach_ = std::min(largest_product(solution.z, factors_.root), bound_);
   const auto scan = small_ != nullptr ? small_->scan : scan_rows<-1>;
   scan_ = scan(factors_.columns.data(), factors_.columns.outerStride(), solution.z.data(),
-               values_.size(), input.lower.data(), input.upper.data(), weight_.data(), kQpViolation,
-               values_.data(), scores_.data());
+               values_.size(), input.lower.data(), input.upper.data(), share_.data(),
+               weight_.data(), tolerance(), values_.data(), scores_.data());
 }
 
 // y = M x.
@@ -316,12 +338,12 @@ ActiveSetQp::Violation ActiveSetQp::worst_violation(const QpInput& input) const 
   return {row, std::max(above, below), above > below};
 }
 
-// The largest error of an active row at its bound.
+// The largest error of an active row at its bound, relative to its size.
 double ActiveSetQp::active_error(const QpInput& input) const {
   double error = 0.0;
   for (Eigen::Index j = 0; j < active_count(); ++j) {
     const double value = values_(active(j).row) - softness(active(j).row) * mu_(j);
-    error = std::max(error, std::abs(value - bound(input, active(j))));
+    error = std::max(error, share_(active(j).row) * std::abs(value - bound(input, active(j))));
   }
   return error;
 }
@@ -424,7 +446,7 @@ void ActiveSetQp::finish(const QpInput& input, QpSolution& solution) {
   if (solution.status != QpStatus::solved) return;
   // Refinement does not change the violation of inactive rows.
   for (int i = 0; i < kMostRefinements && solution.kkt_residual > kRefineAbove &&
-                  (is_tilted_ || active_error(input) > kRefineAbove);
+                  (is_tilted_ || active_error(input) > kRefineAbove * zeta_);
        ++i) {
     refine(input, solution);
     measure(input, solution);
@@ -436,22 +458,24 @@ void ActiveSetQp::finish(const QpInput& input, QpSolution& solution) {
 void ActiveSetQp::measure(const QpInput& input, QpSolution& solution) {
   set_multipliers(solution);
   set_gradient(input, solution);
-  double scale = std::max(1.0, g_norm_);
+  double gamma = slope_;
   double slack = 0.0;  // the largest product with a multiplier
   for (Eigen::Index j = 0; j < active_count(); ++j) {
     const double mu = solution.mu(active(j).row);
-    scale = std::max(scale, std::abs(mu));
+    gamma = std::max(gamma, size_(active(j).row) * std::abs(mu));
     slack = std::max(slack, std::abs(mu * (values_(active(j).row) - bound(input, active(j)))));
   }
+  zeta_ = std::max(reach_, kQpGradientShare * gamma);
   const double largest_value = largest_row_ * solution.z.lpNorm<Eigen::Infinity>();
   if (has_soft_ || !is_finite(gradient_) || !(largest_value < kNoBound)) {
     solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, room_);
     is_tilted_ = true;
     return;
   }
-  const double tilt = std::max(gradient_.lpNorm<Eigen::Infinity>(), slack) / scale;
+  const double tilt = std::max(share_of(largest_product(gradient_, inverse_root_), gamma),
+                               share_of(share_of(slack, gamma), zeta_));
   is_tilted_ = tilt > kRefineAbove;
-  solution.kkt_residual = std::max(tilt, scan_.violation);
+  solution.kkt_residual = std::max(tilt, share_of(scan_.violation, zeta_));
 }
 
 void ActiveSetQp::set_multipliers(QpSolution& solution) const {
@@ -478,24 +502,27 @@ void ActiveSetQp::set_gradient(const QpInput& input, const QpSolution& solution)
   }
 }
 
-// Corrects the multipliers by the errors of the active rows.
-void ActiveSetQp::hold_bounds(const QpInput& input) {
+// Corrects the multipliers, and z with them, by the errors of the active rows. This leaves the
+// gradient as it is.
+void ActiveSetQp::hold_bounds(const QpInput& input, QpSolution& solution) {
   for (Eigen::Index j = 0; j < active_count(); ++j) {
     const Eigen::Index row = active(j).row;
     correction_(j) = values_(row) - softness(row) * mu_(j) - bound(input, active(j));
   }
   factor_.solve(correction_.data());
   mu_.head(active_count()) += correction_.head(active_count());
+  move(solution.z, correction_, solution.z);
+  scan(input, solution);
 }
 
 void ActiveSetQp::refine(const QpInput& input, QpSolution& solution) {
-  hold_bounds(input);
   // Newton step of z for these multipliers, with the true gradient.
   set_multipliers(solution);
   set_gradient(input, solution);
   multiply(factors_.H_inverse, gradient_, room_);
   solution.z -= room_;
   scan(input, solution);
+  hold_bounds(input, solution);
 }
 
 // Adds the row of the last pivot_towards() to the working set.
@@ -506,7 +533,7 @@ void ActiveSetQp::add(Eigen::Index row, double side, double pivot) {
 }
 
 void ActiveSetQp::remove(Eigen::Index position) {
-  weigh(active(position).row);
+  weight_(active(position).row) = free_weight_(active(position).row);
   active_.erase(active_.begin() + position);
   factor_.remove(position);
 }

@@ -1,6 +1,7 @@
 // An exact solver of quadratic programs: a dual active-set method with warm start.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -73,20 +74,22 @@ class ActiveSetQp final : public QpSolver {
   QpStatus examine(const QpInput& input);
   void take_over(const QpInput& input);
   void attempt(const QpInput& input, QpSolution& solution);
-  void weigh(Eigen::Index row);
+  void weigh_all();
   void refactor();
   QpStatus search(const QpInput& input, QpSolution& solution);
   void make_dual_feasible(const QpInput& input);
   void place(const QpInput& input, QpSolution& solution);
   void scan(const QpInput& input, const QpSolution& solution);
+  void move(const Eigen::VectorXd& from, const Eigen::VectorXd& mu, Eigen::VectorXd& z) const;
   void multiply(const Eigen::MatrixXd& M, const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
   void rows_of(const Eigen::VectorXd& z, Eigen::VectorXd& values);
   Violation worst_violation(const QpInput& input) const;
   QpStatus drive_to_bound(Violation violation, QpSolution& solution);
   double active_error(const QpInput& input) const;
+  double tolerance() const { return kQpViolation * std::max(reach_, kQpGradientShare * slope_); }
   double pivot_towards(Eigen::Index row);
   double pivot_with_less_cancellation(Eigen::Index row, double own);
-  void hold_bounds(const QpInput& input);
+  void hold_bounds(const QpInput& input, QpSolution& solution);
   void refine(const QpInput& input, QpSolution& solution);
   void finish(const QpInput& input, QpSolution& solution);
   void measure(const QpInput& input, QpSolution& solution);
@@ -107,9 +110,12 @@ class ActiveSetQp final : public QpSolver {
 
   LdlFactor factor_;  // factor of S
   std::vector<Active> active_;
-  std::vector<Active> previous_;  // work space of refactor()
-  Eigen::VectorXd weight_;    // 1/length of each inactive row in the metric of H⁻¹; 0: active
-  Eigen::VectorXd softness_;  // softness in the present factor
+  std::vector<Active> previous_;   // work space of refactor()
+  Eigen::VectorXd size_;           // the rows' sizes (kkt_residual())
+  Eigen::VectorXd share_;          // 1/size
+  Eigen::VectorXd free_weight_;    // size/length of each row in the metric of H⁻¹
+  Eigen::VectorXd weight_;         // the same; 0: active
+  Eigen::VectorXd softness_;       // softness in the present factor
   bool is_softness_known_ = true;  // the input has the same softness
   bool has_soft_ = false;
   bool is_tilted_ = false;  // the residual is not only due to violated rows
@@ -122,10 +128,14 @@ class ActiveSetQp final : public QpSolver {
   Eigen::VectorXd direction_;  // S⁻¹ s: the response of the working set's multipliers
   Eigen::VectorXd correction_;
 
-  double g_norm_ = 0.0;     // ‖g‖∞
-  Eigen::VectorXd z_free_;  // −H⁻¹ g
-  Eigen::VectorXd values_;  // Ω z
-  Eigen::VectorXd scores_;  // weighted violations of the rows
+  Eigen::VectorXd inverse_root_;  // 1/√H_jj
+  double slope_ = 0.0;            // largest |g_j|/√H_jj
+  double bound_ = 0.0;            // β of kkt_residual()
+  double reach_ = 0.0;            // ζ without its least value
+  double zeta_ = 0.0;             // ζ of the last measure()
+  Eigen::VectorXd z_free_;        // −H⁻¹ g
+  Eigen::VectorXd values_;        // Ω z
+  Eigen::VectorXd scores_;        // weighted violations of the rows
   RowScan scan_;
   Eigen::VectorXd values_free_;  // Ω z_free
   Eigen::VectorXd gradient_;

@@ -8,7 +8,7 @@
 namespace breakwater {
 namespace {
 
-constexpr double kTolerance = 1e-8;  // bound on the largest move of a multiplier in a sweep
+constexpr double kTolerance = 1e-8;  // largest move of a multiplier, relative to the gradient
 constexpr double kDiverged = 1.5;    // a larger excess() may be divergence
 
 }  // namespace
@@ -39,6 +39,11 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
     return;
   }
   const bool empty = solution.status == QpStatus::infeasible;
+  Eigen::Index unmet = -1;  // a row of zeros that no z satisfies
+  for (Eigen::Index i = 0; i < factors_.rows(); ++i) {
+    if (factors_.size(i) > 0.0 || input.softness(i) > 0.0) continue;
+    if (input.lower(i) > 0.0 || input.upper(i) < 0.0) unmet = i;
+  }
   // An infinite bound has no multiplier.
   lambda_upper_ =
       (input.upper.array() < std::numeric_limits<double>::infinity()).select(lambda_upper_, 0.0);
@@ -51,6 +56,7 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   values_.noalias() -= factors_.gram * solution.mu;
 
   solution.status = QpStatus::iteration_cap;
+  const double slope = input.g.cwiseQuotient(factors_.root).lpNorm<Eigen::Infinity>();
   double halfway = 0.0;  // excess after half of the sweeps
   while (solution.iterations < max_sweeps_) {
     if (solution.iterations > 0 && solution.iterations == max_sweeps_ / 2) {
@@ -58,27 +64,39 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
       halfway = excess(input, solution.mu);
     }
     ++solution.iterations;
-    if (sweep(input) <= kTolerance) {
+    const double moved = sweep(input);
+    solution.mu = lambda_upper_ - lambda_lower_;
+    const double gamma =
+        std::max(slope, solution.mu.cwiseProduct(factors_.size).lpNorm<Eigen::Infinity>());
+    if (!(moved <= kTolerance * gamma) && solution.iterations < max_sweeps_) continue;
+    place(input, solution);
+    if (solution.kkt_residual <= kQpSolvedBelow) {
       solution.status = QpStatus::solved;
       break;
     }
   }
-  solution.mu = lambda_upper_ - lambda_lower_;
-  solution.z = z_free_;
-  solution.z.noalias() -= factors_.step * solution.mu;
   if (!(solution.z.allFinite() && solution.mu.allFinite())) {
     reset();
     solution.set_overflowed(empty ? QpStatus::infeasible : QpStatus::inaccurate);
     return;
   }
-  values_.noalias() = factors_.columns * solution.z;
-  solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, gradient_);
   if (solution.status == QpStatus::iteration_cap) {
     // The multipliers diverge: the next problem starts without them.
     const double excess = this->excess(input, solution.mu);
     if (!(excess <= kDiverged) && !(excess < halfway)) reset();
   }
-  if (empty) solution.status = QpStatus::infeasible;
+  if (empty || unmet >= 0) solution.status = QpStatus::infeasible;
+  if (empty || unmet < 0) return;
+  solution.mu.setZero();
+  solution.mu(unmet) = input.upper(unmet) < 0.0 ? 1.0 : -1.0;
+}
+
+// Computes z, its rows and the residual from the multipliers.
+void HildrethQp::place(const QpInput& input, QpSolution& solution) {
+  solution.z = z_free_;
+  solution.z.noalias() -= factors_.step * solution.mu;
+  values_.noalias() = factors_.columns * solution.z;
+  solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, gradient_);
 }
 
 // The dual objective of c λ is c λᵀd − ½ c² λᵀPλ, where d has the violations of z_free. Its maximum
@@ -109,7 +127,7 @@ double HildrethQp::sweep(const QpInput& input) {
   return largest;
 }
 
-// Updates the multiplier of one side of a row. Returns the size of its move.
+// Updates the multiplier of one side of a row. Returns the size of its move, times the row's size.
 double HildrethQp::move(Eigen::Index row, double& multiplier, double sign, double violation,
                         const QpInput& input) {
   if (multiplier == 0.0 && violation <= 0.0) return 0.0;
@@ -120,7 +138,7 @@ double HildrethQp::move(Eigen::Index row, double& multiplier, double sign, doubl
   if (moved == 0.0) return 0.0;
   multiplier += moved;
   values_.noalias() -= (sign * moved) * factors_.gram.col(row);
-  return std::abs(moved);
+  return std::abs(moved) * factors_.size(row);
 }
 
 }  // namespace breakwater

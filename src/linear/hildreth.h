@@ -8,9 +8,9 @@ namespace breakwater {
 /// The thesis' solver (2.3.4, 2.3.7). Each sweep sets the multiplier of each row to the value that
 /// satisfies this row alone,
 ///     λ_i ← max(0, λ_i + (Ω_i z − ω_i)/(Ω_i H⁻¹ Ω_iᵀ)),
-/// until no multiplier moves by more than 1e-8 or the number of sweeps reaches its limit. At the
-/// limit, z is the approximation so far and violates rows, as the status says. An infeasible
-/// problem has no fixed point and also ends there.
+/// until the KKT residual is at most 1e-8 or the number of sweeps reaches its limit. At the limit,
+/// z is the approximation so far and violates rows, as the status says. An infeasible problem has
+/// no fixed point and also ends there.
 ///
 /// Differences from the textbook: Ω z is stored and updated with each multiplier that changes,
 /// which is rare. The two sides of a row are neighbours in the sweep. The solver starts from the
@@ -30,6 +30,7 @@ class HildrethQp final : public QpSolver {
   const QpModel& model() const override { return factors_.model; }
 
  private:
+  void place(const QpInput& input, QpSolution& solution);
   double sweep(const QpInput& input);
   double excess(const QpInput& input, const Eigen::VectorXd& mu) const;
   double move(Eigen::Index row, double& multiplier, double sign, double violation,

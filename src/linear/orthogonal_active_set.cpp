@@ -7,7 +7,7 @@
 namespace breakwater {
 namespace {
 
-constexpr double kDoubtfulSign = 1e-10;  // multiplier with the wrong sign, relative to max(1, ‖g‖∞)
+constexpr double kDoubtfulSign = 1e-10;  // multiplier with the wrong sign, in the units of g
 constexpr double kDependent = 1e-11;  // smaller relative rest: the row depends on the working set
 constexpr int kCorrections = 2;       // with true residuals
 
@@ -50,11 +50,13 @@ void OrthogonalActiveSet::solve(const QpInput& input, QpSolution& solution) {
 }
 
 QpStatus OrthogonalActiveSet::search(const QpInput& input, QpSolution& solution) {
-  const double wrong = kDoubtfulSign * std::max(1.0, input.g.lpNorm<Eigen::Infinity>());
+  const double slope = input.g.cwiseQuotient(factors_.root).lpNorm<Eigen::Infinity>();
+  const double bound = bound_scale(factors_.model, input);
   for (;;) {
     // After a correction, a multiplier near 0 may have the other sign.
     for (Eigen::Index j = active_count() - 1; j >= 0; --j) {
-      if (active(j).side * solution.mu(active(j).row) >= -wrong) continue;
+      const Eigen::Index own = active(j).row;
+      if (active(j).side * solution.mu(own) * size(input, own) >= -kDoubtfulSign * slope) continue;
       if (changes_left_-- == 0) return QpStatus::iteration_cap;
       ++solution.iterations;
       remove(j, solution);
@@ -62,7 +64,10 @@ QpStatus OrthogonalActiveSet::search(const QpInput& input, QpSolution& solution)
       j = active_count();
     }
     values_.noalias() = factors_.model.Omega * solution.z;
-    const Active row = worst_violation(input);
+    const double reach =
+        std::min(solution.z.cwiseProduct(factors_.root).lpNorm<Eigen::Infinity>(), bound);
+    const Active row =
+        worst_violation(input, kQpViolation * std::max(reach, kQpGradientShare * slope));
     if (row.row < 0) return QpStatus::solved;
     const QpStatus status = drive_to_bound(input, row, solution);
     if (status != QpStatus::solved) return status;
@@ -70,14 +75,15 @@ QpStatus OrthogonalActiveSet::search(const QpInput& input, QpSolution& solution)
 }
 
 // The largest violation in the metric of H⁻¹.
-OrthogonalActiveSet::Active OrthogonalActiveSet::worst_violation(const QpInput& input) const {
+OrthogonalActiveSet::Active OrthogonalActiveSet::worst_violation(const QpInput& input,
+                                                                 double tolerance) const {
   Active worst{-1, 0.0};
   double most = 0.0;
   for (Eigen::Index i = 0; i < values_.size(); ++i) {
     if (is_active_[static_cast<std::size_t>(i)]) continue;
     const double above = values_(i) - input.upper(i);
     const double below = input.lower(i) - values_(i);
-    const double beyond = std::max(above, below) - kQpViolation;
+    const double beyond = std::max(above, below) - tolerance * size(input, i);
     if (!(beyond > 0.0)) continue;
     const double length = std::sqrt(factors_.gram(i, i) + input.softness(i));
     const double score = length > 0.0 ? beyond / length : kNoBound;

@@ -1,6 +1,8 @@
 // An active-set method with an orthogonal factor, for badly conditioned quadratic programs.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <breakwater/linear/qp.h>
@@ -36,7 +38,10 @@ class OrthogonalActiveSet {
   auto triangle() const { return R_.topLeftCorner(active_count(), active_count()); }
 
   QpStatus search(const QpInput& input, QpSolution& solution);
-  Active worst_violation(const QpInput& input) const;
+  Active worst_violation(const QpInput& input, double tolerance) const;
+  double size(const QpInput& input, Eigen::Index row) const {
+    return std::max(factors_.size(row), std::sqrt(input.softness(row)));
+  }
   QpStatus drive_to_bound(const QpInput& input, Active row, QpSolution& solution);
   double compare(const QpInput& input, Eigen::Index row);
   bool is_proof(const QpInput& input, Active row);

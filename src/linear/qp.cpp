@@ -16,6 +16,19 @@ namespace {
 
 constexpr int kChangesPerRow = 20;  // far more changes than any problem needs
 
+// The size of a row: its largest entry for variables in units of 1/√H_jj.
+double size_of(const QpModel& model, Eigen::Index row) {
+  double size = 0.0;
+  for (Eigen::Index j = 0; j < model.H.rows(); ++j) {
+    size = std::max(size, std::abs(model.Omega(row, j)) / std::sqrt(model.H(j, j)));
+  }
+  return size;
+}
+
+double size_of(const QpModel& model, const QpInput& input, Eigen::Index row) {
+  return std::max(size_of(model, row), std::sqrt(input.softness(row)));
+}
+
 }  // namespace
 
 QpInput::QpInput(Eigen::Index n, Eigen::Index m)
@@ -42,8 +55,18 @@ void QpSolution::set_overflowed(QpStatus status_now) {
 
 double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
                     const Eigen::VectorXd& values, Eigen::VectorXd& gradient) {
-  const double scale =
-      std::max({1.0, input.g.lpNorm<Eigen::Infinity>(), solution.mu.lpNorm<Eigen::Infinity>()});
+  double gamma = 0.0;
+  double zeta = 0.0;
+  for (Eigen::Index j = 0; j < input.g.size(); ++j) {
+    const double root = std::sqrt(model.H(j, j));
+    gamma = std::max(gamma, std::abs(input.g(j)) / root);
+    zeta = std::max(zeta, std::abs(solution.z(j)) * root);
+  }
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    if (solution.mu(i) == 0.0) continue;
+    gamma = std::max(gamma, size_of(model, input, i) * std::abs(solution.mu(i)));
+  }
+  zeta = std::max(std::min(zeta, bound_scale(model, input)), kQpGradientShare * gamma);
   gradient = input.g;
   gradient.noalias() += model.H * solution.z;
   double residual = 0.0;
@@ -54,13 +77,31 @@ double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution
     const double above = value - input.upper(i);
     const double below = input.lower(i) - value;
     is_finite &= std::abs(value) < kNoBound;
-    residual = std::max(residual, std::max(above, below));
+    if (const double violation = std::max(above, below); violation > 0.0) {
+      residual = std::max(residual, violation / size_of(model, input, i) / zeta);
+    }
     if (mu == 0.0) continue;
-    residual = std::max(residual, std::abs(mu * (mu > 0.0 ? above : below)) / scale);
-    gradient += mu * model.Omega.row(i).transpose();
+    const double slack = std::abs(mu > 0.0 ? above : below);
+    if (slack > 0.0) residual = std::max(residual, std::abs(mu) / gamma * (slack / zeta));
+    for (Eigen::Index j = 0; j < gradient.size(); ++j) gradient(j) += mu * model.Omega(i, j);
   }
   if (!is_finite || !gradient.allFinite()) return kNoBound;
-  return std::max(residual, gradient.lpNorm<Eigen::Infinity>() / scale);
+  for (Eigen::Index j = 0; j < gradient.size(); ++j) {
+    if (gradient(j) == 0.0) continue;
+    residual = std::max(residual, std::abs(gradient(j)) / std::sqrt(model.H(j, j)) / gamma);
+  }
+  return residual;
+}
+
+double bound_scale(const QpModel& model, const QpInput& input) {
+  double scale = 0.0;
+  for (Eigen::Index i = 0; i < input.lower.size(); ++i) {
+    const double size = size_of(model, input, i);
+    for (const double bound : {std::abs(input.lower(i)), std::abs(input.upper(i))}) {
+      if (size > 0.0 && bound < kNoBound) scale = std::max(scale, bound / size);
+    }
+  }
+  return scale;
 }
 
 double infeasibility_margin(const QpModel& model, const QpInput& input, const Eigen::VectorXd& y) {
@@ -69,25 +110,29 @@ double infeasibility_margin(const QpModel& model, const QpInput& input, const Ei
       static_cast<double>((y.array() != 0.0).count() + 2) * std::numeric_limits<double>::epsilon();
   double gap = 0.0;
   double tilt = 0.0;   // ‖Ωᵀ y‖₁
-  double reach = 1.0;  // distance of the bounds from 0
+  double reach = 0.0;  // distance of the bounds from 0
+  for (Eigen::Index j = 0; j < input.g.size(); ++j) {
+    reach = std::max(reach, kQpGradientShare * std::abs(input.g(j)) / std::sqrt(model.H(j, j)));
+  }
   for (Eigen::Index i = 0; i < y.size(); ++i) {
     if (y(i) == 0.0) continue;
     if (input.softness(i) > 0.0) return 0.0;
     const double bound = y(i) > 0.0 ? input.upper(i) : input.lower(i);
     gap -= y(i) * bound + rounding * std::abs(y(i) * bound);
-    const double size = model.Omega.row(i).lpNorm<Eigen::Infinity>();
+    const double size = size_of(model, i);
     if (size > 0.0) reach = std::max(reach, std::abs(bound) / size);
   }
   if (!(gap > 0.0)) return 0.0;
   for (Eigen::Index j = 0; j < model.Omega.cols(); ++j) {
     double sum = 0.0;
+    double error = 0.0;
     for (Eigen::Index i = 0; i < y.size(); ++i) {
       sum += y(i) * model.Omega(i, j);
-      tilt += rounding * std::abs(y(i) * model.Omega(i, j));
+      error += rounding * std::abs(y(i) * model.Omega(i, j));
     }
-    tilt += std::abs(sum);
+    tilt += (std::abs(sum) + error) / std::sqrt(model.H(j, j));
   }
-  return gap / (tilt * reach);
+  return tilt > 0.0 ? gap / tilt / reach : kNoBound;
 }
 
 QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
@@ -112,6 +157,9 @@ QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
 
 void QpFactors::factor() {
   columns = model.Omega;
+  root = model.H.diagonal().cwiseSqrt();
+  size.resize(rows());
+  for (Eigen::Index i = 0; i < rows(); ++i) size(i) = size_of(model, i);
   L = model.H;
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(L);
   H_inverse.setIdentity(variables(), variables());

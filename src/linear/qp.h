@@ -39,7 +39,7 @@ struct QpInput {
 };
 
 enum class QpStatus {
-  solved,         ///< by the solver's own criterion; kkt_residual has the accuracy
+  solved,         ///< with a KKT residual of at most kQpSolvedBelow
   iteration_cap,  ///< reached the limit of iterations: z may violate rows
   infeasible,     ///< proven: no z satisfies all rows; z violates some
   not_finite,     ///< an input is NaN or an invalid infinity; z is 0
@@ -49,9 +49,9 @@ enum class QpStatus {
 
 struct QpSolution {
   Eigen::VectorXd z;  ///< n
-  /// m, multipliers: > 0 at an upper, < 0 at a lower bound, 0 between. If the active-set solver
-  /// reports `infeasible`: its certificate y for infeasibility_margin(), or 0 if a lower bound is
-  /// above its upper bound.
+  /// m, multipliers: > 0 at an upper, < 0 at a lower bound, 0 between. If the status is
+  /// `infeasible`: its certificate y for infeasibility_margin(), or none if a lower bound is above
+  /// its upper bound.
   Eigen::VectorXd mu;
   QpStatus status = QpStatus::not_finite;
   int iterations = 0;
@@ -65,23 +65,34 @@ struct QpSolution {
   void set_overflowed(QpStatus status_now);
 };
 
-/// The largest of ‖H z + g + Ωᵀ μ‖∞/γ, the violations of the rows by z, and |μ_i|·(distance from
-/// the bound of its sign)/γ. The scale is γ = max(1, ‖g‖∞, ‖μ‖∞). 0 means optimal. Infinite
-/// if a value is not finite or a multiplier belongs to an infinite bound. `values` is Ω z,
-/// `gradient` (n) is work space. Allocates nothing.
+/// The error of a solution in the program's own units: other units of z, of a row or of the cost do
+/// not change it. z_j counts in 1/√H_jj. Row i counts in its size s_i, the largest of
+/// |Ω_ij|/√H_jj and √softness_i. With
+///     γ = max(|g_j|/√H_jj, s_i |μ_i|),   β = max |finite bound_i|/s_i   and
+///     ζ = max(min(max |z_j| √H_jj, β), 1e-9 γ)
+/// it is the largest of |H z + g + Ωᵀ μ|_j/(√H_jj γ), the violations of the rows/(s_i ζ), and
+/// |μ_i|·(distance from the bound of its sign)/(γ ζ). 0 means optimal. Infinite if a value is not
+/// finite or a multiplier belongs to an infinite bound. `values` is Ω z, `gradient` (n) is work
+/// space. Allocates nothing.
 double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
                     const Eigen::VectorXd& values, Eigen::VectorXd& gradient);
 
-/// Largest KKT residual that the active-set solver reports as solved.
+/// The share of γ in ζ: the scale of z where z is 0 but for rounding.
+inline constexpr double kQpGradientShare = 1e-9;
+/// Largest KKT residual that a solver reports as solved.
 inline constexpr double kQpSolvedBelow = 1e-8;
-/// Violation of a row that the active-set solver allows, in the row's unit.
+/// Violation of a row that the active-set solver allows, relative to s_i ζ.
 inline constexpr double kQpViolation = 5e-9;
+
+/// The scale β of kkt_residual(). Allocates nothing.
+double bound_scale(const QpModel& model, const QpInput& input);
 
 /// The margin by which y (m) proves infeasibility (Farkas). No z satisfies the rows if Ωᵀ y = 0 and
 ///     gap = −Σ (y_i > 0 ? upper_i : lower_i) y_i > 0.
-/// With rounding Ωᵀ y is only nearly 0, and no z with |z|∞ < gap/‖Ωᵀ y‖₁ satisfies the rows. The
-/// margin is this limit divided by max(1, |bound_i|/‖Ω_i‖∞) over the rows with y_i ≠ 0. Rounding
-/// errors of these sums reduce it. 0: y proves nothing. Allocates nothing.
+/// With rounding Ωᵀ y is only nearly 0. In the units of kkt_residual(), no z with |z|∞ < gap/‖Ωᵀ
+/// y‖₁ satisfies the rows. The margin is this limit divided by the largest |bound_i|/s_i with y_i ≠
+/// 0, and at least by 1e-9 ‖g‖∞. Rounding errors of these sums reduce it. 0: y proves nothing.
+/// Allocates nothing.
 double infeasibility_margin(const QpModel& model, const QpInput& input, const Eigen::VectorXd& y);
 
 /// Smallest infeasibility_margin() of a certificate.
@@ -119,6 +130,8 @@ struct QpFactors {
   Eigen::MatrixXd step;       ///< H⁻¹ Ωᵀ, n×m: response of z to the multipliers
   Eigen::MatrixXd gram;       ///< Ω H⁻¹ Ωᵀ, m×m: response of the rows
   Eigen::MatrixXd L;          ///< lower triangular, H = L Lᵀ; zeros above the diagonal
+  Eigen::VectorXd root;       ///< √H_jj, n
+  Eigen::VectorXd size;       ///< the size of each row without softness, m
 
   /// Throws std::invalid_argument as make_qp_solver() does.
   explicit QpFactors(QpModel qp);

@@ -6,7 +6,7 @@
 
 namespace breakwater {
 
-/// Violations t_i = max(v_i − upper_i, lower_i − v_i) of rows i with values v_i.
+/// Violations t_i = share_i max(v_i − upper_i, lower_i − v_i) of rows i with values v_i.
 struct RowScan {
   double violation = 0.0;    ///< the largest t_i, or 0
   double worst_score = 0.0;  ///< the largest weight_i (t_i − tolerance), or 0
@@ -16,8 +16,8 @@ struct RowScan {
 /// have m entries, and columns the length `stride`. Every vector length gives the same bits.
 template <int N>
 RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, Eigen::Index m,
-                  const double* lower, const double* upper, const double* weight, double tolerance,
-                  double* values, double* scores) {
+                  const double* lower, const double* upper, const double* share,
+                  const double* weight, double tolerance, double* values, double* scores) {
   using namespace Eigen::internal;  // NOLINT(google-build-using-namespace): its packets
   using Packet = packet_traits<double>::type;
   constexpr Eigen::Index kLanes = packet_traits<double>::size;
@@ -32,7 +32,9 @@ RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, E
     } else {
       value = ploadu<P>(values + i);
     }
-    const P beyond = pmax(psub(value, ploadu<P>(upper + i)), psub(ploadu<P>(lower + i), value));
+    const P beyond =
+        pmul(pmax(psub(value, ploadu<P>(upper + i)), psub(ploadu<P>(lower + i), value)),
+             ploadu<P>(share + i));
     const P score = pmul(psub(beyond, pset1<P>(tolerance)), ploadu<P>(weight + i));
     pstoreu(scores + i, score);
     violation = pmax(violation, beyond);
@@ -51,29 +53,32 @@ RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, E
   return scan;
 }
 
-/// Whether lower ≤ upper for all rows, without NaN, a lower bound of ∞ or an upper one of −∞.
-inline bool are_bounds(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+/// The largest share_i |bound_i| of the finite bounds. Negative unless lower ≤ upper for all rows,
+/// without NaN, a lower bound of ∞ or an upper one of −∞.
+inline double largest_bound(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                            const Eigen::VectorXd& share) {
   using namespace Eigen::internal;  // NOLINT(google-build-using-namespace): its packets
   using Packet = packet_traits<double>::type;
   constexpr Eigen::Index kLanes = packet_traits<double>::size;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto of_rows = [&]<typename P>(Eigen::Index i, P& crossed, P& largest) {
+    const P infinite = pset1<P>(std::numeric_limits<double>::infinity());
+    const P l = ploadu<P>(lower.data() + i);
+    const P u = ploadu<P>(upper.data() + i);
+    const P own = ploadu<P>(share.data() + i);
+    crossed = por(crossed, por(pcmp_lt_or_nan(u, l),
+                               por(pcmp_eq(l, infinite), pcmp_eq(u, pnegate(infinite)))));
+    for (const P size : {pabs(l), pabs(u)}) {
+      largest = pmax(largest, pmul(pand(size, pcmp_lt(size, infinite)), own));
+    }
+  };
   Packet crossed = pset1<Packet>(0.0);
-  Packet highest = pset1<Packet>(-kInfinity);  // lower bound
-  Packet lowest = pset1<Packet>(kInfinity);    // upper bound
+  Packet largest = crossed;
   Eigen::Index i = 0;
-  for (; i + kLanes <= lower.size(); i += kLanes) {
-    const Packet l = ploadu<Packet>(lower.data() + i);
-    const Packet u = ploadu<Packet>(upper.data() + i);
-    crossed = por(crossed, pcmp_lt_or_nan(u, l));
-    highest = pmax(highest, l);
-    lowest = pmin(lowest, u);
-  }
-  bool is_fine =
-      !predux_any(crossed) && predux_max(highest) < kInfinity && predux_min(lowest) > -kInfinity;
-  for (; i < lower.size(); ++i) {
-    is_fine &= lower(i) <= upper(i) && lower(i) < kInfinity && upper(i) > -kInfinity;
-  }
-  return is_fine;
+  for (; i + kLanes <= lower.size(); i += kLanes) of_rows(i, crossed, largest);
+  double last_crossed = 0.0;
+  double last = predux_max(largest);
+  for (; i < lower.size(); ++i) of_rows(i, last_crossed, last);
+  return predux_any(crossed) || predux_any(last_crossed) ? -1.0 : last;
 }
 
 }  // namespace breakwater

@@ -3,6 +3,7 @@
 
 #include <breakwater/linear/qp.h>
 #include "linear/hard_qp.h"
+#include "linear/known_qp.h"
 
 namespace breakwater::qp_property_test {
 namespace {
@@ -89,6 +90,34 @@ TEST_P(QpProperty, AResultIsOptimalOrSaysThatItIsNot) {
   // Hildreth's method seldom ends within the sweeps on these conditions.
   EXPECT_GT(statuses[0], GetParam() == QpSolverKind::hildreth ? count / 20 : count / 4);
   EXPECT_GT(statuses[3], count / 20);
+}
+
+// In any units. No wrong point is solved, and the active-set solver solves nearly all.
+TEST_P(QpProperty, AKnownSolutionIsFoundInAnyUnits) {
+  const int count = testing::property_count(3400);
+  Random random(12);
+  int unsolved[testing::kKnownQpFamilies.size()] = {};
+  double largest = 0.0;
+  for (int k = 0; k < count; ++k) {
+    const std::size_t family = static_cast<std::size_t>(k) % testing::kKnownQpFamilies.size();
+    const auto qp = testing::in_other_units(random, testing::known_qp(random, family));
+    QpSolution s(qp.z.size(), qp.input.lower.size());
+    make_qp_solver(GetParam(), qp.model, kMostSweeps)->solve(qp.input, s);
+    const QpStatus right = qp.is_feasible ? QpStatus::solved : QpStatus::infeasible;
+    unsolved[family] += s.status != right ? 1 : 0;
+    if (s.status != QpStatus::solved) continue;
+    const double error = testing::known_error(qp, s.z);
+    ASSERT_TRUE(qp.is_feasible) << k << ": " << testing::kKnownQpFamilies[family];
+    ASSERT_LE(error, 1e-4) << k << ": " << testing::kKnownQpFamilies[family];
+    largest = std::max(largest, error);
+  }
+  std::printf("%d programs, largest error %.1e; without the right status:\n", count, largest);
+  for (std::size_t i = 0; i < testing::kKnownQpFamilies.size(); ++i) {
+    std::printf("%6d %s\n", unsolved[i], testing::kKnownQpFamilies[i]);
+    if (GetParam() == QpSolverKind::active_set) {
+      EXPECT_LE(unsolved[i], 1e-3 * count) << testing::kKnownQpFamilies[i];
+    }
+  }
 }
 
 }  // namespace

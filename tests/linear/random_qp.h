@@ -75,14 +75,33 @@ inline void make_infeasible(Random& random, QpModel& model, QpInput& input, doub
 
 /// The error of a solution from the definition, without kkt_residual().
 inline double optimality_error(const QpModel& model, const QpInput& input, const QpSolution& s) {
-  const double scale = std::max({1.0, input.g.cwiseAbs().maxCoeff(), s.mu.cwiseAbs().maxCoeff()});
+  // The same program with a diagonal of ones in H and with rows of size 1.
+  const Eigen::VectorXd root = model.H.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd rows = model.Omega * root.cwiseInverse().asDiagonal();
+  const Eigen::VectorXd size =
+      rows.rowwise().lpNorm<Eigen::Infinity>().cwiseMax(input.softness.cwiseSqrt());
+  const Eigen::VectorXd mu = s.mu.cwiseProduct(size);
+  const double slope = std::max(input.g.cwiseQuotient(root).cwiseAbs().maxCoeff(),
+                                mu.size() == 0 ? 0.0 : mu.cwiseAbs().maxCoeff());
+  double bound = 0.0;
+  for (Eigen::Index i = 0; i < size.size(); ++i) {
+    for (const double one : {input.lower(i), input.upper(i)}) {
+      if (std::isfinite(one) && size(i) > 0.0) bound = std::max(bound, std::abs(one) / size(i));
+    }
+  }
+  const double reach = std::max(std::min(s.z.cwiseProduct(root).cwiseAbs().maxCoeff(), bound),
+                                kQpGradientShare * slope);
+  const auto share = [](double a, double b) { return a == 0.0 ? 0.0 : a / b; };
+  const Eigen::VectorXd gradient = model.H * s.z + input.g + model.Omega.transpose() * s.mu;
+  double error = share(gradient.cwiseQuotient(root).cwiseAbs().maxCoeff(), slope);
   const Eigen::VectorXd values = model.Omega * s.z - input.softness.cwiseProduct(s.mu);
-  double error = (model.H * s.z + input.g + model.Omega.transpose() * s.mu).cwiseAbs().maxCoeff();
-  error /= scale;
   for (Eigen::Index i = 0; i < values.size(); ++i) {
-    error = std::max({error, values(i) - input.upper(i), input.lower(i) - values(i)});
-    if (s.mu(i) > 0.0) error = std::max(error, s.mu(i) * (input.upper(i) - values(i)) / scale);
-    if (s.mu(i) < 0.0) error = std::max(error, -s.mu(i) * (values(i) - input.lower(i)) / scale);
+    const double above = values(i) - input.upper(i);
+    const double below = input.lower(i) - values(i);
+    error = std::max(error, share(std::max({0.0, above, below}), size(i) * reach));
+    if (mu(i) == 0.0) continue;
+    const double slack = share(std::abs(mu(i) > 0.0 ? above : below), size(i) * reach);
+    error = std::max(error, std::abs(mu(i)) * slack / slope);
   }
   return error;
 }
