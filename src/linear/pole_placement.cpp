@@ -12,7 +12,9 @@
 namespace breakwater {
 namespace {
 
-constexpr long double kSmallestRcond = 1e-16L;
+constexpr long double kSmallestPivot = 1e-13L;  // of the eigenvectors' matrix, relative
+constexpr long double kObservable = 1e-16L;     // the same of the observability matrix
+constexpr double kAgreement = 1e-9;             // of two methods, relative
 
 void check_group(const PoleGroup& group) {
   for (const auto& pole : group) {
@@ -28,8 +30,7 @@ void check_group(const PoleGroup& group) {
 
 [[noreturn]] void fail_as_not_observable() {
   throw std::invalid_argument(
-      "pole placement: the poles cannot be placed (not observable, poles too close, or the gain "
-      "overflows)");
+      "pole placement: the poles cannot be placed (not observable, or the gain overflows)");
 }
 
 }  // namespace
@@ -64,6 +65,12 @@ void ObserverPlacement::solve(const Rhs& rhs, Rhs& permuted, Rhs& solution) cons
 void ObserverPlacement::place(const Eigen::Ref<const Eigen::MatrixXd>& A,
                               const Eigen::Ref<const Eigen::MatrixXd>& C,
                               const std::vector<PoleGroup>& groups, Eigen::MatrixXd& H) {
+  if (!find(A, C, groups, H)) fail_as_not_observable();
+}
+
+bool ObserverPlacement::find(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                             const Eigen::Ref<const Eigen::MatrixXd>& C,
+                             const std::vector<PoleGroup>& groups, Eigen::MatrixXd& H) {
   const Eigen::Index n = W_.rows();
   const Eigen::Index p = V_.rows();
   std::size_t count = 0;
@@ -86,9 +93,7 @@ void ObserverPlacement::place(const Eigen::Ref<const Eigen::MatrixXd>& A,
     for (std::size_t i = 0; i < group_.size(); ++i, ++column) {
       shifted_ = A.transpose().cast<Scalar>() - Scalar(group_[i]) * Matrix::Identity(n, n);
       lu_.compute(shifted_);
-      if (!lu_.isInvertible()) {
-        throw std::invalid_argument("pole placement: a pole already is an eigenvalue of the plant");
-      }
+      if (!lu_.isInvertible()) return false;  // the pole is an eigenvalue of A
       if (i > 0 && group_[i] == group_[i - 1]) {
         vector_ = W_.col(column - 1);
       } else {
@@ -107,24 +112,86 @@ void ObserverPlacement::place(const Eigen::Ref<const Eigen::MatrixXd>& A,
   balanced_ = rows_scaled_ * column_scale_.inverse().matrix().cast<Scalar>().asDiagonal();
   shifted_ = balanced_.transpose();
   lu_.compute(shifted_);
-  if (!lu_.isInvertible()) fail_as_not_observable();
+  if (!lu_.isInvertible()) return false;
   scaled_V_ = column_scale_.inverse().matrix().cast<Scalar>().asDiagonal() * V_.transpose();
   solve(scaled_V_, permuted_, solved_);
   scaled_V_ = row_scale_.inverse().matrix().cast<Scalar>().asDiagonal() * solved_;
   H = scaled_V_.real().cast<double>();
+  return true;
 }
 
 bool ObserverPlacement::is_well_conditioned() const {
-  return lu_.rcond() > kSmallestRcond;
+  return smallest_pivot() > kSmallestPivot;
+}
+
+// The smallest pivot of the last factor, relative to the largest.
+long double ObserverPlacement::smallest_pivot() const {
+  const auto pivots = lu_.matrixLU().diagonal().cwiseAbs();
+  return pivots.minCoeff() / lu_.maxPivot();
+}
+
+// Ackermann's formula h = φ(A) O⁻¹ e_n for one output. The rows of O are those of Newton's basis,
+// c (A − s_1) … (A − s_i) with the poles' real parts s: they cancel less than c Aⁱ. Needs no
+// eigenvalue of A and no distance between the poles.
+bool ObserverPlacement::find_for_one_output(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
+                                            const PoleGroup& poles, Eigen::MatrixXd& H) {
+  const Eigen::Index n = A.rows();
+  balanced_ = A.cast<Scalar>();
+  shifted_.row(0) = C.row(0).cast<Scalar>();
+  for (Eigen::Index i = 1; i < n; ++i) {
+    const Scalar shift(poles[static_cast<std::size_t>(i - 1)].real());
+    shifted_.row(i) = shifted_.row(i - 1) * balanced_ - shift * shifted_.row(i - 1);
+  }
+  // The states and the powers of A have different units.
+  column_scale_ = shifted_.colwise().norm().transpose().array().max(1e-4000L);
+  rows_scaled_ = shifted_ * column_scale_.inverse().matrix().cast<Scalar>().asDiagonal();
+  row_scale_ = rows_scaled_.rowwise().norm().array().max(1e-4000L);
+  lu_.compute(row_scale_.inverse().matrix().cast<Scalar>().asDiagonal() * rows_scaled_);
+  if (!(smallest_pivot() > kObservable)) return false;
+  vector_.setZero();
+  vector_(n - 1) = 1.0L / row_scale_(n - 1);
+  solve(vector_, permuted_vector_, vector_);
+  vector_.array() /= column_scale_.cast<Scalar>();
+  for (const std::complex<double>& pole : poles) {
+    permuted_vector_ = balanced_ * vector_ - Scalar(pole) * vector_;
+    vector_ = permuted_vector_;
+  }
+  H = vector_.real().cast<double>();
+  return H.allFinite();
 }
 
 Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
                                      const std::vector<PoleGroup>& groups) {
   ObserverPlacement placement(A.rows(), C.rows());
   Eigen::MatrixXd H(A.rows(), C.rows());
-  placement.place(A, C, groups, H);
-  if (!placement.is_well_conditioned() || !H.allFinite()) fail_as_not_observable();
-  return H;
+  const bool is_found = placement.find(A, C, groups, H) && placement.is_well_conditioned();
+  if (C.rows() == 1) {
+    // Both methods agree where the poles and the eigenvalues of A are apart. The goldens have the
+    // last bits of the eigenvectors.
+    Eigen::MatrixXd exact(A.rows(), 1);
+    if (!placement.find_for_one_output(A, C, groups[0], exact)) fail_as_not_observable();
+    const bool agrees = ((H - exact).array().abs() <= kAgreement * exact.array().abs()).all();
+    return is_found && agrees ? H : exact;
+  }
+  if (is_found && H.allFinite()) return H;
+  // A pole may be an eigenvalue of A. A first gain moves all eigenvalues to other places.
+  double scale = spectral_radius(A);
+  for (const PoleGroup& group : groups) {
+    for (const std::complex<double>& pole : group) scale = std::max(scale, std::abs(pole));
+  }
+  for (const double shift : {0.37, -0.61, 0.83}) {
+    std::vector<PoleGroup> others = groups;
+    for (PoleGroup& group : others) {
+      for (std::complex<double>& pole : group) pole += shift * scale;
+    }
+    Eigen::MatrixXd first(A.rows(), C.rows());
+    if (placement.find(A, C, others, first) && placement.is_well_conditioned() &&
+        placement.find(A - first * C, C, groups, H) && placement.is_well_conditioned()) {
+      H += first;
+      if (H.allFinite()) return H;
+    }
+  }
+  fail_as_not_observable();
 }
 
 std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, double period_s) {
@@ -148,12 +215,40 @@ void sample_poles(const std::vector<PoleGroup>& continuous, double period_s,
 }
 
 PoleGroup eigenvalues(const Eigen::MatrixXd& A) {
-  const Eigen::VectorXcd values = A.eigenvalues();
-  return {values.begin(), values.end()};
+  // The steps of Eigen::EigenSolver, which takes twice as long to compile for its vectors.
+  const Eigen::Index n = A.rows();
+  const double scale = A.cwiseAbs().maxCoeff();
+  if (!(scale > 0.0)) return PoleGroup(static_cast<std::size_t>(n), scale);
+  Eigen::MatrixXd T = Eigen::HessenbergDecomposition<Eigen::MatrixXd>(A / scale).packedMatrix();
+  for (Eigen::Index j = 0; j + 2 < n; ++j) T.col(j).tail(n - j - 2).setZero();
+  Eigen::RealSchur<Eigen::MatrixXd> schur(n);
+  schur.computeFromHessenberg(T, T, false);
+  T = schur.matrixT() * scale;
+  PoleGroup values;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (i + 1 == n || T(i + 1, i) == 0.0) {
+      values.emplace_back(T(i, i));
+      continue;
+    }
+    // A block with a complex pair.
+    const double half = 0.5 * (T(i, i) - T(i + 1, i + 1));
+    const double largest = std::max({std::abs(half), std::abs(T(i + 1, i)), std::abs(T(i, i + 1))});
+    const double square =
+        half / largest * (half / largest) + T(i + 1, i) / largest * (T(i, i + 1) / largest);
+    const double imaginary = largest * std::sqrt(std::abs(square));
+    values.emplace_back(T(i + 1, i + 1) + half, imaginary);
+    values.emplace_back(T(i + 1, i + 1) + half, -imaginary);
+    ++i;
+  }
+  return values;
 }
 
 double spectral_radius(const Eigen::MatrixXd& A) {
-  return A.eigenvalues().cwiseAbs().maxCoeff();
+  double largest = 0.0;
+  for (const std::complex<double>& value : eigenvalues(A)) {
+    largest = std::max(largest, std::abs(value));
+  }
+  return largest;
 }
 
 }  // namespace breakwater

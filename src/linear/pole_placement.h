@@ -17,13 +17,14 @@ using PoleGroup = std::vector<std::complex<double>>;
 /// the left eigenvector w with wᵀ(A − λ I) = e_iᵀ C. Then Hᵀ W = V, where the columns of V are the
 /// e_i. For a plant of decoupled chains, one per output, each chain gets its own group, and the
 /// chains stay decoupled (the joints of Eq. 2.54). A pole that occurs m times in one group gets a
-/// Jordan chain of length m.
+/// Jordan chain of length m. One output has only one gain, and Ackermann's formula checks it.
 ///
-/// Source: eigenstructure assignment, B. C. Moore, IEEE Trans. Autom. Control 21 (1976) 689–692.
+/// Sources: eigenstructure assignment, B. C. Moore, IEEE Trans. Autom. Control 21 (1976) 689–692;
+/// J. Ackermann, Regelungstechnik 20 (1972) 297–300.
 ///
-/// Throws std::invalid_argument if the shapes do not fit, or a pole is not finite, lacks its
-/// conjugate or is an eigenvalue of A. Throws it too if the outputs cannot place the groups, for
-/// example if (A, C) is not observable.
+/// Throws std::invalid_argument if the shapes do not fit, or a pole is not finite or lacks its
+/// conjugate. Throws it too if the outputs cannot place the groups, for example if (A, C) is not
+/// observable.
 Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
                                      const std::vector<PoleGroup>& groups);
 
@@ -32,13 +33,21 @@ class ObserverPlacement {
  public:
   ObserverPlacement(Eigen::Index states, Eigen::Index outputs);
 
-  /// Writes H (n×p). Throws as place_observer_poles() does, except for poles that are too close.
+  /// Writes H (n×p). Throws as place_observer_poles() does, and if a pole is an eigenvalue of A.
   void place(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& C,
              const std::vector<PoleGroup>& groups, Eigen::MatrixXd& H);
-  /// Whether the last placement was well conditioned. Allocates.
-  bool is_well_conditioned() const;
 
  private:
+  friend Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
+                                              const std::vector<PoleGroup>& groups);
+
+  bool find(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& C,
+            const std::vector<PoleGroup>& groups, Eigen::MatrixXd& H);
+  bool find_for_one_output(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
+                           const PoleGroup& poles, Eigen::MatrixXd& H);
+  long double smallest_pivot() const;
+  bool is_well_conditioned() const;
+
   // Extended precision: the poles of a fast observer are all close to 1, which makes the matrix of
   // eigenvectors badly conditioned.
   using Scalar = std::complex<long double>;
