@@ -30,4 +30,10 @@ Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd&
   return qr.rank();
 }
 
+double smallest_pivot(const Eigen::MatrixXd& matrix) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(matrix);
+  const auto pivots = qr.matrixQR().diagonal().cwiseAbs();
+  return qr.maxPivot() > 0.0 ? pivots(pivots.size() - 1) / qr.maxPivot() : 0.0;
+}
+
 }  // namespace breakwater

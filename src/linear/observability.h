@@ -9,4 +9,7 @@ namespace breakwater {
 /// a short sampling period do not affect it. The pair is observable if the rank is n (Eq. 2.13).
 Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C);
 
+/// The smallest pivot of a matrix with at least as many columns as rows, relative to the largest.
+double smallest_pivot(const Eigen::MatrixXd& matrix);
+
 }  // namespace breakwater

@@ -2,6 +2,7 @@
 #include <breakwater/linear/riccati.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 
 #include <breakwater/linear/pole_placement.h>
@@ -100,24 +101,90 @@ TEST(Riccati, PredictsTheCost) {
   EXPECT_NEAR(cost, predicted, 1e-10 * predicted);
 }
 
-TEST(Riccati, AgreesWithScipy) {
+// Plants in one unit and in mixed ones. SciPy solves them in one unit: it is exact only relative to
+// the largest entry.
+TEST(RiccatiProperty, AgreesWithScipyInAnyUnits) {
+  const int count = testing::property_count(300);
   Random random(3);
   std::vector<testing::RiccatiProblem> problems;
-  for (int k = 0; k < 100; ++k) {
-    const Eigen::Index n = 1 + k % 5;
+  for (int k = 0; k < count; ++k) {
+    const Eigen::Index n = 1 + k % 6;
     const Eigen::Index m = 1 + k % 2;
-    const Eigen::MatrixXd root = random.matrix(n, n);
-    problems.push_back({1.2 * random.matrix(n, n), random.matrix(n, m), root * root.transpose(),
+    const Eigen::MatrixXd root = random.matrix(n, 1 + k % n);
+    problems.push_back({1.5 * random.matrix(n, n), random.matrix(n, m), root * root.transpose(),
                         random.uniform(0.01, 10.0) * Eigen::MatrixXd::Identity(m, m)});
   }
   problems.push_back({2.0 * kOne, kOne, 0.0 * kOne, kOne});  // no weight: P = 3
   const std::vector<testing::RiccatiSolution> theirs = testing::solve_with_scipy(problems);
+  const auto units = [&random](Eigen::Index size) {
+    Eigen::VectorXd unit(size);
+    for (double& one : unit) one = std::exp2(std::round(random.uniform(-27.0, 27.0)));
+    return unit;
+  };
+  double largest = 0.0;
   for (std::size_t k = 0; k < problems.size(); ++k) {
     const auto& [A, B, Q, R] = problems[k];
-    const LqrDesign ours = dlqr(A, B, Q, R);
-    EXPECT_LT((ours.P - theirs[k].P).norm(), 1e-8 * (1.0 + ours.P.norm())) << k;
-    EXPECT_LT((ours.K - theirs[k].K).norm(), 1e-8 * (1.0 + ours.K.norm())) << k;
+    const Eigen::VectorXd x = units(A.rows()), u = units(B.cols());
+    const double cost = units(1)(0);
+    const auto to_x = x.asDiagonal();
+    const auto from_x = x.cwiseInverse().asDiagonal();
+    const LqrDesign mixed =
+        dlqr(from_x * A * to_x, from_x * B * u.asDiagonal(), cost * to_x * Q * to_x,
+             cost * u.asDiagonal() * R * u.asDiagonal());
+    for (const LqrDesign& ours : {dlqr(A, B, Q, R), LqrDesign{u.asDiagonal() * mixed.K * from_x,
+                                                              from_x * mixed.P * from_x / cost}}) {
+      EXPECT_LT(spectral_radius(A - B * ours.K), 1.0 - 1e-9) << k;
+      const Eigen::VectorXd root = theirs[k].P.diagonal().cwiseSqrt();
+      const Eigen::MatrixXd scaled =
+          root.cwiseInverse().asDiagonal() * theirs[k].P * root.cwiseInverse().asDiagonal();
+      // SciPy's own error grows with the condition.
+      const double tolerance = 1e-13 * scaled.norm() * scaled.inverse().norm() + 1e-9;
+      const double error = (ours.K - theirs[k].K).norm() / (1.0 + theirs[k].K.norm());
+      EXPECT_LT(error, tolerance) << k;
+      largest = std::max(largest, error / tolerance);
+    }
   }
+  std::printf("%d plants, largest error of K %.1e of the tolerance\n", count, largest);
+}
+
+// Parts with unlike costs do not disturb each other: P = (a² − 1) r + q + … of each part alone.
+TEST(Riccati, DecoupledPartsAreEachExact) {
+  const Eigen::MatrixXd eye = Eigen::MatrixXd::Identity(2, 2);
+  const Eigen::MatrixXd A = Eigen::Vector2d(0.5, 0.999).asDiagonal();
+  const LqrDesign both = dlqr(A, eye, Eigen::Vector2d(1e12, 1e-3).asDiagonal(), eye);
+  for (const auto& [i, q] : {std::pair(0, 1e12), std::pair(1, 1e-3)}) {
+    const double a = A(i, i);
+    // P² + (1 − a² − q) P − q = 0.
+    const double b = 1.0 - a * a - q;
+    const double P = 0.5 * (std::sqrt(b * b + 4.0 * q) - b);
+    EXPECT_NEAR(both.P(i, i), P, 1e-10 * P);
+    EXPECT_NEAR(both.K(i, i), a * P / (1.0 + P), 1e-10);
+  }
+}
+
+TEST(Riccati, NamesTheModeWithoutASolution) {
+  struct Case {
+    Eigen::MatrixXd A, B, Q;
+    std::string complaint;
+  };
+  const Eigen::MatrixXd eye = Eigen::MatrixXd::Identity(2, 2);
+  const Eigen::MatrixXd turn = (Eigen::Matrix2d() << 0.6, -0.8, 0.8, 0.6).finished();
+  for (const Case& c : {Case{Eigen::Vector2d(0.5, 1.0).asDiagonal(), Eigen::Vector2d(1.0, 1.0),
+                             Eigen::Vector2d(1.0, 0.0).asDiagonal(),
+                             "Q has no effect on the mode with the eigenvalue 1 of A"},
+                        Case{turn, Eigen::Vector2d(1.0, 0.0), 0.0 * eye,
+                             "Q has no effect on the mode with the eigenvalue 0.6 ± 0.8i of A"},
+                        Case{2.0 * eye, Eigen::Vector2d(1.0, 1.0), eye,
+                             "the input has no effect on the mode with the eigenvalue 2 of A"},
+                        Case{2.0 * eye, Eigen::Vector2d::Zero(), eye,
+                             "the input has no effect on the mode with the eigenvalue 2 of A"},
+                        Case{kOne, kOne, 1e-19 * kOne,
+                             "Q has too little effect on the mode with the eigenvalue 1 of A"}}) {
+    EXPECT_EQ(complaint_of([&] { solve_dare(c.A, c.B, c.Q, kOne); }),
+              "Riccati: there is no stabilising solution: " + c.complaint);
+  }
+  EXPECT_EQ(complaint_of([] { solve_dare(2.0 * kOne, 1e-154 * kOne, kOne, kOne); }),
+            "Riccati: the solution is too large");
 }
 
 TEST(Riccati, RefusesNonsense) {
@@ -126,6 +193,9 @@ TEST(Riccati, RefusesNonsense) {
   EXPECT_THROW(solve_dare(kOne, kOne, kOne, 0.0 * kOne), std::invalid_argument);
   EXPECT_THROW(solve_dare(kOne, kOne, -kOne, kOne), std::invalid_argument);
   EXPECT_THROW(solve_dare(two, kOne, two, kOne), std::invalid_argument);
+  EXPECT_THROW(solve_dare(two, two, Eigen::Vector2d(1e12, -1e-3).asDiagonal(), two),
+               std::invalid_argument)
+      << "a negative entry that is small beside another one";
   EXPECT_THROW(solve_dare(NAN * kOne, kOne, kOne, kOne), std::invalid_argument);
   EXPECT_THROW(solve_dare(2.0 * kOne, 0.0 * kOne, kOne, kOne), std::invalid_argument)
       << "not stabilisable";
