@@ -38,9 +38,9 @@ class QpSolution(NamedTuple):
 
     z (n). mu (m): multipliers of the constraints, > 0 at an upper and < 0 at a lower bound. status: solved,
     iteration_cap, infeasible, not_finite or inaccurate (rounding hides both a solution and a proof of
-    infeasibility). iterations. kkt_residual: 0 is optimal.
+    infeasibility). iterations. kkt_residual: 0 is optimal. Units do not change it, and solved means at most 1e-8.
 
-    If active_set reports infeasible, mu is the proof. Omega' mu is 0. The sum of mu times the bounds selected
+    If the status is infeasible, mu is the proof. Omega' mu is 0. The sum of mu times the bounds selected
     by its signs is less than 0, or 0 if the bounds of a constraint cross.
     """
 
@@ -58,7 +58,8 @@ def dare(A: Matrix, B: Matrix, Q: Matrix, R: Matrix) -> Regulator:
 
     and the gain K = (R + B' S B)^-1 B' S A of the regulator u = -K x. The regulator minimises the sum of x' Q x
     + u' R u for x(k+1) = A x(k) + B u(k). A (n, n), B (n, m), Q (n, n) symmetric positive semidefinite, R (m,
-    m) symmetric positive definite. Method: structured doubling algorithm (Chu et al. 2004).
+    m) symmetric positive definite. Method: structured doubling algorithm (Chu et al. 2004). If a mode allows no
+    stabilising solution, the InputError names its eigenvalue.
     """
     return Regulator(*_core.dare(A, B, Q, R))
 
@@ -96,7 +97,7 @@ def place_observer_poles(
     """L (n, p) such that A - L C has these eigenvalues.
 
     A (n, n), C (p, n). poles: n numbers for one output. For several outputs: a list per output with the poles
-    that it places, n in total. A complex pole is next to its conjugate. If the plant consists of decoupled
+    that it places, n in total. A complex pole needs its conjugate. If the plant consists of decoupled
     chains, each keeps its own group (eigenstructure assignment, Moore 1976).
     """
     return _core.place_observer_poles(A, C, _groups(poles, _rows(C, "C", 0), "output"))

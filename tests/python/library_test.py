@@ -88,6 +88,24 @@ class Design(unittest.TestCase):
         L = bw.place_observer_poles(A, C, np.array([-3.0, -4.0]))
         np.testing.assert_allclose(eigenvalues(A - L @ C), [-4, -3], atol=1e-9)
 
+    def test_units_change_no_result(self):
+        for solver in ("active_set", "hildreth"):
+            for row, cost in ((1e-9, 1.0), (2.0**27, 1.0), (1.0, 1e-8), (2.0**-27, 2.0**27)):
+                with self.subTest(solver, row=row, cost=cost):
+                    solution = bw.solve_qp([[cost]], [-cost], [[row]], None, [0.5 * row], solver=solver)
+                    self.assertEqual(solution.status, "solved")
+                    self.assertAlmostEqual(solution.z[0], 0.5, delta=1e-12)
+            nothing = bw.solve_qp([[1.0]], [-1.0], [[0.0]], [1.0], solver=solver)
+            self.assertEqual(nothing.status, "infeasible")
+        Q, R = np.diag([1.0, 2, 3, 4]), np.array([[2.0, 0.5], [0.5, 1.0]])
+        K = bw.dare(self.A, self.B, Q, R).K
+        D, E = np.diag([1e8, 1e-8, 1.0, 1e4]), np.diag([1e-6, 1e6])
+        mixed = bw.dare(np.linalg.inv(D) @ self.A @ D, np.linalg.inv(D) @ self.B @ E, D @ Q @ D, E @ R @ E)
+        np.testing.assert_allclose(E @ mixed.K @ np.linalg.inv(D), K, rtol=1e-9)
+        np.testing.assert_allclose(bw.place_poles([[0, 1], [0, -3]], [[0], [1]], [-3, -5]), [[15, 5]])
+        with self.assertRaisesRegex(bw.InputError, "no stabilising solution: Q has no effect .* eigenvalue 1 of A"):
+            bw.dare(np.diag([0.5, 1.0]), [[1.0], [1.0]], np.diag([1.0, 0.0]), 1)
+
     def test_a_sampled_plant_is_that_of_scipy(self):
         A_d, B_d, C_d = bw.zero_order_hold(self.A, self.B, self.C, 0.3)
         theirs = scipy.signal.cont2discrete((self.A, self.B, self.C, np.zeros((2, 2))), 0.3)
