@@ -489,6 +489,7 @@ Model AxisPlant::load_model(const Config* config) const {
                                 " and one actuator");
   }
   model.scale_inertia(inertia_ratio);
+  author_friction(model);  // also of joints that are no axis
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const AxisSettings& one = axes[i];
     const int dof = model->jnt_dofadr[joints[i]];

@@ -28,6 +28,15 @@ void author_friction(Model& model, int joint, double viscous, double coulomb) {
   solimp[0] = solimp[1] = kHardImpedance;
 }
 
+void author_friction(Model& model) {
+  for (int joint = 0; joint < model->njnt; ++joint) {
+    const int type = model->jnt_type[joint];
+    if (type != mjJNT_SLIDE && type != mjJNT_HINGE) continue;
+    const int dof = model->jnt_dofadr[joint];
+    author_friction(model, joint, model->dof_damping[dof], model->dof_frictionloss[dof]);
+  }
+}
+
 void set_coulomb_friction(Model& model, int joint, double coulomb) {
   if (!(std::isfinite(coulomb) && coulomb >= 0.0)) {
     throw std::invalid_argument("friction: must be finite and not negative");

@@ -16,6 +16,9 @@ namespace breakwater {
 /// Throws std::invalid_argument if a friction is negative or the joint is no slide or hinge.
 void author_friction(Model& model, int joint, double viscous, double coulomb);
 
+/// The same for each slide and hinge, with the numbers of the model file.
+void author_friction(Model& model);
+
 /// Sets only the Coulomb friction, with the softness of the model file. Throws as
 /// author_friction().
 void set_coulomb_friction(Model& model, int joint, double coulomb);

@@ -431,6 +431,22 @@ TEST(PlantTest, FallingMassHasTheContactOfTheClosedForm) {
   EXPECT_NEAR(metrics.at("contact_time_s"), 2.0 * contact_s, 1e-4);
 }
 
+// A shelf of 2 kg, which no axis moves, on a slide whose friction is twice its weight. By the
+// formula of friction.h it creeps 1e-8 m in a second.
+TEST(PlantTest, FrictionHoldsAJointThatIsNoAxis) {
+  std::string text = kBall;
+  text.replace(text.find("<worldbody>"), 11, R"(<worldbody>
+    <body name="shelf" pos="0.5 0 0">
+      <inertial pos="0 0 0" mass="2" diaginertia="0.01 0.01 0.01"/>
+      <joint name="lift" type="slide" axis="0 0 1" frictionloss="40"/>
+    </body>)");
+  const testing::TemporaryPath model("shelf.xml", text);
+  const auto metrics = metrics_of(
+      prepare_text(kFall + std::string("metric.sunk = { of = \"qpos[1]\", kind = \"min\" }\n"),
+                   "own", {"model.mjcf=\"" + model.string() + "\""}));
+  EXPECT_NEAR(metrics.at("sunk_1"), -1e-8, 1e-10);
+}
+
 // Such an axis has values at the samples alone. So it refuses a cut-off above half the control
 // rate, which suits the physics steps.
 TEST(PlantTest, AxisWithTheNameOfAContactIsSampled) {
