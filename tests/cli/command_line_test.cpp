@@ -443,7 +443,8 @@ TEST_F(CommandLine, ADroppedSampleIsCounted) {
 }
 
 TEST_F(CommandLine, AKilledRunLeavesNoFolderAndTheNextOneClearsUp) {
-  const auto killed = run("arm_wall_contact --out run", 0.5, SIGKILL);
+  const auto killed =
+      run("arm_wall_contact --duration 100 --out run", has_made_something(), SIGKILL);
   EXPECT_EQ(killed.status, 128 + SIGKILL);
   EXPECT_FALSE(fs::exists(folder_ / "run"));
   ran("arm_wall_contact --duration 0.1 --out run");
@@ -454,7 +455,7 @@ TEST_F(CommandLine, AKilledRunLeavesNoFolderAndTheNextOneClearsUp) {
 
 TEST_F(CommandLine, AnInterruptedRunLeavesNothing) {
   for (const int signal : {SIGINT, SIGTERM}) {
-    const auto result = run("arm_wall_contact --case all", 0.5, signal);
+    const auto result = run("arm_wall_contact --case all", has_made_something(), signal);
     EXPECT_EQ(result.status, 130);
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_TRUE(entries().empty());
@@ -525,7 +526,8 @@ TEST_F(LargeModels, RefusesMoreElementsThanTheKeyAllows) {
 
 TEST_F(LargeModels, ASignalEndsACompilationSoon) {
   motor_with("<worldbody>" + repeated("<geom size='1'/>", 60000) + "</worldbody>");
-  const ProgramResult result = run(run_ + " model.most_elements=1000000", 1.0, SIGTERM);
+  const ProgramResult result =
+      run(run_ + " model.most_elements=1000000", testing::worked_for(1.0), SIGTERM);
   EXPECT_EQ(result.status, 130);
   EXPECT_LT(result.seconds, 6.0 * testing::kSlowness) << "without the signal it is minutes";
   EXPECT_EQ(result.err, "interrupted while a model was compiled\n");

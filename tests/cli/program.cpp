@@ -37,7 +37,7 @@ std::vector<std::string> words_of(const std::string& command) {
 }  // namespace
 
 ProgramResult run_program(const std::vector<std::string>& arguments, const fs::path& folder,
-                          double kill_after_s, int signal) {
+                          const Moment& when, int signal) {
   static std::atomic<int> calls = 0;  // used by several threads
   const std::string call = std::to_string(++calls);
   const TemporaryPath out("stdout" + call);
@@ -56,8 +56,12 @@ ProgramResult run_program(const std::vector<std::string>& arguments, const fs::p
     execv((bin_folder() / "../tests" / arguments[0]).c_str(), argv.data());
     _exit(127);
   }
-  if (kill_after_s > 0.0) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(kill_after_s));
+  if (when) {
+    siginfo_t ended = {};
+    while (waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           ended.si_pid == 0 && !when(child)) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
     kill(child, signal);
   }
   int status = 0;
@@ -79,8 +83,17 @@ ProgramResult done(ProgramResult result) {
   throw std::runtime_error("status " + std::to_string(result.status) + ": " + result.err);
 }
 
-ProgramResult ProgramTest::run(const std::string& command, double kill_after_s, int signal) const {
-  return run_program(words_of(command), folder_, kill_after_s, signal);
+Moment worked_for(double seconds) {
+  return [seconds](int process) {
+    clockid_t clock = 0;
+    timespec used = {};
+    return clock_getcpuclockid(process, &clock) == 0 && clock_gettime(clock, &used) == 0 &&
+           static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec) > seconds;
+  };
+}
+
+ProgramResult ProgramTest::run(const std::string& command, const Moment& when, int signal) const {
+  return run_program(words_of(command), folder_, when, signal);
 }
 
 void ProgramTest::expect_refused(const std::string& command, const std::string& line) const {
@@ -134,6 +147,26 @@ std::vector<std::string> ProgramTest::entries(const fs::path& folder) const {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+std::vector<std::string> ProgramTest::results_in_shards(const fs::path& study) const {
+  std::vector<std::string> results;
+  const fs::path shards = folder_ / study / "shards";
+  if (!fs::exists(shards)) return results;
+  for (const auto& entry : fs::directory_iterator(shards)) {
+    for (const std::string& line : lines_of(text_of(entry.path()))) {
+      if (line.find("\tpoint\t") != std::string::npos) results.push_back(line);
+    }
+  }
+  return results;
+}
+
+Moment ProgramTest::has_results(const fs::path& study, std::size_t count) const {
+  return [=, this](int /*process*/) { return results_in_shards(study).size() >= count; };
+}
+
+Moment ProgramTest::has_made_something() const {
+  return [this, before = entries()](int /*process*/) { return entries() != before; };
 }
 
 }  // namespace breakwater::testing

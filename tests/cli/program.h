@@ -1,6 +1,7 @@
 // Runs one of our binaries like a user and collects its results.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <utility>
 
@@ -22,10 +23,16 @@ struct ProgramResult {
   double seconds = 0.0;  ///< processor time, which other load hardly changes
 };
 
-/// Runs `arguments` in `folder`. The first one names a binary of build/bin or build/tests. If
-/// `kill_after_s` is positive, sends `signal` after this time.
+/// A moment in the life of a program: asked while it runs, with its process, until it is true.
+using Moment = std::function<bool(int process)>;
+
+/// When a program has used this processor time.
+Moment worked_for(double seconds);
+
+/// Runs `arguments` in `folder`. The first one names a binary of build/bin or build/tests. If there
+/// is a moment `when`, sends `signal` then.
 ProgramResult run_program(const std::vector<std::string>& arguments,
-                          const std::filesystem::path& folder, double kill_after_s = 0.0,
+                          const std::filesystem::path& folder, const Moment& when = nullptr,
                           int signal = 0);
 
 /// The result of a program that must succeed. Throws std::runtime_error if it fails.
@@ -37,7 +44,7 @@ class ProgramTest : public ::testing::Test {
   ProgramTest() { std::filesystem::create_directories(folder_); }
 
   /// Runs a command. Blanks separate the words, except between '…'.
-  ProgramResult run(const std::string& command, double kill_after_s = 0.0, int signal = 0) const;
+  ProgramResult run(const std::string& command, const Moment& when = nullptr, int signal = 0) const;
   /// The same, but it must succeed.
   ProgramResult ran(const std::string& command) const { return done(run(command)); }
 
@@ -57,6 +64,12 @@ class ProgramTest : public ::testing::Test {
   std::vector<std::string> lines(const std::filesystem::path& file) const;
   /// All entries of a folder, including hidden and nested ones, in order.
   std::vector<std::string> entries(const std::filesystem::path& folder = "") const;
+  /// The results in a study's shards, one line each.
+  std::vector<std::string> results_in_shards(const std::filesystem::path& study) const;
+  /// When a study has at least `count` results.
+  Moment has_results(const std::filesystem::path& study, std::size_t count = 1) const;
+  /// When a program has made a file or folder.
+  Moment has_made_something() const;
 
   const TemporaryPath folder_{"programs"};
 };

@@ -53,7 +53,8 @@ async function look() {
     if (LOOKED_AT.includes(path)) {
       for (const scheme of ["default", "slate"]) {
         page.body.dataset.mdColorScheme = scheme;
-        await sleep(600);  // colours change slowly
+        const changes = page.getAnimations().filter((a) => a.transitionProperty);  // colours change slowly
+        await Promise.all(changes.map((a) => a.finished.catch(() => {})));
         seen.faint[`${path} ${scheme}`] = faint(page);
       }
     }
@@ -68,7 +69,7 @@ async function look() {
   const page = await open("/index.html");
   const input = page.querySelector(".md-search__input");
   const says = page.querySelector(".md-search-result__meta");
-  const until = async (holds) => { for (let i = 0; i < 300 && !holds(); ++i) await sleep(100); };
+  const until = async (holds) => { while (!holds()) await sleep(100); };
   // A key that is pressed while its index arrives takes the index's place in the theme's queue of
   // one, and the search never begins.
   await until(() => !says.textContent.includes("Initializing"));
@@ -111,7 +112,7 @@ class Site(unittest.TestCase):
         served["/"] = (driver.encode(), "text/html; charset=utf-8")
         shutil.rmtree(WORK, ignore_errors=True)
         WORK.mkdir(parents=True)
-        cls.seen, _, _ = visit(served, WORK, ["--window-size=1400,1000"], 150)
+        cls.seen, _, _ = visit(served, WORK, ["--window-size=1400,1000"])
         if "error" in cls.seen:
             raise AssertionError(cls.seen["error"])
 

@@ -15,7 +15,6 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from chromium import CONTRAST, visit  # noqa: E402
 
-TIMEOUT_S = 120
 CASES = ["idob", "dkf"]
 SHORT = ["run.duration_s=2", "metrics.from_s=1", "metrics.to_s=2"]
 # The parts that must be seen before anything is scrolled.
@@ -47,6 +46,8 @@ READER = """<!doctype html><body style="margin:0"><script>
 const seen = {errors: [], pages: {}};
 const FIRST = %(first)s, CASES = %(cases)s;
 const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+// Until what has changed is laid out and drawn.
+const laidOut = (page) => new Promise((done) => page.requestAnimationFrame(() => page.requestAnimationFrame(done)));
 %(contrast)s
 async function look(name) {
   const frame = document.createElement("iframe");
@@ -57,7 +58,7 @@ async function look(name) {
   const page = frame.contentWindow, dom = frame.contentDocument;
   page.addEventListener("error", (e) => seen.errors.push(e.message));
   const isOverTime = Boolean(dom.getElementById("packed"));
-  for (let i = 0; isOverTime && i < 400 && !dom.querySelector(".chart[data-drawn]"); ++i) await wait(25);
+  while (isOverTime && !dom.querySelector(".chart[data-drawn]")) await wait(25);
   const found = seen.pages[name] = {};
   // The head of each is in sight, if not all of it.
   found.below = FIRST[name].filter((what) => {
@@ -85,7 +86,7 @@ async function look(name) {
     charts[0].series.forEach((s) => { found.colours[s.label + ", line"] = style.getPropertyValue("--c" + s.colour).trim(); });
   }
   frame.style.width = "390px";
-  await wait(200);
+  await laidOut(page);
   found.overflow = dom.scrollingElement.scrollWidth - dom.scrollingElement.clientWidth;
   found.clipped = Array.from(dom.querySelectorAll("table")).filter((table) =>
     table.getClientRects().length && !table.closest(".scroll") && table.scrollWidth > table.parentElement.clientWidth).length;
@@ -98,7 +99,7 @@ async function look(name) {
 
 def make_pages(program, folder):
     def call(*words):
-        subprocess.run([program, *map(str, words)], cwd=folder, check=True, stdout=subprocess.DEVNULL, timeout=TIMEOUT_S)
+        subprocess.run([program, *map(str, words)], cwd=folder, check=True, stdout=subprocess.DEVNULL)
 
     sets = [word for one in SHORT for word in ("--set", one)]
     runs = [f"runs/{name}" for name in CASES]
@@ -121,7 +122,7 @@ def read(files, folder, flags):
     for name, file in files.items():
         pages[f"/{name}.html"] = ((folder / file).read_bytes(), html)
     flags = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--window-size=1300,920", *flags]
-    return visit(pages, folder, flags, TIMEOUT_S)[0]
+    return visit(pages, folder, flags)[0]
 
 
 def main():

@@ -75,10 +75,9 @@ list = [
 READER = """<!doctype html><body style="margin:0"><script>
 const seen = {errors: []};
 const wait = (ms) => new Promise((done) => setTimeout(done, ms));
-const until = async (what, test) => {
-  for (let i = 0; i < 200; ++i) { if (test()) return; await wait(50); }
-  throw new Error("waited in vain: " + what);
-};
+const until = async (what, test) => { while (!test()) await wait(50); };
+// Until what has changed is laid out and drawn.
+const drawn = (page) => new Promise((done) => page.requestAnimationFrame(() => page.requestAnimationFrame(done)));
 const frame = document.createElement("iframe");
 frame.style.cssText = "border:0;width:1440px;height:900px";
 frame.src = "report.html";
@@ -117,7 +116,7 @@ async function look() {
   const motor = find("figure-4-32-1"), other = find("figure-4-34-1");
   motor.scrollIntoView({block: "center", behavior: "instant"});
   mouse(motor, "mousemove", 0.5);
-  await wait(100);
+  await drawn(page);
   seen.hover = values(motor);
   seen.hoverElsewhere = values(other);
   seen.clock = motor.querySelector(".time").textContent;
@@ -128,12 +127,12 @@ async function look() {
   mouse(motor, "mousemove", 0.4);
   mouse(motor, "mousemove", 0.5);
   mouse(motor, "mouseup", 0.5);
-  await wait(300);
+  await drawn(page);
   seen.zoomed = motor.chart.graph.xAxisRange();
   seen.linked = other.chart.graph.xAxisRange();
   seen.unlinked = String(before) === String(arm.chart.graph.xAxisRange());
   motor.querySelector(".plot").dispatchEvent(new page.KeyboardEvent("keydown", {key: "0", bubbles: true}));
-  await wait(300);
+  await drawn(page);
   seen.reset = other.chart.graph.xAxisRange();
 
   // The button of a signal.
@@ -176,7 +175,7 @@ async function look() {
   seen.overflow = {};
   for (const width of [390, 1440]) {
     frame.style.width = width + "px";
-    await wait(500);
+    await drawn(page);
     seen.overflow[width] = dom.scrollingElement.scrollWidth - dom.scrollingElement.clientWidth;
     seen["chart" + width] = arm.querySelector("canvas").getBoundingClientRect().width;
   }
@@ -185,8 +184,6 @@ async function look() {
 frame.addEventListener("load", () => look().catch((e) => seen.errors.push(String(e.stack)))
   .then(() => fetch("/seen", {method: "POST", body: JSON.stringify(seen)})));
 </script>"""
-
-TIMEOUT_S = 120
 
 
 def make_report(bin_folder, folder):
@@ -200,8 +197,7 @@ def read(report, folder):
     html = "text/html; charset=utf-8"
     pages = {"/": (READER.encode(), html), "/report.html": (report, html)}
     seen, log, asked = visit(pages, folder, ["--enable-logging=stderr", "--window-size=1500,1000", "--use-angle=swiftshader",
-                                         "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
-                             TIMEOUT_S)
+                                         "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"])
     seen["console"] = [line for line in log.splitlines() if "CONSOLE" in line and "GPU stall" not in line]
     seen["asked"] = [path for path in asked if path != "/favicon.ico"]
     return seen
@@ -213,7 +209,7 @@ def printed_canvases(folder):
     subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
                     f"--user-data-dir={folder / 'printer'}", "--virtual-time-budget=20000",
                     f"--print-to-pdf={paper}", (folder / "out" / "report.html").as_uri()],
-                   check=True, timeout=TIMEOUT_S, capture_output=True)
+                   check=True, capture_output=True)
     return paper.read_bytes().count(b"/Subtype /Image")
 
 

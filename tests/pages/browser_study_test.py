@@ -19,7 +19,8 @@ READER = """<!doctype html><title>reader</title>
 <script>
 "use strict";
 const frame = document.getElementById("frame"), seen = {errors: []};
-const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+// Until what has changed is laid out and drawn.
+const drawn = (page) => new Promise((done) => page.requestAnimationFrame(() => page.requestAnimationFrame(done)));
 async function look() {
   const page = frame.contentWindow, dom = page.document;
   page.addEventListener("error", (e) => seen.errors.push(e.message));
@@ -32,8 +33,9 @@ async function look() {
   select.dispatchEvent(new page.Event("change"));
   seen.second = shown();
   seen.hash = page.location.hash;
+  const followed = new Promise((done) => page.addEventListener("hashchange", done, {once: true}));
   page.location.hash = dom.querySelector("#metrics tbody a").getAttribute("href");
-  await wait(200);
+  await followed;
   seen.linked = shown();
 
   const at = (element, dx, dy) => {
@@ -66,7 +68,7 @@ async function look() {
   seen.letters = [];
   for (const width of [390, 1440]) {
     frame.style.width = width + "px";
-    await wait(300);
+    await drawn(page);
     seen.overflow.push(dom.scrollingElement.scrollWidth - dom.scrollingElement.clientWidth);
     const svg = section.querySelector(".charts svg");
     seen.letters.push(10.5 * svg.getBoundingClientRect().width / svg.viewBox.baseVal.width);
@@ -75,8 +77,6 @@ async function look() {
 frame.addEventListener("load", () => look().catch((e) => seen.errors.push(String(e.stack)))
   .then(() => fetch("/seen", {method: "POST", body: JSON.stringify(seen)})));
 </script>"""
-
-TIMEOUT_S = 120
 
 
 def make_study(bin_folder, folder, *vary):
@@ -91,8 +91,7 @@ def read(report, folder):
     folder.mkdir()
     html = "text/html; charset=utf-8"
     pages = {"/": (READER.encode(), html), "/report.html": (report, html)}
-    seen, log, asked = visit(pages, folder, ["--enable-logging=stderr", "--window-size=1500,1000"],
-                             TIMEOUT_S)
+    seen, log, asked = visit(pages, folder, ["--enable-logging=stderr", "--window-size=1500,1000"])
     seen["console"] = [line for line in log.splitlines() if "CONSOLE" in line]
     seen["asked"] = [path for path in asked if path != "/favicon.ico"]
     print(json.dumps(seen, indent=1))

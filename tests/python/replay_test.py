@@ -21,7 +21,7 @@ const wait = (ms) => new Promise((done) => setTimeout(done, ms));
   const seen = {pictures: []};
   try {
     const box = () => document.querySelector("iframe").contentDocument.querySelector(".replay");
-    for (let i = 0; i < 1200 && !["ready", "failed"].includes(box()?.dataset.state); ++i) await wait(50);
+    while (!["ready", "failed"].includes(box()?.dataset.state)) await wait(50);
     seen.state = box()?.dataset.state;
     const view = box().replay;
     for (const time of [0.05, 2.9]) {
@@ -50,7 +50,7 @@ class InANotebook(unittest.TestCase):
             page = (NOTEBOOK % shown).encode()
             seen, _, asked = visit({"/": (page, "text/html; charset=utf-8")}, folder, [
                 "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
-                "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"], 200)
+                "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"])
         self.assertEqual((seen.get("error"), seen.get("state")), (None, "ready"))
         first, last = seen["pictures"]
         self.assertGreater(len(first), 2000)

@@ -33,8 +33,6 @@ v.onended = () => {
 v.play().catch((e) => report({error: String(e)}));
 </script>"""
 
-TIMEOUT_S = 100
-
 
 def make_video(bin_folder, folder):
     run = folder / "run"
@@ -47,7 +45,7 @@ def make_video(bin_folder, folder):
 
 def play(video, folder):
     pages = {"/": (PAGE.encode(), "text/html"), "/video.mp4": (video, "video/mp4")}
-    return visit(pages, folder, ["--autoplay-policy=no-user-gesture-required"], TIMEOUT_S)[0]
+    return visit(pages, folder, ["--autoplay-policy=no-user-gesture-required"])[0]
 
 
 def main():

@@ -297,8 +297,11 @@ TEST_F(Pictures, NonsenseIsRefusedInOneLine) {
 
 TEST_F(Pictures, AnInterruptedVideoLeavesNothing) {
   wall("run");
-  expect_failure(run("breakwater video run --from 0 --to 6 --speed 0.01", 1.5, SIGINT), 130,
-                 "interrupted");
+  const std::vector<std::string> before = entries();
+  expect_failure(
+      run("breakwater video run --from 0 --to 6 --speed 0.01", has_made_something(), SIGINT), 130,
+      "interrupted");
+  EXPECT_EQ(entries(), before);
 }
 
 TEST_F(Pictures, ReportsASlowRenderer) {

@@ -50,15 +50,9 @@ class ClusterRuns : public testing::TuningFolder {
                                     fs::directory_iterator(folder), fs::directory_iterator()))
                               : 0;
   }
-  // Number of results in all shards. It is larger than the number of runs if some ran twice.
+  // Larger than the number of runs if some ran twice.
   std::size_t lines_of_shards(const std::string& study) const {
-    std::size_t count = 0;
-    for (const auto& entry : fs::directory_iterator(folder_ / study / "shards")) {
-      const std::string text = testing::text_of(entry.path());
-      for (std::size_t at = 0; (at = text.find("\tpoint\t", at)) != std::string::npos; ++at)
-        ++count;
-    }
-    return count;
+    return results_in_shards(study).size();
   }
 
   std::string path_ = std::getenv("PATH");
@@ -111,7 +105,7 @@ TEST_F(ClusterRuns, StopAfterThreeJobsWithoutResult) {
                   "3 tasks have ended before their points were done:\n  slurm/3/1.log: "));
   // The tuning continues here and then on the cluster.
   unsetenv("FAILS");
-  tune("there --quiet", 0.1);
+  tune("there --quiet", has_results("there"));
   done(on_slurm("there --quiet"));
   expect_same("here", "there");
 }
@@ -218,7 +212,10 @@ TEST_F(ClusterRuns, StayInTheQueue) {
         "--rerun: HERE/s is still in the queue (job 7: 1 PENDING (Resources); job 7: 1 PENDING "
         "(Resources); job 7: 1 PENDING (Resources)): end it first with scancel"}});
   // With --slurm it waits for the queue until it is stopped.
-  const ProgramResult waited = tune("t.toml --out s --slurm", 1.5, SIGTERM);
+  const fs::path looked = folder_ / "looked";
+  program("squeue", "#!/bin/sh\necho '7|1|PENDING|Resources'\n: > " + looked.string() + "\n");
+  const ProgramResult waited = tune(
+      "t.toml --out s --slurm", [&](int) { return fs::exists(looked); }, SIGTERM);
   EXPECT_EQ(waited.status, 130);
   EXPECT_EQ(waited.err,
             "tune: interrupted; what is in the queue goes on, and so does the same command\n");

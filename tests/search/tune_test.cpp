@@ -67,7 +67,9 @@ TEST_F(Tune, WorkersAndKillsChangeNoResult) {
   expect_same("one", "two");
   std::mt19937 random(3);
   std::uniform_real_distribution<double> moment(0.005, 0.3);
-  for (int i = 0; i < 20; ++i) tune((i % 2 == 0 ? one : two) + "killed", moment(random));
+  for (int i = 0; i < 20; ++i) {
+    tune((i % 2 == 0 ? one : two) + "killed", testing::worked_for(moment(random)));
+  }
   tuned(two + "killed");
   expect_same("one", "killed");
   // The folder's name alone also works. All runs are done, so nothing runs.
@@ -316,7 +318,9 @@ TEST_F(Tune, ACrashIsAFailedRun) {
     }
   }
   // One process at a time with repeated kills, then a single process, on the same folders.
-  for (int i = 0; i < 2; ++i) tune("t.toml --out killed --isolate --quiet", 0.2);
+  for (const std::size_t count : {3, 8}) {
+    tune("t.toml --out killed --isolate --quiet", has_results("killed", count));
+  }
   tuned("t.toml --out killed --isolate --jobs 1 --quiet");
   expect_same("s", "killed");
   tuned("once --isolate --quiet");

@@ -42,9 +42,9 @@ positive_x_second_1 = { goal = "max" }
 
 class TuningFolder : public SweepFolder {
  protected:
-  ProgramResult tune(const std::string& words, double kill_after_s = 0.0,
+  ProgramResult tune(const std::string& words, const Moment& when = nullptr,
                      int signal = SIGKILL) const {
-    return run("ishigami_lab tune " + words, kill_after_s, signal);
+    return run("ishigami_lab tune " + words, when, signal);
   }
   ProgramResult tuned(const std::string& words) const { return done(tune(words)); }
   void expect_same(const std::string& one, const std::string& other) {

@@ -15,13 +15,14 @@ using namespace std::chrono_literals;
 std::atomic<bool> is_compiling = false;
 
 // For a child process. A signal comes while the work ignores signals or not; the work then ignores
-// them or not for three seconds. The process exits with 0 if these end.
+// them until it is ended, or hears them for three seconds. The process exits with 0 if these end.
 void work(bool is_deaf_before, bool is_deaf_after) {
   end_soon_while([] { return is_compiling.load(); });
   stop_on_signals();
   is_compiling = is_deaf_before;
   std::raise(SIGTERM);
   is_compiling = is_deaf_after;
+  while (is_compiling) std::this_thread::sleep_for(1s);
   std::this_thread::sleep_for(3s);
   std::exit(interrupted() ? 0 : 1);
 }

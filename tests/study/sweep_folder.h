@@ -10,8 +10,9 @@ namespace breakwater::testing {
 class SweepFolder : public ProgramTest {
  protected:
   /// `sweep` of the Ishigami function's program.
-  ProgramResult sweep(const std::string& words, double kill_after_s = 0.0, int signal = 0) const {
-    return run("ishigami_lab sweep " + words, kill_after_s, signal);
+  ProgramResult sweep(const std::string& words, const Moment& when = nullptr,
+                      int signal = 0) const {
+    return run("ishigami_lab sweep " + words, when, signal);
   }
   /// The same, but it must succeed.
   ProgramResult swept(const std::string& words) const { return done(sweep(words)); }
@@ -37,7 +38,7 @@ class SweepFolder : public ProgramTest {
   void run_and_kill(const std::string& words, int kills, double longest_s, unsigned seed) const {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> moment(0.0, longest_s);
-    for (int i = 0; i < kills; ++i) sweep(words, 0.001 + moment(random), SIGKILL);
+    for (int i = 0; i < kills; ++i) sweep(words, worked_for(moment(random)), SIGKILL);
     swept(words);
   }
 };

@@ -21,7 +21,7 @@ TEST_F(SweepStudy, AKillAtAnyTimeDoesNotChangeTheResults) {
   const std::string study = "ishigami --vary x.first=lin(-3,3,50) --out ";
   swept(study + "whole");
   for (int i = 0; i < 100; ++i) {
-    sweep(study + "killed", 0.0005 * (i + 1), SIGKILL);
+    sweep(study + "killed", testing::worked_for(0.0005 * i), SIGKILL);
     swept(study + "killed");
     ASSERT_EQ(read("whole/results.csv"), read("killed/results.csv")) << i;
     std::filesystem::remove_all(folder_ / "killed");
