@@ -268,7 +268,8 @@ ShardIndex::~ShardIndex() {
 void ShardIndex::read_file(const fs::path& file, const Asked& asked) {
   names_.push_back(file.string());
   ModelHashes models;
-  std::size_t own = 0;
+  bool has_own = false;
+  bool has_foreign = false;
   each_line(file, [&](std::size_t offset, std::size_t length, std::string_view rest) {
     Parts parts(rest);
     const auto head = read_head(parts);
@@ -282,10 +283,11 @@ void ShardIndex::read_file(const fs::path& file, const Asked& asked) {
     const std::string wanted = asked && head->number < places_.size() ? asked(head->number) : "";
     const bool is_other = !wanted.empty() && !head->asked.empty() && head->asked != wanted;
     if (head->number >= places_.size() || is_other) {
+      has_foreign = true;
       foreign_[head->number] = {static_cast<std::uint32_t>(names_.size() - 1), head->key};
       return;
     }
-    ++own;
+    has_own = true;
     cost_s_ += head->cost_s;
     Place& place = places_[head->number];
     if (place.length > 0 && place.status != PointStatus::crashed) return;
@@ -299,7 +301,7 @@ void ShardIndex::read_file(const fs::path& file, const Asked& asked) {
     ++counts_[static_cast<std::size_t>(place.status)];
     ++done_;
   });
-  if (own == 0) return;
+  if (has_foreign && !has_own) return;  // a shard of another study has other models
   for (const auto& [name, hash] : models) {
     if (models_.emplace(name, hash).first->second != hash) ambiguous_model_ = name;
   }

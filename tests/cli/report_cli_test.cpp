@@ -432,6 +432,17 @@ TEST_F(Reports, CompareOfSetsOfRunsIsPairedBySeed) {
   EXPECT_EQ(ran("breakwater compare --paired kfd7 stf7 --quiet").err, ran(pair).err);
 }
 
+TEST_F(Reports, ThingsAreCalledWhatTheyAre) {
+  EXPECT_TRUE(
+      has(ran("motor_estimation --case stf --set observer.name=kfd --duration 0.3 --out tuned").out,
+          "motor_estimation stf with kfd: 0.3 s simulated"));
+  ran("breakwater report tuned --out made/rep.html --no-replay");
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "made/rep.html"));
+  EXPECT_TRUE(has(ran("breakwater list --parts").out,
+                  "\n  kelvin_voigt_clipped    spring and damper",
+                  "\n  tracking_differentiator Han's"));
+}
+
 // Folder names are plain text: not mathematics for matplotlib, not a formula for a spreadsheet.
 TEST_F(Reports, CompareTreatsFolderNamesAsText) {
   for (const char* name : {"$\\bad{$", "=cmd|calc"}) motor(name, "--case kfd");

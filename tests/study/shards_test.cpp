@@ -270,6 +270,41 @@ TEST_F(Shards, ForeignLinesDoNotCount) {
   EXPECT_EQ(results_by_key(folder_).at("key").metrics[0].second, 1.0);
 }
 
+TEST_F(Shards, ALineCountsForTheRunThatIsAskedFor) {
+  const auto add = [&](std::size_t number, const std::string& asked, const std::string& hash) {
+    PointResult result = result_of(number, "key of " + asked);
+    result.asked = asked;
+    Shard shard(folder_, "origin");
+    shard.add(ModelHashes{{"a.xml", hash}});
+    shard.add(result);
+  };
+  const auto asked = [](std::size_t point) {
+    return point == 2 ? "" : asked_of("origin", "run " + std::to_string(point));
+  };
+  add(0, "run 1", "old");
+  add(1, "run 1", "new");
+  add(2, "run 7", "new");  // not known yet
+  add(5, "run 5", "old");
+  {
+    const ShardIndex index(folder_, 3, asked);
+    EXPECT_FALSE(index.has(0));
+    EXPECT_TRUE(index.has(1) && index.has(2));
+    ASSERT_EQ(index.foreign().size(), 2U);
+    EXPECT_TRUE(has(index.foreign()[0], "-0.shard: 1 result is of other runs", ": key of run 1"));
+    EXPECT_TRUE(has(index.foreign()[1], "-3.shard: 1 result is of other runs", ": key of run 5"));
+    EXPECT_NO_THROW(index.check_models());
+  }
+  add(0, "run 0", "new");
+  const ShardIndex index(folder_, 3, asked);
+  EXPECT_EQ(index.read(0).key, "key of run 0");
+  EXPECT_TRUE(index.foreign().empty());
+  // Another origin asks for other runs. Shards of before say nothing.
+  EXPECT_EQ(ShardIndex(folder_, 3, [](std::size_t) { return "other"; }).done(), 0U);
+  Shard(folder_).add(result_of(1, "before"));
+  EXPECT_EQ(ShardIndex(folder_, 3, [](std::size_t) { return "other"; }).read(1).key, "before");
+  EXPECT_EQ(results_by_key(folder_, &PointResult::asked).at(asked(1)).key, "key of run 1");
+}
+
 TEST_F(Shards, OtherFilesAndMissingFoldersAreEmpty) {
   const std::string own = bytes_of({result_of(0, "own")});
   write(own, "notes.txt");

@@ -545,6 +545,9 @@ TEST_F(DamagedRun, HandlesEveryWrongValueOfTheManifest) {
 
 TEST_F(DamagedRun, HandlesEveryWrongValueOfTheMetrics) {
   ASSERT_FALSE(metrics_.empty());
+  EXPECT_TRUE(has(complaints_of("metrics.json", metrics_)[0], "metrics.json: is damaged"));
+  manifest_.erase("metrics_hash");  // as in runs of before
+  std::ofstream(folder_ / "manifest.json") << manifest_;
   for (const auto& [key, value] : metrics_.items()) {
     for (const char* wrong : {"true", "\"1\"", "[]", "{}"}) {
       nlohmann::json metrics = metrics_;
