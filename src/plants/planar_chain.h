@@ -18,7 +18,7 @@ struct PlanarJoint {
   std::string name;
   Eigen::Vector2d offset_m = {0, 0};  ///< position in the frame of the link before it
   double yaw_rad = 0.0;               ///< yaw of the link's frame at q = 0, in the frame before it
-  double sense = 1.0;                 ///< +1 if the axis is +z, −1 if it is −z
+  double sense = 1.0;                 ///< +1 if the axis is normal to the plane, −1 if opposite
   double effort_limit_Nm = 0.0;
   double velocity_limit_rad_s = 0.0;
 

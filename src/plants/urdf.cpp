@@ -4,6 +4,8 @@
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <mutex>
@@ -19,6 +21,7 @@ namespace breakwater {
 namespace {
 
 constexpr double kAngleTolerance = 1e-9;
+constexpr double kInertiaTolerance = 1e-6;  // numbers of a file are rounded
 
 // urdfdom reports to a process-wide handler. This one stores the first message.
 class FirstComplaint : public console_bridge::OutputHandler {
@@ -99,11 +102,23 @@ void check_numbers(const XmlFile& xml, const tinyxml2::XMLElement& element) {
   }
 }
 
+bool turns(const urdf::Joint& joint) {
+  return joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
+}
+
 class UrdfFile {
  public:
   UrdfFile(const std::string& file, const std::string& text) : file_(file), xml_(file, text) {
     check_numbers(xml_, *xml_.root());
     model_ = parse(xml_.text());
+    normal_ = normal_of_first_joint();
+  }
+
+  // The plane of the chain is normal to the axis of its first joint that turns: 0 x, 1 y, 2 z.
+  double along_normal(const urdf::Vector3& v) const { return std::array{v.x, v.y, v.z}[normal_]; }
+  Eigen::Vector2d in_plane(const urdf::Vector3& v) const {
+    const std::array xyz{v.x, v.y, v.z};
+    return {xyz[(normal_ + 1u) % 3], xyz[(normal_ + 2u) % 3]};
   }
 
   const urdf::ModelInterface& model() const { return *model_; }
@@ -115,7 +130,8 @@ class UrdfFile {
                                 element + " \"" + name + "\": " + reason);
   }
 
-  // The yaw of the <origin> of a joint or of a link's <inertial>; nothing if it has roll or pitch.
+  // The turn in the plane of the <origin> of a joint or of a link's <inertial>; nothing if it also
+  // leaves the plane.
   // It comes from rpy: urdfdom stores a quaternion with processor-dependent rounding.
   std::optional<double> planar_yaw(const char* element, const std::string& name) const {
     const tinyxml2::XMLElement* e = &find(element, name);
@@ -124,13 +140,15 @@ class UrdfFile {
     const char* rpy = e == nullptr ? nullptr : e->Attribute("rpy");
     if (rpy == nullptr) return 0.0;
     const std::vector<double> angles = *read_numbers(rpy);  // check_numbers() has found three
-    const double roll = angles[0], pitch = angles[1], yaw = angles[2];
-    const auto [sin_roll, cos_roll] = math::sincos(roll);
-    const auto [sin_pitch, cos_pitch] = math::sincos(pitch);
-    const bool is_planar = std::abs(sin_roll) <= kAngleTolerance &&
-                           std::abs(sin_pitch) <= kAngleTolerance && cos_roll * cos_pitch > 0.0;
+    const auto [sin_1, cos_1] = math::sincos(angles[(normal_ + 1u) % 3]);
+    const auto [sin_2, cos_2] = math::sincos(angles[(normal_ + 2u) % 3]);
+    const bool is_planar = std::abs(sin_1) <= kAngleTolerance &&
+                           std::abs(sin_2) <= kAngleTolerance && cos_1 * cos_2 > 0.0;
     if (!is_planar) return std::nullopt;
-    return cos_pitch > 0.0 ? yaw : yaw + std::numbers::pi;  // a turn about both axes is one about z
+    const double angle = angles[normal_];
+    // Half turns about both other axes are one about this axis.
+    if (cos_1 > 0.0) return angle;
+    return normal_ == 1 ? std::numbers::pi - angle : angle + std::numbers::pi;
   }
 
  private:
@@ -143,6 +161,17 @@ class UrdfFile {
     console_bridge::restorePreviousOutputHandler();
     if (model) return model;
     fail_with(complaint.text());
+  }
+
+  unsigned normal_of_first_joint() const {
+    for (urdf::LinkConstSharedPtr link = model_->getRoot(); link && !link->child_joints.empty();
+         link = model_->getLink(link->child_joints.front()->child_link_name)) {
+      const urdf::Joint& joint = *link->child_joints.front();
+      if (!turns(joint)) continue;
+      const std::array size{std::abs(joint.axis.x), std::abs(joint.axis.y), std::abs(joint.axis.z)};
+      return static_cast<unsigned>(std::max_element(size.begin(), size.end()) - size.begin());
+    }
+    return 2;
   }
 
   // Reports the line of the joint or link in urdfdom's message, if there is one.
@@ -179,6 +208,7 @@ class UrdfFile {
   std::string file_;
   XmlFile xml_;
   urdf::ModelInterfaceSharedPtr model_;
+  unsigned normal_ = 2;
 };
 
 // A frame in the plane: the URDF origin of a child in its parent.
@@ -199,9 +229,22 @@ PlanarFrame planar_origin(const UrdfFile& file, const urdf::Joint& joint) {
   const urdf::Pose& origin = joint.parent_to_joint_origin_transform;
   const std::optional<double> yaw = file.planar_yaw("joint", joint.name);
   if (!yaw) {
-    file.fail("joint", joint.name, "its origin is rolled or pitched, so the chain is not planar");
+    file.fail("joint", joint.name, "its origin is turned out of the plane of the joints before it");
   }
-  return {{origin.position.x, origin.position.y}, *yaw};
+  return {file.in_plane(origin.position), *yaw};
+}
+
+// ∫ r rᵀ dm = tr(I)/2 − I has no negative eigenvalue, so no negative principal minor.
+bool is_of_a_body(const urdf::Inertial& of) {
+  const double half = 0.5 * (of.ixx + of.iyy + of.izz);
+  const double x = half - of.ixx, y = half - of.iyy, z = half - of.izz;
+  const double xy = of.ixy, xz = of.ixz, yz = of.iyz;  // the minus of each cancels in the minors
+  const double least = -kInertiaTolerance;
+  const double determinant =
+      x * (y * z - yz * yz) - xy * (xy * z + yz * xz) - xz * (xy * yz + y * xz);
+  return x >= least * half && y >= least * half && z >= least * half &&
+         x * y - xy * xy >= least * half * half && x * z - xz * xz >= least * half * half &&
+         y * z - yz * yz >= least * half * half && determinant >= least * half * half * half;
 }
 
 // Adds a link's inertia to the moving link. `frame` is the link's frame in that of the moving link.
@@ -209,20 +252,24 @@ void lump(const UrdfFile& file, const urdf::Link& link, const PlanarFrame& frame
           PlanarJoint& carrier) {
   if (!link.inertial) return;
   const urdf::Inertial& inertial = *link.inertial;
-  if (!std::isfinite(inertial.mass) || inertial.mass < 0.0 || !std::isfinite(inertial.izz) ||
-      inertial.izz < 0.0) {
-    file.fail("link", link.name, "its mass and izz must be finite and not negative");
+  if (!std::isfinite(inertial.mass) || inertial.mass < 0.0) {
+    file.fail("link", link.name, "its mass must be finite and not negative");
+  }
+  if (!is_of_a_body(inertial)) {
+    file.fail("link", link.name,
+              "no body has this inertia: each principal moment is at most the sum of the others");
   }
   if (!file.planar_yaw("link", link.name)) {
-    file.fail("link", link.name, "its inertial frame is rolled or pitched, so izz is not its own");
+    file.fail("link", link.name, "its inertial frame is turned out of the plane of the joints");
   }
   const double mass = carrier.link_mass_kg + inertial.mass;
   if (mass == 0.0) return;
-  const Eigen::Vector2d com = frame.map({inertial.origin.position.x, inertial.origin.position.y});
+  const Eigen::Vector2d com = frame.map(file.in_plane(inertial.origin.position));
   const Eigen::Vector2d lumped_com =
       (carrier.link_mass_kg * carrier.link_com_m + inertial.mass * com) / mass;
   carrier.link_inertia_kgm2 +=
-      inertial.izz + carrier.link_mass_kg * (carrier.link_com_m - lumped_com).squaredNorm() +
+      file.along_normal({inertial.ixx, inertial.iyy, inertial.izz}) +
+      carrier.link_mass_kg * (carrier.link_com_m - lumped_com).squaredNorm() +
       inertial.mass * (com - lumped_com).squaredNorm();
   carrier.link_mass_kg = mass;
   carrier.link_com_m = lumped_com;
@@ -231,8 +278,13 @@ void lump(const UrdfFile& file, const urdf::Link& link, const PlanarFrame& frame
 PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
                            const PlanarFrame& frame) {
   const double length = std::hypot(joint.axis.x, joint.axis.y, joint.axis.z);
-  if (length == 0.0 || !(std::abs(joint.axis.z) >= (1.0 - kAngleTolerance) * length)) {
-    file.fail("joint", joint.name, "its axis is not ±z, so the chain is not planar");
+  const double along = file.along_normal(joint.axis);
+  if (length == 0.0 || !(std::abs(along) >= (1.0 - kAngleTolerance) * length)) {
+    file.fail("joint", joint.name,
+              "its axis is not along x, y or z, or not that of the first joint: no planar chain");
+  }
+  if (joint.mimic) {
+    file.fail("joint", joint.name, "has <mimic>, but each joint of a chain moves by itself");
   }
   if (!joint.limits) file.fail("joint", joint.name, "has no <limit>");
   const double effort = joint.limits->effort;
@@ -241,7 +293,8 @@ PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
     file.fail("joint", joint.name, "its effort and velocity limits must be positive");
   }
   // Both are 0 if the file has none.
-  const bool has_limits = joint.limits->lower != 0.0 || joint.limits->upper != 0.0;
+  const bool has_limits = joint.type == urdf::Joint::REVOLUTE &&
+                          (joint.limits->lower != 0.0 || joint.limits->upper != 0.0);
   if (has_limits && !(joint.limits->lower < joint.limits->upper)) {
     file.fail("joint", joint.name, "its lower limit must be below its upper one");
   }
@@ -249,7 +302,7 @@ PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
   result.name = joint.name;
   result.offset_m = frame.position_m;
   result.yaw_rad = frame.yaw_rad;
-  result.sense = joint.axis.z > 0.0 ? 1.0 : -1.0;
+  result.sense = along > 0.0 ? 1.0 : -1.0;
   result.effort_limit_Nm = effort;
   result.velocity_limit_rad_s = velocity;
   return result;
@@ -267,7 +320,7 @@ PlanarChain read_chain(const std::string& urdf_file, const std::string& text) {
     const urdf::Joint& joint = *link->child_joints.front();
     const urdf::Link& child = *link->child_links.front();
     frame = frame * planar_origin(file, joint);
-    if (joint.type == urdf::Joint::REVOLUTE) {
+    if (turns(joint)) {
       joints.push_back(revolute_joint(file, joint, frame));
       frame = {};
       lump(file, child, frame, joints.back());
@@ -277,7 +330,7 @@ PlanarChain read_chain(const std::string& urdf_file, const std::string& text) {
     } else if (joint.type == urdf::Joint::FIXED) {
       if (!joints.empty()) lump(file, child, frame, joints.back());
     } else {
-      file.fail("joint", joint.name, "must be revolute or fixed");
+      file.fail("joint", joint.name, "must be revolute, continuous or fixed");
     }
     link = file.model().getLink(child.name);
   }
