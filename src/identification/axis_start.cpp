@@ -94,12 +94,20 @@ std::vector<AxisValues> start_candidates(const AxisData& data, double least_dela
         A.row(n) << input, -window.velocity, -window.sign, -window.one;
         b(n) = window.position;
       }
+      // The rank must not depend on the units of the columns. Powers of two leave their bits.
+      Eigen::VectorXd scale(kUnknowns);
+      for (Eigen::Index j = 0; j < kUnknowns; ++j) {
+        const double norm = A.col(j).norm();
+        scale(j) = norm > 0.0 ? std::ldexp(1.0, -std::ilogb(norm)) : 1.0;
+        A.col(j) *= scale(j);
+      }
       // The least of equal solutions, if the record does not separate two of them.
       Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
       solver.setThreshold(1e-6);
       solver.compute(A);
-      const Eigen::VectorXd x = solver.solve(b);
-      const double residual = (A * x - b).squaredNorm();
+      const Eigen::VectorXd scaled = solver.solve(b);
+      const double residual = (A * scaled - b).squaredNorm();
+      const Eigen::VectorXd x = scale.cwiseProduct(scaled);
       Best& so_far = best[static_cast<std::size_t>(i)];
       if (!(x(0) > 0.0) || residual >= so_far.residual) continue;
       so_far.residual = residual;

@@ -159,6 +159,26 @@ TEST(Identification, FindsTheParametersOfABench) {
 }
 
 // Sample moments of (a, b).
+// A motor in mN m, or a stage in µm: the same axis in other units.
+TEST(Identification, UnitsChangeNothing) {
+  Bench bench;
+  bench.duration_s = 1.0;
+  const Identification plain = identify_axis({bench.record(3)}, {}, {});
+  for (const auto& [input, position] : {std::pair{0x1p-20, 1.0}, {0x1p20, 1.0}, {1.0, 0x1p-12}}) {
+    RecordedAxis record = bench.record(3);
+    for (double& u : record.inputs) u *= input;
+    for (double& q : record.positions) q *= position;
+    const Identification found = identify_axis({record}, {}, {});
+    for (const auto& [parameter, unit] :
+         {std::pair{kInertia, input / position}, {kViscous, input / position}, {kCoulomb, input}}) {
+      const ParameterEstimate& expected = of(plain, parameter);
+      EXPECT_NEAR(of(found, parameter).value / unit, expected.value, 1e-6 * expected.value)
+          << parameter_key(parameter) << ", input × " << input << ", position × " << position;
+      EXPECT_EQ(of(found, parameter).is_identifiable, expected.is_identifiable);
+    }
+  }
+}
+
 struct Moments {
   double std_a, std_b, correlation;
 };
