@@ -52,9 +52,13 @@ std::optional<ConfidenceInterval> bca_interval(const std::vector<double>& values
   }
   const double centre =
       std::accumulate(without.begin(), without.end(), 0.0) / static_cast<double>(without.size());
+  double largest = 0.0;
+  for (const double one : without) largest = std::max(largest, std::abs(centre - one));
+  // The acceleration has no unit. A power of two keeps its bits and its powers finite.
+  const double unit = largest > 0.0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1.0;
   double squares = 0.0, cubes = 0.0;
   for (const double one : without) {
-    const double d = centre - one;
+    const double d = unit * (centre - one);
     squares += d * d;
     cubes += d * d * d;
   }

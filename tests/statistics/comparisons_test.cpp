@@ -210,6 +210,22 @@ TEST(Comparisons, BitsAreTheSameEverywhere) {
   EXPECT_EQ(hash, 0x28ddc68830cbbdeeULL) << std::hex << hash;
 }
 
+TEST(Comparisons, AnIntervalHasTheUnitOfItsValues) {
+  testing::Random random;
+  std::vector<double> x;
+  for (int i = 0; i < 9; ++i) x.push_back(random.uniform(0.0, 1.0));
+  const auto interval_in = [&](double unit) {
+    std::vector<double> values = x;
+    for (double& value : values) value *= unit;
+    return bca_interval(values, sample_median, bootstrap_replicates(values, sample_median, {}),
+                        0.95);
+  };
+  for (const double unit : {0x1p-400, 0x1p400, 0x1p1000}) {
+    EXPECT_EQ(interval_in(unit)->lower, unit * interval_in(1.0)->lower) << unit;
+    EXPECT_EQ(interval_in(unit)->upper, unit * interval_in(1.0)->upper) << unit;
+  }
+}
+
 // Results of candidates "a", "b", … without failures.
 PairedResults results_of(const std::vector<std::string>& metrics,
                          const std::vector<Eigen::MatrixXd>& values) {
