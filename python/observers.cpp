@@ -10,6 +10,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -471,7 +472,7 @@ class ArrayQuadrotorFilter {
   void reset(const py::object& pose) {
     const Eigen::VectorXd start = vector_of(pose, 6, "pose");
     const std::lock_guard lock(turn_);
-    filter_->reset(start);
+    start_at(start);
   }
 
   py::tuple update(const py::object& u, const py::object& y) {
@@ -481,7 +482,7 @@ class ArrayQuadrotorFilter {
     Eigen::Vector3d force;
     {
       const std::lock_guard lock(turn_);
-      filter_->update(thrusts, pose);
+      filter_->update(thrusts, unwrapped(pose));
       motion = filter_->motion();
       force = filter_->force();
     }
@@ -498,10 +499,10 @@ class ArrayQuadrotorFilter {
       const std::lock_guard lock(turn_);
       const Unlocked unlocked;
       Lookout lookout;
-      filter_->reset(y.row(0));
+      start_at(y.row(0));
       for (py::ssize_t k = 0; k < y.rows(); ++k) {
         lookout.sample();
-        filter_->update(u.row(std::max<py::ssize_t>(k - 1, 0)), y.row(k));
+        filter_->update(u.row(std::max<py::ssize_t>(k - 1, 0)), unwrapped(y.row(k)));
         motion.append(filter_->motion().data(), 12);
         const Eigen::Vector3d now = filter_->force();
         force.append(now.data(), 3);
@@ -511,7 +512,24 @@ class ArrayQuadrotorFilter {
   }
 
  private:
+  void start_at(const Vector6d& pose) {
+    filter_->reset(pose);
+    angles_ = pose.tail<3>();
+  }
+
+  // Angles that are logged within ±π jump by whole turns. The filter's own go on.
+  Vector6d unwrapped(Vector6d pose) {
+    constexpr double kTurn = 2.0 * std::numbers::pi;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const double turns = std::round((angles_(i) - pose(3 + i)) / kTurn);
+      if (std::isfinite(turns)) pose(3 + i) += kTurn * turns;
+      if (std::isfinite(pose(3 + i))) angles_(i) = pose(3 + i);
+    }
+    return pose;
+  }
+
   std::unique_ptr<QuadrotorEstimator> filter_;
+  Eigen::Vector3d angles_ = Eigen::Vector3d::Zero();  // measured last
   Turn turn_;
 };
 

@@ -347,7 +347,7 @@ class QuadrotorFilter(_core.ArrayQuadrotorFilter):
         """Filter a whole record.
 
         u (samples, 4): thrusts from each sample on [N]. y (samples, 6): poses [x y z roll pitch yaw] [m, rad].
-        The filter starts at rest at the first pose.
+        The filter starts at rest at the first pose. Angles may jump by whole turns.
         """
         return Motions(*self.filter_record(u, y))
 

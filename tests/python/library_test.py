@@ -225,6 +225,9 @@ class Filters(unittest.TestCase):
         for k in range(100):
             one, _ = f.update(run["thrust_applied_N"][max(k - 1, 0)], run["pose_measured"][k])
             np.testing.assert_array_equal(one, motion[k])
+        within_pi = run["pose_measured"].copy()
+        within_pi[50:, 3:] -= 2 * np.pi
+        np.testing.assert_allclose(f.filter(run["thrust_applied_N"], within_pi).motion, motion, atol=1e-12)
         off = motion[:, :3] - run["motion_true"][:, :3]
         self.assertLess(np.sqrt((off[50:] ** 2).mean()), 0.1)  # better than the measurement
 
