@@ -12,9 +12,9 @@
 namespace breakwater {
 namespace {
 
-constexpr long double kSmallestPivot = 1e-13L;  // of the eigenvectors' matrix, relative
-constexpr long double kObservable = 1e-16L;     // the same of the observability matrix
-constexpr double kAgreement = 1e-9;             // of two methods, relative
+constexpr long double kSmallestPivot = 1e-13L;  // relative, for the eigenvectors' matrix
+constexpr long double kObservable = 1e-16L;     // relative, for the observability matrix
+constexpr double kAgreement = 1e-9;             // relative, between two methods
 
 void check_group(const PoleGroup& group) {
   for (const auto& pole : group) {
@@ -130,8 +130,8 @@ long double ObserverPlacement::smallest_pivot() const {
   return pivots.minCoeff() / lu_.maxPivot();
 }
 
-// Ackermann's formula h = φ(A) O⁻¹ e_n for one output. The rows of O are those of Newton's basis,
-// c (A − s_1) … (A − s_i) with the poles' real parts s: they cancel less than c Aⁱ. Needs no
+// Ackermann's formula h = φ(A) O⁻¹ e_n for one output. The rows of O are
+// c (A − s_1) … (A − s_i) with the poles' real parts s. They cancel less than c Aⁱ. Needs no
 // eigenvalue of A and no distance between the poles.
 bool ObserverPlacement::find_for_one_output(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
                                             const PoleGroup& poles, Eigen::MatrixXd& H) {

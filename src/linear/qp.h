@@ -71,7 +71,7 @@ struct QpSolution {
 ///     γ = max(|g_j|/√H_jj, s_i |μ_i|),   β = max |finite bound_i|/s_i   and
 ///     ζ = max(min(max |z_j| √H_jj, β), 1e-9 γ)
 /// it is the largest of |H z + g + Ωᵀ μ|_j/(√H_jj γ), the violations of the rows/(s_i ζ), and
-/// |μ_i|·(distance from the bound of its sign)/(γ ζ). 0 means optimal. Infinite if a value is not
+/// |μ_i|·(distance from its bound)/(γ ζ). 0 means optimal. Infinite if a value is not
 /// finite or a multiplier belongs to an infinite bound. `values` is Ω z, `gradient` (n) is work
 /// space. Allocates nothing.
 double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,

@@ -5,8 +5,8 @@
 
 namespace breakwater::math {
 
-/// Until it is destroyed, this thread rounds to nearest, keeps subnormal numbers, computes long
-/// doubles with 64 bits and raises no signal, as at the start of a program. Then the caller's
+/// As at the start of a program, this thread rounds to nearest and keeps subnormal numbers. Long
+/// doubles have 64 bits, and no signal is raised. Then the caller's
 /// environment is back. Without it, a caller's rounding mode or FTZ bit would change the bits of a
 /// run. Threads inherit the environment of the thread that starts them.
 class FloatEnvironment {

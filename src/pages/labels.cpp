@@ -96,7 +96,7 @@ std::string unit_after(const std::string& unit) {
 }
 
 std::string key_label_with_unit(const std::string& key, const std::string& unit) {
-  const std::size_t bracket = std::min(key.find('['), key.size());  // of an element
+  const std::size_t bracket = std::min(key.find('['), key.size());  // an element's
   std::string label = without_unit(key.substr(0, bracket), unit) + " " + key.substr(bracket);
   if (label.ends_with(' ')) label.pop_back();
   std::replace_if(

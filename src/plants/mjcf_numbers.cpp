@@ -180,7 +180,7 @@ class MjcfCheck {
   std::filesystem::path folder_;  // the folder for includes
   std::uint64_t most_elements_;
   double elements_ = 0.0;
-  double bytes_ = 0.0;  // of grids
+  double bytes_ = 0.0;  // all grids
   std::set<std::filesystem::path> visited_;
 };
 

@@ -305,7 +305,7 @@ class TuneCommand : public StudyCommand {
       const TuningResult result = search_and_validate();
       if (result.replaced > 0) {
         warn(name(), {fmt::format("{}: {} in the shards had other values than this search asks "
-                                  "for, and ran again: tune.toml, libpagmo or libnlopt is another "
+                                  "for, and ran again. tune.toml, libpagmo or libnlopt is another "
                                   "one, or a shard is of another tuning",
                                   folder_.path().string(), number_of(result.replaced, "run"))});
       }

@@ -61,7 +61,7 @@ class RunFolder {
 
   std::filesystem::path target_;
   std::filesystem::path partial_;
-  std::filesystem::path written_;                    // what no other thread may write
+  std::filesystem::path written_;                    // no other thread may write these
   std::unique_ptr<detail::DataFile> lock_;           // on the partial folder
   std::vector<std::filesystem::path> made_parents_;  // innermost first
   bool is_done_ = false;                             // committed or kept

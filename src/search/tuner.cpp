@@ -103,7 +103,7 @@ class Runs {
   const std::string origin_;
   Shard shard_;
   std::unordered_map<std::string, PointResult> earlier_;  // from the shards, by PointResult::asked
-  std::set<std::size_t> numbers_;                         // of runs in the shards
+  std::set<std::size_t> numbers_;                         // runs in the shards
   std::set<std::size_t> replaced_;
   std::unordered_map<std::size_t, PointResult> known_;  // in use by the search
 };

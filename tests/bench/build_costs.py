@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the compilation of each unit costs: `./dev bench --build [TARGET...]`.
+"""The cost of the compilation of each unit: `./dev bench --build [TARGET...]`.
 
 It builds anew in build-costs, without a cache, and prints the units by processor time, with their
 memory and GCC's shares (-ftime-report). As `--run LOG COMPILER ARGUMENT...` it is the launcher of the
