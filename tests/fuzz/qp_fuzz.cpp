@@ -38,9 +38,10 @@ void solve(fuzz::Input& input, QpSolverKind kind, const QpModel& model) {
     if (std::max(largest, solution.mu.lpNorm<Eigen::Infinity>()) > 1e140) continue;
     const Eigen::VectorXd values = model.Omega * solution.z;
     // Other sums of Ω z and H z differ from those of the solver.
-    const double rounding =
-        1e-12 * largest *
-        std::max(model.H.lpNorm<Eigen::Infinity>(), model.Omega.lpNorm<Eigen::Infinity>());
+    const Eigen::VectorXd root = model.H.diagonal().cwiseSqrt();
+    const double reach = solution.z.cwiseProduct(root).lpNorm<Eigen::Infinity>();
+    const double slope = problem.g.cwiseQuotient(root).lpNorm<Eigen::Infinity>();
+    const double rounding = 1e-12 * (1.0 + reach / bound_scale(model, problem) + reach / slope);
     fuzz::require(kkt_residual(model, problem, solution, values, gradient) <=
                       1.01 * kQpSolvedBelow + rounding,
                   "solved means optimal");
