@@ -207,7 +207,7 @@ void bind_linear(py::module_& module) {
   module.def("place_observer_poles", place_for_observer);
   module.def("place_poles", place_for_control);
   module.def("zero_order_hold", hold);
-  module.def("extend_by_disturbance_model", extend);
+  module.def("extend_by_disturbance_model", extend, OwnFloats());
   module.def("damped_inertia", [](double inertia, double viscous_friction) {
     return matrices(damped_inertia(inertia, viscous_friction));
   });

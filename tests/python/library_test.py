@@ -1,5 +1,6 @@
 """The library on arrays, compared with NumPy, SciPy, CVXOPT and runs of the programs."""
 
+import ctypes
 import signal
 import sys
 import threading
@@ -365,6 +366,29 @@ class Work(unittest.TestCase):
                 finally:
                     signal.signal(signal.SIGALRM, before)
         stf.reset()  # it is free again
+
+
+class Floats(unittest.TestCase):
+    def test_the_callers_rounding_changes_no_bit(self):
+        libm = ctypes.CDLL("libm.so.6")
+        u, y = record(40)
+        A_d, Q = np.array([[1.0, 0.1], [0.0, 0.9]]), np.eye(2)
+
+        def bits():
+            found = [bw.dare(A_d, B, Q, 1.0), bw.zero_order_hold(A, B, C, PERIOD)]
+            for estimator in every_filter().values():
+                found += [estimator.update(*sample) for sample in zip(u, y)]
+            return [np.asarray(part).tobytes() for parts in found for part in parts]
+
+        usual = bits()
+        before = libm.fegetround()
+        for mode in (0x400, 0x800, 0xC00):  # down, up, towards zero
+            libm.fesetround(mode)
+            try:
+                found, still = bits(), libm.fegetround()
+            finally:
+                libm.fesetround(before)
+            self.assertEqual((found, still), (usual, mode))
 
 
 class Masks(unittest.TestCase):
