@@ -107,9 +107,7 @@ void LogStream::announce() {
                                           {"log", log}};
   const std::string text =
       running.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  PartialFile partial(folder_ / kRunning);
-  write_text_file(partial.path(), text);
-  partial.commit();
+  replace_file(folder_ / kRunning, text);
   auto running_file = std::make_unique<DataFile>(folder_ / kRunning, O_RDWR);
   running_file->lock();
   files_->running = std::move(running_file);

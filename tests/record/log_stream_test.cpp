@@ -222,10 +222,9 @@ TEST_F(LogStreams, LeaveAFolderThatNoRunRemoves) {
   EXPECT_TRUE(has(why_not_removable(first), "recover"));
   {
     RunFolder folder(target);
-    EXPECT_EQ(folder.path(), first.string() + "+2");
+    EXPECT_NE(folder.path(), first);
     EXPECT_EQ(finished_name(folder.path()), finished_name(first));
   }
-  EXPECT_FALSE(fs::exists(first.string() + "+2"));
   fs::create_directory(first.string() + "+3");
   { const RunFolder folder(target); }
   EXPECT_FALSE(fs::exists(first.string() + "+3"));
