@@ -47,7 +47,9 @@ function(breakwater_room name)
     target_precompile_headers(breakwater_${name} REUSE_FROM ${precompiled})
     # Eigen's templates take most of the time there: smaller units, for two cores and for a change of
     # one file.
-    if(name MATCHES "^(linear|observers|control|quadrotor|rigs)$")
+    if(name STREQUAL observers)
+      set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 2)
+    elseif(name MATCHES "^(linear|control|quadrotor|rigs)$")
       set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 4)
     endif()
     target_link_libraries(breakwater_${name}
