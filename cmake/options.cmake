@@ -14,6 +14,7 @@ if(FASTER_LINKER MATCHES "mold$")
 elseif(FASTER_LINKER)
   add_link_options(-fuse-ld=lld)
 endif()
+add_link_options(-Wl,--build-id=sha1)  # manifests have its hash
 
 option(BREAKWATER_TOOLS "All but the programs of the scenarios on axes: pages, studies, tests, ..." ON)
 option(BREAKWATER_NATIVE "Compile for this machine's processor: for benchmarks, not for goldens" OFF)

@@ -155,7 +155,7 @@ std::vector<std::string> ProgramTest::results_in_shards(const fs::path& study) c
   if (!fs::exists(shards)) return results;
   for (const auto& entry : fs::directory_iterator(shards)) {
     for (const std::string& line : lines_of(text_of(entry.path()))) {
-      if (line.find("\tpoint\t") != std::string::npos) results.push_back(line);
+      if (line.find("\tasked\t") != std::string::npos) results.push_back(line);
     }
   }
   return results;

@@ -87,7 +87,7 @@ class SameAsTheCommand(unittest.TestCase):
                 go_on()
                 self.assertEqual((folder / "study" / "results.csv").read_bytes(), whole)
                 kept = [line for shard in (folder / "study" / "shards").iterdir() if shard.stem != "left"
-                        for line in shard.read_text().splitlines() if "\tpoint\t" in line]
+                        for line in shard.read_text().splitlines() if "\tasked\t" in line]
                 self.assertLess(len(kept), RUNS)  # the existing half was not run again
                 self.assertGreater(len(kept), 0)
             self.assertEqual((folder / "study" / "study.toml").read_bytes(), study_file)

@@ -51,7 +51,7 @@ class Study:
     def done(self):
         """The number of results in the shards. It exceeds the number of points if some ran
         twice."""
-        return sum(text.read_text(errors="replace").count("\tpoint\t")
+        return sum(text.read_text(errors="replace").count("\tasked\t")
                    for text in (self.folder / "shards").glob("*"))
 
     def job(self, number=1):

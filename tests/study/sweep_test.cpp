@@ -418,7 +418,8 @@ TEST_F(Sweep, ARowHasTheResultsOfItsOwnRun) {
   const auto same_as_new = [&](const std::string& study, const std::string& words) {
     const ProgramResult result = swept(study);
     EXPECT_TRUE(has(result.err, "sweep: warning: ", ".shard: ", "of other runs than this study"));
-    swept("ishigami --case noisy " + words + " --out new --rerun");
+    fs::remove_all(folder_ / "new");
+    swept("ishigami --case noisy " + words + " --out new");
     EXPECT_EQ(read(study + "/results.csv"), read("new/results.csv")) << words;
     EXPECT_EQ(swept(study).err, "");
   };
