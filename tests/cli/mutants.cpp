@@ -136,7 +136,6 @@ constexpr Legal kLegal[] = {
      "a metric of a signal that the run does not have is left out, with a warning"},
     {"model.urdf", "<(robot|joint)> name", ".*", "nothing asks for it by its name"},
     {"model.urdf", "<origin> xyz", "negative", "a place"},
-    {"model.urdf", "<inertia> i(xy|xz|yz)", "negative", "a product of inertia"},
     {"model.mjcf", "<geom> material", ".*", "a default that every geom of its class overrides"},
     {"model.mjcf", "<(body|camera|geom|inertial|light|site)> (pos|fromto)", "negative", "a place"},
     {"model.mjcf", "<statistic> center", "negative", "a place"},
