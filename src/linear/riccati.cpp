@@ -7,11 +7,13 @@
 #include <complex>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include <breakwater/linear/observability.h>
 #include <breakwater/linear/pole_placement.h>
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 namespace {
@@ -150,7 +152,8 @@ Eigen::VectorXd balance(const Plant& plant) {
   constexpr int kMostSweeps = 100;
   const Eigen::Index n = plant.A.rows();
   const auto logarithms = [](const Matrix& matrix) -> Matrix {
-    return matrix.unaryExpr([](double entry) { return std::log2(std::abs(entry)); });
+    return matrix.unaryExpr(
+        [](double entry) { return math::log(std::abs(entry)) * std::numbers::log2e; });
   };
   const Matrix A = logarithms(plant.A);
   const Matrix Q = logarithms(plant.Q);
@@ -175,7 +178,7 @@ Eigen::VectorXd balance(const Plant& plant) {
       is_changed = true;
     }
   }
-  return exponent.unaryExpr([](double power) { return std::exp2(power); });
+  return exponent.unaryExpr([](double power) { return std::ldexp(1.0, static_cast<int>(power)); });
 }
 
 Plant scaled(const Plant& plant, const Eigen::VectorXd& d) {

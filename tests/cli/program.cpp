@@ -155,7 +155,9 @@ std::vector<std::string> ProgramTest::results_in_shards(const fs::path& study) c
   if (!fs::exists(shards)) return results;
   for (const auto& entry : fs::directory_iterator(shards)) {
     for (const std::string& line : lines_of(text_of(entry.path()))) {
-      if (line.find("\tasked\t") != std::string::npos) results.push_back(line);
+      const bool is_result = line.find("\tasked\t") != std::string::npos ||
+                             line.find("\tpoint\t") != std::string::npos;
+      if (is_result) results.push_back(line);
     }
   }
   return results;
