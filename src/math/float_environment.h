@@ -6,9 +6,9 @@
 namespace breakwater::math {
 
 /// As at the start of a program, this thread rounds to nearest and keeps subnormal numbers. Long
-/// doubles have 64 bits, and no signal is raised. Then the caller's
-/// environment is back. Without it, a caller's rounding mode or FTZ bit would change the bits of a
-/// run. Threads inherit the environment of the thread that starts them.
+/// doubles have 64 bits, and no signal is raised. The destructor brings the caller's environment
+/// back. Without it, a caller's rounding mode or FTZ bit would change the bits of a run. Threads
+/// inherit the environment of the thread that starts them.
 class FloatEnvironment {
  public:
   FloatEnvironment() {
