@@ -66,7 +66,11 @@ class Runs {
         continue;
       }
       PointResult result = found->second;
-      result.number = number;  // another evaluation may have had the same values
+      if (result.number != number) {  // another evaluation had the same values
+        result.number = number;
+        result.asked = plan_.asked(number);
+        shard_.add(result);
+      }
       keep(result);
     }
     return missing;
