@@ -63,7 +63,7 @@ class MachineLimits(Folder):
         self.call(*STUDY, "--jobs", "1", "--out", "one")
         status, text = self.limited(*STUDY, "--jobs", "16", "--out", "many",
                                     limits={resource.RLIMIT_STACK: 600_000_000,
-                                            resource.RLIMIT_AS: 2_000_000_000})
+                                            resource.RLIMIT_AS: 1_800_000_000})
         self.assertEqual(status, 0, text)
         self.assertNotIn("memory", text)
         self.assertEqual(*((self.folder / name / "results.csv").read_bytes() for name in ("one", "many")))
@@ -80,7 +80,7 @@ class MachineLimits(Folder):
     def test_a_study_without_memory_is_no_study_of_refused_runs(self):
         self.call(*STUDY, "--jobs", "1", "--out", "one")
         ends = set()
-        for mega_bytes in range(248, 380, 4):
+        for mega_bytes in range(40, 380, 8):
             out = f"of_{mega_bytes}_MB"
             status, text = self.limited(*STUDY, "--jobs", "1", "--out", out,
                                         limits={resource.RLIMIT_AS: mega_bytes * 1_000_000})
