@@ -158,7 +158,6 @@ TEST(Identification, FindsTheParametersOfABench) {
   }
 }
 
-// Sample moments of (a, b).
 // A motor in mN m, or a stage in µm: the same axis in other units.
 TEST(Identification, UnitsChangeNothing) {
   Bench bench;
@@ -179,6 +178,7 @@ TEST(Identification, UnitsChangeNothing) {
   }
 }
 
+// Sample moments of (a, b).
 struct Moments {
   double std_a, std_b, correlation;
 };
