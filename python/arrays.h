@@ -12,7 +12,7 @@
 #include <typeinfo>
 #include <vector>
 
-#include <breakwater/math/float_environment.h>
+#include "interpreter.h"
 
 namespace breakwater::python {
 namespace py = pybind11;
@@ -57,10 +57,6 @@ py::array_t<double> matrix_array(const Eigen::MatrixXd& values);
 py::array view_of(const double* data, std::vector<py::ssize_t> shape,
                   std::vector<py::ssize_t> strides, const py::object& owner);
 
-/// For a call whose bits must not depend on the caller's rounding mode. Calls that are Unlocked
-/// have it already.
-using OwnFloats = py::call_guard<math::FloatEnvironment>;
-
 /// A class whose objects cannot be used before their __init__.
 template <typename T>
 py::class_<T> bind_class(py::module_& module, const char* name, const char* doc = "") {
@@ -77,7 +73,7 @@ template <typename T, typename Method, typename... Extra>
 void bind_method(py::class_<T>& bound, const std::string& name, const std::string& takes,
                  const Method& method, const std::string& doc, const Extra&... extra) {
   bound.def(name.c_str(), method, (name + "($self, " + takes + ")\n--\n\n" + doc).c_str(),
-            OwnFloats(), extra...);
+            OwnCall(), extra...);
   bound.def(name.c_str(),
             [line = name + "() takes " + takes](const py::object& /*self*/, const py::args&,
                                                 const py::kwargs&) -> py::object {

@@ -16,7 +16,7 @@ constexpr std::chrono::seconds kLongestWait(5);
 constexpr std::chrono::milliseconds kPoll(2);
 
 std::atomic<bool> ending = false;
-std::atomic<int> threads_unlocked = 0;
+std::atomic<int> calls = 0;
 
 // Calls a body that Python may unwind. The thread then waits for the end of the process.
 template <typename Body>
@@ -32,7 +32,7 @@ void end_threads() {
   ending = true;
   const auto begin = std::chrono::steady_clock::now();
   const py::gil_scoped_release others;
-  while (threads_unlocked > 0 && std::chrono::steady_clock::now() - begin < kLongestWait) {
+  while (calls > 0 && std::chrono::steady_clock::now() - begin < kLongestWait) {
     std::this_thread::sleep_for(kPoll);
   }
 }
@@ -51,15 +51,22 @@ void check_not_ending() {
 
 Locked::Locked() : state_(never_unwound(PyGILState_Ensure)) {}
 
+Call::Call() {
+  check_not_ending();
+  ++calls;
+}
+
+Call::~Call() {
+  --calls;
+}
+
 Unlocked::Unlocked() : state_(nullptr) {
   check_not_ending();
-  ++threads_unlocked;
   state_ = PyEval_SaveThread();
 }
 
 Unlocked::~Unlocked() {
   never_unwound([this] { PyEval_RestoreThread(state_); });
-  --threads_unlocked;
 }
 
 void obey_signals() {
@@ -92,8 +99,8 @@ PyObject* call_python(PyObject* callable, PyObject* const* arguments, std::size_
 void bind_exit() {
   py::module_::import("atexit").attr("register")(py::cpp_function(end_threads));
   // A child process lacks the other threads of its parent.
-  py::module_::import("os").attr("register_at_fork")(
-      py::arg("after_in_child") = py::cpp_function([] { threads_unlocked = 0; }));
+  py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") =
+                                                         py::cpp_function([] { calls = 0; }));
 }
 
 }  // namespace breakwater::python

@@ -35,8 +35,22 @@ class Locked {
   PyGILState_STATE state_;
 };
 
-/// Releases the lock, for work whose bits do not depend on the caller's floating-point environment.
-/// The interpreter's exit waits some time for such threads. Throws as check_not_ending().
+/// A call of the library by Python, with a floating-point environment of its own. The interpreter's
+/// exit waits some time for its end: Python would unwind its thread, and then its destructors use
+/// an interpreter without the lock. The caller has the lock. Throws as check_not_ending().
+class Call {
+ public:
+  Call();
+  ~Call();
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+ private:
+  const math::FloatEnvironment floats_;
+};
+using OwnCall = py::call_guard<Call>;
+
+/// Releases the lock within a Call. Throws as check_not_ending().
 class Unlocked {
  public:
   Unlocked();
@@ -45,7 +59,6 @@ class Unlocked {
   Unlocked& operator=(const Unlocked&) = delete;
 
  private:
-  const math::FloatEnvironment floats_;
   PyThreadState* state_;
 };
 

@@ -187,7 +187,7 @@ void bind_chain(py::module_& module) {
         return matrix_array(chain.mass_matrix(angles(chain, q, "q_rad")));
       },
       "(n, n) [kg m^2], without the motors' armature.", py::arg("q_rad"));
-  bound.def(py::init(&load_chain), py::arg("urdf"))
+  bound.def(py::init(&load_chain), OwnCall(), py::arg("urdf"))
       .def(py::init([](const py::args&, const py::kwargs&) -> std::unique_ptr<PlanarChain> {
         throw py::type_error("PlanarChain() takes urdf");
       }))
@@ -203,24 +203,31 @@ void bind_chain(py::module_& module) {
 }  // namespace
 
 void bind_linear(py::module_& module) {
-  module.def("dare", dare);
-  module.def("place_observer_poles", place_for_observer);
-  module.def("place_poles", place_for_control);
-  module.def("zero_order_hold", hold);
-  module.def("extend_by_disturbance_model", extend, OwnFloats());
-  module.def("damped_inertia", [](double inertia, double viscous_friction) {
-    return matrices(damped_inertia(inertia, viscous_friction));
-  });
-  module.def("observability_rank", [](const py::object& A_object, const py::object& C_object) {
-    return apart([A = matrix(A_object, "A"), C = matrix(C_object, "C")] {
-      check(StateSpace{A, Eigen::MatrixXd::Zero(A.rows(), 1), C});
-      return observability_rank(A, C);
-    });
-  });
+  module.def("dare", dare, OwnCall());
+  module.def("place_observer_poles", place_for_observer, OwnCall());
+  module.def("place_poles", place_for_control, OwnCall());
+  module.def("zero_order_hold", hold, OwnCall());
+  module.def("extend_by_disturbance_model", extend, OwnCall());
+  module.def(
+      "damped_inertia",
+      [](double inertia, double viscous_friction) {
+        return matrices(damped_inertia(inertia, viscous_friction));
+      },
+      OwnCall());
+  module.def(
+      "observability_rank",
+      [](const py::object& A_object, const py::object& C_object) {
+        return apart([A = matrix(A_object, "A"), C = matrix(C_object, "C")] {
+          check(StateSpace{A, Eigen::MatrixXd::Zero(A.rows(), 1), C});
+          return observability_rank(A, C);
+        });
+      },
+      OwnCall());
   bind_class<Qp>(module, "Qp")
-      .def(py::init<const py::object&, const py::object&, const py::object&, const py::object&>())
-      .def("solve", &Qp::solve)
-      .def("reset", &Qp::reset);
+      .def(py::init<const py::object&, const py::object&, const py::object&, const py::object&>(),
+           OwnCall())
+      .def("solve", &Qp::solve, OwnCall())
+      .def("reset", &Qp::reset, OwnCall());
   bind_chain(module);
 }
 

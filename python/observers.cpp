@@ -545,14 +545,14 @@ void bind_observers(py::module_& module) {
               "(x, d).\n\n"
               "The first u after a reset is ignored.",
               py::arg("u"), py::arg("y"));
-  estimator.def(py::init<const std::string&, const py::dict&>(), OwnFloats())
-      .def("filter_record", &ArrayEstimator::filter, "The arrays of filter().")
+  estimator.def(py::init<const std::string&, const py::dict&>(), OwnCall())
+      .def("filter_record", &ArrayEstimator::filter, OwnCall(), "The arrays of filter().")
       .def_property_readonly("x", &ArrayEstimator::state, "A copy of the estimated state (n).")
       .def_property_readonly("d", &ArrayEstimator::disturbance,
                              "A copy of the estimated disturbance (m), which opposes the input.")
       .def_property_readonly("innovation", &ArrayEstimator::innovation,
                              "y - C x(k|k-1) (p), a copy; empty of one that has none.")
-      .def_property_readonly("pole_matrix", &ArrayEstimator::pole_matrix, OwnFloats(),
+      .def_property_readonly("pole_matrix", &ArrayEstimator::pole_matrix, OwnCall(),
                              "The matrix whose eigenvalues are the poles at this sample.");
   auto filter = bind_class<ArrayQuadrotorFilter>(module, "ArrayQuadrotorFilter");
   bind_method(filter, "reset", "pose", &ArrayQuadrotorFilter::reset,
@@ -562,8 +562,8 @@ void bind_observers(py::module_& module) {
               "(6).\nReturns (motion, force): [pose; its rate] (12), and the disturbance force (3) "
               "[N].",
               py::arg("u"), py::arg("y"));
-  filter.def(py::init<const py::dict&>(), OwnFloats())
-      .def("filter_record", &ArrayQuadrotorFilter::filter, "The arrays of filter().");
+  filter.def(py::init<const py::dict&>(), OwnCall())
+      .def("filter_record", &ArrayQuadrotorFilter::filter, OwnCall(), "The arrays of filter().");
 }
 
 }  // namespace breakwater::python

@@ -199,16 +199,21 @@ void bind_runs(py::module_& module) {
           "is_streamed",
           [](const OwnRun& own) { return own.recording.tracks.front().is_streamed(); })
       .def("warnings", warnings)
-      .def("array", [](const py::object& self, const std::string& group,
-                       const std::string& name) { return array_of(self, group, name); })
-      .def("save", save);
-  module.def("run", run);
+      .def(
+          "array",
+          [](const py::object& self, const std::string& group, const std::string& name) {
+            return array_of(self, group, name);
+          },
+          OwnCall())
+      .def("save", save, OwnCall());
+  module.def("run", run, OwnCall());
 
   bind_class<FolderRun>(module, "SavedRun")
       .def(py::init([](const fs::path& folder) {
-        const Unlocked unlocked;
-        return std::make_unique<FolderRun>(folder);
-      }))
+             const Unlocked unlocked;
+             return std::make_unique<FolderRun>(folder);
+           }),
+           OwnCall())
       .def_property_readonly("scenario", &FolderRun::scenario)
       .def_property_readonly("case", &FolderRun::case_name)
       .def_property_readonly("config_text", &FolderRun::config_text)
@@ -220,9 +225,12 @@ void bind_runs(py::module_& module) {
       .def_property_readonly(
           "is_cut", [](const FolderRun& run) { return run.failure() && run.failure()->is_cut; })
       .def_property_readonly("notes", &FolderRun::notes)
-      .def("array", [](const py::object& self, const std::string& group, const std::string& name) {
-        return array_of_saved(self, group + "/" + name);
-      });
+      .def(
+          "array",
+          [](const py::object& self, const std::string& group, const std::string& name) {
+            return array_of_saved(self, group + "/" + name);
+          },
+          OwnCall());
 
   module.def("did_you_mean", did_you_mean);
   module.def("scenarios", [] {
