@@ -13,6 +13,8 @@ Catalogue standard_catalogue();
 /// The part of it that needs no quadrotor and no recorded data. The component `axes_scenarios`
 /// contains it.
 Catalogue axes_catalogue();
+/// The same with the estimators that others published.
+Catalogue whole_axes_catalogue();
 
 namespace detail {
 int scenario_program(int argc, const char* const* argv, const Catalogue& catalogue,

@@ -1,38 +1,15 @@
 // Breakwater's estimators of an axis: their keys, and the functions that make them.
 #include <breakwater/observers/asymmetric_fakfd.h>
-#include <breakwater/observers/eso.h>
-#include <breakwater/observers/gsf.h>
 #include <breakwater/observers/idob.h>
-#include <breakwater/observers/immkf.h>
 #include <breakwater/observers/kfd.h>
-#include <breakwater/observers/mckf.h>
 #include <breakwater/observers/mdob.h>
-#include <breakwater/observers/mhe.h>
-#include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
-#include <breakwater/observers/tracking_differentiator.h>
-#include <breakwater/observers/vbakf.h>
-#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/estimator_settings.h>
 
 namespace breakwater {
 namespace {
-
-using Estimator = std::unique_ptr<DisturbanceEstimator>;
-
-// The plant of all axes has other inputs, outputs and states than one axis.
-bool is_whole(const NominalAxis& axis) {
-  const StateSpace& plant = axis.plant;
-  return plant.inputs() != 1 || plant.outputs() != 1 || (plant.states() != 2 && axis.E.size() == 0);
-}
-
-void need_one_axis(const NominalAxis& axis, const std::string& observer) {
-  if (!is_whole(axis)) return;
-  throw WrongKey("observer.name", observer +
-                                      " estimates a single axis; a whole plant can have none, "
-                                      "state_observer, idob, kfd, fakfd, qvff or stf");
-}
 
 struct Poles {
   std::vector<std::vector<double>> poles_rad_s;
@@ -74,13 +51,6 @@ Estimator make_state_observer(const Poles& settings, const NominalAxis& axis) {
   });
 }
 
-// The IDOB and the MDOB estimate a disturbance at the input.
-void need_one_inertia(const NominalAxis& axis, const std::string& observer) {
-  if (axis.E.size() == 0) return;
-  throw WrongKey("nominal.model", "must be rigid or motor for " + observer +
-                                      ": it finds no disturbance behind a spring");
-}
-
 Estimator make_idob(const Poles& settings, const NominalAxis& axis) {
   need_one_inertia(axis, "idob");
   return blame("observer.poles_rad_s", [&] {
@@ -92,10 +62,6 @@ struct MdobCutoffs {
   double derivative_rad_s = 0.0;  // g_d; 0: the raw difference
   double observer_rad_s = 0.0;    // g_w
 };
-
-void bind_low_pass(Fields& fields, double& cutoff_rad_s) {
-  fields.number("observer.low_pass_cutoff_rad_s", cutoff_rad_s, positive(), "g_w [rad/s]");
-}
 
 void bind_mdob(Fields& fields, MdobCutoffs& settings) {
   fields.number("observer.derivative_cutoff_rad_s", settings.derivative_rad_s, not_negative(),
@@ -113,36 +79,6 @@ Estimator make_mdob(const MdobCutoffs& settings, const NominalAxis& axis) {
                                        : std::numeric_limits<double>::infinity();
   design.observer_cutoff_rad_s = settings.observer_rad_s;
   return std::make_unique<Mdob>(design, axis.period_s);
-}
-
-struct DisturbanceModel {
-  int order = 0;
-
-  void bind(Fields& fields) {
-    fields.count("observer.disturbance_order", order, between(0, 2),
-                 "disturbance model: step (0), ramp (1) or parabola (2)");
-  }
-  ExtendedPlant extend(const NominalAxis& axis) const {
-    return axis.extended(order, axis.period_s);
-  }
-};
-
-void bind_process_noise(Fields& fields, double& process_noise) {
-  fields.number("observer.process_noise", process_noise, not_negative(), "Q: process noise");
-}
-
-void bind_initial_covariance(Fields& fields, std::vector<double>& initial_covariance) {
-  fields.numbers("observer.initial_covariance", initial_covariance, positive(),
-                 "diagonal of the initial covariance P0 of position, velocity, d, ...");
-}
-
-Eigen::VectorXd diagonal_of(const std::vector<double>& P0, const ExtendedPlant& plant) {
-  if (static_cast<Eigen::Index>(P0.size()) != plant.states()) {
-    throw WrongKey("observer.initial_covariance", "needs one initial covariance for each of the " +
-                                                      std::to_string(plant.states()) +
-                                                      " extended states");
-  }
-  return Eigen::Map<const Eigen::VectorXd>(P0.data(), plant.states());
 }
 
 enum class ProcessNoise { input, all, disturbance };
@@ -317,208 +253,6 @@ Estimator make_stf(const DisturbanceModel& settings, const NominalAxis& axis) {
                                axis.sensor);
 }
 
-// The noise of the published estimators: on the disturbance alone, with R from the sensor.
-struct DisturbanceNoise {
-  DisturbanceModel model;
-  double process_noise = 0.0;
-
-  void bind(Fields& fields) {
-    model.bind(fields);
-    bind_process_noise(fields, process_noise);
-  }
-  ExtendedPlant extend(const NominalAxis& axis, const std::string& observer) const {
-    need_one_axis(axis, observer);
-    if (!(process_noise > 0.0)) {
-      throw WrongKey("observer.process_noise", "must be positive for this observer");
-    }
-    return model.extend(axis);
-  }
-};
-
-// The same for the published Kalman filters.
-struct KnownSensorNoise {
-  DisturbanceNoise disturbance;
-  std::vector<double> initial_covariance;
-
-  void bind(Fields& fields) {
-    disturbance.bind(fields);
-    bind_initial_covariance(fields, initial_covariance);
-  }
-  KalmanDesign design(const NominalAxis& axis, const std::string& observer) const {
-    const ExtendedPlant plant = disturbance.extend(axis, observer);
-    if (plant.states() > kMostAxisStates) {
-      throw WrongKey("observer.disturbance_order",
-                     "must be at most " +
-                         std::to_string(kMostAxisStates - axis.plant.states() - 1) + " for " +
-                         observer + " and this axis");
-    }
-    return known_sensor_design(plant, axis.sensor, disturbance.process_noise,
-                               diagonal_of(initial_covariance, plant));
-  }
-};
-
-void bind_likelihood(Fields& fields, Likelihood& likelihood) {
-  fields.choice("observer.likelihood", likelihood,
-                {{"gauss", Likelihood::gauss}, {"code", Likelihood::code}},
-                "likelihood of a measurement: a Gaussian density, or the probability of the "
-                "encoder's code");
-  fields.standard("observer.likelihood", {std::string("gauss")});
-}
-
-struct ImmSettings {
-  KnownSensorNoise noise;
-  ImmDesign imm;
-};
-
-void bind_immkf(Fields& fields, ImmSettings& settings) {
-  settings.noise.bind(fields);
-  bind_likelihood(fields, settings.imm.likelihood);
-  fields.optional_number("observer.noise_ratio", settings.imm.noise_ratio, positive(),
-                         "eta: process noise of the busy model over that of the quiet one");
-  fields.optional_number("observer.stays_quiet", settings.imm.stays_quiet, between(0, 1),
-                         "probability that the quiet model stays from a sample to the next");
-  fields.optional_number("observer.stays_busy", settings.imm.stays_busy, between(0, 1),
-                         "the same for the busy model");
-}
-
-Estimator make_immkf(const ImmSettings& settings, const NominalAxis& axis) {
-  return sized_immkf(settings.noise.design(axis, "immkf"), axis.sensor, settings.imm);
-}
-
-struct CorrentropySettings {
-  KnownSensorNoise noise;
-  CorrentropyDesign correntropy;
-};
-
-void bind_mckf(Fields& fields, CorrentropySettings& settings) {
-  settings.noise.bind(fields);
-  bind_likelihood(fields, settings.correntropy.likelihood);
-  fields.optional_number(
-      "observer.kernel_width", settings.correntropy.kernel_width, positive(),
-      "sigma: width of the kernel, in standard deviations of the predicted disturbance");
-}
-
-Estimator make_mckf(const CorrentropySettings& settings, const NominalAxis& axis) {
-  return sized_mckf(settings.noise.design(axis, "mckf"), axis.sensor, settings.correntropy);
-}
-
-void bind_eso(Fields& fields, EsoDesign& settings) {
-  fields.number("observer.bandwidth_rad_s", settings.bandwidth_rad_s, positive(),
-                "omega_o: bandwidth; all poles are at -omega_o [rad/s]");
-  fields.standard("observer.bandwidth_rad_s", {60.0});
-  fields.number("observer.linear_zone", settings.linear_zone, not_negative(),
-                "delta of Han's fal: innovation up to which the gains are linear; 0: always [rad, "
-                "or m]");
-  fields.standard("observer.linear_zone", {0.0});
-}
-
-Estimator make_eso(const EsoDesign& settings, const NominalAxis& axis) {
-  need_one_axis(axis, "eso");
-  need_one_inertia(axis, "eso");
-  EsoDesign design = settings;
-  if (design.linear_zone == 0.0) design.linear_zone = std::numeric_limits<double>::infinity();
-  return blame("observer.bandwidth_rad_s",
-               [&] { return std::make_unique<Eso>(axis.plant, design, axis.period_s); });
-}
-
-void bind_tracking_differentiator(Fields& fields, TrackingDesign& settings) {
-  fields.number("observer.largest_acceleration", settings.acceleration, positive(),
-                "r of Han's fhan: largest acceleration of the estimate [rad/s2, or m/s2]");
-  fields.standard("observer.largest_acceleration", {100.0});
-  fields.number("observer.filter_samples", settings.filter_samples, between(1, 1e6),
-                "h_0/T_s of Han's fhan: larger values filter more");
-  fields.standard("observer.filter_samples", {10.0});
-  bind_low_pass(fields, settings.cutoff_rad_s);
-}
-
-Estimator make_tracking_differentiator(const TrackingDesign& settings, const NominalAxis& axis) {
-  need_one_axis(axis, "tracking_differentiator");
-  need_one_inertia(axis, "tracking_differentiator");
-  TrackingDesign design = settings;
-  design.inertia = 1.0 / axis.plant.B(1, 0);
-  return std::make_unique<TrackingDifferentiator>(design, axis.period_s);
-}
-
-struct VariationalSettings {
-  KnownSensorNoise noise;
-  VariationalDesign variational;
-};
-
-void bind_vbakf(Fields& fields, VariationalSettings& settings) {
-  settings.noise.bind(fields);
-  fields.optional_number("observer.forgetting", settings.variational.forgetting, between(0.01, 1),
-                         "rho: forgetting factor of the estimate of R; 1: R is known");
-  fields.optional_number("observer.prior_samples", settings.variational.prior_samples, positive(),
-                         "tau: weight of the predicted covariance, in samples");
-  fields.optional_count("observer.iterations", settings.variational.iterations, between(1, 100),
-                        "fixed-point iterations in a sample");
-}
-
-Estimator make_vbakf(const VariationalSettings& settings, const NominalAxis& axis) {
-  return sized_vbakf(settings.noise.design(axis, "vbakf"), settings.variational);
-}
-
-struct GaussianSumSettings {
-  KnownSensorNoise noise;
-  int parts = 5;
-};
-
-void bind_gsf(Fields& fields, GaussianSumSettings& settings) {
-  settings.noise.bind(fields);
-  fields.optional_count("observer.parts", settings.parts, between(1, 20),
-                        "number of Gaussian densities after a sample");
-}
-
-Estimator make_gsf(const GaussianSumSettings& settings, const NominalAxis& axis) {
-  return sized_gsf(settings.noise.design(axis, "gsf"), axis.sensor, settings.parts);
-}
-
-struct MovingHorizonSettings {
-  DisturbanceNoise noise;
-  int horizon = 10;
-  bool has_constraints = true;
-};
-
-void bind_mhe(Fields& fields, MovingHorizonSettings& settings) {
-  settings.noise.bind(fields);
-  fields.optional_count("observer.horizon", settings.horizon, between(1, 50),
-                        "samples in the window");
-  fields.flag("observer.code_constraints", settings.has_constraints,
-              "whether the codes' intervals are constraints");
-  fields.standard("observer.code_constraints", {settings.has_constraints});
-}
-
-Estimator make_mhe(const MovingHorizonSettings& settings, const NominalAxis& axis) {
-  const ExtendedPlant plant = settings.noise.extend(axis, "mhe");
-  const KalmanDesign design =
-      known_sensor_design(plant, axis.sensor, settings.noise.process_noise,
-                          Eigen::VectorXd::Ones(plant.states()));  // P0 is not used
-  return std::make_unique<Mhe>(design, axis.sensor, settings.horizon, settings.has_constraints);
-}
-
-struct MultipleModelSettings {
-  double largest_d = 0.0;
-};
-
-void bind_multiple_model(Fields& fields, MultipleModelSettings& settings) {
-  fields.number(
-      "observer.largest_disturbance", settings.largest_d, not_negative(),
-      "D: largest possible disturbance; 0: the drive's largest force, or the largest input "
-      "of a record [N m, or N]");
-  fields.standard("observer.largest_disturbance", {0.0});
-}
-
-Estimator make_multiple_model(const MultipleModelSettings& settings, const NominalAxis& axis) {
-  need_one_axis(axis, "qbank");
-  const double largest_d = settings.largest_d > 0.0 ? settings.largest_d : axis.force_limit;
-  if (!(largest_d > 0.0) || !std::isfinite(largest_d)) {
-    throw WrongKey("observer.largest_disturbance",
-                   "must be positive here: 0 selects the largest input, which is 0 or unlimited");
-  }
-  return sized_multiple_model(
-      {axis.plant, axis.period_s, axis.sensor, largest_d, axis.E, axis.inertia});
-}
-
 }  // namespace
 
 std::vector<AxisEstimatorKind> axis_estimators() {
@@ -532,19 +266,7 @@ std::vector<AxisEstimatorKind> axis_estimators() {
       {"vfakfd", "KFD with a variable forgetting factor", bind_vfakfd, make_vfakfd},
       {"qvff", "VFAKFD designed for quantisation and noise", bind_qvff, make_qvff},
       {"stf", "strong tracking filter: KFD that raises its covariance after a change", bind_stf,
-       make_stf},
-      {"qbank", "multiple-model estimator with the exact likelihood of the encoder",
-       bind_multiple_model, make_multiple_model},
-      {"immkf", "interacting-multiple-model Kalman filter with a quiet and a busy disturbance",
-       bind_immkf, make_immkf},
-      {"mckf", "maximum-correntropy Kalman filter as a disturbance observer", bind_mckf, make_mckf},
-      {"eso", "extended state observer, linear or with Han's nonlinear gains", bind_eso, make_eso},
-      {"tracking_differentiator", "Han's tracking differentiator with the MDOB's low-pass",
-       bind_tracking_differentiator, make_tracking_differentiator},
-      {"vbakf", "variational-Bayes adaptive Kalman filter", bind_vbakf, make_vbakf},
-      {"gsf", "Gaussian-sum filter with the quantiser's likelihood", bind_gsf, make_gsf},
-      {"mhe", "moving-horizon estimation with the codes' intervals as constraints", bind_mhe,
-       make_mhe}};
+       make_stf}};
 }
 
 }  // namespace breakwater

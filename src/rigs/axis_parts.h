@@ -114,8 +114,9 @@ class AxisParts
       : LoopParts(catalogue, "observer.name", standard_estimator, standard_controller) {}
 };
 
-/// The estimators and controllers of Breakwater.
+/// The estimators of the thesis and QVFF, and those of others: library `published`.
 std::vector<AxisEstimatorKind> axis_estimators();
+std::vector<AxisEstimatorKind> published_estimators();
 std::vector<AxisControllerKind> axis_controllers();
 
 }  // namespace breakwater

@@ -43,6 +43,7 @@ const Catalogue& parts() {
     for (ContactLawKind& kind : contact_laws()) made.add(std::move(kind));
     for (FrictionKind& kind : friction_laws()) made.add(std::move(kind));
     for (AxisEstimatorKind& kind : axis_estimators()) made.add(std::move(kind));
+    for (AxisEstimatorKind& kind : published_estimators()) made.add(std::move(kind));
     for (AxisControllerKind& kind : axis_controllers()) made.add(std::move(kind));
     for (PlantControllerKind& kind : plant_controllers()) made.add(std::move(kind));
     return made;

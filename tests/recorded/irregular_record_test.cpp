@@ -86,6 +86,7 @@ class IrregularRecord : public ::testing::Test {
     stream.close();
     Catalogue catalogue;
     for (const AxisEstimatorKind& kind : axis_estimators()) catalogue.add(kind);
+    for (const AxisEstimatorKind& kind : published_estimators()) catalogue.add(kind);
     const ScenarioFile file(testing::source_file("data/estimate/estimate.toml"), "estimate");
     sets.insert(sets.begin(),
                 {"csv.file=\"" + file_.string() + "\"", "plant.inertia=" + std::to_string(kInertia),

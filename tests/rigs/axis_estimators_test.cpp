@@ -30,6 +30,7 @@ std::unique_ptr<DisturbanceEstimator> make(const std::string& name,
                                            const NominalAxis& axis = one_axis()) {
   Catalogue catalogue;
   for (const AxisEstimatorKind& kind : axis_estimators()) catalogue.add(kind);
+  for (const AxisEstimatorKind& kind : published_estimators()) catalogue.add(kind);
   PartChoice<AxisEstimatorKind> choice(catalogue, "observer.name", "");
   Fields fields;
   choice.bind(fields);
@@ -234,6 +235,7 @@ TEST_P(AxisEstimators, PropertySayWhenTheyAreNotFinite) {
 std::vector<std::string> names() {
   std::vector<std::string> all;
   for (const AxisEstimatorKind& kind : axis_estimators()) all.push_back(kind.name);
+  for (const AxisEstimatorKind& kind : published_estimators()) all.push_back(kind.name);
   return all;
 }
 

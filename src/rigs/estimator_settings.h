@@ -1,0 +1,67 @@
+// Settings that several estimators of an axis share.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <breakwater/rigs/axis_parts.h>
+
+namespace breakwater {
+
+using Estimator = std::unique_ptr<DisturbanceEstimator>;
+
+// The plant of all axes has other inputs, outputs and states than one axis.
+inline bool is_whole(const NominalAxis& axis) {
+  const StateSpace& plant = axis.plant;
+  return plant.inputs() != 1 || plant.outputs() != 1 || (plant.states() != 2 && axis.E.size() == 0);
+}
+
+inline void need_one_axis(const NominalAxis& axis, const std::string& observer) {
+  if (!is_whole(axis)) return;
+  throw WrongKey("observer.name", observer +
+                                      " estimates a single axis; a whole plant can have none, "
+                                      "state_observer, idob, kfd, fakfd, qvff or stf");
+}
+
+// The IDOB and the MDOB estimate a disturbance at the input.
+inline void need_one_inertia(const NominalAxis& axis, const std::string& observer) {
+  if (axis.E.size() == 0) return;
+  throw WrongKey("nominal.model", "must be rigid or motor for " + observer +
+                                      ": it finds no disturbance behind a spring");
+}
+
+inline void bind_low_pass(Fields& fields, double& cutoff_rad_s) {
+  fields.number("observer.low_pass_cutoff_rad_s", cutoff_rad_s, positive(), "g_w [rad/s]");
+}
+
+struct DisturbanceModel {
+  int order = 0;
+
+  void bind(Fields& fields) {
+    fields.count("observer.disturbance_order", order, between(0, 2),
+                 "disturbance model: step (0), ramp (1) or parabola (2)");
+  }
+  ExtendedPlant extend(const NominalAxis& axis) const {
+    return axis.extended(order, axis.period_s);
+  }
+};
+
+inline void bind_process_noise(Fields& fields, double& process_noise) {
+  fields.number("observer.process_noise", process_noise, not_negative(), "Q: process noise");
+}
+
+inline void bind_initial_covariance(Fields& fields, std::vector<double>& initial_covariance) {
+  fields.numbers("observer.initial_covariance", initial_covariance, positive(),
+                 "diagonal of the initial covariance P0 of position, velocity, d, ...");
+}
+
+inline Eigen::VectorXd diagonal_of(const std::vector<double>& P0, const ExtendedPlant& plant) {
+  if (static_cast<Eigen::Index>(P0.size()) != plant.states()) {
+    throw WrongKey("observer.initial_covariance", "needs one initial covariance for each of the " +
+                                                      std::to_string(plant.states()) +
+                                                      " extended states");
+  }
+  return Eigen::Map<const Eigen::VectorXd>(P0.data(), plant.states());
+}
+
+}  // namespace breakwater
