@@ -20,7 +20,7 @@ function(breakwater_precompile name)
   breakwater_shareable(${name})
   target_precompile_headers(${name} PRIVATE
     <algorithm> <filesystem> <functional> <map> <memory> <stdexcept> <string> <vector>
-    <Eigen/Cholesky> <Eigen/Core> <Eigen/LU> ${ARGN})
+    ${PROJECT_SOURCE_DIR}/src/linear/eigen_kernels.h ${ARGN})
 endfunction()
 breakwater_precompile(breakwater_precompiled)
 breakwater_precompile(breakwater_precompiled_outside_loop <fmt/format.h> <nlohmann/json.hpp>)
@@ -47,9 +47,9 @@ function(breakwater_room name)
     target_precompile_headers(breakwater_${name} REUSE_FROM ${precompiled})
     # Eigen's templates take most of the time there: smaller units, for two cores and for a change of
     # one file.
-    if(name STREQUAL observers)
+    if(name STREQUAL published)
       set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 2)
-    elseif(name MATCHES "^(linear|control|quadrotor|rigs)$")
+    elseif(name MATCHES "^(observers|linear|control|quadrotor|rigs)$")
       set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 4)
     endif()
     target_link_libraries(breakwater_${name}

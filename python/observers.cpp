@@ -3,7 +3,6 @@
 #include <pybind11/complex.h>
 #include <pybind11/stl.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,6 +15,7 @@
 #include <string>
 
 #include <breakwater/control/quadrotor_estimator.h>
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
@@ -343,10 +343,9 @@ class ArrayEstimator {
     const bool is_followed = t && !intervals.is_regular();
     // Without x0: the smallest state that gives y(0).
     const bool is_guess = x0.is_none() && y.rows() > 0;
-    const Eigen::VectorXd start =
-        is_guess       ? Eigen::VectorXd(C_.completeOrthogonalDecomposition().solve(y.row(0)))
-        : x0.is_none() ? Eigen::VectorXd::Zero(n_)
-                       : vector_of(x0, n_, "x0");
+    const Eigen::VectorXd start = is_guess       ? least_squares(C_, y.row(0))
+                                  : x0.is_none() ? Eigen::VectorXd::Zero(n_)
+                                                 : vector_of(x0, n_, "x0");
     Column x(y.rows(), static_cast<std::size_t>(n_));
     Column d(y.rows(), static_cast<std::size_t>(m_));
     Column innovation(y.rows(), innovation_.size());

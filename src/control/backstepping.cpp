@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include <breakwater/linear/pole_placement.h>
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/linear/riccati.h>
 
 namespace breakwater {

@@ -1,12 +1,12 @@
 #include <breakwater/linear/pole_placement.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/math/functions.h>
 
 namespace breakwater {
@@ -212,43 +212,6 @@ void sample_poles(const std::vector<PoleGroup>& continuous, double period_s,
       pole = math::exp(pole * period_s);
     }
   }
-}
-
-PoleGroup eigenvalues(const Eigen::MatrixXd& A) {
-  // The steps of Eigen::EigenSolver, which takes twice as long to compile for its vectors.
-  const Eigen::Index n = A.rows();
-  const double scale = A.cwiseAbs().maxCoeff();
-  if (!(scale > 0.0)) return PoleGroup(static_cast<std::size_t>(n), scale);
-  Eigen::MatrixXd T = Eigen::HessenbergDecomposition<Eigen::MatrixXd>(A / scale).packedMatrix();
-  for (Eigen::Index j = 0; j + 2 < n; ++j) T.col(j).tail(n - j - 2).setZero();
-  Eigen::RealSchur<Eigen::MatrixXd> schur(n);
-  schur.computeFromHessenberg(T, T, false);
-  T = schur.matrixT() * scale;
-  PoleGroup values;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (i + 1 == n || T(i + 1, i) == 0.0) {
-      values.emplace_back(T(i, i));
-      continue;
-    }
-    // A block with a complex pair.
-    const double half = 0.5 * (T(i, i) - T(i + 1, i + 1));
-    const double largest = std::max({std::abs(half), std::abs(T(i + 1, i)), std::abs(T(i, i + 1))});
-    const double square =
-        half / largest * (half / largest) + T(i + 1, i) / largest * (T(i, i + 1) / largest);
-    const double imaginary = largest * std::sqrt(std::abs(square));
-    values.emplace_back(T(i + 1, i + 1) + half, imaginary);
-    values.emplace_back(T(i + 1, i + 1) + half, -imaginary);
-    ++i;
-  }
-  return values;
-}
-
-double spectral_radius(const Eigen::MatrixXd& A) {
-  double largest = 0.0;
-  for (const std::complex<double>& value : eigenvalues(A)) {
-    largest = std::max(largest, std::abs(value));
-  }
-  return largest;
 }
 
 }  // namespace breakwater

@@ -75,10 +75,4 @@ std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, do
 void sample_poles(const std::vector<PoleGroup>& continuous, double period_s,
                   std::vector<PoleGroup>& sampled);
 
-/// The eigenvalues of a real square matrix.
-PoleGroup eigenvalues(const Eigen::MatrixXd& A);
-
-/// The largest magnitude of an eigenvalue.
-double spectral_radius(const Eigen::MatrixXd& A);
-
 }  // namespace breakwater

@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/linear/observability.h>
-#include <breakwater/linear/pole_placement.h>
 #include <breakwater/math/functions.h>
 
 namespace breakwater {

@@ -44,8 +44,7 @@ void ObserverPoles::update() {
   const auto bytes = static_cast<std::size_t>(matrix_.size()) * sizeof(double);
   if (std::memcmp(matrix_.data(), solved_.data(), bytes) == 0) return;
   solved_ = matrix_;
-  solver_.compute(matrix_, false);
-  discrete_ = solver_.eigenvalues();
+  discrete_ = solver_.solve(matrix_);
   std::sort(discrete_.begin(), discrete_.end(), [](const auto& a, const auto& b) {
     return std::pair(a.real(), a.imag()) < std::pair(b.real(), b.imag());
   });

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <span>
 #include <vector>
 
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/observers/disturbance_estimator.h>
 
 namespace breakwater {
@@ -32,7 +32,7 @@ class ObserverPoles {
   double period_s_;
   Eigen::MatrixXd matrix_;
   Eigen::MatrixXd solved_;  // the matrix of the current poles
-  Eigen::EigenSolver<Eigen::MatrixXd> solver_;
+  EigenvalueSolver solver_;
   Eigen::VectorXcd discrete_;
   Eigen::VectorXcd continuous_;
   Eigen::VectorXd discrete_real_;

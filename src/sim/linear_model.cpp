@@ -1,9 +1,9 @@
 #include <breakwater/sim/linear_model.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <stdexcept>
 
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
@@ -85,7 +85,7 @@ LinearModel linearise(Model model, std::span<const double> qpos, const std::vect
   linear.plant.B.bottomRows(n) = held.leftCols(inputs);
   Eigen::VectorXd remaining = acceleration();
   if (held.cols() > 0) {
-    const Eigen::VectorXd holds = -held.completeOrthogonalDecomposition().solve(remaining);
+    const Eigen::VectorXd holds = -least_squares(held, remaining);
     linear.held_input = holds.head(inputs);
     for (Eigen::Index i = 0; i < inputs; ++i) {
       data->ctrl[actuators[static_cast<std::size_t>(i)]] = linear.held_input(i);

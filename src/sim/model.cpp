@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <regex>
 #include <stdexcept>
 #include <utility>
 
@@ -27,10 +27,13 @@ constexpr double kLargestSize_m = 1e6;
 // Rewrites an engine message, which spans lines and ends in "…, line 12, column 3".
 std::string located(const std::string& file, std::string message) {
   std::string line;
-  std::smatch match;
-  if (std::regex_search(message, match, std::regex(R"(,? ?[Ll]ine(?: number)?[ =](\d+))")) &&
-      match[1] != "0") {
-    line = ":" + match[1].str();
+  for (const char* words : {"ine ", "ine=", "ine number ", "ine number="}) {
+    const std::size_t at = message.find(words);
+    if (at == std::string::npos) continue;
+    const std::size_t digits = at + std::strlen(words);
+    const std::size_t end = message.find_first_not_of("0123456789", digits);
+    const std::string number = message.substr(digits, end - digits);
+    if (!number.empty() && number != "0") line = ":" + number;
   }
   std::replace(message.begin(), message.end(), '\n', ' ');
   return file + line + ": " + message;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/linear/pole_placement.h>
 #include <breakwater/linear/riccati.h>
 #include <breakwater/linear/state_space.h>

@@ -1,3 +1,4 @@
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/linear/pole_placement.h>
 
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include <breakwater/linear/pole_placement.h>
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/linear/state_space.h>
 #include "linear/scipy_riccati.h"
 #include "support.h"

@@ -1,3 +1,4 @@
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/observers/idob.h>
 
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include <breakwater/linear/pole_placement.h>
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/linear/riccati.h>
 #include <breakwater/observers/code_likelihood.h>
 #include <breakwater/observers/kfd.h>

@@ -1,7 +1,7 @@
 // Random plants.
 #pragma once
 
-#include <breakwater/linear/pole_placement.h>
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/linear/state_space.h>
 #include "support.h"
 

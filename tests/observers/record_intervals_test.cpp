@@ -1,5 +1,6 @@
 // Records with irregular samples: the held inputs, and the estimators' treatment of them.
 
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/pole_predictor.h>
 #include <breakwater/observers/record_intervals.h>

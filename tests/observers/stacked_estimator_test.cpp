@@ -1,3 +1,4 @@
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/observers/stacked_estimator.h>
 
 #include <gtest/gtest.h>

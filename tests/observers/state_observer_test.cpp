@@ -1,4 +1,5 @@
 // The plain state observer: its poles, and the effect of a disturbance.
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/observers/state_observer.h>
 
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <complex>
 #include <stdexcept>
 
-#include <breakwater/linear/pole_placement.h>
+#include <breakwater/linear/eigenvalues.h>
 
 namespace breakwater::motor_and_load_test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include <breakwater/linear/pole_placement.h>
+#include <breakwater/linear/eigenvalues.h>
 #include "support.h"
 
 namespace breakwater {

@@ -1,0 +1,2 @@
+#define BREAKWATER_KERNEL template
+#include <breakwater/linear/eigen_kernels.h>
