@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <breakwater/study/slurm_settings.h>
+#include <CLI/CLI.hpp>
 
 namespace breakwater {
 

@@ -1,9 +1,12 @@
 // Changes that `run` and `sweep` make to every run.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace breakwater {
 

@@ -1,7 +1,6 @@
 // The common part of `sweep` and `tune`: a study from its begin to its end.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -12,6 +11,10 @@
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/study/executor.h>
 #include <breakwater/study/study_folder.h>
+
+namespace CLI {
+class App;
+}
 
 namespace breakwater {
 

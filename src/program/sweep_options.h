@@ -1,7 +1,6 @@
 // The command line of `sweep`, converted to the tables of a study file.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <map>
 #include <string>
 #include <vector>
@@ -9,6 +8,10 @@
 #include <breakwater/config/toml_file.h>
 #include <breakwater/program/run_changes.h>
 #include <breakwater/program/study_command.h>
+
+namespace CLI {
+class App;
+}
 
 namespace breakwater {
 

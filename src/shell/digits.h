@@ -1,8 +1,12 @@
 // How many digits numbers have that a terminal shows.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
 
 namespace breakwater {
 

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdio>
 #include <functional>
@@ -14,6 +13,10 @@
 
 #include <breakwater/record/interrupted.h>
 #include <breakwater/record/output_error.h>
+
+namespace CLI {
+class App;
+}
 
 namespace breakwater {
 

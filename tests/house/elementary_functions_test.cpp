@@ -50,7 +50,7 @@ TEST(House, StateCodeCallsNoProcessorDependentFunction) {
   ASSERT_TRUE(libm.contains("sin") && libm.contains("pow") && libm.contains("cexp"));
   for (const std::string room :
        {"math", "linear", "plants", "observers", "control", "world", "sim", "record", "experiment",
-        "rigs", "quadrotor", "statistics", "study", "axes_scenarios", "scenarios"}) {
+        "rigs", "published", "quadrotor", "statistics", "study", "axes_scenarios", "scenarios"}) {
     const std::string folder = room.ends_with("scenarios") ? "scenarios" : "src";
     const std::string archive = BREAKWATER_ARCHIVES "/" + folder + "/libbreakwater_" + room + ".a";
     const auto called = symbols("nm --undefined-only '" + archive + "'");
