@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <breakwater/identification/axis_intervals.h>
@@ -308,10 +309,36 @@ double noise_variance(const AxisData& data, const AxisFit& fit) {
   return fit.noise_std * fit.noise_std + squares / static_cast<double>(data.rows());
 }
 
-// The variance of the errors that noise and encoder explain.
+// The variance of the measured positions about the quadratics through their three predecessors.
+// Unlike the residuals it does not depend on the fit.
+double variance_of_differences(const AxisData& data) {
+  double squares = 0.0;
+  std::size_t count = 0;
+  for (const AxisStretch& stretch : data.stretches) {
+    for (std::size_t k = 3; k < stretch.positions.size(); ++k, ++count) {
+      double difference = 0.0;
+      double weights = 0.0;
+      for (std::size_t i = k - 3; i <= k; ++i) {
+        double weight = 1.0;
+        for (std::size_t j = k - 3; j <= k; ++j) {
+          if (j != i) weight /= stretch.times_s[i] - stretch.times_s[j];
+        }
+        difference += weight * stretch.positions[i];
+        weights += weight * weight;
+      }
+      squares += difference * difference / weights;
+    }
+  }
+  return count > 0 ? squares / static_cast<double>(count) : std::numeric_limits<double>::infinity();
+}
+
+// The variance of the errors that noise and encoder explain. The fitted noise explains all errors
+// of a bad fit, so it counts only as far as the record itself is noisy.
 double error_variance(const AxisData& data, const AxisFit& fit) {
-  const double rounding = data.rounding == EncoderRounding::nearest ? 12.0 : 3.0;
-  return noise_variance(data, fit) + data.quantum * data.quantum / rounding;
+  const double divisor = data.rounding == EncoderRounding::nearest ? 12.0 : 3.0;
+  const double rounding = data.quantum * data.quantum / divisor;
+  return std::min(noise_variance(data, fit) + rounding,
+                  std::max(variance_of_differences(data), rounding));
 }
 
 FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const AxisFit& plain,

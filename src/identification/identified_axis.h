@@ -38,7 +38,8 @@ struct ParameterEstimate {
 struct FitErrors {
   double rms = 0.0;        ///< measured minus simulated position
   double plain_rms = 0.0;  ///< the same for a model of inertia and viscous friction alone
-  /// RMS of the errors by what noise, encoder and the parameters' uncertainty explain: about 1.
+  /// RMS of the errors by what noise, encoder and the parameters' uncertainty explain: about 1. The
+  /// noise is that of the fit, but at most that of the record's differences.
   double normalised = 0.0;
 };
 
