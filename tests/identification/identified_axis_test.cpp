@@ -175,23 +175,60 @@ TEST(Identification, FindsTheParametersOfABench) {
   }
 }
 
-// A motor in mN m, or a stage in µm: the same axis in other units.
+// A motor in mN m, a stage in µm, a clock in ms: the same axis in other units.
 TEST(Identification, UnitsChangeNothing) {
+  struct Units {
+    double input, position, time;
+  };
   Bench bench;
   bench.duration_s = 1.0;
   const Identification plain = identify_axis({bench.record(3)}, {}, {});
-  for (const auto& [input, position] : {std::pair{0x1p-20, 1.0}, {0x1p20, 1.0}, {1.0, 0x1p-12}}) {
+  for (const Units& s : {Units{0x1p-20, 1.0, 1.0},
+                         {0x1p20, 1.0, 1.0},
+                         {1.0, 0x1p-12, 1.0},
+                         {1.0, 1.0, 0x1p-6},
+                         {1.0, 1.0, 0x1p6}}) {
     RecordedAxis record = bench.record(3);
-    for (double& u : record.inputs) u *= input;
-    for (double& q : record.positions) q *= position;
+    for (double& u : record.inputs) u *= s.input;
+    for (double& q : record.positions) q *= s.position;
+    for (double& t : record.times_s) t *= s.time;
     const Identification found = identify_axis({record}, {}, {});
-    for (const auto& [parameter, unit] :
-         {std::pair{kInertia, input / position}, {kViscous, input / position}, {kCoulomb, input}}) {
+    const double force = s.input / s.position;
+    for (const auto& [parameter, unit] : {std::pair{kInertia, force * s.time * s.time},
+                                          {kViscous, force * s.time},
+                                          {kCoulomb, s.input}}) {
       const ParameterEstimate& expected = of(plain, parameter);
       EXPECT_NEAR(of(found, parameter).value / unit, expected.value, 1e-6 * expected.value)
-          << parameter_key(parameter) << ", input × " << input << ", position × " << position;
+          << parameter_key(parameter) << ", input × " << s.input << ", position × " << s.position
+          << ", time × " << s.time;
       EXPECT_EQ(of(found, parameter).is_identifiable, expected.is_identifiable);
     }
+  }
+}
+
+// A motor of 2e-8 kg m² and 0.3 mN m.
+TEST(Identification, FindsASmallMotor) {
+  Bench bench;
+  bench.inertia = 2e-8;
+  bench.viscous = 1e-7;
+  bench.coulomb = 2e-5;
+  bench.offset = 0.0;
+  bench.swing = 1e-3;
+  const Identification found = identify_axis({bench.record(1)}, {}, {});
+  EXPECT_TRUE(of(found, kInertia).is_identifiable);
+  EXPECT_NEAR(of(found, kInertia).value, bench.inertia, 0.01 * bench.inertia);
+}
+
+// Under a constant torque q = ½ (T − offset − friction)/J t²: any inertia fits.
+TEST(Identification, AConstantTorqueShowsNoInertia) {
+  Bench bench;
+  bench.swing = 0.0;
+  for (const double torque : {0.15, 0.3, 3.0}) {
+    bench.mean_input = torque;
+    const ParameterEstimate inertia = of(identify_axis({bench.record(1)}, {}, {}), kInertia);
+    EXPECT_FALSE(inertia.is_identifiable) << torque;
+    EXPECT_LE(inertia.low, bench.inertia) << torque;
+    EXPECT_GE(inertia.high, bench.inertia) << torque;
   }
 }
 
