@@ -20,7 +20,6 @@ constexpr std::size_t kDesignPoints = 1200;
 constexpr double kShareOfNyquist = 0.9;
 constexpr double kStillHalfThePower = std::numbers::sqrt2 / 2.0;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kUsualForce = 1.0;
 constexpr double kNoiseCounts = 3.0, kSmallNoise = 1e-3;
 
 double nyquist_rad_s(const AxisOfPlant& axis) {
@@ -76,7 +75,7 @@ void judge(LoopCurve& curve, bool estimates) {
 
 double force_amplitude(const AxisOfPlant& axis, const AnalysisOptions& options) {
   if (options.force_amplitude > 0.0) return options.force_amplitude;
-  return std::min(kUsualForce, 0.1 * axis.settings().force_limit());
+  return usual_force(axis.settings());
 }
 
 double noise_amplitude(const AxisOfPlant& axis, const AnalysisOptions& options) {

@@ -199,14 +199,13 @@ std::vector<HeldReference> AxisRig::held_references() const {
 
 void AxisRig::warn(const std::vector<HeldReference>& held,
                    std::vector<std::string>& warnings) const {
-  constexpr double kPulse = 1.0;
   for (std::size_t i = 0; i < held.size(); ++i) {
     const std::size_t before = warnings.size();
     held[i].warn(warnings);
     const auto loop =
         std::find_if(loops_.begin(), loops_.end(), [i](const Loop& one) { return one.axis == i; });
     if (warnings.size() == before || loop == loops_.end()) continue;
-    warnings.back() += is_unstable(axis_loop_design(*loop->parts, loop->task, plant_, i), kPulse)
+    warnings.back() += is_unstable(axis_loop_design(*loop->parts, loop->task, plant_, i))
                            ? "; the loop is not stable, even without encoder, limits and friction"
                            : "; the loop is stable without encoder, limits, friction and backlash";
     if (has_other_joints(plant_, i)) warnings.back() += ", with the other joints held";

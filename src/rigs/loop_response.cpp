@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <deque>
 #include <limits>
 #include <memory>
 
 #include <breakwater/control/controller.h>
 #include <breakwater/math/functions.h>
+#include <breakwater/world/delay_line.h>
 
 namespace breakwater {
 namespace {
@@ -17,6 +17,10 @@ constexpr double kSame = 1e-6;     // two responses are equal up to this share o
 constexpr double kDecayed = 1e-9;  // a response ends below this share of its largest value
 constexpr std::size_t kPattern = 1000;  // samples of the random binary force
 constexpr std::size_t kFirstLength = 4096, kLongest = std::size_t{1} << 20U;
+constexpr std::size_t kLongestJudged = std::size_t{1} << 16U;
+constexpr double kFar = 1e3;        // a last quarter of a response that has run away, over the rest
+constexpr double kRounding = 1e-5;  // error of the peak of a sampled oscillation
+constexpr double kWhole = 1e-9;     // a smaller part of a period is rounding
 constexpr std::size_t kWarmUps[] = {500, 5000, 50'000};  // settling times of a gain, in samples
 constexpr std::size_t kLater = 777;
 
@@ -33,15 +37,14 @@ struct ProbeSequence {
 PulseResponse run(const AxisLoopDesign& design, const ProbeSequence& probe, std::size_t samples) {
   const AxisLoop loop = design.parts->make(design.task);
   Eigen::VectorXd x = design.start_state;
-  std::deque<double> measured;
+  DelayLine measured(design.delay_samples), command(design.command_delay_samples);
+  command.update(0.0);  // the drive's force before the first command
   const bool has_full_state = design.task.senses_true_state;
   Sample sample{0.0, Eigen::VectorXd::Zero(has_full_state ? 3 : 1)};
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
   const auto sense = [&](std::size_t k) {
     sample.time_s = static_cast<double>(k) * design.task.axis.period_s;
-    measured.push_back((design.plant.C * x)(0) + probe.at(Probe::noise, k));
-    if (measured.size() > static_cast<std::size_t>(design.delay_samples) + 1) measured.pop_front();
-    sample.y(0) = measured.front();
+    sample.y(0) = measured.update((design.plant.C * x)(0) + probe.at(Probe::noise, k));
     if (has_full_state) sample.y.tail<2>() = x.head<2>();
   };
   PulseResponse out;
@@ -55,7 +58,7 @@ PulseResponse run(const AxisLoopDesign& design, const ProbeSequence& probe, std:
       out.disturbance.push_back(loop.estimator->disturbance()(0));
       out.velocity.push_back(loop.estimator->state()(1));
     }
-    x = design.plant.A * x + design.plant.B * (u(0) + probe.at(Probe::force, k));
+    x = design.plant.A * x + design.plant.B * command.update(u(0) + probe.at(Probe::force, k));
   }
   return out;
 }
@@ -75,9 +78,10 @@ PulseResponse difference(const PulseResponse& a, const PulseResponse& b, std::si
           difference(a.velocity, b.velocity, from, scale)};
 }
 
-double largest(const std::vector<double>& values, std::size_t from = 0) {
+double largest(const std::vector<double>& values, std::size_t from = 0,
+               std::size_t to = std::numeric_limits<std::size_t>::max()) {
   double most = 0.0;
-  for (std::size_t k = from; k < values.size(); ++k) {
+  for (std::size_t k = from; k < std::min(to, values.size()); ++k) {
     if (!std::isfinite(values[k])) return std::numeric_limits<double>::infinity();
     most = std::max(most, std::abs(values[k]));
   }
@@ -95,13 +99,6 @@ bool is_same(const std::vector<double>& a, const std::vector<double>& b) {
 bool is_same(const PulseResponse& a, const PulseResponse& b) {
   return is_same(a.command, b.command) && is_same(a.disturbance, b.disturbance) &&
          is_same(a.velocity, b.velocity);
-}
-
-// Whether the response has grown far beyond its first part.
-bool has_run_away(const std::vector<double>& values) {
-  constexpr double kFar = 1e3;
-  const auto early = static_cast<std::ptrdiff_t>(std::min(values.size(), kFirstLength) / 4);
-  return largest(values) > kFar * largest({values.begin(), values.begin() + early});
 }
 
 bool has_decayed(const std::vector<double>& values) {
@@ -146,19 +143,48 @@ std::optional<std::size_t> time_invariant_from(const AxisLoopDesign& design, dou
   return std::nullopt;
 }
 
-// Nothing if the response does not end, or runs away.
+// Nothing if the response does not end.
 std::optional<PulseResponse> whole_response(const AxisLoopDesign& design, Probe probe, double size,
-                                            std::size_t from, bool& runs_away) {
+                                            std::size_t from) {
   for (std::size_t length = kFirstLength; length <= kLongest; length *= 4) {
     PulseResponse pulses = to_pulse(design, probe, size, from, length);
-    runs_away = has_run_away(pulses.command);
-    if (runs_away) return std::nullopt;
     if (has_decayed(pulses.command) && has_decayed(pulses.disturbance) &&
         has_decayed(pulses.velocity)) {
       return pulses;
     }
   }
   return std::nullopt;
+}
+
+// The plant behind the current loop of its drive, whose states are the force and its rate over ω.
+StateSpace behind(const ElectricDrive& drive, const StateSpace& plant) {
+  const double omega = drive.bandwidth_rad_s;
+  if (omega == 0.0) return plant;
+  const Eigen::Index n = plant.states(), order = drive.damping_ratio > 0.0 ? 2 : 1;
+  StateSpace both{Eigen::MatrixXd::Zero(n + order, n + order), Eigen::MatrixXd::Zero(n + order, 1),
+                  Eigen::MatrixXd::Zero(1, n + order)};
+  both.A.topLeftCorner(n, n) = plant.A;
+  both.A.col(n).head(n) = plant.B;
+  both.A(n, n + order - 1) = order == 2 ? omega : -omega;
+  if (order == 2) both.A.row(n + 1).tail<2>() << -omega, -2.0 * drive.damping_ratio * omega;
+  both.B(n + order - 1) = omega;
+  both.C.leftCols(n) = plant.C;
+  return both;
+}
+
+// A period of a plant that gets each input `late_s` after its sample. The last state is the input
+// before.
+StateSpace hold_late(const StateSpace& continuous, double period_s, double late_s) {
+  const StateSpace first = zero_order_hold(continuous, late_s);
+  const StateSpace then = zero_order_hold(continuous, period_s - late_s);
+  const Eigen::Index n = continuous.states();
+  StateSpace sampled{Eigen::MatrixXd::Zero(n + 1, n + 1), Eigen::MatrixXd::Zero(n + 1, 1),
+                     Eigen::MatrixXd::Zero(1, n + 1)};
+  sampled.A.topLeftCorner(n, n) = then.A * first.A;
+  sampled.A.col(n).head(n) = then.A * first.B;
+  sampled.B << then.B, 1.0;
+  sampled.C.leftCols(n) = continuous.C;
+  return sampled;
 }
 
 std::complex<double> sum(const std::vector<double>& values, std::complex<double> step) {
@@ -180,17 +206,25 @@ AxisLoopDesign axis_loop_design(const AxisParts& parts, const AxisTask& task,
                                 const AxisPlant& plant, std::size_t index) {
   const AxisSettings& axis = plant.axes[index];
   const TransmissionSettings& transmission = axis.transmission;
+  const StateSpace linear = linear_axis(plant, index);
+  const StateSpace driven = behind(axis.drive.electric(), linear);
+  const double period_s = task.axis.period_s;
+  const double periods = plant.timing.delays().mean_s() / period_s;
+  const double whole = std::floor(periods + kWhole), part = periods - whole;
   AxisLoopDesign design{&parts,
                         task,
-                        zero_order_hold(linear_axis(plant, index), task.axis.period_s),
+                        part > kWhole ? hold_late(driven, period_s, part * period_s)
+                                      : zero_order_hold(driven, period_s),
                         {},
-                        axis.delay_samples};
+                        axis.delay_samples,
+                        static_cast<int>(whole),
+                        usual_force(axis)};
   const Eigen::Vector2d start(axis.reference.before + axis.start_position, axis.start_velocity);
   design.start_state.setZero(design.plant.states());
   design.start_state.head<2>() = start * transmission.measured_ratio();
-  if (design.start_state.size() == 4) {
+  if (linear.states() == 4) {
     const bool is_load_other = transmission.measured == Side::motor;
-    design.start_state.tail<2>() = start * (is_load_other ? 1.0 : transmission.design.ratio);
+    design.start_state.segment<2>(2) = start * (is_load_other ? 1.0 : transmission.design.ratio);
   }
   return design;
 }
@@ -199,26 +233,43 @@ bool has_other_joints(const AxisPlant& plant, std::size_t axis) {
   return plant.load_model()->nv > (plant.axes[axis].transmission.is_elastic() ? 2 : 1);
 }
 
-bool is_unstable(const AxisLoopDesign& design, double force) {
-  return has_run_away(to_pulse(design, Probe::force, force, 0, kFirstLength).command);
+double usual_force(const AxisSettings& axis) {
+  return std::min(1.0, 0.1 * axis.force_limit());
+}
+
+bool is_unstable(const AxisLoopDesign& design) {
+  // The response begins after the delays.
+  const auto delays = static_cast<std::size_t>(design.delay_samples + design.command_delay_samples);
+  std::size_t length = kFirstLength;
+  while (length < 16 * delays) length *= 4;
+  const std::size_t first = length;
+  for (;; length *= 4) {
+    const std::vector<double> response =
+        to_pulse(design, Probe::force, design.force, 0, length).command;
+    const std::size_t quarter = length / 4;
+    const double before = largest(response, 2 * quarter, 3 * quarter);
+    const double last = largest(response, 3 * quarter);
+    if (!std::isfinite(last) || last > kFar * largest(response, 0, 3 * quarter)) return true;
+    if (has_decayed(response)) return false;
+    if (length < kLongestJudged) continue;
+    // A loop that is not linear has no eigenvalues.
+    return is_same(to_pulse(design, Probe::force, -2.0 * design.force, 0, first).command,
+                   response) &&
+           (last > (1.0 + kRounding) * before ||
+            (last > (1.0 - kRounding) * before && last > largest(response, 0, first / 4)));
+  }
 }
 
 LoopResponseOrReason loop_response(const AxisLoopDesign& design, double force, double noise) {
-  const char* const unstable = "its response to a pulse grows without bound";
-  if (is_unstable(design, force)) return {{}, unstable, true};
+  if (is_unstable(design)) return {{}, "its response to a pulse grows without bound", true};
   const std::optional<std::size_t> from = time_invariant_from(design, force);
   if (!from) return {{}, "its response to a pulse depends on the time of the pulse"};
   if (!is_linear(design, Probe::force, force, *from) ||
       !is_linear(design, Probe::noise, noise, *from)) {
     return {{}, "not linear at these amplitudes"};
   }
-  bool runs_away = false;
-  std::optional<PulseResponse> to_force =
-      whole_response(design, Probe::force, force, *from, runs_away);
-  if (runs_away) return {{}, unstable, true};
-  std::optional<PulseResponse> to_noise =
-      whole_response(design, Probe::noise, noise, *from, runs_away);
-  if (runs_away) return {{}, unstable, true};
+  std::optional<PulseResponse> to_force = whole_response(design, Probe::force, force, *from);
+  std::optional<PulseResponse> to_noise = whole_response(design, Probe::noise, noise, *from);
   if (!to_force || !to_noise) return {{}, "the loop does not settle"};
   return {LoopResponse{std::move(*to_force), std::move(*to_noise)}, ""};
 }

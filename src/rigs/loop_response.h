@@ -31,14 +31,18 @@ using Phasors = LoopOutputs<std::complex<double>>;
 Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, double period_s);
 
 /// The loop of one axis: the scenario's controller and a linear plant
-///     x(k+1) = A x(k) + B (u(k) + r(k)),   y(k) = C x(k − delay) + n(k − delay) ,
-/// without limits, rounding and Coulomb friction.
+///     x(k+1) = A x(k) + B (u(k − m) + r(k − m)),   y(k) = C x(k − l) + n(k − l) ,
+/// without limits, rounding and Coulomb friction. A jitter of the command counts as its mean.
 struct AxisLoopDesign {
   const AxisParts* parts = nullptr;
   AxisTask task;
-  StateSpace plant;             ///< over one period
-  Eigen::VectorXd start_state;  ///< n
-  int delay_samples = 0;
+  /// Over one period. Behind the states of linear_axis() come those of the drive's current loop,
+  /// and the command before, if it acts on a part of the period.
+  StateSpace plant;
+  Eigen::VectorXd start_state;    ///< n
+  int delay_samples = 0;          ///< l, of the measurement
+  int command_delay_samples = 0;  ///< m, the whole periods of the command's delay
+  double force = 1.0;             ///< a force that the drive has, for is_unstable()
 };
 
 /// The loop of one axis of a plant.
@@ -48,9 +52,14 @@ AxisLoopDesign axis_loop_design(const AxisParts& parts, const AxisTask& task,
 /// Whether the model has joints beside those of the axis. They are held in axis_loop_design().
 bool has_other_joints(const AxisPlant& plant, std::size_t axis = 0);
 
-/// Whether the response to a pulse of `force` grows far beyond its beginning within some thousand
-/// samples. A controller that limits its own command does not grow.
-bool is_unstable(const AxisLoopDesign& design, double force);
+/// A force that the drive has: 1, but at most a tenth of its limit.
+double usual_force(const AxisSettings& axis);
+
+/// Whether the loop has an eigenvalue outside of the unit circle. Each sample multiplies the state
+/// of controller, plant and delays by one matrix. So in the end the response to a pulse grows by
+/// the largest eigenvalue (power iteration over up to 65 536 samples). A loop that is not linear is
+/// unstable if its response runs away.
+bool is_unstable(const AxisLoopDesign& design);
 
 /// The responses to a probe of one sample with unit size.
 struct LoopResponse {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include <breakwater/world/refuse_unless.h>
@@ -18,6 +19,12 @@ double whole_if_nearly(double steps) {
 }
 
 }  // namespace
+
+double CommandDelays::mean_s() const {
+  if (jitters_s.empty()) return delay_s + 0.5 * jitter_s;
+  return delay_s + std::accumulate(jitters_s.begin(), jitters_s.end(), 0.0) /
+                       static_cast<double>(jitters_s.size());
+}
 
 CommandTiming::CommandTiming(CommandDelays delays, std::uint64_t seed, double step_s,
                              int steps_per_sample, std::size_t width)

@@ -19,6 +19,8 @@ struct CommandDelays {
   bool is_on() const {
     return delay_s > 0.0 || jitter_s > 0.0 || !jitters_s.empty() || drop_probability > 0.0;
   }
+  /// The mean delay of the commands that are not lost.
+  double mean_s() const;
 };
 
 /// The way from the controller to the drive. A command that arrives within a physics step counts

@@ -1,13 +1,17 @@
 // Loops of motor_estimation in the frequency domain: the design against the loop's matrices, and
 // the measured response against the design.
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
+#include <functional>
 
 #include <breakwater/analysis/bode_chart.h>
 #include <breakwater/analysis/loop_analysis.h>
 #include <breakwater/linear/riccati.h>
 #include <breakwater/observers/kalman_design.h>
 #include <breakwater/plants/damped_inertia.h>
+#include <breakwater/rigs/loop_response.h>
 #include "catalogue.h"
 
 namespace breakwater {
@@ -63,6 +67,17 @@ struct KalmanLoop {
     from_noise = Eigen::MatrixXd::Zero(5, 1);
     from_noise.topRows(2) = plant.B * command_of_noise;
     from_noise.bottomRows(3) = Ae * K + Be * command_of_noise;
+  }
+
+  // The largest eigenvalue with `delay` > 0 samples between the command and the plant, which are
+  // states.
+  double spectral_radius(Eigen::Index delay) const {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(5 + delay, 5 + delay);
+    all.topLeftCorner(5, 5) = A - from_force * command;
+    all.bottomLeftCorner(delay, 5).row(0) = command;
+    all.block(6, 5, delay - 1, delay - 1).setIdentity();
+    all.col(4 + delay).head(5) = from_force;
+    return all.eigenvalues().cwiseAbs().maxCoeff();
   }
 
   Complex response(const Eigen::MatrixXd& row, const Eigen::MatrixXd& from, double direct,
@@ -156,6 +171,67 @@ TEST(LoopAnalysis, ADelayReducesTheMargin) {
           .analyse({.points = 0});
   EXPECT_NEAR(prompt.designed.margins.delay_margin_s - late.designed.margins.delay_margin_s, 0.02,
               2e-5);
+}
+
+TEST(LoopAnalysis, TheDesignHasTheLinearPartsOfTheDrive) {
+  const auto delay = [](double seconds) {
+    return [seconds](Complex s) { return std::exp(-seconds * s); };
+  };
+  struct Row {
+    std::vector<std::string> sets;
+    std::function<Complex(Complex)> drive;
+  };
+  const std::vector<Row> rows = {
+      {{"control.delay_s=0.02"}, delay(0.02)},
+      {{"control.delay_s=0.0204"}, delay(0.0204)},
+      {{"control.delay_s=4e-4", "sensor.delay_samples=3"}, delay(0.0034)},
+      {{"control.jitter_s=0.01"}, delay(0.005)},
+      {{"drive.current_bandwidth_rad_s=200"}, [](Complex s) { return 200.0 / (s + 200.0); }},
+      {{"drive.current_bandwidth_rad_s=200", "drive.current_damping_ratio=0.3"},
+       [](Complex s) { return 4e4 / (s * s + 120.0 * s + 4e4); }}};
+  const AnalysisOptions options{.from_rad_s = 3.0, .to_rad_s = 30.0, .points = 0};
+  const auto points = [&](std::vector<std::string> sets) {
+    sets.emplace_back("encoder.bits=0");
+    return Prepared("motor_estimation", "idob", sets).analyse(options).designed.points;
+  };
+  const std::vector<LoopPoint> ideal = points({});
+  for (const Row& row : rows) {
+    const std::vector<LoopPoint> real = points(row.sets);
+    ASSERT_EQ(real.size(), ideal.size()) << row.sets.front();
+    for (std::size_t i = 0; i < real.size(); ++i) {
+      expect_near(real[i].loop_gain,
+                  ideal[i].loop_gain * row.drive(Complex(0.0, real[i].omega_rad_s)), 1e-4,
+                  real[i].omega_rad_s);
+    }
+  }
+}
+
+TEST(LoopAnalysis, EigenvaluesDecideWhetherALoopIsStable) {
+  const KalmanLoop loop(1.5e4, 10.0, 5.0, 1e-3);
+  int first_unstable = 1;
+  while (loop.spectral_radius(first_unstable) <= 1.0) ++first_unstable;
+  for (const int samples : {first_unstable - 1, first_unstable}) {
+    for (const std::string& delay : {fmt::format("control.delay_s={}e-3", samples),
+                                     fmt::format("sensor.delay_samples={}", samples)}) {
+      const Prepared prepared("motor_estimation", "dkf", {delay});
+      const AxisOfPlant axis = prepared.axis->loops().front();
+      EXPECT_EQ(is_unstable(axis_loop_design(*axis.parts, axis.task, axis.plant)),
+                samples == first_unstable)
+          << delay;
+    }
+  }
+}
+
+// The run says the same as the analysis.
+TEST(LoopAnalysis, ARunSaysWhetherItsLoopIsStable) {
+  for (const std::string delay : {"control.delay_s=0.095", "sensor.delay_samples=96"}) {
+    const Prepared prepared("motor_estimation", "idob", {delay, "run.duration_s=60"});
+    EXPECT_TRUE(prepared.analyse({.points = 0}).designed.is_unstable) << delay;
+    const std::vector<std::string> warnings = prepared.run.scenario->run({}).warnings;
+    ASSERT_FALSE(warnings.empty()) << delay;
+    EXPECT_TRUE(has(warnings.front(), "; the loop is not stable, even without"))
+        << warnings.front();
+  }
 }
 
 TEST(LoopAnalysis, AnUnstableLoopHasNoResponse) {
