@@ -17,6 +17,13 @@ namespace breakwater {
 
 namespace {
 
+// The file's model with all geoms: load_physics() leaves out those that touch nothing.
+Model whole_model(const Model& part) {
+  ModelFile file(part.file());
+  file.most_elements = std::numeric_limits<std::uint64_t>::max();  // it was compiled before
+  return Model::load(file);
+}
+
 // The id of the element that a key names.
 int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
           const std::string& name) {
@@ -24,18 +31,27 @@ int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
     return model.id(kind, name);
   } catch (const std::invalid_argument& error) {
     constexpr std::size_t kFew = 12;
+    const bool is_geom = kind == mjOBJ_GEOM;
+    const Model whole = whole_model(model);
+    if (whole.has(kind, name)) {
+      own.fail(key, fmt::format("{}: the geom \"{}\" can touch nothing: contype and conaffinity "
+                                "suit no geom of a body that moves against its own",
+                                model.file(), name));
+    }
     std::vector<std::string> names;
     // Each element has a letter or more in the model's list of names.
-    for (int i = 0; i < model->nnames; ++i) {
-      const char* const one = mj_id2name(model.get(), kind, i);
+    for (int i = 0; i < whole->nnames; ++i) {
+      const char* const one = mj_id2name(whole.get(), kind, i);
       if (one != nullptr && *one != '\0') names.emplace_back(one);
     }
     std::string hint;
-    if (names.empty()) hint = " (none there has a name)";
-    if (!names.empty() && names.size() <= kFew) {
-      hint = fmt::format(" (it has {})", fmt::join(names, ", "));
+    if (names.empty()) hint = "it has none with a name";
+    if (!names.empty() && names.size() <= kFew)
+      hint = fmt::format("it has {}", fmt::join(names, ", "));
+    if (is_geom && names.size() <= kFew) {
+      hint += ". With discardvisual, as in a URDF, the compiler drops geoms that cannot collide";
     }
-    own.fail(key, error.what() + hint);
+    own.fail(key, error.what() + (hint.empty() ? "" : " (" + hint + ")"));
   }
 }
 

@@ -431,6 +431,25 @@ TEST(PlantTest, FallingMassHasTheContactOfTheClosedForm) {
   EXPECT_NEAR(metrics.at("contact_time_s"), 2.0 * contact_s, 1e-4);
 }
 
+TEST(PlantTest, SaysWhyAContactHasNoSuchGeom) {
+  const auto complaint = [](const std::string& compiler) {
+    std::string text = testing::replaced(kBall, "<compiler angle=\"radian\"/>", compiler);
+    text.insert(
+        text.find("<geom name=\"ball\""),
+        "<geom name=\"fingertip\" size=\"0.01\" contype=\"0\" conaffinity=\"0\" mass=\"0\"/>");
+    const testing::TemporaryPath model("ball.xml", text);
+    return complaint_of([&] {
+      prepare_text(kFall, "own",
+                   {"model.mjcf=\"" + model.string() + "\"", "contact.floor.geom_2=\"fingertip\""});
+    });
+  };
+  EXPECT_TRUE(has(complaint("<compiler angle=\"radian\"/>"),
+                  "contact.floor.geom_2: ", "the geom \"fingertip\" can touch nothing"));
+  EXPECT_TRUE(has(complaint("<compiler discardvisual=\"true\"/>"),
+                  "has no geom named \"fingertip\" (it has floor, ball. With discardvisual, as in "
+                  "a URDF, the compiler drops geoms that cannot collide)"));
+}
+
 // A shelf of 2 kg, which no axis moves, on a slide whose friction is twice its weight. By the
 // formula of friction.h it creeps 1e-8 m in a second.
 TEST(PlantTest, FrictionHoldsAJointThatIsNoAxis) {
