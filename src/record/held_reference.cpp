@@ -10,8 +10,10 @@ namespace {
 
 constexpr double kHeldWithin = 0.5;  // part of the distance that was asked for
 constexpr double kGrowth = 1.5;      // ratio of a part's peak to the peak of the part before
-// Errors below this level are ignored, since rounding errors grow too [m, rad, N].
+// Without a distance to go, errors below this level are ignored, since rounding errors grow too
+// [m, rad, N].
 constexpr double kSmallest = 1e-6;
+constexpr double kGrown = 1e-3;  // the same as a part of the distance
 
 }  // namespace
 
@@ -28,7 +30,7 @@ bool HeldReference::grows() const {
   for (std::size_t part = kParts - kGrowing + 1; part < kParts; ++part) {
     if (!(peaks_[part] >= kGrowth * peaks_[part - 1])) return false;
   }
-  return peaks_.back() > std::max(kSmallest, 1e-3 * asked_);
+  return peaks_.back() > (asked_ > 0.0 ? kGrown * asked_ : kSmallest);
 }
 
 void HeldReference::warn(std::vector<std::string>& warnings) const {
@@ -41,7 +43,7 @@ void HeldReference::warn(std::vector<std::string>& warnings) const {
         "{} does not hold its reference: its error grows to the end, to peaks of {:.3g} {} in each "
         "{:.3g} s",
         what_, fmt::join(peaks_.end() - kGrowing, peaks_.end(), ", "), unit_, part_s));
-  } else if (rms >= large_ || (asked_ > kSmallest && rms >= kHeldWithin * asked_)) {
+  } else if (rms >= large_ || (asked_ > 0.0 && rms >= kHeldWithin * asked_)) {
     warnings.push_back(fmt::format(
         "{} does not hold its reference: over the last {:.3g} s its error is {:.3g} {} (rms)",
         what_, part_s, rms, unit_));

@@ -27,8 +27,12 @@ class HeldReference {
       : window_(window), what_(std::move(what)), unit_(std::move(unit)) {}
 
   /// Gives the distance from the plant's position to the reference when the reference was set. The
-  /// largest of several counts. Without it and stay_within(), only growth is checked.
-  void ask(double distance) { asked_ = std::max(asked_, std::abs(distance)); }
+  /// largest of several counts; one of rounding errors does not. Without it and stay_within(), only
+  /// growth is checked.
+  void ask(double distance) {
+    constexpr double kRounding = 1e-12;  // m, rad, N
+    if (std::abs(distance) > kRounding) asked_ = std::max(asked_, std::abs(distance));
+  }
   /// Gives the error that is large without a distance to go.
   void stay_within(double error) { large_ = error; }
   void add(double time_s, double error);

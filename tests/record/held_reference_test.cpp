@@ -38,6 +38,17 @@ TEST(HeldReference, ReportsAnErrorOfTheReferencesSize) {
   EXPECT_EQ(warning_of([](double) { return -0.9; }, 5.0), "") << "most of it is done";
 }
 
+TEST(HeldReference, ReportsTheSameForASmallStep) {
+  for (const double scale : {1e-10, 1e-7, 1.0, 1e7}) {
+    EXPECT_NE(warning_of([&](double) { return -0.9 * scale; }, scale), "") << scale;
+    EXPECT_EQ(warning_of([&](double) { return 0.3 * scale; }, scale), "") << scale;
+    EXPECT_TRUE(has(warning_of([&](double t) { return 1e-3 * scale * std::exp(0.6 * t); }, scale),
+                    "grows to the end"))
+        << scale;
+  }
+  EXPECT_EQ(warning_of([](double) { return 1e-16; }, 1e-16), "") << "rounding";
+}
+
 TEST(HeldReference, ReportsALargeErrorOfAHeldPose) {
   const auto falls = [](double t) { return std::min(t, 3.0); };
   EXPECT_EQ(warning_of(falls, 0.0, 8.0, 0.5),
