@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace breakwater {
 namespace {
 
 constexpr std::size_t kMostRows = 400000;  // all windows of one length together
+constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();  // of a time
 
 }  // namespace
 
@@ -27,7 +29,8 @@ std::vector<double> inputs_at_rows(const AxisStretch& stretch, double delay_s) {
   std::size_t i = 0;
   for (const double t : stretch.times_s) {
     while (i + 1 < stretch.inputs.size() && stretch.input_times_s[i + 1] + delay_s <= t) ++i;
-    const bool is_change = std::abs(stretch.input_times_s[i] + delay_s - t) < 1e-12 && i > 0;
+    const double change_s = stretch.input_times_s[i] + delay_s;
+    const bool is_change = std::abs(change_s - t) <= kRounding * std::abs(t) && i > 0;
     inputs.push_back(is_change ? 0.5 * (stretch.inputs[i - 1] + stretch.inputs[i])
                                : stretch.inputs[i]);
   }
