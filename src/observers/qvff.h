@@ -14,6 +14,7 @@ namespace breakwater {
 /// Δ covers the rounding ±Δ/2 of the measurement and that of the prediction. Seven samples in a
 /// million exceed 4.5 σ. Truncation has an error of up to Δ, always towards 0. The errors of two
 /// measurements on one side of 0 then also differ by less than Δ.
+/// P0 is a number without a unit, against R = 1: the estimate depends on the unit of the position.
 /// Derivation and limits: docs/explanation/methods/disturbance-kalman-filters.md.
 ///
 /// Throws as check(SensorError) does.

@@ -264,7 +264,7 @@ std::vector<AxisEstimatorKind> axis_estimators() {
       {"kfd", "Kalman filter with a disturbance model", bind_kfd, make_kfd},
       {"fakfd", "KFD with constant forgetting factors", bind_fakfd, make_fakfd},
       {"vfakfd", "KFD with a variable forgetting factor", bind_vfakfd, make_vfakfd},
-      {"qvff", "VFAKFD designed for quantisation and noise", bind_qvff, make_qvff},
+      {"qvff", "VFAKFD designed for quantisation and noise, in m or rad", bind_qvff, make_qvff},
       {"stf", "strong tracking filter: KFD that raises its covariance after a change", bind_stf,
        make_stf}};
 }
