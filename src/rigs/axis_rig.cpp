@@ -40,6 +40,11 @@ std::string position_units(const Model& model, int joints) {
   return is_one ? units.front() : fmt::format("{}", fmt::join(units, ", "));
 }
 
+// Whether the model file leaves the engine's dry friction on.
+bool has_friction(const mjModel& model) {
+  return (model.opt.disableflags & (mjDSBL_FRICTIONLOSS | mjDSBL_CONSTRAINT)) == 0;
+}
+
 }  // namespace
 
 AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
@@ -67,17 +72,21 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
       qvel[motor_rate_at] += one.transmission.design.ratio * one.start_velocity;
     }
     const std::string rubs = one.transmission.friction_joint(one.axis.joint);
-    const int rubbing_dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, rubs)];
-    std::unique_ptr<FrictionLaw> law =
-        one.drive.make_friction(model->dof_frictionloss[rubbing_dof]);
-    const Transmission* pressing = rubs == one.axis.joint ? transmission.get() : nullptr;
+    const double coulomb = model->dof_frictionloss[model->jnt_dofadr[model.id(mjOBJ_JOINT, rubs)]];
+    std::unique_ptr<FrictionLaw> law = one.drive.make_friction(coulomb);
+    // The engine's own friction has the bits of this law, which knows its force.
+    if (!law && coulomb > 0.0 && has_friction(*model.get())) {
+      law = std::make_unique<LoadDependentFriction>(coulomb, 0.0);
+    }
+    const bool rubs_load = rubs == one.axis.joint;
     const int actuator =
         one.axis.is_driven() ? model.id(mjOBJ_ACTUATOR, one.axis.actuator) : kNoActuator;
-    axes_.push_back(
-        {at, rate_at, actuator, std::make_unique<JointForce>(model, one.axis.joint),
-         law ? std::make_unique<JointFriction>(model, rubs, std::move(law), pressing) : nullptr,
-         std::move(transmission), motor_at, motor_rate_at,
-         Noise(plant.run.seed, one.axis.own("input"))});
+    axes_.push_back({at, rate_at, actuator, std::make_unique<JointForce>(model, one.axis.joint),
+                     law ? std::make_unique<JointFriction>(model, rubs, std::move(law),
+                                                           rubs_load ? transmission.get() : nullptr)
+                         : nullptr,
+                     rubs_load, std::move(transmission), motor_at, motor_rate_at,
+                     Noise(plant.run.seed, one.axis.own("input"))});
   }
   for (const PushSettings& one : plant.pushes) {
     pushes_.push_back({one.disturbance.make(plant.run.seed, "push." + one.name),
@@ -139,9 +148,11 @@ void AxisRig::step() {
   }
   simulation_->step();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    if (!axes_[i].transmission) continue;
-    axes_[i].torque = axes_[i].transmission->torque(motor_position(i), motor_velocity(i),
-                                                    position(i), velocity(i));
+    DrivenAxis& axis = axes_[i];
+    if (axis.friction && axis.rubs_load) axis.disturbance -= axis.friction->force();
+    if (!axis.transmission) continue;
+    axis.torque =
+        axis.transmission->torque(motor_position(i), motor_velocity(i), position(i), velocity(i));
   }
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     contact_forces_[i] = contacts_[i].force_N(simulation_->model(), simulation_->data());
@@ -235,7 +246,8 @@ std::vector<Signal> AxisRig::signals() const {
     };
     add("position_true_" + u.position_suffix, u.position, "position, true", position(i));
     add("velocity_true_" + u.velocity_suffix, u.velocity, "velocity, true", velocity(i));
-    add("d_true_" + u.force_suffix, u.force, "true disturbance, which opposes the drive",
+    add("d_true_" + u.force_suffix, u.force,
+        "true disturbance with the dry friction of the joint, which opposes the drive",
         disturbance(i));
     add("position_measured_" + u.position_suffix, u.position, "sampled position", measured(i));
     if (!axis.name.empty()) {

@@ -51,7 +51,8 @@ class AxisRig {
   /// The motor's joint of an elastic transmission; otherwise the axis itself.
   const double& motor_position(std::size_t axis = 0) const;
   const double& motor_velocity(std::size_t axis = 0) const;
-  /// d, without noise and friction.
+  /// d: the axis' disturbance and the dry friction of its joint, without noise. No observer can
+  /// tell the two apart.
   const double& disturbance(std::size_t axis = 0) const { return axes_[axis].disturbance; }
   /// The force between the geoms of a contact [N].
   const double& contact_force(std::size_t contact) const { return contact_forces_[contact]; }
@@ -107,7 +108,8 @@ class AxisRig {
     std::size_t qvel;
     Eigen::Index actuator;
     std::unique_ptr<JointForce> force;
-    std::unique_ptr<JointFriction> friction;     // null: the engine's
+    std::unique_ptr<JointFriction> friction;     // null: there is none
+    bool rubs_load;                              // the friction is that of the axis' joint
     std::unique_ptr<Transmission> transmission;  // nullptr: rigid
     std::size_t motor_qpos;                      // the axis itself, if it is rigid
     std::size_t motor_qvel;

@@ -31,6 +31,37 @@ TEST(Drive, PartsThatAreOnButNeutralAreTheIdealDrive) {
   EXPECT_NE(completed_run(kMotor, "vfakfd", dry).state_hash, ideal);
 }
 
+// The balance of momentum over a sample gives d, since the motor's inertia is 1 kg m² and its drive
+// ideal.
+TEST(Drive, TheTrueDisturbanceHasTheDryFriction) {
+  const std::vector<Sets> laws = {
+      {"friction.law=coulomb"},
+      {"friction.law=stribeck", "friction.static_ratio=1.5", "friction.stribeck_velocity=0.05"},
+      {"friction.law=load_dependent", "friction.load_ratio=0.1"}};
+  for (const Sets& law : laws) {
+    const Recording run = completed_run(
+        kMotor, "dkf",
+        with({"run.duration_s=10", "disturbance.kind=two_sines", "plant.coulomb_friction_Nm=0.5"},
+             law));
+    const Track& track = run.track("control");
+    const auto d = track.values("d_true_Nm"), velocity = track.values("velocity_true_rad_s"),
+               torque = track.values("applied_Nm"), friction = track.values("friction_Nm");
+    std::size_t sliding = 0;
+    for (std::size_t k = 1500; k + 1 < d.size(); ++k) {
+      if (std::abs(velocity[k]) < 0.02 || velocity[k] * velocity[k + 1] < 0.0) continue;
+      ++sliding;
+      ASSERT_NEAR(d[k], torque[k] - (velocity[k + 1] - velocity[k]) / 1e-3, 0.02)
+          << law.front() << " in row " << k;
+      ASSERT_LT(friction[k] * velocity[k], 0.0);
+    }
+    EXPECT_GT(sliding, 1000U) << law.front();
+    // The shaft sticks after a step. An observer finds all of d.
+    const Sets held = with({"plant.coulomb_friction_Nm=0.5"}, law);
+    EXPECT_LT(completed_run(kMotor, "dkf", held).metric("rmse_disturbance_Nm").value(), 0.1)
+        << law.front();
+  }
+}
+
 // Each part: its keys for the motor, and the signals that it adds.
 struct Part {
   Sets keys;
