@@ -125,7 +125,8 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
     }
     warn(kEstimate, run.scenario->warnings());
   }
-  const std::string& csv = static_cast<const RecordedEstimation&>(*run.scenario).file();
+  const auto& estimation = static_cast<const RecordedEstimation&>(*run.scenario);
+  const std::string& csv = estimation.file();
   const ModelHashes made_of = {{portable_path(csv), file_hash(csv)}};
   const auto start = std::chrono::steady_clock::now();
   const Recording recording = run.scenario->run({.stop = &interrupted()});
@@ -133,7 +134,9 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   write_run(run, made_of, recording, wall_s, folder, true);
   if (arguments.quiet) return kSuccess;
-  if (const auto doubt = doubt_of(recording)) warn(kEstimate, {csv + ": " + *doubt});
+  // A forgotten scale is one cause. Its consequence would hide it.
+  const auto doubt = estimation.is_doubtful() ? std::nullopt : doubt_of(recording);
+  if (doubt) warn(kEstimate, {csv + ": " + *doubt});
   RunSummary summary;
   summary.case_name = run.case_name;
   summary.folder = folder.target();

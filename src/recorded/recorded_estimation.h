@@ -29,6 +29,8 @@ class RecordedEstimation final : public Scenario {
   Recording run(const RunControl& control) const override;
 
   const std::string& file() const { return file_; }
+  /// Whether a scale seems forgotten. Then warnings() says so.
+  bool is_doubtful() const { return !record_.doubts.empty(); }
 
  private:
   enum class Motion { rotation, translation };

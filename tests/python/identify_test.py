@@ -172,6 +172,7 @@ class Identify(unittest.TestCase):
                                "plant.inertia=1", "encoder.quantum=1"], cwd=self.folder, text=True, capture_output=True)
         self.assertIn("the rows are 2 s apart. If the times are milliseconds, set csv.time_scale=1e-3", done.stderr)
         self.assertIn("set csv.position_scale to one count", done.stderr)
+        self.assertNotIn("does not explain the data", done.stderr)
 
     def test_a_masked_row_is_left_out(self):
         y = np.ma.array(self.other["y"], mask=np.arange(len(self.other["y"])) == 300)
