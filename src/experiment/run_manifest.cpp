@@ -1,6 +1,10 @@
 #include <breakwater/experiment/run_manifest.h>
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -19,7 +23,8 @@ class Reader {
     std::ifstream stream = open_input(file_);
     json_ = json::parse(stream, nullptr, false);
     if (!json_.is_object() || !json_.contains("scenario") || !json_.contains("state_hash")) {
-      throw std::invalid_argument(file_ + ": is not a run's manifest; give the folder of a run");
+      throw std::invalid_argument(file_ + ": is not a run's manifest" + broken_line(file_) +
+                                  "; give the folder of a run");
     }
   }
 
@@ -90,6 +95,20 @@ RunManifest read_manifest(const std::filesystem::path& folder) {
 
 std::string how_to_recover(const std::filesystem::path& folder) {
   return "its log so far is kept: breakwater recover " + shell_word(folder.string());
+}
+
+std::string broken_line(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  try {
+    [[maybe_unused]] const json parsed = json::parse(text);
+  } catch (const json::parse_error& error) {
+    const std::size_t end = std::min(error.byte, text.size());
+    const auto before = text.begin() + static_cast<std::ptrdiff_t>(end == 0 ? 0 : end - 1);
+    return fmt::format(" (line {} is no JSON)", 1 + std::count(text.begin(), before, '\n'));
+  } catch (const json::exception&) {  // a number out of range
+  }
+  return "";
 }
 
 void note_renderer(const std::filesystem::path& folder, const std::string& state_hash,

@@ -27,6 +27,10 @@ struct RunManifest {
 /// Throws std::invalid_argument `FILE: KEY: reason` if the manifest is missing or damaged.
 RunManifest read_manifest(const std::filesystem::path& folder);
 
+/// The line in which a file ceases to be JSON, in words: " (line 3 is no JSON)"; empty if it is
+/// JSON.
+std::string broken_line(const std::filesystem::path& file);
+
 /// The command that recovers a streamed run, in words for messages.
 std::string how_to_recover(const std::filesystem::path& folder);
 

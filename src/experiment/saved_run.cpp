@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
+#include <breakwater/experiment/run_manifest.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/shell/did_you_mean.h>
@@ -125,7 +126,8 @@ std::vector<Metric> read_metrics(const fs::path& folder) {
   std::ifstream stream = open_input(file);
   const auto metrics = nlohmann::ordered_json::parse(stream, nullptr, false);
   if (!metrics.is_object()) {
-    throw std::invalid_argument(file.string() + ": is no object of numbers; run it again");
+    throw std::invalid_argument(file.string() + ": is no object of numbers" + broken_line(file) +
+                                "; run it again");
   }
   for (const auto& [name, value] : metrics.items()) {
     if (value.is_null()) continue;  // version 0.1 wrote null for a number that is not finite

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include <breakwater/experiment/differing_keys.h>
 #include <breakwater/experiment/main_metrics.h>
 #include <breakwater/experiment/run_list.h>
 #include <breakwater/program/commands.h>
@@ -117,13 +118,14 @@ class MainMetrics {
   std::map<std::string, std::vector<std::string>> names_;
 };
 
-// Scenario and case of a run, if the folder's name does not have them.
-std::string origin_of(const Entry& entry) {
+// Scenario and label of a run, if the folder's name does not have them.
+std::string origin_of(const Catalogue& catalogue, const Entry& entry) {
   if (entry.kind != "run" || entry.scenario.empty()) return "";
   const auto name = entry.more.value("case", "");
+  const std::string label = label_of(catalogue, entry.folder, entry.scenario, name);
   const fs::path folder = entry.folder.lexically_normal();
-  if (folder.filename() == name && folder.parent_path().filename() == entry.scenario) return "";
-  return entry.scenario + (name.empty() ? "" : ", " + name);
+  if (folder.filename() == label && folder.parent_path().filename() == entry.scenario) return "";
+  return entry.scenario + (label.empty() ? "" : ", " + label);
 }
 
 void print_lines(const std::string& text, std::size_t width) {
@@ -147,7 +149,7 @@ void print_entries(const Catalogue& catalogue, const std::vector<Entry>& entries
     fmt::print("{}  {}{}{}\n", toned(when, Tone::faint, colourful),
                toned(status, entry.tone, colourful), fits ? " " : "\n" + std::string(kListIndent),
                folder);
-    print_lines(origin_of(entry), width);
+    print_lines(origin_of(catalogue, entry), width);
     const std::string numbers = brief(main.of(entry));
     const bool is_median = entry.kind != "run" && !numbers.empty();
     print_lines(is_median ? "medians: " + numbers : numbers, width);

@@ -61,10 +61,16 @@ class RunList(Folder):
             self.assertLessEqual(len(line), 80)
         self.assertEqual(self.call("breakwater", "ls", "runs/arm/good")[0].count("complete"), 1)
 
+    def test_a_run_with_parts_of_its_own_is_labelled_with_them(self):
+        self.call("motor_estimation", "--quiet", "--case", "stf", "--set", "observer.name=kfd", "--out", "runs/arm/other")
+        out, _ = self.call("breakwater", "ls", "runs/arm/other")
+        self.assertIn("motor_estimation, stf with kfd\n", out)
+
     def test_says_what_is_damaged_or_not_there(self):
-        (self.folder / "runs/arm/good/manifest.json").write_text("{")
-        out, _ = self.call("breakwater", "ls")
-        self.assertIn("damaged", out)
+        (self.folder / "runs/arm/good/manifest.json").write_text('{\n  "scenario": "arm",\n  oops\n}\n')
+        told = json.loads(self.call("breakwater", "ls", "runs/arm/good", "--json")[0])
+        self.assertEqual(told[0]["status"], "damaged")
+        self.assertIn("is not a run's manifest (line 3 is no JSON)", told[0]["reason"])
         _, err = self.call("breakwater", "ls", "nowhere", status=2)
         self.assertEqual(err, "nowhere: there is no such folder\n")
         (self.folder / "odd/shards").mkdir(parents=True)

@@ -566,6 +566,7 @@ TEST_F(DamagedRun, HandlesEveryWrongValueOfTheMetrics) {
     EXPECT_TRUE(
         has(complaints_of("metrics.json", whole)[0], "metrics.json: is no object of numbers"));
   }
+  EXPECT_TRUE(has(complaints_of("metrics.json", "{\n\"a\": 1,\n2}")[0], " (line 3 is no JSON)"));
   std::filesystem::remove(folder_ / "metrics.json");
   EXPECT_TRUE(has(complaints()[0], "it has no metrics.json"));
 }
