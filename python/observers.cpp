@@ -463,8 +463,12 @@ class ArrayQuadrotorFilter {
     set(design.angle_std_rad, "angle_std_rad");
     set(design.period_s, "period_s");
     design.estimates_wave_frequency = arguments["estimates_wave_frequency"].cast<bool>();
-    filter_ = make_quadrotor_estimator(
-        design, QuadrotorModel(QuadrotorParameters(), QuadrotorPhysics::physical));
+    QuadrotorParameters vehicle;
+    set(vehicle.added_mass_coefficient, "added_mass_coefficient");
+    if (!(vehicle.added_mass_coefficient >= 0.0)) {
+      throw std::invalid_argument("added_mass_coefficient must be 0 or more");
+    }
+    filter_ = make_quadrotor_estimator(design, QuadrotorModel(vehicle, QuadrotorPhysics::physical));
     filter_->reset(Vector6d::Zero());
   }
 

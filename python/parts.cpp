@@ -345,7 +345,7 @@ py::object setup_of(const QuadrotorTask& task) {
   const QuadrotorParameters& plant = task.plant.parameters();
   return namespace_of(py::dict(
       py::arg("period_s") = task.period_s, py::arg("reference_m") = array(Input(task.reference_m)),
-      py::arg("mass_kg") = plant.mass_kg,
+      py::arg("mass_kg") = plant.moving_mass_kg(),
       py::arg("inertia_kgm2") = array(Input(plant.inertia_kgm2)),
       py::arg("net_weight_N") = plant.net_weight_N(),
       py::arg("thrust_limit_N") = plant.thrust_limit_N,

@@ -312,6 +312,7 @@ class QuadrotorFilter(_core.ArrayQuadrotorFilter):
     disturbance: "none", "zero" or "second" order at the thrusters, or "resonator" (ukf only). The resonator
     models waves of wave_frequency_rad_s, and tracks this frequency if estimates_wave_frequency is set. The
     standard deviations are those of the random walk per sample and of the measurement noise.
+    added_mass_coefficient is C_a of the run, 0 for the thesis' plant.
     """
 
     def __init__(
@@ -327,6 +328,7 @@ class QuadrotorFilter(_core.ArrayQuadrotorFilter):
         disturbance_std: float = 0.01,
         wave_frequency_rad_s: float = 0.8,
         estimates_wave_frequency: bool = False,
+        added_mass_coefficient: float = 0.5,
     ):
         super().__init__(
             {
@@ -340,6 +342,7 @@ class QuadrotorFilter(_core.ArrayQuadrotorFilter):
                 "disturbance_std": disturbance_std,
                 "wave_frequency_rad_s": wave_frequency_rad_s,
                 "estimates_wave_frequency": bool(estimates_wave_frequency),
+                "added_mass_coefficient": added_mass_coefficient,
             }
         )
 

@@ -37,7 +37,7 @@ class Controller:
     deviations of all joints, then their rates. to_states @ (y - pose) is the state at rest at y. reference(t) has
     the sides of y, as pose. pose includes the twist of loaded springs, and reference(t) does not. So the wanted
     deviations are reference(t) - reference(0), if no reference steps at 0. The forces held_input hold the pose. For
-    the quadrotor: period_s, reference_m, mass_kg, inertia_kgm2, net_weight_N, thrust_limit_N, thruster_matrix,
+    the quadrotor: period_s, reference_m, mass_kg (with the added mass), inertia_kgm2, net_weight_N, thrust_limit_N, thruster_matrix,
     position_std_m, angle_std_rad.
 
     An exception ends the run and leaves bw.run() with its traceback.

@@ -223,9 +223,12 @@ std::vector<std::string> QuadrotorWaves::warnings() const {
   const auto* controller = dynamic_cast<const BacksteppingController*>(loop.controller.get());
   const double pole =
       controller != nullptr ? slowest_pole(controller->law(), quadrotor_.plant()) : 0.0;
-  if (pole <= 0.0) return {};
-  return {
-      fmt::format("controller.gains are unstable on this plant.model (a pole at {:+.3f}/s)", pole)};
+  std::vector<std::string> warnings = quadrotor_.warnings();
+  if (pole > 0.0) {
+    warnings.push_back(fmt::format(
+        "controller.gains are unstable on this plant.model (a pole at {:+.3f}/s)", pole));
+  }
+  return warnings;
 }
 
 std::vector<WavingSurface> QuadrotorWaves::waving_surfaces(const Model& model) const {

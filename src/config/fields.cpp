@@ -262,6 +262,16 @@ void Fields::number(const std::string& key, double& target, const Range& range,
             [&target] { return toml_number(target); }});
 }
 
+void Fields::number(const std::string& key, std::optional<double>& target, const Range& range,
+                    const std::string& doc) {
+  Variable variable = {
+      part_, doc, with_range("a number", range) + "; optional",
+      [&target, range](const ConfigValue& v) { return read_number(v, range, target.emplace()); },
+      [&target] { return target ? toml_number(*target) : ""; }};
+  variable.clear = [&target] { target.reset(); };
+  add(key, std::move(variable));
+}
+
 void Fields::count(const std::string& key, int& target, const Range& range,
                    const std::string& doc) {
   add(key, {part_, doc, with_range("a whole number", range),
@@ -538,6 +548,7 @@ void Fields::assign_standards(const Config& config) {
     if (field.was_read) continue;
     for (const Variable& variable : field.variables) {
       if (variable.standard) variable.read(*variable.standard);
+      if (variable.clear) variable.clear();
     }
   }
 }
@@ -578,7 +589,7 @@ std::vector<const Fields::Field*> Fields::assign_all(const Config& config) {
     const Variable* counts = chosen.in_use(field);
     if (const ConfigEntry* entry = config.find(field.key)) {
       fail_if(config, field, assign(field, entry->value, counts));
-    } else if (counts != nullptr && !counts->standard) {
+    } else if (counts != nullptr && counts->is_required()) {
       missing.push_back(&field);
     }
   }
@@ -617,7 +628,7 @@ std::vector<std::string> Fields::read_finished(const Config& config) {
     if (counts == nullptr || not_understood.contains(counts->part.choice)) continue;
     if (field.was_read) {
       find_file(config, field);
-    } else if (!counts->standard) {
+    } else if (counts->is_required()) {
       missing.push_back(field.key);
     }
   }
@@ -632,8 +643,8 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
   Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
   for (const Field& field : fields_) {
     const Variable* variable = chosen.in_use(field);
-    // Keys of parts that are not chosen are printed only if they were given.
-    if (variable == nullptr && !field.was_read) continue;
+    // Keys of parts that are not chosen, and those without a value, are printed only if given.
+    if (!field.was_read && (variable == nullptr || variable->clear)) continue;
     if (variable == nullptr) variable = &field.variables[field.suited];
     const std::string name = table_of(field.key);
     auto table = std::find_if(tables.begin(), tables.end(),

@@ -119,6 +119,10 @@ class Fields {
     number(key, target, range, doc);
     standard(key, {target});
   }
+  /// A number without a default value. The file may leave out the key: there is then no value, and
+  /// print() leaves it out too.
+  void number(const std::string& key, std::optional<double>& target, const Range& range,
+              const std::string& doc);
   void count(const std::string& key, int& target, const Range& range, const std::string& doc);
   /// A count whose default value is the present one of the variable.
   void optional_count(const std::string& key, int& target, const Range& range,
@@ -219,6 +223,9 @@ class Fields {
     std::vector<std::function<std::string()>> of_places = {};  // print() of each place
     std::vector<Condition> conditions = {};                    // all must hold for an effect
     std::optional<ConfigValue> standard = {};
+    std::function<void()> clear = {};  // leaves the variable without a value; null if it needs one
+
+    bool is_required() const { return !standard && !clear; }
   };
   struct Field {
     std::string key;

@@ -164,7 +164,7 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
   static WaveFrequencyDesign frequency_design(const QuadrotorEstimatorDesign& design,
                                               const QuadrotorModel& model) {
     WaveFrequencyDesign f;
-    f.mass_kg = model.parameters().mass_kg;
+    f.mass_kg = model.parameters().moving_mass_kg();
     f.damping = design.resonator.damping;
     f.force_std_N = design.resonator.force_std_N;
     f.bias_std_N = design.resonator.bias_std_N;
@@ -284,7 +284,7 @@ std::unique_ptr<QuadrotorEstimator> make_spectrum(const QuadrotorEstimatorDesign
                                                   const QuadrotorModel& model) {
   using Process = SpectrumEstimator::Process;
   WaveForceBankDesign waves = design.waves;
-  waves.mass_kg = model.parameters().mass_kg;
+  waves.mass_kg = model.parameters().moving_mass_kg();
   waves.bias_std_N = design.resonator.bias_std_N;
   waves.velocity_std_m_s = design.resonator.velocity_std_m_s;
   waves.position_std_m = design.position_std_m;

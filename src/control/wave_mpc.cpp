@@ -40,7 +40,7 @@ LmpcDesign axis_problem(const StateSpace& sampled, const WaveMpcDesign& design, 
 }  // namespace
 
 StateSpace horizontal_axis(const QuadrotorParameters& parameters, double alpha, double alpha_rate) {
-  const double m = parameters.mass_kg;
+  const double m = parameters.moving_mass_kg();
   const double stiffness = 1.0 + alpha * alpha_rate;
   StateSpace axis;
   axis.A.setZero(4, 4);
@@ -57,7 +57,7 @@ StateSpace horizontal_axis(const QuadrotorParameters& parameters, double alpha, 
 }
 
 StateSpace vertical_axis(const QuadrotorParameters& parameters) {
-  const double m = parameters.mass_kg;
+  const double m = parameters.moving_mass_kg();
   StateSpace axis;
   axis.A = (Eigen::Matrix2d() << 0.0, 1.0, 0.0, -parameters.linear_drag(2) / m).finished();
   axis.B = (Eigen::Matrix2d() << 0.0, 0.0, 1.0 / m, 1.0 / m).finished();

@@ -9,7 +9,7 @@ namespace breakwater {
 
 Vector6d QuadrotorParameters::inertia6() const {
   Vector6d inertia;
-  inertia << mass_kg, mass_kg, mass_kg, inertia_kgm2;
+  inertia << Eigen::Vector3d::Constant(moving_mass_kg()), inertia_kgm2;
   return inertia;
 }
 

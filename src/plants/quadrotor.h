@@ -25,12 +25,18 @@ struct QuadrotorParameters {
   double thruster_arm_m = 0.1090;  ///< h
   double gravity_m_s2 = 9.806;     ///< g
   double water_density_kg_m3 = 1000.0;
-  double volume_m3 = 0.0011;     ///< V_r
-  double thrust_limit_N = 25.0;  ///< T_lim of each thruster, in both directions
+  double volume_m3 = 0.0011;            ///< V_r
+  double added_mass_coefficient = 0.0;  ///< C_a; the thesis has no added mass
+  double thrust_limit_N = 25.0;         ///< T_lim of each thruster, in both directions
 
+  double displaced_kg() const { return water_density_kg_m3 * volume_m3; }
+  /// ρ V C_a: water that translates with the vehicle. It has inertia, but no weight.
+  double added_mass_kg() const { return displaced_kg() * added_mass_coefficient; }
+  double moving_mass_kg() const { return mass_kg + added_mass_kg(); }
   double buoyancy_N() const { return volume_m3 * water_density_kg_m3 * gravity_m_s2; }
   /// Net weight in water, mg − B = 2.7457 N: |G_z| of the table.
   double net_weight_N() const { return mass_kg * gravity_m_s2 - buoyancy_N(); }
+  /// The diagonal of M: three times the moving mass, and the inertia.
   Vector6d inertia6() const;
   /// D(ζ̇) at a velocity relative to the water.
   Vector6d drag(const Vector6d& velocity) const;

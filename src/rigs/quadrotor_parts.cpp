@@ -180,7 +180,7 @@ void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& sett
   constexpr double kShortest_s = 4.0, kLongest_s = 14.0;
   constexpr int kPeriods = 15;
   const QuadrotorParameters& vehicle = task.plant.parameters();
-  const AxisNoise vertical{.mass_kg = vehicle.mass_kg,
+  const AxisNoise vertical{.mass_kg = vehicle.moving_mass_kg(),
                            .position_std_m = design.position_std_m,
                            .velocity_std_m_s = design.resonator.velocity_std_m_s,
                            .bias_std_N = design.resonator.bias_std_N,

@@ -1,5 +1,7 @@
 #include <breakwater/rigs/quadrotor_rig.h>
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <stdexcept>
 
@@ -21,8 +23,18 @@ double deviation(const QuadrotorSettings& settings, double V) {
   return settings.interpretation == Interpretation::variance ? std::sqrt(V) : V;
 }
 
+// C_m = 1 + C_a on the physical plant: only then a neutral vehicle without drag follows the water.
+std::optional<double> consistent_inertia_coefficient(const QuadrotorSettings& settings) {
+  if (settings.physics_kind == QuadrotorPhysics::thesis || !settings.added_mass_coefficient) {
+    return std::nullopt;
+  }
+  return 1.0 + *settings.added_mass_coefficient;
+}
+
 WaveLoadSetup wave_setup(const QuadrotorSettings& settings) {
   WaveLoadSetup setup = settings.waves;
+  setup.inertia_coefficient = settings.inertia_coefficient.value_or(
+      consistent_inertia_coefficient(settings).value_or(setup.inertia_coefficient));
   setup.sea.seed = settings.run.seed;
   setup.sea.gravity_m_s2 = settings.parameters.gravity_m_s2;
   setup.current_m_s = vector3(settings.current_m_s);
@@ -49,9 +61,15 @@ SensingSetup sensing_setup(const QuadrotorSettings& settings) {
   return setup;
 }
 
+void add_mass_of_water(const QuadrotorSettings& settings, Model& model) {
+  const double added_kg = settings.vehicle().added_mass_kg();
+  if (added_kg > 0.0) model.add_mass("quadrotor", added_kg);
+}
+
 Model load_model(const QuadrotorSettings& settings) {
   Model model = Model::load_physics(settings.mjcf);
   model.set_physics(settings.physics.timestep_s, settings.physics.integrator);
+  add_mass_of_water(settings, model);
   return model;
 }
 
@@ -63,6 +81,9 @@ void QuadrotorSettings::bind(Fields& fields) {
       "plant.model", physics_kind,
       {{"physical", QuadrotorPhysics::physical}, {"thesis", QuadrotorPhysics::thesis}},
       "physics of plant, estimator and controller: physical, or thesis (with G and C as printed)");
+  fields.number("plant.added_mass_coefficient", added_mass_coefficient, not_negative(),
+                "C_a: mass of water that moves with the vehicle, over that of the displaced water. "
+                "Without this key: 0, as in earlier versions");
   physics.bind(fields);
   run.bind(fields);
   fields.numbers("task.start_m", start_m, any(), "start position x, y, z, at rest [m]");
@@ -85,8 +106,10 @@ void QuadrotorSettings::bind(Fields& fields) {
   fields.count("wave.components", waves.sea.components, between(1, 1000),
                "number of the sea's wave components");
   fields.numbers("wave.current_m_s", current_m_s, any(), "steady current along x, y, z [m/s]");
-  fields.number("wave.inertia_coefficient", waves.inertia_coefficient, not_negative(),
-                "C_m: inertia coefficient");
+  fields.number(
+      "wave.inertia_coefficient", inertia_coefficient, not_negative(),
+      "C_m: inertia coefficient. Without this key: 1 + plant.added_mass_coefficient, or 1.5 "
+      "for plant.model = \"thesis\"");
   fields.number(
       "wave.buoyancy_arm_m", waves.buoyancy_arm_m, any(),
       "for physical: z_B, height above the centre of mass at which the pressure acts [m]");
@@ -109,10 +132,19 @@ void QuadrotorSettings::bind(Fields& fields) {
   faults.bind(fields, "x, y, z, roll, pitch, yaw", run.duration_s);
 
   parts.bind(fields);
+  fields.only_for({"plant.added_mass_coefficient"}, "plant.model", {"physical"});
   fields.only_for({"wave.current_m_s", "wave.buoyancy_arm_m"}, "wave.mode", {"physical"});
   fields.only_for({"wave.torque_per_angle_Nm_rad"}, "wave.mode", {"thesis"});
   fields.only_where({"wave.change_to_period_s"}, "wave.change_at_s is not 0",
                     [this] { return waves.change_at_s > 0.0; });
+}
+
+QuadrotorParameters QuadrotorSettings::vehicle() const {
+  QuadrotorParameters vehicle = parameters;
+  if (physics_kind == QuadrotorPhysics::physical) {
+    vehicle.added_mass_coefficient = added_mass_coefficient.value_or(0.0);
+  }
+  return vehicle;
 }
 
 QuadrotorTask QuadrotorSettings::task() const {
@@ -127,7 +159,16 @@ QuadrotorTask QuadrotorSettings::task() const {
 }
 
 UnderwaterForce QuadrotorSettings::water(const Model& model) const {
-  return {model, parameters, physics_kind, wave_setup(*this), vector3(start_m)};
+  return {model, vehicle(), physics_kind, wave_setup(*this), vector3(start_m)};
+}
+
+std::vector<std::string> QuadrotorSettings::warnings() const {
+  const Model model = Model::load_physics(mjcf);
+  const double mass_kg = model->body_subtreemass[model.id(mjOBJ_BODY, "quadrotor")];
+  if (std::abs(mass_kg - parameters.mass_kg) <= 1e-9 * parameters.mass_kg) return {};
+  return {fmt::format(
+      "model.mjcf: the vehicle has {:.6g} kg; estimator and controller assume {:.6g} kg", mass_kg,
+      parameters.mass_kg)};
 }
 
 void check_quadrotor(const QuadrotorSettings& settings, const Config& config) {
@@ -140,15 +181,23 @@ void check_quadrotor(const QuadrotorSettings& settings, const Config& config) {
     const double depth_m = settings.waves.sea.water_depth_m;
     if (depth_m > 0.0 && z <= -depth_m) config.fail(key, "z must be above the water's bottom");
   };
+  const std::optional<double> C_m = consistent_inertia_coefficient(settings);
+  const double given = settings.inertia_coefficient.value_or(C_m.value_or(0.0));
+  if (C_m && std::abs(given - *C_m) > 1e-9 * *C_m) {
+    config.fail("wave.inertia_coefficient",
+                fmt::format("must be 1 + plant.added_mass_coefficient = {}, is {}; leave it out",
+                            *C_m, given));
+  }
   is_point("task.start_m", settings.start_m);
   is_point("task.reference_m", settings.reference_m);
   is_point("wave.current_m_s", settings.current_m_s);
   is_under_water("task.start_m", settings.start_m[2]);
   is_under_water("task.reference_m", settings.reference_m[2]);
-  const Model model = Model::load_physics(settings.mjcf);
+  Model model = Model::load_physics(settings.mjcf);
   if (model->nu != 4) throw std::invalid_argument(settings.mjcf.path + ": needs 4 thrusters");
   for (int i = 1; i <= 4; ++i) site_id(model, "t" + std::to_string(i));
   settings.water(model);
+  config.blame("plant.added_mass_coefficient", [&] { add_mass_of_water(settings, model); });
   settings.parts.check(config, settings.task());
   const SensingSetup sensing = sensing_setup(settings);
   settings.faults.check(config, sensing.channels);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <breakwater/experiment/scenario.h>
@@ -19,13 +20,15 @@ struct QuadrotorSettings {
   explicit QuadrotorSettings(const Catalogue& catalogue) : parts(catalogue) {}
 
   ModelFile mjcf;
-  QuadrotorParameters parameters;  ///< Table 3.4
+  QuadrotorParameters parameters;  ///< Table 3.4, without added mass
   QuadrotorPhysics physics_kind = QuadrotorPhysics::physical;
   PhysicsSettings physics;
   RunSettings run;
+  std::optional<double> added_mass_coefficient;  ///< none in runs of earlier versions: 0
   std::vector<double> start_m;
   std::vector<double> reference_m;
   WaveLoadSetup waves;
+  std::optional<double> inertia_coefficient;
   std::vector<double> current_m_s;
   double V_m = 0.0;
   double V_p = 0.0;
@@ -35,11 +38,15 @@ struct QuadrotorSettings {
 
   void bind(Fields& fields);
 
-  QuadrotorModel plant() const { return {parameters, physics_kind}; }
+  /// The parameters with the added mass of the physical plant.
+  QuadrotorParameters vehicle() const;
+  QuadrotorModel plant() const { return {vehicle(), physics_kind}; }
   /// The task and nominal model for estimator and controller.
   QuadrotorTask task() const;
   /// The water's force on a model with the free body "quadrotor".
   UnderwaterForce water(const Model& model) const;
+  /// A line if the model's mass is not that of the parameters.
+  std::vector<std::string> warnings() const;
 };
 
 /// Checks what the single fields cannot: sizes, depths, periods, the parts of the model, the design

@@ -14,13 +14,13 @@ ChangingSea WaveLoadSetup::water() const {
 
 Eigen::Vector3d wave_force(const QuadrotorParameters& parameters, const WaveLoadSetup& setup,
                            const WaterMotion& water, const Eigen::Vector3d& velocity) {
-  const double displaced_kg = parameters.water_density_kg_m3 * parameters.volume_m3;
   Vector6d still = Vector6d::Zero();
   still.head<3>() = velocity;
   Vector6d relative = still;
   relative.head<3>() -= water.velocity + setup.current_m_s;
   const Vector6d drag = parameters.drag(still) - parameters.drag(relative);
-  return drag.head<3>() + displaced_kg * setup.inertia_coefficient * water.acceleration;
+  return drag.head<3>() +
+         parameters.displaced_kg() * setup.inertia_coefficient * water.acceleration;
 }
 
 FreeMotion::FreeMotion(const double* qpos, const double* qvel)
@@ -68,7 +68,7 @@ std::vector<SurfaceWave> UnderwaterForce::surface_waves() const {
 }
 
 double UnderwaterForce::thesis_force(double time_s) const {
-  return parameters_.water_density_kg_m3 * parameters_.volume_m3 * setup_.inertia_coefficient *
+  return parameters_.displaced_kg() * setup_.inertia_coefficient *
          sea_.water(time_s, start_).acceleration.z();
 }
 
@@ -103,9 +103,9 @@ void UnderwaterForce::apply(double time_s, const mjModel&, mjData& data) const {
   Vector6d velocity;
   velocity << motion.velocity, attitude_rates(attitude, motion.body_rates);
   Vector6d load = wave_load(time_s, motion);
-  // Removes the model's gravity force, because the engine adds its own.
+  // The engine adds the weight of its body, which has the added mass too. Neither counts twice.
   load.head<3>() -= still_water_.weight_and_coriolis(attitude, velocity);
-  load(2) += parameters_.mass_kg * parameters_.gravity_m_s2;
+  load(2) += parameters_.moving_mass_kg() * parameters_.gravity_m_s2;
   Vector6d drag_velocity;
   drag_velocity << motion.velocity, motion.body_rates;
   const Vector6d drag = parameters_.drag(drag_velocity);

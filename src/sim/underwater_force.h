@@ -22,7 +22,7 @@ struct WaveLoadSetup {
   WaveMode mode = WaveMode::physical;
   SeaState sea;
   Eigen::Vector3d current_m_s = Eigen::Vector3d::Zero();  ///< constant; physical mode only
-  double inertia_coefficient = 1.5;                       ///< C_m
+  double inertia_coefficient = 1.5;                       ///< C_m; 1 + C_a if there is added mass
   double buoyancy_arm_m = 0.05;  ///< z_B: height of the waves' pressure force above the mass
   double low_pass_s = 0.32;      ///< low-pass of the slope or the angle, before the torque
   double torque_per_angle_Nm_rad = 0.1;  ///< thesis
@@ -64,7 +64,8 @@ struct FreeMotion {
 /// The drag −D acts on the velocity in the world frame and on the body's rates.
 class UnderwaterForce final : public ExternalForce {
  public:
-  /// The model needs a free body "quadrotor". `start` is the position for the thesis' scalar wave.
+  /// The model needs a free body "quadrotor", whose mass in the model includes the added mass.
+  /// `start` is the position for the thesis' scalar wave.
   /// Throws std::invalid_argument if there is no such body or the sea state is invalid.
   UnderwaterForce(const Model& model, const QuadrotorParameters& parameters,
                   QuadrotorPhysics physics, const WaveLoadSetup& waves,

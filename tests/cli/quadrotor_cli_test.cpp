@@ -30,11 +30,31 @@ TEST_F(QuadrotorCommandLine, NonsenseIsOneLineAndStatus2) {
         "--set: estimator.measurement_covariance: must be one of printed, actual, is true"},
        {"task.reference_m=[0,0]", "--set: task.reference_m: must have 3 numbers: x, y and z"},
        {"model.mjcf=models/cart.xml", "PROJECT/models/cart.xml: needs 4 thrusters"},
+       {"plant.added_mass_coefficient=-1",
+        "--set: plant.added_mass_coefficient: must be 0 or more, is -1"},
+       {"plant.added_mass_coefficient=1e300",
+        "--set: plant.added_mass_coefficient: PROJECT/models/quadrotor.xml: body \"quadrotor\": mass "
+        "is out of range"},
+       {"wave.inertia_coefficient=2",
+        "--set: wave.inertia_coefficient: must be 1 + plant.added_mass_coefficient = 1.5, is 2; "
+        "leave it out"},
+       {"plant.added_mass_coefficient=0 wave.inertia_coefficient=1.5",
+        "--set: wave.inertia_coefficient: must be 1 + plant.added_mass_coefficient = 1, is 1.5; "
+        "leave it out"},
        {"metrics.window_s=0", "--set: metrics.window_s: must be positive, is 0"},
        {"fault.sensor=q1",
         "--set: fault.sensor: must be one of none, x, y, z, roll, pitch, yaw, is \"q1\" (did you "
         "mean x?)"},
        {"model.mjcf=no_site.xml", "HERE/no_site.xml: has no site named \"t3\""}});
+}
+
+TEST_F(QuadrotorCommandLine, AVehicleOfAnotherMassIsALine) {
+  write("heavy.xml", replaced(testing::text_of(testing::source_file("models/quadrotor.xml")),
+                              "mass=\"1.38\"", "mass=\"3\""));
+  const std::string brief = "quadrotor_waves --duration 0.1 --set metrics.window_s=0.05";
+  EXPECT_TRUE(has(ran(brief + " model.mjcf=heavy.xml").err,
+                  "model.mjcf: the vehicle has 3 kg; estimator and controller assume 1.38 kg"));
+  EXPECT_TRUE(lacks(ran(brief).err, "assume"));
 }
 
 TEST_F(QuadrotorCommandLine, NanEndsTheRunWithStatus3) {

@@ -1,5 +1,7 @@
 #include <breakwater/config/config.h>
 
+#include <optional>
+
 #include <breakwater/config/fields.h>
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/shell/did_you_mean.h>
@@ -22,6 +24,7 @@ struct Settings {
   Color color = Color::red;
   std::vector<double> gains;
   std::vector<std::vector<double>> poles;
+  std::optional<double> limit;
 
   Fields fields() {
     Fields fields;
@@ -32,6 +35,7 @@ struct Settings {
     fields.choice("motion.color", color, {{"red", Color::red}, {"blue", Color::blue}}, "of it");
     fields.numbers("motion.gains", gains, any(), "of each joint");
     fields.number_groups("motion.poles", poles, any(), "of each joint");
+    fields.number("motion.limit", limit, positive(), "of the speed, if any");
     return fields;
   }
 };
@@ -363,6 +367,15 @@ TEST_F(ConfigTest, PrintsAFileThatReadsTheSame) {
   EXPECT_EQ(again.gains, settings_.gains);
   EXPECT_EQ(again.name, settings_.name);
   EXPECT_EQ(again.poles, settings_.poles);
+}
+
+TEST_F(ConfigTest, AKeyMayBeLeftOutWithItsLine) {
+  const std::string text = kText + std::string("motion.limit = 3\n");  // of the case `another`
+  EXPECT_EQ(read_run("another", text), "");
+  EXPECT_EQ(settings_.limit, 3.0);
+  EXPECT_EQ(read_run("slow", text), "");
+  EXPECT_FALSE(settings_.limit);
+  EXPECT_TRUE(lacks(settings_.fields().print("test", "slow"), "limit"));
 }
 
 TEST(DidYouMean, SuggestsOnlySimilarNames) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <breakwater/control/backstepping.h>
+#include <breakwater/control/wave_mpc.h>
 #include <breakwater/observers/wave_frequency.h>
 #include "control/quadrotor_endurance.h"
 #include "support.h"
@@ -247,6 +248,54 @@ TEST(QuadrotorEstimators, TheTrackedFrequencyDependsOnEachValueOfItsDesign) {
   EXPECT_NE(frequency([](D& d) { d.resonator.bias_std_N *= 2.0; }), standard);
   EXPECT_NE(frequency([](D& d) { d.resonator.velocity_std_m_s *= 2.0; }), standard);
   EXPECT_NE(frequency([](D& d) { d.position_std_m *= 2.0; }), standard);
+}
+
+// 0.55 kg of added mass are like 0.55 kg of the body with as much more buoyancy, to every part.
+TEST(QuadrotorEstimators, AddedMassIsMassWithoutWeight) {
+  QuadrotorParameters added, heavy;
+  added.added_mass_coefficient = 0.5;
+  heavy.mass_kg += 0.55;
+  heavy.volume_m3 *= 1.5;
+  ASSERT_NEAR(added.net_weight_N(), heavy.net_weight_N(), 1e-12);
+
+  EXPECT_LT((retuned_gains(added, 0.01) - retuned_gains(heavy, 0.01)).norm(), 1e-9);
+  EXPECT_NEAR(horizontal_axis(added, 1.0, 6.0).B(1, 1), 1.0 / 1.93, 1e-12);
+  EXPECT_NEAR(horizontal_axis(added, 1.0, 6.0).A(1, 1), -added.linear_drag(0) / 1.93, 1e-12);
+  EXPECT_NEAR(vertical_axis(added).B(1, 0), 1.0 / 1.93, 1e-12);
+  Eigen::Matrix<double, 12, 1> motion = Eigen::Matrix<double, 12, 1>::Zero();
+  motion.head<3>() << 0.3, -0.2, 0.5;
+  const auto wrench = [&](const QuadrotorParameters& vehicle) {
+    const QuadrotorModel model(vehicle, QuadrotorPhysics::physical);
+    return Backstepping(model, {.alpha = retuned_gains({}, 0.01)}).wrench(motion, {0.1, 0.2, 0.3});
+  };
+  EXPECT_LT((wrench(added) - wrench(heavy)).norm(), 1e-9);
+  EXPECT_GT((wrench(added) - wrench({})).norm(), 0.1);
+
+  for (const DisturbanceOrder order :
+       {DisturbanceOrder::none, DisturbanceOrder::zero, DisturbanceOrder::second,
+        DisturbanceOrder::resonator, DisturbanceOrder::spectrum}) {
+    QuadrotorEstimatorDesign design;
+    design.order = order;
+    design.estimates_wave_frequency = true;
+    design.waves.shapes = {{{{0.8, 0.03, 0.8}, {1.1, 0.09, 0.6}}},
+                           {{{0.6, 0.03, 0.8}, {0.8, 0.09, 0.6}}}};
+    const auto after_waves = [&](const QuadrotorParameters& vehicle) {
+      auto estimator =
+          make_quadrotor_estimator(design, QuadrotorModel(vehicle, QuadrotorPhysics::physical));
+      Vector6d pose = Vector6d::Zero();
+      estimator->reset(pose);
+      for (int k = 0; k < 2000; ++k) {
+        pose.head<3>() = Eigen::Vector3d(0.2, 0.1, 0.3) * std::sin(0.008 * k);
+        estimator->update(Eigen::Vector4d::Constant(0.7 + 0.2 * std::sin(0.01 * k)), pose);
+      }
+      return estimator;
+    };
+    const auto one = after_waves(added), other = after_waves(heavy), without = after_waves({});
+    EXPECT_LT((one->motion() - other->motion()).norm(), 1e-8);
+    EXPECT_LT((one->force() - other->force()).norm(), 1e-8);
+    EXPECT_NEAR(one->wave_frequency_rad_s(), other->wave_frequency_rad_s(), 1e-8);
+    EXPECT_GT((one->motion() - without->motion()).norm(), 1e-6);
+  }
 }
 
 TEST(QuadrotorEstimators, RefuseNonsense) {

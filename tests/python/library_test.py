@@ -219,6 +219,8 @@ class Filters(unittest.TestCase):
         run = bw.run("quadrotor_waves", case="resonator", duration=1)
         settings = run.config["estimator"]
         self.assertEqual(settings["filter"], "ukf")
+        with self.assertRaisesRegex(bw.InputError, "added_mass_coefficient must be 0 or more"):
+            bw.QuadrotorFilter(added_mass_coefficient=-1)
         f = bw.QuadrotorFilter("ukf", disturbance="none", position_std_m=0.1, angle_std_rad=0.01)
         motion, force = f.filter(run["thrust_applied_N"], run["pose_measured"])
         self.assertEqual((motion.shape, force.shape), ((100, 12), (100, 3)))

@@ -211,10 +211,15 @@ class Told(unittest.TestCase):
 
         quadrotor = Look()
         quadrotor.command = (1, 1, 1, 1)
-        run = bw.run("quadrotor_waves", duration=0.1, controller=quadrotor)
+        run = bw.run("quadrotor_waves", duration=0.1, controller=quadrotor,
+                     set={"wave.significant_height_m": 0, "plant.added_mass_coefficient": 0.7})
         poses = np.array([[*y.position_m, *y.attitude_rad] for y in quadrotor.seen])
         np.testing.assert_array_equal(poses, run["pose_measured"])
         self.assertEqual(quadrotor.setup.thruster_matrix.shape, (4, 4))
+        # Heave from rest in still water: a = F/(m + rho V C_a), and hardly any drag.
+        self.assertAlmostEqual(quadrotor.setup.mass_kg, 1.38 + 1.1 * 0.7, 12)
+        speed = (4 - quadrotor.setup.net_weight_N) / (1.38 + 1.1 * 0.7) * 0.09
+        self.assertAlmostEqual(run["motion_true"][9, 8] / speed, 1, 2)
 
     def test_published_signals_are_logged(self):
         class Count(bw.Controller):

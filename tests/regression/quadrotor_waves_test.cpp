@@ -151,6 +151,40 @@ TEST(QuadrotorWaves, IsReproducible) {
             run_case("quadrotor_waves", "resonator", {sets[0], sets[1], "run.seed=2"}).state_hash);
 }
 
+// A run of an earlier version: C_m alone, and the state hash that it had.
+TEST(QuadrotorWaves, OldFilesKeepAVehicleWithoutAddedMass) {
+  const ScenarioFile shipped = testing::scenario_file("quadrotor_waves");
+  const testing::TemporaryPath path("older.toml");
+  const std::string key = "added_mass_coefficient = 0.5 ";
+  std::ofstream(path) << testing::replaced(shipped.text(), key, "#");
+  const auto older = [&](const std::string& file) {
+    return prepare_run(testing::catalogue(), "quadrotor_waves",
+                       ScenarioFile(file, "quadrotor_waves"), "resonator",
+                       {"run.duration_s=5", "metrics.window_s=2", "wave.inertia_coefficient=1.5"});
+  };
+  const PreparedRun run = older(path.string());
+  EXPECT_EQ(run.scenario->run({}).state_hash, 0x80480e5c71fc68f2U);
+  EXPECT_TRUE(lacks(run.config_text, "added_mass_coefficient ="));
+  const testing::TemporaryPath again("again.toml");
+  std::ofstream(again) << run.config_text;
+  EXPECT_EQ(older(again.string()).config_text, run.config_text);
+}
+
+// The default C_m follows C_a, and the thesis' plant has neither.
+TEST(QuadrotorWaves, AddedMassIsThatOfThePhysicalPlant) {
+  const auto hash = [](const std::vector<std::string>& sets) {
+    std::vector<std::string> all = {"run.duration_s=1", "metrics.window_s=0.5"};
+    all.insert(all.end(), sets.begin(), sets.end());
+    return run_case("quadrotor_waves", "resonator", all).state_hash;
+  };
+  const char* const other = "plant.added_mass_coefficient=0.7";
+  EXPECT_EQ(hash({other}), hash({other, "wave.inertia_coefficient=1.7"}));
+  EXPECT_NE(hash({other}), hash({}));
+  for (const char* reading : {"reading=consistent", "reading=literal"}) {
+    EXPECT_EQ(hash({reading, other}), hash({reading}));
+  }
+}
+
 TEST(QuadrotorWaves, SetsHavePriorityOverTheReading) {
   const PreparedRun run = testing::prepare("quadrotor_waves", "ukf-zero",
                                            {"controller.gains=printed", "reading=literal"});

@@ -16,19 +16,22 @@ namespace {
 using Vector12d = Eigen::Matrix<double, 12, 1>;
 const Eigen::Vector3d kStart(0.0, 0.0, -10.0);
 
-Model quadrotor() {
-  return Model::load(testing::source_file("models/quadrotor.xml"));
+Model quadrotor(const QuadrotorParameters& vehicle = {}) {
+  Model model = Model::load(testing::source_file("models/quadrotor.xml"));
+  model.add_mass("quadrotor", vehicle.moving_mass_kg() - QuadrotorParameters().mass_kg);
+  return model;
 }
 
 // Thrusts as a function of time, held for 10 ms as in the simulation.
 using Thrusts = std::function<Eigen::Vector4d(double)>;
 
 std::vector<Vector12d> simulate(QuadrotorPhysics physics, const WaveLoadSetup& waves,
-                                const Thrusts& thrusts, double duration_s) {
+                                const Thrusts& thrusts, double duration_s,
+                                const QuadrotorParameters& vehicle = {}) {
   testing::FunctionController controller(
       [&](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) { u = thrusts(y.time_s); });
-  Simulation sim(quadrotor(), controller, {}, 10);
-  UnderwaterForce water(sim.model(), {}, physics, waves, kStart);
+  Simulation sim(quadrotor(vehicle), controller, {}, 10);
+  UnderwaterForce water(sim.model(), vehicle, physics, waves, kStart);
   sim.add(water);
   sim.set_position(std::vector<double>{0, 0, -10, 1, 0, 0, 0});
   std::vector<Vector12d> states;
@@ -111,23 +114,28 @@ TEST(QuadrotorModelFile, IsTable34) {
   EXPECT_DOUBLE_EQ(model->actuator_ctrlrange[1], table.thrust_limit_N);
 }
 
-// m v̇ = w − D v − F v² downwards, from rest at −10 m: the closed form of a fall with drag.
+// (m + ρ V C_a) v̇ = w − D v − F v² downwards, from rest at −10 m: the closed form of a fall with
+// drag. The added mass has no weight.
 TEST(QuadrotorForces, FreeSink) {
-  const auto states = simulate(
-      QuadrotorPhysics::physical, {}, [](double) { return Eigen::Vector4d::Zero(); }, 2.0);
-  EXPECT_NEAR(states.back()(2), -13.62, 0.01);
-  EXPECT_NEAR(states.back().head<2>().norm(), 0.0, 1e-12);
+  for (const double added : {0.0, 0.5}) {
+    QuadrotorParameters p;
+    p.added_mass_coefficient = added;
+    const auto states = simulate(
+        QuadrotorPhysics::physical, {}, [](double) { return Eigen::Vector4d::Zero(); }, 2.0, p);
+    EXPECT_NEAR(states.back()(2), added == 0.0 ? -13.62 : -12.70, 0.01);
+    EXPECT_NEAR(states.back().head<2>().norm(), 0.0, 1e-12);
 
-  const QuadrotorParameters p;
-  const double a = p.quadratic_drag(2) / p.mass_kg, b = p.linear_drag(2) / p.mass_kg,
-               c = p.net_weight_N() / p.mass_kg;
-  // v̇ = c − b v − a v² = a (v1 − v)(v + v2)
-  const double root = std::sqrt(b * b + 4.0 * a * c);
-  const double v1 = (root - b) / (2.0 * a), v2 = (root + b) / (2.0 * a);
-  const double q = a * (v1 + v2), t = 2.0;
-  // v = v1 v2 (e^{qt} − 1)/(v2 e^{qt} + v1). Its integral:
-  const double fallen = v1 * t + std::log((v1 * std::exp(-q * t) + v2) / (v1 + v2)) / a;
-  EXPECT_NEAR(states.back()(2), -10.0 - fallen, 1e-9);
+    const double mass_kg = 1.38 + 1.1 * added;
+    const double a = p.quadratic_drag(2) / mass_kg, b = p.linear_drag(2) / mass_kg,
+                 c = p.net_weight_N() / mass_kg;
+    // v̇ = c − b v − a v² = a (v1 − v)(v + v2)
+    const double root = std::sqrt(b * b + 4.0 * a * c);
+    const double v1 = (root - b) / (2.0 * a), v2 = (root + b) / (2.0 * a);
+    const double q = a * (v1 + v2), t = 2.0;
+    // v = v1 v2 (e^{qt} − 1)/(v2 e^{qt} + v1). Its integral:
+    const double fallen = v1 * t + std::log((v1 * std::exp(-q * t) + v2) / (v1 + v2)) / a;
+    EXPECT_NEAR(states.back()(2), -10.0 - fallen, 1e-9) << added;
+  }
 }
 
 TEST(QuadrotorForces, PlanarPitchMatchesTheOde) {
@@ -214,6 +222,38 @@ TEST(WaveLoads, NoDragOnAVehicleThatMovesWithTheWater) {
   velocity.head<3>() = u;
   const Vector6d load = force.wave_load(3.0, FreeMotion(qpos, qvel)) - p.drag(velocity);
   EXPECT_NEAR((load.head<3>() - 1.1 * 1.5 * water.acceleration).norm(), 0.0, 1e-12);
+}
+
+// Without drag a vehicle moves ρ V C_m/(m + ρ V C_a) times as far as small waves move the water. A
+// neutral one follows it if C_m = 1 + C_a.
+TEST(WaveLoads, ANeutralVehicleFollowsTheWater) {
+  struct Row {
+    double mass_kg, C_a, C_m, ratio;
+  };
+  for (const Row& row : {Row{1.1, 0.5, 1.5, 1.0}, Row{1.1, 0.0, 1.0, 1.0}, Row{1.1, 0.9, 1.9, 1.0},
+                         Row{1.38, 0.5, 1.5, 0.8549}, Row{1.1, 0.0, 1.5, 1.5}}) {
+    QuadrotorParameters vehicle;
+    vehicle.mass_kg = row.mass_kg;
+    vehicle.added_mass_coefficient = row.C_a;
+    vehicle.linear_drag.setZero();
+    vehicle.quadratic_drag.setZero();
+    WaveLoadSetup setup = sea(WaveMode::physical);
+    setup.sea.significant_height_m = 1e-3;
+    setup.inertia_coefficient = row.C_m;
+    setup.buoyancy_arm_m = 0.0;  // no torque, so the thrust stays vertical
+    const double duration_s = 8.0, h = 1e-3;
+    const Eigen::Vector4d hover = Eigen::Vector4d::Constant(vehicle.net_weight_N() / 4.0);
+    const auto states = simulate(
+        QuadrotorPhysics::physical, setup, [&](double) { return hover; }, duration_s, vehicle);
+    const Waves waves(setup.sea, setup.low_pass_s);
+    const Eigen::Vector3d first = waves.at(0.0, kStart).velocity;
+    Eigen::Vector3d water = Eigen::Vector3d::Zero();  // relative to a start at rest
+    for (int k = 0; k < std::lround(duration_s / h); ++k) {
+      water += h * (waves.at(h * (k + 0.5), kStart).velocity - first);
+    }
+    const Eigen::Vector3d vehicle_moved = states.back().head<3>() - kStart;
+    EXPECT_NEAR((vehicle_moved - row.ratio * water).norm(), 0.0, 1e-3 * water.norm()) << row.C_a;
+  }
 }
 
 // 0.13 N RMS per metre of H_s at 10 m.
