@@ -60,7 +60,8 @@ Eigen::Vector4d Backstepping::wrench(const Eigen::Matrix<double, 12, 1>& motion,
   Eigen::Vector3d f = nominal_.weight_and_coriolis(attitude, Vector6d::Zero()) - force;
   for (int axis = 0; axis < 3; ++axis) {
     const double Z1 = std::clamp(design_.reference(axis) - motion(axis), -clamp_m, clamp_m);
-    f(axis) += nominal_.parameters().moving_mass_kg() * acceleration(design_.alpha, motion, axis, Z1);
+    f(axis) +=
+        nominal_.parameters().moving_mass_kg() * acceleration(design_.alpha, motion, axis, Z1);
   }
   return wrench_of_force(motion, attitude, f);
 }

@@ -8,7 +8,7 @@ namespace breakwater {
 namespace {
 
 constexpr std::size_t kMostRows = 400000;  // all windows of one length together
-constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();  // of a time
+constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();  // relative
 
 }  // namespace
 

@@ -370,7 +370,7 @@ TEST_F(ConfigTest, PrintsAFileThatReadsTheSame) {
 }
 
 TEST_F(ConfigTest, AKeyMayBeLeftOutWithItsLine) {
-  const std::string text = kText + std::string("motion.limit = 3\n");  // of the case `another`
+  const std::string text = kText + std::string("motion.limit = 3\n");  // in the case `another`
   EXPECT_EQ(read_run("another", text), "");
   EXPECT_EQ(settings_.limit, 3.0);
   EXPECT_EQ(read_run("slow", text), "");

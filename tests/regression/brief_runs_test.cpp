@@ -49,10 +49,8 @@ TEST(EqualRuns, HaveTheirOwnFloatingPointEnvironment) {
   };
   constexpr unsigned kFlushes = 0x8040, kFlags = 0x3F;
   const std::vector<std::function<void()>> environments = {
-      [] { std::fesetround(FE_UPWARD); },
-      [] { std::fesetround(FE_DOWNWARD); },
-      [] { std::fesetround(FE_TOWARDZERO); },
-      [] { _mm_setcsr(_mm_getcsr() | kFlushes); },
+      [] { std::fesetround(FE_UPWARD); }, [] { std::fesetround(FE_DOWNWARD); },
+      [] { std::fesetround(FE_TOWARDZERO); }, [] { _mm_setcsr(_mm_getcsr() | kFlushes); },
       [&] { set_x87(0x027F); },  // 53 bits
       // The standard library's own paths raise FE_INEXACT before the run begins.
       [] { feenableexcept(FE_UNDERFLOW | FE_DIVBYZERO | FE_OVERFLOW | FE_INVALID); }};
