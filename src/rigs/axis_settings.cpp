@@ -46,8 +46,9 @@ int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
     }
     std::string hint;
     if (names.empty()) hint = "it has none with a name";
-    if (!names.empty() && names.size() <= kFew)
+    if (!names.empty() && names.size() <= kFew) {
       hint = fmt::format("it has {}", fmt::join(names, ", "));
+    }
     if (is_geom && names.size() <= kFew) {
       hint += ". With discardvisual, as in a URDF, the compiler drops geoms that cannot collide";
     }
