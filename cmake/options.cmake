@@ -16,7 +16,7 @@ elseif(FASTER_LINKER)
 endif()
 add_link_options(-Wl,--build-id=sha1)  # manifests have its hash
 
-option(BREAKWATER_TOOLS "All but the programs of the scenarios on axes: pages, studies, tests, ..." ON)
+option(BREAKWATER_TOOLS "All but the programs of the arm: other scenarios, pages, studies, tests, ..." ON)
 option(BREAKWATER_NATIVE "Compile for this machine's processor: for benchmarks, not for goldens" OFF)
 option(BREAKWATER_PYTHON "The Python module (Debian: pybind11-dev)" ON)
 option(BREAKWATER_WARNINGS_AS_ERRORS "As the presets that are tested have it" OFF)

@@ -1,10 +1,10 @@
 #include <breakwater/observers/multiple_model_estimator.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/observers/record_intervals.h>
 
@@ -56,8 +56,7 @@ MultipleModelBank<n>::MultipleModelBank(const MultipleModelDesign& design)
   if (is_axis) {
     at_rest_.setUnit(0);
     if constexpr (n > 2) {
-      at_rest_.template tail<n - 1>() =
-          -plant.A.rightCols(n - 1).colPivHouseholderQr().solve(plant.A.col(0));
+      at_rest_.template tail<n - 1>() = least_squares(plant.A.rightCols(n - 1), -plant.A.col(0));
     }
   }
   if (!is_axis || !((plant.A * at_rest_).norm() <= kAtRest * plant.A.norm())) {

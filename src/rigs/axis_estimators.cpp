@@ -3,6 +3,7 @@
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mdob.h>
+#include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
@@ -253,6 +254,29 @@ Estimator make_stf(const DisturbanceModel& settings, const NominalAxis& axis) {
                                axis.sensor);
 }
 
+struct MultipleModelSettings {
+  double largest_d = 0.0;
+};
+
+void bind_multiple_model(Fields& fields, MultipleModelSettings& settings) {
+  fields.number(
+      "observer.largest_disturbance", settings.largest_d, not_negative(),
+      "D: largest possible disturbance; 0: the drive's largest force, or the largest input "
+      "of a record [N m, or N]");
+  fields.standard("observer.largest_disturbance", {0.0});
+}
+
+Estimator make_multiple_model(const MultipleModelSettings& settings, const NominalAxis& axis) {
+  need_one_axis(axis, "qbank");
+  const double largest_d = settings.largest_d > 0.0 ? settings.largest_d : axis.force_limit;
+  if (!(largest_d > 0.0) || !std::isfinite(largest_d)) {
+    throw WrongKey("observer.largest_disturbance",
+                   "must be positive here: 0 selects the largest input, which is 0 or unlimited");
+  }
+  return sized_multiple_model(
+      {axis.plant, axis.period_s, axis.sensor, largest_d, axis.E, axis.inertia});
+}
+
 }  // namespace
 
 std::vector<AxisEstimatorKind> axis_estimators() {
@@ -266,7 +290,9 @@ std::vector<AxisEstimatorKind> axis_estimators() {
       {"vfakfd", "KFD with a variable forgetting factor", bind_vfakfd, make_vfakfd},
       {"qvff", "VFAKFD designed for quantisation and noise, in m or rad", bind_qvff, make_qvff},
       {"stf", "strong tracking filter: KFD that raises its covariance after a change", bind_stf,
-       make_stf}};
+       make_stf},
+      {"qbank", "multiple-model estimator with the exact likelihood of the encoder",
+       bind_multiple_model, make_multiple_model}};
 }
 
 }  // namespace breakwater

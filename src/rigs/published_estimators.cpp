@@ -5,7 +5,6 @@
 #include <breakwater/observers/immkf.h>
 #include <breakwater/observers/mckf.h>
 #include <breakwater/observers/mhe.h>
-#include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/tracking_differentiator.h>
 #include <breakwater/observers/vbakf.h>
 #include <breakwater/rigs/estimator_settings.h>
@@ -192,35 +191,10 @@ Estimator make_mhe(const MovingHorizonSettings& settings, const NominalAxis& axi
   return std::make_unique<Mhe>(design, axis.sensor, settings.horizon, settings.has_constraints);
 }
 
-struct MultipleModelSettings {
-  double largest_d = 0.0;
-};
-
-void bind_multiple_model(Fields& fields, MultipleModelSettings& settings) {
-  fields.number(
-      "observer.largest_disturbance", settings.largest_d, not_negative(),
-      "D: largest possible disturbance; 0: the drive's largest force, or the largest input "
-      "of a record [N m, or N]");
-  fields.standard("observer.largest_disturbance", {0.0});
-}
-
-Estimator make_multiple_model(const MultipleModelSettings& settings, const NominalAxis& axis) {
-  need_one_axis(axis, "qbank");
-  const double largest_d = settings.largest_d > 0.0 ? settings.largest_d : axis.force_limit;
-  if (!(largest_d > 0.0) || !std::isfinite(largest_d)) {
-    throw WrongKey("observer.largest_disturbance",
-                   "must be positive here: 0 selects the largest input, which is 0 or unlimited");
-  }
-  return sized_multiple_model(
-      {axis.plant, axis.period_s, axis.sensor, largest_d, axis.E, axis.inertia});
-}
-
 }  // namespace
 
 std::vector<AxisEstimatorKind> published_estimators() {
   return {
-      {"qbank", "multiple-model estimator with the exact likelihood of the encoder",
-       bind_multiple_model, make_multiple_model},
       {"immkf", "interacting-multiple-model Kalman filter with a quiet and a busy disturbance",
        bind_immkf, make_immkf},
       {"mckf", "maximum-correntropy Kalman filter as a disturbance observer", bind_mckf, make_mckf},
