@@ -241,6 +241,26 @@ class Repair {
 
   double step(std::size_t k) const { return rows_[k].position - rows_[k - 1].position; }
 
+  // If all jumps go to 0, the counter was reset. The motion goes on by the step before.
+  void continue_after_resets(double normal) {
+    std::vector<std::size_t> resets;
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      if (std::abs(step(k)) <= kJump * normal) continue;
+      if (std::abs(rows_[k].position) > normal) return;
+      resets.push_back(k);
+    }
+    Count count;
+    for (const std::size_t k : resets) {
+      const double last = k > 1 ? step(k - 1) : 0.0;
+      const double missing = rows_[k - 1].position + last - rows_[k].position;
+      for (std::size_t later = k; later < rows_.size(); ++later) {
+        rows_[later].position += missing;
+      }
+      count.add(rows_[k].line);
+    }
+    count.report(repairs_, "reset", "of the counter to 0 undone");
+  }
+
   // Jumps of more than half the range of the column, far above the normal steps.
   void unwrap() {
     if (rows_.size() < kRowsBeforeWraps) return;
@@ -258,7 +278,7 @@ class Repair {
     for (std::size_t k = 1; k < rows_.size(); ++k) {
       if (std::abs(step(k)) > std::max(0.5 * (high - low), kJump * normal)) jumps.push_back(k);
     }
-    if (jumps.empty()) return;
+    if (jumps.empty()) return continue_after_resets(normal);
     std::vector<double> sizes;
     for (const std::size_t k : jumps) sizes.push_back(size_of_wrap(k, jumps));
     const double median = sample_median(sizes);
@@ -270,7 +290,7 @@ class Repair {
     if (is_spike || !std::all_of(sizes.begin(), sizes.end(), is_near)) return;
     double wrap = range;
     if (wrap == 0.0) {
-      if (jumps.size() < kWrapsForAnyRange) return;
+      if (jumps.size() < kWrapsForAnyRange) return continue_after_resets(normal);
       const double quantum = quantum_without(jumps);
       wrap = quantum > 0.0 ? quantum * std::round(median / quantum) : median;
     }

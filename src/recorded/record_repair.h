@@ -15,7 +15,8 @@ namespace breakwater {
 /// - a missing input is interpolated; an input of a lower rate is held
 /// - rows without a position are left out; for a position of a lower rate, the inputs between two
 ///   positions become their mean
-/// - a counter that wraps is unwrapped; a single position far from both neighbours is left out
+/// - a counter that wraps is unwrapped, and one that is reset to 0 goes on; a single position far
+///   from both neighbours is left out
 ///
 /// Throws std::invalid_argument `FILE[:LINE]: reason` if the times start again, a column has no
 /// number, or fewer than two rows are left. `time_column` is its name in messages.

@@ -161,6 +161,14 @@ const std::vector<Damage> kDamages = {
        }
      },
      "1 wrap of a counter of 360 unwrapped (in line 32)"},
+    {"reset_counter",
+     [](Lines& l) {
+       for (int k = 0; k < 40; ++k) {
+         replace(l, static_cast<std::size_t>(k) + 2,
+                 fmt::format("{:.2f},{},{}", 0.01 * k, k, k < 30 ? 2 * k : 2 * k - 60));
+       }
+     },
+     "1 reset of the counter to 0 undone (in line 32)"},
     {"wrong_position", [](Lines& l) { replace(l, 12, "0.10,10,9999"); },
      "1 row with a position far from both neighbours left out (in line 12)", 39},
     {"second_record",
