@@ -49,7 +49,7 @@ function(breakwater_room name)
     # one file.
     if(name STREQUAL published)
       set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 2)
-    elseif(name MATCHES "^(observers|linear|control|quadrotor|rigs)$")
+    elseif(name MATCHES "^(observers|linear|control|quadrotor|rigs|identification)$")
       set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 4)
     endif()
     target_link_libraries(breakwater_${name}
