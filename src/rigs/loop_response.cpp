@@ -239,7 +239,8 @@ double usual_force(const AxisSettings& axis) {
 
 bool is_unstable(const AxisLoopDesign& design) {
   // The response begins after the delays.
-  const auto delays = static_cast<std::size_t>(design.delay_samples + design.command_delay_samples);
+  const auto delays = static_cast<std::size_t>(design.delay_samples) +
+                      static_cast<std::size_t>(design.command_delay_samples);
   std::size_t length = kFirstLength;
   while (length < 16 * delays) length *= 4;
   const std::size_t first = length;

@@ -47,7 +47,7 @@ struct AxisLoopDesign {
 
 /// The loop of one axis of a plant.
 AxisLoopDesign axis_loop_design(const AxisParts& parts, const AxisTask& task,
-                                const AxisPlant& plant, std::size_t axis = 0);
+                                const AxisPlant& plant, std::size_t index = 0);
 
 /// Whether the model has joints beside those of the axis. They are held in axis_loop_design().
 bool has_other_joints(const AxisPlant& plant, std::size_t axis = 0);

@@ -233,10 +233,10 @@ Model Model::load_physics(const ModelFile& mjcf, const std::vector<std::string>&
 // The model of the whole file.
 std::shared_ptr<const mjModel> Model::shared_model(const ModelFile& mjcf) {
   const Shared::Key key(mjcf.path, std::nullopt);
-  if (const auto model = find_shared(key)) return model;
+  if (auto model = find_shared(key)) return model;
   const std::lock_guard compiling(shared().compiling);
   // Another thread may have compiled it during the wait.
-  if (const auto model = find_shared(key)) return model;
+  if (auto model = find_shared(key)) return model;
   for (const SharedModels* owner : owners()) {
     if (owner->before_compiling_) owner->before_compiling_(mjcf.path);
   }
