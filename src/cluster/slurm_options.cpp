@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <breakwater/study/slurm_settings.h>
 #include <CLI/CLI.hpp>
+
+#include <breakwater/study/slurm_settings.h>
 
 namespace breakwater {
 

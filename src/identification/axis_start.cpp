@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <breakwater/identification/modulation.h>
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 namespace {
@@ -97,8 +98,7 @@ std::vector<AxisValues> start_candidates(const AxisData& data, double least_dela
       // The rank must not depend on the units of the columns. Powers of two leave their bits.
       Eigen::VectorXd scale(kUnknowns);
       for (Eigen::Index j = 0; j < kUnknowns; ++j) {
-        const double norm = A.col(j).norm();
-        scale(j) = norm > 0.0 ? std::ldexp(1.0, -std::ilogb(norm)) : 1.0;
+        scale(j) = math::power_of_two_scale(A.col(j).norm());
         A.col(j) *= scale(j);
       }
       // The least of equal solutions, if the record does not separate two of them.

@@ -12,6 +12,7 @@
 #include <breakwater/identification/axis_parameters.h>
 #include <breakwater/identification/rounded_times.h>
 #include <breakwater/observers/code_likelihood.h>
+#include <breakwater/observers/sensor_error.h>
 #include <breakwater/recorded/encoder_quantum.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/world/noise.h>
@@ -335,8 +336,9 @@ double variance_of_differences(const AxisData& data) {
 // The variance of the errors that noise and encoder explain. The fitted noise explains all errors
 // of a bad fit, so it counts only as far as the record itself is noisy.
 double error_variance(const AxisData& data, const AxisFit& fit) {
-  const double divisor = data.rounding == EncoderRounding::nearest ? 12.0 : 3.0;
-  const double rounding = data.quantum * data.quantum / divisor;
+  const SensorError encoder{Eigen::VectorXd::Constant(1, data.quantum), Eigen::VectorXd::Zero(1),
+                            data.rounding};
+  const double rounding = encoder.variance()(0);
   return std::min(noise_variance(data, fit) + rounding,
                   std::max(variance_of_differences(data), rounding));
 }

@@ -83,4 +83,10 @@ inline std::complex<double> log(const std::complex<double>& z) {
   return {log(std::abs(z)), atan2(z.imag(), z.real())};
 }
 
+/// The power of two that scales x > 0 to [1, 2), and 1 for any other x. A product with it keeps the
+/// bits.
+inline double power_of_two_scale(double x) {
+  return x > 0.0 ? std::ldexp(1.0, -std::ilogb(x)) : 1.0;
+}
+
 }  // namespace breakwater::math

@@ -249,14 +249,18 @@ class Repair {
       if (std::abs(rows_[k].position) > normal) return;
       resets.push_back(k);
     }
+    if (resets.empty()) return;
     Count count;
-    for (const std::size_t k : resets) {
-      const double last = k > 1 ? step(k - 1) : 0.0;
-      const double missing = rows_[k - 1].position + last - rows_[k].position;
-      for (std::size_t later = k; later < rows_.size(); ++later) {
-        rows_[later].position += missing;
+    double missing = 0.0;
+    auto next = resets.begin();
+    for (std::size_t k = resets.front(); k < rows_.size(); ++k) {
+      if (next != resets.end() && *next == k) {
+        const double last = k > 1 ? step(k - 1) : 0.0;
+        missing = rows_[k - 1].position + last - rows_[k].position;
+        count.add(rows_[k].line);
+        ++next;
       }
-      count.add(rows_[k].line);
+      rows_[k].position += missing;
     }
     count.report(repairs_, "reset", "of the counter to 0 undone");
   }

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <random>
 
+#include <breakwater/math/functions.h>
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/normal.h>
 
@@ -55,7 +56,7 @@ std::optional<ConfidenceInterval> bca_interval(const std::vector<double>& values
   double largest = 0.0;
   for (const double one : without) largest = std::max(largest, std::abs(centre - one));
   // The acceleration has no unit. A power of two keeps its bits and its powers finite.
-  const double unit = largest > 0.0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1.0;
+  const double unit = math::power_of_two_scale(largest);
   double squares = 0.0, cubes = 0.0;
   for (const double one : without) {
     const double d = unit * (centre - one);

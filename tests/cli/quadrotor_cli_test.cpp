@@ -34,8 +34,7 @@ TEST_F(QuadrotorCommandLine, NonsenseIsOneLineAndStatus2) {
         "--set: plant.added_mass_coefficient: must be 0 or more, is -1"},
        {"plant.added_mass_coefficient=1e300",
         "--set: plant.added_mass_coefficient: PROJECT/models/quadrotor.xml: body \"quadrotor\": "
-        "mass "
-        "is out of range"},
+        "mass is out of range"},
        {"wave.inertia_coefficient=2",
         "--set: wave.inertia_coefficient: must be 1 + plant.added_mass_coefficient = 1.5, is 2; "
         "leave it out"},

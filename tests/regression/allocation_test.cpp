@@ -183,15 +183,15 @@ TEST(Allocation, PushLoopDoesNotAllocate) {
 TEST(Allocation, PredictiveControlLoopDoesNotAllocate) {
   for (const char* solver : {"solver.name=active_set", "solver.name=hildreth"}) {
     EXPECT_EQ(allocations_in_loop("cart_constrained", "proposed-idob",
-                                  {"condition=C", "run.duration_s=90", "disturbance.start_s=15",
+                                  {"condition=C", "run.duration_s=120", "disturbance.start_s=15",
                                    "constraint.velocity_m_s=0.3", solver}),
               0);
     EXPECT_EQ(allocations_in_loop("cart_offset_free", "proposed-kfd",
-                                  {"run.duration_s=90", "reference.start_s=15",
+                                  {"run.duration_s=120", "reference.start_s=15",
                                    "constraint.position_m=0.5", solver}),
               0);
   }
-  EXPECT_EQ(allocations_in_loop("cart_constrained", "lqr-obs-kfd", {"run.duration_s=90"}), 0);
+  EXPECT_EQ(allocations_in_loop("cart_constrained", "lqr-obs-kfd", {"run.duration_s=120"}), 0);
 }
 
 // Ill-conditioned programs, dependent constraints and infeasible programs reach all branches of the
