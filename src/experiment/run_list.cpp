@@ -3,13 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/record/log_stream.h>
 #include <breakwater/record/run_folder.h>
 
 namespace breakwater {
@@ -69,9 +66,15 @@ ListedRun list_run(const fs::path& folder) {
     run.case_name = manifest.case_name;
     run.seed = manifest.seed;
     if (manifest.failure) {
-      run.status = manifest.failure->is_cut ? ListedRun::Status::cut : ListedRun::Status::failed;
-      run.reason =
-          fmt::format("at {:.6g} s: {}", manifest.failure->time_s, manifest.failure->reason);
+      using Status = ListedRun::Status;
+      const Failure& failure = *manifest.failure;
+      run.status = failure.is_cut ? Status::cut : Status::failed;
+      run.reason = failure.is_cut ? failure.reason
+                                  : fmt::format("at {:.6g} s: {}", failure.time_s, failure.reason);
+      if (manifest.is_unfinished && is_being_written(folder)) {
+        run.status = Status::running;
+        run.reason = "";
+      }
     } else {
       run.metrics = read_metrics(folder);
       run.status = ListedRun::Status::complete;
@@ -85,33 +88,6 @@ ListedRun list_run(const fs::path& folder) {
   return run;
 }
 
-ListedRun list_streamed_run(const fs::path& folder) {
-  ListedRun run;
-  run.folder = folder;
-  std::error_code ignored;
-  for (const char* name : {kRunning, "config.toml", "log.journal", "log.h5"}) {
-    const fs::file_time_type time = fs::last_write_time(folder / name, ignored);
-    if (ignored) {
-      run.reason = (folder / name).string() + ": is missing";
-      return run;
-    }
-    run.written = time;
-  }
-  std::ifstream stream(folder / kRunning);
-  try {
-    const auto manifest = nlohmann::json::parse(stream).at("manifest");
-    run.scenario = manifest.at("scenario");
-    run.case_name = manifest.at("case");
-    run.seed = manifest.at("seed").dump();
-  } catch (const nlohmann::json::exception&) {
-    run.reason = (folder / kRunning).string() + ": is damaged";
-    return run;
-  }
-  run.status = is_being_written(folder) ? ListedRun::Status::running : ListedRun::Status::cut;
-  if (run.status == ListedRun::Status::cut) run.reason = how_to_recover(folder);
-  return run;
-}
-
 const char* name_of(ListedRun::Status status) {
   switch (status) {
     case ListedRun::Status::complete:
@@ -119,9 +95,9 @@ const char* name_of(ListedRun::Status status) {
     case ListedRun::Status::failed:
       return "failed";
     case ListedRun::Status::cut:
-      return kCut;
+      return "cut";
     case ListedRun::Status::running:
-      return "running";
+      return kRunning;
     case ListedRun::Status::damaged:
       return "damaged";
   }

@@ -38,9 +38,6 @@ struct ListedRun {
 };
 ListedRun list_run(const std::filesystem::path& folder);
 
-/// The same for the partial folder of a streamed run, which is running or was cut.
-ListedRun list_streamed_run(const std::filesystem::path& folder);
-
 /// "complete", "failed", "cut", "running" or "damaged".
 const char* name_of(ListedRun::Status status);
 

@@ -77,10 +77,13 @@ RunManifest read_manifest(const std::filesystem::path& folder) {
   manifest.seed = seed.dump();
   manifest.state_hash = reader.text("state_hash");
   const std::string status = reader.text("status");
-  if (status == "failed" || status == kCut) {
-    manifest.failure = Failure{reader.number("time_s"), reader.text("reason"), status == kCut};
+  manifest.is_unfinished = status == kRunning;
+  if (manifest.is_unfinished) {
+    manifest.failure = Failure{0.0, "its process ended before the run did", true};
+  } else if (status == "failed" || status == "cut") {  // a log that was recovered
+    manifest.failure = Failure{reader.number("time_s"), reader.text("reason"), status == "cut"};
   } else if (status != "complete") {
-    reader.fail("status", "must be complete, failed or cut");
+    reader.fail("status", "must be complete, failed or running");
   }
   manifest.program = reader.text_or_nothing("program");
   if (const json* models = reader.find("models")) {
@@ -93,8 +96,8 @@ RunManifest read_manifest(const std::filesystem::path& folder) {
   return manifest;
 }
 
-std::string how_to_recover(const std::filesystem::path& folder) {
-  return "its log so far is kept: breakwater recover " + shell_word(folder.string());
+std::string where_the_log_is(const std::filesystem::path& folder) {
+  return "its log so far is in " + shell_word(folder.string());
 }
 
 std::string broken_line(const std::filesystem::path& file) {

@@ -10,8 +10,8 @@
 
 namespace breakwater {
 
-/// The status of a run whose log was recovered. It has a failure with `is_cut`, and no state hash.
-inline constexpr const char* kCut = "cut";
+/// The status of a streamed run in its manifest until it ends.
+inline constexpr const char* kRunning = "running";
 
 /// A member is empty if the version that wrote the manifest did not know it.
 struct RunManifest {
@@ -20,6 +20,7 @@ struct RunManifest {
   std::string seed;
   std::string state_hash;
   std::optional<Failure> failure;  ///< if the run failed or was cut
+  bool is_unfinished = false;      ///< it was cut; the time of its failure is that of its log
   std::string program;             ///< program_hash()
   ModelHashes models;
 };
@@ -31,8 +32,8 @@ RunManifest read_manifest(const std::filesystem::path& folder);
 /// JSON.
 std::string broken_line(const std::filesystem::path& file);
 
-/// The command that recovers a streamed run, in words for messages.
-std::string how_to_recover(const std::filesystem::path& folder);
+/// The folder with the log of a streamed run that did not end, in words for messages.
+std::string where_the_log_is(const std::filesystem::path& folder);
 
 /// Writes the `renderer` that drew `picture` ("video.mp4") into the manifest as
 /// `renderers.PICTURE`, if the run in `folder` still has this state hash. Throws OutputError.

@@ -16,6 +16,7 @@
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/hdf5_log.h>
+#include <breakwater/record/partial_file.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/progress.h>
@@ -63,7 +64,7 @@ ordered_json results_of(const Recording& recording, double wall_s, const std::st
 }
 
 void write_manifest(const RunFolder& folder, const ordered_json& before,
-                    const ordered_json& results) {
+                    const ordered_json& results, bool is_streamed) {
   ordered_json entries;
   for (const char* first : {"scenario", "case", "seed"}) entries[first] = before.at(first);
   entries.update(results);
@@ -72,7 +73,10 @@ void write_manifest(const RunFolder& folder, const ordered_json& before,
     if (std::filesystem::exists(path)) entries[path.stem().string() + "_hash"] = file_hash(path);
   }
   entries.update(before);
-  write_text_file(folder.path() / "manifest.json", entries.dump(2) + "\n");
+  const std::filesystem::path file = folder.path() / "manifest.json";
+  const std::string text = entries.dump(2) + "\n";
+  // A streamed run has one already, which must stay whole if this process is killed.
+  is_streamed ? replace_file(file, text) : write_text_file(file, text);
 }
 
 // Destroyed last first: the first one may have made the parent folders, and removes only empty
@@ -115,8 +119,8 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
             recording.absent,   run.is_as_shipped,     recording.failure,
             recording.warnings, recording.simulated_s, wall_s};
   } catch (const OutputError& error) {
-    if (!is_recoverable(folder.path())) throw;
-    throw OutputError(fmt::format("{}; {}", error.what(), how_to_recover(folder.path())));
+    if (!is_kept(folder.path())) throw;
+    throw OutputError(fmt::format("{}; {}", error.what(), where_the_log_is(folder.path())));
   }
 }
 
@@ -198,8 +202,10 @@ PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenari
 std::unique_ptr<LogStream> make_log_stream(const PreparedRun& run, const ModelHashes& models,
                                            const RunFolder& folder) {
   if (!run.scenario->run_settings().stream) return nullptr;
-  return std::make_unique<LogStream>(folder.path(), run.config_text,
-                                     manifest_before(run, models).dump());
+  ordered_json manifest = manifest_before(run, models);
+  manifest["status"] = kRunning;
+  manifest["state_hash"] = "";
+  return std::make_unique<LogStream>(folder.path(), run.config_text, manifest.dump(2) + "\n");
 }
 
 void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
@@ -214,25 +220,9 @@ void write_run(const PreparedRun& run, const ModelHashes& models, const Recordin
   }
   if (csv) write_csv_log(path / "log.csv", recording.tracks.front());
   if (!recording.failure) write_metrics(path / "metrics.json", recording.metrics);
-  write_manifest(folder, manifest_before(run, models),
-                 results_of(recording, wall_s, file_hash(log)));
   std::filesystem::rename(log, path / "log.h5");
-  folder.commit();
-  forget_stream(folder.target());
-}
-
-void write_cut_run(const CutRun& cut, const std::filesystem::path& from, RunFolder& folder) {
-  const std::filesystem::path log = folder.path() / "log.h5";
-  std::filesystem::copy_file(from / "config.toml", folder.path() / "config.toml");
-  cut.write_log(log);
-  write_manifest(folder, ordered_json::parse(cut.manifest()),
-                 {{"status", kCut},
-                  {"reason", "its process ended before the run did"},
-                  {"time_s", cut.end_s()},
-                  {"state_hash", ""},
-                  {"log_hash", file_hash(log)},
-                  {"simulated_s", cut.end_s()},
-                  {"costs", ordered_json::object()}});
+  write_manifest(folder, manifest_before(run, models),
+                 results_of(recording, wall_s, file_hash(path / "log.h5")), stream != nullptr);
   folder.commit();
 }
 
@@ -263,8 +253,8 @@ std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
   } catch (const Interrupted&) {
     std::string kept;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      if (!is_recoverable(folders[i].path())) continue;
-      kept += (kept.empty() ? "" : "; ") + how_to_recover(folders[i].path());
+      if (!is_kept(folders[i].path())) continue;
+      kept += (kept.empty() ? "" : "; ") + where_the_log_is(folders[i].path());
     }
     throw Interrupted(static_cast<std::size_t>(
                           std::count_if(summaries.begin(), summaries.end(),

@@ -11,7 +11,6 @@
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/known_models.h>
 #include <breakwater/experiment/provenance.h>
-#include <breakwater/record/cut_run.h>
 #include <breakwater/record/log_stream.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/record/run_folder.h>
@@ -85,10 +84,6 @@ std::unique_ptr<LogStream> make_log_stream(const PreparedRun& run, const ModelHa
 /// of its models. `stream` has the log, unless it is null. Throws OutputError.
 void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
                double wall_s, RunFolder& folder, bool csv, LogStream* stream = nullptr);
-
-/// The same for a run that was cut, with its partial folder `from`, which stays. Throws
-/// OutputError.
-void write_cut_run(const CutRun& cut, const std::filesystem::path& from, RunFolder& folder);
 
 /// Runs all of `runs` on all cores, each into its folder of `targets`. It begins only if all
 /// folders can be written. Throws std::invalid_argument (also if a known model has changed),

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -52,16 +53,20 @@ void SavedRun::read() {
   metrics_.clear();
   notes_.clear();
   read_.clear();
+  written_rows_.clear();
   if (!fs::is_directory(folder_)) {
     throw std::invalid_argument(folder_.string() +
                                 ": there is no such folder; give the folder of a run");
   }
   if (!fs::exists(folder_ / "manifest.json")) {
-    throw std::invalid_argument(
-        folder_.string() + ": is not the folder of a finished run: it has no manifest.json; " +
-        (is_recoverable(folder_) ? how_to_recover(folder_) : "run the scenario again with --out"));
+    throw std::invalid_argument(folder_.string() +
+                                ": is not the folder of a finished run: it has no manifest.json; "
+                                "run the scenario again with --out");
   }
   manifest_ = read_manifest(folder_);
+  if (manifest_.is_unfinished && is_being_written(folder_)) {
+    throw std::invalid_argument(folder_.string() + ": a process still writes this run");
+  }
   for (const char* file : {"config.toml", "log.h5"}) {
     if (!fs::exists(folder_ / file)) {
       throw std::invalid_argument(folder_.string() + ": the run is incomplete: it has no " + file +
@@ -78,21 +83,36 @@ void SavedRun::read() {
   config_text_ = config.str();
   check_file(folder_, "config.toml");
   if (!failure()) metrics_ = read_metrics(folder_);
+  if (!check_log(folder_)) {
+    const bool has_values = !manifest_.is_unfinished;
+    read_log([&](const std::string& log) { check_foreign_log(log, has_values); });
+    if (has_values) {
+      notes_.push_back(log_file() +
+                       ": may not be what the run wrote: its manifest.json has no log_hash");
+    }
+  }
+  signals_ = read_log([](const std::string& log) { return list_hdf5_signals(log); });
+  if (manifest_.is_unfinished) find_end();
   if (failure() && failure()->is_cut) {
     notes_.push_back(fmt::format("{}: was cut at {:.6g} s: {}", folder_.string(), failure()->time_s,
                                  failure()->reason));
   }
-  if (check_log(folder_)) {
-    signals_ = read_log([](const std::string& log) { return list_hdf5_signals(log); });
-    return;
+}
+
+// A run that was cut has room for rows that were never written.
+void SavedRun::find_end() {
+  for (LogEntry& entry : signals_) {
+    const auto [place, is_new] = written_rows_.try_emplace(entry.group, 0);
+    if (is_new) {
+      place->second =
+          read_log([&](const std::string& log) { return written_rows(log, entry.group); });
+    }
+    entry.rows = place->second;
   }
-  notes_.push_back(log_file() +
-                   ": may not be what the run wrote: its manifest.json has no log_hash");
-  LogContents log = read_log([](const std::string& name) { return read_foreign_log(name); });
-  signals_ = std::move(log.signals);
-  read_ = std::move(log.datasets);
-  is_read_whole_ = true;
-  for (const auto& [path, data] : read_) check_rows(path, data);
+  std::erase_if(signals_,
+                [](const LogEntry& entry) { return entry.rows == 0 && entry.group != "control"; });
+  const std::vector<double>& times = dataset("control/time_s").values;
+  if (!times.empty()) manifest_.failure->time_s = times.back();
 }
 
 // Functions that use a log rely on these properties.
@@ -155,8 +175,10 @@ std::optional<double> SavedRun::metric(const std::string& name) const {
 const LoggedSignal& SavedRun::dataset(const std::string& path) const {
   const auto found = read_.find(path);
   if (found != read_.end()) return found->second;
-  if (is_read_whole_) throw std::invalid_argument(log_file() + ": has no " + path);
-  LoggedSignal data = read_log([&](const std::string& log) { return read_hdf5_signal(log, path); });
+  const auto written = written_rows_.find(path.substr(0, path.find('/')));
+  const std::size_t rows = written != written_rows_.end() ? written->second : SIZE_MAX;
+  LoggedSignal data =
+      read_log([&](const std::string& log) { return read_hdf5_signal(log, path, rows); });
   check_rows(path, data);
   return read_.emplace(path, std::move(data)).first->second;
 }

@@ -55,6 +55,7 @@ class SavedRun {
 
  private:
   void read();
+  void find_end();
   // Calls `read` with a name of the log that is open.
   template <typename Read>
   auto read_log(const Read& read) const;
@@ -69,7 +70,7 @@ class SavedRun {
   std::vector<Metric> metrics_;
   std::vector<LogEntry> signals_;
   std::vector<std::string> notes_;
-  bool is_read_whole_ = false;                        // no hash protects its log
+  std::map<std::string, std::size_t> written_rows_;   // of each track, if the run was cut
   mutable std::map<std::string, LoggedSignal> read_;  // the datasets that were read so far
 };
 

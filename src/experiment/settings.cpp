@@ -21,8 +21,7 @@ void RunSettings::bind(Fields& fields) {
                "compression of log.h5 by deflate: 0 is fastest, 9 gives the smallest file");
   fields.flag(
       "record.stream", stream,
-      "write log.h5 during the run, not from memory after it; after a kill, recover makes a "
-      "run of it");
+      "write log.h5 during the run, not from memory after it; after a kill it has the rows so far");
   fields.standard("record.stream", {false});
 }
 

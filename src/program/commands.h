@@ -29,9 +29,6 @@ int remove_runs_main(const Catalogue& catalogue, int argc, const char* const* ar
 /// `new`: makes a project from a template. Each folder of templates/ is a kind of project.
 int new_project_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `recover`: makes a run of the log that a killed run with record.stream=true left.
-int recover_main(const Catalogue& catalogue, int argc, const char* const* argv);
-
 /// `reference`: writes pages about commands, keys, metrics, columns and exit statuses.
 int reference_main(const Catalogue& catalogue, int argc, const char* const* argv);
 

@@ -92,7 +92,7 @@ std::vector<Entry> entries_below(const fs::path& below) {
   std::vector<Entry> entries;
   for (const fs::path& folder : found.runs) entries.push_back(entry_of(list_run(folder)));
   for (const fs::path& folder : found.unfinished) {
-    if (is_recoverable(folder)) entries.push_back(entry_of(list_streamed_run(folder)));
+    if (is_kept(folder)) entries.push_back(entry_of(list_run(folder)));
   }
   for (const fs::path& folder : found.others) entries.push_back(study_entry(folder));
   std::stable_sort(entries.begin(), entries.end(),

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <cstdint>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -14,24 +16,20 @@ namespace {
 
 constexpr std::size_t kBlock = 1 << 16;
 
+// XXH3 (64 bits) of several pieces.
+class BlockHash {
+ public:
+  BlockHash() : state_(XXH3_createState(), [](XXH3_state_t* state) { XXH3_freeState(state); }) {
+    XXH3_64bits_reset(state_.get());
+  }
+  void add(const void* data, std::size_t bytes) { XXH3_64bits_update(state_.get(), data, bytes); }
+  std::uint64_t digest() const { return XXH3_64bits_digest(state_.get()); }
+
+ private:
+  std::unique_ptr<XXH3_state_t, void (*)(XXH3_state_t*)> state_;
+};
+
 }  // namespace
-
-BlockHash::BlockHash()
-    : state_(XXH3_createState(), [](XXH3_state_t* state) { XXH3_freeState(state); }) {
-  reset();
-}
-
-void BlockHash::reset() {
-  XXH3_64bits_reset(state_.get());
-}
-
-void BlockHash::add(const void* data, std::size_t bytes) {
-  XXH3_64bits_update(state_.get(), data, bytes);
-}
-
-std::uint64_t BlockHash::digest() const {
-  return XXH3_64bits_digest(state_.get());
-}
 
 std::string file_hash(const std::filesystem::path& file) {
   std::ifstream stream = open_input(file);

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -13,11 +12,10 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <memory>
 #include <mutex>
 #include <new>
 #include <numeric>
@@ -338,8 +336,9 @@ std::vector<LogEntry> list_datasets(const std::string& file) {
   }
 }
 
-// The caller holds hdf5_in_use.
-LoggedSignal read_signal(const std::string& file, const std::string& dataset) {
+// Calls use(data, size) with an open dataset of a log. The caller holds hdf5_in_use.
+template <typename Use>
+auto with_dataset(const std::string& file, const std::string& dataset, Use&& use) {
   hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
     const Handle handle(hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), hdf5().H5Fclose);
@@ -350,42 +349,35 @@ LoggedSignal read_signal(const std::string& file, const std::string& dataset) {
     const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
     check(is_own(group, name));
     const Handle data(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
-    const Size size = checked_size(data);
-    LoggedSignal signal{size[0], size[1], std::vector<double>(size[0] * size[1])};
-    require(hdf5().H5Dread(data, hdf5().NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                           signal.values.data()));
-    return signal;
+    return use(data, checked_size(data));
   } catch (const std::runtime_error&) {
     throw std::invalid_argument(file + ": is not a log, or has no " + dataset);
   }
 }
 
-// The child process sends its parent values and texts, one after the other.
-template <typename Values>
-void put(std::FILE* sheet, const Values& values) {
-  const std::size_t count = values.size();
-  check(std::fwrite(&count, sizeof count, 1, sheet) == 1);
-  check(std::fwrite(values.data(), sizeof values[0], count, sheet) == count);
-}
-
-// The child may have ended at any point, so the remaining bytes limit the size.
-template <typename Values>
-Values taken(std::FILE* sheet) {
-  std::size_t count = 0;
-  check(std::fread(&count, sizeof count, 1, sheet) == 1);
-  struct stat whole = {};
-  check(fstat(fileno(sheet), &whole) == 0);
-  const auto left = static_cast<std::size_t>(whole.st_size - std::ftell(sheet));
-  check(count <= left / sizeof(typename Values::value_type));
-  Values values(count, typename Values::value_type());
-  check(std::fread(values.data(), sizeof values[0], count, sheet) == count);
+std::vector<double> read_rows(hid_t data, std::size_t first, const Size& size) {
+  std::vector<double> values(size[0] * size[1]);
+  if (values.empty()) return values;
+  const Handle all(hdf5().H5Dget_space(data), hdf5().H5Sclose);
+  const Size begin = {first, 0};
+  require(
+      hdf5().H5Sselect_hyperslab(all, H5S_SELECT_SET, begin.data(), nullptr, size.data(), nullptr));
+  const int rank = hdf5().H5Sget_simple_extent_ndims(all);
+  const Handle part(hdf5().H5Screate_simple(rank, size.data(), nullptr), hdf5().H5Sclose);
+  require(hdf5().H5Dread(data, hdf5().NATIVE_DOUBLE, part, all, H5P_DEFAULT, values.data()));
   return values;
 }
 
-using Counts = std::vector<std::size_t>;
+LoggedSignal read_signal(const std::string& file, const std::string& dataset,
+                         std::size_t most_rows = SIZE_MAX) {
+  return with_dataset(file, dataset, [&](hid_t data, Size size) {
+    size[0] = std::min<hsize_t>(size[0], most_rows);
+    return LoggedSignal{size[0], size[1], read_rows(data, 0, size)};
+  });
+}
 
-// Exit statuses of the child. If a limit or a crash ends it, its sheet is incomplete.
-enum { kWritten, kTooMuch };
+// Exit statuses of the child. A limit or a crash ends it otherwise.
+enum { kSound, kDamaged, kTooMuch };
 
 // Sets limits for this process, and makes it end with its parent.
 void confine(const std::string& file, pid_t parent) {
@@ -393,7 +385,7 @@ void confine(const std::string& file, pid_t parent) {
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kWritten);  // the parent has already ended
+  if (getppid() != parent) _exit(kDamaged);  // the parent has already ended
 
   struct stat about = {};
   stat(file.c_str(), &about);
@@ -410,49 +402,20 @@ void confine(const std::string& file, pid_t parent) {
   }
 }
 
-[[noreturn]] void write_contents(const std::string& file, std::FILE* sheet) {
+int soundness_of(const std::string& file, bool has_values) {
   try {
     const std::vector<LogEntry> datasets = list_datasets(file);
+    if (!has_values) return kSound;
     std::size_t values = 0;
     for (const LogEntry& entry : datasets) values += entry.rows * entry.width;
-    if (values > kForeignBytes / sizeof(double)) _exit(kTooMuch);
-    put(sheet, Counts{datasets.size()});
-    for (const LogEntry& entry : datasets) {
-      for (const auto* text : {&entry.group, &entry.name, &entry.unit, &entry.description}) {
-        put(sheet, *text);
-      }
-      put(sheet, Counts{entry.rows, entry.width});
-      put(sheet, read_signal(file, entry.group + "/" + entry.name).values);
-    }
-    std::fflush(sheet);
+    if (values > kForeignBytes / sizeof(double)) return kTooMuch;
+    for (const LogEntry& entry : datasets) read_signal(file, entry.group + "/" + entry.name);
+    return kSound;
   } catch (const std::bad_alloc&) {
-    _exit(kTooMuch);
+    return kTooMuch;
   } catch (...) {
-    // The parent notices the incomplete sheet.
+    return kDamaged;
   }
-  _exit(kWritten);
-}
-
-LogContents contents_of(std::FILE* sheet) {
-  const auto counts = [&](std::size_t size) {
-    auto read = taken<Counts>(sheet);
-    check(read.size() == size);
-    return read;
-  };
-  const auto text = [&] { return taken<std::string>(sheet); };
-  LogContents log;
-  const std::size_t datasets = counts(1)[0];
-  for (std::size_t i = 0; i < datasets; ++i) {
-    LogEntry entry{text(), text(), text(), text()};
-    const Counts size = counts(2);
-    entry.rows = size[0];
-    entry.width = size[1];
-    LoggedSignal& signal = log.datasets[entry.group + "/" + entry.name];
-    signal = {entry.rows, entry.width, taken<std::vector<double>>(sheet)};
-    check(signal.width > 0 && signal.values.size() / signal.width == signal.rows);
-    if (!is_time_base(entry)) log.signals.push_back(std::move(entry));
-  }
-  return log;
 }
 
 // The child's exit status; nothing if a signal ended it. A signal may end the child at once.
@@ -553,35 +516,42 @@ std::vector<LogEntry> list_hdf5_signals(const std::string& file) {
   return entries;
 }
 
-LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset) {
+LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset,
+                              std::size_t most_rows) {
   const std::lock_guard lock(hdf5_in_use);
-  return read_signal(file, dataset);
+  return read_signal(file, dataset, most_rows);
 }
 
-LogContents read_foreign_log(const std::string& file) {
-  const int sheet = memfd_create("log", MFD_CLOEXEC);
-  const std::unique_ptr<FILE, int (*)(FILE*)> written(fdopen(sheet, "w+"), std::fclose);
-  if (!written) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
-  {
-    const std::lock_guard lock(hdf5_in_use);
-    hdf5();  // load it once, before the fork
-    const pid_t parent = getpid();
-    const pid_t child = fork();
-    if (child < 0) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
-    if (child == 0) {
-      confine(file, parent);
-      write_contents(file, written.get());
+std::size_t written_rows(const std::string& file, const std::string& track) {
+  const std::lock_guard lock(hdf5_in_use);
+  return with_dataset(file, track + "/" + kTimeBase, [](hid_t data, const Size& size) {
+    std::size_t least = 0, most = size[0];
+    while (least < most) {
+      const std::size_t row = least + (most - least) / 2;
+      const bool is_written = !std::isnan(read_rows(data, row, {1, 1})[0]);
+      (is_written ? least : most) = is_written ? row + 1 : row;
     }
-    if (outcome_of(child) == kTooMuch) {
-      throw std::invalid_argument(fmt::format(
-          "{}: is not read: it takes more than {} MB, and its manifest.json has no log_hash", file,
-          kForeignBytes / 1'000'000));
-    }
+    return least;
+  });
+}
+
+void check_foreign_log(const std::string& file, bool has_values) {
+  const std::lock_guard lock(hdf5_in_use);
+  hdf5();  // load it once, before the fork
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child < 0) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
+  if (child == 0) {
+    confine(file, parent);
+    _exit(soundness_of(file, has_values));
   }
-  std::rewind(written.get());
-  try {
-    return contents_of(written.get());
-  } catch (const std::runtime_error&) {
+  const std::optional<int> outcome = outcome_of(child);
+  if (outcome == kTooMuch) {
+    throw std::invalid_argument(fmt::format(
+        "{}: is not read: it takes more than {} MB, and its manifest.json has no log_hash", file,
+        kForeignBytes / 1'000'000));
+  }
+  if (outcome != kSound) {
     throw std::invalid_argument(file + ": is not a log, or one that is damaged");
   }
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -66,26 +65,25 @@ std::vector<std::uint64_t> lay_out_hdf5_log(const std::string& file,
 
 /// The readers check types, sizes and that the data are in the file. They do not follow links, and
 /// read texts of variable length (version 0.1) as empty. A damaged file may still be misread or
-/// crash HDF5, so call check_log() first. Without a hash, use read_foreign_log().
+/// crash HDF5, so call check_log() first. Without a hash, call check_foreign_log().
 
 /// All signals of a log, by group and name. Throws std::invalid_argument if it is no log.
 /// Thread-safe.
 std::vector<LogEntry> list_hdf5_signals(const std::string& file);
 
-/// Reads one dataset, "control/qpos" for example. Throws std::invalid_argument if the file is no
-/// log or has no such dataset. Thread-safe.
-LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset);
+/// Reads one dataset, "control/qpos" for example, up to `most_rows` rows. Throws
+/// std::invalid_argument if the file is no log or has no such dataset. Thread-safe.
+LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset,
+                              std::size_t most_rows = SIZE_MAX);
 
-/// The contents of a log.
-struct LogContents {
-  std::vector<LogEntry> signals;
-  std::map<std::string, LoggedSignal> datasets;  ///< by "GROUP/NAME", time bases too
-};
+/// The number of rows that a run has written into a track whose later times are NaN. Throws
+/// std::invalid_argument if the file is no log or has no such track. Thread-safe.
+std::size_t written_rows(const std::string& file, const std::string& track);
 
 /// Reads a log of unknown origin in a child process, since HDF5 crashes or never ends on some
-/// files. Throws std::invalid_argument if it is not a log, has more than 1 GB of values, or the
-/// child fails. Throws Interrupted if this process handles a signal. The child ends with the call.
-/// Thread-safe.
-LogContents read_foreign_log(const std::string& file);
+/// files: its headers, and its values if `has_values`. Throws std::invalid_argument if it is not a
+/// log, has more than 1 GB of values, or the child fails. Throws Interrupted if this process
+/// handles a signal. The child ends with the call. Thread-safe.
+void check_foreign_log(const std::string& file, bool has_values);
 
 }  // namespace breakwater

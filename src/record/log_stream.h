@@ -15,21 +15,25 @@
 #include <breakwater/signals/signal.h>
 
 namespace breakwater {
+namespace detail {
+class DataFile;
+}
 
 /// Writes the rows of streamed tracks into log.h5 in the partial folder of a run.
 ///
-/// The number of rows is known before the run. HDF5 therefore writes the headers of all datasets at
-/// the first row, and then closes the file. Later rows go to their places without HDF5, so a kill
-/// cannot damage the file. A journal lists the complete blocks. Rows are written after half a
-/// second of simulated time or of the clock, whichever comes first. CutRun reads what a killed
-/// process left.
+/// The number of rows is known before the run. At the first row HDF5 therefore writes the headers
+/// of all datasets with room for all rows, whose times are NaN. From then on the file is a log that
+/// any reader of HDF5 opens. Later rows go to their places without HDF5. Twice a second the values
+/// are synced to the disk, and then the times are written: a row with a time is whole, even after a
+/// power failure.
 ///
 /// Only the first row allocates.
 class LogStream {
  public:
-  /// Writes config.toml, with `config_text`. `manifest` is a JSON object with the entries of
-  /// manifest.json that are known before the run. Throws OutputError.
+  /// Writes config.toml, with `config_text`. `manifest` is the text of manifest.json until the run
+  /// ends. Throws OutputError.
   LogStream(std::filesystem::path folder, const std::string& config_text, std::string manifest);
+  /// Writes the rows so far, if that is possible.
   ~LogStream();
   LogStream(const LogStream&) = delete;
   LogStream& operator=(const LogStream&) = delete;
@@ -48,27 +52,19 @@ class LogStream {
 
  private:
   struct Streamed;
-  struct Files;
   using Clock = std::chrono::steady_clock;
 
   void begin();
-  void announce();
-  void flush();
+  void write_values(Streamed& track);
+  void write_rows();
 
   std::filesystem::path folder_;
   std::string manifest_;
   std::vector<Streamed> tracks_;
   std::vector<LogEntry> datasets_;  // in the order of the file
   std::vector<std::uint64_t> places_;
-  std::unique_ptr<Files> files_;  // null before the first row
-  double flush_at_s_ = 0.0;
-  Clock::time_point flush_at_;
+  std::unique_ptr<detail::DataFile> log_;  // null before the first row
+  Clock::time_point write_at_;
 };
-
-/// Removes the files that only CutRun needs from the folder of a finished run.
-void forget_stream(const std::filesystem::path& folder);
-
-/// Whether a process writes the streamed run in this folder.
-bool is_being_written(const std::filesystem::path& folder);
 
 }  // namespace breakwater

@@ -6,9 +6,9 @@
 #include <cerrno>
 #include <cstring>
 
+#include <breakwater/record/data_file.h>
 #include <breakwater/record/on_disk.h>
 #include <breakwater/record/process_name.h>
-#include <breakwater/record/streamed_files.h>
 #include <breakwater/record/text_outputs.h>
 
 namespace breakwater {

@@ -38,7 +38,7 @@ struct AbsentMetric {
 struct Failure {
   double time_s;
   std::string reason;
-  bool is_cut = false;  ///< its process ended; the log was recovered
+  bool is_cut = false;  ///< its process ended before the run did
 
   const char* verb() const { return is_cut ? "was cut" : "failed"; }
 };

@@ -18,11 +18,10 @@
 #include <thread>
 #include <tuple>
 
+#include <breakwater/record/data_file.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/record/log_stream.h>
 #include <breakwater/record/on_disk.h>
 #include <breakwater/record/process_name.h>
-#include <breakwater/record/streamed_files.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -32,8 +31,6 @@ namespace {
 constexpr const char* kPartialMark = ".partial-";
 // The earlier run, while it is replaced in two steps. It is always complete.
 constexpr const char* kEarlierMark = ".earlier-";
-// A file that marks a complete run in a partial folder, which could not be moved elsewhere.
-constexpr const char* kKeptMark = "kept";
 // The file that proves an identification.
 constexpr const char* kIdentified = "identified.json";
 
@@ -88,7 +85,7 @@ bool is_of_a_run(const std::string& name) {
   static const std::set<std::string> names = {
       "config.toml", "log.csv", "log.h5", "manifest.json", "metrics.json", "strip.png", "still.png",
       "video.mp4", "replay.html", "report.html", "compare.html", "compare.csv", "compare.tex",
-      "compare.svg", "compare.pdf", kKeptMark, kRunning, detail::kJournal,
+      "compare.svg", "compare.pdf", kKept,
       // an identification's
       kIdentified, "identified.toml", "estimate.toml", "sweep.toml", "tune.toml"};
   return names.contains(name) ||
@@ -124,8 +121,7 @@ void remove_abandoned(const fs::path& target, const LeftBeside* left) {
   }
   for (const std::string& suffix : suffixes(target, kPartialMark, left)) {
     const fs::path partial = beside(kPartialMark, suffix);
-    if (is_of_dead_process(suffix) && !detail::is_locked(partial) &&
-        !fs::exists(partial / kKeptMark, ignored) && !is_recoverable(partial)) {
+    if (is_of_dead_process(suffix) && !detail::is_locked(partial) && !is_kept(partial)) {
       fs::remove_all(partial, ignored);
     }
   }
@@ -226,20 +222,18 @@ std::string other_than_a_runs(const fs::path& folder) {
   return "";
 }
 
-bool is_recoverable(const fs::path& folder) {
+bool is_kept(const fs::path& folder) {
   std::error_code ignored;
-  return is_unfinished_run(folder) && fs::is_regular_file(folder / kRunning, ignored);
+  return is_unfinished_run(folder) && fs::exists(folder / kKept, ignored);
+}
+
+bool is_being_written(const fs::path& folder) {
+  return is_unfinished_run(folder) && detail::is_locked(folder);
 }
 
 bool is_unfinished_run(const fs::path& folder) {
   const std::string name = without_slash(folder).filename().string();
   return name.starts_with('.') && name.find(kPartialMark) != std::string::npos;
-}
-
-fs::path finished_name(const fs::path& folder) {
-  const std::string name = without_slash(folder).filename().string();
-  const fs::path parent = (folder.has_filename() ? folder : folder.parent_path()).parent_path();
-  return parent / name.substr(1, name.rfind(kPartialMark) - 1);
 }
 
 std::string why_not_removable(const fs::path& folder) {
@@ -252,11 +246,10 @@ std::string why_not_removable(const fs::path& folder) {
     if (!is_of_a_run(name) || entry.is_symlink() || !entry.is_regular_file()) {
       return "holds " + name + ", which is not a run's";
     }
-    if (name == kKeptMark) return "is a whole run that could not take its name";
-    if (name == kRunning && is_recoverable(folder)) {
+    if (name == kKept && is_kept(folder)) {
       return is_being_written(folder) ? "is still written"
-                                      : "has a log that recover makes a run of: recover it, or "
-                                        "delete the folder";
+                                      : "is a run that did not get its name: delete the folder if "
+                                        "you do not need it";
     }
   }
   if (error) return "cannot be read (" + error.message() + ")";
@@ -391,7 +384,7 @@ RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
 RunFolder::~RunFolder() {
   const std::lock_guard lock(in_this_process);
   written_here.erase(written_);
-  if (is_done_ || is_recoverable(partial_)) return;
+  if (is_done_ || is_kept(partial_)) return;
   std::error_code ignored;
   fs::remove_all(partial_, ignored);
   remove_empty(made_parents_);
@@ -409,6 +402,7 @@ void RunFolder::commit() {
   sync(target_.parent_path());
   for (const fs::path& made : made_parents_) sync(made.parent_path());
   std::error_code ignored;
+  fs::remove(target_ / kKept, ignored);
   fs::remove_all(partial_, ignored);
 }
 
@@ -422,7 +416,7 @@ fs::path RunFolder::keep() {
   }
   fs::rename(partial_, kept, error);
   if (!error) return kept;
-  std::ofstream(partial_ / kKeptMark).flush();
+  std::ofstream(partial_ / kKept).flush();
   return partial_;
 }
 

@@ -15,9 +15,9 @@ namespace detail {
 class DataFile;
 }
 
-/// A file in the partial folder of a run whose log is streamed (LogStream). CutRun recovers a
-/// folder that has it, so only the user removes it.
-inline constexpr const char* kRunning = "running.json";
+/// A file in a partial folder that no other run may remove: its log is streamed (LogStream), or it
+/// is a complete run that could not be moved elsewhere.
+inline constexpr const char* kKept = "kept";
 
 /// A list of the folders that processes left beside the runs. It is made once: a new list for each
 /// of many runs would take quadratic time.
@@ -37,7 +37,7 @@ class LeftBeside {
 /// even parent folders that were made for it.
 ///
 /// After a kill or a power failure, the earlier run or the new one is there. The next run removes
-/// the rest. A partial folder with a streamed log always stays.
+/// the rest. A partial folder with kKept always stays.
 class RunFolder {
  public:
   /// Throws std::invalid_argument if the target is a file, holds something other than an earlier
@@ -73,14 +73,14 @@ bool is_run_folder(const std::filesystem::path& folder);
 /// The name of something in a folder that is no file of a run; empty if there is none.
 std::string other_than_a_runs(const std::filesystem::path& folder);
 
-/// Whether a folder has a streamed log that is not that of a finished run.
-bool is_recoverable(const std::filesystem::path& folder);
+/// Whether a folder is a partial one that only the user removes: it has kKept.
+bool is_kept(const std::filesystem::path& folder);
+
+/// Whether a process writes the run in this partial folder.
+bool is_being_written(const std::filesystem::path& folder);
 
 /// Whether a folder is the partial folder of an unfinished or killed run, by its name.
 bool is_unfinished_run(const std::filesystem::path& folder);
-
-/// The folder that an unfinished run was meant for.
-std::filesystem::path finished_name(const std::filesystem::path& folder);
 
 /// The reason, in one line, why a folder must not be removed; empty if it may be. It may hold only
 /// files of a run. The process of an unfinished run must have been on this computer and have ended.

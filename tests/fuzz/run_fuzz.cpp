@@ -40,47 +40,9 @@ void read_identified(const std::string& text) {
   fuzz::require(axis[kInertia] > 0.0, "an inertia is positive");
 }
 
-// The files that a killed run of two signals leaves.
-std::map<std::string, std::string> killed_run(const fuzz::Folder& folder) {
-  {
-    LogStream stream(folder.path(), "", R"({"scenario": "s", "case": "c", "seed": 1})");
-    double value = 0.0;
-    Track track("control", {{"q_rad", "rad", "an angle", {&value, 1}}}, 20, &stream);
-    for (; value < 10.0; ++value) track.append(value);
-  }
-  std::map<std::string, std::string> files;
-  for (const char* name : {"running.json", "log.journal", "log.h5"}) {
-    std::ifstream file(folder.path() / name, std::ios::binary);
-    files[name] = {std::istreambuf_iterator<char>(file), {}};
-  }
-  return files;
-}
-
-void recover_with(const std::string& changed, const std::string& text) {
-  static const fuzz::Folder folder;
-  static const std::map<std::string, std::string> files = killed_run(folder);
-  for (const auto& [name, whole] : files) folder.write(name, name == changed ? text : whole);
-  list_streamed_run(folder.path());
-  const CutRun cut(folder.path());
-  try {
-    cut.write_log(folder.path() / "recovered.h5");
-  } catch (const OutputError&) {
-    // HDF5 refuses a name
-  }
-}
-
-void recover_running(const std::string& text) {
-  recover_with("running.json", text);
-}
-void recover_journal(const std::string& text) {
-  recover_with("log.journal", text);
-}
-
 constexpr fuzz::Parser kParsers[] = {{'m', "manifest", read_run_manifest},
                                      {'n', "metrics", read_run_metrics},
-                                     {'i', "identified", read_identified},
-                                     {'r', "running", recover_running},
-                                     {'j', "journal", recover_journal}};
+                                     {'i', "identified", read_identified}};
 
 }  // namespace
 }  // namespace breakwater

@@ -1,10 +1,12 @@
 // The streamed log equals the one from memory, and what is left of it after a kill is a part of it.
-#include <cmath>
+#include <sys/wait.h>
+#include <unistd.h>
 
-#include <breakwater/record/cut_run.h>
+#include <cmath>
+#include <csignal>
+
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/log_stream.h>
-#include <breakwater/record/process_name.h>
 #include <breakwater/record/run_folder.h>
 #include "support.h"
 
@@ -15,8 +17,6 @@ using testing::text_of;
 
 constexpr double kPeriod_s = 0.3;
 constexpr int kFinePerRow = 10;
-
-constexpr const char* kManifest = R"({"scenario":"s","case":"c","seed":1})";
 
 // A run with two tracks, of which "physics" is there from row 3 to row 6 of "control".
 struct Tracks {
@@ -63,20 +63,9 @@ class LogStreams : public ::testing::Test {
   }
   // Streams `rows` of 20 rows, and is not finished.
   void leave(int rows) {
-    LogStream stream(folder_, "x = 1\n", kManifest);
+    LogStream stream(folder_, "x = 1\n", "{}");
     Tracks tracks(&stream, 20);
     for (int k = 0; k < rows; ++k) tracks.append(k);
-  }
-  std::string recovered() {
-    const CutRun cut(folder_);
-    const fs::path file = folder_ / "recovered.h5";
-    cut.write_log(file);
-    return text_of(file);
-  }
-  void overwrite(const char* file, std::streamoff place, const std::string& bytes) {
-    std::fstream stream(folder_ / file, std::ios::in | std::ios::out | std::ios::binary);
-    stream.seekp(place, place < 0 ? std::ios::end : std::ios::beg);
-    stream << bytes;
   }
 
   const testing::TemporaryPath base_{"streams"};
@@ -93,8 +82,6 @@ TEST_F(LogStreams, GiveTheBytesOfTheLogFromMemory) {
     const fs::path log = stream.finish(tracks.recorded());
     EXPECT_EQ(log == folder_ / "log.h5", rows == 20 || rows == 0);
     EXPECT_TRUE(text_of(log) == whole_log(rows));
-    forget_stream(folder_);
-    EXPECT_FALSE(fs::exists(folder_ / kRunning));
   }
 }
 
@@ -122,89 +109,61 @@ bool is_beginning(const LoggedSignal& part, const LoggedSignal& whole) {
          std::equal(part.values.begin(), part.values.end(), whole.values.begin());
 }
 
-TEST_F(LogStreams, LeaveAllButTheLastSecond) {
+TEST_F(LogStreams, LeaveTheRowsOfARunThatDoesNotEnd) {
+  whole_log(20);
+  const std::string whole = folder_ / "memory.h5", part = folder_ / "log.h5";
   for (int rows = 1; rows <= 20; ++rows) {
     SCOPED_TRACE(rows);
     leave(rows);
-    const double end_s = CutRun(folder_).end_s();
-    EXPECT_GT(end_s, kPeriod_s * (rows - 1) - 1.0);
-    whole_log(rows);
-    recovered();
-    const std::string whole = folder_ / "memory.h5", part = folder_ / "recovered.h5";
-    std::vector<LogEntry> signals = list_hdf5_signals(part);
-    EXPECT_EQ(signals.size(), rows > 3 ? 3U : 2U);
-    for (const LogEntry& entry : signals) {
+    EXPECT_EQ(text_of(folder_ / "manifest.json"), "{}");
+    EXPECT_EQ(text_of(folder_ / "config.toml"), "x = 1\n");
+    const std::size_t fine_rows = kFinePerRow * std::clamp(rows - 3, 0, 3);
+    for (const LogEntry& entry : list_hdf5_signals(part)) {
+      const std::size_t written = written_rows(part, entry.group);
+      EXPECT_EQ(written, entry.group == "control" ? rows : fine_rows);
       for (const std::string& name : {entry.name, std::string("time_s")}) {
         const std::string path = entry.group + "/" + name;
-        EXPECT_TRUE(is_beginning(read_hdf5_signal(part, path), read_hdf5_signal(whole, path)))
+        EXPECT_TRUE(
+            is_beginning(read_hdf5_signal(part, path, written), read_hdf5_signal(whole, path)))
             << path;
       }
     }
-    EXPECT_EQ(CutRun(folder_).manifest(), kManifest);
-    EXPECT_EQ(text_of(folder_ / "config.toml"), "x = 1\n");
+    const LoggedSignal times = read_hdf5_signal(part, "control/time_s");
+    for (std::size_t i = 0; i < times.rows; ++i) {
+      EXPECT_EQ(std::isnan(times.values[i]), i >= static_cast<std::size_t>(rows));
+    }
   }
 }
 
-// A block counts only if the journal lists it and all its rows are in the log.
-TEST_F(LogStreams, LeaveOutWhatIsNotWhole) {
-  constexpr std::streamoff kEntry = 16;
-  leave(20);
-  const fs::path journal = folder_ / "log.journal";
-  const std::string all = text_of(journal);
-  const auto entries = static_cast<std::streamoff>(all.size()) / kEntry;
-  ASSERT_GT(entries, 4);
-  fs::resize_file(journal, static_cast<std::uintmax_t>(kEntry * entries - 1));
-  const double end_s = CutRun(folder_).end_s();
-  EXPECT_FALSE(CutRun(folder_).is_damaged());
-  EXPECT_LT(end_s, kPeriod_s * 19);
-
-  // Damage of the last block of the journal, of a row of the log, and of a number of rows.
-  std::ofstream(journal, std::ios::binary) << all;
-  overwrite("log.journal", -1, "x");
-  EXPECT_TRUE(CutRun(folder_).is_damaged());
-  EXPECT_EQ(CutRun(folder_).end_s(), end_s);
-  std::ofstream(journal, std::ios::binary) << all;
-  overwrite("log.journal", -12, "\xff\xff\xff\x7f");
-  EXPECT_EQ(CutRun(folder_).end_s(), end_s);
-  std::ofstream(journal, std::ios::binary) << all;
-  fs::resize_file(folder_ / "log.h5", 3000);
-  EXPECT_EQ(complaint_of([&] { const CutRun cut(folder_); }),
-            (folder_ / "log.h5").string() +
-                ": is smaller than running.json says: the run cannot be recovered");
-}
-
-TEST_F(LogStreams, AreRefusedIfNothingCanBeRecovered) {
-  const auto complaint = [&] { return complaint_of([&] { const CutRun cut(folder_); }); };
-  const std::string running = (folder_ / kRunning).string();
-  EXPECT_TRUE(has(complaint(), "it has no running.json"));
-  {
-    LogStream stream(folder_, "", kManifest);
-    Tracks tracks(&stream, 20);
-    tracks.append(0);
-    EXPECT_TRUE(is_being_written(folder_));
-    EXPECT_EQ(complaint(), folder_.string() + ": a process still writes this run: stop it first");
+// More rows than the buffers hold, so that some are in the file before any half second has passed.
+TEST_F(LogStreams, LeaveTheRowsOfAKilledProcess) {
+  constexpr std::size_t kBuffered = 1 << 17;
+  constexpr std::size_t kRows = 2 * kBuffered + 1000;
+  const pid_t child = fork();
+  if (child == 0) {
+    LogStream stream(folder_, "", "{}");
+    double x[2] = {0.0, 0.0};
+    Track track("control", {{"x", "1", "two numbers", x}}, 3 * kBuffered, &stream);
+    for (std::size_t k = 0; k < kRows; ++k) {
+      x[0] = static_cast<double>(k);
+      x[1] = -x[0];
+      track.append(0.5 * x[0]);
+    }
+    std::raise(SIGKILL);
   }
-  EXPECT_FALSE(is_being_written(folder_));
-  EXPECT_EQ(complaint(), "");
-  const std::string damaged = ": is damaged: the run cannot be recovered";
-  const std::string text = text_of(running);
-  for (const std::string& wrong :
-       {std::string(), text.substr(0, 200),
-        testing::replaced(text, "\"width\": 1", "\"width\": -1"),
-        testing::replaced(text, "\"seed\"", "\"sede\""), testing::replaced(text, "\"s\"", "5"),
-        std::string(R"({"manifest": {}, "log": []})")}) {
-    std::ofstream(running) << wrong;
-    EXPECT_EQ(complaint(), running + damaged);
+  waitpid(child, nullptr, 0);
+  const std::string log = folder_ / "log.h5";
+  const std::size_t rows = written_rows(log, "control");
+  EXPECT_GE(rows, 2 * kBuffered);
+  EXPECT_LE(rows, kRows);
+  const LoggedSignal times = read_hdf5_signal(log, "control/time_s", rows);
+  const LoggedSignal values = read_hdf5_signal(log, "control/x", rows);
+  for (std::size_t k = 0; k < rows; ++k) {
+    const double expected = static_cast<double>(k);
+    ASSERT_EQ(times.values[k], 0.5 * expected);
+    ASSERT_EQ(values.row(k)[0], expected);
+    ASSERT_EQ(values.row(k)[1], -expected);
   }
-  std::ofstream(running) << testing::replaced(text, "\"rows\": 20", "\"rows\": 20000");
-  EXPECT_TRUE(has(complaint(), "log.h5: is smaller than running.json says"));
-  std::ofstream(running) << text;
-  fs::resize_file(folder_ / "log.journal", 0);
-  EXPECT_EQ(complaint(),
-            (folder_ / "log.journal").string() + ": lists no rows: the run cannot be recovered");
-  std::ofstream(folder_ / "manifest.json") << R"({"scenario": "s", "state_hash": "0"})";
-  EXPECT_EQ(complaint(), folder_.string() + ": is a finished run: there is nothing to recover");
-  EXPECT_TRUE(has(complaint_of([&] { const CutRun cut(folder_ / "nowhere"); }), "no such folder"));
 }
 
 // The number of a killed process may be that of the next one.
@@ -215,20 +174,20 @@ TEST_F(LogStreams, LeaveAFolderThatNoRunRemoves) {
   {
     RunFolder folder(target);
     first = folder.path();
-    fs::copy_file(testing::source_file("README.md"), first / kRunning);
+    std::ofstream(first / kKept) << "";
+    EXPECT_TRUE(is_being_written(first));
   }
-  EXPECT_TRUE(is_recoverable(first));
-  EXPECT_EQ(finished_name(first.string() + "/"), fs::canonical(base_) / "run");
-  EXPECT_TRUE(has(why_not_removable(first), "recover"));
+  EXPECT_TRUE(is_kept(first));
+  EXPECT_FALSE(is_being_written(first));
+  EXPECT_TRUE(has(why_not_removable(first), "did not get its name"));
   {
     RunFolder folder(target);
     EXPECT_NE(folder.path(), first);
-    EXPECT_EQ(finished_name(folder.path()), finished_name(first));
   }
   fs::create_directory(first.string() + "+3");
   { const RunFolder folder(target); }
   EXPECT_FALSE(fs::exists(first.string() + "+3"));
-  EXPECT_TRUE(is_recoverable(first));
+  EXPECT_TRUE(is_kept(first));
 }
 
 }  // namespace

@@ -14,12 +14,12 @@
 #include <thread>
 
 #include <breakwater/record/csv.h>
+#include <breakwater/record/data_file.h>
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/record/run_folder.h>
-#include <breakwater/record/streamed_files.h>
 #include <breakwater/record/text_outputs.h>
 #include "support.h"
 

@@ -1,4 +1,4 @@
-#include <breakwater/record/streamed_files.h>
+#include <breakwater/record/data_file.h>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -26,10 +26,6 @@ DataFile::DataFile(std::filesystem::path file, int flags)
 
 DataFile::~DataFile() {
   close(descriptor_);
-}
-
-std::uint64_t DataFile::size() const {
-  return static_cast<std::uint64_t>(lseek(descriptor_, 0, SEEK_END));
 }
 
 bool DataFile::lock() const {
@@ -63,6 +59,10 @@ std::size_t DataFile::read(void* data, std::size_t bytes, std::uint64_t place) c
     all += static_cast<std::size_t>(done);
   }
   return all;
+}
+
+void DataFile::sync() const {
+  if (fdatasync(descriptor_) != 0) fail("written to the disk");
 }
 
 bool is_locked(const std::filesystem::path& path) {

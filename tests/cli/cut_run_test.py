@@ -1,6 +1,6 @@
-"""`record.stream` and `recover`: a killed run leaves its log, up to the last second.
+"""`record.stream`: a killed run leaves a log that any reader of HDF5 opens.
 
-Usage: recover_test.py [--study] BIN_FOLDER
+Usage: cut_run_test.py [--study] BIN_FOLDER
 """
 
 import json
@@ -27,30 +27,35 @@ STREAM = ["--quiet", "--set", "record.stream=true"]
 ENDLESS = ["motor_estimation", *STREAM, "--duration", "20000", "--out", "run"]
 
 
-class Recovery(Folder):
+class CutRun(Folder):
     def start(self, *words):
         return subprocess.Popen([BIN / words[0], *words[1:]], cwd=self.folder, text=True,
                                 stderr=subprocess.PIPE, env=environment())
 
     def partial(self, process):
-        """The folder of the streamed run, once it can be recovered."""
-        while not (found := [path.parent for path in self.folder.glob(".run.partial-*/running.json")]):
+        """The folder of the streamed run, once it has its log."""
+        while not (found := [path.parent for path in self.folder.glob(".run.partial-*/kept")]):
             self.assertIsNone(process.poll(), "the run does not begin")
             time.sleep(0.01)
         self.assertEqual(len(found), 1)
         return found[0]
 
-    def grown(self, journal, size=0):
-        """The size of the journal once it is larger. It grows with each block."""
-        while not (journal.exists() and journal.stat().st_size > size):
+    def rows(self, partial):
+        """The number of rows with a time."""
+        with h5py.File(partial / "log.h5") as log:
+            return int(np.isfinite(log["control/time_s"][:]).sum())
+
+    def grown(self, partial, rows=0):
+        """The number of rows once there are more."""
+        while (now := self.rows(partial)) <= rows:
             time.sleep(0.01)
-        return journal.stat().st_size
+        return now
 
     def cut(self, sent=signal.SIGKILL):
         """The partial folder, the exit status and stderr of a run that got a signal."""
         process = self.start(*ENDLESS)
         partial = self.partial(process)
-        self.grown(partial / "log.journal", self.grown(partial / "log.journal"))  # after some samples
+        self.grown(partial)
         process.send_signal(sent)
         return partial, process.wait(), process.communicate()[1]
 
@@ -70,22 +75,18 @@ class Recovery(Folder):
         for _ in range(KILLS):
             process = self.start(*arm, "--duration", "40", "--out", "run")
             partial = self.partial(process)
-            time.sleep(rng.uniform(0, 0.6))
+            time.sleep(rng.uniform(0, 1.2))
             process.kill()
             process.communicate()
             if not partial.exists():
                 continue  # it ended before
-            self.call("breakwater", "recover", partial.name)
-            part = self.datasets("run")
+            part = self.datasets(partial.name)
+            self.assertEqual(part.keys(), whole.keys())
             for path, values in part.items():
-                np.testing.assert_array_equal(values, whole[path][:len(values)], path)
-                rows = len(part[path.split("/")[0] + "/time_s"])
-                self.assertEqual(len(values), rows)
-            manifest = json.loads((self.folder / "run/manifest.json").read_text())
-            self.assertEqual(manifest["status"], "cut")
-            self.assertEqual(manifest["time_s"], part["control/time_s"][-1])
-            self.call("breakwater", "diff", "--quiet", "run", "whole", status=1)
-            subprocess.run(["rm", "-r", self.folder / "run"], check=True)
+                rows = int(np.isfinite(part[path.split("/")[0] + "/time_s"]).sum())
+                np.testing.assert_array_equal(values[:rows], whole[path][:rows], path)
+            self.call("breakwater", "diff", "--quiet", partial.name, "whole", status=1)
+            subprocess.run(["rm", "-r", partial], check=True)
             self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["whole"])
 
     def test_the_log_ends_in_the_last_second(self):
@@ -94,62 +95,53 @@ class Recovery(Folder):
                 "--out", "run"]
         process = self.start(*slow)
         partial = self.partial(process)
-        size, used_s = 0, []  # the processor time at each block, which other work does not use
+        rows, used_s = 0, []  # the processor time at each write, which other work does not use
         for _ in range(5):
-            size = self.grown(partial / "log.journal", size)
+            rows = self.grown(partial, rows)
             fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
             used_s.append((int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK"))
         process.kill()
         process.communicate()
         self.assertLess(np.diff(used_s).max(), 1.0)
 
+    def says_that_it_was_cut(self, name):
+        said = f"{name}: was cut at "
+        for words, code in ((("report", name), 0),
+                            (("compare", "whole", name), 0),
+                            (("diff", "whole", name), 1)):
+            with self.subTest(words[0]):
+                _, err = self.call("breakwater", *words, status=code)
+                self.assertIn(said, err)
+        self.assertIn("This run was cut at ", (self.folder / "report.html").read_text())
+
     def test_everyone_says_that_it_was_cut(self):
         partial, status, _ = self.cut()
         self.assertEqual(status, -signal.SIGKILL)
-        out, _ = self.call("breakwater", "ls", ".")
-        self.assertIn("  cut ", out)
-        self.assertIn(f"breakwater recover ./{partial.name}", " ".join(out.split()))
-        _, err = self.call("breakwater", "report", partial.name, status=2)
-        self.assertTrue(err.endswith(f"its log so far is kept: breakwater recover {partial.name}\n"), err)
+        self.assertIn("  cut ", self.call("breakwater", "ls", ".")[0])
         entry, = json.loads(self.call("breakwater", "ls", ".", "--json")[0])
-        self.assertEqual((entry["status"], entry["scenario"], entry["seed"]),
-                         ("cut", "motor_estimation", "1"))
+        self.assertEqual((entry["status"], entry["scenario"], entry["seed"], entry["reason"]),
+                         ("cut", "motor_estimation", "1", "its process ended before the run did"))
         # Neither the next run nor rm removes it.
+        self.call("motor_estimation", "--quiet", "--duration", "2", "--out", "whole")
         self.call("motor_estimation", "--quiet", "--duration", "2", "--out", "run")
-        self.assertIn("recover it, or delete the folder",
+        self.assertIn("did not get its name",
                       self.call("breakwater", "rm", "--failed", ".")[0].replace("\n", " "))
-        _, err = self.call("breakwater", "recover", partial.name, status=2)
-        self.assertEqual(err, "run: is there already: give another folder with --out\n")
-        out, _ = self.call("breakwater", "recover", partial.name + "/", "--out", "saved")
-        self.assertRegex(out, r"^recovered [0-9.]+ s of the run, which has no metrics\nresults: saved\n$")
-        self.assertFalse(partial.exists())
-        self.assertFalse((self.folder / "saved/metrics.json").exists())
-
-        said = "saved: was cut at "
-        told = {entry["folder"]: entry for entry in
-                json.loads(self.call("breakwater", "ls", ".", "--json")[0])}
-        self.assertEqual(told["./saved"]["status"], "cut")
-        self.assertTrue(told["./saved"]["reason"].startswith("at "))
-        for words, code in ((("report", "saved"), 0),
-                            (("replay", "saved", "--out", "replay.html"), 0),
-                            (("still", "saved", "--at", "0.1", "--out", "still.png"), 0),
-                            (("video", "saved", "--to", "0.1", "--size", "320x240", "--out", "cut.mp4"), 0),
-                            (("compare", "run", "saved"), 0),
-                            (("diff", "run", "saved"), 1)):
-            with self.subTest(words[0]):
-                out, err = self.call("breakwater", *words, status=code)
-                self.assertIn(said, err)
-        self.assertIn("result: complete and was cut at ", out)
-        self.assertIn("This run was cut at ", (self.folder / "report.html").read_text())
-        self.assertIn("no failed or unfinished run", self.call("breakwater", "rm", "--failed", ".")[0])
-        _, err = self.call("breakwater", "recover", "saved", status=2)
-        self.assertEqual(err, "saved: is a finished run: there is nothing to recover\n")
+        self.says_that_it_was_cut(partial.name)
+        for words in (("replay", partial.name, "--out", "replay.html"),
+                      ("still", partial.name, "--at", "0.1", "--out", "still.png"),
+                      ("video", partial.name, "--to", "0.1", "--size", "320x240", "--out", "cut.mp4")):
+            self.call("breakwater", *words)
+        partial.rename(self.folder / "saved")
+        self.says_that_it_was_cut("saved")
+        with h5py.File(self.folder / "saved/log.h5", "r+") as log:  # killed before the first row
+            log["control/time_s"][:] = np.nan
+        self.says_that_it_was_cut("saved")
 
     def test_a_full_disk_leaves_the_log(self):
         (self.folder / "small").mkdir()
         script = f"""mount -t tmpfs -o size=3m none small && cd small && echo mounted || exit
             {BIN}/motor_estimation --quiet --duration 100 --set record.stream=true --out run 2>&1; echo $?
-            ls -A; {BIN}/breakwater recover .run* --out ../saved"""
+            ls -A; cp -r .run* ../saved"""
         for unshare in (["unshare", "-rm"], ["unshare", "-m"]):
             done = subprocess.run([*unshare, "sh", "-c", script], cwd=self.folder, text=True, capture_output=True)
             if done.stdout.startswith("mounted"):
@@ -158,11 +150,10 @@ class Recovery(Folder):
             self.skipTest("no file system can be mounted here")
         lines = done.stdout.splitlines()
         self.assertRegex(lines[1], r"^\S*/log.h5: cannot be written \(No space left on device\); its log so far is "
-                                   r"kept: breakwater recover \S*/\.run\.partial-\S*$")
+                                   r"in \S*/\.run\.partial-\S*$")
         self.assertEqual(lines[2], "2")
         self.assertRegex(lines[3], r"^\.run\.partial-")
-        self.assertRegex(lines[4], r"^recovered [1-9][0-9.]* s of the run")
-        self.assertGreater(self.datasets("saved")["control/time_s"].size, 5000)
+        self.assertGreater(self.rows(self.folder / "saved"), 0)
 
     def test_a_file_limit_is_told_before_the_run(self):
         done = subprocess.run(["sh", "-c", f"ulimit -f 4000; exec {BIN}/motor_estimation --quiet --duration 100 "
@@ -175,66 +166,37 @@ class Recovery(Folder):
         for sent in (signal.SIGINT, signal.SIGTERM):
             partial, status, err = self.cut(sent)
             self.assertEqual(status, 130)
-            self.assertEqual(err, "motor_estimation: interrupted; its log so far is kept: breakwater "
-                                  f"recover {partial}\n")
-            self.call("breakwater", "recover", partial.name, "--out", f"saved-{sent}")
+            self.assertEqual(err, f"motor_estimation: interrupted; its log so far is in {partial}\n")
+            self.call("breakwater", "report", partial.name)
+            partial.rename(self.folder / f"saved-{sent}")
 
-    def test_nothing_is_lost(self):
+    def test_a_folder_without_its_files_is_refused(self):
         partial, _, _ = self.cut()
-        config = partial / "config.toml"
-        text = config.read_text()
+        manifest = (partial / "manifest.json").read_text()
+        (partial / "manifest.json").write_text(manifest[:100])
+        self.assertIn("damaged", self.call("breakwater", "ls", ".")[0])
+        (partial / "manifest.json").write_text(manifest)
+        (partial / "log.h5").unlink()
+        _, err = self.call("breakwater", "report", partial.name, status=2)
+        self.assertIn("the run is incomplete: it has no log.h5", err)
 
-        def refused(reason, *words):
-            _, err = self.call("breakwater", "recover", partial.name, *words, status=2)
-            self.assertIn(reason, err)
-            self.assertTrue((partial / "log.h5").exists())
-        refused("is inside the folder that is recovered", "--out", f"{partial.name}/inner/run")
-        (partial / "notes.txt").write_text("mine")
-        refused("holds notes.txt, which is not a run's: move it away first")
-        (partial / "notes.txt").unlink()
-        for damaged in ("", "\0"):
-            config.write_text(damaged)
-            refused(f"{partial.name}/config.toml")
-        config.write_text(text)
-        subprocess.run([BIN / "breakwater", "recover", "."], cwd=partial, env=environment(), check=True,
-                       capture_output=True)
-        self.call("breakwater", "diff", "run", "run")
-        self.assertFalse(partial.exists())
-
-    def test_a_folder_without_its_files_is_listed_as_damaged(self):
-        partial, _, _ = self.cut()
-        for name in ("log.h5", "log.journal", "running.json"):
-            (partial / name).unlink()
-            if name == "running.json":
-                os.mkfifo(partial / name)  # must not be waited for
-                self.assertNotIn(partial.name, self.call("breakwater", "ls", ".")[0])
-            else:
-                self.assertIn(f"{name}: is missing", " ".join(self.call("breakwater", "ls", ".")[0].split()))
-
-    def test_a_complete_run_gets_its_name(self):
+    def test_a_complete_run_that_did_not_get_its_name_is_complete(self):
         self.call("motor_estimation", *STREAM, "--duration", "0.5", "--out", "whole")
         partial, _, _ = self.cut()
         for path in (self.folder / "whole").iterdir():
             shutil.copy(path, partial / path.name)
-        out, _ = self.call("breakwater", "recover", partial.name, "--out", "new/parents/run")
-        self.assertEqual(out, "the run is complete\nresults: new/parents/run\n")
-        self.call("breakwater", "diff", "--quiet", "new/parents/run", "whole")
-        self.assertEqual(sorted(path.name for path in (self.folder / "whole").iterdir()),
-                         sorted(path.name for path in (self.folder / "new/parents/run").iterdir()))
+        self.call("breakwater", "diff", "--quiet", partial.name, "whole")
+        told = json.loads(self.call("breakwater", "ls", ".", "--json")[0])
+        self.assertEqual([entry["status"] for entry in told], ["complete", "complete"])
 
     def test_is_refused_while_the_run_goes_on(self):
         process = self.start(*ENDLESS)
         partial = self.partial(process)
         self.assertIn("  running ", self.call("breakwater", "ls", ".")[0])
-        _, err = self.call("breakwater", "recover", partial.name, status=2)
-        self.assertEqual(err, f"{partial.name}: a process still writes this run: stop it first\n")
+        _, err = self.call("breakwater", "report", partial.name, status=2)
+        self.assertEqual(err, f"{partial.name}: a process still writes this run\n")
         process.kill()
         process.communicate()
-        moved = self.folder / "copied"
-        partial.rename(moved)
-        _, err = self.call("breakwater", "recover", "copied", status=2)
-        self.assertEqual(err, "copied: has another name than a killed run: give --out\n")
-        self.call("breakwater", "recover", "copied", "--out", "saved")
 
     def test_a_run_that_fails_or_ends_is_that_without_a_stream(self):
         for words in ((), FAILS):

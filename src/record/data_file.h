@@ -1,4 +1,4 @@
-// The files of a streamed run in its partial folder.
+// An open file that is read and written by place.
 #pragma once
 
 #include <cstddef>
@@ -7,17 +7,7 @@
 
 namespace breakwater::detail {
 
-/// Lists the blocks of rows that are complete in log.h5.
-inline constexpr const char* kJournal = "log.journal";
-
-/// A block of rows of one track. It is written after the rows.
-struct JournalEntry {
-  std::uint32_t track = 0;  ///< number of the track in the log
-  std::uint32_t rows = 0;
-  std::uint64_t hash = 0;  ///< XXH3 of the rows, one dataset after the other
-};
-
-/// An open file. Throws OutputError with its name.
+/// Throws OutputError with the file's name.
 class DataFile {
  public:
   /// `flags` are those of open().
@@ -26,13 +16,14 @@ class DataFile {
   DataFile(const DataFile&) = delete;
   DataFile& operator=(const DataFile&) = delete;
 
-  std::uint64_t size() const;
   /// Locks the file. Returns false if another process has it locked. Some file systems have no
   /// locks.
   bool lock() const;
   void write(const void* data, std::size_t bytes, std::uint64_t place);
   /// Returns the number of bytes read: less than `bytes` at the end of the file.
   std::size_t read(void* data, std::size_t bytes, std::uint64_t place) const;
+  /// Waits until all that was written is on the disk.
+  void sync() const;
 
  private:
   [[noreturn]] void fail(const char* what) const;
