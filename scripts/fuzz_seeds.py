@@ -11,8 +11,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # Target, letter and files.
 INPUTS = [("files", "s", "studies/*.toml"), ("files", "t", "studies/*tuning.toml"), ("files", "e", "data/experiments.toml"),
-          ("files", "p", "scenarios/*/shots.toml"), ("xml", "u", "models/*.urdf"), ("xml", "m", "models/*.xml"),
-          ("xml", "m", "templates/*/*.xml")]
+          ("files", "p", "scenarios/*/shots.toml"), ("models", "u", "models/*.urdf"), ("models", "m", "models/*.xml"),
+          ("models", "m", "templates/*/*.xml")]
 
 
 def write(target, name, letter, *files):

@@ -20,18 +20,15 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 LEAST = 95.0
 # The parsers of each target.
 PARSERS = {
-    "scenario": ["config/config.cpp", "config/fields.cpp", "config/toml_entry.cpp", "config/toml_file.cpp",
-                 "config/toml_text.cpp"],
-    "files": ["cluster/slurm_answers.cpp", "pictures/shot_list.cpp", "search/tuning.cpp", "study/point_list.cpp",
-              "study/slurm_settings.cpp", "study/study.cpp", "study/study_reader.cpp", "study/value_list.cpp",
-              "thesis/experiments.cpp", "thesis/printed_results.cpp"],
-    "shard": ["study/shards.cpp"],
-    "table": ["config/column_table.cpp", "pages/impact_pulse.cpp", "recorded/encoder_quantum.cpp", "recorded/record_repair.cpp",
-              "recorded/recorded_axis.cpp"],
-    "run": ["experiment/run_list.cpp", "experiment/run_manifest.cpp", "experiment/saved_run.cpp",
-            "identification/axis_parameters.cpp"],
-    "log": ["record/hdf5_log.cpp"],
-    "xml": ["plants/mjcf_files.cpp", "plants/mjcf_numbers.cpp", "plants/urdf.cpp", "plants/xml_file.cpp"]}
+    "files": ["cluster/slurm_answers.cpp", "config/config.cpp", "config/fields.cpp", "config/toml_entry.cpp",
+              "config/toml_file.cpp", "config/toml_text.cpp", "pictures/shot_list.cpp", "search/tuning.cpp",
+              "study/point_list.cpp", "study/shards.cpp", "study/slurm_settings.cpp", "study/study.cpp",
+              "study/study_reader.cpp", "study/value_list.cpp", "thesis/experiments.cpp", "thesis/printed_results.cpp"],
+    "records": ["config/column_table.cpp", "experiment/run_list.cpp", "experiment/run_manifest.cpp",
+                "experiment/saved_run.cpp", "identification/axis_parameters.cpp", "pages/impact_pulse.cpp",
+                "record/hdf5_log.cpp", "recorded/encoder_quantum.cpp", "recorded/record_repair.cpp",
+                "recorded/recorded_axis.cpp"],
+    "models": ["plants/mjcf_files.cpp", "plants/mjcf_numbers.cpp", "plants/urdf.cpp", "plants/xml_file.cpp"]}
 
 
 def main():

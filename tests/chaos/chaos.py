@@ -27,6 +27,9 @@ import tempfile
 import threading
 import time
 
+import h5py
+import numpy as np
+
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import power_cut  # noqa: E402
 from workloads import WORKLOADS  # noqa: E402
@@ -53,7 +56,7 @@ OF_MACHINE = re.compile(rb"<!-- this machine.*?<!-- end of this machine -->", re
 OF_PROCESSES = re.compile(r"(^|/)(shards|slurm)(/|$)|(^|/)script\.py$")
 TEMPORARY = re.compile(r"(^|/)\.[^/]*\.(partial|earlier)-[^/]*$")
 KEPT = re.compile(r"\.kept(-\d+)?(/|$)")
-STREAM_FILES = {"running.json", "log.journal"}
+STREAM_FILES = {"kept"}
 RUN_FILES = {"config.toml", "metrics.json", "manifest.json", "log.h5", "log.csv"}
 # Made from what is done so far, so an interrupted study has other ones.
 OF_PARTS = {"results.csv", "results.sqlite", "comparison.csv", "comparison_by_key.csv", "front.csv", "hypervolume.csv",
@@ -141,16 +144,15 @@ class Place:
         self.build, self.spared = build, spared
         self.base, self.reapers = base, []
         base.mkdir()
-        self.work, self.graves = self.base / "work", self.base / "graves"
-        self.page, self.journal = self.base / "page", self.base / "journal"
+        self.work, self.synced = self.base / "work", self.base / "synced"
+        self.page = self.base / "page"
         self.others_page = self.base / "others-page"
 
     def prepare(self, fixture):
-        for folder in (self.work, self.graves):
+        for folder in (self.work, self.synced):
             shutil.rmtree(folder, ignore_errors=True)
-        shutil.copytree(fixture, self.work, symlinks=True)
-        self.graves.mkdir()
-        self.journal.unlink(missing_ok=True)
+        shutil.copytree(fixture, self.work)
+        self.synced.mkdir()
         for page in (self.page, self.others_page):
             page.write_bytes(bytes(PAGE.size))
 
@@ -165,9 +167,7 @@ class Place:
             environment.update(LD_PRELOAD=str(self.build / "tests" / "libchaos_faults.so"),
                                CHAOS_PAGE=str(page or self.page), CHAOS_PROGRAMS=str(self.build), CHAOS_SPARED=self.spared,
                                CHAOS_FAULTS=",".join(f for f in faults if not f.startswith("end:")),
-                               CHAOS_DEFECT=defect, CHAOS_GRAVES=str(self.graves))
-            if any(fault.endswith(":cut") for fault in faults):
-                environment["CHAOS_JOURNAL"] = str(self.journal)
+                               CHAOS_DEFECT=defect, CHAOS_SYNCED=str(self.synced))
         with open(self.base / stderr, "w") as errors, open(self.base / "stdout", "a") as out:
             return subprocess.Popen([paths.get(program, self.build / "bin" / program), *words[1:]], cwd=self.work,
                                     env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=errors,
@@ -297,11 +297,11 @@ class Chaos:
         chance = random.Random(number)
         place, known = self.place, self.undisturbed(workload)
         place.prepare(self.fixture(workload))
+        earlier = power_cut.look(place.work)
         process = place.start(workload.words, faults=faults, defect=self.defect)
         other = None
         if workload.twice:  # its synced files withstand a power cut too
-            cuts = ["end:1:cut"] if any(fault.endswith(":cut") for fault in faults) else None
-            other = place.start(workload.words, faults=cuts, stderr="other", page=place.others_page)
+            other = place.start(workload.words, faults=[], stderr="other", page=place.others_page)
         ended = place.end_of(process)
         others = place.end_of(other, "other") if other else None
         fired = [fault for fault, count in zip([f for f in faults if not f.startswith("end:")], ended.fired) if count]
@@ -312,7 +312,7 @@ class Chaos:
         if waits:
             place.wait_for_all()
         if has_cut:
-            power_cut.cut(place.journal, place.work, place.graves, chance)
+            power_cut.cut(place.synced, place.work, earlier, chance)
         self.check_end(ended, fired, known, has_second=bool(others))
         if others:
             self.check_end(others, [], known, has_second=True)
@@ -322,28 +322,22 @@ class Chaos:
         place.wait_for_all()
         if again.status != 0 or messages(again, known):
             raise Found(f"the same command again ends with status {again.status}: {said(again)}")
-        self.recover_all()
+        self.check_cut_runs()
         self.check_whole(snapshot(place.work), known)
 
-    def recover_all(self):
-        """A run that is left with its streamed log is recovered, or recover says in one line why not."""
+    def check_cut_runs(self):
+        """A run that is left with its streamed log has the first rows of the whole run, or is refused in one line."""
         place = self.place
-        recovered = place.work / "recovered"
-        for running in sorted(place.work.rglob(".*.partial-*/running.json")):
-            partial = running.parent.relative_to(place.work)
-            ended = place.call(("breakwater", "recover", "--quiet", "--out", recovered.name, str(partial)), stderr="again")
-            lines = [line for line in ended.stderr.splitlines() if ": warning: " not in line]
-            if ended.status not in (0, 2) or len(lines) != (ended.status == 2):
-                raise Found(f"recover ends with status {ended.status}: {said(ended)}")
-            if recovered.exists() != (ended.status == 0) or (place.work / partial).exists() != (ended.status == 2):
-                raise Found(f"recover ends with status {ended.status}, and left the wrong folder")
-            if ended.status == 0:
-                differ = place.call(("breakwater", "diff", "--quiet", recovered.name, "run"), stderr="again")
-                is_cut = json.loads((recovered / "manifest.json").read_text())["status"] == "cut"
-                if differ.status != is_cut:
-                    raise Found(f"diff with the recovered run ends with status {differ.status}: {said(differ)}")
-            for folder in (recovered, place.work / partial):
-                shutil.rmtree(folder, ignore_errors=True)
+        for kept in sorted(place.work.rglob(".*.partial-*/kept")):
+            partial = kept.parent
+            ended = place.call(("breakwater", "diff", "--quiet", str(partial.relative_to(place.work)), "run"),
+                               stderr="again")
+            lines = [line for line in ended.stderr.splitlines() if ": was cut at " not in line]
+            if ended.status not in (0, 1, 2) or len(lines) != (ended.status == 2):
+                raise Found(f"diff with the run that was cut ends with status {ended.status}: {said(ended)}")
+            if ended.status != 2 and not is_beginning(partial / "log.h5", place.work / "run/log.h5"):
+                raise Found("the rows of the run that was cut are not those of the whole run")
+            shutil.rmtree(partial)
 
     def check_end(self, ended, fired, known, has_second):
         """Status and message are those that the pages promise."""
@@ -378,7 +372,7 @@ class Chaos:
             content = now.get(name)
             if TEMPORARY.search(name) or any(TEMPORARY.search(str(p)) for p in pathlib.Path(name).parents):
                 is_excused = was_killed or has_second or "kept in" in ended.stderr or \
-                    "log so far is kept" in ended.stderr or any(
+                    "log so far is in" in ended.stderr or any(
                     f.startswith(("remove:", "open:", "memory:")) for f in fired)
                 if not is_excused:
                     raise Found(f"status {ended.status} leaves {name}")
@@ -452,6 +446,17 @@ def messages(ended, known):
     return [line for line in ended.stderr.splitlines() if line not in known.stderr and ": warning: " not in line]
 
 
+def is_beginning(part, whole):
+    """Whether the rows of a log that have a time are the first rows of another one."""
+    with h5py.File(part) as first, h5py.File(whole) as second:
+        for track in first:
+            rows = int(np.isfinite(first[track]["time_s"][:]).sum())
+            for name, data in first[track].items():
+                if not name.startswith("index_") and not np.array_equal(data[:rows], second[track][name][:rows]):
+                    return False
+    return True
+
+
 def said(ended):
     lines = ended.stderr.splitlines()
     return " | ".join(lines[:3]) if lines else "no message"
@@ -491,7 +496,7 @@ def main():
                         help="default: one for each core; one has all seeds of a workload")
     parser.add_argument("--workload", choices=names, metavar="NAME", help=f"this one alone: {', '.join(names)}")
     parser.add_argument("--faults", type=read_faults, metavar="LIST", help="these ones, instead of those of the seed")
-    parser.add_argument("--planted", choices=("no_fsync", "in_place"), default="", help="let the programs have a defect")
+    parser.add_argument("--planted", choices=("no_fsync", "unchecked_write"), default="", help="let the programs have a defect")
     parser.add_argument("--check", action="store_true", help=argparse.SUPPRESS)  # the arguments alone
     asked = parser.parse_args()
     if asked.check:

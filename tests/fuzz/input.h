@@ -24,14 +24,15 @@ namespace breakwater::fuzz {
 /// Takes values from the bytes; zeros when none are left.
 class Input {
  public:
-  Input(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
+  explicit Input(std::string_view bytes) : bytes_(bytes) {}
 
-  bool is_empty() const { return size_ == 0; }
+  bool is_empty() const { return bytes_.empty(); }
 
   std::uint8_t byte() {
-    if (size_ == 0) return 0;
-    --size_;
-    return *data_++;
+    if (is_empty()) return 0;
+    const auto first = static_cast<std::uint8_t>(bytes_.front());
+    bytes_.remove_prefix(1);
+    return first;
   }
 
   /// A whole number from 0 to `last`.
@@ -70,8 +71,7 @@ class Input {
   }
 
  private:
-  const std::uint8_t* data_;
-  std::size_t size_;
+  std::string_view bytes_;
 };
 
 /// A folder in memory that the process removes.
@@ -121,10 +121,6 @@ inline const Folder& folder() {
   return made;
 }
 
-inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
-  return {reinterpret_cast<const char*>(data), size};
-}
-
 /// Ends the process with a message: a broken property is a finding, as a crash is.
 inline void require(bool holds, const char* property) {
   if (holds) return;
@@ -162,7 +158,7 @@ inline int run_selected(std::span<const Parser> parsers, const std::uint8_t* dat
     if (parser.letter != static_cast<char>(data[0])) continue;
     count(parser.name);
     try {
-      parser.read(std::string(text_of(data + 1, size - 1)));
+      parser.read({reinterpret_cast<const char*>(data + 1), size - 1});
     } catch (const std::invalid_argument&) {
       // refused
     }
