@@ -141,16 +141,15 @@ class Place:
         self.build, self.spared = build, spared
         self.base, self.reapers = base, []
         base.mkdir()
-        self.work, self.graves = self.base / "work", self.base / "graves"
-        self.page, self.journal = self.base / "page", self.base / "journal"
+        self.work, self.synced = self.base / "work", self.base / "synced"
+        self.page = self.base / "page"
         self.others_page = self.base / "others-page"
 
     def prepare(self, fixture):
-        for folder in (self.work, self.graves):
+        for folder in (self.work, self.synced):
             shutil.rmtree(folder, ignore_errors=True)
-        shutil.copytree(fixture, self.work, symlinks=True)
-        self.graves.mkdir()
-        self.journal.unlink(missing_ok=True)
+        shutil.copytree(fixture, self.work)
+        self.synced.mkdir()
         for page in (self.page, self.others_page):
             page.write_bytes(bytes(PAGE.size))
 
@@ -165,9 +164,7 @@ class Place:
             environment.update(LD_PRELOAD=str(self.build / "tests" / "libchaos_faults.so"),
                                CHAOS_PAGE=str(page or self.page), CHAOS_PROGRAMS=str(self.build), CHAOS_SPARED=self.spared,
                                CHAOS_FAULTS=",".join(f for f in faults if not f.startswith("end:")),
-                               CHAOS_DEFECT=defect, CHAOS_GRAVES=str(self.graves))
-            if any(fault.endswith(":cut") for fault in faults):
-                environment["CHAOS_JOURNAL"] = str(self.journal)
+                               CHAOS_DEFECT=defect, CHAOS_SYNCED=str(self.synced))
         with open(self.base / stderr, "w") as errors, open(self.base / "stdout", "a") as out:
             return subprocess.Popen([paths.get(program, self.build / "bin" / program), *words[1:]], cwd=self.work,
                                     env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=errors,
@@ -297,11 +294,11 @@ class Chaos:
         chance = random.Random(number)
         place, known = self.place, self.undisturbed(workload)
         place.prepare(self.fixture(workload))
+        earlier = power_cut.look(place.work)
         process = place.start(workload.words, faults=faults, defect=self.defect)
         other = None
         if workload.twice:  # its synced files withstand a power cut too
-            cuts = ["end:1:cut"] if any(fault.endswith(":cut") for fault in faults) else None
-            other = place.start(workload.words, faults=cuts, stderr="other", page=place.others_page)
+            other = place.start(workload.words, faults=[], stderr="other", page=place.others_page)
         ended = place.end_of(process)
         others = place.end_of(other, "other") if other else None
         fired = [fault for fault, count in zip([f for f in faults if not f.startswith("end:")], ended.fired) if count]
@@ -312,7 +309,7 @@ class Chaos:
         if waits:
             place.wait_for_all()
         if has_cut:
-            power_cut.cut(place.journal, place.work, place.graves, chance)
+            power_cut.cut(place.synced, place.work, earlier, chance)
         self.check_end(ended, fired, known, has_second=bool(others))
         if others:
             self.check_end(others, [], known, has_second=True)
@@ -491,7 +488,7 @@ def main():
                         help="default: one for each core; one has all seeds of a workload")
     parser.add_argument("--workload", choices=names, metavar="NAME", help=f"this one alone: {', '.join(names)}")
     parser.add_argument("--faults", type=read_faults, metavar="LIST", help="these ones, instead of those of the seed")
-    parser.add_argument("--planted", choices=("no_fsync", "in_place"), default="", help="let the programs have a defect")
+    parser.add_argument("--planted", choices=("no_fsync", "unchecked_write"), default="", help="let the programs have a defect")
     parser.add_argument("--check", action="store_true", help=argparse.SUPPRESS)  # the arguments alone
     asked = parser.parse_args()
     if asked.check:

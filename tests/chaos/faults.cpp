@@ -6,9 +6,9 @@
 //   chaos_begin() on
 // - CHAOS_FAULTS=CLASS:NUMBER:FAULT,...: the fault at this call. NUMBER+: at all later ones too
 // - CHAOS_SPARED=PROGRAM:BEGIN-END,...: code whose allocations do not fail, as offsets in a program
-// - CHAOS_JOURNAL=FILE: each change of a file and each sync, for the model of a power cut
-// - CHAOS_GRAVES=DIR: with the journal: second names of removed files
-// - CHAOS_DEFECT=NAME: plants a defect: no_fsync (no file is synced), in_place (no temporary name)
+// - CHAOS_SYNCED=DIR: gets what a power cut leaves (power_cut.py)
+// - CHAOS_DEFECT=NAME: plants a defect: no_fsync (no file is synced), unchecked_write (a write that
+//   fails is taken for a whole one)
 //
 // Calls inside libc do not pass here. stdio is covered by its own functions.
 #include <dirent.h>
@@ -79,14 +79,10 @@ struct Page {
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free, "shared between processes");
 
 struct Fault {
-  unsigned kind = 0;  // a Class
-  std::uint64_t number = 0;
-  bool goes_on = false;
-  int signal = 0;
-  bool is_cut = false;
-  bool is_short = false;
-  int error = 0;
-  long step_s = 0;
+  unsigned kind;  // a Class
+  std::uint64_t number;
+  bool goes_on;
+  std::string_view what;
 };
 
 struct Range {
@@ -114,10 +110,9 @@ struct Ranges {
 
 // The code whose allocations count: not that of libraries which end the process without memory.
 Ranges own_code, spared_code;
-int journal = -1;
-std::atomic<unsigned> graves = 0;
+const char* synced = nullptr;
 bool syncs_nothing = false;
-bool is_in_place = false;
+bool checks_no_write = false;
 
 const char* setting(const char* name) {
   const char* const value = std::getenv(name);
@@ -137,12 +132,6 @@ constexpr std::array<ErrorName, 8> kErrors = {{{"ENOSPC", ENOSPC},
                                                {"EAGAIN", EAGAIN},
                                                {"EINVAL", EINVAL}}};
 
-[[noreturn]] void refuse(std::string_view what) {
-  std::fprintf(stderr, "CHAOS_FAULTS: %.*s: is no fault\n", static_cast<int>(what.size()),
-               what.data());
-  _exit(125);
-}
-
 std::string_view take_until(std::string_view& text, char end) {
   const std::size_t at = std::min(text.find(end), text.size());
   const std::string_view part = text.substr(0, at);
@@ -151,35 +140,10 @@ std::string_view take_until(std::string_view& text, char end) {
 }
 
 Fault read_fault(std::string_view text) {
-  const std::string_view whole = text;
-  Fault fault;
-  const std::string_view kind = take_until(text, ':');
-  const auto* const found = std::find(kClasses.begin(), kClasses.end(), kind);
-  if (found == kClasses.end()) refuse(whole);
-  fault.kind = static_cast<unsigned>(found - kClasses.begin());
-  std::string_view number = take_until(text, ':');
-  fault.goes_on = number.ends_with('+');
-  fault.number = std::strtoull(number.data(), nullptr, 10);
-  if (fault.number == 0) refuse(whole);
-  if (text == "kill") {
-    fault.signal = SIGKILL;
-  } else if (text == "term") {
-    fault.signal = SIGTERM;
-  } else if (text == "int") {
-    fault.signal = SIGINT;
-  } else if (text == "cut") {
-    fault.is_cut = true;
-  } else if (text == "short") {
-    fault.is_short = true;
-  } else if (text.starts_with("step")) {
-    fault.step_s = std::strtol(text.data() + 4, nullptr, 10);
-  } else {
-    for (const ErrorName& error : kErrors) {
-      if (error.name == text) fault.error = error.error;
-    }
-    if (fault.error == 0) refuse(whole);
-  }
-  return fault;
+  const auto* const kind = std::find(kClasses.begin(), kClasses.end(), take_until(text, ':'));
+  const std::string_view number = take_until(text, ':');
+  return {static_cast<unsigned>(kind - kClasses.begin()), std::strtoull(number.data(), nullptr, 10),
+          number.ends_with('+'), text};
 }
 
 // Loads the real function of this name.
@@ -206,150 +170,88 @@ Outcome count(Class kind) {
     if (fault.kind != kind) continue;
     if (number != fault.number && !(fault.goes_on && number > fault.number)) continue;
     ++page->fired[i];
-    if (fault.is_cut) kill(0, SIGKILL);
-    // Ctrl-C reaches all processes of a command.
-    if (fault.signal == SIGINT) kill(0, SIGINT);
-    if (fault.signal == SIGTERM || fault.signal == SIGKILL) raise(fault.signal);
-    if (fault.error != 0) outcome.error = fault.error;
-    if (fault.is_short) outcome.is_short = true;
+    if (fault.what == "cut") kill(0, SIGKILL);
+    if (fault.what == "int") kill(0, SIGINT);  // Ctrl-C reaches all processes of a command
+    if (fault.what == "term") raise(SIGTERM);
+    if (fault.what == "kill") raise(SIGKILL);
+    outcome.is_short |= fault.what == "short";
+    for (const ErrorName& error : kErrors) {
+      if (error.name == fault.what) outcome.error = error.error;
+    }
   }
   errno = before;
   return outcome;
 }
 
+// Threads and maps of these libraries do not fail: without them Mesa waits for ever.
+bool is_spared(const void* caller) {
+  Dl_info info;
+  if (dladdr(caller, &info) == 0 || info.dli_fname == nullptr) return false;
+  const std::string_view name = info.dli_fname;
+  return name.find("swrast_dri") != std::string_view::npos ||
+         name.find("libLLVM") != std::string_view::npos ||
+         name.find("/python3") != std::string_view::npos;
+}
+
 // Whether a call of this class has to fail; errno says how.
-bool fails(Class kind) {
+bool fails(Class kind, const void* caller = nullptr) {
+  if (!counts || (caller != nullptr && is_spared(caller))) return false;
   const Outcome outcome = count(kind);
-  if (outcome.error == 0) return false;
-  errno = outcome.error;
-  return true;
+  if (outcome.error != 0) errno = outcome.error;
+  return outcome.error != 0;
 }
 
-// ---- The journal --------------------------------------------------------------------------------
-
-void note(const char* format, ...) __attribute__((format(printf, 1, 2)));
-void note(const char* format, ...) {
-  if (journal < 0) return;
-  const int before = errno;
-  char line[4 * PATH_MAX];
-  va_list values;
-  va_start(values, format);
-  const int length = std::vsnprintf(line, sizeof line, format, values);
-  va_end(values);
-  syscall(SYS_write, journal, line, static_cast<std::size_t>(length));
-  errno = before;
-}
-
-void note_descriptor(char what, int descriptor) {
-  if (journal < 0) return;
-  const int before = errno;
+// Whether a write happens, and how much of it; otherwise errno says why.
+template <typename Size>
+bool is_written(Size& size, int pipe = -1) {
+  const Outcome outcome = count(kWrite);
+  if (outcome.error != 0) errno = outcome.error;
+  // POSIX writes as much to a pipe as a whole.
   struct stat status;
-  if (fstat(descriptor, &status) == 0 && (S_ISREG(status.st_mode) || S_ISDIR(status.st_mode))) {
-    note("%c\t%lu\t%ld\n", what, static_cast<unsigned long>(status.st_ino),
-         static_cast<long>(status.st_size));
-  }
-  errno = before;
+  const bool is_atomic = pipe >= 0 && static_cast<std::size_t>(size) <= PIPE_BUF &&
+                         fstat(pipe, &status) == 0 && S_ISFIFO(status.st_mode);
+  if (outcome.is_short && !is_atomic) size = (size + 1) / 2;
+  return outcome.error == 0;
 }
 
-// An absolute path, and the inode of its folder.
-struct Place {
-  char path[PATH_MAX];
-  unsigned long folder = 0;
-};
-
-void locate(int folder, const char* path, Place& place) {
-  const char* const separator = *path == '/' ? "" : "/";
-  char base[PATH_MAX] = "";
-  if (*path != '/') {
-    char link[64];
-    if (folder == AT_FDCWD) {
-      std::snprintf(link, sizeof link, "/proc/self/cwd");
-    } else {
-      std::snprintf(link, sizeof link, "/proc/self/fd/%d", folder);
-    }
-    const long length = syscall(SYS_readlink, link, base, sizeof base - 1);
-    base[std::max(0L, length)] = '\0';
-  }
-  std::snprintf(place.path, sizeof place.path, "%s%s%s", base, separator, path);
-  char above[PATH_MAX];
-  std::snprintf(above, sizeof above, "%s", place.path);
-  char* const slash = std::strrchr(above, '/');
-  if (slash != nullptr) *slash = '\0';
-  struct stat status;
-  if (stat(above, &status) == 0) place.folder = status.st_ino;
-}
-
-// Another name for a file that is about to lose its own; 0 without one.
-unsigned bury(const char* path) {
-  struct stat status;
-  if (lstat(path, &status) != 0 || !S_ISREG(status.st_mode)) return 0;
-  const unsigned number = static_cast<unsigned>(getpid()) * 10000 + ++graves;
-  char grave[PATH_MAX];
-  std::snprintf(grave, sizeof grave, "%s/%u", setting("CHAOS_GRAVES"), number);
-  return syscall(SYS_linkat, AT_FDCWD, path, AT_FDCWD, grave, 0) == 0 ? number : 0;
-}
-
-void note_name(const char* what, int folder, const char* path) {
-  if (journal < 0) return;
-  const int before = errno;
-  Place place;
-  locate(folder, path, place);
-  struct stat status = {};
-  lstat(place.path, &status);
-  note("%s\t%lu\t%lu\t%u\t%s\n", what, place.folder, static_cast<unsigned long>(status.st_ino),
-       *what == '-' ? bury(place.path) : 0, place.path);
-  errno = before;
-}
-
-void note_names(const char* what, int from_folder, const char* from, int to_folder,
-                const char* to) {
-  if (journal < 0) return;
-  const int before = errno;
-  Place source, target;
-  locate(from_folder, from, source);
-  locate(to_folder, to, target);
-  struct stat status = {};
-  lstat(source.path, &status);
-  const unsigned grave = *what == '>' ? bury(target.path) : 0;
-  note("%s\t%lu\t%lu\t%lu\t%u\t%s\t%s\n", what, source.folder, target.folder,
-       static_cast<unsigned long>(status.st_ino), grave, source.path, target.path);
-  errno = before;
+ssize_t unwritten(std::size_t size) {
+  return checks_no_write ? static_cast<ssize_t>(size) : -1;
 }
 
 // Settings of the system's fonts: another system has others, and fontconfig does without them.
-bool is_of_fontconfig(const char* path) {
-  return std::string_view(path).find("/font") != std::string_view::npos &&
-         std::string_view(path).find(".ttf") == std::string_view::npos;
+bool is_of_fontconfig(std::string_view path) {
+  return path.find("/font") != std::string_view::npos &&
+         path.find(".ttf") == std::string_view::npos;
 }
 
-// Before a file is opened. Its old content is lost with O_TRUNC.
-void note_opening(int folder, const char* path, int flags) {
-  if (journal < 0 || (flags & (O_CREAT | O_TRUNC)) == 0) return;
-  const int before = errno;
+// Files the content of a synced file, or the inodes and names in a synced folder, under
+// KIND-DEVICE-INODE.
+void keep(int descriptor) {
   struct stat status;
-  if (fstatat(folder, path, &status, 0) != 0) {
-    note_name("+f", folder, path);
-  } else if ((flags & O_TRUNC) != 0 && S_ISREG(status.st_mode)) {
-    note("T\t%lu\t0\n", static_cast<unsigned long>(status.st_ino));
+  if (synced == nullptr || fstat(descriptor, &status) != 0) return;
+  char opened[64], made[PATH_MAX], kept[PATH_MAX];
+  std::snprintf(opened, sizeof opened, "/proc/self/fd/%d", descriptor);
+  std::snprintf(made, sizeof made, "%s/.%d-%lu", synced, gettid(), status.st_ino);
+  const bool is_file = S_ISREG(status.st_mode);
+  std::snprintf(kept, sizeof kept, "%s/%s-%lu-%lu", synced, is_file ? "file" : "folder",
+                status.st_dev, status.st_ino);
+  const int from = static_cast<int>(syscall(SYS_open, opened, O_RDONLY | O_CLOEXEC));
+  const int to = static_cast<int>(syscall(SYS_open, made, O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
+  if (is_file) {
+    while (syscall(SYS_sendfile, to, from, nullptr, 1U << 30U) > 0) continue;
+    syscall(SYS_close, from);
+  } else {
+    DIR* const folder = fdopendir(from);
+    while (const dirent* entry = readdir(folder)) {
+      char line[PATH_MAX];
+      const int length = std::snprintf(line, sizeof line, "%lu\t%s\n", entry->d_ino, entry->d_name);
+      syscall(SYS_write, to, line, length);
+    }
+    closedir(folder);
   }
-  errno = before;
+  syscall(SYS_close, to);
+  syscall(SYS_rename, made, kept);
 }
-
-// ---- Planted defects ----------------------------------------------------------------------------
-
-// The path of a temporary file ".NAME.partial-PROCESS" is that of NAME.
-struct Written {
-  char path[PATH_MAX];
-  explicit Written(const char* given) {
-    std::snprintf(path, sizeof path, "%s", given);
-    char* const slash = std::strrchr(path, '/');
-    char* const name = slash != nullptr ? slash + 1 : path;
-    char* const mark = std::strstr(name, ".partial-");
-    if (!is_in_place || *name != '.' || mark == nullptr) return;
-    *mark = '\0';
-    std::memmove(name, name + 1, std::strlen(name));
-  }
-};
 
 // ---- Begin and end ------------------------------------------------------------------------------
 
@@ -381,16 +283,6 @@ bool lacks_memory(const void* caller) {
   return counts && own_code.has(caller) && !spared_code.has(caller) && fails(kMemory);
 }
 
-// Threads and maps of these libraries do not fail: without them Mesa waits for ever.
-bool is_spared(const void* caller) {
-  Dl_info info;
-  if (dladdr(caller, &info) == 0 || info.dli_fname == nullptr) return false;
-  const std::string_view name = info.dli_fname;
-  return name.find("libOSMesa") != std::string_view::npos ||
-         name.find("libLLVM") != std::string_view::npos ||
-         name.find("/python3") != std::string_view::npos;
-}
-
 int (*real_main)(int, char**, char**) = nullptr;
 
 // Programs that Breakwater calls, such as a shell, are left alone.
@@ -410,23 +302,18 @@ void chaos_begin() {
   const char* const file = setting("CHAOS_PAGE");
   if (file == nullptr || counts) return;
   const int descriptor = static_cast<int>(syscall(SYS_open, file, O_RDWR | O_CLOEXEC));
-  if (descriptor < 0) refuse(file);
   page = static_cast<Page*>(reinterpret_cast<void*>(
       syscall(SYS_mmap, nullptr, sizeof(Page), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0)));
   syscall(SYS_close, descriptor);
-  if (page == MAP_FAILED) refuse(file);
+  if (page == MAP_FAILED) _exit(125);
   const char* const list = setting("CHAOS_FAULTS");
   for (std::string_view rest = list != nullptr ? list : ""; !rest.empty();) {
-    if (fault_count == kMostFaults) refuse(rest);
     faults[fault_count++] = read_fault(take_until(rest, ','));
   }
-  if (const char* const name = setting("CHAOS_JOURNAL")) {
-    journal =
-        static_cast<int>(syscall(SYS_open, name, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
-  }
+  synced = setting("CHAOS_SYNCED");
   const char* const defect = setting("CHAOS_DEFECT");
   syncs_nothing = defect != nullptr && std::strcmp(defect, "no_fsync") == 0;
-  is_in_place = defect != nullptr && std::strcmp(defect, "in_place") == 0;
+  checks_no_write = defect != nullptr && std::strcmp(defect, "unchecked_write") == 0;
   dl_iterate_phdr(add_code, nullptr);
   counts = true;
 }
@@ -446,30 +333,25 @@ int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, v
                                                                 fini, rtld_fini, stack_end);
 }
 
-// ---- Writing ------------------------------------------------------------------------------------
+// A function that is counted and may fail. The last argument is the caller if it may be spared.
+#define COUNTED(kind, failure, result, name, parameters, arguments, ...)      \
+  result name parameters {                                                    \
+    static auto* const real = next<result parameters>(#name);                 \
+    return fails(kind __VA_OPT__(, ) __VA_ARGS__) ? failure : real arguments; \
+  }
 
-// POSIX writes as much to a pipe as a whole.
-bool is_atomic(int descriptor, std::size_t size) {
-  struct stat status;
-  return size <= PIPE_BUF && fstat(descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
-}
+// ---- Writing ------------------------------------------------------------------------------------
 
 ssize_t write(int descriptor, const void* bytes, std::size_t size) {
   REAL(write);
   // Standard error is a terminal in the model: a full disk does not stop it.
-  const Outcome outcome = descriptor == STDERR_FILENO ? Outcome() : count(kWrite);
-  if (outcome.error != 0) return errno = outcome.error, -1;
-  note_descriptor('W', descriptor);
-  const bool is_short = outcome.is_short && !is_atomic(descriptor, size);
-  return real(descriptor, bytes, is_short ? (size + 1) / 2 : size);
+  if (descriptor != STDERR_FILENO && !is_written(size, descriptor)) return unwritten(size);
+  return real(descriptor, bytes, size);
 }
 
 ssize_t pwrite64(int descriptor, const void* bytes, std::size_t size, off64_t offset) {
   REAL(pwrite64);
-  const Outcome outcome = count(kWrite);
-  if (outcome.error != 0) return errno = outcome.error, -1;
-  note_descriptor('W', descriptor);
-  return real(descriptor, bytes, outcome.is_short ? (size + 1) / 2 : size, offset);
+  return is_written(size) ? real(descriptor, bytes, size, offset) : unwritten(size);
 }
 
 ssize_t pwrite(int descriptor, const void* bytes, std::size_t size, off_t offset) {
@@ -478,26 +360,17 @@ ssize_t pwrite(int descriptor, const void* bytes, std::size_t size, off_t offset
 
 ssize_t writev(int descriptor, const iovec* parts, int number) {
   REAL(writev);
-  const Outcome outcome = count(kWrite);
-  if (outcome.error != 0) return errno = outcome.error, -1;
-  note_descriptor('W', descriptor);
-  return real(descriptor, parts, outcome.is_short ? (number + 1) / 2 : number);
+  std::size_t size = 0;
+  for (int i = 0; i < number; ++i) size += parts[i].iov_len;
+  return is_written(number) ? real(descriptor, parts, number) : unwritten(size);
 }
 
 ssize_t sendfile(int out, int in, off_t* offset, std::size_t size) noexcept {
   REAL(sendfile);
-  const Outcome outcome = count(kWrite);
-  if (outcome.error != 0) return errno = outcome.error, -1;
-  note_descriptor('W', out);
-  return real(out, in, offset, outcome.is_short ? (size + 1) / 2 : size);
+  return is_written(size) ? real(out, in, offset, size) : -1;
 }
 
-int ftruncate64(int descriptor, off64_t size) noexcept {
-  REAL(ftruncate64);
-  if (fails(kWrite)) return -1;
-  note_descriptor('W', descriptor);
-  return real(descriptor, size);
-}
+COUNTED(kWrite, -1, int, ftruncate64, (int descriptor, off64_t size) noexcept, (descriptor, size))
 
 int ftruncate(int descriptor, off_t size) noexcept {
   return ftruncate64(descriptor, size);
@@ -516,9 +389,7 @@ bool stream_fails(std::FILE* file) {
 
 std::size_t fwrite(const void* bytes, std::size_t size, std::size_t number, std::FILE* file) {
   REAL(fwrite);
-  if (stream_fails(file)) return 0;
-  if (counts) note_descriptor('W', fileno(file));
-  return real(bytes, size, number, file);
+  return stream_fails(file) ? 0 : real(bytes, size, number, file);
 }
 
 int fputs(const char* text, std::FILE* file) {
@@ -532,53 +403,46 @@ int fflush(std::FILE* file) {
   return has_bytes && stream_fails(file) ? EOF : real(file);
 }
 
+int fsync(int descriptor) {
+  REAL(fsync);
+  if (fails(kSync)) return -1;
+  if (syncs_nothing) return 0;
+  const int status = real(descriptor);
+  if (status == 0) keep(descriptor);
+  return status;
+}
+
+int fdatasync(int descriptor) {
+  return fsync(descriptor);
+}
+
 // ---- Names --------------------------------------------------------------------------------------
 
 int openat64(int folder, const char* path, int flags, ...) {
   REAL(openat64);
   va_list values;
   va_start(values, flags);
-  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(values, mode_t) : 0;
+  const mode_t mode = va_arg(values, mode_t);  // any value if the caller passes none
   va_end(values);
-  if (!counts || is_of_fontconfig(path)) return real(folder, path, flags, mode);
-  if (fails(kOpen)) return -1;
-  const Written written(path);
-  note_opening(folder, written.path, flags);
-  return real(folder, written.path, flags, mode);
+  if (!is_of_fontconfig(path) && fails(kOpen)) return -1;
+  return real(folder, path, flags, mode);
 }
 
-int openat(int folder, const char* path, int flags, ...) {
-  va_list values;
-  va_start(values, flags);
-  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(values, mode_t) : 0;
-  va_end(values);
-  return openat64(folder, path, flags, mode);
-}
-
-int open64(const char* path, int flags, ...) {
-  va_list values;
-  va_start(values, flags);
-  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(values, mode_t) : 0;
-  va_end(values);
-  return openat64(AT_FDCWD, path, flags, mode);
-}
-
-int open(const char* path, int flags, ...) {
-  va_list values;
-  va_start(values, flags);
-  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(values, mode_t) : 0;
-  va_end(values);
-  return openat64(AT_FDCWD, path, flags, mode);
-}
+#define OPENING(name, folder, ...)                                        \
+  int name(__VA_ARGS__ __VA_OPT__(, ) const char* path, int flags, ...) { \
+    va_list values;                                                       \
+    va_start(values, flags);                                              \
+    const mode_t mode = va_arg(values, mode_t);                           \
+    va_end(values);                                                       \
+    return openat64(folder, path, flags, mode);                           \
+  }
+OPENING(openat, folder, int folder)
+OPENING(open64, AT_FDCWD)
+OPENING(open, AT_FDCWD)
 
 std::FILE* fopen64(const char* path, const char* mode) {
   REAL(fopen64);
-  if (!counts || is_of_fontconfig(path)) return real(path, mode);
-  if (fails(kOpen)) return nullptr;
-  const Written written(path);
-  note_opening(AT_FDCWD, written.path,
-               *mode == 'w' ? O_CREAT | O_TRUNC : (*mode == 'a' ? O_CREAT : 0));
-  return real(written.path, mode);
+  return !is_of_fontconfig(path) && fails(kOpen) ? nullptr : real(path, mode);
 }
 
 std::FILE* fopen(const char* path, const char* mode) {
@@ -587,41 +451,17 @@ std::FILE* fopen(const char* path, const char* mode) {
 
 DIR* opendir(const char* path) {
   REAL(opendir);
-  return counts && !is_of_fontconfig(path) && fails(kOpen) ? nullptr : real(path);
+  return !is_of_fontconfig(path) && fails(kOpen) ? nullptr : real(path);
 }
 
-int renameat2(int from_folder, const char* from, int to_folder, const char* to,
-              unsigned flags) noexcept {
-  REAL(renameat2);
-  if (fails(kRename)) return -1;
-  note_names((flags & RENAME_EXCHANGE) != 0 ? "x" : ">", from_folder, from, to_folder, to);
-  return real(from_folder, from, to_folder, to, flags);
-}
-
-int rename(const char* from, const char* to) noexcept {
-  REAL(rename);
-  if (fails(kRename)) return -1;
-  const Written written(from);
-  if (std::strcmp(written.path, from) != 0 && std::strcmp(written.path, to) == 0) return 0;
-  note_names(">", AT_FDCWD, from, AT_FDCWD, to);
-  return real(from, to);
-}
-
-int link(const char* from, const char* to) noexcept {
-  REAL(link);
-  if (fails(kRename)) return -1;
-  const Written written(from);
-  if (std::strcmp(written.path, from) != 0 && std::strcmp(written.path, to) == 0) return 0;
-  note_names("&", AT_FDCWD, from, AT_FDCWD, to);
-  return real(from, to);
-}
-
-int unlinkat(int folder, const char* path, int flags) noexcept {
-  REAL(unlinkat);
-  if (fails(kRemove)) return -1;
-  note_name((flags & AT_REMOVEDIR) != 0 ? "-d" : "-f", folder, path);
-  return real(folder, path, flags);
-}
+COUNTED(kRename, -1, int, renameat2,
+        (int from_folder, const char* from, int to_folder, const char* to, unsigned flags) noexcept,
+        (from_folder, from, to_folder, to, flags))
+COUNTED(kRename, -1, int, rename, (const char* from, const char* to) noexcept, (from, to))
+COUNTED(kRename, -1, int, link, (const char* from, const char* to) noexcept, (from, to))
+COUNTED(kRemove, -1, int, unlinkat, (int folder, const char* path, int flags) noexcept,
+        (folder, path, flags))
+COUNTED(kMkdir, -1, int, mkdir, (const char* path, mode_t mode) noexcept, (path, mode))
 
 int unlink(const char* path) noexcept {
   return unlinkat(AT_FDCWD, path, 0);
@@ -636,111 +476,46 @@ int remove(const char* path) noexcept {
   return status != 0 && errno == EISDIR ? unlinkat(AT_FDCWD, path, AT_REMOVEDIR) : status;
 }
 
-int mkdir(const char* path, mode_t mode) noexcept {
-  REAL(mkdir);
-  if (fails(kMkdir)) return -1;
-  struct stat status;
-  if (journal >= 0 && stat(path, &status) != 0) note_name("+d", AT_FDCWD, path);
-  return real(path, mode);
-}
+// ---- Closing and waiting: here only signals arrive ----------------------------------------------
 
-int fsync(int descriptor) {
-  REAL(fsync);
-  if (fails(kSync)) return -1;
-  if (syncs_nothing) return 0;
-  const int status = real(descriptor);
-  if (status == 0) note_descriptor('S', descriptor);
-  return status;
-}
-
-int fdatasync(int descriptor) {
-  return fsync(descriptor);
-}
-
-int fclose(std::FILE* file) {
-  REAL(fclose);
-  count(kClose);
-  return real(file);
-}
-
-int close(int descriptor) {
-  REAL(close);
-  count(kClose);
-  return real(descriptor);
-}
-
-// ---- Waiting: here only signals arrive ----------------------------------------------------------
-
-ssize_t read(int descriptor, void* bytes, std::size_t size) {
-  REAL(read);
-  count(kRead);
-  return real(descriptor, bytes, size);
-}
-
-ssize_t pread64(int descriptor, void* bytes, std::size_t size, off64_t offset) {
-  REAL(pread64);
-  count(kRead);
-  return real(descriptor, bytes, size, offset);
-}
+COUNTED(kClose, EOF, int, fclose, (std::FILE * file), (file))
+COUNTED(kClose, -1, int, close, (int descriptor), (descriptor))
+COUNTED(kRead, -1, ssize_t, read, (int descriptor, void* bytes, std::size_t size),
+        (descriptor, bytes, size))
+COUNTED(kRead, -1, ssize_t, pread64,
+        (int descriptor, void* bytes, std::size_t size, off64_t offset),
+        (descriptor, bytes, size, offset))
+COUNTED(kRead, -1, pid_t, waitpid, (pid_t process, int* status, int options),
+        (process, status, options))
+COUNTED(kRead, -1, int, poll, (pollfd * descriptors, nfds_t number, int timeout),
+        (descriptors, number, timeout))
 
 ssize_t pread(int descriptor, void* bytes, std::size_t size, off_t offset) {
   return pread64(descriptor, bytes, size, offset);
 }
 
-pid_t waitpid(pid_t process, int* status, int options) {
-  REAL(waitpid);
-  count(kRead);
-  return real(process, status, options);
-}
-
-int poll(pollfd* descriptors, nfds_t number, int timeout) {
-  REAL(poll);
-  count(kRead);
-  return real(descriptors, number, timeout);
-}
-
 // ---- Processes, threads, memory, time -----------------------------------------------------------
 
-void* mmap64(void* address, std::size_t size, int protection, int flags, int descriptor,
-             off64_t offset) noexcept {
-  REAL(mmap64);
-  if (counts && !is_spared(__builtin_return_address(0)) && fails(kMmap)) return MAP_FAILED;
-  return real(address, size, protection, flags, descriptor, offset);
-}
-
-void* mmap(void* address, std::size_t size, int protection, int flags, int descriptor,
-           off_t offset) noexcept {
-  REAL(mmap);
-  if (counts && !is_spared(__builtin_return_address(0)) && fails(kMmap)) return MAP_FAILED;
-  return real(address, size, protection, flags, descriptor, offset);
-}
-
-pid_t fork() noexcept {
-  REAL(fork);
-  return fails(kFork) ? -1 : real();
-}
-
-int posix_spawn(pid_t* process, const char* path, const posix_spawn_file_actions_t* actions,
-                const posix_spawnattr_t* attributes, char* const* words, char* const* environment) {
-  REAL(posix_spawn);
-  const int error = count(kFork).error;
-  return error != 0 ? error : real(process, path, actions, attributes, words, environment);
-}
-
-int posix_spawnp(pid_t* process, const char* path, const posix_spawn_file_actions_t* actions,
-                 const posix_spawnattr_t* attributes, char* const* words,
-                 char* const* environment) {
-  REAL(posix_spawnp);
-  const int error = count(kFork).error;
-  return error != 0 ? error : real(process, path, actions, attributes, words, environment);
-}
-
-int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*body)(void*),
-                   void* data) {
-  REAL(pthread_create);
-  const int error = counts && !is_spared(__builtin_return_address(0)) ? count(kThread).error : 0;
-  return error != 0 ? error : real(thread, attributes, body, data);
-}
+COUNTED(kFork, -1, pid_t, fork, () noexcept, ())
+COUNTED(kFork, errno, int, posix_spawn,
+        (pid_t * process, const char* path, const posix_spawn_file_actions_t* actions,
+         const posix_spawnattr_t* attributes, char* const* words, char* const* environment),
+        (process, path, actions, attributes, words, environment))
+COUNTED(kFork, errno, int, posix_spawnp,
+        (pid_t * process, const char* path, const posix_spawn_file_actions_t* actions,
+         const posix_spawnattr_t* attributes, char* const* words, char* const* environment),
+        (process, path, actions, attributes, words, environment))
+COUNTED(kThread, errno, int, pthread_create,
+        (pthread_t * thread, const pthread_attr_t* attributes, void* (*body)(void*), void* data),
+        (thread, attributes, body, data), __builtin_return_address(0))
+COUNTED(kMmap, MAP_FAILED, void*, mmap64,
+        (void* address, std::size_t size, int protection, int flags, int descriptor,
+         off64_t offset) noexcept,
+        (address, size, protection, flags, descriptor, offset), __builtin_return_address(0))
+COUNTED(kMmap, MAP_FAILED, void*, mmap,
+        (void* address, std::size_t size, int protection, int flags, int descriptor,
+         off_t offset) noexcept,
+        (address, size, protection, flags, descriptor, offset), __builtin_return_address(0))
 
 void* malloc(std::size_t size) {
   return lacks_memory(__builtin_return_address(0)) ? nullptr : __libc_malloc(size);
@@ -770,8 +545,10 @@ long stepped_s() {
   count(kClock);
   long step = 0;
   for (unsigned i = 0; i < fault_count; ++i) {
-    if (faults[i].kind == kClock && page->counts[kClock] >= faults[i].number)
-      step += faults[i].step_s;
+    const bool has_come = faults[i].kind == kClock && page->counts[kClock] >= faults[i].number;
+    if (has_come && faults[i].what.starts_with("step")) {
+      step += std::strtol(faults[i].what.data() + 4, nullptr, 10);
+    }
   }
   return step;
 }

@@ -1,4 +1,4 @@
-"""chaos.py finds a missing fsync and a torn write in the real programs, and nothing without them.
+"""chaos.py finds a missing fsync and an unchecked write in the real programs, and nothing without them.
 
 Usage: planted_test.py BUILD_FOLDER
 """
@@ -29,17 +29,17 @@ class PlantedDefects(unittest.TestCase):
     def test_a_missing_fsync_is_found(self):
         self.assertIn("run is neither the earlier one nor the new one", self.found("no_fsync", "--seeds", "1..8", *CUT))
 
-    def test_a_torn_write_is_found(self):
-        said = self.found("in_place", "--seeds", "1..1", *TORN)
-        self.assertIn("report.html is neither the earlier one nor the new one", said)
+    def test_a_write_that_is_not_checked_is_found(self):
+        said = self.found("unchecked_write", "--seeds", "1..1", *TORN)
+        self.assertIn("status 0, and report.html is another one", said)
         # The line below names the fault that shows it again.
         self.assertIn("./dev chaos --seeds 1..1 --workload report --faults write:", said)
 
     def test_the_fault_that_has_no_part_in_it_is_left_out(self):
-        status, said = self.chaos("--planted", "in_place", "--seeds", "1..1", "--workload", "report",
+        status, said = self.chaos("--planted", "unchecked_write", "--seeds", "1..1", "--workload", "report",
                                   "--faults", "clock:1:step7,write:1:ENOSPC")
         self.assertEqual(status, 1)
-        self.assertIn("--faults write:1:ENOSPC --planted in_place\n", said)
+        self.assertIn("--faults write:1:ENOSPC --planted unchecked_write\n", said)
 
 
 if __name__ == "__main__":
