@@ -39,9 +39,9 @@ class Stopped : public std::runtime_error {
 };
 
 /// Draws frames in child processes, forked from this one. Each child calls `start` once, with its
-/// number, and the result for each of its frames. Frames go to the next free child. Several
-/// contexts in one process would not be faster with Mesa, and a crash of a driver would end the
-/// process. `take` gets all frames in order, on its own thread.
+/// number, and the result for each of its frames, in turn with the others. Several contexts in one
+/// process would not be faster with Mesa, and a crash of a driver would end the process. `take`
+/// gets all frames in order, while the children draw the next ones.
 ///
 /// Call it while no other thread runs. Returns the name of the renderer. Throws RenderError with a
 /// child's message if one fails, the exception of `take`, or Stopped.
