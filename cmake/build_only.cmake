@@ -10,7 +10,7 @@ endforeach()
 
 find_package(PkgConfig REQUIRED)
 if(BREAKWATER_TOOLS)
-  # OpenGL is not linked: render/ loads OSMesa or EGL for the first picture.
+  # OpenGL is not linked: render/ loads EGL for the first picture.
   find_path(EGL_INCLUDE_DIR EGL/egl.h REQUIRED)
   # dygraphs and three.js go into each page as a whole.
   find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)

@@ -13,14 +13,15 @@
 #include <breakwater/pages/figure_script.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/render/canvas.h>
-#include <breakwater/render/render_error.h>
-#include <breakwater/render/renderer_probe.h>
+#include <breakwater/render/frame_farm.h>
+#include <breakwater/render/offscreen.h>
 #include <breakwater/render/video_file.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/signals/environment.h>
 #include <breakwater/sim/engine_functions.h>
 #include <breakwater/sim/engine_guard.h>
+#include <breakwater/sim/opengl_asked.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -30,6 +31,7 @@ using State = HealthCheck::State;
 
 // Long enough to call every part of a scenario.
 constexpr const char* kMoment = "run.duration_s=0.1";
+constexpr int kPictureSide = 64;
 
 void run_for_a_moment(const Catalogue& catalogue, const ScenarioKind& kind) {
   const ScenarioFile file(kind.file().string(), kind.name);
@@ -66,31 +68,25 @@ HealthCheck check_data() {
   }
 }
 
-HealthCheck check_library(const std::string& what, const std::string& mujoco_gl,
-                          const std::string& packages) {
-  const RendererProbe probe = probe_renderer(mujoco_gl);
-  const bool draws = probe.outcome == RendererProbe::Outcome::draws;
-  // The library is there but cannot draw: its driver is another package.
-  return {what, draws ? State::ok : State::missing, probe.words,
-          draws ? "" : "apt install " + packages};
-}
-
-// Checks the renderer that the environment selects.
+// Draws one frame as a video does, in a process of its own, since a driver may crash.
 HealthCheck check_pictures() {
   const auto asked = environment("MUJOCO_GL");
   const std::string when = asked ? "MUJOCO_GL=" + *asked : "MUJOCO_GL unset";
   try {
-    const RendererProbe probe = probe_renderer();
-    switch (probe.outcome) {
-      case RendererProbe::Outcome::draws:
-        return {"pictures", State::ok, fmt::format("drawn by {} ({})", probe.words, when), ""};
-      case RendererProbe::Outcome::no_library:
-        return {"pictures", State::missing, probe.words,
-                "apt install libosmesa6, or libegl1 libegl-mesa0"};
-      case RendererProbe::Outcome::no_context:
-        break;
+    opengl_asked();
+    const std::string missing = Offscreen::missing_library();
+    if (!missing.empty()) {
+      return {"pictures", State::missing, missing, "apt install libegl1 libgl1-mesa-dri"};
     }
-    return {"pictures", State::broken, fmt::format("{} ({})", probe.words, when), ""};
+    FrameFarm farm;
+    farm.frames = farm.frame_bytes = 1;
+    const auto start = [](std::size_t) -> Drawer {
+      return {[](std::size_t, std::uint8_t*) {}, Offscreen(kPictureSide, kPictureSide).renderer()};
+    };
+    const std::string renderer = draw_frames(farm, start, [](const std::uint8_t*) {});
+    return {"pictures", State::ok, fmt::format("drawn by {} ({})", renderer, when), ""};
+  } catch (const RenderError& error) {
+    return {"pictures", State::broken, fmt::format("{} ({})", error.what(), when), ""};
   } catch (const std::invalid_argument& error) {
     return {"pictures", State::broken, error.what(), ""};
   }
@@ -235,15 +231,11 @@ HealthCheck check_python_extras() {
 }  // namespace
 
 std::vector<HealthCheck> check_health(const Catalogue& catalogue) {
-  // Checks that fork come first: the runs may leave threads.
+  // It forks, so it comes first: the runs may leave threads.
   const HealthCheck pictures = check_pictures();
-  const HealthCheck osmesa = check_library("OSMesa", "osmesa", "libosmesa6");
-  const HealthCheck egl = check_library("EGL", "egl", "libegl1 libegl-mesa0");
   return {check_scenarios(catalogue),
           check_data(),
           pictures,
-          osmesa,
-          egl,
           check_video(),
           check_font(),
           check_pages(),

@@ -1,48 +1,224 @@
 #include <breakwater/render/offscreen.h>
 
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
 #include <GL/gl.h>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include <breakwater/record/loaded_library.h>
 #include <breakwater/sim/opengl_asked.h>
 
 namespace breakwater {
 namespace {
 
-struct Choice {
-  bool is_osmesa;
-  EglDevices devices;
-};
+constexpr std::array<EGLint, 17> kConfig = {EGL_SURFACE_TYPE,
+                                            EGL_PBUFFER_BIT,
+                                            EGL_RENDERABLE_TYPE,
+                                            EGL_OPENGL_BIT,
+                                            EGL_RED_SIZE,
+                                            8,
+                                            EGL_GREEN_SIZE,
+                                            8,
+                                            EGL_BLUE_SIZE,
+                                            8,
+                                            EGL_ALPHA_SIZE,
+                                            8,
+                                            EGL_DEPTH_SIZE,
+                                            24,
+                                            EGL_STENCIL_SIZE,
+                                            8,
+                                            EGL_NONE};
 
-Choice choose() {
-  const OpenGlAsked asked = opengl_asked();
-  switch (asked.library) {
-    case OpenGlAsked::Library::osmesa:
-      return {true, {}};
-    case OpenGlAsked::Library::egl:
-      return {false, {asked.egl_device, false}};
-    case OpenGlAsked::Library::any:
-      break;
-  }
-  if (osmesa_library().is_there()) return {true, {}};
-  if (egl_library().is_there()) return {false, {std::nullopt, true}};
-  throw NoOpenGl(osmesa_library().complaint() + ", and " + egl_library().complaint());
+// Loaded when the first picture is drawn. The symbols are global, so that MuJoCo finds them.
+const LoadedLibrary& egl_library() {
+  static const LoadedLibrary library("libEGL.so.1", "libegl1", true);
+  return library;
 }
 
-std::unique_ptr<OpenGlContext> make_context(const OpenGlTarget& target) {
-  // Choose once: MuJoCo keeps the functions of the first library.
-  static const Choice choice = choose();
-  return choice.is_osmesa ? make_osmesa_context(target) : make_egl_context(target, choice.devices);
+template <typename Function>
+Function* egl(const char* name) {
+  return egl_library().symbol<NoOpenGl, Function>(name);
+}
+
+// A function of an extension; null if EGL does not have it.
+template <typename Function>
+Function* extension(const char* name) {
+  return reinterpret_cast<Function*>(egl<decltype(eglGetProcAddress)>("eglGetProcAddress")(name));
+}
+
+// All devices that EGL lists; none if it cannot list them.
+std::vector<EGLDeviceEXT> all_devices() {
+  const auto query =
+      extension<std::remove_pointer_t<PFNEGLQUERYDEVICESEXTPROC>>("eglQueryDevicesEXT");
+  EGLint count = 0;
+  if (query == nullptr || query(0, nullptr, &count) == EGL_FALSE) return {};
+  std::vector<EGLDeviceEXT> devices(static_cast<std::size_t>(count));
+  if (query(count, devices.data(), &count) == EGL_FALSE) return {};
+  devices.resize(static_cast<std::size_t>(count));
+  return devices;
+}
+
+bool is_software(EGLDeviceEXT device) {
+  const auto query =
+      extension<std::remove_pointer_t<PFNEGLQUERYDEVICESTRINGEXTPROC>>("eglQueryDeviceStringEXT");
+  const char* const words = query != nullptr ? query(device, EGL_EXTENSIONS) : nullptr;
+  return words != nullptr && std::strstr(words, "EGL_MESA_device_software") != nullptr;
+}
+
+// The devices to try, in order. nullptr means Mesa's own choice.
+std::vector<EGLDeviceEXT> chosen(const OpenGlAsked& asked) {
+  std::vector<EGLDeviceEXT> devices = all_devices();
+  if (asked.device) {
+    if (*asked.device >= static_cast<int>(devices.size())) {
+      throw NoOpenGl(fmt::format("EGL has no device {} (MUJOCO_EGL_DEVICE_ID) but lists {}",
+                                 *asked.device, devices.size()));
+    }
+    return {devices[static_cast<std::size_t>(*asked.device)]};
+  }
+  if (asked.software_only) {
+    std::erase_if(devices, [](EGLDeviceEXT device) { return !is_software(device); });
+  }
+  if (devices.empty()) devices.push_back(nullptr);
+  return devices;
+}
+
+EGLDisplay display_of(EGLDeviceEXT device) {
+  const auto get =
+      extension<std::remove_pointer_t<PFNEGLGETPLATFORMDISPLAYEXTPROC>>("eglGetPlatformDisplayEXT");
+  if (get == nullptr) return EGL_NO_DISPLAY;
+  return device != nullptr ? get(EGL_PLATFORM_DEVICE_EXT, device, nullptr)
+                           : get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
 }
 
 }  // namespace
+
+// Draws into a pbuffer. finish() reads the pixels from it.
+class Offscreen::Context {
+ public:
+  // Throws NoOpenGl if the device is not suitable.
+  Context(int width, int height, EGLDeviceEXT device)
+      : width_(width), height_(height), display_(display_of(device)) {
+    try {
+      make_current();
+      GLint largest = 0;
+      function<void(GLenum, GLint*)>("glGetIntegerv")(GL_MAX_TEXTURE_SIZE, &largest);
+      if (std::max(width, height) > largest) {
+        throw NoOpenGl(fmt::format("EGL draws no picture of {}x{}", width, height));
+      }
+      // The background: black, with 0 in the fourth byte.
+      function<void(GLbitfield)>("glClear")(GL_COLOR_BUFFER_BIT);
+      read_pixels_ = function<std::remove_pointer_t<decltype(read_pixels_)>>("glReadPixels");
+    } catch (...) {
+      release();
+      throw;
+    }
+  }
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+  ~Context() { release(); }
+
+  // On the first of the devices that works.
+  static std::unique_ptr<Context> make(int width, int height,
+                                       const std::vector<EGLDeviceEXT>& devices) {
+    for (std::size_t i = 0; i + 1 < devices.size(); ++i) {
+      try {
+        return std::make_unique<Context>(width, height, devices[i]);
+      } catch (const NoOpenGl&) {
+        continue;  // try the next one; the last is Mesa's software renderer, if installed
+      }
+    }
+    return std::make_unique<Context>(width, height, devices.back());
+  }
+
+  // OpenGL's first row is at the bottom.
+  void read(std::uint8_t* pixels) const {
+    read_pixels_(0, 0, width_, height_, GL_BGRA, GL_UNSIGNED_BYTE, pixels);
+    const std::size_t row = 4 * static_cast<std::size_t>(width_);
+    std::uint8_t* lower = pixels + row * static_cast<std::size_t>(height_ - 1);
+    for (; pixels < lower; pixels += row, lower -= row)
+      std::swap_ranges(pixels, pixels + row, lower);
+  }
+
+ private:
+  void make_current() {
+    if (display_ == EGL_NO_DISPLAY ||
+        egl<decltype(eglInitialize)>("eglInitialize")(display_, nullptr, nullptr) == EGL_FALSE) {
+      fail("has no display without a screen");
+    }
+    if (egl<decltype(eglBindAPI)>("eglBindAPI")(EGL_OPENGL_API) == EGL_FALSE) {
+      fail("has no desktop OpenGL");
+    }
+    EGLConfig config = nullptr;
+    EGLint count = 0;
+    if (egl<decltype(eglChooseConfig)>("eglChooseConfig")(display_, kConfig.data(), &config, 1,
+                                                          &count) == EGL_FALSE ||
+        count == 0) {
+      fail("has no frame buffer of 8 bits a colour");
+    }
+    const std::array<EGLint, 5> size = {EGL_WIDTH, width_, EGL_HEIGHT, height_, EGL_NONE};
+    surface_ = egl<decltype(eglCreatePbufferSurface)>("eglCreatePbufferSurface")(display_, config,
+                                                                                 size.data());
+    context_ = egl<decltype(eglCreateContext)>("eglCreateContext")(display_, config, EGL_NO_CONTEXT,
+                                                                   nullptr);
+    if (surface_ == EGL_NO_SURFACE || context_ == EGL_NO_CONTEXT ||
+        egl<decltype(eglMakeCurrent)>("eglMakeCurrent")(display_, surface_, surface_, context_) ==
+            EGL_FALSE) {
+      fail("made no context");
+    }
+  }
+
+  // Keep the display: other contexts of the process may use it.
+  void release() {
+    if (display_ == EGL_NO_DISPLAY) return;
+    egl<decltype(eglMakeCurrent)>("eglMakeCurrent")(display_, EGL_NO_SURFACE, EGL_NO_SURFACE,
+                                                    EGL_NO_CONTEXT);
+    if (context_ != EGL_NO_CONTEXT) {
+      egl<decltype(eglDestroyContext)>("eglDestroyContext")(display_, context_);
+    }
+    if (surface_ != EGL_NO_SURFACE) {
+      egl<decltype(eglDestroySurface)>("eglDestroySurface")(display_, surface_);
+    }
+  }
+
+  [[noreturn]] static void fail(const std::string& reason) {
+    const EGLint error = egl<decltype(eglGetError)>("eglGetError")();
+    throw NoOpenGl(fmt::format("EGL {} (error {:#06x})", reason, error));
+  }
+
+  int width_;
+  int height_;
+  EGLDisplay display_;
+  EGLSurface surface_ = EGL_NO_SURFACE;
+  EGLContext context_ = EGL_NO_CONTEXT;
+  void (*read_pixels_)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void*) = nullptr;
+};
 
 Offscreen::Offscreen(int width, int height)
     : width_(width),
       height_(height),
       pixels_(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
-      context_(make_context({width, height, pixels_.data()})) {
-  const GLubyte* name = context_->function<const GLubyte*(GLenum)>("glGetString")(GL_RENDERER);
+      context_(Context::make(width, height, chosen(opengl_asked()))) {
+  const GLubyte* name = function<const GLubyte*(GLenum)>("glGetString")(GL_RENDERER);
   if (name != nullptr) renderer_ = reinterpret_cast<const char*>(name);
-  renderer_ += std::string(", ") + context_->library();
+  renderer_ += ", EGL";
+}
+
+Offscreen::~Offscreen() = default;
+
+std::string Offscreen::missing_library() {
+  return egl_library().is_there() ? "" : NoOpenGl(egl_library().complaint()).what();
+}
+
+void Offscreen::finish() {
+  context_->read(pixels_.data());
+}
+
+void* Offscreen::find(const char* name) {
+  return reinterpret_cast<void*>(egl<decltype(eglGetProcAddress)>("eglGetProcAddress")(name));
 }
 
 std::optional<std::string> Offscreen::slowness() const {

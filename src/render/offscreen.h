@@ -7,48 +7,61 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/render/opengl_context.h>
+#include <breakwater/render/render_error.h>
 
 namespace breakwater {
 
-/// An OpenGL context that draws into memory. It is current on the thread that makes it, and a
-/// thread has one at a time. MUJOCO_GL and MUJOCO_EGL_DEVICE_ID choose OSMesa or EGL. Without them
-/// it is OSMesa, or Mesa's software renderer through EGL if OSMesa is missing: pictures are then
-/// the same on every machine. The first choice of a process is valid for all later contexts.
+/// An error of one line, with the usual beginning for a machine that cannot draw.
+struct NoOpenGl : RenderError {
+  explicit NoOpenGl(const std::string& reason) : RenderError("pictures need OpenGL: " + reason) {}
+};
+
+/// An OpenGL context of EGL that draws into memory, without any window system. It is current on the
+/// thread that makes it, and a thread has one at a time. It is Mesa's software renderer, so that
+/// pictures are the same on every machine, unless opengl_asked() says otherwise.
 class Offscreen {
  public:
-  /// Throws RenderError if there is no such OpenGL, or the size is too large for it. Throws
+  /// Throws NoOpenGl if there is no such OpenGL, or the size is too large for it. Throws
   /// std::invalid_argument as opengl_asked().
   Offscreen(int width, int height);
   Offscreen(const Offscreen&) = delete;
   Offscreen& operator=(const Offscreen&) = delete;
+  ~Offscreen();
+
+  /// Why EGL's library is missing, with the package that has it; empty if it is there.
+  static std::string missing_library();
 
   int width() const { return width_; }
   int height() const { return height_; }
 
   /// Waits until everything is drawn, and updates pixels().
-  void finish() { context_->finish(); }
+  void finish();
   /// Rows from the top, with 4 bytes per pixel: blue, green, red, and 0 where nothing was drawn.
   /// The caller may change them: each picture is drawn anew.
   std::vector<std::uint8_t>& pixels() { return pixels_; }
 
-  /// A function of OpenGL. Throws RenderError if there is none with this name.
+  /// A function of OpenGL. Throws NoOpenGl if there is none with this name.
   template <typename Function>
-  Function* function(const char* name) const {
-    return context_->function<Function>(name);
+  static Function* function(const char* name) {
+    void* const address = find(name);
+    if (address == nullptr) throw NoOpenGl(std::string("EGL has no ") + name);
+    return reinterpret_cast<Function*>(address);
   }
 
-  /// The name of the renderer and the library: "llvmpipe (LLVM 15.0.6, 256 bits), OSMesa".
+  /// The name of the renderer and the library: "llvmpipe (LLVM 15.0.6, 256 bits), EGL".
   const std::string& renderer() const { return renderer_; }
   /// A warning, in one line, if it is a software renderer other than llvmpipe. Mesa's other
   /// renderers are about 15 times slower.
   std::optional<std::string> slowness() const;
 
  private:
+  class Context;
+  static void* find(const char* name);
+
   int width_;
   int height_;
   std::vector<std::uint8_t> pixels_;
-  std::unique_ptr<OpenGlContext> context_;
+  std::unique_ptr<Context> context_;
   std::string renderer_;
 };
 

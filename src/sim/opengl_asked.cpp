@@ -14,14 +14,13 @@ namespace {
 constexpr const char* kLibraryKey = "MUJOCO_GL";
 constexpr const char* kDeviceKey = "MUJOCO_EGL_DEVICE_ID";
 
-OpenGlAsked::Library library_asked() {
+// The value of MUJOCO_GL in lower case.
+std::string library_asked() {
   const std::string text = environment(kLibraryKey).value_or("");
   std::string name = text;
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (name.empty()) return OpenGlAsked::Library::any;
-  if (name == "osmesa") return OpenGlAsked::Library::osmesa;
-  if (name == "egl") return OpenGlAsked::Library::egl;
+  if (name.empty() || name == "osmesa" || name == "egl") return name;
   throw std::invalid_argument(std::string(kLibraryKey) + ": \"" + text +
                               "\": must be egl or osmesa, which need no screen, or unset");
 }
@@ -42,11 +41,11 @@ std::optional<int> device_asked() {
 }  // namespace
 
 OpenGlAsked opengl_asked() {
-  OpenGlAsked asked{library_asked(), device_asked()};
+  const std::string library = library_asked();
+  const std::optional<int> device = device_asked();
   // MuJoCo's programs read the device only for EGL. A machine may set it for them.
-  if (asked.library == OpenGlAsked::Library::osmesa) asked.egl_device.reset();
-  if (asked.egl_device) asked.library = OpenGlAsked::Library::egl;
-  return asked;
+  if (library == "osmesa") return {};
+  return {device, library.empty()};
 }
 
 }  // namespace breakwater

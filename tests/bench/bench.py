@@ -69,10 +69,10 @@ def seconds(command):
     return time.perf_counter() - start
 
 
-def cpu_and_wall_seconds(command, copies=1, env=None):
+def cpu_and_wall_seconds(command, copies=1):
     """Processor and wall time of some copies of a command, with their child processes."""
     start = time.perf_counter()
-    processes = [subprocess.Popen(command, stdout=subprocess.DEVNULL, env=env) for _ in range(copies)]
+    processes = [subprocess.Popen(command, stdout=subprocess.DEVNULL) for _ in range(copies)]
     cpu = 0.0
     for process in processes:
         _, status, usage = os.wait4(process.pid, 0)
@@ -80,42 +80,6 @@ def cpu_and_wall_seconds(command, copies=1, env=None):
             sys.exit(f"{command[0]} failed")
         cpu += usage.ru_utime + usage.ru_stime
     return cpu, time.perf_counter() - start
-
-
-def renderer_by(library, run):
-    """The renderer with MUJOCO_GL=library, or the reason why there is none."""
-    asked = subprocess.run([BUILD / "tests" / "bare_render", run, "fast", "1"], text=True,
-                           capture_output=True, env={**os.environ, "MUJOCO_GL": library})
-    if asked.returncode != 0:
-        return None, asked.stderr.strip()
-    return asked.stdout.strip().partition(", ")[2], ""
-
-
-def bench_renderers(run, frames):
-    """Make the same video with OSMesa and EGL, alternately."""
-    print(f"renderers, {frames} frames of 1280x720, look full, {VIDEO_PAIRS} rounds ...", flush=True)
-    names = {}
-    for library in ("osmesa", "egl"):
-        name, reason = renderer_by(library, run)
-        if name is None:
-            print(f"  {library:6}: not measured: {reason}")
-        else:
-            names[library] = name
-    costs = {library: [] for library in names}
-    for _ in range(VIDEO_PAIRS):
-        for library in names:
-            costs[library].append(cpu_and_wall_seconds(
-                [BUILD / "bin" / "breakwater", "video", run, "--quiet",
-                 "--from", "29.9", "--to", "31.4", "--speed", str(45 / frames)],
-                env={**os.environ, "MUJOCO_GL": library}))
-    for library, name in names.items():
-        cpu_ms = 1e3 / frames * statistics.median(cpu for cpu, _ in costs[library])
-        rate = frames / statistics.median(wall for _, wall in costs[library])
-        print(f"  {library}: {name}")
-        measured(f"video, full look, by {library}", f"{rate:.1f} frames/s, {cpu_ms:.1f} ms of a core each")
-    if len(names) == 2:
-        ratio = statistics.median(o[0] / e[0] for o, e in zip(costs["osmesa"], costs["egl"]))
-        measured("EGL's rate over OSMesa's, by processor time", f"{ratio:.2f}")
 
 
 def bench_starting(folder):
@@ -132,7 +96,6 @@ def bench_starting(folder):
 def bench_videos(run):
     frames = 900
     cores = os.cpu_count()
-    bench_renderers(run, frames)
     print(f"video, {frames} frames of 1280x720 with impact, {VIDEO_PAIRS} pairs ...", flush=True)
     for look, goal, bound in (("full", 45, "at most 1.25"), ("fast", 90, "")):
         video = [BUILD / "bin" / "breakwater", "video", run, "--quiet", "--look", look,
