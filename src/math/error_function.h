@@ -1,4 +1,5 @@
-// Complementary error function with the same bits on every x86-64 processor.
+// Complementary error function and standard normal distribution with the same bits on every x86-64
+// processor.
 #pragma once
 
 // musl's, renamed (cmake/musl_math.cmake).
@@ -13,3 +14,14 @@ inline double erfc(double x) {
 }
 
 }  // namespace breakwater::math
+
+namespace breakwater {
+
+/// Φ(z) = erfc(−z/√2)/2, the standard normal distribution. Its quantile is in
+/// statistics/distribution.h.
+inline double normal_cdf(double z) {
+  constexpr double kSqrtHalf = 0.70710678118654752440;
+  return 0.5 * math::erfc(-kSqrtHalf * z);
+}
+
+}  // namespace breakwater

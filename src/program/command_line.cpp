@@ -12,8 +12,8 @@
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/version.h>
 #include <breakwater/program/run_changes.h>
-#include <breakwater/program/video_later.h>
 #include <breakwater/record/run_folder.h>
+#include <breakwater/shell/child_program.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/exit_statuses.h>
 #include <breakwater/shell/process.h>
@@ -139,6 +139,25 @@ void check_video(bool several, const Arguments& arguments) {
   if (several && !arguments.video_file.empty()) {
     throw std::invalid_argument("--video: one file cannot hold the videos of several runs");
   }
+}
+
+// Calls `program` to make the video of a run in `file` or, if empty, in FOLDER/video.mp4. A
+// separate process protects the run, and simulations need no OpenGL and no encoder. Prints one line
+// if it fails. Returns the exit status of the process.
+int make_video(const std::string& program, const std::filesystem::path& folder,
+               const std::string& file, bool quiet) {
+  if (!std::filesystem::exists(program)) {
+    fmt::print(
+        stderr,
+        "video of the run in {0}: {1}, which draws it, is not there (`./dev build` makes it); "
+        "the run is whole, `breakwater video {0}` draws it later\n",
+        folder.string(), program);
+    return kLaterOutputFailed;
+  }
+  std::vector<std::string> words = {program, "video", folder.string()};
+  if (!file.empty()) words.insert(words.end(), {"--out", file});
+  if (quiet) words.emplace_back("--quiet");
+  return call_program(fmt::format("video of the run in {}", folder.string()), words);
 }
 
 // Returns 0 or the exit status of a failed video.

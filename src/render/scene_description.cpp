@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include <breakwater/render/render_error.h>
-#include <breakwater/render/scene_pose.h>
 #include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {

@@ -2,6 +2,8 @@
 // ScenePoser gives the poses.
 #pragma once
 
+#include <mujoco/mujoco.h>
+
 #include <array>
 #include <cstdint>
 #include <span>
@@ -11,6 +13,17 @@
 #include <breakwater/sim/model.h>
 
 namespace breakwater {
+
+/// Geoms of groups below this are drawn: bodies and decoration. The others are for the physics.
+inline constexpr int kDrawnGroups = 3;
+
+/// Computes the poses of bodies, cameras, lights and tendons at data.qpos. Forces are in the log.
+inline void place_scene(const mjModel& model, mjData& data) {
+  mj_kinematics(&model, &data);
+  mj_comPos(&model, &data);
+  mj_camlight(&model, &data);
+  mj_tendon(&model, &data);
+}
 
 /// The pose of a body, camera or light in the world: position [m] and unit quaternion (w, x, y, z).
 struct Pose {

@@ -11,7 +11,7 @@
 
 #include <breakwater/render/offscreen.h>
 #include <breakwater/render/render_error.h>
-#include <breakwater/render/scene_pose.h>
+#include <breakwater/render/scene_description.h>
 #include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {

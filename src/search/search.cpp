@@ -6,7 +6,7 @@
 
 #include <breakwater/record/loaded_library.h>
 #include <breakwater/search/engines.h>
-#include <breakwater/shell/own_library.h>
+#include <breakwater/shell/paths.h>
 
 namespace breakwater {
 namespace {

@@ -7,7 +7,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <breakwater/shell/own_library.h>
 #include <breakwater/signals/environment.h>
 
 namespace breakwater {

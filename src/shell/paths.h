@@ -44,6 +44,11 @@ std::optional<std::filesystem::path> look_for(const std::string& name);
 /// The same, but throws std::invalid_argument with all searched places if there is none.
 std::filesystem::path data_file(const std::string& name);
 
+/// The shared library F/lib/breakwater/`name` of Breakwater itself, which is not linked but loaded.
+/// F is a folder above the program, or else the prefix of its installation. Returns a path of the
+/// latter if it is in none.
+std::filesystem::path own_library(const std::string& name);
+
 /// "A, B, C": the places, for messages: those that exist, or all if none does.
 std::string searched_places();
 

@@ -33,8 +33,8 @@ struct WavingSurface {
   double elevation(double time_s, double x_m, double y_m) const;
 };
 
-/// Sets the surface's height field to the heights at a time. Throws as set_heights() in
-/// sim/height_field.h does.
+/// Sets the surface's height field, level or inverted, to the heights at a time, limited by its
+/// size. Throws std::invalid_argument if the world has no such geom or it is no such height field.
 void set_heights(Model& model, const WavingSurface& surface, double time_s);
 
 }  // namespace breakwater

@@ -5,9 +5,9 @@
 #include <numeric>
 #include <random>
 
+#include <breakwater/math/error_function.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/statistics/distribution.h>
-#include <breakwater/statistics/normal.h>
 
 namespace breakwater {
 

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <numeric>
 
+#include <breakwater/math/error_function.h>
 #include <breakwater/math/functions.h>
-#include <breakwater/statistics/mid_ranks.h>
-#include <breakwater/statistics/normal.h>
+#include <breakwater/statistics/signed_rank.h>
 
 namespace breakwater {
 namespace {

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include <breakwater/statistics/mid_ranks.h>
-#include <breakwater/statistics/normal.h>
+#include <breakwater/math/error_function.h>
 
 namespace breakwater {
 namespace {
@@ -27,6 +26,23 @@ std::vector<double> distribution_of_sum(const std::vector<std::size_t>& ranks) {
 }
 
 }  // namespace
+
+std::vector<double> mid_ranks(const std::vector<double>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  std::vector<double> ranks(values.size());
+  for (std::size_t i = 0; i < order.size();) {
+    std::size_t end = i + 1;
+    while (end < order.size() && values[order[end]] == values[order[i]]) ++end;
+    for (std::size_t k = i; k < end; ++k) {
+      ranks[order[k]] = 0.5 * static_cast<double>(i + 1 + end);
+    }
+    i = end;
+  }
+  return ranks;
+}
 
 SignedRank signed_rank_test(const std::vector<double>& differences) {
   std::vector<double> sizes;

@@ -1,10 +1,13 @@
-// Wilcoxon's signed-rank test.
+// Ranks of a sample, and Wilcoxon's signed-rank test.
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
 namespace breakwater {
+
+/// The rank of each value, 1 for the smallest; equal values share the mean of their ranks.
+std::vector<double> mid_ranks(const std::vector<double>& values);
 
 struct SignedRank {
   double statistic = 0.0;   ///< W₊

@@ -1,7 +1,6 @@
 #include <breakwater/shell/paths.h>
 
 #include <breakwater/record/text_outputs.h>
-#include <breakwater/shell/own_library.h>
 
 #include "support.h"
 

@@ -15,7 +15,6 @@
 #include <breakwater/statistics/multiple_tests.h>
 #include <breakwater/statistics/quantile.h>
 #include <breakwater/statistics/signed_rank.h>
-#include <breakwater/statistics/student_t.h>
 #include <breakwater/study/comparison_table.h>
 #include <breakwater/study/key_effects.h>
 #include "python.h"
