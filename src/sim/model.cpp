@@ -14,8 +14,8 @@
 #include <breakwater/plants/mjcf_numbers.h>
 #include <breakwater/sim/contact_pairs.h>
 #include <breakwater/sim/engine_guard.h>
+#include <breakwater/sim/model_draft.h>
 #include <breakwater/sim/physics_part.h>
-#include <breakwater/sim/rotor.h>
 
 namespace breakwater {
 namespace {

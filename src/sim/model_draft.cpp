@@ -40,6 +40,30 @@ void copy_rows(const T* from, T* to, const std::vector<int>& rows, int columns) 
   }
 }
 
+mjModel sizes_of(const mjModel& model, const std::string& name) {
+  mjModel sizes = model;
+  ++sizes.nbody;
+  ++sizes.njnt;
+  ++sizes.nq;
+  ++sizes.nv;
+  ++sizes.nM;
+  ++sizes.nD;
+  sizes.nnames += static_cast<int>(name.size()) + 1;
+  sizes.njmax += 3;  // friction and both limits
+  // The engine's own rule for the stack: 5 (njmax + neq + nv)² + 20 elements.
+  const int rows = model.njmax + model.neq + model.nv, more = rows + 4;
+  sizes.nstack += 5 * (more * more - rows * rows) + 20 * 4;
+  return sizes;
+}
+
+// The rows of the keyframes have become longer by one.
+void copy_keys(const mjtNum* from, mjtNum* to, int keys, int columns, int load, double ratio) {
+  for (int key = 0; key < keys; ++key) {
+    std::copy_n(from + at(key, columns), columns, to + at(key, columns + 1));
+    to[at(key, columns + 1) + columns] = ratio * from[at(key, columns) + load];
+  }
+}
+
 }  // namespace
 
 ModelDraft::ModelDraft(const mjModel& compiled, const mjModel& sizes, const std::vector<int>& geoms)
@@ -72,6 +96,48 @@ std::vector<int> all_geoms(const mjModel& model) {
   std::vector<int> geoms(static_cast<std::size_t>(model.ngeom));
   std::iota(geoms.begin(), geoms.end(), 0);
   return geoms;
+}
+
+mjModel* with_rotor(const mjModel& model, int load, double ratio, double inertia,
+                    const std::string& name, std::string& fatal) {
+  ModelDraft draft(model, sizes_of(model, name), all_geoms(model));
+  mjModel& m = *draft;
+  const int body = model.nbody, joint = model.njnt, position = model.nq, dof = model.nv;
+  const int load_position = model.jnt_qposadr[load], load_dof = model.jnt_dofadr[load];
+
+  std::copy_n(name.c_str(), name.size() + 1, m.names + model.nnames);
+  m.name_bodyadr[body] = m.name_jntadr[joint] = model.nnames;
+
+  // A child of the world. All other numbers of the body are 0.
+  m.body_rootid[body] = m.body_weldid[body] = body;
+  m.body_mocapid[body] = m.body_geomadr[body] = -1;
+  m.body_jntnum[body] = m.body_dofnum[body] = 1;
+  m.body_jntadr[body] = joint;
+  m.body_dofadr[body] = dof;
+  m.body_sameframe[body] = 1;
+  m.body_quat[at(body, 4)] = m.body_iquat[at(body, 4)] = 1.0;
+
+  m.jnt_type[joint] = model.jnt_type[load];
+  m.jnt_qposadr[joint] = position;
+  m.jnt_dofadr[joint] = dof;
+  m.jnt_bodyid[joint] = body;
+  m.jnt_axis[at(joint, 3) + 2] = 1.0;
+  std::copy_n(model.jnt_solref + at(load, mjNREF), mjNREF, m.jnt_solref + at(joint, mjNREF));
+  std::copy_n(model.jnt_solimp + at(load, mjNIMP), mjNIMP, m.jnt_solimp + at(joint, mjNIMP));
+  m.qpos0[position] = ratio * model.qpos0[load_position];
+  m.qpos_spring[position] = ratio * model.qpos_spring[load_position];
+
+  m.dof_bodyid[dof] = body;
+  m.dof_jntid[dof] = joint;
+  m.dof_parentid[dof] = -1;
+  m.dof_Madr[dof] = model.nM;
+  m.dof_armature[dof] = inertia;
+  std::copy_n(model.dof_solref + at(load_dof, mjNREF), mjNREF, m.dof_solref + at(dof, mjNREF));
+  std::copy_n(model.dof_solimp + at(load_dof, mjNIMP), mjNIMP, m.dof_solimp + at(dof, mjNIMP));
+
+  copy_keys(model.key_qpos, m.key_qpos, m.nkey, model.nq, load_position, ratio);
+  copy_keys(model.key_qvel, m.key_qvel, m.nkey, model.nv, load_dof, ratio);
+  return draft.make(fatal);
 }
 
 }  // namespace breakwater

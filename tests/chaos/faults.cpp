@@ -360,7 +360,9 @@ ssize_t pwrite(int descriptor, const void* bytes, std::size_t size, off_t offset
 
 ssize_t writev(int descriptor, const iovec* parts, int number) {
   REAL(writev);
-  return is_written(number) ? real(descriptor, parts, number) : -1;
+  std::size_t size = 0;
+  for (int i = 0; i < number; ++i) size += parts[i].iov_len;
+  return is_written(number) ? real(descriptor, parts, number) : unwritten(size);
 }
 
 ssize_t sendfile(int out, int in, off_t* offset, std::size_t size) noexcept {
