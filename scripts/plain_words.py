@@ -149,8 +149,8 @@ def not_said():
     words = {}
     for line, text in markdown_pages.prose((markdown_pages.DOCS / "reference/glossary.md").read_text("utf-8")):
         cells = [cell.strip() for cell in text.split("|")[1:-1]]
-        if len(cells) == 5:
-            words |= dict.fromkeys(re.findall("`([^`]+)`", cells[3]), cells[0])
+        if len(cells) > 2:
+            words |= dict.fromkeys(re.findall("`([^`]+)`", cells[-2]), cells[0])
     return words
 
 

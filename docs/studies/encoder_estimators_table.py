@@ -3,8 +3,8 @@
 
     docs/studies/encoder_estimators_table.py [studies/encoder-estimators]
 
-FOLDER is that of encoder_estimators.py. Writes encoder-estimators-{rows,pairs,tuned,converged}.csv beside itself and
-docs/pictures/encoder-estimators.png, and prints the page's table. A multiple is an RMSE over that of the floor,
+FOLDER is that of encoder_estimators.py. Writes encoder-estimators-{rows,pairs,table,tuned,converged}.csv beside itself and
+docs/pictures/encoder-estimators.png. A multiple is an RMSE over that of the floor,
 both over all blocks of a row. Pairs are equal rows: Wilcoxon's signed-rank test of the logarithms, with Holm's correction
 over all pairs, both quantities and both sets of rows. Ends with an error if an estimator is below the floor.
 """
@@ -152,20 +152,24 @@ def main():
         shutil.copyfile(folder / f"{name}.csv", HERE / f"encoder-estimators-{name}.csv")
     with open(folder / "tuned.csv", newline="", encoding="utf-8") as file:
         tuned = {line["estimator"]: len(line["keys"].split()) for line in csv.DictReader(file)}
-    for case in order:
-        cells = [f"`{case}`", f"{tuned[case]}", f"{COST[case]:g}"]
-        for s in SETS:
+    with open(HERE / "encoder-estimators-table.csv", "w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(["estimator", "tuned values", "cost", "velocity, QBANK's rows", "disturbance, QBANK's rows",
+                        "velocity, unseen", "disturbance, unseen", "velocity, won : lost", "disturbance, won : lost"])
+        for case in order:
+            cells = [f"`{case}`", f"{tuned[case]}", f"{COST[case]:g}"]
+            for s in SETS:
+                for q in QUANTITIES:
+                    values = found[q, s][case]
+                    low, high = interval(values)
+                    cells.append(f"{np.median(values):.3g} ({low:.3g} to {high:.3g})")
             for q in QUANTITIES:
-                values = found[q, s][case]
-                low, high = interval(values)
-                cells.append(f"{np.median(values):.3g} ({low:.3g} to {high:.3g})")
-        for q in QUANTITIES:
-            if case == "qbank":
-                cells.append("")
-                continue
-            wins, losses, p = against(pairs, q, "unseen", case, "qbank")
-            cells.append(f"{wins} : {losses}" + (" **(p < 0.05)**" if p < 0.05 else ""))
-        print(f"| {' | '.join(cells)} |")
+                if case == "qbank":
+                    cells.append("")
+                    continue
+                wins, losses, p = against(pairs, q, "unseen", case, "qbank")
+                cells.append(f"{wins} : {losses}" + (" **(p < 0.05)**" if p < 0.05 else ""))
+            table.writerow(cells)
     draw(found, order, HERE.parent / "pictures/encoder-estimators.png")
     for number, case, value, error in wrong:
         print(f"row {number}: {case} is below the floor: {value:.3f} +- {error:.3f}", file=sys.stderr)
