@@ -55,45 +55,6 @@ TEST_F(Analyze, TheSineFitsDriveAndFriction) {
                   "3 times the Coulomb friction at the drive, 0.7 N m"));
 }
 
-TEST_F(Analyze, NonsenseIsOneLineAndLeavesNothing) {
-  expect_refusals(
-      "breakwater analyze ",
-      {{"", "breakwater analyze: SCENARIO is required (see --help)"},
-       {"arm_push",
-        "arm_push: expected a scenario of axes (a scenario of your own must be an AxisScenario)"},
-       {"plant --axis elbo",
-        "--axis: there is no driven axis \"elbo\" with a controller (did you mean elbow?)"},
-       {"plant --axis elbow --set axis.elbow.controller.name=none",
-        "--axis: there is no driven axis \"elbow\" with a controller"},
-       {"plant --set axis.elbow.controller.name=none axis.shoulder.controller.name=none",
-        "idob: no driven axis has a controller"},
-       {"plant --axis elbow --amplitude 10",
-        "idob, elbow: --amplitude: 10 N m: must be below the drive's limit, 10 N m"},
-       {"motor_estimation --axis elbow",
-        "--axis: there is no driven axis \"elbow\" with a controller"},
-       {testing::source_file("templates/plant/my_plant.toml"),
-        "controller.name: \"lqr\" controls all axes at once, so an axis has no loop of its own; "
-        "analyze needs \"axes\". Python has the eigenvalues of the whole loop: setup.A, setup.B "
-        "and "
-        "K of bw.lqr()"},
-       {testing::source_file("scenarios/plant/plant.toml") + " --config x.toml",
-        "--config: SCENARIO is a scenario file already"},
-       {"motor_estimaton",
-        "there is no scenario \"motor_estimaton\" (did you mean motor_estimation?)"},
-       {"motor_estimation --case nobody",
-        "--case: PROJECT/scenarios/motor_estimation/motor_estimation.toml has no case \"nobody\""},
-       {"motor_estimation --from 10 --to 1",
-        "vfakfd: frequencies from 10 to 1 rad/s: must rise, and stay below the Nyquist frequency, "
-        "3142 rad/s"},
-       {"motor_estimation --to 1e6",
-        "vfakfd: frequencies from 0.1 to 1e+06 rad/s: must rise, and stay below the Nyquist "
-        "frequency, 3142 rad/s"},
-       {"motor_estimation --points 1",
-        "breakwater analyze: --points: Value 1 not in range 2 to 10000 (see --help)"},
-       {"motor_estimation --set observer.nam=idob",
-        "--set: observer.nam: unknown key (did you mean observer.name?)"}});
-}
-
 TEST_F(Analyze, AnUnstableLoopIsAFailedRun) {
   const testing::ProgramResult result =
       run("breakwater analyze motor_estimation --case idob --set sensor.delay_samples=1000 "

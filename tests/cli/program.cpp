@@ -96,7 +96,8 @@ ProgramResult ProgramTest::run(const std::string& command, const Moment& when, i
   return run_program(words_of(command), folder_, when, signal);
 }
 
-void ProgramTest::expect_refused(const std::string& command, const std::string& line) const {
+void ProgramTest::expect_refused(const std::string& command, const std::string& line,
+                                 int status) const {
   const std::vector<std::string> before = entries();
   ProgramResult result = run(command);
   for (const auto& [path, name] :
@@ -106,7 +107,7 @@ void ProgramTest::expect_refused(const std::string& command, const std::string& 
     }
   }
   const std::string which = command.substr(0, 300);
-  EXPECT_EQ(result.status, 2) << which;
+  EXPECT_EQ(result.status, status) << which;
   if (const std::string more = "…"; line.ends_with(more)) {
     EXPECT_TRUE(result.err.starts_with(line.substr(0, line.size() - more.size()))) << result.err;
     EXPECT_EQ(lines_of(result.err).size(), 1U) << result.err;

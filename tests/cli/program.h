@@ -48,10 +48,10 @@ class ProgramTest : public ::testing::Test {
   /// The same, but it must succeed.
   ProgramResult ran(const std::string& command) const { return done(run(command)); }
 
-  /// Expects that a command ends at once with status 2, prints only `line` and leaves nothing. In
+  /// Expects that a command ends at once with `status`, prints only `line` and leaves nothing. In
   /// the line HERE stands for the test's folder and PROJECT for the project's. A final … allows
   /// more text.
-  void expect_refused(const std::string& command, const std::string& line) const;
+  void expect_refused(const std::string& command, const std::string& line, int status = 2) const;
   /// The same for many commands with a common beginning.
   using Refusals = std::vector<std::pair<std::string, std::string>>;
   void expect_refusals(const std::string& beginning, const Refusals& commands_and_lines) const;

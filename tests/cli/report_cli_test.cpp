@@ -241,50 +241,8 @@ TEST_F(Reports, ResultsOfDifferentModelsAreNotMixed) {
   EXPECT_TRUE(has(reproduce("out").err, "1 runs, 0 of them there already"));
 }
 
-TEST_F(Reports, ReproduceRefusesNonsense) {
-  write("mine/letter.txt", "dear");
-  fs::create_directories(folder_ / "study/shards");  // a study of `sweep` has shards too
-  write("study/study.toml", "scenario = \"arm_push\"\n");
-  expect_refusals(
-      "breakwater reproduce ",
-      {{"--only boat",
-        "--only boat: must be all, arm, cart, motor, quadrotor or a section, such as 2.3.4"},
-       {"--experiments nowhere.toml", "nowhere.toml: cannot be read (No such file or directory)"},
-       {"--out mine", "mine: holds something that is not a reproduction; give another --out"},
-       {"--out study", "study: holds something that is not a reproduction; give another --out"}});
-}
-
-TEST_F(Reports, CompareExplainsErrors) {
+TEST_F(Reports, FiguresSayWhichPackagesAreMissing) {
   motor("kfd", "--case kfd --duration 6");
-  ran("arm_push --quiet --duration 0.2 --out push");
-  EXPECT_EQ(run("motor_estimation --quiet --duration 6 --set fault.sensor=angle fault.at_s=2 "
-                "--out failed")
-                .status,
-            3);
-  fs::create_directories(folder_ / "empty");
-  fs::copy(folder_ / "kfd", folder_ / "half");
-  fs::remove(folder_ / "half/log.h5");
-  expect_refusals(
-      "breakwater ",
-      {{"compare kfd", "compare: give two runs or more"},
-       {"compare kfd nowhere", "nowhere: there is no such folder; give the folder of a run"},
-       {"compare kfd empty",
-        "empty: is not the folder of a finished run: it has no manifest.json; run the scenario "
-        "again with --out"},
-       {"compare kfd half", "half: the run is incomplete: it has no log.h5; run it again"},
-       {"compare kfd push",
-        "kfd is a run of motor_estimation, push of arm_push: compare runs of one scenario"},
-       {"compare kfd failed",
-        "failed: the run failed at 2 s and has no metrics: leave it out, or look at it with "
-        "breakwater report"},
-       {"compare kfd kfd --metric rmse_velocity", "--metric rmse_velocity: no run has it"},
-       {"compare kfd kfd --signal d_hat_N",
-        "kfd/log.h5: has no signal d_hat_N (did you mean d_hat_Nm?)"},
-       {"compare kfd kfd --svg", "--svg and --pdf: say which signals with --signal"},
-       {"compare kfd kfd --from 3 --to 2", "--from 3, --to 2: must rise"},
-       {"report empty",
-        "empty: is not the folder of a finished run: it has no manifest.json; run the scenario "
-        "again with --out"}});
   // Without Python, and with a Python that lacks the packages.
   write("bare", "#!/bin/sh\nexec /usr/bin/python3 -S -E \"$@\"\n");
   fs::permissions(folder_ / "bare", fs::perms::owner_all);
@@ -297,7 +255,14 @@ TEST_F(Reports, CompareExplainsErrors) {
     const testing::Environment asked("BREAKWATER_PYTHON", python);
     expect_refused("breakwater compare kfd kfd --signal d_hat_Nm --pdf", line);
   }
-  // A report of a failed run is possible.
+}
+
+TEST_F(Reports, AFailedRunHasOne) {
+  motor("kfd", "--case kfd --duration 6");
+  EXPECT_EQ(run("motor_estimation --quiet --duration 6 --set fault.sensor=angle fault.at_s=2 "
+                "--out failed")
+                .status,
+            3);
   ran("breakwater report failed kfd --out page");
   EXPECT_TRUE(has(read("page/report.html"), "This run failed at 2"));
 }
@@ -338,9 +303,6 @@ TEST_F(Reports, DiffFindsTheFirstSampleThatDiffers) {
       EXPECT_EQ(result.out, "") << row.runs;
     }
   }
-  expect_refusals("breakwater diff ",
-                  {{"a", "breakwater diff: RUN: At least 2 required but received 1 (see --help)"},
-                   {"a nowhere", "nowhere: there is no such folder; give the folder of a run"}});
 }
 
 TEST_F(Reports, LabelsOfRunsHaveTheKeysInWhichTheyDiffer) {

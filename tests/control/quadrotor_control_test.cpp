@@ -120,7 +120,7 @@ TEST(QuadrotorProcesses, ResonatorsHaveTheirVariance) {
   }
 }
 
-// quadrotor_endurance_test takes a million steps.
+// quadrotor_endurance_study.cpp takes a million steps.
 TEST(QuadrotorProcesses, FiltersNeedNoRepair) {
   testing::all_endure(50'000);
 }

@@ -433,26 +433,6 @@ TEST(DisturbanceEstimators, FindAConstantDisturbanceOnTheNominalPlant) {
   }
 }
 
-TEST(DisturbanceEstimators, ResetRestoresTheInitialState) {
-  Random random(11);
-  const KalmanDesign design = random_design(random, 2, 1, 1, 1);
-  for (const auto& filter : one_of_each(design, 1e-2)) {
-    std::vector<double> first;
-    for (int pass = 0; pass < 2; ++pass) {
-      filter->reset(Eigen::Vector2d(0.3, -0.1));
-      Random same(12);
-      for (int k = 0; k < 50; ++k) {
-        filter->update(same.vector(1), same.vector(1));
-        if (pass == 0) {
-          first.push_back(filter->disturbance()(0));
-        } else {
-          EXPECT_EQ(filter->disturbance()(0), first[static_cast<std::size_t>(k)]);
-        }
-      }
-    }
-  }
-}
-
 TEST(ObserverPoles, AreEigenvaluesOfTheMatrixInBothPlanes) {
   const double T = 0.01;
   const StateSpace plant{(Eigen::Matrix2d() << 0, 1, 0, 0).finished(), Eigen::Vector2d(0, 1),

@@ -352,30 +352,6 @@ TEST(MultipleModelEstimator, NeedsTheTruncationOfTheEncoderAsAParameter) {
   EXPECT_LT(told, 8.0 * error(EncoderRounding::nearest, EncoderRounding::nearest));
 }
 
-// NaN in the input too, and a reset to the initial state.
-TEST(MultipleModelEstimator, ResetRestoresTheInitialState) {
-  const double quantum = quantum_of(12);
-  MultipleModelEstimator used(design(quantum, 0.0)), fresh(design(quantum, 0.0));
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = u;
-  testing::Random random(2);
-  for (int k = 0; k < 300; ++k) {
-    u(0) = k % 50 == 7 ? kNaN : random.uniform(-5.0, 5.0);
-    y(0) = k % 40 == 9 ? kNaN : quantum * std::round(random.uniform(-300.0, 300.0));
-    used.update(u, y);
-    ASSERT_TRUE(used.state().allFinite() && used.disturbance().allFinite()) << k;
-  }
-  used.reset(Eigen::Vector2d(0.1, -0.2));
-  fresh.reset(Eigen::Vector2d(0.1, -0.2));
-  for (int k = 0; k < 100; ++k) {
-    u(0) = random.uniform(-5.0, 5.0);
-    y(0) = quantum * k;
-    used.update(u, y);
-    fresh.update(u, y);
-    EXPECT_EQ(used.state(), fresh.state());
-    EXPECT_EQ(used.disturbance(), fresh.disturbance());
-  }
-}
-
 TEST(MultipleModelEstimator, RefusesAPlantThatIsNotAnAxis) {
   EXPECT_NO_THROW(MultipleModelEstimator(design(1e-3, 0.0)));
   MultipleModelDesign wrong = design(1e-3, 0.0);

@@ -118,30 +118,5 @@ TEST_F(MeasuredImpacts, OfTheExampleFileIsRead) {
   EXPECT_LT(pulse.impulse_Ns, 2.0 * 0.5 * 0.25);
 }
 
-TEST_F(MeasuredImpacts, RefuseWhatIsNoImpact) {
-  ran("impact_test --case hertz --set run.duration_s=0.06 --out run");
-  write("falling.csv", "time_s,force_N\n1,0\n0,1\n");
-  write("other.csv", "t,F\n0,0\n");
-  ran("impact_test --case hertz --set impact.distance_m=10 run.duration_s=0.06 --out apart");
-  expect_refused(
-      "breakwater compare apart --measured " + testing::source_file("data/impacts/rubber-ball.csv"),
-      "apart: physics/force_sensor_N (logged from record.fine_from_s to "
-      "record.fine_to_s): the force is never positive from …");
-  expect_refusals(
-      "breakwater compare run ",
-      {{"run --measured falling.csv", "--measured: give one run, and at most one --signal"},
-       {"--measured falling.csv", "falling.csv:3: time_s must rise"},
-       {"--measured falling.csv --signal physics/force_N",
-        "run: the log has no signal physics/force_N: say with --signal which one is the force"},
-       {"--measured other.csv",
-        "other.csv:1: there is no column time_s: the first line has t, F; rename one of them"}});
-  for (const char* option :
-       {"--metric m", "--from 0", "--to 1", "--csv", "--latex", "--svg", "--pdf", "--no-replay"}) {
-    const auto refused = run("breakwater compare run --measured other.csv " + std::string(option));
-    EXPECT_EQ(refused.status, 2) << option;
-    EXPECT_TRUE(has(refused.err, "--measured", "excludes")) << option;
-  }
-}
-
 }  // namespace
 }  // namespace breakwater

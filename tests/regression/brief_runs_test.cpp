@@ -140,78 +140,12 @@ TEST(BriefRuns, EveryCaseOfEveryScenarioRunsForATenthOfASecond) {
   }
 }
 
-struct Window {
-  const char* scenario;
-  const char* case_name;
-  double ends_s;  // end of the last window
-  std::vector<std::string> metrics;
-};
-
-// One sample before the end of the window its metrics do not exist; at the end they do.
-TEST(BriefRuns, AMetricOfAWindowExistsAfterTheWindow) {
-  const std::vector<Window> windows = {
-      {"motor_estimation",
-       "vfakfd",
-       2.0,
-       {"rmse_velocity_rad_s", "rmse_position_rad", "rmse_disturbance_Nm", "lambda_mean_1",
-        "slowest_pole_continuous_rad_s"}},
-      {"cart_estimation",
-       "order0",
-       2.0,
-       {"relative_rmse_disturbance", "max_noise_N", "rms_noise_N", "steady_state_error_m"}},
-      {"cart_position", "mdob", 2.0, {"steady_state_error_m", "rms_input_step_N"}},
-      {"cart_offset_free",
-       "proposed",
-       2.0,
-       {"steady_state_error_m", "true_position_error_m", "mean_disturbance_estimate_N",
-        "rms_disturbance_error_N"}}};
-  for (const Window& window : windows) {
-    const auto metrics_at = [&](double end_s) {
-      std::vector<std::string> sets = {"metrics.from_s=1", "metrics.to_s=2",
-                                       "run.duration_s=" + std::to_string(end_s)};
-      if (std::string(window.scenario) == "cart_estimation") {
-        sets.insert(sets.end(), {"metrics.noise_from_s=1", "metrics.noise_to_s=2",
-                                 "disturbance.step_start_s=0.5"});
-      }
-      return run_case(window.scenario, window.case_name, sets);
-    };
-    const Recording whole = metrics_at(window.ends_s);
-    const Recording cut = metrics_at(window.ends_s - 0.05);
-    for (const std::string& name : window.metrics) {
-      EXPECT_TRUE(whole.metric(name)) << window.scenario << " " << name;
-      EXPECT_FALSE(cut.metric(name)) << window.scenario << " " << name;
-    }
-  }
-}
-
-TEST(BriefRuns, AMetricOfTheWholeRunExistsInAnyRun) {
-  const std::vector<std::string> brief = {"run.duration_s=0.1"};
-  EXPECT_TRUE(run_case("motor_estimation", "vfakfd", brief).metric("peak_position_rad"));
-  EXPECT_TRUE(run_case("cart_offset_free", "proposed", brief).metric("max_input_N"));
-  EXPECT_TRUE(run_case("cart_constrained", "proposed-idob", brief).metric("max_input_N"));
-}
-
 TEST(BriefRuns, TheQuadrotorsWindowIsTheLastPartOfALongRun) {
   const auto metrics = [](const char* window) {
     return run_case("quadrotor_waves", "ukf-zero", {"run.duration_s=3", window}).metrics;
   };
   EXPECT_FALSE(metrics("metrics.window_s=3").empty());
   EXPECT_TRUE(metrics("metrics.window_s=3.1").empty());
-}
-
-TEST(BriefRuns, NoSettlingTimeExistsInAShortRun) {
-  const auto settling_s = [](const char* scenario, const char* name, const char* metric,
-                             const std::vector<std::string>& sets) {
-    return run_case(scenario, name, sets).metric(metric);
-  };
-  // The reference steps at 5 s and is reached after 1.61 s; the disturbance begins at 10 s.
-  EXPECT_TRUE(settling_s("cart_offset_free", "proposed", "settling_time_s", {"run.duration_s=10"}));
-  EXPECT_FALSE(
-      settling_s("cart_offset_free", "proposed", "settling_time_s", {"run.duration_s=9.9"}));
-  EXPECT_FALSE(settling_s("cart_position", "mdob", "settling_time_s", {"run.duration_s=9.9"}));
-  EXPECT_FALSE(settling_s("motor_estimation", "idob", "disturbance_settling_time_s",
-                          {"run.duration_s=9.9"}));
-  EXPECT_TRUE(settling_s("motor_estimation", "idob", "disturbance_settling_time_s", {}));
 }
 
 // Measured times are not metrics.

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <functional>
-#include <map>
 #include <sstream>
 
 #include <breakwater/rigs/contact_parts.h>
@@ -13,8 +12,6 @@ namespace breakwater {
 namespace {
 
 using testing::completed_run;
-using testing::prepare;
-using testing::run_case;
 using Sets = std::vector<std::string>;
 
 constexpr const char* kScenario = "impact_test";
@@ -177,18 +174,6 @@ TEST(ImpactScenario, HertzIsItsClosedForm) {
   }
 }
 
-TEST(ImpactScenario, HuntCrossleyHasTheRestitutionThatWasMeasuredForAnyExponent) {
-  for (const double n : {1.0, 1.5, 2.2}) {
-    for (const double e : {0.3, 0.8}) {
-      const Recording run =
-          completed_run(kScenario, "hunt_crossley",
-                        {key("contact.exponent", n), key("contact.restitution", e),
-                         "contact.stiffness_N_m=1e5", "impact.distance_m=0", "run.duration_s=0.8"});
-      EXPECT_NEAR(metric_of(run, "restitution"), e, 1e-6 * e) << n;
-    }
-  }
-}
-
 // Laws whose force is continuous keep the energy balance to 1e-6 under rk4.
 TEST(ImpactScenario, EnergyIsThatOfTheIntegratedLaw) {
   for (const Law& law : laws(1e4, 0.2)) {
@@ -240,12 +225,6 @@ TEST(ImpactScenario, AMovingWallIsAnImpactAtTheRelativeSpeed) {
   }
 }
 
-TEST(ImpactScenario, KelvinVoigtOnAMovingWallIsTheForceOfTheSameName) {
-  const Sets ramp = {"wall.motion=ramp", "wall.speed_m_s=-0.1", "run.duration_s=0.05"};
-  EXPECT_EQ(completed_run(kScenario, "kelvin_voigt", ramp).state_hash,
-            completed_run(kScenario, "kelvin_voigt_clipped", ramp).state_hash);
-}
-
 TEST(ImpactScenario, AFreeWallTakesTheMomentum) {
   const double M = 3.0, v = 0.2;
   const auto run = [&](const Sets& sets) {
@@ -271,30 +250,6 @@ TEST(ImpactScenario, OnATiltedWallTheNormalSpeedAndTheMassAlongTheNormalCount) {
   const double depth_m = std::pow(5.0 * mass_kg * v * v / (4.0 * 2e5), 0.4);
   EXPECT_NEAR(metric_of(run, "penetration_m"), depth_m, 1e-5 * depth_m);
   EXPECT_NEAR(metric_of(run, "contact_impulse_Ns"), 2.0 * mass_kg * v, 1e-6);
-}
-
-TEST(ImpactScenario, APushedMassBouncesUntilItRests) {
-  const Recording run =
-      completed_run(kScenario, "hunt_crossley", {"impact.push_N=5", "run.duration_s=2"});
-  EXPECT_GE(metric_of(run, "bounce_count"), 1.0);
-  EXPECT_NEAR(run.track("control").values("force_true_N").back(), 5.0, 0.05);
-}
-
-TEST(ImpactScenario, TheSensorReadsWithoutTheMassBeforeIt) {
-  const auto peak_N = [](const Sets& sets, const char* signal) {
-    Sets all = {"run.duration_s=0.05", "force.filter_time_constant_s=0"};
-    all.insert(all.end(), sets.begin(), sets.end());
-    const Recording run = completed_run(kScenario, "hertz", all);
-    const auto values = run.track("physics").values(signal);
-    return *std::max_element(values.begin(), values.end());
-  };
-  const double true_N = peak_N({}, "force_true_N");
-  EXPECT_NEAR(peak_N({}, "force_sensor_N"), true_N, 1e-9 * true_N);
-  const Sets tool = {"sensor.force_tool_mass_kg=0.25"};
-  EXPECT_NEAR(peak_N(tool, "force_true_N"), true_N, 1e-9 * true_N);
-  EXPECT_NEAR(peak_N(tool, "force_sensor_N"), 0.75 * true_N, 1e-6 * true_N);
-  EXPECT_GT(peak_N({"sensor.force_resonance_Hz=40"}, "force_sensor_N"), 1.2 * true_N);
-  EXPECT_NEAR(peak_N({"sensor.force_range_N=3"}, "force_sensor_N"), true_N, 1e-9 * true_N);
 }
 
 TEST(ImpactScenario, TheSensorsChainReachesTheSamplesAndNotTheMotion) {
@@ -328,97 +283,6 @@ TEST(ImpactScenario, AMetricOfTheFirstContactIsAbsentUntilItHasEnded) {
   EXPECT_FALSE(run.metric("contact_time_s"));
   EXPECT_FALSE(run.metric("restitution"));
   EXPECT_TRUE(completed_run(kScenario, "hertz", {"run.duration_s=0.002"}).metrics.empty());
-}
-
-TEST(ImpactScenario, RefusesATimestepBeyondTheStabilityLimitWithTheLongestOne) {
-  const Sets stiff = {"contact.stiffness_N_m=1e8", "control.period_s=0.01"};
-  const auto complaint = [&](Sets sets) {
-    sets.insert(sets.end(), stiff.begin(), stiff.end());
-    return complaint_of([&] { prepare(kScenario, "kelvin_voigt_clipped", sets); });
-  };
-  const std::string words = complaint({"physics.timestep_s=1e-3"});
-  EXPECT_TRUE(has(words, "physics.timestep_s", "1e+08 N/m", "30 N s/m", "1 kg", "is 0.00025"));
-  EXPECT_EQ(complaint({"physics.timestep_s=2.5e-4"}), "");
-  EXPECT_TRUE(has(complaint({"physics.timestep_s=2.5e-4", "physics.integrator=euler"}), "limit"));
-}
-
-TEST(ImpactScenario, RefusesWrongKeys) {
-  const testing::TemporaryPath falling("falling.csv", "time_s,position_m\n1,0\n0,1\n");
-  struct Row {
-    const char* law;
-    std::string set;
-    const char* complaint;
-  };
-  const std::vector<Row> rows = {
-      {"hertz", "contact.law=rubber", "contact.law"},
-      {"hunt_crossley", "contact.dissipation_s_m=1", "contact.restitution: give this or"},
-      {"hunt_crossley", "contact.restitution=1.5", "contact.restitution"},
-      {"hunt_crossley", "contact.restitution=0", "contact.restitution: must be above 0"},
-      {"layered", "contact.layers=[[1, 2, 3]]", "contact.layers: each point must be"},
-      {"layered", "contact.layers=[[0.002, 2], [0.001, 3]]", "depths and forces must rise"},
-      {"hertz", "wall.angle_rad=1.6", "wall.angle_rad"},
-      {"hertz", "sensor.force_tool_mass_kg=1", "must be less than impact.mass_kg"},
-      {"hertz", "sensor.force_period_s=1.5e-5", "sensor.force_period_s: must be a whole multiple"},
-      {"hertz", "wall.motion=ramp", "wall.speed_m_s: is missing"}};
-  const auto complaint_of_free = [](const char* law, const char* mass, const char* stiffness) {
-    const Sets sets = {"wall.motion=free", std::string("wall.mass_kg=") + mass,
-                       std::string("wall.stiffness_N_m=") + stiffness, "wall.damping_Ns_m=0"};
-    return complaint_of([&] { prepare(kScenario, law, sets); });
-  };
-  EXPECT_TRUE(has(complaint_of_free("hertz", "1e-9", "1e4"),
-                  "physics.timestep_s: a stiffness of 1e+04 N/m", "longest stable"));
-  for (const char* law : {"kelvin_voigt", "hertz"}) {
-    const char* mass = law[0] == 'h' ? "1e-9" : "1e-5";
-    EXPECT_TRUE(has(complaint_of_free(law, mass, "1"), "longest stable")) << law;
-    EXPECT_EQ(complaint_of_free(law, "1", "1"), "") << law;
-  }
-  for (const Row& row : rows) {
-    EXPECT_TRUE(has(complaint_of([&] { prepare(kScenario, row.law, {row.set}); }), row.complaint))
-        << row.set;
-  }
-  EXPECT_TRUE(
-      has(complaint_of([&] {
-            prepare(kScenario, "hertz", {"wall.motion=csv", "wall.file=" + falling.string()});
-          }),
-          "wall.file", "time_s must rise"));
-}
-
-// The arm's contact.
-TEST(ArmContactLaws, EachLawStrikesTheArmAndNeverPulls) {
-  const Sets brief = {"wall.solid_from_s=4", "force.from_s=4.5", "metrics.from_s=5",
-                      "metrics.to_s=6",      "run.duration_s=7", "record.fine_from_s=4.5",
-                      "record.fine_to_s=7"};
-  const std::map<std::string, Sets> laws = {
-      {"kelvin_voigt_clipped", {}},
-      {"hertz", {"contact.stiffness_N_m=3e4"}},
-      {"hunt_crossley", {"contact.stiffness_N_m=3e4", "contact.dissipation_s_m=1"}},
-      {"layered", {"contact.layers=[[0.001, 0.5], [0.002, 3]]"}},
-      {"standard_linear_solid",
-       {"contact.maxwell_stiffness_N_m=500", "contact.relaxation_s=0.02"}}};
-  const double with_engine =
-      *run_case("arm_wall_contact", "hpfc-2N", brief).metric("peak_force_raw_N");
-  for (const auto& [law, keys] : laws) {
-    Sets sets = brief;
-    sets.push_back("contact.law=" + law);
-    sets.insert(sets.end(), keys.begin(), keys.end());
-    const Recording run = completed_run("arm_wall_contact", "hpfc-2N", sets);
-    ASSERT_TRUE(run.metric("peak_force_raw_N")) << law;
-    const auto force = run.track("physics").values("force_true_N");
-    EXPECT_GE(*std::min_element(force.begin(), force.end()), 0.0) << law;
-    // By the engine and by force the same law differs by MuJoCo's added mass alone.
-    if (law == "kelvin_voigt_clipped") {
-      EXPECT_NEAR(metric_of(run, "peak_force_raw_N"), with_engine, 0.01 * with_engine);
-    }
-  }
-}
-
-TEST(ArmContactLaws, ARunThatBecomesUnstableFailsWithTheLongestTimestep) {
-  const Recording run = run_case(
-      "arm_wall_contact", "hpfc-2N",
-      {"wall.solid_from_s=4", "force.from_s=4.5", "metrics.from_s=5", "metrics.to_s=6",
-       "run.duration_s=7", "contact.law=kelvin_voigt_clipped", "contact.stiffness_N_m=1e12"});
-  ASSERT_TRUE(run.failure);
-  EXPECT_TRUE(has(run.failure->reason, "1e+12 N/m", "longest stable physics.timestep_s"));
 }
 
 // A law from outside, by a function.

@@ -126,39 +126,6 @@ TEST(PendulumTest, ObserversWithPlacedPolesTakeARowForEachAxis) {
   for (const Sets& sets : rows) EXPECT_EQ(warnings_of("lqr", sets), "") << sets.front();
 }
 
-TEST(PendulumTest, RefusesInOneLine) {
-  const std::string single = " estimates a single axis; a whole plant can have none, ";
-  for (const std::string name :
-       {"immkf", "mckf", "eso", "tracking_differentiator", "vbakf", "gsf", "mhe"}) {
-    const Sets sets = {"observer.name=\"" + name + "\"", "observer.disturbance_order=0",
-                       "observer.process_noise=1", "observer.initial_covariance=[1]",
-                       "observer.low_pass_cutoff_rad_s=1"};
-    const std::string said = complaint_of([&] { prepare_pendulum("lqr", sets); });
-    EXPECT_TRUE(said.starts_with("--set: observer.name: " + name + single)) << said;
-  }
-  const std::pair<Sets, std::string> rows[] = {
-      {{"observer.name=\"mdob\"", "observer.derivative_cutoff_rad_s=0",
-        "observer.low_pass_cutoff_rad_s=10"},
-       "--set: observer.name: mdob" + single},
-      {{"observer.name=\"qbank\""}, "--set: observer.name: qbank" + single},
-      {{"observer.name=\"vfakfd\"", "observer.disturbance_order=0",
-        "observer.process_noise_on=\"all\"", "observer.process_noise=0",
-        "observer.initial_covariance=[1]", "observer.alpha=0", "observer.lambda_min=0.8",
-        "observer.lambda_max=1"},
-       "--set: observer.name: vfakfd" + single},
-      {{"observer.name=\"idob\"", "observer.poles_rad_s=[-1, -2, -3, -4, -5]"},
-       "--set: observer.poles_rad_s: must be a row of poles for each of the 2 axes"},
-      {{"push.hit.body=\"pole\""}, "--set: push.hit.along: is missing"},
-      {{"axis.pole.encoder.resolution_rad=1e-4"},
-       "--set: axis.pole.encoder.resolution_rad: unknown key (here it is axis.pole.encoder.bits)"},
-      {{"axis.cart.disturbance.end_s=7.0"},
-       "--set: axis.cart.disturbance.end_s: must be later than disturbance.start_s, or 0"}};
-  for (const auto& [sets, message] : rows) {
-    const std::string said = complaint_of([&] { prepare_pendulum("lqr", sets); });
-    EXPECT_TRUE(said.starts_with(message)) << said;
-  }
-}
-
 TEST(PendulumTest, NominalInertiasBelowTheCouplingHaveNoLinearModel) {
   EXPECT_TRUE(has(task_of({"axis.cart.nominal.from=\"keys\"", "axis.cart.nominal.mass_kg=0.01",
                            "axis.cart.nominal.viscous_friction_Ns_m=0.0"})

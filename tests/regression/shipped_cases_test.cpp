@@ -1,6 +1,5 @@
-// The shipped cases: their metrics, and the warning about a reference that is not held.
+// The shipped cases: their metrics, and whether they hold their references.
 #include <map>
-#include <tuple>
 
 #include "catalogue.h"
 #include "regression/run_case.h"
@@ -10,25 +9,17 @@ namespace {
 
 using testing::run_case;
 
-TEST(ReferenceOfARun, IsReportedIfNotHeld) {
-  const std::vector<std::tuple<std::string, std::string, std::vector<std::string>>> runs = {
-      // An IDOB with a hundredth of the mass, and a loop with a small gain.
-      {"cart_position", "idob", {"nominal.mass_kg=0.005"}},
-      {"cart_position", "idob", {"controller.kp=1e-3"}}};
-  for (const auto& [scenario, case_name, sets] : runs) {
-    const auto lines = run_case(scenario, case_name, sets).warnings;
-    ASSERT_FALSE(lines.empty()) << scenario << " " << case_name;
-    EXPECT_TRUE(has(lines.front(), "does not hold its reference", "see breakwater analyze"));
-  }
-}
-
-TEST(SaturationOfARun, IsReportedIfItLastsMostOfTheRun) {
-  for (const bool is_weak : {false, true}) {
-    const auto lines =
-        run_case("cart_position", "idob", {is_weak ? "drive.limit_N=0.3" : "drive.limit_N=3"})
-            .warnings;
-    EXPECT_EQ(!lines.empty() && has(lines.back(), "a drive is at its limit in 100 %"), is_weak);
-  }
+// The printed "pseudo-feedback" by a weight on the disturbance has no effect.
+TEST(OffsetFree, DisturbanceWeightChangesNoInput) {
+  const auto inputs = [](const std::string& weight) {
+    return run_case("cart_offset_free", "proposed", {"controller.q_disturbance=" + weight})
+        .track("control")
+        .values("command_N");
+  };
+  const std::vector<double> without = inputs("0");
+  const std::vector<double> with = inputs("1e6");
+  ASSERT_EQ(without.size(), with.size());
+  for (std::size_t k = 0; k < without.size(); ++k) ASSERT_NEAR(without[k], with[k], 1e-9) << k;
 }
 
 // The conventional controllers stay in another posture after a hand has turned the arm. Filters

@@ -196,6 +196,28 @@ TEST_P(AxisEstimators, PropertyStayFiniteWithACovarianceForAnyDesign) {
               GetParam().c_str(), samples, designs, with_covariance, refused);
 }
 
+TEST_P(AxisEstimators, ResetRestoresTheInitialState) {
+  const auto used = make(GetParam(), {}), fresh = make(GetParam(), {});
+  testing::Random random(2);
+  const auto any = [&](double size) { return random.vector(1, size); };
+  for (int k = 0; k < 300; ++k) {
+    Eigen::VectorXd u = any(5.0), y = any(0.3);
+    if (k % 50 == 7) u(0) = NAN;
+    if (k % 40 == 9) y(0) = NAN;
+    used->update(u, y);
+  }
+  used->reset(Eigen::Vector2d(0.1, -0.2));
+  fresh->reset(Eigen::Vector2d(0.1, -0.2));
+  for (int k = 0; k < 100; ++k) {
+    const Eigen::VectorXd u = any(5.0), y = any(0.3);
+    used->update(u, y);
+    fresh->update(u, y);
+    ASSERT_EQ(used->state(), fresh->state()) << k;
+    ASSERT_EQ(used->disturbance(), fresh->disturbance()) << k;
+    ASSERT_TRUE(is_finite(*used)) << k;
+  }
+}
+
 // NaN and infinity: the estimate is finite without them, or not finite from the next sample on. An
 // observer shows a measurement in its next state. After a reset it is as if it had never been.
 TEST_P(AxisEstimators, PropertySayWhenTheyAreNotFinite) {
@@ -232,15 +254,44 @@ TEST_P(AxisEstimators, PropertySayWhenTheyAreNotFinite) {
   EXPECT_TRUE(survived == 0 || said == 0) << "it depends";
 }
 
-std::vector<std::string> names() {
+template <typename... Lists>
+std::vector<std::string> names(const Lists&... lists) {
   std::vector<std::string> all;
-  for (const AxisEstimatorKind& kind : axis_estimators()) all.push_back(kind.name);
-  for (const AxisEstimatorKind& kind : published_estimators()) all.push_back(kind.name);
+  const auto add = [&](const auto& kinds) {
+    for (const AxisEstimatorKind& kind : kinds) all.push_back(kind.name);
+  };
+  (add(lists), ...);
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, AxisEstimators, ::testing::ValuesIn(names()),
+INSTANTIATE_TEST_SUITE_P(Catalogue, AxisEstimators,
+                         ::testing::ValuesIn(names(axis_estimators(), published_estimators())),
                          [](const auto& row) { return row.param; });
+
+class PublishedOnes : public AxisEstimators {};
+INSTANTIATE_TEST_SUITE_P(Catalogue, PublishedOnes,
+                         ::testing::ValuesIn(names(published_estimators())),
+                         [](const auto& row) { return row.param; });
+
+// They also survive what is not a number, and what overflows.
+TEST_P(PublishedOnes, SurviveAnyNumber) {
+  for (const std::string& likelihood : likelihoods_of(GetParam())) {
+    const auto estimator = make(GetParam(), {"observer.likelihood=" + likelihood});
+    testing::Random random(6);
+    for (int k = 0; k < 2000; ++k) {
+      const auto any = [&] {
+        const double size = std::pow(10.0, random.uniform(-308.0, 308.0));
+        const double kind = random.uniform(0.0, 1.0);
+        return Eigen::VectorXd::Constant(1, kind < 0.1   ? NAN
+                                            : kind < 0.2 ? -INFINITY
+                                            : kind < 0.6 ? -size
+                                                         : size);
+      };
+      estimator->update(any(), any());
+      ASSERT_TRUE(is_finite(*estimator)) << likelihood << " " << k;
+    }
+  }
+}
 
 TEST(PublishedAxisEstimators, RefuseWrongKeys) {
   struct Row {
@@ -274,27 +325,6 @@ TEST(PublishedAxisEstimators, RefuseMoreStatesThanTheyHave) {
   axis.E = Eigen::VectorXd::Unit(4, 3);
   EXPECT_TRUE(has(complaint_of([&] { make("vbakf", {"observer.disturbance_order=1"}, axis); }),
                   "observer.disturbance_order: must be at most 0"));
-}
-
-// The published ones also survive what is not a number, and what overflows.
-TEST(PublishedAxisEstimators, SurviveAnyNumber) {
-  constexpr double kInf = std::numeric_limits<double>::infinity();
-  for (const char* name :
-       {"immkf", "mckf", "eso", "tracking_differentiator", "vbakf", "gsf", "mhe"}) {
-    for (const std::string& likelihood : likelihoods_of(name)) {
-      const auto estimator = make(name, {"observer.likelihood=" + likelihood});
-      testing::Random random(6);
-      for (int k = 0; k < 2000; ++k) {
-        const auto any = [&] {
-          const double size = std::pow(10.0, random.uniform(-308.0, 308.0));
-          const double kind = random.uniform(0.0, 1.0);
-          return kind < 0.1 ? NAN : kind < 0.2 ? -kInf : kind < 0.6 ? -size : size;
-        };
-        estimator->update(Eigen::VectorXd::Constant(1, any()), Eigen::VectorXd::Constant(1, any()));
-        ASSERT_TRUE(is_finite(*estimator)) << name << " " << likelihood << " " << k;
-      }
-    }
-  }
 }
 
 }  // namespace
