@@ -41,24 +41,30 @@ std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, S
 
 /// Calls `step(k)` at each physics step k < `steps`, which steps the simulation. At each control
 /// sample it calls `sample(time_s)` and, if `control.logs`, logs the signals as track "control". A
-/// complete run ends with the metrics of `measured`. Otherwise the caller adds them, and any
-/// further tracks.
+/// complete run ends with the metrics of `measured` or of `values`, which get the values of each
+/// step and sample. Otherwise the caller adds them, and any further tracks.
 template <typename Step, typename Sample>
 Recording record_run(const Simulation& simulation, const PhysicsSettings& physics,
                      std::int64_t steps, std::vector<Signal> signals, const RunControl& control,
-                     Step&& step, Sample&& sample, const MetricsSoFar& measured = {}) {
+                     Step&& step, Sample&& sample, const MetricsSoFar& measured = {},
+                     MetricValues* values = nullptr) {
   const std::int64_t per_sample = physics.steps_per_sample();
   const std::int64_t rows = control.logs ? (steps + per_sample - 1) / per_sample : 0;
   Track log("control", std::move(signals), static_cast<std::size_t>(rows), control.stream);
   Recording recording;
   const auto whole_step = [&](std::int64_t k) {
     step(k);
+    if (values != nullptr) values->at_step(simulation.time_s());
     if (!simulation.sampled()) return;
     sample(simulation.time_s());
+    if (values != nullptr) values->at_sample(simulation.time_s());
     if (control.logs) log.append(simulation.time_s());
   };
-  recording.failure = run_loop(steps, control, whole_step, measured);
-  if (measured && !recording.failure) recording.metrics = measured();
+  const MetricsSoFar so_far =
+      values == nullptr ? measured : MetricsSoFar([values] { return values->metrics(); });
+  recording.failure = run_loop(steps, control, whole_step, so_far);
+  if (so_far && !recording.failure) recording.metrics = so_far();
+  if (values != nullptr && !recording.failure) recording.absent = values->absent();
   recording.simulated_s = simulation.time_of(simulation.steps());
   recording.state_hash = simulation.state_hash();
   recording.dropped_samples = simulation.sensing().dropped();

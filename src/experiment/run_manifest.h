@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <breakwater/experiment/provenance.h>
 #include <breakwater/record/recording.h>
@@ -22,6 +23,7 @@ struct RunManifest {
   std::optional<Failure> failure;  ///< if the run failed or was cut
   std::string program;             ///< program_hash()
   ModelHashes models;
+  std::vector<AbsentMetric> absent;  ///< without units
 };
 
 /// Throws std::invalid_argument `FILE: KEY: reason` if the manifest is missing or damaged.

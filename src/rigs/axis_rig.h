@@ -54,6 +54,7 @@ class AxisRig {
   /// d: the axis' disturbance and the dry friction of its joint, without noise. No observer can
   /// tell the two apart.
   const double& disturbance(std::size_t axis = 0) const { return axes_[axis].disturbance; }
+  const double& reference(std::size_t axis = 0) const { return axes_[axis].reference; }
   /// The force between the geoms of a contact [N].
   const double& contact_force(std::size_t contact) const { return contact_forces_[contact]; }
 
@@ -67,7 +68,8 @@ class AxisRig {
   requires std::invocable<Sample&, double> Recording run(const RunControl& control,
                                                          std::vector<Signal> signals, Step&& step,
                                                          Sample&& sample,
-                                                         const MetricsSoFar& measured = {}) {
+                                                         const MetricsSoFar& measured = {},
+                                                         MetricValues* values = nullptr) {
     const double duration_s = plant_.run.duration_s;
     std::vector<HeldReference> held = held_references();
     std::int64_t samples = 0, saturated = 0;
@@ -81,9 +83,9 @@ class AxisRig {
       if (saturated_ > 0.0) ++saturated;
       sample(time_s);
     };
-    Recording recording =
-        record_run(*simulation_, plant_.physics, plant_.physics.step_at(duration_s) + 1,
-                   std::move(signals), control, std::forward<Step>(step), watched_sample, measured);
+    Recording recording = record_run(
+        *simulation_, plant_.physics, plant_.physics.step_at(duration_s) + 1, std::move(signals),
+        control, std::forward<Step>(step), watched_sample, measured, values);
     if (!recording.failure) {
       warn(held, recording.warnings);
       warn_of_saturation(saturated, samples, recording.warnings);
