@@ -201,7 +201,7 @@ Recording ArmPush::run(const RunControl& control) const {
   };
   Recording recording = record_run(
       sim, arm_.physics, arm_.physics.step_at(arm_.run.duration_s), std::move(signals), control,
-      [&](std::int64_t) { sim.step(); }, sample, {}, &values);
+      [&](std::int64_t) { sim.step(); }, sample, &values);
   if (!recording.failure) held.warn(recording.warnings);
   return recording;
 }

@@ -156,7 +156,7 @@ Recording ArmWallContact::run(const RunControl& control) const {
     held_force.add(time_s, force_reference_N_ - rig.filtered_force_N());
   };
   Recording recording =
-      record_run(sim, physics, steps, rig.signals(), control, step, sample, {}, &values);
+      record_run(sim, physics, steps, rig.signals(), control, step, sample, &values);
   if (!recording.failure) {
     held_pose.warn(recording.warnings);
     held_force.warn(recording.warnings);

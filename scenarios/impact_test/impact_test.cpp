@@ -170,7 +170,7 @@ Recording ImpactTest::run(const RunControl& control) const {
     if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
   };
   Recording recording = record_run(
-      sim, physics_, steps, std::move(signals), control, step, [](double) {}, {}, &values);
+      sim, physics_, steps, std::move(signals), control, step, [](double) {}, &values);
   if (fine.rows() > 0) recording.tracks.push_back(std::move(fine));
   return recording;
 }

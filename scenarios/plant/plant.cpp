@@ -122,7 +122,7 @@ Recording Plant::run(const RunControl& control) const {
   std::vector<Signal> signals = rig.signals();
   MetricValues values(rows_, signals, plant_.run.duration_s);
   return rig.run(
-      control, std::move(signals), [&](std::int64_t) { rig.step(); }, [](double) {}, {}, &values);
+      control, std::move(signals), [&](std::int64_t) { rig.step(); }, [](double) {}, &values);
 }
 
 }  // namespace breakwater

@@ -198,7 +198,7 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
   };
   Recording recording = record_run(
       rig.simulation(), quadrotor_.physics, quadrotor_.physics.step_at(end_s), rig.signals(),
-      control, [&](std::int64_t) { rig.step(); }, sample, {}, &values);
+      control, [&](std::int64_t) { rig.step(); }, sample, &values);
   if (!recording.failure) held.warn(recording.warnings);
   if (!recording.failure && loop.estimates() && control.logs) {
     const auto estimator = quadrotor_.parts.make_estimator(quadrotor_.task());

@@ -94,8 +94,8 @@ class Fields {
     std::string outer_;
   };
 
-  /// The keys that are bound during its life are neither printed nor in help() while `is_left_out`
-  /// holds: a scenario's own row of a table, which every file of the scenario has.
+  /// While `is_left_out` holds, the keys that are bound during its life are neither printed nor in
+  /// help(). They are those of a row that every file of a scenario has.
   class LeftOut {
    public:
     LeftOut(Fields& fields, std::function<bool()> is_left_out) : fields_(fields) {

@@ -63,7 +63,7 @@ struct MetricWindow {
 /// The values that are added at a time.
 struct AddedValues {
   double time_s;
-  std::span<const double> all;  ///< those of all signals, less the subtracted ones
+  std::span<const double> all;  ///< the values of all signals, less the subtracted ones
   double value;                 ///< the first of them
   std::optional<double> last;   ///< the value before, which may lie before the window
 };

@@ -562,7 +562,7 @@ std::vector<AbsentMetric> MetricValues::absent() const {
     return [&name](const auto& one) { return one.name == name; };
   };
   const std::vector<Metric> metrics = this->metrics();
-  // Of several rows with one name, one that the configuration asks for has the reason.
+  // Among rows with one name, one that the configuration asks for has the reason.
   for (const bool is_unmet : {false, true}) {
     for (const Row& row : rows_) {
       const std::string& name = row.definition.name;

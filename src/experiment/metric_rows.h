@@ -37,7 +37,7 @@ enum class MetricRate { by_signal, sample, step };
 /// The keys of one metric. Numbers are expressions (MetricExpression).
 struct MetricRow {
   std::string table;  ///< NAME of [metric.NAME]
-  std::string name;   ///< of the metric: that of the table if this is empty
+  std::string name;   ///< name of the metric: that of the table if this is empty
   std::string of;
   std::string minus = "none";
   std::string kind;
@@ -62,7 +62,7 @@ struct MetricRow {
   MetricDefinition definition(const MetricKind& kind) const;
 };
 
-/// What a scenario tells about its rows, besides its keys.
+/// The names that a scenario gives to its rows, besides its keys.
 struct MetricContext {
   std::map<std::string, double> known = {};    ///< times that are known before a run
   std::vector<std::string> events = {};        ///< names of times that the run finds out
@@ -111,7 +111,7 @@ class MetricRows {
   std::vector<MetricKind> kinds_ = standard_metric_kinds();
   std::vector<MetricRow> rows_;
   std::vector<MetricRow> shipped_;
-  std::vector<bool> is_in_file_;  // of each row
+  std::vector<bool> is_in_file_;  // one for each row
   std::vector<std::string> unmet_;
   std::map<std::string, double> known_;  // the numbers of names
   std::vector<std::string> fast_signals_;

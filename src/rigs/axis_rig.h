@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <concepts>
 #include <memory>
 #include <string>
 #include <utility>
@@ -62,14 +61,11 @@ class AxisRig {
   std::vector<Signal> signals() const;
 
   /// Runs for the duration of the settings, with a sample at the end. It is record_run(), where
-  /// each step is `step(k)` or one step of this rig. It warns if a measured position misses its
+  /// each step is `step(k)`, which steps this rig. It warns if a measured position misses its
   /// reference, or if a drive is at its limit in most samples.
   template <typename Step, typename Sample>
-  requires std::invocable<Sample&, double> Recording run(const RunControl& control,
-                                                         std::vector<Signal> signals, Step&& step,
-                                                         Sample&& sample,
-                                                         const MetricsSoFar& measured = {},
-                                                         MetricValues* values = nullptr) {
+  Recording run(const RunControl& control, std::vector<Signal> signals, Step&& step,
+                Sample&& sample, MetricValues* values = nullptr) {
     const double duration_s = plant_.run.duration_s;
     std::vector<HeldReference> held = held_references();
     std::int64_t samples = 0, saturated = 0;
@@ -83,9 +79,9 @@ class AxisRig {
       if (saturated_ > 0.0) ++saturated;
       sample(time_s);
     };
-    Recording recording = record_run(
-        *simulation_, plant_.physics, plant_.physics.step_at(duration_s) + 1, std::move(signals),
-        control, std::forward<Step>(step), watched_sample, measured, values);
+    Recording recording =
+        record_run(*simulation_, plant_.physics, plant_.physics.step_at(duration_s) + 1,
+                   std::move(signals), control, std::forward<Step>(step), watched_sample, values);
     if (!recording.failure) {
       warn(held, recording.warnings);
       warn_of_saturation(saturated, samples, recording.warnings);
@@ -93,15 +89,6 @@ class AxisRig {
     // The last step only shows the values at the end.
     recording.simulated_s = std::min(recording.simulated_s, duration_s);
     return recording;
-  }
-  template <typename Sample>
-  requires std::invocable<Sample&, double> Recording run(const RunControl& control,
-                                                         std::vector<Signal> signals,
-                                                         Sample&& sample,
-                                                         const MetricsSoFar& measured = {}) {
-    return run(
-        control, std::move(signals), [this](std::int64_t) { this->step(); },
-        std::forward<Sample>(sample), measured);
   }
 
  private:

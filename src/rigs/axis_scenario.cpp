@@ -57,7 +57,7 @@ Recording AxisScenario::run(const RunControl& control) const {
   const auto sample = [&](double time_s) {
     if (own.sample) own.sample(time_s);
   };
-  Recording recording = rig.run(control, std::move(logged), step, sample, {}, &values);
+  Recording recording = rig.run(control, std::move(logged), step, sample, &values);
   if (optimises_ == Optimises::yes && !recording.failure) {
     add_qp_metrics(*loop.controller, recording);
   }

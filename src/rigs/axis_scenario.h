@@ -61,12 +61,10 @@ class AxisScenario : public LoopScenario {
   std::vector<MetricDefinition> metric_definitions() const override;
   std::vector<std::string> warnings() const override { return plant().warnings(); }
   std::vector<AxisOfPlant> loops() const final { return {{plant(), task(), &parts()}}; }
-  Recording run(const RunControl& control) const override;
+  Recording run(const RunControl& control) const final;
 
  protected:
   enum class Optimises { no, yes };
-
-  AxisScenario() = default;
 
   /// With Optimises::yes the metrics of predictive control's optimisations belong to it.
   AxisScenario(const Catalogue& catalogue, const std::string& name,
@@ -81,7 +79,7 @@ class AxisScenario : public LoopScenario {
   }
 
  private:
-  Optimises optimises_ = Optimises::no;
+  Optimises optimises_;
 };
 
 }  // namespace breakwater
