@@ -61,10 +61,12 @@ class AxisScenario : public LoopScenario {
   std::vector<MetricDefinition> metric_definitions() const override;
   std::vector<std::string> warnings() const override { return plant().warnings(); }
   std::vector<AxisOfPlant> loops() const final { return {{plant(), task(), &parts()}}; }
-  Recording run(const RunControl& control) const final;
+  Recording run(const RunControl& control) const override;
 
  protected:
   enum class Optimises { no, yes };
+
+  AxisScenario() = default;
 
   /// With Optimises::yes the metrics of predictive control's optimisations belong to it.
   AxisScenario(const Catalogue& catalogue, const std::string& name,
@@ -79,7 +81,7 @@ class AxisScenario : public LoopScenario {
   }
 
  private:
-  Optimises optimises_;
+  Optimises optimises_ = Optimises::no;
 };
 
 }  // namespace breakwater
