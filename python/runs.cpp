@@ -101,6 +101,12 @@ py::dict dict_of(const std::vector<Metric>& metrics) {
   return values;
 }
 
+py::dict reasons_of(const std::vector<AbsentMetric>& absent) {
+  py::dict reasons;
+  for (const AbsentMetric& metric : absent) reasons[py::str(metric.name)] = metric.reason;
+  return reasons;
+}
+
 py::object failure_of(const std::optional<Failure>& failure) {
   if (!failure) return py::none();
   return py::make_tuple(failure->time_s, failure->reason);
@@ -186,6 +192,8 @@ void bind_runs(py::module_& module) {
                              [](const OwnRun& own) { return own.prepared.config_text; })
       .def_property_readonly("metrics",
                              [](const OwnRun& own) { return dict_of(own.recording.metrics); })
+      .def_property_readonly("absent",
+                             [](const OwnRun& own) { return reasons_of(own.recording.absent); })
       .def_property_readonly("costs",
                              [](const OwnRun& own) { return dict_of(own.recording.costs); })
       .def_property_readonly("failure",
@@ -218,6 +226,8 @@ void bind_runs(py::module_& module) {
       .def_property_readonly("case", &FolderRun::case_name)
       .def_property_readonly("config_text", &FolderRun::config_text)
       .def_property_readonly("metrics", [](const FolderRun& run) { return dict_of(run.metrics()); })
+      .def_property_readonly("absent",
+                             [](const FolderRun& run) { return reasons_of(run.absent()); })
       .def_property_readonly("failure",
                              [](const FolderRun& run) { return failure_of(run.failure()); })
       .def_property_readonly("state_hash", &FolderRun::state_hash)

@@ -139,6 +139,14 @@ class Run:
         return self._core.metrics
 
     @property
+    def absent(self) -> dict[str, str]:
+        """Why the run does not have a metric, for each of the scenario's metrics that it does not have.
+
+        Empty if the run failed or was cut, or if an older version wrote its folder.
+        """
+        return self._core.absent
+
+    @property
     def state_hash(self) -> str:
         """16 hexadecimal digits computed from all states: equal configurations give equal hashes.
 

@@ -8,7 +8,6 @@
 #include <breakwater/record/held_reference.h>
 #include <breakwater/sim/hand_on_link.h>
 #include <breakwater/sim/named_elements.h>
-#include "arm_push/push_metrics.h"
 
 namespace breakwater {
 namespace {
@@ -19,11 +18,92 @@ ArmRole push_role() {
   return role;
 }
 
+// The time from the window's start until an error stays within the level.
+class ReturnTime : public Reduction {
+ public:
+  explicit ReturnTime(const ReductionSetup& setup) : setup_(setup) {}
+  void add(const AddedValues& added) override { follow(added.time_s, added.value); }
+  std::optional<double> value() const override {
+    if (!has_returned()) return std::nullopt;
+    return std::max(away_until_s_ - setup_.window.from_s.value(), 0.0);
+  }
+
+ protected:
+  void follow(double time_s, double error) {
+    if (error > setup_.level.value()) away_until_s_ = time_s + setup_.period_s;
+    last_s_ = time_s;
+  }
+  bool has_returned() const { return away_until_s_ <= last_s_; }
+
+ private:
+  ReductionSetup setup_;
+  double away_until_s_ = 0.0;
+  double last_s_ = 0.0;
+};
+
+// The farthest of an offset past 0, on the other side of its value at the release.
+class Rebound final : public Reduction {
+ public:
+  explicit Rebound(const ReductionSetup& /*setup*/) {}
+  void add(const AddedValues& added) override {
+    farthest_ = std::max(farthest_, -std::copysign(1.0, added.all[1]) * added.all[0]);
+  }
+  std::optional<double> value() const override { return farthest_; }
+
+ private:
+  double farthest_ = 0.0;
+};
+
+// The same of all joints. An arm that returns in another posture has the farthest joint's offset at
+// the end. The values are the joints' offsets, those at the release, and the tip's error.
+class PostureOvershoot final : public ReturnTime {
+ public:
+  using ReturnTime::ReturnTime;
+  void add(const AddedValues& added) override {
+    const std::size_t joints = (added.all.size() - 1) / 2;
+    last_offset_rad_ = 0.0;
+    for (std::size_t i = 0; i < joints; ++i) {
+      const double offset = added.all[i];
+      last_offset_rad_ = std::max(last_offset_rad_, std::abs(offset));
+      overshoot_rad_ =
+          std::max(overshoot_rad_, -std::copysign(1.0, added.all[joints + i]) * offset);
+    }
+    follow(added.time_s, added.all.back());
+  }
+  std::optional<double> value() const override {
+    const bool is_otherwise = has_returned() && last_offset_rad_ > kOtherPosture_rad;
+    return is_otherwise ? std::max(overshoot_rad_, last_offset_rad_) : overshoot_rad_;
+  }
+
+ private:
+  static constexpr double kOtherPosture_rad = 0.2;
+
+  double overshoot_rad_ = 0.0;
+  double last_offset_rad_ = 0.0;  // largest of all joints
+};
+
 }  // namespace
 
-std::vector<MetricDefinition> ArmPush::metric_definitions() const {
-  return PushMetrics::definitions();
+std::vector<MetricKind> kinds_of_a_push() {
+  return {{.name = "return_time",
+           .meaning = "time from the window's start until the value stays within the level",
+           .unit = ReducedUnit::time,
+           .make = make_reduction<ReturnTime>,
+           .has_level = true,
+           .why_absent = "the value ends beyond the level"},
+          {.name = "rebound",
+           .meaning = "farthest value past 0, on the other side of the second signal",
+           .make = make_reduction<Rebound>,
+           .takes_all = true},
+          {.name = "posture_overshoot",
+           .meaning = "farthest rebound of all joints",
+           .make = make_reduction<PostureOvershoot>,
+           .has_level = true,
+           .takes_all = true}};
 }
+
+ArmPush::ArmPush(const Catalogue& catalogue)
+    : Scenario(MetricRows(catalogue, "arm_push", kinds_of_a_push())), arm_(catalogue) {}
 
 Fields ArmPush::fields() {
   Fields fields;
@@ -48,6 +128,7 @@ Fields ArmPush::fields() {
                 "damping of the hand about the link's joint [N m s/rad]");
   fields.number("metrics.settled_within_m", settled_within_m_, positive(),
                 "distance from the start pose within which the tip counts as settled [m]");
+  rows_.bind(fields);
   return fields;
 }
 
@@ -59,6 +140,8 @@ void ArmPush::check(const Config& config) {
   }
   const ArmRig rig(arm_, push_role());
   HandOnLink(hand_, rig.simulation().model(), rig.chain(), arm_.start_angles_rad, link_);
+  rows_.check(config, [this] { return fields(); }, arm_.physics,
+              {.known = {{"release", hand_.release_s()}}});
 }
 
 void ArmPush::prepare_scene(Model& model) const {
@@ -80,27 +163,45 @@ Recording ArmPush::run(const RunControl& control) const {
       {"push_turned_rad", "rad", "angle by which the pushed link is turned", view(turned_rad)});
   signals.push_back(
       {"push_moment_Nm", "N m", "moment of the hand about the joint", view(moment_Nm)});
-  PushMetrics metrics({.grip_s = hand_.start_s,
-                       .release_s = hand_.release_s(),
-                       .start_angles_rad = arm_.start_angles_rad,
-                       .start_pose = start_pose(arm_),
-                       .settled_within_m = settled_within_m_,
-                       .period_s = arm_.physics.control_period_s});
 
+  // The offsets from the start pose, and the last ones before the release.
   const TipPose pose = start_pose(arm_);
+  const Eigen::Map<const Eigen::VectorXd> start_rad(arm_.start_angles_rad.data(), rig.q().size());
+  TipPose tip_offset = TipPose::Zero(), released_tip_offset = tip_offset;
+  Eigen::VectorXd offset_rad = Eigen::VectorXd::Zero(start_rad.size());
+  Eigen::VectorXd released_rad = offset_rad;
+  double tip_error_m = 0.0;
+  std::vector<Signal> of_metrics = {
+      {"x_offset_m", "m", "", view(tip_offset[0])},
+      {"y_offset_m", "m", "", view(tip_offset[1])},
+      {"phi_offset_rad", "rad", "", view(tip_offset[2])},
+      {"released_x_offset_m", "m", "", view(released_tip_offset[0])},
+      {"released_y_offset_m", "m", "", view(released_tip_offset[1])},
+      {"released_phi_offset_rad", "rad", "", view(released_tip_offset[2])},
+      {"joint_offset_rad", "rad", "", view(offset_rad)},
+      {"released_joint_offset_rad", "rad", "", view(released_rad)},
+      {"tip_error_m", "m", "distance of the tip from its start", view(tip_error_m)}};
+  of_metrics.insert(of_metrics.end(), signals.begin(), signals.end());
+  MetricValues values(rows_, of_metrics, arm_.run.duration_s);
+
   HeldReference held({hand_.release_s(), arm_.run.duration_s}, "the tip", "m");
   const auto sample = [&](double time_s) {
     rig.observe();
-    const double away_m = (pose - rig.tip()).head<2>().norm();
-    if (time_s < hand_.release_s()) held.ask(away_m);
-    held.add(time_s, away_m);
+    tip_offset = rig.tip() - pose;
+    offset_rad = rig.q() - start_rad;
+    tip_error_m = tip_offset.head<2>().norm();
+    if (hand_.grips(time_s)) {
+      released_tip_offset = tip_offset;
+      released_rad = offset_rad;
+    }
+    if (time_s < hand_.release_s()) held.ask(tip_error_m);
+    held.add(time_s, tip_error_m);
     turned_rad = hand.turned_rad(sim.qpos());
     moment_Nm = hand.moment_Nm(time_s, sim.qpos(), sim.qvel());
-    metrics.after_sample(time_s, rig.q(), rig.dq(), rig.tip(), turned_rad, sim.saturated());
   };
   Recording recording = record_run(
       sim, arm_.physics, arm_.physics.step_at(arm_.run.duration_s), std::move(signals), control,
-      [&](std::int64_t) { sim.step(); }, sample, [&] { return metrics.metrics(); });
+      [&](std::int64_t) { sim.step(); }, sample, &values);
   if (!recording.failure) held.warn(recording.warnings);
   return recording;
 }

@@ -7,21 +7,23 @@
 
 namespace breakwater {
 
+/// The reductions of arm_push's metrics.
+std::vector<MetricKind> kinds_of_a_push();
+
 /// The arm holds its start pose. A stiff hand pushes the end of one link, turns it, holds it and
 /// lets go. The torques saturate; the question is how the arm returns.
 class ArmPush final : public Scenario {
  public:
-  explicit ArmPush(const Catalogue& catalogue) : arm_(catalogue) {}
+  explicit ArmPush(const Catalogue& catalogue);
 
   std::string name() const override { return "arm_push"; }
   std::string summary() const override {
     return "forced displacement of each link: torque saturation, recovery";
   }
-  std::vector<std::string> main_metrics() const override {
-    return {"settling_time_s", "tip_error_m"};
+  void learn(const Config& config) override {
+    Scenario::learn(config);
+    arm_.learn(config);
   }
-  std::vector<MetricDefinition> metric_definitions() const override;
-  void learn(const Config& config) override { arm_.learn(config); }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return arm_.run; }

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/sim/apparent_mass.h>
 #include <breakwater/sim/named_elements.h>
-#include "arm_wall_contact/wall_contact_metrics.h"
 
 namespace breakwater {
 namespace {
@@ -17,10 +17,6 @@ constexpr const char* kWall = "wall";
 constexpr const char* kTip = "tip";
 
 }  // namespace
-
-std::vector<MetricDefinition> ArmWallContact::metric_definitions() const {
-  return WallContactMetrics::definitions();
-}
 
 Fields ArmWallContact::fields() {
   Fields fields;
@@ -48,6 +44,7 @@ Fields ArmWallContact::fields() {
                 "time from which forces are logged at the physics rate [s]");
   fields.number("record.fine_to_s", fine_to_s_, not_negative(),
                 "time until which forces are logged at the physics rate [s]");
+  rows_.bind(fields);
   return fields;
 }
 
@@ -87,6 +84,9 @@ void ArmWallContact::check(const Config& config) {
   if (metrics_from_s_ < force_from_s_) {
     config.fail("metrics.from_s", "must not be before force.from_s");
   }
+  rows_.check(config, [this] { return fields(); }, arm_.physics,
+              {.known = {{"force_control", arm_.physics.sample_time_s(force_from_s_)}},
+               .events = {"first_contact"}});
 }
 
 void ArmWallContact::prepare_scene(Model& model) const {
@@ -115,40 +115,48 @@ Recording ArmWallContact::run(const RunControl& control) const {
   Track fine("physics", rig.fine_signals(),
              static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)),
              control.stream);
-  WallContactMetrics metrics({.force_from_s = physics.sample_time_s(force_from_s_),
-                              .reference_N = force_reference_N_,
-                              .error_from_s = metrics_from_s_,
-                              .error_to_s = metrics_to_s_,
-                              .step_s = physics.timestep_s,
-                              .period_s = physics.control_period_s,
-                              .start_pose = start_pose(arm_)});
+
+  const TipPose pose = start_pose(arm_);
+  TipPose tip_offset = TipPose::Zero();
+  double impact_mass_kg = 0.0;
+  double first_contact_s = std::numeric_limits<double>::infinity();
+  std::vector<Signal> of_metrics = rig.fine_signals();
+  of_metrics.push_back({"force_reference_N", "N", "", view(force_reference_N_)});
+  of_metrics.push_back({"tip_speed_x_m_s", "m/s", "", view(rig.tip_speed_x_m_s())});
+  of_metrics.push_back({"impact_mass_kg", "kg", "", view(impact_mass_kg)});
+  of_metrics.push_back({"y_offset_m", "m", "", view(tip_offset[1])});
+  of_metrics.push_back({"phi_offset_rad", "rad", "", view(tip_offset[2])});
+  for (const Signal& signal : rig.signals()) of_metrics.push_back(signal);
+  MetricValues values(rows_, of_metrics, arm_.run.duration_s,
+                      {{"first_contact", &first_contact_s}});
 
   // The tip first moves to its start pose, and later touches the wall and presses.
-  const TipPose pose = start_pose(arm_);
   HeldReference held_pose({0.0, force_from_s_}, "the tip", "m");
   HeldReference held_force({metrics_from_s_, metrics_to_s_}, "the force", "N");
   held_force.ask(force_reference_N_);
   ApparentMass mass_along_x(sim.model(), "tip", Eigen::Vector3d::UnitX());
+  const double force_control_s = physics.sample_time_s(force_from_s_);
 
   const auto step = [&](std::int64_t k) {
     if (k == solid_step) rig.set_solid(wall, true);
     sim.step();
-    const bool strikes = metrics.after_step(sim.time_s(), rig.contact_force_N(),
-                                            rig.filtered_force_N(), rig.tip_speed_x_m_s());
-    if (strikes) metrics.set_impact_mass(mass_along_x(sim.model(), sim.data()));
+    const double time_s = sim.time_s();
+    if (rig.contact_force_N() > 0.0 && time_s >= force_control_s && time_s < first_contact_s) {
+      first_contact_s = time_s;
+      impact_mass_kg = mass_along_x(sim.model(), sim.data());
+    }
     if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
   };
   const auto sample = [&](double time_s) {
     rig.observe();
-    metrics.after_sample(time_s, rig.contact_force_N(), rig.tip(), sim.saturated());
-    const double away_m = (pose - rig.tip()).head<2>().norm();
+    tip_offset = rig.tip() - pose;
+    const double away_m = tip_offset.head<2>().norm();
     if (sim.steps() == 1) held_pose.ask(away_m);
     held_pose.add(time_s, away_m);
     held_force.add(time_s, force_reference_N_ - rig.filtered_force_N());
   };
-  const auto measured = [&] { return metrics.metrics(sim.time_of(sim.steps())); };
   Recording recording =
-      record_run(sim, physics, steps, rig.signals(), control, step, sample, measured);
+      record_run(sim, physics, steps, rig.signals(), control, step, sample, &values);
   if (!recording.failure) {
     held_pose.warn(recording.warnings);
     held_force.warn(recording.warnings);

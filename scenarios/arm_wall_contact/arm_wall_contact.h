@@ -11,17 +11,17 @@ namespace breakwater {
 /// presses on it with `force.reference_N`. The main metrics are impact force and free-motion time.
 class ArmWallContact final : public Scenario {
  public:
-  explicit ArmWallContact(const Catalogue& catalogue) : arm_(catalogue), wall_(catalogue) {}
+  explicit ArmWallContact(const Catalogue& catalogue)
+      : Scenario(MetricRows(catalogue, "arm_wall_contact")), arm_(catalogue), wall_(catalogue) {}
 
   std::string name() const override { return "arm_wall_contact"; }
   std::string summary() const override {
     return "hybrid position/force control against a wall: impact force, free-motion time";
   }
-  std::vector<std::string> main_metrics() const override {
-    return {"free_motion_time_s", "peak_force_filtered_N"};
+  void learn(const Config& config) override {
+    Scenario::learn(config);
+    arm_.learn(config);
   }
-  std::vector<MetricDefinition> metric_definitions() const override;
-  void learn(const Config& config) override { arm_.learn(config); }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return arm_.run; }

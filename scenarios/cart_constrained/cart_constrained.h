@@ -19,14 +19,13 @@ enum class CartCondition {
 class CartConstrained final : public AxisScenario {
  public:
   explicit CartConstrained(const Catalogue& catalogue)
-      : plant_(cart_axis(), catalogue), parts_(catalogue, "") {}
+      : AxisScenario(catalogue, "cart_constrained", Optimises::yes),
+        plant_(cart_axis(), catalogue),
+        parts_(catalogue, "") {}
 
   std::string name() const override { return "cart_constrained"; }
   std::string summary() const override {
     return "limits of a cart's input and velocity under disturbance and mass error";
-  }
-  std::vector<std::string> main_metrics() const override {
-    return {"settling_time_s", "max_speed_m_s"};
   }
   Matrix matrix() const override {
     return {"condition",
@@ -34,11 +33,9 @@ class CartConstrained final : public AxisScenario {
             {"max_input_N", "max_speed_m_s", "final_position_m", "input_violation_time_s",
              "speed_violation_time_s"}};
   }
-  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return plant_.run; }
-  Recording run(const RunControl& control) const override;
   AxisPlant plant() const override;
   AxisTask task() const override;
   const AxisParts& parts() const override { return parts_; }

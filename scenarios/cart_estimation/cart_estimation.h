@@ -12,21 +12,15 @@ namespace breakwater {
 /// how fast, and with how much noise.
 class CartEstimation final : public AxisScenario {
  public:
-  explicit CartEstimation(const Catalogue& catalogue)
-      : plant_(cart_axis(), catalogue), parts_(catalogue, "pd") {}
+  explicit CartEstimation(const Catalogue& catalogue);
 
   std::string name() const override { return "cart_estimation"; }
   std::string summary() const override {
     return "disturbance models and forgetting factors of Kalman filters on a cart";
   }
-  std::vector<std::string> main_metrics() const override {
-    return {"relative_rmse_disturbance", "rms_noise_N"};
-  }
-  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return plant_.run; }
-  Recording run(const RunControl& control) const override;
   AxisPlant plant() const override;
   AxisTask task() const override {
     return {.axis = plant().nominal(), .reference = plant_.axis().reference};
@@ -37,6 +31,8 @@ class CartEstimation final : public AxisScenario {
   enum class Kind { step, ramp, sine, high_sine };
 
   Disturbance disturbance() const;
+
+  AxisAdditions additions(const AxisRig& rig, const AxisLoop& loop) const override;
 
   AxisPlant plant_;
   AxisParts parts_;

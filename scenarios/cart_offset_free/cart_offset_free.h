@@ -10,20 +10,17 @@ namespace breakwater {
 class CartOffsetFree final : public AxisScenario {
  public:
   explicit CartOffsetFree(const Catalogue& catalogue)
-      : plant_(cart_axis(), catalogue), parts_(catalogue, "mpc") {}
+      : AxisScenario(catalogue, "cart_offset_free", Optimises::yes),
+        plant_(cart_axis(), catalogue),
+        parts_(catalogue, "mpc") {}
 
   std::string name() const override { return "cart_offset_free"; }
   std::string summary() const override {
     return "predictive control of a cart under input and output disturbance: the remaining error";
   }
-  std::vector<std::string> main_metrics() const override {
-    return {"steady_state_error_m", "settling_time_s"};
-  }
-  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return plant_.run; }
-  Recording run(const RunControl& control) const override;
   AxisPlant plant() const override;
   AxisTask task() const override {
     return {.axis = plant().nominal(), .reference = plant_.axis().reference};

@@ -11,20 +11,17 @@ namespace breakwater {
 class CartPosition final : public AxisScenario {
  public:
   explicit CartPosition(const Catalogue& catalogue)
-      : plant_(cart_axis(), catalogue), parts_(catalogue, "") {}
+      : AxisScenario(catalogue, "cart_position", Optimises::yes),
+        plant_(cart_axis(), catalogue),
+        parts_(catalogue, "") {}
 
   std::string name() const override { return "cart_position"; }
   std::string summary() const override {
     return "position control of a cart with friction, quantised drive and encoder";
   }
-  std::vector<std::string> main_metrics() const override {
-    return {"steady_state_error_m", "settling_time_s"};
-  }
-  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return plant_.run; }
-  Recording run(const RunControl& control) const override;
   AxisPlant plant() const override { return plant_; }
   AxisTask task() const override {
     return {.axis = plant().nominal(), .reference = plant_.axis().reference};
@@ -32,6 +29,8 @@ class CartPosition final : public AxisScenario {
   const AxisParts& parts() const override { return parts_; }
 
  private:
+  AxisAdditions additions(const AxisRig& rig, const AxisLoop& loop) const override;
+
   AxisPlant plant_;
   AxisParts parts_;
   double from_s_ = 0.0;

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/sim/joint_force.h>
 #include <breakwater/sim/named_elements.h>
-#include "impact_test/impact_metrics.h"
 
 namespace breakwater {
 namespace {
@@ -27,10 +27,6 @@ class NoController final : public Controller {
 };
 
 }  // namespace
-
-std::vector<MetricDefinition> ImpactTest::metric_definitions() const {
-  return ImpactMetrics::definitions();
-}
 
 Fields ImpactTest::fields() {
   Fields fields;
@@ -54,6 +50,7 @@ Fields ImpactTest::fields() {
                 "time from which on forces are logged at the physics rate [s]");
   fields.number("record.fine_to_s", fine_to_s_, not_negative(),
                 "time until which forces are logged at the physics rate [s]");
+  rows_.bind(fields);
   return fields;
 }
 
@@ -71,6 +68,8 @@ void ImpactTest::check(const Config& config) {
   wall_.check_impact(config, physics_, mass_kg_ / (along_normal * along_normal),
                      speed_m_s_ * along_normal);
   wall_.make(plant(), kImpactTip, kStruckWall);
+  rows_.check(config, [this] { return fields(); }, physics_,
+              {.events = {"first_contact", "first_separation"}});
 }
 
 // The tip touches the wall where the rail's position is 0.
@@ -148,19 +147,30 @@ Recording ImpactTest::run(const RunControl& control) const {
   Track fine("physics", fine_signals,
              static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)),
              control.stream);
-  ImpactMetrics metrics(physics_.timestep_s);
+  double impulse_Ns = 0.0;
+  double first_contact_s = std::numeric_limits<double>::infinity();
+  double first_separation_s = first_contact_s;
+  std::vector<Signal> of_metrics = fine_signals;
+  of_metrics.push_back(
+      {"approach_m_s", "m/s", "rate of the penetration", view(contact->approach_m_s())});
+  of_metrics.push_back({"impulse_Ns", "N s", "impulse over a step", view(impulse_Ns)});
+  of_metrics.insert(of_metrics.end(), signals.begin(), signals.end());
+  MetricValues values(
+      rows_, of_metrics, run_.duration_s,
+      {{"first_contact", &first_contact_s}, {"first_separation", &first_separation_s}});
   const auto step = [&](std::int64_t k) {
     sim.step();
-    metrics.after_step({.force_N = force_N,
-                        .filtered_N = filtered_N,
-                        .penetration_m = contact->penetration_m(),
-                        .approach_m_s = contact->approach_m_s(),
-                        .impulse_Ns = contact->impulse_Ns()});
+    // The impulse, because the contact may begin at a later stage of a step.
+    impulse_Ns = contact->impulse_Ns();
+    if (impulse_Ns > 0.0) {
+      first_contact_s = std::min(first_contact_s, sim.time_s());
+    } else if (first_contact_s <= sim.time_s()) {
+      first_separation_s = std::min(first_separation_s, sim.time_s());
+    }
     if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
   };
   Recording recording = record_run(
-      sim, physics_, steps, std::move(signals), control, step, [](double) {},
-      [&] { return metrics.metrics(); });
+      sim, physics_, steps, std::move(signals), control, step, [](double) {}, &values);
   if (fine.rows() > 0) recording.tracks.push_back(std::move(fine));
   return recording;
 }

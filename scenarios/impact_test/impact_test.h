@@ -11,16 +11,13 @@ namespace breakwater {
 /// the contact law, the wall and the force sensor alone.
 class ImpactTest final : public Scenario {
  public:
-  explicit ImpactTest(const Catalogue& catalogue) : wall_(catalogue) {}
+  explicit ImpactTest(const Catalogue& catalogue)
+      : Scenario(MetricRows(catalogue, "impact_test")), wall_(catalogue) {}
 
   std::string name() const override { return "impact_test"; }
   std::string summary() const override {
     return "a mass on a rail strikes a wall: contact laws, wall motion, force sensor";
   }
-  std::vector<std::string> main_metrics() const override {
-    return {"peak_force_raw_N", "contact_time_s", "restitution"};
-  }
-  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return run_; }

@@ -12,25 +12,24 @@ namespace breakwater {
 class MotorEstimation final : public AxisScenario {
  public:
   explicit MotorEstimation(const Catalogue& catalogue)
-      : plant_(motor_axis(), catalogue), parts_(catalogue, "pd") {}
+      : AxisScenario(catalogue, "motor_estimation"),
+        plant_(motor_axis(), catalogue),
+        parts_(catalogue, "pd") {}
 
   std::string name() const override { return "motor_estimation"; }
   std::string summary() const override {
     return "disturbance estimators on a motor: encoder quantisation and white noise";
   }
-  std::vector<std::string> main_metrics() const override {
-    return {"rmse_disturbance_Nm", "rmse_velocity_rad_s"};
-  }
-  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return plant_.run; }
-  Recording run(const RunControl& control) const override;
   AxisPlant plant() const override;
   AxisTask task() const override { return {.axis = plant_.nominal()}; }
   const AxisParts& parts() const override { return parts_; }
 
  private:
+  AxisAdditions additions(const AxisRig& rig, const AxisLoop& loop) const override;
+
   AxisPlant plant_;
   AxisParts parts_;
   DisturbanceSettings disturbance_;

@@ -11,11 +11,11 @@
 namespace breakwater {
 
 void Plant::learn(const Config& config) {
+  Scenario::learn(config);
   plant_.learn(config);
   for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
     axis_parts_.emplace_back(catalogue_, "none", "none");
   }
-  for (const std::string& name : config.names_in("metric")) metrics_.emplace_back().name = name;
 }
 
 Fields Plant::fields() {
@@ -30,20 +30,8 @@ Fields Plant::fields() {
     fields.only_for({one.axis.prefix() + "controller.name", one.axis.prefix() + "observer.name"},
                     "controller.name", {"axes"});
   }
-  for (DeclaredMetric& metric : metrics_) metric.bind(fields);
+  rows_.bind(fields);
   return fields;
-}
-
-std::vector<std::string> Plant::main_metrics() const {
-  std::vector<std::string> names;
-  for (const DeclaredMetric& metric : metrics_) names.push_back(metric.definition().name);
-  return names;
-}
-
-std::vector<MetricDefinition> Plant::metric_definitions() const {
-  std::vector<MetricDefinition> definitions;
-  for (const DeclaredMetric& metric : metrics_) definitions.push_back(metric.definition());
-  return definitions;
 }
 
 PlantTask Plant::task() const {
@@ -105,34 +93,22 @@ void Plant::check(const Config& config) {
   const auto loop = parts_.make(task);
   const AxisRig rig(plant_, *loop.controller);
   const std::vector<Signal> signals = rig.signals();
-  for (const DeclaredMetric& metric : metrics_) {
-    const Config own = config.under(metric.prefix());
-    const std::string missing = own.blame("of", [&] { return missing_signal(metric, signals); });
+  // A contact is shorter than a sample.
+  MetricContext context;
+  for (const ContactSettings& one : plant_.contacts) context.fast_signals.push_back(one.signal());
+  rows_.check(
+      config, [this] { return fields(); }, plant_.physics, context);
+  for (const MetricRow& row : rows_.rows()) {
+    const std::string missing = config.under(row.prefix()).blame("of", [&] {
+      return missing_signal(row, rows_.kind_of(row), signals);
+    });
     // Another case may have a controller or an estimator that publishes it.
-    if (!missing.empty()) {
-      warnings_.push_back(missing + ": the metric is absent");
-    } else {
-      own.blame("cutoff_Hz",
-                [&] { DeclaredValue(metric, signals, plant_.run.duration_s, period_of(metric)); });
-    }
-    if (metric.to_s != 0.0 && metric.to_s <= metric.from_s) {
-      own.fail("to_s", "must be later than from_s, or 0 for the end of the run");
-    }
+    if (!missing.empty()) warnings_.push_back(missing + ": the metric is absent");
   }
 }
 
 bool Plant::has_own_loop(std::size_t i) const {
   return parts_.controller_name() == "axes" && axis_parts_[i].controller_name() != "none";
-}
-
-bool Plant::is_fast(const DeclaredMetric& metric) const {
-  return std::any_of(
-      plant_.contacts.begin(), plant_.contacts.end(),
-      [&](const ContactSettings& one) { return one.signal() == signal_name(metric.of).name; });
-}
-
-double Plant::period_of(const DeclaredMetric& metric) const {
-  return is_fast(metric) ? plant_.physics.timestep_s : plant_.physics.control_period_s;
 }
 
 Recording Plant::run(const RunControl& control) const {
@@ -143,47 +119,10 @@ Recording Plant::run(const RunControl& control) const {
   for (std::size_t i : task.driven) {
     if (has_own_loop(i)) rig.know_loop(axis_parts_[i], task.axes[i], i);
   }
-  const Simulation& sim = rig.simulation();
-  const std::vector<Signal> signals = rig.signals();
-  std::vector<DeclaredValue> at_samples, at_steps;
-  std::vector<std::pair<bool, std::size_t>> order;
-  std::vector<AbsentMetric> absent;
-  for (const DeclaredMetric& metric : metrics_) {
-    if (const std::string missing = missing_signal(metric, signals); !missing.empty()) {
-      const MetricDefinition definition = metric.definition();
-      absent.push_back({definition.name, definition.unit, missing});
-      continue;
-    }
-    const bool fast = is_fast(metric);
-    std::vector<DeclaredValue>& values = fast ? at_steps : at_samples;
-    order.emplace_back(fast, values.size());
-    values.emplace_back(metric, signals, plant_.run.duration_s, period_of(metric));
-  }
-  const auto step = [&](std::int64_t) {
-    rig.step();
-    for (DeclaredValue& value : at_steps) value.add(sim.time_s());
-  };
-  const auto sample = [&](double time_s) {
-    for (DeclaredValue& value : at_samples) value.add(time_s);
-  };
-  const auto measured = [&] {
-    std::vector<Metric> metrics;
-    for (const auto& [is_at_step, i] : order) {
-      const DeclaredValue& value = (is_at_step ? at_steps : at_samples)[i];
-      const MetricDefinition definition = value.metric().definition();
-      add(metrics, definition.name, definition.unit, value.value());
-    }
-    return metrics;
-  };
-  Recording recording = rig.run(control, signals, step, sample, measured);
-  for (const auto& [is_at_step, i] : order) {
-    const DeclaredValue& value = (is_at_step ? at_steps : at_samples)[i];
-    const MetricDefinition definition = value.metric().definition();
-    if (recording.failure || recording.metric(definition.name)) continue;
-    absent.push_back({definition.name, definition.unit, value.why_absent()});
-  }
-  recording.absent = std::move(absent);
-  return recording;
+  std::vector<Signal> signals = rig.signals();
+  MetricValues values(rows_, signals, plant_.run.duration_s);
+  return rig.run(
+      control, std::move(signals), [&](std::int64_t) { rig.step(); }, [](double) {}, &values);
 }
 
 }  // namespace breakwater

@@ -9,8 +9,6 @@
 #include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/rigs/plant_parts.h>
 
-#include "plant/declared_metrics.h"
-
 namespace breakwater {
 
 /// The file names the axes ([axis.NAME]), the forces on bodies ([push.NAME]), the contacts to watch
@@ -25,8 +23,6 @@ class Plant final : public LoopScenario {
   std::string summary() const override {
     return "any plant of hinges and slides, described by its MJCF and a TOML file";
   }
-  std::vector<std::string> main_metrics() const override;
-  std::vector<MetricDefinition> metric_definitions() const override;
   void learn(const Config& config) override;
   Fields fields() override;
   void check(const Config& config) override;
@@ -40,10 +36,6 @@ class Plant final : public LoopScenario {
   PlantTask task() const;
   /// Whether the axis has a controller of its own.
   bool has_own_loop(std::size_t i) const;
-  /// Whether the metric needs each physics step: a contact is shorter than a sample.
-  bool is_fast(const DeclaredMetric& metric) const;
-  /// The time between its values.
-  double period_of(const DeclaredMetric& metric) const;
   /// The axes' own controllers, with `other` at the axis `replaced` if it is there.
   std::unique_ptr<Controller> axes_control(const std::vector<AxisTask>& tasks,
                                            std::unique_ptr<Controller> other = nullptr,
@@ -53,7 +45,6 @@ class Plant final : public LoopScenario {
   AxisPlant plant_;
   PlantParts parts_;
   std::vector<AxisParts> axis_parts_;  // in the order of the axes
-  std::vector<DeclaredMetric> metrics_;
   std::vector<std::string> warnings_;
 };
 

@@ -13,14 +13,11 @@ namespace breakwater {
 /// uses the state of one of several nonlinear estimators.
 class QuadrotorWaves final : public Scenario {
  public:
-  explicit QuadrotorWaves(const Catalogue& catalogue) : quadrotor_(catalogue) {}
+  explicit QuadrotorWaves(const Catalogue& catalogue);
 
   std::string name() const override { return "quadrotor_waves"; }
   std::string summary() const override {
     return "underwater quadrotor under JONSWAP waves: nonlinear estimators, backstepping";
-  }
-  std::vector<std::string> main_metrics() const override {
-    return {"tracking_rmse_m", "position_estimate_rmse_m"};
   }
   std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;

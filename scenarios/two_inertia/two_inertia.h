@@ -15,14 +15,9 @@ class TwoInertiaDrive final : public AxisScenario {
   std::string summary() const override {
     return "a motor and a load with a spring between them: vibration, load torque, backlash";
   }
-  std::vector<std::string> main_metrics() const override {
-    return {"overshoot_rad", "settling_time_s", "residual_vibration_rad_s"};
-  }
-  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return plant_.run; }
-  Recording run(const RunControl& control) const override;
   AxisPlant plant() const override;
   AxisTask task() const override {
     return {.axis = plant_.nominal(), .reference = plant().axis().reference};
@@ -31,6 +26,10 @@ class TwoInertiaDrive final : public AxisScenario {
 
  private:
   enum class Kind { position_step, torque_step, reversal };
+
+  AxisAdditions additions(const AxisRig& rig, const AxisLoop& loop) const override;
+  /// Time of the reference's or the torque's last step.
+  double last_step_s() const { return kind_ == Kind::reversal ? reversal_s_ : from_s_; }
 
   AxisPlant plant_;
   AxisParts parts_;

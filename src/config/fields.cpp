@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -224,6 +225,14 @@ std::string with_range(const std::string& what, const Range& range) {
   return range.text == any().text ? what : what + ", " + range.text;
 }
 
+std::optional<double> number_in(const std::string& text) {
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || last != end || !std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
 std::string print_numbers(const std::vector<double>& values) {
   std::vector<std::string> texts;
   for (const double value : values) texts.push_back(toml_number(value));
@@ -302,6 +311,18 @@ void Fields::text(const std::string& key, std::string& target, const std::string
             [&target] { return toml_string(target); }});
 }
 
+void Fields::number_or_text(const std::string& key, std::string& target, const std::string& doc) {
+  add(key, {part_, doc, "a number or a text",
+            [&target](const ConfigValue& v) -> Error {
+              if (std::holds_alternative<std::string>(v.data)) return read_text(v, target);
+              double number = 0.0;
+              Error error = read_number(v, any(), number);
+              if (!error) target = toml_number(number);
+              return error;
+            },
+            [&target] { return number_in(target) ? target : toml_string(target); }});
+}
+
 void Fields::file(const std::string& key, std::string& target, const std::string& doc) {
   add(key, {part_, doc, "the name of a file",
             [&target](const ConfigValue& v) { return read_text(v, target); },
@@ -365,6 +386,7 @@ void Fields::add_choice(const std::string& key, const std::vector<std::string>& 
 
 void Fields::add(const std::string& name, Variable variable) {
   const std::string key = prefix_ + name;
+  variable.is_left_out = is_left_out_;
   Field* field = find_key(fields_, key);
   if (field == nullptr) field = &fields_.emplace_back(Field{key, {}});
   for (Variable& other : field->variables) {
@@ -642,6 +664,7 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
   std::vector<std::pair<std::string, std::string>> tables = {{"", ""}};
   Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
   for (const Field& field : fields_) {
+    if (field.is_left_out()) continue;
     const Variable* variable = chosen.in_use(field);
     // Keys of parts that are not chosen, and those without a value, are printed only if given.
     if (!field.was_read && (variable == nullptr || variable->clear)) continue;
@@ -665,6 +688,7 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
 std::vector<KeyHelp> Fields::help() const {
   std::vector<KeyHelp> all;
   for (const Field& field : fields_) {
+    if (field.is_left_out()) continue;
     const std::size_t first = all.size();  // the meanings of this key begin here
     for (const Variable& variable : field.variables) {
       KeyHelp help = {field.key, variable.part.choice, {}, variable.doc, variable.takes, "", {}};
@@ -683,6 +707,14 @@ std::vector<KeyHelp> Fields::help() const {
     }
   }
   return all;
+}
+
+std::optional<double> Fields::number_of(const std::string& key) const {
+  const Field* field = find(key);
+  if (field == nullptr) return std::nullopt;
+  const Variable* variable = in_use(*field);
+  const std::string text = (variable != nullptr ? *variable : field->variables.front()).print();
+  return text.empty() ? std::numeric_limits<double>::quiet_NaN() : number_in(text);
 }
 
 std::vector<std::string> Fields::files() const {

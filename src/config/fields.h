@@ -94,6 +94,21 @@ class Fields {
     std::string outer_;
   };
 
+  /// While `is_left_out` holds, the keys that are bound during its life are neither printed nor in
+  /// help(). They are those of a row that every file of a scenario has.
+  class LeftOut {
+   public:
+    LeftOut(Fields& fields, std::function<bool()> is_left_out) : fields_(fields) {
+      fields_.is_left_out_ = std::move(is_left_out);
+    }
+    LeftOut(const LeftOut&) = delete;
+    LeftOut& operator=(const LeftOut&) = delete;
+    ~LeftOut() { fields_.is_left_out_ = nullptr; }
+
+   private:
+    Fields& fields_;
+  };
+
   /// The keys that are bound during its life are those of place `place` of `count` places, such as
   /// the joints of an arm. Each place binds the same keys to variables of its own, from place 0 on.
   /// The value of a number() is one number for all places, or an array with a number for each.
@@ -134,6 +149,8 @@ class Fields {
              const std::string& doc);
   void flag(const std::string& key, bool& target, const std::string& doc);
   void text(const std::string& key, std::string& target, const std::string& doc);
+  /// A number, or a text in its place. A number is kept as its text.
+  void number_or_text(const std::string& key, std::string& target, const std::string& doc);
   /// The name of a file. A file of Breakwater is printed so that any installation finds it.
   void file(const std::string& key, std::string& target, const std::string& doc);
   void numbers(const std::string& key, std::vector<double>& target, const Range& range,
@@ -194,6 +211,13 @@ class Fields {
   /// Every meaning of every key, in their order, with the values that were read.
   std::vector<KeyHelp> help() const;
 
+  /// The present number of a key, NaN for an optional one without a value; nothing if there is no
+  /// such key with a number.
+  std::optional<double> number_of(const std::string& key) const;
+  /// Whether the choice `choice` is there and chooses `name`.
+  bool has_chosen(const std::string& choice, const std::string& name) const;
+  bool has(const std::string& key) const { return find(key) != nullptr; }
+
   /// The present values of the keys that name files. Call it after read() and the scenario's
   /// check(), which finds the models.
   std::vector<std::string> files() const;
@@ -224,6 +248,7 @@ class Fields {
     std::vector<Condition> conditions = {};                    // all must hold for an effect
     std::optional<ConfigValue> standard = {};
     std::function<void()> clear = {};  // leaves the variable without a value; null if it needs one
+    std::function<bool()> is_left_out = {};  // null: never
 
     bool is_required() const { return !standard && !clear; }
   };
@@ -235,6 +260,9 @@ class Fields {
     std::size_t suited = 0;   // the first variable that the value suits
 
     std::string doc() const;
+    bool is_left_out() const {
+      return variables.front().is_left_out && variables.front().is_left_out();
+    }
   };
 
   // Assigns every key of the config. Returns the missing keys that the chosen parts need.
@@ -245,8 +273,6 @@ class Fields {
   const Field* find(const std::string& key) const;
   std::vector<Variable*> at(const std::string& name);
   void add_condition(const std::vector<std::string>& keys, const Condition& condition);
-  // Whether the choice `choice` is there and chooses `name`.
-  bool has_chosen(const std::string& choice, const std::string& name) const;
   // The variable of the scenario or of the chosen part; null if there is none.
   const Variable* in_use(const Field& field) const;
   // The message on missing keys, with the meaning of the first one and the part that needs it.
@@ -266,6 +292,7 @@ class Fields {
   std::vector<Field> fields_;
   Part part_;           // the part whose keys are being bound
   std::string prefix_;  // the prefix of the keys that are being bound
+  std::function<bool()> is_left_out_;
   std::size_t place_ = 0;
   std::size_t places_ = 0;  // 0: the keys are of no place
 };

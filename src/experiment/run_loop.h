@@ -12,21 +12,18 @@
 
 namespace breakwater {
 
-/// Returns the metrics of a run up to now.
-using MetricsSoFar = std::function<std::vector<Metric>()>;
-
 /// Calls `step(k)` for k = 0 … steps − 1. It reports progress and checks for a stop request at the
 /// start, after the first step and at intervals. After the first step nothing allocates. Returns
-/// the failure if a step throws RunFailure. `measured`, if not empty, gives metrics for display.
+/// the failure if a step throws RunFailure. `values`, if not null, has metrics for display.
 template <typename Step>
 std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, Step&& step,
-                                const MetricsSoFar& measured = {}) {
+                                const MetricValues* values = nullptr) {
   constexpr std::int64_t kStepsBetweenReports = 10000;
   try {
     for (std::int64_t k = 0; k < steps; ++k) {
       if (k % kStepsBetweenReports == 0 || k == 1) {
         if (control.stop != nullptr && *control.stop) throw Interrupted();
-        if (control.measured && measured && k > 0) control.measured(measured());
+        if (control.measured && values != nullptr && k > 0) control.measured(values->metrics());
         if (control.progress) {
           control.progress(static_cast<double>(k) / static_cast<double>(steps));
         }
@@ -40,25 +37,30 @@ std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, S
 }
 
 /// Calls `step(k)` at each physics step k < `steps`, which steps the simulation. At each control
-/// sample it calls `sample(time_s)` and, if `control.logs`, logs the signals as track "control". A
-/// complete run ends with the metrics of `measured`. Otherwise the caller adds them, and any
-/// further tracks.
+/// sample it calls `sample(time_s)` and, if `control.logs`, logs the signals as track "control".
+/// Then `values`, if it is not null, takes the values of the step and of the sample. A complete run
+/// ends with its metrics. The caller adds any further tracks.
 template <typename Step, typename Sample>
 Recording record_run(const Simulation& simulation, const PhysicsSettings& physics,
                      std::int64_t steps, std::vector<Signal> signals, const RunControl& control,
-                     Step&& step, Sample&& sample, const MetricsSoFar& measured = {}) {
+                     Step&& step, Sample&& sample, MetricValues* values = nullptr) {
   const std::int64_t per_sample = physics.steps_per_sample();
   const std::int64_t rows = control.logs ? (steps + per_sample - 1) / per_sample : 0;
   Track log("control", std::move(signals), static_cast<std::size_t>(rows), control.stream);
   Recording recording;
   const auto whole_step = [&](std::int64_t k) {
     step(k);
+    if (values != nullptr) values->at_step(simulation.time_s());
     if (!simulation.sampled()) return;
     sample(simulation.time_s());
+    if (values != nullptr) values->at_sample(simulation.time_s());
     if (control.logs) log.append(simulation.time_s());
   };
-  recording.failure = run_loop(steps, control, whole_step, measured);
-  if (measured && !recording.failure) recording.metrics = measured();
+  recording.failure = run_loop(steps, control, whole_step, values);
+  if (values != nullptr && !recording.failure) {
+    recording.metrics = values->metrics();
+    recording.absent = values->absent();
+  }
   recording.simulated_s = simulation.time_of(simulation.steps());
   recording.state_hash = simulation.state_hash();
   recording.dropped_samples = simulation.sensing().dropped();

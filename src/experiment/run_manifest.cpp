@@ -93,6 +93,13 @@ RunManifest read_manifest(const std::filesystem::path& folder) {
       manifest.models[file] = hash.get<std::string>();
     }
   }
+  if (const json* absent = reader.find("absent")) {
+    if (!absent->is_object()) reader.fail("absent", "must be a table");
+    for (const auto& [name, reason] : absent->items()) {
+      if (!reason.is_string()) reader.fail("absent", "must have texts");
+      manifest.absent.push_back({name, "", reason.get<std::string>()});
+    }
+  }
   return manifest;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <breakwater/experiment/provenance.h>
 #include <breakwater/record/recording.h>
@@ -23,6 +24,7 @@ struct RunManifest {
   bool is_unfinished = false;      ///< it was cut; the time of its failure is that of its log
   std::string program;             ///< program_hash()
   ModelHashes models;
+  std::vector<AbsentMetric> absent;  ///< without units
 };
 
 /// Throws std::invalid_argument `FILE: KEY: reason` if the manifest is missing or damaged.

@@ -53,6 +53,9 @@ ordered_json results_of(const Recording& recording, double wall_s, const std::st
     entries["time_s"] = recording.failure->time_s;
   }
   if (!recording.warnings.empty()) entries["warnings"] = recording.warnings;
+  for (const AbsentMetric& metric : recording.absent) {
+    entries["absent"][metric.name] = metric.reason;
+  }
   entries["state_hash"] = fmt::format("{:016x}", recording.state_hash);
   entries["log_hash"] = log_hash;
   entries["simulated_s"] = recording.simulated_s;

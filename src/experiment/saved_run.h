@@ -36,6 +36,8 @@ class SavedRun {
   /// In the scenario's order. Each unit is the end of the name.
   const std::vector<Metric>& metrics() const { return metrics_; }
   std::optional<double> metric(const std::string& name) const;
+  /// The metrics that the run does not have, with the reason; none of an older run.
+  const std::vector<AbsentMetric>& absent() const { return manifest_.absent; }
   /// Warnings, one line each: the run was cut, or the log may have changed after it.
   const std::vector<std::string>& notes() const { return notes_; }
 

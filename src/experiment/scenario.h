@@ -4,8 +4,10 @@
 #include <atomic>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <breakwater/experiment/metric_rows.h>
 #include <breakwater/experiment/settings.h>
 #include <breakwater/record/interrupted.h>
 #include <breakwater/record/log_stream.h>
@@ -49,10 +51,13 @@ class Scenario {
 
   /// The most important metrics for short displays, most important first; unsuitable ones are left
   /// out. Empty: the first ones of a run.
-  virtual std::vector<std::string> main_metrics() const { return {}; }
+  virtual std::vector<std::string> main_metrics() const { return rows_.main(); }
 
   /// All metrics and costs that a run may have, for the reference. May be empty.
-  virtual std::vector<MetricDefinition> metric_definitions() const { return {}; }
+  virtual std::vector<MetricDefinition> metric_definitions() const { return rows_.definitions(); }
+
+  /// The rows of its metrics, valid after learn().
+  const MetricRows& metric_rows() const { return rows_; }
 
   /// The table of --matrix.
   virtual Matrix matrix() const { return {}; }
@@ -60,7 +65,7 @@ class Scenario {
   /// Looks into a file whose tables decide which keys and metrics there are: a plant of the user's
   /// own has a table for each axis. Comes before fields(). Throws std::invalid_argument
   /// `ORIGIN: KEY: reason`.
-  virtual void learn(const Config&) {}
+  virtual void learn(const Config& config) { rows_.learn(config); }
 
   /// The keys of the scenario, bound to its settings.
   virtual Fields fields() = 0;
@@ -82,6 +87,12 @@ class Scenario {
   virtual void animate_scene(Model&, double /*time_s*/) const {}
   /// The water surfaces in the pictures.
   virtual std::vector<WavingSurface> waving_surfaces(const Model&) const { return {}; }
+
+ protected:
+  /// For a scenario with metrics in its own file. fields() binds the rows and check() checks them.
+  explicit Scenario(MetricRows rows) : rows_(std::move(rows)) {}
+
+  MetricRows rows_;
 };
 
 }  // namespace breakwater

@@ -73,6 +73,8 @@ class WindowStatistics {
   std::optional<double> mean() const {
     return if_any(sum_ / static_cast<double>(variance_.count()));
   }
+  /// The mean by Welford's recursion.
+  std::optional<double> running_mean() const { return if_any(variance_.mean()); }
   std::optional<double> rms() const {
     return if_any(std::sqrt(sum_of_squares_ / static_cast<double>(variance_.count())));
   }

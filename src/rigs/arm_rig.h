@@ -127,7 +127,7 @@ class ArmRig {
   const TipPose& tip() const { return tip_; }
   const double& contact_force_N() const { return *contact_force_; }
   const double& filtered_force_N() const;
-  double tip_speed_x_m_s() const { return *tip_speed_x_; }
+  const double& tip_speed_x_m_s() const { return *tip_speed_x_; }
 
   /// The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <concepts>
 #include <memory>
 #include <string>
 #include <utility>
@@ -54,6 +53,7 @@ class AxisRig {
   /// d: the axis' disturbance and the dry friction of its joint, without noise. No observer can
   /// tell the two apart.
   const double& disturbance(std::size_t axis = 0) const { return axes_[axis].disturbance; }
+  const double& reference(std::size_t axis = 0) const { return axes_[axis].reference; }
   /// The force between the geoms of a contact [N].
   const double& contact_force(std::size_t contact) const { return contact_forces_[contact]; }
 
@@ -61,13 +61,11 @@ class AxisRig {
   std::vector<Signal> signals() const;
 
   /// Runs for the duration of the settings, with a sample at the end. It is record_run(), where
-  /// each step is `step(k)` or one step of this rig. It warns if a measured position misses its
+  /// each step is `step(k)`, which steps this rig. It warns if a measured position misses its
   /// reference, or if a drive is at its limit in most samples.
   template <typename Step, typename Sample>
-  requires std::invocable<Sample&, double> Recording run(const RunControl& control,
-                                                         std::vector<Signal> signals, Step&& step,
-                                                         Sample&& sample,
-                                                         const MetricsSoFar& measured = {}) {
+  Recording run(const RunControl& control, std::vector<Signal> signals, Step&& step,
+                Sample&& sample, MetricValues* values = nullptr) {
     const double duration_s = plant_.run.duration_s;
     std::vector<HeldReference> held = held_references();
     std::int64_t samples = 0, saturated = 0;
@@ -83,7 +81,7 @@ class AxisRig {
     };
     Recording recording =
         record_run(*simulation_, plant_.physics, plant_.physics.step_at(duration_s) + 1,
-                   std::move(signals), control, std::forward<Step>(step), watched_sample, measured);
+                   std::move(signals), control, std::forward<Step>(step), watched_sample, values);
     if (!recording.failure) {
       warn(held, recording.warnings);
       warn_of_saturation(saturated, samples, recording.warnings);
@@ -91,15 +89,6 @@ class AxisRig {
     // The last step only shows the values at the end.
     recording.simulated_s = std::min(recording.simulated_s, duration_s);
     return recording;
-  }
-  template <typename Sample>
-  requires std::invocable<Sample&, double> Recording run(const RunControl& control,
-                                                         std::vector<Signal> signals,
-                                                         Sample&& sample,
-                                                         const MetricsSoFar& measured = {}) {
-    return run(
-        control, std::move(signals), [this](std::int64_t) { this->step(); },
-        std::forward<Sample>(sample), measured);
   }
 
  private:

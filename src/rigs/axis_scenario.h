@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <breakwater/experiment/scenario.h>
@@ -30,9 +31,24 @@ class LoopScenario : public Scenario {
   /// while the scenario lives. Throws std::invalid_argument if an axis has no controller of its
   /// own.
   virtual std::vector<AxisOfPlant> loops() const = 0;
+
+ protected:
+  LoopScenario() = default;
+  explicit LoopScenario(MetricRows rows) : Scenario(std::move(rows)) {}
+};
+
+/// The further signals of a scenario's run. The functions own the values of the signals.
+struct AxisAdditions {
+  std::vector<Signal> logged = {};
+  std::vector<Signal> unlogged = {};               ///< for metrics alone
+  std::function<void()> step = {};                 ///< is called after each physics step
+  std::function<void(double time_s)> sample = {};  ///< is called after each sample
 };
 
 /// A scenario of one axis. Valid after its settings are read and checked.
+///
+/// Its metrics may be of every signal of the log, and of `reference_…` of the load. The estimates
+/// position_hat_…, velocity_hat_… and d_hat_… are there for each controller with an estimator.
 class AxisScenario : public LoopScenario {
  public:
   /// The plant of this case.
@@ -42,8 +58,30 @@ class AxisScenario : public LoopScenario {
   /// The choice of its estimator and controller.
   virtual const AxisParts& parts() const = 0;
 
+  std::vector<MetricDefinition> metric_definitions() const override;
   std::vector<std::string> warnings() const override { return plant().warnings(); }
   std::vector<AxisOfPlant> loops() const final { return {{plant(), task(), &parts()}}; }
+  Recording run(const RunControl& control) const override;
+
+ protected:
+  enum class Optimises { no, yes };
+
+  AxisScenario() = default;
+
+  /// With Optimises::yes the metrics of predictive control's optimisations belong to it.
+  AxisScenario(const Catalogue& catalogue, const std::string& name,
+               Optimises optimises = Optimises::no)
+      : LoopScenario(MetricRows(catalogue, name)), optimises_(optimises) {}
+  AxisScenario(MetricRows rows, Optimises optimises)
+      : LoopScenario(std::move(rows)), optimises_(optimises) {}
+
+  void check_metrics(const Config& config, const MetricContext& context = {});
+  virtual AxisAdditions additions(const AxisRig& /*rig*/, const AxisLoop& /*loop*/) const {
+    return {};
+  }
+
+ private:
+  Optimises optimises_ = Optimises::no;
 };
 
 }  // namespace breakwater

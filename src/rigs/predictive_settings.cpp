@@ -193,36 +193,57 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
   return design;
 }
 
+namespace {
+
+// A number of the optimisations of a run, for metrics or costs.
+struct QpNumber {
+  MetricDefinition definition;
+  double (*of)(const QpStatistics& statistics);
+  bool is_cost = false;
+};
+
+double optimisations(const QpStatistics& s) {
+  return static_cast<double>(std::max<std::int64_t>(s.optimisations, 1));
+}
+
+const std::vector<QpNumber>& qp_numbers() {
+  using S = QpStatistics;
+  static const std::vector<QpNumber> all = {
+      {{"qp_iterations_mean", "1", "mean number of solver iterations of an optimisation"},
+       [](const S& s) { return static_cast<double>(s.iterations) / optimisations(s); }},
+      {{"qp_iterations_max", "1", "largest number of solver iterations of an optimisation"},
+       [](const S& s) { return static_cast<double>(s.most_iterations); }},
+      {{"qp_unsolved_count", "1",
+        "number of optimisations whose problem, as it was given, was not solved"},
+       [](const S& s) { return static_cast<double>(s.unsolved); }},
+      {{"qp_softened_count", "1",
+        "number of unsolved optimisations in which constraints were softened"},
+       [](const S& s) { return static_cast<double>(s.softened); }},
+      {{"qp_capped_count", "1",
+        "number of unsolved optimisations that were left with an approximate solution"},
+       [](const S& s) { return static_cast<double>(s.capped); }},
+      {{"qp_time_mean_us", "us", "cost, in manifest.json: mean time of an optimisation"},
+       [](const S& s) { return 1e6 * s.time_s / optimisations(s); },
+       true},
+      {{"qp_time_max_us", "us", "cost, in manifest.json: longest time of an optimisation"},
+       [](const S& s) { return 1e6 * s.longest_s; },
+       true}};
+  return all;
+}
+
+}  // namespace
+
 void add_qp_metrics(const Controller& controller, Recording& recording) {
   const auto* predictive = dynamic_cast<const PredictiveControl*>(&controller);
   if (predictive == nullptr) return;
-  const QpStatistics& statistics = predictive->lmpc().statistics();
-  std::vector<Metric>& metrics = recording.metrics;
-  const auto optimisations =
-      static_cast<double>(std::max<std::int64_t>(statistics.optimisations, 1));
-  add(metrics, "qp_iterations_mean", "1",
-      static_cast<double>(statistics.iterations) / optimisations);
-  add(metrics, "qp_iterations_max", "1", static_cast<double>(statistics.most_iterations));
-  add(metrics, "qp_unsolved_count", "1", static_cast<double>(statistics.unsolved));
-  add(metrics, "qp_softened_count", "1", static_cast<double>(statistics.softened));
-  add(metrics, "qp_capped_count", "1", static_cast<double>(statistics.capped));
-  add(recording.costs, "qp_time_mean_us", "us", 1e6 * statistics.time_s / optimisations);
-  add(recording.costs, "qp_time_max_us", "us", 1e6 * statistics.longest_s);
+  for (const QpNumber& one : qp_numbers()) {
+    add(one.is_cost ? recording.costs : recording.metrics, one.definition.name, one.definition.unit,
+        one.of(predictive->lmpc().statistics()));
+  }
 }
 
 std::vector<MetricDefinition> with_qp_metrics(std::vector<MetricDefinition> definitions) {
-  const std::vector<MetricDefinition> own = {
-      {"qp_iterations_mean", "1", "mean number of solver iterations of an optimisation"},
-      {"qp_iterations_max", "1", "largest number of solver iterations of an optimisation"},
-      {"qp_unsolved_count", "1",
-       "number of optimisations whose problem, as it was given, was not solved"},
-      {"qp_softened_count", "1",
-       "number of unsolved optimisations in which constraints were softened"},
-      {"qp_capped_count", "1",
-       "number of unsolved optimisations that were left with an approximate solution"},
-      {"qp_time_mean_us", "us", "cost, in manifest.json: mean time of an optimisation"},
-      {"qp_time_max_us", "us", "cost, in manifest.json: longest time of an optimisation"}};
-  definitions.insert(definitions.end(), own.begin(), own.end());
+  for (const QpNumber& one : qp_numbers()) definitions.push_back(one.definition);
   return definitions;
 }
 

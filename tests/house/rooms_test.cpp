@@ -59,7 +59,7 @@ const std::map<std::string, std::set<std::string>> kKnowLittle = {
     {"render", {"linear", "signals", "world", "sim", "record"}},
     {"shell", {"signals", "record"}},
     {"config", {"math", "record", "shell"}},
-    {"experiment", {"math", "signals", "plants", "sim", "record", "shell", "config"}},
+    {"experiment", {"math", "linear", "signals", "plants", "sim", "record", "shell", "config"}},
     {"statistics", {"math"}}};
 
 TEST(House, RoomsDependOneWay) {

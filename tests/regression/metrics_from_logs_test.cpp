@@ -1,6 +1,10 @@
-
+// Each metric again, from the log, with plain loops over whole arrays.
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
 #include <numeric>
+#include <set>
 
 #include "regression/run_case.h"
 
@@ -9,6 +13,9 @@ namespace {
 
 using testing::run_case;
 using Values = std::vector<double>;
+using Rows = std::vector<Values>;  // the values at each time
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 Values of(const Recording& run, const std::string& signal) {
   return run.track("control").values(signal);
@@ -38,13 +45,365 @@ double rms(const Values& values) {
                    static_cast<double>(values.size()));
 }
 
-double largest_size(const Values& values) {
-  double largest = 0.0;
-  for (const double value : values) largest = std::max(largest, std::abs(value));
-  return largest;
+Values sizes(Values values) {
+  for (double& value : values) value = std::abs(value);
+  return values;
 }
 
-TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheRawDifference) {
+double largest(const Values& values) {
+  return *std::max_element(values.begin(), values.end());
+}
+
+double largest_size(const Values& values) {
+  return largest(sizes(values));
+}
+
+Values about_mean(const Values& values) {
+  return difference(values, Values(values.size(), mean(values)));
+}
+
+double spread(const Values& values) {
+  const auto n = static_cast<double>(values.size());
+  return rms(about_mean(values)) * std::sqrt(n / (n - 1.0));
+}
+
+Values changes(const Values& values) {
+  return difference(Values(values.begin() + 1, values.end()), values);
+}
+
+// ---- one reader for all rows -------------------------------------------------------------------
+
+// The data of a reduction. The values are those of the window.
+struct Part {
+  Values times;
+  Values values;
+  Rows rows;            // all signals or values
+  double before = 0.0;  // the value before the window
+  double from_s, to_s, level, lower, period_s;
+
+  // The time of the first value that fits; nothing if none does.
+  std::optional<double> first_time(const std::function<bool(double)>& fits) const {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (fits(values[i])) return times[i];
+    }
+    return std::nullopt;
+  }
+  double time_of(const std::function<bool(double)>& fits) const {
+    return period_s * static_cast<double>(std::count_if(values.begin(), values.end(), fits));
+  }
+  int rises(Values all) const {
+    int count = 0;
+    for (std::size_t i = 1; i < all.size(); ++i) {
+      count += all[i] > level && all[i - 1] <= level ? 1 : 0;
+    }
+    return count;
+  }
+  Values while_in(double from, double to) const {
+    Values part;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (times[i] >= from - 1e-9 && times[i] < to - 1e-9) part.push_back(values[i]);
+    }
+    return part;
+  }
+  Values column(std::size_t i) const {
+    Values values_of;
+    for (const Values& row : rows) values_of.push_back(row[i]);
+    return values_of;
+  }
+};
+
+using Again = std::function<std::optional<double>(const Part&)>;
+
+std::optional<double> settled(const Part& part) {
+  std::optional<double> since;
+  for (std::size_t i = part.values.size(); i-- > 0;) {
+    if (std::abs(part.values[i]) > std::abs(part.level)) break;
+    since = part.times[i] - part.from_s;
+  }
+  return since;
+}
+
+const std::map<std::string, Again>& reductions() {
+  const auto since = [](const Part& part, const std::optional<double>& time) {
+    return time ? std::optional(*time - part.from_s) : std::nullopt;
+  };
+  static const std::map<std::string, Again> known = {
+      {"rms", [](const Part& p) { return rms(p.values); }},
+      {"mean", [](const Part& p) { return mean(p.values); }},
+      {"running_mean", [](const Part& p) { return mean(p.values); }},
+      {"max", [](const Part& p) { return largest(p.values); }},
+      {"min", [](const Part& p) { return *std::min_element(p.values.begin(), p.values.end()); }},
+      {"peak", [](const Part& p) { return largest_size(p.values); }},
+      {"std", [](const Part& p) { return spread(p.values); }},
+      {"deviation", [](const Part& p) { return largest_size(about_mean(p.values)); }},
+      {"excess", [](const Part& p) { return std::max(0.0, largest(p.values)); }},
+      {"first", [](const Part& p) { return p.values.front(); }},
+      {"last", [](const Part& p) { return p.values.back(); }},
+      {"rms_change",
+       [](const Part& p) {
+         Values all = {p.before};
+         all.insert(all.end(), p.values.begin(), p.values.end());
+         return rms(changes(all));
+       }},
+      {"travel",
+       [](const Part& p) {
+         const Values steps = sizes(changes(p.values));
+         return std::accumulate(steps.begin(), steps.end(), 0.0);
+       }},
+      {"integral",
+       [](const Part& p) {
+         return p.period_s * std::accumulate(p.values.begin(), p.values.end(), 0.0);
+       }},
+      {"settling", settled},
+      {"settled", settled},
+      {"reach",
+       [since](const Part& p) -> std::optional<double> {
+         if (p.level == 0.0) return std::nullopt;
+         return since(p, p.first_time([&](double v) { return std::abs(v) >= std::abs(p.level); }));
+       }},
+      {"exceed",
+       [since](const Part& p) {
+         return since(p, p.first_time([&](double v) { return v > p.level; }));
+       }},
+      {"overshoot",
+       [](const Part& p) {
+         const double way = p.values.front() > 0.0 ? -1.0 : 1.0;
+         double beyond = 0.0;
+         for (const double v : p.values) beyond = std::max(beyond, way * v);
+         return 100.0 * beyond / std::abs(p.values.front());
+       }},
+      {"time", [](const Part& p) { return p.time_of([&](double v) { return v > p.level; }); }},
+      {"time_outside",
+       [](const Part& p) {
+         return p.time_of([&](double v) { return v > p.level || v < p.lower; });
+       }},
+      {"bounces",
+       [](const Part& p) -> std::optional<double> {
+         Values all = {p.before};
+         all.insert(all.end(), p.values.begin(), p.values.end());
+         if (p.rises(all) == 0) return std::nullopt;
+         return p.rises(all) - 1;
+       }},
+      {"rises", [](const Part& p) { return p.rises(p.values); }},
+      {"rise_rate", [](const Part& p) { return p.rises(p.values) / (p.to_s - p.from_s); }},
+      {"decay",
+       [](const Part& p) -> std::optional<double> {
+         const double fifth_s = (p.to_s - p.from_s) / 5.0;
+         const double first = spread(p.while_in(p.from_s, p.from_s + fifth_s));
+         if (first == 0.0) return std::nullopt;
+         return spread(p.while_in(p.to_s - fifth_s, p.to_s)) / first;
+       }},
+      {"relative_rms",
+       [](const Part& p) { return rms(difference(p.column(0), p.column(1))) / rms(p.column(1)); }},
+      {"rms_per_value", [](const Part& p) {
+         double squares = 0.0;
+         for (const Values& row : p.rows) squares += std::pow(rms(row), 2);
+         return std::sqrt(squares / static_cast<double>(p.rows.size()));
+       }}};
+  return known;
+}
+
+// The rows of a signal of the log, NAME or NAME[2]; empty if the log does not have it.
+Rows logged(const Track& track, const std::string& text) {
+  const std::string name = whole_key(text);
+  for (std::size_t i = 0; i < track.signals(); ++i) {
+    if (track.signal(i).name != name) continue;
+    const std::size_t width = track.signal(i).values.size();
+    const Values values = track.values(i);
+    Rows rows;
+    for (std::size_t k = 0; k < track.rows(); ++k) {
+      const auto row = values.begin() + static_cast<std::ptrdiff_t>(k * width);
+      rows.emplace_back(row, row + static_cast<std::ptrdiff_t>(width));
+      if (text != name)
+        rows.back() = {rows.back().at(std::stoul(text.substr(name.size() + 1)) - 1)};
+    }
+    return rows;
+  }
+  return {};
+}
+
+double taken(const MetricRow& row, const Values& values) {
+  switch (row.take) {
+    case Taken::largest:
+      return largest(values);
+    case Taken::largest_size:
+      return largest_size(values);
+    case Taken::norm:
+      return rms(values) * std::sqrt(static_cast<double>(values.size()));
+    default:
+      return values.front();
+  }
+}
+
+struct Reader {
+  const Recording& run;
+  const MetricRows& rows;
+  double end_s;
+  MetricExpression::Events events;
+
+  const Track& track_of(const MetricRow& row) const {
+    const bool is_fine = rows.is_at_step(row) && run.tracks.size() > 1;
+    return run.track(is_fine ? "physics" : "control");
+  }
+  // The values of all signals of a row; empty if the log lacks one.
+  Rows values(const MetricRow& row) const {
+    const Track& track = track_of(row);
+    const std::size_t comma = row.of.find(", ");
+    Rows all = logged(track, row.of.substr(0, comma));
+    if (comma != std::string::npos) {
+      const Rows second = logged(track, row.of.substr(comma + 2));
+      if (second.empty()) return {};
+      for (std::size_t i = 0; i < all.size(); ++i) all[i].push_back(second[i].front());
+    }
+    if (row.minus == "none") return all;
+    const Rows other = logged(track, row.minus);
+    if (other.empty()) return {};
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].front() -= other[i].front();
+    return all;
+  }
+  // The metric again; nothing if it does not apply.
+  std::optional<double> again(const MetricRow& row, const Rows& all) const {
+    const auto number = [&](const std::string& text) {
+      return rows.expression(text, events).value();
+    };
+    const Values times = track_of(row).times();
+    Part part;
+    part.from_s = number(row.from_s);
+    const bool is_open = row.to_s == "0.0", has_before = row.before_s != "0.0";
+    part.to_s = has_before ? number(row.before_s) : is_open ? end_s : number(row.to_s);
+    part.level = number(row.level);
+    part.lower = number(row.lower);
+    part.period_s = rows.period_of(row);
+    if (part.from_s < 0.0 || (!is_open && number(row.to_s) > end_s)) return std::nullopt;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const double value = taken(row, all[i]);
+      const bool is_late = has_before ? times[i] >= part.to_s - 1e-9
+                                      : row.kind != "settled" && times[i] > part.to_s + 1e-9;
+      if (times[i] < part.from_s - (has_before ? 1e-9 : 0.0)) part.before = value;
+      if (times[i] < part.from_s - (has_before ? 1e-9 : 0.0) || is_late) continue;
+      part.times.push_back(times[i]);
+      part.values.push_back(value);
+      part.rows.push_back(all[i]);
+    }
+    if (part.values.empty()) return std::nullopt;
+    return reductions().at(row.kind)(part);
+  }
+};
+
+// A case, and the metrics that cannot be read again. The log lacks a signal of theirs, or their
+// reduction is the scenario's own, which other tests check.
+struct Case {
+  std::string scenario;
+  std::string name;
+  std::vector<std::string> sets;
+  std::set<std::string> not_logged;
+};
+
+std::vector<std::string> fine_wall() {
+  std::vector<std::string> sets = testing::switched_at_10_s(17);
+  for (const char* set : {"record.fine_from_s=0", "metrics.from_s=13", "metrics.to_s=16",
+                          "contact.stiffness_N_m=5000"}) {
+    sets.emplace_back(set);
+  }
+  return sets;
+}
+
+class MetricsFromLogs : public ::testing::TestWithParam<Case> {};
+
+TEST_P(MetricsFromLogs, AreThoseOfTheRun) {
+  const Case& one = GetParam();
+  const PreparedRun prepared = testing::prepare(one.scenario, one.name, one.sets);
+  const Recording run = prepared.scenario->run({});
+  ASSERT_FALSE(run.failure);
+  const MetricRows& rows = prepared.scenario->metric_rows();
+  // The events, from the log.
+  double first_contact_s = kNever, first_separation_s = kNever;
+  if (run.tracks.size() > 1) {
+    const double from_s = one.scenario == "arm_wall_contact" ? 10.0 : 0.0;
+    const Track& fine = run.track("physics");
+    const Values times = fine.times(), force = fine.values("force_true_N");
+    for (std::size_t i = 0; i < force.size(); ++i) {
+      if (force[i] > 0.0 && times[i] >= from_s) {
+        first_contact_s = std::min(first_contact_s, times[i]);
+      } else if (first_contact_s < kNever) {
+        first_separation_s = std::min(first_separation_s, times[i]);
+      }
+    }
+  }
+  const Reader reader{
+      run,
+      rows,
+      prepared.scenario->run_settings().duration_s,
+      {{"first_contact", &first_contact_s}, {"first_separation", &first_separation_s}}};
+  std::set<std::string> not_logged;
+  int found = 0;
+  for (std::size_t i = 0; i < rows.rows().size(); ++i) {
+    const MetricRow& row = rows.rows()[i];
+    const std::string name = row.definition(rows.kind_of(row)).name;
+    if (!rows.unmet(i).empty()) continue;
+    const Rows values = reader.values(row);
+    if (values.empty() || !reductions().contains(row.kind)) {
+      not_logged.insert(name);
+      continue;
+    }
+    const auto again = reader.again(row, values);
+    const auto metric = run.metric(name);
+    EXPECT_EQ(again.has_value(), metric.has_value()) << name;
+    if (!again || !metric) continue;
+    ++found;
+    EXPECT_NEAR(*metric, *again, 1e-9 * std::max(1.0, std::abs(*again))) << name;
+  }
+  EXPECT_GT(found, 2);
+  EXPECT_EQ(not_logged, one.not_logged);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Regression, MetricsFromLogs,
+    ::testing::Values(
+        Case{"motor_estimation", "mdob", {"encoder.bits=8"}, {"lambda_mean_1", "lambda_min_1"}},
+        // The torque is the applied one, not the commanded one.
+        Case{"motor_estimation",
+             "vfakfd",
+             {"encoder.bits=8", "drive.limit_Nm=10.5", "disturbance.start_s=2",
+              "disturbance.kind=two_sines"},
+             {}},
+        Case{"cart_position", "mdob", {"run.duration_s=10"}, {}},
+        Case{"cart_estimation", "gamma-1.02", {"metrics.from_s=20", "metrics.to_s=40"}, {}},
+        Case{"cart_offset_free",
+             "proposed",
+             {"noise.enabled=true", "metrics.from_s=30", "metrics.to_s=40"},
+             {}},
+        Case{"cart_constrained", "proposed-idob", {}, {}},
+        Case{"two_inertia",
+             "sf-kfd",
+             {},
+             {"overshoot_rad", "rmse_disturbance_Nm", "rmse_load_velocity_rad_s"}},
+        Case{"impact_test",
+             "hertz",
+             {"record.fine_from_s=0", "record.fine_to_s=10"},
+             {"bounce_count", "contact_impulse_Ns", "restitution"}},
+        Case{"arm_push",
+             "proposed-link2",
+             {},
+             {"overshoot_rad", "posture_overshoot_rad", "reversal_count", "settling_time_s",
+              "tip_error_m", "x_overshoot_m", "y_overshoot_m"}},
+        Case{"arm_wall_contact",
+             "proposed-2N",
+             fine_wall(),
+             {"impact_mass_kg", "impact_velocity_m_s", "max_posture_error_rad", "max_y_error_m",
+              "mean_force_error_N", "std_force_error_N"}},
+        Case{"quadrotor_waves",
+             "resonator",
+             {"run.duration_s=20", "metrics.window_s=8"},
+             {"attitude_estimate_rmse_rad", "converged", "horizontal_force_rmse_N",
+              "horizontal_force_rmse_of_zero_N", "nees_mean", "position_estimate_rmse_m",
+              "position_measurement_rmse_m", "roll_rate_rmse_rad_s", "vertical_force_rmse_N"}},
+        Case{"plant", "idob", {}, {}}),
+    [](const auto& one) { return one.param.scenario + std::to_string(one.index); });
+
+// ---- what no row says --------------------------------------------------------------------------
+
+TEST(SignalsOfMetrics, RawVelocityOfTheMotorIsTheRawDifference) {
   const Recording run = run_case("motor_estimation", "mdob", {"encoder.bits=8"});
   const Values angle = of(run, "position_measured_rad");
   const Values times = run.track("control").times();
@@ -53,51 +412,9 @@ TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheRawDifference) {
     raw[i] = (angle[i] - angle[i - 1]) / (times[i] - times[i - 1]);
   }
   EXPECT_LT(largest_size(difference(raw, of(run, "velocity_raw_rad_s"))), 1e-6);
-  const Values error = difference(raw, of(run, "velocity_true_rad_s"));
-  EXPECT_NEAR(*run.metric("rmse_raw_velocity_rad_s"), rms(between(run, error, 5.0, 10.0)), 1e-9);
 }
 
-// From the disturbance on. The torque is the applied one, not the commanded one.
-TEST(MetricsFromLogs, AngleAndTorqueOfTheMotorCountFromTheDisturbance) {
-  const Recording run = run_case("motor_estimation", "idob",
-                                 {"encoder.bits=8", "drive.limit_Nm=10.5", "disturbance.start_s=2",
-                                  "disturbance.kind=two_sines"});
-  const auto since = [&](const char* signal) {
-    return rms(between(run, of(run, signal), 2.0 - 1e-9, 10.0 + 1e-9));
-  };
-  EXPECT_NEAR(*run.metric("rms_position_rad"), since("position_true_rad"), 1e-12);
-  EXPECT_NEAR(*run.metric("rms_torque_Nm"), since("applied_Nm"), 1e-9);
-  EXPECT_LT(*run.metric("rms_torque_Nm"), since("command_Nm") - 0.01);
-  // A shorter run has neither.
-  EXPECT_FALSE(
-      run_case("motor_estimation", "idob", {"run.duration_s=0.5"}).metric("rms_torque_Nm"));
-}
-
-TEST(MetricsFromLogs, LateForceAtTheWallMatchesTheContactForce) {
-  const Recording run = run_case(
-      "arm_wall_contact", "proposed-2N",
-      {"contact.stiffness_N_m=5000", "metrics.from_s=31", "metrics.to_s=33", "run.duration_s=33"});
-  const Values force = of(run, "force_true_N");
-  const auto window = [&](double from_s, double to_s) {
-    return between(run, force, from_s - 1e-6, to_s - 1e-6);  // without the end
-  };
-  const Values late = window(31.0, 33.0);
-  int onsets = 0, rises = 0;
-  for (std::size_t i = 1; i < late.size(); ++i) {
-    onsets += late[i] > 0.0 && late[i - 1] <= 0.0 ? 1 : 0;
-    rises += late[i] > 2.0 && late[i - 1] <= 2.0 ? 1 : 0;
-  }
-  EXPECT_GT(onsets, 1);
-  EXPECT_EQ(*run.metric("late_bounce_count"), onsets);
-  EXPECT_EQ(*run.metric("force_frequency_Hz"), rises / 2.0);
-  const auto spread = [&](double from_s, double to_s) {
-    const Values part = window(from_s, to_s);
-    return rms(difference(part, Values(part.size(), mean(part))));
-  };
-  EXPECT_NEAR(*run.metric("force_decay_ratio"), spread(32.6, 33.0) / spread(31.0, 31.4), 1e-9);
-}
-
-TEST(MetricsFromLogs, LagOfARampIsItsMeanErrorOverItsSlope) {
+TEST(SignalsOfMetrics, LagOfARampIsItsMeanErrorOverItsSlope) {
   const Recording run = run_case("cart_estimation", "order1", {"disturbance.kind=ramp"});
   const Values late = difference(of(run, "d_true_N"), of(run, "d_hat_N"));
   const double slope = of(run, "d_true_N").back() - of(run, "d_true_N").rbegin()[1];
@@ -107,7 +424,7 @@ TEST(MetricsFromLogs, LagOfARampIsItsMeanErrorOverItsSlope) {
 }
 
 // d shifted by the lag fits d̂, except for a gain, better than with a smaller or larger shift.
-TEST(MetricsFromLogs, LagOfASineIsTheDelayThatFitsBest) {
+TEST(SignalsOfMetrics, LagOfASineIsTheDelayThatFitsBest) {
   const Recording run = run_case("cart_estimation", "order2", {"disturbance.kind=sine"});
   const double lag_s = *run.metric("disturbance_lag_s");
   const double period_s = run.track("control").times()[1];
@@ -129,60 +446,8 @@ TEST(MetricsFromLogs, LagOfASineIsTheDelayThatFitsBest) {
   for (const double off_s : {-1.0, 1.0}) EXPECT_LT(misfit(lag_s), misfit(lag_s + off_s));
 }
 
-TEST(MetricsFromLogs, AStepHasNoLag) {
+TEST(SignalsOfMetrics, AStepHasNoLag) {
   EXPECT_FALSE(run_case("cart_estimation", "order1").metric("disturbance_lag_s"));
-}
-
-TEST(MetricsFromLogs, TheRiseOfAnEstimateEndsAtItsLevel) {
-  const auto first = [](const Recording& run, double level) {
-    const Values estimate = of(run, "d_hat_N");
-    std::size_t i = 0;
-    while (std::abs(estimate[i]) < level) ++i;
-    return run.track("control").times()[i];
-  };
-  const Recording friction = run_case("cart_position", "mdob", {"run.duration_s=10"});
-  EXPECT_NEAR(*friction.metric("estimate_rise_time_s"),
-              first(friction, 0.3 * (1.0 - std::exp(-1.0))), 1e-9);
-  EXPECT_FALSE(run_case("cart_position", "mdob", {"plant.coulomb_friction_N=0"})
-                   .metric("estimate_rise_time_s"));
-  const Recording step = run_case("cart_estimation", "gamma-1.20");
-  EXPECT_NEAR(*step.metric("reach_time_99pct_s"), first(step, 0.99 * 5.0) - 25.0, 1e-9);
-}
-
-TEST(MetricsFromLogs, NoiseIsMeasuredAboutItsMean) {
-  const Recording run =
-      run_case("cart_estimation", "gamma-1.02", {"metrics.from_s=20", "metrics.to_s=40"});
-  Values noise = between(run, of(run, "d_hat_noise_N"), 20.0, 40.0);
-  const double middle = mean(noise);
-  for (double& value : noise) value -= middle;
-  EXPECT_NEAR(*run.metric("max_noise_deviation_N"), largest_size(noise), 1e-12);
-}
-
-TEST(MetricsFromLogs, MatchForTheOffsetFreeCart) {
-  const Recording run = run_case("cart_offset_free", "proposed",
-                                 {"noise.enabled=true", "metrics.from_s=30", "metrics.to_s=40"});
-  const Values position = of(run, "position_true_m");
-  Values late = between(run, position, 30.0, 40.0);
-  const double middle = mean(late);
-  for (double& value : late) value -= middle;
-  const auto n = static_cast<double>(late.size());
-  EXPECT_NEAR(*run.metric("std_position_m"), rms(late) * std::sqrt(n / (n - 1.0)), 1e-12);
-  EXPECT_NEAR(*run.metric("rms_position_estimate_error_m"),
-              rms(difference(of(run, "position_hat_m"), position)), 1e-12);
-  EXPECT_NEAR(*run.metric("max_early_disturbance_estimate_N"),
-              largest_size(between(run, of(run, "d_hat_N"), 5.0, 9.9999)), 1e-12);
-}
-
-TEST(MetricsFromLogs, MatchForTheConstrainedCart) {
-  const Recording run = run_case("cart_constrained", "proposed-idob");
-  const Values estimate = of(run, "velocity_hat_m_s");
-  double travel = 0.0;
-  for (std::size_t i = 1; i < estimate.size(); ++i)
-    travel += std::abs(estimate[i] - estimate[i - 1]);
-  EXPECT_GT(travel, 0.0);
-  EXPECT_NEAR(*run.metric("velocity_estimate_travel_m_s"), travel, 1e-12);
-  EXPECT_NEAR(*run.metric("rms_velocity_estimate_error_m_s"),
-              rms(difference(estimate, of(run, "velocity_true_m_s"))), 1e-12);
 }
 
 }  // namespace

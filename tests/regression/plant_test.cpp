@@ -8,7 +8,6 @@
 #include <map>
 
 #include "catalogue.h"
-#include "plant/declared_metrics.h"
 
 namespace breakwater {
 namespace {
@@ -354,32 +353,6 @@ TEST(PlantTest, PushMovesAMassByForceOverMass) {
   EXPECT_NEAR(metrics.at("x_m"), 0.6 * 5.0 / 2.0 * 0.01 / 2.0, 1e-12);
   EXPECT_NEAR(metrics.at("y_m"), 0.8 * 5.0 / 2.0 * 0.01 / 2.0, 1e-12);
   EXPECT_NEAR(metrics.at("fall_m"), -10.0 * 0.15 * 0.15 / 2.0, 1e-12);
-}
-
-// In the step response of ω² / (s² + 2 ζ ω s + ω²) the overshoot is exp(−π ζ/√(1 − ζ²)). The error
-// last leaves ±5 % where its sampled magnitude does.
-TEST(DeclaredMetricTest, SecondOrderResponse) {
-  constexpr double kZeta = 0.3, kOmega = 5.0, kStep = 1e-4;
-  const double damped = kOmega * std::sqrt(1.0 - kZeta * kZeta);
-  double error = 0.0;
-  const std::vector<Signal> signals = {{"error_m", "m", "", view(error)}};
-  DeclaredMetric settling{"s", "error_m", "none", DeclaredKind::settling, 0.0, 0.0, 0.05};
-  DeclaredMetric overshoot{"o", "error_m", "none", DeclaredKind::overshoot, 0.0, 0.0, 0.0};
-  DeclaredValue settles(settling, signals, 10.0, kStep), shoots(overshoot, signals, 10.0, kStep);
-  double last_outside_s = 0.0;
-  for (int k = 0; k <= 100000; ++k) {
-    const double t = k * kStep;
-    error = -std::exp(-kZeta * kOmega * t) *
-            (std::cos(damped * t) + kZeta * kOmega / damped * std::sin(damped * t));
-    if (std::abs(error) > 0.05) last_outside_s = t;
-    settles.add(t);
-    shoots.add(t);
-  }
-  EXPECT_NEAR(shoots.value().value(),
-              100.0 * std::exp(-M_PI * kZeta / std::sqrt(1.0 - kZeta * kZeta)), 1e-4);
-  EXPECT_NEAR(settles.value().value(), last_outside_s + kStep, 1e-9);
-  EXPECT_EQ(settling.definition().name, "s_s");
-  EXPECT_EQ(overshoot.definition().unit, "%");
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/plants/damped_inertia.h>
 #include <breakwater/record/held_reference.h>
-#include <breakwater/record/window_metrics.h>
 #include <breakwater/sim/friction.h>
 #include <breakwater/sim/joint_force.h>
 
@@ -52,6 +51,7 @@ Fields MyScenario::fields() {
   fields.number("metrics.to_s", to_s_, not_negative(), "end of the window of the errors [s]");
   fields.number("metrics.settled_within_rad", settled_within_rad_, positive(),
                 "distance from the reference within which the pendulum counts as settled [rad]");
+  rows_.bind(fields);
   return fields;
 }
 
@@ -66,6 +66,8 @@ void MyScenario::check(const Config& config) {
     const Sensing check_only(model, sensing());
   });
   if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
+  rows_.check(
+      config, [this] { return fields(); }, physics_);
 }
 
 // ---- plant -------------------------------------------------------------------------------------
@@ -132,10 +134,10 @@ Recording MyScenario::run(const RunControl& control) const {
       {"torque_Nm", "N m", "torque of the motor, within its limit", view(sim.actuation())}};
   for (const Signal& signal : loop.controller->signals()) signals.push_back(signal);
 
-  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(run_.duration_s);
-  WindowStatistics error(window), torque(window), estimate(window), whole(TimeWindow{});
-  SettlingTime settling(TimeWindow{reference_.from_s, to_s_}.within(run_.duration_s),
-                        settled_within_rad_);
+  // The rows of the metrics may be of signals that are not in the log.
+  std::vector<Signal> of_metrics = signals;
+  of_metrics.push_back({"hold_torque_Nm", "N m", "", view(hold_Nm)});
+  MetricValues values(rows_, of_metrics, run_.duration_s);
   HeldReference held({reference_.from_s, run_.duration_s}, "the angle", "rad");
   held.ask(reference_.value);
 
@@ -146,25 +148,11 @@ Recording MyScenario::run(const RunControl& control) const {
   };
   const auto sample = [&](double t) {
     target_rad = reference_.at(t);
-    const double missing = target_rad - sim.qpos()[0];
-    error.add(t, missing);
-    settling.add(t, missing);
-    held.add(t, missing);
-    whole.add(t, sim.qpos()[0]);
-    torque.add(t, sim.actuation()(0));
-    if (loop.estimates()) estimate.add(t, loop.estimator->disturbance()(0));
+    held.add(t, target_rad - sim.qpos()[0]);
   };
   Recording recording = record_run(sim, physics_, physics_.step_at(run_.duration_s) + 1,
-                                   std::move(signals), control, step, sample);
-  if (recording.failure) return recording;
-  held.warn(recording.warnings);
-  std::vector<Metric>& metrics = recording.metrics;
-  add(metrics, "rmse_angle_rad", "rad", error.rms());
-  add(metrics, "settling_time_s", "s", settling.value());
-  add(metrics, "largest_angle_rad", "rad", whole.largest());
-  add(metrics, "mean_torque_Nm", "N m", torque.mean());
-  add(metrics, "mean_estimate_Nm", "N m", estimate.mean());
-  add(metrics, "hold_torque_Nm", "N m", hold_Nm);
+                                   std::move(signals), control, step, sample, &values);
+  if (!recording.failure) held.warn(recording.warnings);
   return recording;
 }
 

@@ -15,7 +15,8 @@ namespace my_scenario_lab {
 /// reference angle; then a push disturbs it. How well is it held, and d estimated?
 class MyScenario final : public breakwater::Scenario {
  public:
-  explicit MyScenario(const breakwater::Catalogue& catalogue) : parts_(catalogue, "pd") {}
+  explicit MyScenario(const breakwater::Catalogue& catalogue)
+      : Scenario(breakwater::MetricRows(catalogue, "my_scenario")), parts_(catalogue, "pd") {}
 
   std::string name() const override { return "my_scenario"; }
   std::string summary() const override { return "a pendulum, held against gravity and a push"; }
@@ -43,7 +44,7 @@ class MyScenario final : public breakwater::Scenario {
   // The estimator and controller, and their nominal model.
   breakwater::AxisParts parts_;
   double nominal_inertia_kgm2_ = 0.0;
-  // The windows and limits of the metrics.
+  // Keys for the metrics' rows.
   double from_s_ = 0.0;
   double to_s_ = 0.0;
   double settled_within_rad_ = 0.0;

@@ -1,0 +1,527 @@
+#include <breakwater/experiment/metric_reductions.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include <breakwater/record/window_metrics.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kOpen = std::numeric_limits<double>::infinity();
+
+std::optional<double> number_in(const std::string& word) {
+  double number = 0.0;
+  const char* const end = word.data() + word.size();
+  const auto [last, error] = std::from_chars(word.data(), end, number);
+  if (error != std::errc() || last != end) return std::nullopt;
+  return number;
+}
+
+using Value = std::optional<double> (WindowStatistics::*)() const;
+
+template <Value kValue>
+class Statistic final : public Reduction {
+ public:
+  explicit Statistic(const ReductionSetup& /*setup*/) {}
+  void add(const AddedValues& added) override { values_.add(added.time_s, added.value); }
+  std::optional<double> value() const override { return (values_.*kValue)(); }
+
+ private:
+  WindowStatistics values_{TimeWindow{-kOpen}};
+};
+
+class RmsChange final : public Reduction {
+ public:
+  explicit RmsChange(const ReductionSetup& /*setup*/) {}
+  void add(const AddedValues& added) override {
+    changes_.add(added.time_s, added.value - added.last.value_or(0.0));
+  }
+  std::optional<double> value() const override { return changes_.rms(); }
+
+ private:
+  WindowStatistics changes_{TimeWindow{-kOpen}};
+};
+
+class Excess final : public Reduction {
+ public:
+  explicit Excess(const ReductionSetup& /*setup*/) {}
+  void add(const AddedValues& added) override { largest_ = std::max(largest_, added.value); }
+  std::optional<double> value() const override { return largest_; }
+
+ private:
+  double largest_ = 0.0;
+};
+
+class Settling final : public Reduction {
+ public:
+  explicit Settling(const ReductionSetup& setup) : setup_(setup) {}
+  void add(const AddedValues& added) override {
+    if (!settling_) {
+      settling_.emplace(TimeWindow{setup_.window.from_s.value()}, std::abs(setup_.level.value()));
+    }
+    settling_->add(added.time_s, added.value);
+  }
+  std::optional<double> value() const override { return settling_->value(); }
+
+ private:
+  ReductionSetup setup_;
+  std::optional<SettlingTime> settling_;
+};
+
+class Reach final : public Reduction {
+ public:
+  explicit Reach(const ReductionSetup& setup) : setup_(setup) {}
+  void add(const AddedValues& added) override {
+    if (!reach_) {
+      reach_.emplace(setup_.window.from_s.value(), std::abs(setup_.level.value()));
+    }
+    reach_->add(added.time_s, added.value);
+  }
+  std::optional<double> value() const override { return reach_->value(); }
+
+ private:
+  ReductionSetup setup_;
+  std::optional<ReachTime> reach_;
+};
+
+class Exceed final : public Reduction {
+ public:
+  explicit Exceed(const ReductionSetup& setup) : setup_(setup) {}
+  void add(const AddedValues& added) override {
+    if (!value_ && added.value > setup_.level.value()) {
+      value_ = added.time_s - setup_.window.from_s.value();
+    }
+  }
+  std::optional<double> value() const override { return value_; }
+
+ private:
+  ReductionSetup setup_;
+  std::optional<double> value_;
+};
+
+class Overshoot final : public Reduction {
+ public:
+  explicit Overshoot(const ReductionSetup& /*setup*/) {}
+  void add(const AddedValues& added) override {
+    if (!first_) first_ = added.value;
+    beyond_ = std::max(beyond_, *first_ > 0.0 ? -added.value : added.value);
+  }
+  std::optional<double> value() const override {
+    if (*first_ == 0.0) return std::nullopt;
+    return 100.0 * beyond_ / std::abs(*first_);
+  }
+
+ private:
+  std::optional<double> first_;
+  double beyond_ = 0.0;  // the farthest value on the other side of 0
+};
+
+class TimeAbove final : public Reduction {
+ public:
+  explicit TimeAbove(const ReductionSetup& setup) : setup_(setup) {}
+  void add(const AddedValues& added) override {
+    if (added.value > setup_.level.value()) time_s_ += setup_.period_s;
+  }
+  std::optional<double> value() const override { return time_s_; }
+
+ private:
+  ReductionSetup setup_;
+  double time_s_ = 0.0;
+};
+
+class TimeOutside final : public Reduction {
+ public:
+  explicit TimeOutside(const ReductionSetup& setup) : setup_(setup) {}
+  void add(const AddedValues& added) override {
+    if (added.value > setup_.level.value() || added.value < setup_.lower.value()) {
+      time_s_ += setup_.period_s;
+    }
+  }
+  std::optional<double> value() const override { return time_s_; }
+
+ private:
+  ReductionSetup setup_;
+  double time_s_ = 0.0;
+};
+
+class Bounces final : public Reduction {
+ public:
+  explicit Bounces(const ReductionSetup& setup) : setup_(setup) {}
+  void add(const AddedValues& added) override {
+    const double level = setup_.level.value();
+    if (added.value > level && added.last.value_or(0.0) <= level) ++onsets_;
+  }
+  std::optional<double> value() const override {
+    if (onsets_ == 0) return std::nullopt;
+    return onsets_ - 1;
+  }
+
+ private:
+  ReductionSetup setup_;
+  int onsets_ = 0;
+};
+
+// Rises between values that both lie in the window.
+class Rises : public Reduction {
+ public:
+  explicit Rises(const ReductionSetup& setup) : setup_(setup) {}
+  void add(const AddedValues& added) override {
+    const double level = setup_.level.value();
+    if (is_begun_ && added.value > level && *added.last <= level) ++rises_;
+    is_begun_ = true;
+  }
+  std::optional<double> value() const override { return rises_; }
+
+ protected:
+  ReductionSetup setup_;
+
+ private:
+  bool is_begun_ = false;
+  int rises_ = 0;
+};
+
+class RiseRate final : public Rises {
+ public:
+  using Rises::Rises;
+  std::optional<double> value() const override {
+    return *Rises::value() / setup_.window.length_s();
+  }
+};
+
+class First final : public Reduction {
+ public:
+  explicit First(const ReductionSetup& /*setup*/) {}
+  void add(const AddedValues& added) override {
+    if (!first_) first_ = added.value;
+  }
+  std::optional<double> value() const override { return first_; }
+
+ private:
+  std::optional<double> first_;
+};
+
+class Last final : public Reduction {
+ public:
+  explicit Last(const ReductionSetup& /*setup*/) {}
+  void add(const AddedValues& added) override { last_ = added.value; }
+  std::optional<double> value() const override { return last_; }
+
+ private:
+  double last_ = 0.0;
+};
+
+// The speed with which something leaves, over the speed with which it came.
+class Restitution final : public Reduction {
+ public:
+  explicit Restitution(const ReductionSetup& /*setup*/) {}
+  void add(const AddedValues& added) override {
+    if (!in_) in_ = added.value;
+    out_ = -added.value;
+  }
+  std::optional<double> value() const override {
+    if (!(*in_ > 0.0)) return std::nullopt;
+    return out_ / *in_;
+  }
+
+ private:
+  std::optional<double> in_;
+  double out_ = 0.0;
+};
+
+class Travel final : public Reduction {
+ public:
+  explicit Travel(const ReductionSetup& /*setup*/) {}
+  void add(const AddedValues& added) override {
+    if (added.last) travel_ += std::abs(added.value - *added.last);
+  }
+  std::optional<double> value() const override { return travel_; }
+
+ private:
+  double travel_ = 0.0;
+};
+
+class Sum final : public Reduction {
+ public:
+  explicit Sum(const ReductionSetup& /*setup*/) {}
+  void add(const AddedValues& added) override { sum_ += added.value; }
+  std::optional<double> value() const override { return sum_; }
+
+ private:
+  double sum_ = 0.0;
+};
+
+class Integral final : public Reduction {
+ public:
+  explicit Integral(const ReductionSetup& setup) : period_s_(setup.period_s) {}
+  void add(const AddedValues& added) override { integral_ += added.value * period_s_; }
+  std::optional<double> value() const override { return integral_; }
+
+ private:
+  double period_s_;
+  double integral_ = 0.0;
+};
+
+class RelativeRms final : public Reduction {
+ public:
+  explicit RelativeRms(const ReductionSetup& /*setup*/) {}
+  void add(const AddedValues& added) override {
+    error_.add(added.time_s, added.all[0] - added.all[1]);
+    truth_.add(added.time_s, added.all[1]);
+  }
+  std::optional<double> value() const override {
+    if (!(*truth_.rms() > 0.0)) return std::nullopt;
+    return *error_.rms() / *truth_.rms();
+  }
+
+ private:
+  WindowStatistics error_{TimeWindow{-kOpen}};
+  WindowStatistics truth_{TimeWindow{-kOpen}};
+};
+
+// √(mean |e|²/n) of a vector of n values. Eigen's sum of squares keeps the bits of fixed vectors.
+class RmsPerValue final : public Reduction {
+ public:
+  explicit RmsPerValue(const ReductionSetup& setup)
+      : values_(static_cast<Eigen::Index>(setup.values)) {}
+  void add(const AddedValues& added) override {
+    values_ = Eigen::Map<const Eigen::VectorXd>(added.all.data(), values_.size());
+    squares_.add(added.time_s, values_.squaredNorm() / static_cast<double>(values_.size()));
+  }
+  std::optional<double> value() const override { return std::sqrt(*squares_.mean()); }
+
+ private:
+  Eigen::VectorXd values_;
+  WindowStatistics squares_{TimeWindow{-kOpen}};
+};
+
+// The largest number of all values.
+class Reversals final : public Reduction {
+ public:
+  explicit Reversals(const ReductionSetup& setup)
+      : counts_(setup.values, ReversalCount(std::abs(setup.level.value()))) {}
+  void add(const AddedValues& added) override {
+    for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i].add(added.all[i]);
+  }
+  std::optional<double> value() const override {
+    int most = 0;
+    for (const ReversalCount& count : counts_) most = std::max(most, count.value());
+    return most;
+  }
+
+ private:
+  std::vector<ReversalCount> counts_;
+};
+
+class Decay final : public Reduction {
+ public:
+  explicit Decay(const ReductionSetup& setup) : setup_(setup) {}
+  void add(const AddedValues& added) override {
+    const double fifth_s = setup_.window.length_s() / 5.0;
+    const double rounding_s = setup_.window.rounding_s;
+    const double from_s = setup_.window.from_s.value();
+    const double end_s = from_s + setup_.window.length_s();
+    if (added.time_s < from_s + fifth_s - rounding_s) first_.add(added.value);
+    if (added.time_s >= end_s - fifth_s - rounding_s) last_.add(added.value);
+  }
+  std::optional<double> value() const override {
+    const auto first = first_.standard_deviation(), last = last_.standard_deviation();
+    if (!first || !last || !(*first > 0.0)) return std::nullopt;
+    return *last / *first;
+  }
+
+ private:
+  ReductionSetup setup_;
+  RunningVariance first_;
+  RunningVariance last_;
+};
+
+}  // namespace
+
+MetricExpression::MetricExpression(const std::string& text, const Numbers& numbers,
+                                   const Events& events) {
+  const auto wrong = [&] {
+    return std::invalid_argument(
+        "must be a number, or names and numbers with spaces around + - *: "
+        "\"first_contact + 0.2\"");
+  };
+  std::istringstream words(text);
+  bool is_factor = true, is_negative = false, is_product = false;
+  for (std::string word; words >> word; is_factor = !is_factor) {
+    if (!is_factor) {
+      if (word != "+" && word != "-" && word != "*") throw wrong();
+      is_product = word == "*";
+      is_negative = word == "-";
+      continue;
+    }
+    if (!is_product) terms_.push_back({is_negative, {}});
+    Factor factor{0.0, nullptr};
+    if (const auto number = number_in(word)) {
+      factor.number = *number;
+    } else {
+      const bool is_opposite = word.front() == '-';
+      const std::string name = is_opposite ? word.substr(1) : word;
+      if (is_opposite && is_product) throw wrong();
+      if (is_opposite) terms_.back().is_negative = !terms_.back().is_negative;
+      if (const auto event = events.find(name); event != events.end()) {
+        factor.event = event->second;
+        is_constant_ = false;
+      } else if (const auto known = numbers(name)) {
+        factor.number = *known;
+      } else {
+        throw std::invalid_argument("there is no number or event \"" + name + "\"");
+      }
+    }
+    terms_.back().factors.push_back(factor);
+  }
+  if (is_factor) throw wrong();
+  constant_ = sum();
+}
+
+double MetricExpression::sum() const {
+  double sum = 0.0;
+  for (const Term& term : terms_) {
+    double product = 1.0;
+    for (const Factor& factor : term.factors) {
+      product *= factor.event != nullptr ? *factor.event : factor.number;
+    }
+    sum += term.is_negative ? -product : product;
+  }
+  return sum;
+}
+
+bool MetricWindow::contains(double time_s) const {
+  const double from = from_s.value();
+  const double rounding = before_s ? rounding_s : 0.0;
+  if (from < 0.0 || time_s < from - rounding) return false;
+  if (before_s && !(time_s < before_s->value() - rounding)) return false;
+  if (!to_s) return true;
+  const double to = to_s->value();
+  return (to <= run_end_s || to == kOpen) && (goes_on || time_s <= to);
+}
+
+double MetricWindow::length_s() const {
+  const double end_s = before_s ? before_s->value() : to_s ? to_s->value() : run_end_s;
+  return end_s - from_s.value();
+}
+
+const std::vector<MetricKind>& standard_metric_kinds() {
+  using enum ReducedUnit;
+  static const std::vector<MetricKind> kinds = {
+      {"rms", "root mean square", signal, make_reduction<Statistic<&WindowStatistics::rms>>},
+      {"mean", "mean", signal, make_reduction<Statistic<&WindowStatistics::mean>>},
+      {"running_mean", "mean, by Welford's recursion", signal,
+       make_reduction<Statistic<&WindowStatistics::running_mean>>},
+      {"max", "largest value", signal, make_reduction<Statistic<&WindowStatistics::largest>>},
+      {"min", "smallest value", signal, make_reduction<Statistic<&WindowStatistics::smallest>>},
+      {"peak", "largest magnitude", signal, make_reduction<Statistic<&WindowStatistics::peak>>},
+      {"std", "sample standard deviation", signal,
+       make_reduction<Statistic<&WindowStatistics::standard_deviation>>},
+      {"deviation", "largest deviation from the mean", signal,
+       make_reduction<Statistic<&WindowStatistics::largest_deviation>>},
+      {"excess", "largest value, or 0 if none is above 0", signal, make_reduction<Excess>},
+      {"first", "first value of the window", signal, make_reduction<First>},
+      {"last", "last value of the window", signal, make_reduction<Last>},
+      {"rms_change", "root mean square of the change from sample to sample", signal,
+       make_reduction<RmsChange>},
+      {"travel", "sum of the magnitudes of all changes from sample to sample", signal,
+       make_reduction<Travel>},
+      {"sum", "sum", signal, make_reduction<Sum>},
+      {"integral", "sum of the values times the time between them", time_integral,
+       make_reduction<Integral>},
+      {.name = "settling",
+       .meaning =
+           "time from the window's start until the magnitude stays within the level to its end",
+       .unit = time,
+       .make = make_reduction<Settling>,
+       .has_level = true,
+       .why_absent = "the magnitude ends beyond the level"},
+      {.name = "settled",
+       .meaning = "time from the window's start until the magnitude stays within the level to the "
+                  "end of the run, which covers the window",
+       .unit = time,
+       .make = make_reduction<Settling>,
+       .has_level = true,
+       .goes_on = true,
+       .why_absent = "the magnitude ends beyond the level"},
+      {.name = "reach",
+       .meaning = "time from the window's start until the magnitude first reaches the level",
+       .unit = time,
+       .make = make_reduction<Reach>,
+       .has_level = true,
+       .why_absent = "the magnitude never reaches the level"},
+      {.name = "exceed",
+       .meaning = "time from the window's start until the value is first above the level",
+       .unit = time,
+       .make = make_reduction<Exceed>,
+       .has_level = true,
+       .why_absent = "the value never rises above the level"},
+      {.name = "overshoot",
+       .meaning = "farthest value beyond 0, on the other side of the window's first value, as a "
+                  "share of this first value",
+       .unit = percent,
+       .make = make_reduction<Overshoot>,
+       .why_absent = "the first value of its window is 0"},
+      {.name = "time",
+       .meaning = "time for which the value is above the level",
+       .unit = time,
+       .make = make_reduction<TimeAbove>,
+       .has_level = true},
+      {.name = "time_outside",
+       .meaning = "time for which the value is above the level or below the lower one",
+       .unit = time,
+       .make = make_reduction<TimeOutside>,
+       .has_level = true},
+      {.name = "bounces",
+       .meaning = "number of times that the value rises above the level, without the first: "
+                  "bounces",
+       .unit = one,
+       .make = make_reduction<Bounces>,
+       .has_level = true,
+       .why_absent = "the value never rises above the level"},
+      {.name = "rises",
+       .meaning = "number of times that the value rises above the level within the window",
+       .unit = one,
+       .make = make_reduction<Rises>,
+       .has_level = true},
+      {.name = "rise_rate",
+       .meaning = "number of times per second that the value rises above the level",
+       .unit = rate,
+       .make = make_reduction<RiseRate>,
+       .has_level = true},
+      {.name = "restitution",
+       .meaning = "opposite of the last value over the first one",
+       .unit = one,
+       .make = make_reduction<Restitution>,
+       .why_absent = "the first value of its window is not positive"},
+      {.name = "decay",
+       .meaning = "standard deviation in the window's last fifth over that in its first fifth",
+       .unit = one,
+       .make = make_reduction<Decay>,
+       .why_absent = "the value is constant in the window's first fifth"},
+      {.name = "relative_rms",
+       .meaning = "root mean square of the first signal less the second, over that of the second",
+       .unit = one,
+       .make = make_reduction<RelativeRms>,
+       .takes_all = true,
+       .why_absent = "the second signal is 0"},
+      {.name = "rms_per_value",
+       .meaning = "root mean square of all values, per value",
+       .make = make_reduction<RmsPerValue>,
+       .takes_all = true},
+      {.name = "reversals",
+       .meaning = "number of times that the value which swings most turns back by more than the "
+                  "level",
+       .unit = one,
+       .make = make_reduction<Reversals>,
+       .has_level = true,
+       .takes_all = true}};
+  return kinds;
+}
+
+}  // namespace breakwater

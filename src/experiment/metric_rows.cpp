@@ -1,0 +1,585 @@
+#include <breakwater/experiment/metric_rows.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include <breakwater/config/toml_text.h>
+#include <breakwater/experiment/catalogue.h>
+#include <breakwater/experiment/saved_run.h>
+#include <breakwater/linear/high_pass.h>
+#include <breakwater/record/hdf5_log.h>
+#include <breakwater/shell/did_you_mean.h>
+
+namespace breakwater {
+namespace {
+
+constexpr const char* kNone = "none";
+constexpr const char* kZero = "0.0";
+constexpr const char* kWatched = "poles_";  // signals that estimators compute only if asked
+const std::string kIsThere = " is there";
+const std::string kIsReached = " is reached";
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+// "rad_s" for "rad/s".
+std::string suffix_of(const std::string& unit) {
+  if (unit == "%") return "percent";
+  std::string suffix;
+  for (const char c : unit) {
+    if (c != ' ') suffix += c == '/' ? '_' : c;
+  }
+  return suffix;
+}
+
+std::vector<std::string> split(const std::string& text, const std::string& between) {
+  std::vector<std::string> parts;
+  std::size_t from = 0;
+  for (std::size_t at = text.find(between); at != std::string::npos;
+       at = text.find(between, from)) {
+    parts.push_back(text.substr(from, at - from));
+    from = at + between.size();
+  }
+  parts.push_back(text.substr(from));
+  return parts;
+}
+
+std::vector<std::string> conditions_of(const MetricRow& row) {
+  return row.where.empty() ? std::vector<std::string>{} : split(row.where, " and ");
+}
+
+std::string without_end(const std::string& text, const std::string& end) {
+  return text.substr(0, text.size() - end.size());
+}
+
+// The value of a signal, NAME or NAME[2], or all values; empty if there is none.
+std::span<const double> value_of(const std::string& name, const std::vector<Signal>& signals,
+                                 bool takes_all) {
+  const SignalName wanted = signal_name(name);
+  for (const Signal& signal : signals) {
+    if (signal.name != wanted.name) continue;
+    if (takes_all && wanted.index == 0) return signal.values;
+    const std::size_t index = std::max<std::size_t>(1, wanted.index);
+    if (index > signal.values.size() || (wanted.index == 0 && signal.values.size() > 1)) {
+      throw std::invalid_argument(name + ": the signal has " +
+                                  std::to_string(signal.values.size()) + " values");
+    }
+    return signal.values.subspan(index - 1, 1);
+  }
+  return {};
+}
+
+bool takes_all(const MetricRow& row, const MetricKind& kind) {
+  return kind.takes_all || row.take == Taken::largest || row.take == Taken::largest_size ||
+         row.take == Taken::norm;
+}
+
+// The file may leave out the key if there is a value.
+void default_is(Fields& fields, const char* key, const std::string& present) {
+  if (!present.empty()) fields.standard(key, {present});
+}
+
+}  // namespace
+
+void MetricRow::bind(Fields& fields, const std::vector<MetricKind>& kinds) {
+  const Fields::Under under(fields, prefix());
+  const auto text_key = [&](const char* key, std::string& target, const char* doc) {
+    fields.text(key, target, doc);
+    fields.standard(key, {target});
+  };
+  const auto number_key = [&](const char* key, std::string& target, const char* doc) {
+    fields.number_or_text(key, target, doc);
+    fields.standard(key, {target});
+  };
+  fields.text("of", of,
+              "signal of the log, with a number in square brackets for one of its values. "
+              "relative_rms: two, with a comma between them");
+  default_is(fields, "of", of);
+  text_key("minus", minus, "signal that is subtracted from it; none: nothing");
+  std::vector<std::pair<std::string, std::string>> names;
+  std::vector<std::string> with_level;
+  for (const MetricKind& one : kinds) {
+    names.emplace_back(one.name, one.name);
+    if (one.name == "rms") names.emplace_back("rmse", "rms");
+    if (one.has_level) with_level.push_back(one.name);
+  }
+  fields.choice("kind", kind, names, "reduction of the values of the window to one number");
+  default_is(fields, "kind", kind);
+  number_key("from_s", from_s,
+             "start of the window. This and the other numbers may be sums and products of numbers, "
+             "keys and the scenario's events: first_contact + 0.2 [s]");
+  number_key("to_s", to_s, "end of the window, which a run must cover; 0: the end of the run [s]");
+  number_key("before_s", before_s,
+             "end of the window, which does not belong to it, and which a run need not reach; 0: "
+             "none [s]");
+  number_key("level", level, "level, in the signal's unit");
+  number_key("lower", lower, "lower level, in the signal's unit");
+  fields.only_for({"level"}, "kind", with_level);
+  fields.only_for({"lower"}, "kind", {"time_outside"});
+  fields.choice(
+      "take", take,
+      {{"value", Taken::value},
+       {"difference", Taken::difference},
+       {"high_pass", Taken::high_pass},
+       {"largest", Taken::largest},
+       {"largest_size", Taken::largest_size},
+       {"norm", Taken::norm}},
+      "value that is taken from the signal, before minus. difference: to the last sample (of a "
+      "contact's force the last physics step), divided by the time between; largest, largest_size "
+      "(magnitude), norm: of several values");
+  fields.standard("take", {std::string("value")});
+  fields.choice(
+      "at", at,
+      {{"auto", MetricRate::by_signal}, {"sample", MetricRate::sample}, {"step", MetricRate::step}},
+      "take the values at each sample or at each physics step; auto: a contact's force at each "
+      "step");
+  fields.standard("at", {std::string("auto")});
+  text_key("where", where,
+           "conditions without which the metric is absent, with and between them: KEY is VALUE "
+           "or VALUE, SIGNAL is there, TIME is reached");
+  text_key("name", name, "name of the metric, if it is not that of the table");
+  text_key("unit", unit, "unit; without it, that of the signal is added to the name");
+  text_key("text", text, "meaning of the metric, one sentence without a full stop");
+  fields.optional_count("rank", rank, between(0, 1000),
+                        "place among the main metrics, from 1 on; 0: it is none of them");
+  const Fields::OfPart high_pass(fields, "take", "high_pass");
+  fields.number_or_text("cutoff_Hz", cutoff_Hz,
+                        "cut-off of the high-pass, a Butterworth filter of second order [Hz]");
+  if (cutoff_Hz != kZero) fields.standard("cutoff_Hz", {cutoff_Hz});
+}
+
+MetricDefinition MetricRow::definition(const MetricKind& kind_of_row) const {
+  const std::string own_name = name.empty() ? table : name;
+  std::string of_signal = unit_of(whole_key(split(of, ", ").front()));
+  if (of_signal.empty()) of_signal = "1";
+  std::string of_what = of;
+  switch (take) {
+    case Taken::value:
+      break;
+    case Taken::difference:
+      of_signal += "/s";
+      of_what = "rate of change of " + of;
+      break;
+    case Taken::high_pass:
+      of_what = fmt::format("{} behind a high-pass of {} Hz", of, cutoff_Hz);
+      break;
+    case Taken::largest:
+      of_what = "largest value of " + of;
+      break;
+    case Taken::largest_size:
+      of_what = "largest magnitude of " + of;
+      break;
+    case Taken::norm:
+      of_what = "norm of " + of;
+      break;
+  }
+  if (minus != kNone) of_what += " less " + minus;
+  const std::string meaning = text.empty() ? of_what + ": " + kind_of_row.meaning : text;
+  if (!unit.empty()) return {own_name, unit, meaning};
+  std::string own_unit = of_signal;
+  switch (kind_of_row.unit) {
+    case ReducedUnit::signal:
+      break;
+    case ReducedUnit::time:
+      own_unit = "s";
+      break;
+    case ReducedUnit::percent:
+      own_unit = "%";
+      break;
+    case ReducedUnit::one:
+      own_unit = "1";
+      break;
+    case ReducedUnit::rate:
+      own_unit = "Hz";
+      break;
+    case ReducedUnit::time_integral:
+      own_unit = of_signal == "1" ? "s" : of_signal + " s";
+      break;
+  }
+  const std::string end = "_" + suffix_of(own_unit);
+  return {own_name.ends_with(end) ? own_name : own_name + end, own_unit, meaning};
+}
+
+MetricRows::MetricRows(const Catalogue& catalogue, const std::string& name,
+                       std::vector<MetricKind> own_kinds) {
+  if (catalogue.has<ScenarioKind>(name)) {
+    scenario_ = std::make_shared<ScenarioKind>(catalogue.get<ScenarioKind>(name));
+  }
+  kinds_.insert(kinds_.end(), own_kinds.begin(), own_kinds.end());
+}
+
+std::vector<MetricRow> MetricRows::own_rows() const {
+  std::vector<MetricRow> rows;
+  if (!scenario_) return rows;
+  const ScenarioFile file(scenario_->file().string(), scenario_->name);
+  const Config all = file.tables().front();
+  std::map<std::string, ConfigEntry> entries;
+  for (const auto& [key, entry] : all.entries()) {
+    if (key.starts_with("metric.")) entries.emplace(key, entry);
+  }
+  const Config own(file.file(), std::move(entries));
+  for (const std::string& name : own.names_in("metric")) rows.emplace_back().table = name;
+  Fields fields;
+  for (MetricRow& row : rows) row.bind(fields, kinds_);
+  fields.read(own);
+  return rows;
+}
+
+void MetricRows::learn(const Config& config) {
+  rows_ = shipped_ = own_rows();
+  is_in_file_.assign(rows_.size(), false);
+  for (const std::string& name : config.names_in("metric")) {
+    const auto found = std::find_if(rows_.begin(), rows_.end(),
+                                    [&](const MetricRow& row) { return row.table == name; });
+    if (found != rows_.end()) {
+      is_in_file_[static_cast<std::size_t>(found - rows_.begin())] = true;
+    } else {
+      rows_.emplace_back().table = name;
+      is_in_file_.push_back(true);
+    }
+  }
+}
+
+void MetricRows::bind(Fields& fields) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (!is_in_file_[i]) continue;
+    const Fields::LeftOut left_out(
+        fields, [this, i] { return i < shipped_.size() && rows_[i] == shipped_[i]; });
+    rows_[i].bind(fields, kinds_);
+  }
+}
+
+void MetricRows::check(const Config& config, const std::function<Fields()>& fields,
+                       const PhysicsSettings& physics, const MetricContext& context) {
+  physics_ = physics;
+  known_ = context.known;
+  fast_signals_ = context.fast_signals;
+  unmet_.assign(rows_.size(), "");
+  std::optional<Fields> bound;  // few names need it
+  const auto all = [&]() -> const Fields& {
+    if (!bound) bound = fields();
+    return *bound;
+  };
+  const auto number = [&](const std::string& name) -> std::optional<double> {
+    if (const auto known = known_.find(name); known != known_.end()) return known->second;
+    auto found = config.number(name);
+    if (!found) found = all().number_of(name);
+    if (found) known_[name] = *found;
+    return found;
+  };
+  MetricExpression::Events events;
+  for (const std::string& name : context.events) events[name] = &kNever;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const MetricRow& row = rows_[i];
+    const Config own = config.under(row.prefix());
+    const auto parse = [&](const char* key, const std::string& text) {
+      const auto read = own.blame(key, [&] { return MetricExpression(text, number, events); });
+      const bool is_number = text.find_first_not_of("+-.0123456789e") == std::string::npos;
+      if (is_number && read.value() < 0.0) own.fail(key, "must be 0 or more, is " + text);
+      return read;
+    };
+    const MetricExpression from = parse("from_s", row.from_s), to = parse("to_s", row.to_s);
+    parse("before_s", row.before_s);
+    own.blame("level", [&] { MetricExpression(row.level, number, events); });
+    own.blame("lower", [&] { MetricExpression(row.lower, number, events); });
+    if (kind_of(row).name != "time_outside") parse("level", row.level);
+    if (i >= shipped_.size() && row.to_s != kZero && from.is_constant() && to.is_constant() &&
+        to.value() <= from.value()) {
+      own.fail("to_s", "must be later than from_s, or 0 for the end of the run");
+    }
+    if (row.take == Taken::high_pass) {
+      own.blame("cutoff_Hz", [&] {
+        HighPass(MetricExpression(row.cutoff_Hz, number, events).value(), period_of(row));
+      });
+    }
+    for (const std::string& condition : conditions_of(row)) {
+      if (condition.ends_with(kIsThere)) continue;
+      if (condition.ends_with(kIsReached)) {
+        own.blame("where",
+                  [&] { MetricExpression(without_end(condition, kIsReached), number, events); });
+        continue;
+      }
+      const std::vector<std::string> parts = split(condition, " is ");
+      const ConfigEntry* entry = config.find(parts.front());
+      if (parts.size() != 2 || (entry == nullptr && !all().has(parts.front()))) {
+        own.fail("where",
+                 "\"" + condition + "\" must be KEY is VALUE, SIGNAL is there or TIME is reached");
+      }
+      const auto* word = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
+      const std::vector<std::string> values = split(parts[1], " or ");
+      const bool holds = std::any_of(values.begin(), values.end(), [&](const std::string& value) {
+        return word != nullptr ? *word == value : all().has_chosen(parts.front(), value);
+      });
+      if (!holds) unmet_[i] = "it is defined only where " + condition;
+    }
+  }
+}
+
+std::vector<MetricDefinition> MetricRows::definitions() const {
+  std::vector<MetricDefinition> definitions;
+  for (const MetricRow& row : rows_.empty() ? own_rows() : rows_) {
+    definitions.push_back(row.definition(kind_of(row)));
+  }
+  return definitions;
+}
+
+std::vector<std::string> MetricRows::main() const {
+  std::vector<MetricRow> rows = rows_.empty() ? own_rows() : rows_;
+  const auto is_ranked = [](const MetricRow& row) { return row.rank > 0; };
+  if (std::any_of(rows.begin(), rows.end(), is_ranked)) {
+    rows.erase(std::remove_if(rows.begin(), rows.end(), std::not_fn(is_ranked)), rows.end());
+    std::stable_sort(rows.begin(), rows.end(),
+                     [](const MetricRow& a, const MetricRow& b) { return a.rank < b.rank; });
+  }
+  std::vector<std::string> names;
+  for (const MetricRow& row : rows) names.push_back(row.definition(kind_of(row)).name);
+  return names;
+}
+
+const MetricKind& MetricRows::kind_of(const MetricRow& row) const {
+  return *std::find_if(kinds_.begin(), kinds_.end(),
+                       [&](const MetricKind& kind) { return kind.name == row.kind; });
+}
+
+bool MetricRows::is_at_step(const MetricRow& row) const {
+  if (row.at != MetricRate::by_signal) return row.at == MetricRate::step;
+  return std::find(fast_signals_.begin(), fast_signals_.end(), whole_key(row.of)) !=
+         fast_signals_.end();
+}
+
+double MetricRows::period_of(const MetricRow& row) const {
+  return is_at_step(row) ? physics_.timestep_s : physics_.control_period_s;
+}
+
+MetricExpression MetricRows::expression(const std::string& text,
+                                        const MetricExpression::Events& events) const {
+  const auto number = [this](const std::string& name) -> std::optional<double> {
+    const auto known = known_.find(name);
+    return known != known_.end() ? std::optional(known->second) : std::nullopt;
+  };
+  return {text, number, events};
+}
+
+std::string missing_signal(const MetricRow& row, const MetricKind& kind,
+                           const std::vector<Signal>& signals) {
+  std::vector<std::string> names;
+  for (const Signal& signal : signals) names.push_back(signal.name);
+  std::vector<std::pair<std::string, std::string>> needed;  // key and signal
+  for (const std::string& name : split(row.of, ", ")) needed.emplace_back("of", name);
+  if (row.minus != kNone) needed.emplace_back("minus", row.minus);
+  for (const auto& [key, name] : needed) {
+    const bool all = key == "of" ? takes_all(row, kind) : kind.takes_all;
+    if (!value_of(name, signals, all).empty()) continue;
+    return row.prefix() + key + ": the log has no signal " + toml_string(name) +
+           did_you_mean(signal_name(name).name, names);
+  }
+  return "";
+}
+
+// ---- the values of a run -----------------------------------------------------------------------
+
+struct MetricValues::Value {
+  Value(const MetricRows& rows, const MetricRow& row, const std::vector<Signal>& signals,
+        double end_s, const MetricExpression::Events& events)
+      : kind(rows.kind_of(row)),
+        take(row.take),
+        period_s(rows.period_of(row)),
+        window{rows.expression(row.from_s, events),
+               end_of(rows, row.to_s, events),
+               end_of(rows, row.before_s, events),
+               end_s,
+               1e-6 * rows.timestep_s(),
+               kind.goes_on},
+        level(rows.expression(row.level, events)),
+        lower(rows.expression(row.lower, events)) {
+    std::size_t count = 0;
+    for (const std::string& name : split(row.of, ", ")) {
+      of.push_back(value_of(name, signals, takes_all(row, kind)));
+      count += of.back().size();
+    }
+    if (row.minus != kNone) minus = value_of(row.minus, signals, kind.takes_all);
+    if (kind.takes_all) {
+      all.resize(count);
+      if (!minus.empty() && minus.size() != count) {
+        throw std::invalid_argument(row.minus + ": must have as many values as " + row.of);
+      }
+    }
+    if (take == Taken::high_pass) {
+      high_pass.emplace(rows.expression(row.cutoff_Hz, events).value(), period_s);
+    }
+    reduction = kind.make({window, level, lower, period_s, count});
+  }
+
+  static std::optional<MetricExpression> end_of(const MetricRows& rows, const std::string& text,
+                                                const MetricExpression::Events& events) {
+    if (text == kZero) return std::nullopt;
+    return rows.expression(text, events);
+  }
+
+  double taken() {
+    const std::span<const double> values = of.front();
+    switch (take) {
+      case Taken::value:
+        break;
+      case Taken::difference: {
+        const double before = last_of.value_or(values.front());
+        last_of = values.front();
+        return (values.front() - before) / period_s;
+      }
+      case Taken::high_pass:
+        return high_pass->update(values.front());
+      case Taken::largest:
+        return *std::max_element(values.begin(), values.end());
+      case Taken::largest_size: {
+        double largest = 0.0;
+        for (const double value : values) largest = std::max(largest, std::abs(value));
+        return largest;
+      }
+      case Taken::norm:
+        return std::sqrt(std::inner_product(values.begin(), values.end(), values.begin(), 0.0));
+    }
+    return values.front();
+  }
+
+  void add(double time_s) {
+    double value = 0.0;
+    if (kind.takes_all) {
+      auto next = all.begin();
+      for (const auto& values : of) next = std::copy(values.begin(), values.end(), next);
+      for (std::size_t i = 0; i < minus.size(); ++i) all[i] -= minus[i];
+      value = all.front();
+    } else {
+      value = taken() - (minus.empty() ? 0.0 : minus.front());
+    }
+    if (window.contains(time_s)) {
+      has_values = true;
+      reduction->add(
+          {time_s, kind.takes_all ? std::span<const double>(all) : view(value), value, last});
+    }
+    last = value;
+  }
+
+  std::optional<double> result() const { return has_values ? reduction->value() : std::nullopt; }
+
+  MetricKind kind;
+  Taken take;
+  double period_s;
+  MetricWindow window;
+  MetricExpression level;
+  MetricExpression lower;
+  std::vector<std::span<const double>> of;
+  std::span<const double> minus;
+  std::vector<double> all;
+  std::optional<HighPass> high_pass;
+  std::optional<double> last_of;  // for a difference
+  std::optional<double> last;
+  bool has_values = false;
+  std::unique_ptr<Reduction> reduction;
+};
+
+struct MetricValues::Row {
+  MetricDefinition definition;
+  std::string unmet;    // a condition that the configuration does not meet
+  std::string missing;  // a signal that the run lacks
+  std::vector<std::pair<std::string, MetricExpression>> reached;  // times that it needs
+  std::unique_ptr<Value> value;                                   // null if it cannot apply
+
+  // The reason why there is no value; empty if there is one.
+  std::string why_absent(double now_s) const {
+    if (!unmet.empty()) return unmet;
+    if (!missing.empty()) return missing;
+    for (const auto& [text, time] : reached) {
+      if (!(time.value() <= now_s)) return "the run does not reach " + text;
+    }
+    if (!value->has_values) return "the run does not cover its window";
+    const auto result = value->result();
+    return result && std::isfinite(*result) ? "" : value->kind.why_absent;
+  }
+};
+
+MetricValues::MetricValues() = default;
+MetricValues::MetricValues(MetricValues&&) noexcept = default;
+MetricValues& MetricValues::operator=(MetricValues&&) noexcept = default;
+MetricValues::~MetricValues() = default;
+
+MetricValues::MetricValues(const MetricRows& rows, const std::vector<Signal>& signals, double end_s,
+                           const MetricExpression::Events& events)
+    : end_s_(end_s), step_s_(rows.timestep_s()) {
+  for (std::size_t i = 0; i < rows.rows().size(); ++i) {
+    const MetricRow& row = rows.rows()[i];
+    const MetricKind& kind = rows.kind_of(row);
+    Row& made = rows_.emplace_back();
+    made.definition = row.definition(kind);
+    made.unmet = rows.unmet(i);
+    for (const std::string& condition : conditions_of(row)) {
+      const std::string signal = without_end(condition, kIsThere);
+      if (condition.ends_with(kIsThere) && value_of(signal, signals, true).empty()) {
+        made.missing = "the run has no signal " + toml_string(signal);
+      }
+      if (condition.ends_with(kIsReached)) {
+        const std::string time = without_end(condition, kIsReached);
+        made.reached.emplace_back(time, rows.expression(time, events));
+      }
+    }
+    try {
+      if (made.missing.empty()) made.missing = missing_signal(row, kind, signals);
+      if (!made.unmet.empty() || !made.missing.empty()) continue;
+      made.value = std::make_unique<Value>(rows, row, signals, end_s, events);
+    } catch (const std::invalid_argument& error) {
+      made.missing = row.prefix() + "of: " + error.what();
+      continue;
+    }
+    (rows.is_at_step(row) ? at_steps_ : at_samples_).push_back(made.value.get());
+    if (row.of.starts_with(kWatched)) watched_.push_back(made.value.get());
+  }
+}
+
+void MetricValues::at_step(double time_s) {
+  now_s_ = std::min(time_s + step_s_, end_s_);
+  for (Value* value : at_steps_) value->add(time_s);
+}
+
+void MetricValues::at_sample(double time_s) {
+  for (Value* value : at_samples_) value->add(time_s);
+}
+
+std::vector<Metric> MetricValues::metrics() const {
+  std::vector<Metric> metrics;
+  for (const Row& row : rows_) {
+    if (!row.why_absent(now_s_ + 1e-6 * step_s_).empty()) continue;
+    add(metrics, row.definition.name, row.definition.unit, row.value->result());
+  }
+  return metrics;
+}
+
+std::vector<AbsentMetric> MetricValues::absent() const {
+  std::vector<AbsentMetric> absent;
+  const auto is_called = [](const std::string& name) {
+    return [&name](const auto& one) { return one.name == name; };
+  };
+  const std::vector<Metric> metrics = this->metrics();
+  // Among rows with one name, one that the configuration asks for has the reason.
+  for (const bool is_unmet : {false, true}) {
+    for (const Row& row : rows_) {
+      const std::string& name = row.definition.name;
+      if (row.unmet.empty() == is_unmet ||
+          std::any_of(metrics.begin(), metrics.end(), is_called(name)) ||
+          std::any_of(absent.begin(), absent.end(), is_called(name))) {
+        continue;
+      }
+      absent.push_back({name, row.definition.unit, row.why_absent(now_s_ + 1e-6 * step_s_)});
+    }
+  }
+  return absent;
+}
+
+bool MetricValues::watches(double time_s) const {
+  return std::any_of(watched_.begin(), watched_.end(),
+                     [=](const Value* value) { return value->window.contains(time_s); });
+}
+
+}  // namespace breakwater
