@@ -23,8 +23,8 @@ class Comparison:
     """The result of compare().
 
     sentence: the answer.
-    table: a row for each candidate, the best first: place (0: not ranked), its median with an interval, the number of
-       conditions, and in how many of them it failed and met the bounds.
+    table: a row for each candidate, the best first: place (0: not ranked) and median with its interval. `conditions` is
+       their number; in `failed` of them it failed, and in `met` it met the bounds.
     pairs: a row for each pair of ranked candidates: the difference with its interval, p, and p after Holm's correction.
     data: the same as ranking.json of a study.
     """

@@ -461,7 +461,7 @@ def _warn_of_seeds(finished: Run) -> None:
     own = (config["run"]["seed"], (finished.state_hash, hash(repr(finished.metrics))))
     seed, results = _seeds.setdefault(hash(repr(others)), own)
     if seed != own[0] and results == own[1]:
-        line = f"seed: {seed} and {own[0]} gave the same run: no noise reaches their motion or a metric"
+        line = f"seed: {seed} and {own[0]} gave the same run: no noise reaches them"
         finished._warnings.append(line)
         warnings.warn(line, stacklevel=3)
 

@@ -146,7 +146,7 @@ class SweepCommand : public StudyCommand {
     if (comparison && prints_all_) {
       fmt::print("{}\n", comparison_text(*comparison, output_width()));
     }
-    print_notes(lines, comparison && !ranking);
+    print_notes(lines, comparison && plan_.study().goals.empty());
     fmt::print("{}\nresults: {}\n", counted(index), csv.string());
     if (comparison) fmt::print("comparison: {}\n", compared.string());
     fmt::print("report: {}\n", (folder_.path() / "report.html").string());

@@ -33,7 +33,7 @@ std::vector<double> holm_levels(const std::vector<double>& p, double alpha) {
   const std::vector<std::size_t> order = ascending(p);
   const std::vector<double> adjusted = holm(p);
   std::vector<double> levels(p.size());
-  std::size_t first = 0;  // of equal p, in `order`
+  std::size_t first = 0;  // the first of equal p, in `order`
   for (std::size_t i = 0; i < order.size(); ++i) {
     const bool is_rejected = i > 0 && adjusted[order[i - 1]] <= alpha;
     if (is_rejected && p[order[i]] > p[order[first]]) first = i;

@@ -11,9 +11,10 @@ namespace breakwater {
 /// Source: S. Holm, Scand. J. Statist. 6 (1979) 65–70.
 std::vector<double> holm(const std::vector<double>& p);
 
-/// The levels at which Holm's procedure decides the tests: with r rejections, α/(m − i + 1) for the
-/// rejected p₍ᵢ₎, equal ones like the first of them, and α/(m − r) for the others. p ≤ its level exactly where p' ≤ α. So an interval
-/// that belongs to the test has this level, and covers with probability 1 − α or more.
+/// The levels at which Holm's procedure decides the tests. After r rejections a rejected p₍ᵢ₎ has
+/// α/(m − i + 1), and each other one α/(m − r). Equal p have the level of the first of them. p ≤
+/// its level exactly where p' ≤ α. So an interval that belongs to the test has this level, and
+/// covers with probability 1 − α or more.
 std::vector<double> holm_levels(const std::vector<double>& p, double alpha);
 
 }  // namespace breakwater

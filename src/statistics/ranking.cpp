@@ -103,7 +103,7 @@ Ranking rank_candidates(const PairedResults& results, const std::string& metric,
 
   struct Standing {
     std::size_t better = 0;  // candidates that are shown to be better
-    double sum = 0.0;        // of the differences, the smaller the better
+    double sum = 0.0;        // over the differences, the smaller the better
     std::size_t index = 0;
   };
   std::vector<Standing> standings(ranked.size());

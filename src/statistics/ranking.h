@@ -30,8 +30,8 @@ struct RankedCandidate {
   std::size_t candidate = 0;  ///< index into Ranking::candidates
   std::size_t place = 0;      ///< 1 and the number of those shown to be better; 0: not ranked
   std::size_t blocks = 0;     ///< different blocks of the candidate
-  std::size_t failed = 0;     ///< those in which a run failed
-  std::size_t met = 0;        ///< those that meet the requirement
+  std::size_t failed = 0;     ///< blocks in which a run failed
+  std::size_t met = 0;        ///< blocks that meet the requirement
   ConfidenceInterval share = {0.0, 1.0};  ///< share_interval() of met
   EstimatedMedian median = {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
   /// This candidate less the first one; nothing for the first, if it is not ranked, or if the two
@@ -50,7 +50,7 @@ struct Ranking {
   /// with the best mean difference from all others comes first.
   std::vector<RankedCandidate> rows;
   std::size_t ranked = 0;          ///< number of ranked candidates
-  CandidateComparison comparison;  ///< of these
+  CandidateComparison comparison;  ///< all pairs of them
   std::size_t level = 0;           ///< rows that are not shown to be worse than the first, with it
 
   /// Whether the first is shown to be better than every other ranked one.

@@ -50,8 +50,8 @@ class SignedRank {
   std::vector<double> cdf_;  // empty for large n
 };
 
-/// The number of differences with which the test at level alpha shows a difference with a
-/// probability of 80 %, if two differences D, D' have P(D + D' > 0) = share_above:
+/// The number n of differences with which the test at level alpha rejects with a probability of
+/// 80 %. Two differences D, D' have P(D + D' > 0) = share_above:
 ///     n = (Φ⁻¹(1 − α/2) + Φ⁻¹(0.8))² / (3 (share_above − 1/2)²),  but 2·2⁻ⁿ ≤ α
 /// Nothing above a million.
 ///

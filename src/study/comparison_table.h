@@ -27,8 +27,8 @@ std::string turns_text(const CandidateComparison& comparison, const KeyInteracti
 
 /// The reason for the verdict "too few blocks". Empty if no metric has this verdict.
 std::string few_text(const CandidateComparison& comparison);
-/// The same of so many blocks and tests, the pairs of runs in these blocks, the smallest p that
-/// they can give, and what makes the tests fewer.
+/// The same from the numbers of blocks, of pairs of runs in them and of tests, and from the
+/// smallest p that these can give. `fewer` is a way to have fewer tests.
 inline constexpr const char* kFewerMetrics = "fewer metrics (compare.metrics)";
 std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, double least_p,
                      const std::string& fewer = kFewerMetrics);

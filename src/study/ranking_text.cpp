@@ -17,7 +17,7 @@ namespace breakwater {
 namespace {
 
 constexpr std::size_t kMostNamed = 3;  // candidates in a sentence
-constexpr std::size_t kMostRows = 18;  // of a terminal's table
+constexpr std::size_t kMostRows = 18;  // in a terminal's table
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 std::string with_unit(double value, const std::string& metric) {
@@ -66,7 +66,7 @@ std::string percent_of(const CandidateComparison& comparison) {
   return fmt::format("{:.4g} %", 100.0 * (1.0 - comparison.alpha));
 }
 
-// What would show the difference of a candidate from the first, which is not shown.
+// The number of conditions that would show the difference of a candidate from the first.
 std::string needed_text(const Ranking& ranking, const std::optional<MetricComparison>& to_first) {
   if (!to_first) return "they have no condition in common";
   const std::string conditions = number_of(to_first->blocks, "condition");
@@ -94,6 +94,13 @@ class Sentence {
     if (first.failed > 0) {
       text += fmt::format(" {} fails in {} of {}.", name(first), first.failed,
                           number_of(first.blocks, "condition"));
+    }
+    const auto turns = std::find_if(rows_.begin(), rows_.end(), [](const RankedCandidate& row) {
+      return row.to_first && !row.to_first->turns_with.empty();
+    });
+    if (turns != rows_.end()) {
+      text += fmt::format(" The sign of the difference from {} turns with {}.", name(*turns),
+                          fmt::join(turns->to_first->turns_with, ", "));
     }
     return text;
   }

@@ -75,7 +75,7 @@ struct Study {
   std::vector<std::string> metrics;  ///< metrics to compare; empty: all
   /// The goals of compared metrics, in the order of the file.
   std::vector<std::pair<std::string, Goal>> goals;
-  Requirement require;  ///< of a ranked candidate
+  Requirement require;  ///< a ranked candidate meets it
   WorldUnit worlds = WorldUnit::samples;
   SlurmSettings slurm;
   /// For scenario, config, case, compare.baseline, and each set.KEY and require.METRIC.

@@ -105,7 +105,7 @@ class Warnings(unittest.TestCase):
                              [str(warning.message) for warning in caught])
             return [str(warning.message) for warning in caught]
 
-        same = "gave the same run: no noise reaches their motion or a metric"
+        same = "gave the same run: no noise reaches them"
         self.assertEqual(said(set={"noise.std_rad": 0}),
                          [f"seed: 1 and 2 {same}", f"seed: 1 and 3 {same}"])
         self.assertEqual(said(set={"noise.std_rad": 0.01}), [])

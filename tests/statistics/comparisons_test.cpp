@@ -204,7 +204,7 @@ TEST(Coverage, OfEveryIntervalOfAComparison) {
   struct Law {
     const char* name;
     double pseudo_median, median;
-    double (*quantile)(double z);  // of the standard normal deviate z
+    double (*quantile)(double z);  // from the standard normal deviate z
   };
   const Law laws[] = {{"normal", 0.0, 0.0, [](double z) { return z; }},
                       {"cauchy", 0.0, 0.0,

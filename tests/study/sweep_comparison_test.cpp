@@ -207,7 +207,7 @@ scenario = "ishigami"
 "trouble.fails_above" = [10, 1, 9]
 baseline = "trouble.fails_above = 10"
 )toml");
-  const ProgramResult result = swept("study.toml --out s");
+  const ProgramResult result = swept("study.toml --out s --all");
   EXPECT_TRUE(has(result.out, "2 *"));
   EXPECT_TRUE(lacks(result.out, "3 *"));
   EXPECT_TRUE(has(result.out, "\n* fewer than 3 blocks: "));
