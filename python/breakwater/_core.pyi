@@ -164,6 +164,18 @@ def run(
 ) -> OwnRun: ...
 def scenarios() -> dict[str, str]: ...
 def cases(scenario: str) -> list[str]: ...
+def compare(
+    candidates: list[str],
+    metrics: dict[str, np.ndarray],
+    failed: np.ndarray,
+    runs: np.ndarray,
+    blocks: list[int],
+    metric: str,
+    goal: str,
+    bounds: list[tuple[str, float, float]],
+    share: float,
+    confidence: float,
+) -> str: ...
 def did_you_mean(word: str, candidates: list[str]) -> str: ...
 def dare(
     A: npt.ArrayLike, B: npt.ArrayLike, Q: npt.ArrayLike, R: npt.ArrayLike
