@@ -15,6 +15,7 @@
 #include "interpreter.h"
 #include "linear.h"
 #include "observers.h"
+#include "program.h"
 #include "runs.h"
 
 namespace breakwater::python {
@@ -70,5 +71,6 @@ PYBIND11_MODULE(_core, module) {
   bind_exit();
   bind_linear(module);
   bind_observers(module);
+  bind_program(module);
   bind_runs(module);
 }
