@@ -12,6 +12,7 @@
 #include <breakwater/record/stop_asked.h>
 #include <breakwater/record/track.h>
 #include <breakwater/shell/paths.h>
+#include "comparisons.h"
 #include "interpreter.h"
 #include "linear.h"
 #include "observers.h"
@@ -69,6 +70,7 @@ PYBIND11_MODULE(_core, module) {
   pybind11::register_local_exception_translator(translate);
   module.attr("__version__") = breakwater::kVersion;
   bind_exit();
+  bind_comparisons(module);
   bind_linear(module);
   bind_observers(module);
   bind_program(module);

@@ -186,6 +186,14 @@ void bind_runs(py::module_& module) {
                              [](const OwnRun& own) { return own.prepared.config_text; })
       .def_property_readonly("metrics",
                              [](const OwnRun& own) { return dict_of(own.recording.metrics); })
+      .def_property_readonly("defined_metrics",
+                             [](const OwnRun& own) {
+                               std::vector<std::string> names;
+                               for (const auto& one : own.prepared.scenario->metric_definitions()) {
+                                 names.push_back(one.name);
+                               }
+                               return names;
+                             })
       .def_property_readonly("costs",
                              [](const OwnRun& own) { return dict_of(own.recording.costs); })
       .def_property_readonly("failure",

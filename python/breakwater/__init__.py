@@ -9,7 +9,7 @@
     table = bw.sweep("motor_estimation", case=["idob", "stf"], vary={"encoder.bits": [6, 8, 10]}, seeds=range(1, 21))
 
 Runs:         run, load, scenarios, cases; Run
-Many runs:    sweep, tune
+Many runs:    sweep, tune, compare; Comparison
 Your own:     Controller, Estimator; ArmSample, AxisSample, PlantSample, QuadrotorSample;
               PlanarChain
 Design:       dare, lqr, place_poles, place_observer_poles, zero_order_hold, damped_inertia,
@@ -22,6 +22,7 @@ docs/tutorials/python.md has the tutorial.
 """
 
 from ._core import PlanarChain, __version__
+from .comparisons import Comparison, compare
 from .errors import InputError
 from .identification import IdentifiedParameter, Identification, identify
 from .linear import (
@@ -63,6 +64,7 @@ __all__ = [
     "ArmSample",
     "AxisObserver",
     "AxisSample",
+    "Comparison",
     "Controller",
     "Estimates",
     "Estimator",
@@ -91,6 +93,7 @@ __all__ = [
     "Vfakfd",
     "__version__",
     "cases",
+    "compare",
     "damped_inertia",
     "dare",
     "extend_by_disturbance_model",

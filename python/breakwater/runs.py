@@ -111,6 +111,25 @@ def _handle(part: Any) -> _Handle | None:
     return None if part is None else _handle_class(type(part).__name__)(part)
 
 
+class _Metrics(dict[str, float]):
+    """The metrics of a run. A missing one is a KeyError that says why."""
+
+    def __init__(self, values: dict[str, float], run: Run):
+        super().__init__(values)
+        self._run = run
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return dict, (dict(self),)
+
+    def __missing__(self, name: str) -> float:
+        if self._run.failure is not None:
+            raise KeyError(f"{name}: the run failed, and has no metrics")
+        if name in getattr(self._run._core, "defined_metrics", ()):
+            duration = self._run.config["run"]["duration_s"]
+            raise KeyError(f"{name}: in {duration:g} s there is no window or event for it")
+        raise KeyError(f"{name}: the run has no such metric{did_you_mean(name, list(self))}")
+
+
 class Run:
     """One run: its metrics, its log, and its configuration.
 
@@ -151,7 +170,7 @@ class Run:
     @property
     def metrics(self) -> dict[str, float]:
         """The metrics, with the unit in the name; empty if the run failed or was cut."""
-        return self._core.metrics
+        return _Metrics(self._core.metrics, self)
 
     @property
     def state_hash(self) -> str:
@@ -444,7 +463,7 @@ def _unpickled(files: dict[str, bytes], folder: pathlib.Path | None, warnings: l
     return run
 
 
-_seeds: dict[int, tuple[int, str]] = {}  # the first run of each configuration, apart from its seed
+_seeds: dict[int, tuple[int, object]] = {}  # the first run of each configuration, apart from its seed
 _MOST_CONFIGURATIONS = 1000
 
 
@@ -454,10 +473,10 @@ def _warn_of_seeds(finished: Run) -> None:
     others = {**config, "run": {key: value for key, value in config["run"].items() if key != "seed"}}
     if len(_seeds) >= _MOST_CONFIGURATIONS:
         _seeds.clear()
-    own = (config["run"]["seed"], finished.state_hash)
-    seed, state_hash = _seeds.setdefault(hash(repr(others)), own)
-    if seed != own[0] and state_hash == own[1]:
-        line = f"seed: {seed} and {own[0]} gave the same run: without noise they change nothing"
+    own = (config["run"]["seed"], (finished.state_hash, hash(repr(finished.metrics))))
+    seed, results = _seeds.setdefault(hash(repr(others)), own)
+    if seed != own[0] and results == own[1]:
+        line = f"seed: {seed} and {own[0]} gave the same run: no noise reaches their motion or a metric"
         finished._warnings.append(line)
         warnings.warn(line, stacklevel=3)
 

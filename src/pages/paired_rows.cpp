@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <numeric>
 #include <vector>
 
 #include <breakwater/experiment/saved_run.h>
@@ -79,26 +77,6 @@ void add_paired_metric(const CandidateComparison& comparison, const std::string&
     pairs << row;
   }
   set_pairs(section, comparison, pairs);
-
-  mustache::data ranks(mustache::data::type::list);
-  for (const RankComparison& one : comparison.ranks) {
-    if (one.metric != metric) continue;
-    std::vector<std::size_t> order(one.average_ranks.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return one.average_ranks[a] < one.average_ranks[b];
-    });
-    for (const std::size_t c : order) {
-      mustache::data rank;
-      rank.set("label", comparison.candidates[c]);
-      rank.set("rank", fmt::format("{:.2f}", one.average_ranks[c]));
-      ranks << rank;
-    }
-    section.set("critical_difference", fmt::format("{:.2f}", one.critical_difference));
-    section.set("ranked_blocks", std::to_string(one.blocks));
-  }
-  section.set("has_ranks", !ranks.is_empty_list());
-  section.set("ranks", ranks);
 }
 
 mustache::data turn_of(const CandidateComparison& comparison, const KeyInteraction& one,

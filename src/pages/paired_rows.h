@@ -9,7 +9,7 @@
 
 namespace breakwater {
 
-/// Adds the pairs of one metric to its section: `pairs`, `ranks`, `has_pairs` and `has_ranks`.
+/// Adds the pairs of one metric to its section: `pairs` and `has_pairs`.
 void add_paired_metric(const CandidateComparison& comparison, const std::string& metric,
                        kainjow::mustache::data& section);
 

@@ -14,7 +14,6 @@
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
 #include <breakwater/pages/paired_rows.h>
-#include <breakwater/pages/study_finding.h>
 #include <breakwater/pages/study_sections.h>
 #include <breakwater/pages/svg_plot.h>
 #include <breakwater/pictures/staging.h>
@@ -22,6 +21,7 @@
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
+#include <breakwater/study/ranking_text.h>
 
 namespace breakwater {
 namespace mustache = kainjow::mustache;
@@ -229,16 +229,23 @@ std::string label_of(const std::string& metric) {
   return metric_label_with_unit(metric, unit_of(metric));
 }
 
-// A sentence of each of the first metrics.
-mustache::data findings(const std::optional<CandidateComparison>& comparison,
-                        const std::vector<std::string>& metrics) {
-  constexpr std::size_t kMostFindings = 2;
-  mustache::data all(mustache::data::type::list);
-  for (std::size_t m = 0; comparison && m < std::min(metrics.size(), kMostFindings); ++m) {
-    const std::string text = finding(*comparison, metrics[m]);
-    if (!text.empty()) all << mustache::data("text", text);
+mustache::data cells_of(const std::vector<std::string>& texts) {
+  mustache::data cells(mustache::data::type::list);
+  for (const std::string& text : texts) cells << mustache::data("text", text);
+  return cells;
+}
+
+// The sentence and the table that the page begins with.
+mustache::data answer(const Ranking& ranking) {
+  const auto table = ranking_table(ranking);
+  mustache::data answer("sentence", ranking_sentence(ranking));
+  answer.set("header", cells_of(table.front()));
+  mustache::data rows(mustache::data::type::list);
+  for (std::size_t i = 1; i < table.size(); ++i) {
+    rows << mustache::data("cells", cells_of(table[i]));
   }
-  return all;
+  answer.set("rows", rows);
+  return answer;
 }
 
 // The table of all metrics: the median for each of the first candidates.
@@ -286,7 +293,8 @@ void add_overview(mustache::data& page, const StudySections& sections, const Stu
 
 void write_study_report(const Catalogue& catalogue, const Plan& plan, const ShardIndex& index,
                         const StudyFolder& folder,
-                        const std::optional<CandidateComparison>& comparison) {
+                        const std::optional<CandidateComparison>& comparison,
+                        const std::optional<Ranking>& ranking) {
   const Study& study = plan.study();
   const auto scenario = make_scenario(catalogue, study.scenario);
   std::vector<std::string> first = study.named_metrics();
@@ -373,7 +381,7 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
   }
   if (!numbers.metrics.empty()) contents("metrics", "All metrics");
   contents("set-up", "Set-up");
-  page.set("findings", findings(comparison, numbers.metrics));
+  if (ranking) page.set("answer", answer(*ranking));
   add_overview(page, sections, numbers, labels);
   page.set("toc", toc);
   page.set("runs", runs.json(plan, index));

@@ -4,16 +4,18 @@
 #include <optional>
 
 #include <breakwater/experiment/catalogue.h>
-#include <breakwater/statistics/paired_comparison.h>
+#include <breakwater/statistics/ranking.h>
 #include <breakwater/study/study_folder.h>
 
 namespace breakwater {
 
-/// Writes DIR/report.html: the study, its failures, and each metric with its charts and the
-/// comparison of the candidates. For a saltelli design it also writes DIR/indices.csv. The page has
-/// less than 2 MB for any number of points. Equal results give equal bytes. Throws OutputError.
+/// Writes DIR/report.html: the ranking, the study, its failures, and each metric with its charts
+/// and the comparison of the candidates. For a saltelli design it also writes DIR/indices.csv. The
+/// page has less than 2 MB for any number of points. Equal results give equal bytes. Throws
+/// OutputError.
 void write_study_report(const Catalogue& catalogue, const Plan& plan, const ShardIndex& index,
                         const StudyFolder& folder,
-                        const std::optional<CandidateComparison>& comparison);
+                        const std::optional<CandidateComparison>& comparison,
+                        const std::optional<Ranking>& ranking);
 
 }  // namespace breakwater

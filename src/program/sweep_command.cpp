@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -24,6 +25,7 @@
 #include <breakwater/shell/table.h>
 #include <breakwater/study/comparison_table.h>
 #include <breakwater/study/growth.h>
+#include <breakwater/study/ranking_text.h>
 #include <breakwater/study/study_comparison.h>
 #include <breakwater/study/study_notes.h>
 #include <breakwater/study/study_reader.h>
@@ -87,7 +89,8 @@ class SweepCommand : public StudyCommand {
       : StudyCommand(std::move(opened.folder), options.study),
         catalogue_(catalogue),
         sweep_(catalogue, std::move(opened.study)),
-        sqlite_(options.sqlite) {}
+        sqlite_(options.sqlite),
+        prints_all_(options.all) {}
 
  protected:
   const PointSource& source() const override { return sweep_; }
@@ -124,8 +127,8 @@ class SweepCommand : public StudyCommand {
     table.write_csv(csv);
     const fs::path sqlite = folder_.path() / "results.sqlite";
     if (sqlite_ || fs::exists(sqlite)) table.write_sqlite(sqlite);
-    for (const auto& [place, meant] : unknown_metrics(plan_.study(), table.metrics())) {
-      fmt::print(stderr, "{}: {}: no run has it{}\n", name(), place, meant);
+    for (const UnknownMetric& one : unknown_metrics(plan_.study(), table.metrics())) {
+      fmt::print(stderr, "{}: {}: no run has it{}\n", name(), one.place, why_missing(sweep_, one));
     }
     const auto comparison = compare_study(plan_, index);
     const fs::path compared = folder_.path() / "comparison.csv";
@@ -134,16 +137,21 @@ class SweepCommand : public StudyCommand {
       const fs::path by_key = folder_.path() / "comparison_by_key.csv";
       if (!comparison->interactions.empty()) replace_file(by_key, by_key_csv(*comparison));
     }
-    write_study_report(catalogue_, plan_, index, folder_, comparison);
+    const auto ranking = rank_study(plan_, index);
+    if (ranking) {
+      replace_file(folder_.path() / "ranking.json", ranking_json(*ranking).dump(1) + "\n");
+    }
+    write_study_report(catalogue_, plan_, index, folder_, comparison, ranking);
     const std::vector<std::string> lines = notes(plan_, index);
     if (options_.quiet) {
       warn(name(), lines);
       return;
     }
-    if (comparison) fmt::print("{}\n", comparison_text(*comparison, output_width()));
-    for (const std::string& note : lines) {
-      fmt::print("{}\n", fmt::join(wrapped(note, output_width()), "\n"));
+    if (ranking) fmt::print("{}\n", ranking_text(*ranking, output_width()));
+    if (comparison && prints_all_) {
+      fmt::print("{}\n", comparison_text(*comparison, output_width()));
     }
+    print_notes(lines, comparison && !ranking);
     fmt::print("{}\nresults: {}\n", counted(index), csv.string());
     if (comparison) fmt::print("comparison: {}\n", compared.string());
     fmt::print("report: {}\n", (folder_.path() / "report.html").string());
@@ -253,6 +261,27 @@ class SweepCommand : public StudyCommand {
   }
 
  private:
+  // Long lists of notes stand behind --all.
+  void print_notes(std::vector<std::string> notes, bool is_unranked) const {
+    constexpr std::size_t kMostLines = 6;
+    if (is_unranked) {
+      notes.insert(
+          notes.begin(),
+          "Nothing is ranked without a goal: --goal METRIC=min or METRIC=max (compare.goal)");
+    }
+    std::size_t printed = 0, shown = 0;
+    for (const std::string& note : notes) {
+      const std::vector<std::string> lines = wrapped(note, output_width());
+      printed += lines.size();
+      if (!prints_all_ && printed > kMostLines) break;
+      fmt::print("{}\n", fmt::join(lines, "\n"));
+      ++shown;
+    }
+    if (shown == notes.size() && (prints_all_ || !is_unranked)) return;
+    fmt::print("--all prints {}the comparison of each metric\n",
+               shown < notes.size() ? number_of(notes.size() - shown, "more note") + " and " : "");
+  }
+
   bool stops() const { return plan_.study().on_failure == OnFailure::stop; }
   SlurmStudy on_cluster() const { return {folder_, plan_.study().slurm}; }
   // Removes points in the queue from `points`, so that they do not run twice, and reports them.
@@ -309,6 +338,7 @@ class SweepCommand : public StudyCommand {
   Sweep sweep_;
   const Plan& plan_ = sweep_.plan();
   bool sqlite_;
+  bool prints_all_;
 };
 
 }  // namespace

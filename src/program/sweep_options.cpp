@@ -229,6 +229,8 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
        .how = kHow,
        .begun = kBegun});
   app.add_flag("--sqlite", options.sqlite, "write results.sqlite as well")->group(kHow);
+  app.add_flag("--all", options.all, "print the comparison of every metric and all notes")
+      ->group(kHow);
   app.add_flag("--collect", options.study.collect, "write results.csv of what is done, and exit")
       ->group(kBegun);
   app.add_option("--replay", options.study.replay,

@@ -21,6 +21,7 @@ struct SweepOptions {
   std::map<std::string, std::vector<std::string>>
       what;  ///< options of the study itself, such as "--vary"
   bool sqlite = false;
+  bool all = false;  ///< print every table
 
   /// Whether an option defines the study.
   bool says_what() const;

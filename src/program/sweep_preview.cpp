@@ -14,7 +14,7 @@
 #include <breakwater/shell/table.h>
 #include <breakwater/statistics/paired_comparison.h>
 #include <breakwater/study/comparison_table.h>
-#include <breakwater/study/study_comparison.h>
+#include <breakwater/study/study_notes.h>
 
 namespace breakwater {
 namespace {
@@ -25,16 +25,19 @@ std::vector<std::string> metric_names(const PointResult& run) {
   return names;
 }
 
-// The number of metrics and pairs of candidates that differ in these runs: each is a test.
+// The number of tests in Holm's correction: of the ranking if there is a goal, else of the
+// comparison. A test is a metric and a pair of candidates that differ in these runs.
 std::size_t tests_shown(const Plan& plan, const std::vector<PointResult>& runs) {
   const Study& study = plan.study();
+  std::vector<std::string> metrics = study.metrics;
+  if (!study.goals.empty()) metrics = {study.goals.front().first};
   std::size_t tests = 0;
   for (std::size_t y = 0; y < runs.size(); ++y) {
-    const bool is_baseline = plan.candidates()[y].label == study.baseline;
-    if (!study.baseline.empty() && !is_baseline) continue;
+    const bool is_baseline = study.goals.empty() && plan.candidates()[y].label == study.baseline;
+    if (study.goals.empty() && !study.baseline.empty() && !is_baseline) continue;
     for (const auto& [name, value] : runs[y].metrics) {
-      const auto is_named = std::find(study.metrics.begin(), study.metrics.end(), name);
-      if (!study.metrics.empty() && is_named == study.metrics.end()) continue;
+      const auto is_named = std::find(metrics.begin(), metrics.end(), name);
+      if (!metrics.empty() && is_named == metrics.end()) continue;
       for (std::size_t x = is_baseline ? 0 : y + 1; x < runs.size(); ++x) {
         // Clang 14 captures no structured bindings by themselves.
         const auto differs = [&name = name, &value = value](const auto& other) {
@@ -69,24 +72,26 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
     warnings.push_back(fmt::format("{}: the first run lacks {}", plan.candidates()[c].label,
                                    fmt::join(lacking, ", ")));
   }
-  for (const auto& [place, meant] : unknown_metrics(plan.study(), all)) {
-    warnings.push_back(fmt::format("{}: none of these runs has it{}", place, meant));
-  }
-  const std::size_t blocks = most_blocks(plan);
-  const std::size_t tests = tests_shown(plan, runs);
-  const double p = least_p(blocks, std::max<std::size_t>(1, tests));
-  if (blocks > 0 && p > ComparisonSettings{}.alpha) {
-    warnings.push_back(few_text(blocks, plan.samples() * plan.seeds(), tests, p));
+  for (const UnknownMetric& one : unknown_metrics(plan.study(), all)) {
+    warnings.push_back(
+        fmt::format("{}: none of these runs has it{}", one.place, why_missing(sweep, one)));
   }
   if (plan.seeds() > 1 && runs.front().status == PointStatus::complete) {
     RunControl control;
     control.stop = &interrupted();
     const PointResult other = run_point(plan.candidates().size(), sweep, control);
-    if (other.state_hash == runs.front().state_hash) {
-      warnings.push_back(
-          fmt::format("seeds: {} and {} give the same run of {}: without noise they change nothing",
-                      plan.study().seeds[0], plan.study().seeds[1], plan.candidates()[0].label));
+    if (are_same_run(other, runs.front())) {
+      warnings.push_back(fmt::format("seeds: {} and {} give the same run of {}: {}",
+                                     plan.study().seeds[0], plan.study().seeds[1],
+                                     plan.candidates()[0].label, kNoNoise));
     }
+  }
+  const std::size_t blocks = most_blocks(plan);
+  const std::size_t tests = tests_shown(plan, runs);
+  const double p = least_p(blocks, std::max<std::size_t>(1, tests));
+  if (blocks > 0 && p > ComparisonSettings{}.alpha) {
+    warnings.push_back(few_text(blocks, plan.samples() * plan.seeds(), tests, p,
+                                plan.study().goals.empty() ? kFewerMetrics : "fewer candidates"));
   }
   return warnings;
 }
@@ -117,6 +122,19 @@ void print_preview(const Sweep& sweep, std::size_t jobs) {
   }
 }
 
+std::string why_missing(const Sweep& sweep, const UnknownMetric& metric) {
+  const auto defined = sweep.prepare(0).scenario->metric_definitions();
+  if (std::none_of(defined.begin(), defined.end(),
+                   [&](const MetricDefinition& one) { return one.name == metric.name; })) {
+    return metric.meant;
+  }
+  std::string why = ": they have no window or event for it";
+  for (const std::string& set : sweep.plan().study().sets) {
+    if (set.starts_with("run.duration_s=")) why += " (" + set + ")";
+  }
+  return why;
+}
+
 void check_asked_metrics(const Sweep& sweep) {
   const Study& study = sweep.plan().study();
   std::vector<std::string> known;
@@ -135,10 +153,10 @@ void check_asked_metrics(const Sweep& sweep) {
       for (const auto& [name, value] : run.metrics) known.push_back(name);
     }
   }
-  for (const auto& [place, meant] : unknown_metrics(study, known)) {
-    if (meant.empty()) continue;
+  for (const UnknownMetric& one : unknown_metrics(study, known)) {
+    if (one.meant.empty() && !one.is_required) continue;
     throw std::invalid_argument(
-        fmt::format("{}: the first and the last run have no such metric{}", place, meant));
+        fmt::format("{}: the first and the last run have no such metric{}", one.place, one.meant));
   }
 }
 

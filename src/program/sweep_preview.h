@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 
+#include <breakwater/study/study_comparison.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -16,6 +17,9 @@ void print_preview(const Sweep& sweep, std::size_t jobs);
 /// candidate. A missing name counts as misspelt only if it resembles a metric of these runs. Throws
 /// std::invalid_argument.
 void check_asked_metrics(const Sweep& sweep);
+
+/// Why the runs lack a metric, behind "no run has it": they are too short, or it is misspelt.
+std::string why_missing(const Sweep& sweep, const UnknownMetric& metric);
 
 /// A text such as "3 of 40 points are done; of these 1 failed".
 std::string counted(const ShardIndex& index);

@@ -5,7 +5,6 @@
 #include <string>
 
 #include <breakwater/statistics/binomial.h>
-#include <breakwater/statistics/bootstrap.h>
 
 namespace breakwater {
 namespace {
@@ -38,9 +37,7 @@ std::optional<ConfidenceInterval> interval_of(std::vector<double> values, Over o
       return quantile_interval(values, 0.5, kLevel);
     case Over::q90:
       return quantile_interval(values, large_is_bad ? 0.9 : 0.1, kLevel);
-    case Over::mean:
-      return bca_interval(values, sample_mean, bootstrap_replicates(values, sample_mean, {}),
-                          kLevel);
+    case Over::mean:  // no interval covers the mean of every distribution
     case Over::worst:
       break;
   }

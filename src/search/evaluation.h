@@ -29,7 +29,7 @@ struct Evaluation {
   bool is_feasible() const { return failures == 0 && violation == 0.0; }
 };
 
-/// `with_intervals` adds quantile_interval() to a median and to q90, and bca_interval() to a mean.
+/// `with_intervals` adds quantile_interval() to a median and to q90.
 /// `worst` has no interval.
 Evaluation evaluate(const Tuning& tuning, const std::vector<PointResult>& runs,
                     bool with_intervals);

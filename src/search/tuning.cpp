@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include <breakwater/config/toml_text.h>
-#include <breakwater/statistics/bootstrap.h>
 #include <breakwater/statistics/quantile.h>
 #include <breakwater/study/study_reader.h>
 

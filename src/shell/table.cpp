@@ -47,6 +47,12 @@ std::string in_blocks(const Rows& rows, std::size_t labels, std::size_t width) {
     }
     if (first > labels) text += '\n';
     for (const auto& row : rows) {
+      // A part of a table has no row without anything in it.
+      const bool is_part = first > labels || last < columns;
+      const bool is_blank = std::all_of(row.begin() + static_cast<std::ptrdiff_t>(first),
+                                        row.begin() + static_cast<std::ptrdiff_t>(last),
+                                        [](const std::string& cell) { return cell.empty(); });
+      if (is_part && is_blank) continue;
       std::string line = row[0] + blanks(widths[0], row[0]);
       for (std::size_t i = 1; i < labels; ++i) {
         line += std::string(kGap, ' ') + row[i] + blanks(widths[i], row[i]);

@@ -35,6 +35,21 @@ std::optional<ConfidenceInterval> quantile_interval(const std::vector<double>& s
   return ConfidenceInterval{sorted[l - 1], sorted[u - 1]};
 }
 
+ConfidenceInterval share_interval(std::size_t successes, std::size_t n, double level) {
+  const double tail = 0.5 * (1.0 - level);
+  // The p at which P(X ≤ s) falls to `target`.
+  const auto falls_to = [&](std::size_t s, double target) {
+    double low = 0.0, high = 1.0;
+    while (high - low > 1e-11) {
+      const double p = 0.5 * (low + high);
+      (binomial_cdf(n, p)[s] > target ? low : high) = p;
+    }
+    return 0.5 * (low + high);
+  };
+  return {successes == 0 ? 0.0 : falls_to(successes - 1, 1.0 - tail),
+          successes == n ? 1.0 : falls_to(successes, tail)};
+}
+
 double mcnemar_exact(std::size_t first, std::size_t second) {
   if (first + second == 0) return 1.0;
   return std::min(1.0, 2.0 * binomial_cdf(first + second, 0.5)[std::min(first, second)]);

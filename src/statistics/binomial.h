@@ -23,6 +23,14 @@ std::vector<double> binomial_cdf(std::size_t n, double p);
 std::optional<ConfidenceInterval> quantile_interval(const std::vector<double>& sorted, double p,
                                                     double level);
 
+/// The interval of the success probability of n ≥ 1 trials with so many successes:
+///     [p_l, p_u],  P(X ≥ successes) = (1 − level)/2 for p_l,  P(X ≤ successes) likewise for p_u
+/// p_l is 0 without a success, p_u is 1 without a failure. It covers with probability `level` or
+/// more. The error is below 1e-9.
+///
+/// Source: C. J. Clopper, E. S. Pearson, Biometrika 26 (1934) 404–413.
+ConfidenceInterval share_interval(std::size_t successes, std::size_t n, double level);
+
 /// McNemar's exact test of paired failures. In `first` pairs only the first run failed, in `second`
 /// only the second. Returns the two-sided p of first ~ Bin(first + second, 1/2); 1 if both are 0.
 ///

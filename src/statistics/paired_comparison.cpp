@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <set>
 #include <span>
 #include <utility>
 
 #include <breakwater/statistics/binomial.h>
-#include <breakwater/statistics/bootstrap.h>
 #include <breakwater/statistics/group_tests.h>
 #include <breakwater/statistics/multiple_tests.h>
 #include <breakwater/statistics/quantile.h>
@@ -18,8 +18,6 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kMostBootstrapped = 2000;
-constexpr std::size_t kFewestRanked = 3;
 constexpr std::size_t kMostValues = 12;  // values of a key with a group each
 // Numbers of groups of neighbouring values of a key, and smallest number of blocks in a group.
 constexpr std::size_t kFewestGroups = 2, kMostGroups = 5, kOfAGroup = 4;
@@ -112,24 +110,6 @@ struct Pair {
   const Blocks& of_y;
 };
 
-EstimatedMedian estimated_median(std::vector<double> values, double level) {
-  std::sort(values.begin(), values.end());
-  const auto interval = quantile_interval(values, 0.5, level);
-  return {sample_median(values), interval};
-}
-
-EstimatedMedian median_difference(const std::vector<double>& differences,
-                                  const BootstrapSettings& bootstrap) {
-  if (differences.size() > kMostBootstrapped) {
-    return estimated_median(differences, bootstrap.level);
-  }
-  std::vector<double> values = differences;
-  return {
-      sample_median(values),
-      bca_interval(differences, sample_median,
-                   bootstrap_replicates(differences, sample_median, bootstrap), bootstrap.level)};
-}
-
 Goal goal_in(const PairedResults& results, const std::string& metric) {
   const auto found = results.goals.find(metric);
   return found == results.goals.end() ? Goal::none : found->second;
@@ -139,20 +119,22 @@ Goal goal_in(const PairedResults& results, const std::string& metric) {
 Groups differences_of(const PairedResults& results, std::size_t metric, const Pair& pair) {
   const auto x = results.values[metric].col(static_cast<Eigen::Index>(pair.x));
   const auto y = results.values[metric].col(static_cast<Eigen::Index>(pair.y));
-  return values_in(pair.blocks, [&](Eigen::Index world) { return x(world) - y(world); });
+  constexpr double kMost = std::numeric_limits<double>::max();
+  return values_in(pair.blocks, [&](Eigen::Index world) {
+    return std::clamp(x(world) - y(world), -kMost, kMost);  // NaN stays
+  });
 }
 
 MetricComparison compare_metric(const PairedResults& results, std::size_t metric, const Pair& pair,
-                                const Groups& differences, const ComparisonSettings& settings) {
+                                const Groups& differences, const std::vector<double>& medians,
+                                double level) {
   MetricComparison comparison;
   comparison.metric = results.metrics[metric];
   comparison.goal = goal_in(results, comparison.metric);
   comparison.candidate = pair.x;
   comparison.reference = pair.y;
-  const std::vector<double> medians = medians_of(differences);
   comparison.blocks = medians.size();
   for (const std::vector<double>& block : differences) comparison.pairs += block.size();
-  if (medians.empty()) return comparison;
   comparison.between = share_between(differences);
   const auto x = results.values[metric].col(static_cast<Eigen::Index>(pair.x));
   const auto y = results.values[metric].col(static_cast<Eigen::Index>(pair.y));
@@ -160,15 +142,18 @@ MetricComparison compare_metric(const PairedResults& results, std::size_t metric
     const Groups values = values_in(blocks, [&](Eigen::Index world) {
       return std::isnan(beside(world)) ? beside(world) : of(world);
     });
-    return estimated_median(medians_of(values), settings.bootstrap.level);
+    return estimated_median(medians_of(values), level);
   };
   comparison.median = median_of(x, y, pair.of_x);
   comparison.reference_median = median_of(y, x, pair.of_y);
-  comparison.difference = median_difference(medians, settings.bootstrap);
-  comparison.p = signed_rank_test(medians).p;
-  double smaller = 0.0;
-  for (const double d : medians) smaller += d < 0.0 ? 1.0 : d == 0.0 ? 0.5 : 0.0;
-  comparison.probability_smaller = smaller / static_cast<double>(comparison.blocks);
+  for (const double d : medians) {
+    comparison.smaller += d < 0.0;
+    comparison.larger += d > 0.0;
+  }
+  const std::size_t equal = comparison.blocks - comparison.smaller - comparison.larger;
+  comparison.probability_smaller =
+      (static_cast<double>(comparison.smaller) + 0.5 * static_cast<double>(equal)) /
+      static_cast<double>(comparison.blocks);
   if (comparison.goal != Goal::none) {
     comparison.probability_better = comparison.goal == Goal::min
                                         ? comparison.probability_smaller
@@ -271,10 +256,8 @@ bool differs(const MetricComparison& comparison, const PairedResults& results) {
 
 ComparisonVerdict verdict_of(const MetricComparison& comparison, double alpha) {
   if (comparison.least_p_holm > alpha) return ComparisonVerdict::too_few_blocks;
-  const auto& interval = comparison.difference.interval;
-  if (comparison.p_holm > alpha || !interval) return ComparisonVerdict::no_difference_shown;
-  const bool is_smaller = interval->upper<0.0, is_larger = interval->lower> 0.0;
-  if (!is_smaller && !is_larger) return ComparisonVerdict::no_difference_shown;
+  if (comparison.p_holm > alpha) return ComparisonVerdict::no_difference_shown;
+  const bool is_smaller = comparison.difference.value < 0.0;
   if (comparison.goal == Goal::none)
     return is_smaller ? ComparisonVerdict::smaller : ComparisonVerdict::larger;
   return is_smaller == (comparison.goal == Goal::min) ? ComparisonVerdict::better
@@ -333,6 +316,23 @@ std::size_t set_verdicts(std::vector<Comparison>& comparisons, double alpha, con
   return tests;
 }
 
+// Sets the intervals of the differences at Holm's levels where `counts` is true, else at alpha.
+template <typename Counts>
+void set_intervals(std::vector<MetricComparison>& comparisons, const std::vector<SignedRank>& tests,
+                   double alpha, const Counts& counts) {
+  std::vector<double> p;
+  for (const MetricComparison& one : comparisons) {
+    if (counts(one)) p.push_back(one.p);
+  }
+  const std::vector<double> levels = holm_levels(p, alpha);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < comparisons.size(); ++i) {
+    const double level = counts(comparisons[i]) ? levels[next++] : alpha;
+    comparisons[i].difference.interval = tests[i].interval(level);
+    comparisons[i].needed = differences_needed(tests[i].share_above(), level);
+  }
+}
+
 std::vector<std::string> never_measured(const PairedResults& results, std::size_t candidate) {
   std::vector<std::string> metrics;
   const auto column = static_cast<Eigen::Index>(candidate);
@@ -347,47 +347,23 @@ std::vector<std::string> never_measured(const PairedResults& results, std::size_
   return metrics;
 }
 
-// Whether any two candidates have the same blocks as all together.
-bool reach_every_pair(const PairedResults& results, const CandidateComparison& comparison) {
-  for (std::size_t x = 0; x < results.candidates.size(); ++x) {
-    for (std::size_t y = 0; y < x; ++y) {
-      if (std::max(comparison.reached[x], comparison.reached[y]) == comparison.blocks) continue;
-      if (Blocks(results, {x, y}).size() < comparison.blocks) return false;
-    }
-  }
-  return true;
-}
-
-std::optional<RankComparison> rank(const PairedResults& results, std::size_t metric,
-                                   const Blocks& blocks, double alpha) {
-  RankComparison comparison;
-  comparison.metric = results.metrics[metric];
-  comparison.goal = goal_in(results, comparison.metric);
-  const Eigen::MatrixXd& values = results.values[metric];
-  Eigen::MatrixXd whole(static_cast<Eigen::Index>(blocks.size()), values.cols());
-  Eigen::Index rows = 0;
-  for (std::size_t block = 0; block < blocks.size(); ++block) {
-    std::vector<Eigen::Index> worlds(blocks[block].begin(), blocks[block].end());
-    std::erase_if(worlds, [&](Eigen::Index world) { return !values.row(world).allFinite(); });
-    if (worlds.empty()) continue;
-    for (Eigen::Index c = 0; c < values.cols(); ++c) {
-      const Eigen::VectorXd column = values(worlds, c);
-      std::vector<double> of_block(column.begin(), column.end());
-      whole(rows, c) = sample_median(of_block);
-    }
-    ++rows;
-  }
-  comparison.blocks = static_cast<std::size_t>(rows);
-  if (least_p(comparison.blocks) > alpha) return std::nullopt;
-  if (comparison.goal == Goal::max) whole = -whole;
-  const Eigen::VectorXd ranks = average_ranks(whole.topRows(rows));
-  comparison.average_ranks.assign(ranks.begin(), ranks.end());
-  comparison.critical_difference =
-      critical_difference(results.candidates.size(), comparison.blocks, alpha);
-  return comparison;
-}
-
 }  // namespace
+
+EstimatedMedian estimated_median(std::vector<double> values, double level) {
+  std::sort(values.begin(), values.end());
+  const auto interval = quantile_interval(values, 0.5, level);
+  return {sample_median(values), interval};
+}
+
+std::vector<std::vector<Eigen::Index>> different_blocks(
+    const PairedResults& results, const std::vector<std::size_t>& candidates) {
+  const Blocks blocks(results, candidates);
+  std::vector<std::vector<Eigen::Index>> all;
+  for (std::size_t block = 0; block < blocks.size(); ++block) {
+    all.emplace_back(blocks[block].begin(), blocks[block].end());
+  }
+  return all;
+}
 
 const std::string& name_of(ComparisonVerdict verdict) {
   static const std::array<std::string, 6> names = {
@@ -408,6 +384,7 @@ double least_p(std::size_t blocks, std::size_t tests) {
 CandidateComparison compare_candidates(const PairedResults& results,
                                        const ComparisonSettings& settings) {
   CandidateComparison comparison;
+  comparison.alpha = settings.alpha;
   comparison.candidates = results.candidates;
   comparison.worlds = static_cast<std::size_t>(results.failed.rows());
   std::vector<std::size_t> all(results.candidates.size());
@@ -426,11 +403,17 @@ CandidateComparison compare_candidates(const PairedResults& results,
     pairs.push_back({x, y, Blocks(results, {x, y}), of_one[x], of_one[y]});
     keys.push_back(keys_of(results, pairs.back().blocks));
   }
+  std::vector<SignedRank> tests;  // one for each of comparison.metrics
   for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const Groups differences = differences_of(results, metric, pairs[i]);
-      const MetricComparison one = compare_metric(results, metric, pairs[i], differences, settings);
-      if (one.pairs == 0) continue;
+      const std::vector<double> medians = medians_of(differences);
+      if (medians.empty()) continue;
+      MetricComparison one =
+          compare_metric(results, metric, pairs[i], differences, medians, 1.0 - settings.alpha);
+      tests.emplace_back(medians);
+      one.p = tests.back().p();
+      one.difference.value = tests.back().pseudo_median();
       comparison.metrics.push_back(one);
       if (!differs(one, results)) continue;
       for (const KeyOfPair& key : keys[i]) {
@@ -440,6 +423,8 @@ CandidateComparison compare_candidates(const PairedResults& results,
   }
   comparison.tests = set_verdicts(comparison.metrics, settings.alpha,
                                   [&](const auto& one) { return differs(one, results); });
+  set_intervals(comparison.metrics, tests, settings.alpha,
+                [&](const auto& one) { return differs(one, results); });
   adjust(comparison.interactions, &KeyInteraction::p, &KeyInteraction::p_holm,
          [](const auto&) { return true; });
   judge(comparison, settings.alpha);
@@ -447,14 +432,6 @@ CandidateComparison compare_candidates(const PairedResults& results,
   for (const Pair& pair : pairs) comparison.failures.push_back(compare_failures(results, pair));
   set_verdicts(comparison.failures, settings.alpha,
                [](const auto& one) { return one.alone + one.reference_alone > 0; });
-
-  if (results.candidates.size() >= kFewestRanked && reach_every_pair(results, comparison)) {
-    for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
-      if (auto ranks = rank(results, metric, blocks, settings.alpha)) {
-        comparison.ranks.push_back(std::move(*ranks));
-      }
-    }
-  }
   return comparison;
 }
 

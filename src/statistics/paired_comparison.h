@@ -46,6 +46,14 @@ struct EstimatedMedian {
   std::optional<ConfidenceInterval> interval;
 };
 
+/// The median of a sample that is not empty, with quantile_interval() at this level.
+EstimatedMedian estimated_median(std::vector<double> values, double level);
+
+/// The rows of `results` by block. Samples in which all of these candidates have the runs of an
+/// earlier sample are left out.
+std::vector<std::vector<Eigen::Index>> different_blocks(const PairedResults& results,
+                                                        const std::vector<std::size_t>& candidates);
+
 /// One metric of a candidate x compared with the reference y, over the pairs in which both have it.
 /// The unit is the block: a sample, repeated by its test conditions. Its value is the median of x −
 /// y (of x, of y) over these. Samples with identical runs of x and y are one block.
@@ -56,11 +64,13 @@ struct MetricComparison {
   std::size_t pairs = 0, blocks = 0;
   std::optional<double> between = {};  ///< share_between() blocks for x − y
   EstimatedMedian median{}, reference_median{};
-  EstimatedMedian difference{};      ///< median of x − y
-  double p = 1.0;                    ///< signed_rank_test() of x − y
-  double p_holm = 1.0;               ///< over all metrics and pairs of candidates
-  double least_p_holm = 1.0;         ///< the smallest that these numbers of blocks can give
-  double probability_smaller = 0.5;  ///< share of blocks with x < y; equal ones count half
+  EstimatedMedian difference{};  ///< pseudo-median of x − y, with its interval at Holm's level
+  std::size_t smaller = 0, larger = 0;     ///< blocks with x < y and with x > y
+  std::optional<std::size_t> needed = {};  ///< differences_needed(), at Holm's level
+  double p = 1.0;                          ///< SignedRank of x − y
+  double p_holm = 1.0;                     ///< over all metrics and pairs of candidates
+  double least_p_holm = 1.0;               ///< the smallest that these numbers of blocks can give
+  double probability_smaller = 0.5;        ///< share of blocks with x < y; equal ones count half
   std::optional<double> probability_better = {};  ///< if there is a goal
   ComparisonVerdict verdict = ComparisonVerdict::no_difference_shown;
   std::vector<std::string> turns_with = {};  ///< keys whose values change the sign
@@ -102,19 +112,8 @@ struct FailureComparison {
   ComparisonVerdict verdict = ComparisonVerdict::no_difference_shown;
 };
 
-/// Ranks of three or more candidates in one metric, from their medians over the blocks in which all
-/// have it. Rank 1 is the smallest value, or the largest for the goal max. There are no ranks if
-/// two candidates have fewer blocks than all together (these are then dependent), or if there are
-/// too few blocks.
-struct RankComparison {
-  std::string metric;
-  Goal goal = Goal::none;
-  std::size_t blocks = 0;
-  std::vector<double> average_ranks;  ///< by candidate
-  double critical_difference = 0.0;   ///< Nemenyi's, at 5 %
-};
-
 struct CandidateComparison {
+  double alpha = 0.05;  ///< ComparisonSettings::alpha
   std::vector<std::string> candidates;
   std::size_t worlds = 0;            ///< test conditions of all candidates
   std::size_t blocks = 0;            ///< blocks in which any candidate's runs differ
@@ -126,30 +125,27 @@ struct CandidateComparison {
   std::vector<MetricComparison> metrics;     ///< by metric, then by candidate
   std::vector<KeyInteraction> interactions;  ///< by metric, then by key
   std::vector<FailureComparison> failures;
-  std::vector<RankComparison> ranks;  ///< empty with fewer than three candidates
 
   /// Whether a pair has more pairs of runs than blocks.
   bool has_repeats() const;
 };
 
 struct ComparisonSettings {
-  double alpha = 0.05;
-  BootstrapSettings bootstrap = {.replicates = 2000, .level = 0.95, .seed = 1};
+  double alpha = 0.05;  ///< intervals have the level 1 − alpha or more
 };
 
 /// The smallest p that the tests of n blocks can give: m·2·2⁻ⁿ for the first of m tests in Holm's
 /// correction, at most 1.
 double least_p(std::size_t blocks, std::size_t tests = 1);
 
-/// Compares the candidates. Medians have quantile_interval(). The median difference has
-/// bca_interval() of its bootstrap, or quantile_interval() with more than 2000 blocks, where both
-/// are close.
+/// Compares the candidates. Medians have quantile_interval(). The difference has the interval of
+/// its signed-rank test at the level of holm_levels(), so it excludes zero exactly where p_holm ≤
+/// alpha.
 ///
-/// The verdict: x is `better` or `worse` than y if p_holm ≤ alpha and the interval of the median
-/// difference excludes zero on that side. Without a goal it is `smaller` or `larger`. Otherwise it
-/// is `no difference shown`, which does not mean equal, or `too few blocks` (no result of so many
-/// blocks and tests could be significant). A candidate is better in failures if it has fewer in
-/// more blocks and p_holm ≤ alpha.
+/// The verdict: x is `better` or `worse` than y if p_holm ≤ alpha. Without a goal it is `smaller`
+/// or `larger`. Otherwise it is `no difference shown`, which does not mean equal, or `too few
+/// blocks` (no result of so many blocks and tests could be significant). A candidate is better in
+/// failures if it has fewer in more blocks and p_holm ≤ alpha.
 ///
 /// A metric that no pair has in common has no row. A metric in which no pair differs is not a test
 /// and does not count in Holm's correction.

@@ -1,4 +1,4 @@
-// Quantiles and the median of a sample.
+// Quantiles, the median and the mean of a sample.
 #pragma once
 
 #include <algorithm>
@@ -28,6 +28,12 @@ inline double sample_median(std::vector<double>& values) {
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
   return std::midpoint(*std::max_element(values.begin(), middle), *middle);
+}
+
+/// The mean. Its bits do not depend on the order of the values, which it sorts.
+inline double sample_mean(std::vector<double>& values) {
+  std::sort(values.begin(), values.end());
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 }  // namespace breakwater

@@ -1,10 +1,16 @@
 #include <breakwater/statistics/signed_rank.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
 #include <numeric>
+#include <utility>
 
-#include <breakwater/statistics/mid_ranks.h>
+#include <breakwater/math/functions.h>
+#include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/normal.h>
 
 namespace breakwater {
@@ -12,51 +18,115 @@ namespace {
 
 constexpr std::size_t kMostExact = 200;
 
-// P(S = s) for the sum S of the ranks whose fair coin shows heads.
-std::vector<double> distribution_of_sum(const std::vector<std::size_t>& ranks) {
-  std::vector<double> probability(1 + std::accumulate(ranks.begin(), ranks.end(), std::size_t{0}));
+// P(W₊ ≤ w) for w = 0 … n (n + 1)/2.
+std::vector<double> distribution_of_sum(std::size_t n) {
+  std::vector<double> probability(1 + n * (n + 1) / 2);
   probability[0] = 1.0;
   std::size_t largest = 0;
-  for (const std::size_t rank : ranks) {
+  for (std::size_t rank = 1; rank <= n; ++rank) {
     largest += rank;
     for (std::size_t s = largest + 1; s-- > 0;) {
       probability[s] = 0.5 * (probability[s] + (s >= rank ? probability[s - rank] : 0.0));
     }
   }
+  std::partial_sum(probability.begin(), probability.end(), probability.begin());
   return probability;
+}
+
+// Finite doubles as integers in the same order, and back.
+std::int64_t place_of(double value) {
+  const auto bits = std::bit_cast<std::int64_t>(value);
+  return bits < 0 ? std::numeric_limits<std::int64_t>::min() - bits : bits;
+}
+
+double value_at(std::int64_t place) {
+  return std::bit_cast<double>(place < 0 ? std::numeric_limits<std::int64_t>::min() - place
+                                         : place);
 }
 
 }  // namespace
 
-SignedRank signed_rank_test(const std::vector<double>& differences) {
-  std::vector<double> sizes;
-  for (const double d : differences) sizes.push_back(std::abs(d));
-  const std::vector<double> ranks = mid_ranks(sizes);
-  SignedRank test;
-  std::vector<std::size_t> doubled;  // doubled mid-ranks are integers
-  double sum = 0.0, squares = 0.0;
-  for (std::size_t i = 0; i < differences.size(); ++i) {
-    if (differences[i] == 0.0) continue;
-    if (differences[i] > 0.0) test.statistic += ranks[i];
-    sum += ranks[i];
-    squares += ranks[i] * ranks[i];
-    doubled.push_back(static_cast<std::size_t>(2.0 * ranks[i]));
+SignedRank::SignedRank(std::vector<double> differences) : sorted_(std::move(differences)) {
+  std::sort(sorted_.begin(), sorted_.end());
+  if (size() <= kMostExact) cdf_ = distribution_of_sum(size());
+}
+
+std::size_t SignedRank::at_most(double value) const {
+  std::size_t count = 0, end = size();
+  for (std::size_t i = 0; i < end; ++i) {
+    while (end > i && std::midpoint(sorted_[i], sorted_[end - 1]) > value) --end;
+    count += end - i;
   }
-  test.nonzero = doubled.size();
-  if (test.nonzero == 0) return test;
-  if (test.nonzero > kMostExact) {
-    test.is_exact = false;
-    const double distance = std::abs(test.statistic - 0.5 * sum);
-    const double z = std::max(0.0, distance - 0.5) / std::sqrt(0.25 * squares);
-    test.p = std::min(1.0, 2.0 * normal_cdf(-z));
-    return test;
+  return count;
+}
+
+double SignedRank::average(std::size_t k) const {
+  std::int64_t low = place_of(sorted_.front()), high = place_of(sorted_.back());
+  while (low < high) {
+    const std::int64_t middle = std::midpoint(low, high);  // below `high`
+    if (at_most(value_at(middle)) >= k) {
+      high = middle;
+    } else {
+      low = middle + 1;
+    }
   }
-  const std::vector<double> probability = distribution_of_sum(doubled);
-  const auto w = static_cast<std::ptrdiff_t>(2.0 * test.statistic);
-  const double at_most = std::accumulate(probability.begin(), probability.begin() + w + 1, 0.0);
-  const double at_least = std::accumulate(probability.begin() + w, probability.end(), 0.0);
-  test.p = std::min(1.0, 2.0 * std::min(at_most, at_least));
-  return test;
+  return value_at(low);
+}
+
+double SignedRank::cdf(std::size_t w) const {
+  if (!cdf_.empty()) return cdf_[w];
+  const auto n = static_cast<double>(size());
+  const double mean = 0.25 * n * (n + 1.0), variance = mean * (2.0 * n + 1.0) / 6.0;
+  return normal_cdf((static_cast<double>(w) + 0.5 - mean) / std::sqrt(variance));
+}
+
+double SignedRank::p() const {
+  const std::size_t below = at_most(-std::numeric_limits<double>::denorm_min());
+  return std::min(1.0, 2.0 * cdf(std::min(at_most(0.0), averages() - below)));
+}
+
+double SignedRank::pseudo_median() const {
+  const std::size_t half = (averages() + 1) / 2;
+  if (averages() % 2 == 1) return average(half);
+  return std::midpoint(average(half), average(half + 1));
+}
+
+std::optional<ConfidenceInterval> SignedRank::interval(double alpha) const {
+  std::size_t k = 0, end = averages() / 2 + 1;  // 2 P(W₊ ≤ w) ≤ alpha for the k values w < k
+  while (k < end) {
+    const std::size_t middle = std::midpoint(k, end);
+    if (2.0 * cdf(middle) <= alpha) {
+      k = middle + 1;
+    } else {
+      end = middle;
+    }
+  }
+  if (k == 0) return std::nullopt;
+  return ConfidenceInterval{average(k), average(averages() + 1 - k)};
+}
+
+double SignedRank::share_above() const {
+  // The averages of a difference with itself do not count.
+  const auto own_at_most = [&](double value) {
+    return std::upper_bound(sorted_.begin(), sorted_.end(), value) - sorted_.begin();
+  };
+  const auto pairs_at_most = [&](double value) {
+    return static_cast<double>(at_most(value)) - static_cast<double>(own_at_most(value));
+  };
+  const double all = static_cast<double>(averages() - size());
+  if (all == 0.0) return 0.5;
+  const double below = pairs_at_most(-std::numeric_limits<double>::denorm_min());
+  return 1.0 - 0.5 * (below + pairs_at_most(0.0)) / all;
+}
+
+std::optional<std::size_t> differences_needed(double share_above, double alpha) {
+  constexpr double kMost = 1e6, kPower = 0.8;
+  const double z = normal_quantile(1.0 - 0.5 * alpha) + normal_quantile(kPower);
+  const double distance = share_above - 0.5;
+  const double n = z * z / (3.0 * distance * distance);
+  if (!(n <= kMost)) return std::nullopt;
+  return static_cast<std::size_t>(
+      std::ceil(std::max(n, 1.0 - math::log(alpha) / std::numbers::ln2)));
 }
 
 }  // namespace breakwater

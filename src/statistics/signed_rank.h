@@ -1,28 +1,61 @@
-// Wilcoxon's signed-rank test.
+// Wilcoxon's signed-rank test, with the estimate and the interval that belong to it.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
+
+#include <breakwater/statistics/confidence_interval.h>
 
 namespace breakwater {
 
-struct SignedRank {
-  double statistic = 0.0;   ///< W₊
-  double p = 1.0;           ///< two-sided
-  std::size_t nonzero = 0;  ///< number of nonzero differences
-  bool is_exact = true;
+/// The test of n ≥ 1 differences d of pairs, by their M = n (n + 1)/2 Walsh averages
+/// a_ij = (d_i + d_j)/2, i ≤ j. The tested hypothesis is that the differences are symmetric about
+/// zero:
+///     W = min(#{a ≤ 0}, #{a ≥ 0})
+///     p = min(1, 2 P(W₊ ≤ W))      W₊: the sum of those of the ranks 1 … n whose fair coin is
+///     heads
+/// Without zeros and equal magnitudes this is Wilcoxon's two-sided test. An average of zero counts
+/// for both sides, so that ties never make p too small. P is exact for n ≤ 200, else from the
+/// normal distribution with a continuity correction of 1/2.
+///
+/// Sources: F. Wilcoxon, Biometrics Bull. 1 (1945) 80–83; J. W. Tukey, Princeton Statistical
+/// Research Group, Memorandum 17, 1949; J. L. Hodges, E. L. Lehmann, Ann. Math. Statist. 34 (1963)
+/// 598–611.
+class SignedRank {
+ public:
+  /// The differences must be finite.
+  explicit SignedRank(std::vector<double> differences);
+
+  double p() const;
+  /// The median of the Walsh averages, which estimates the pseudo-median: the median of (D + D')/2
+  /// for two independent differences. For a symmetric distribution it is the median.
+  double pseudo_median() const;
+  /// [k-th smallest, k-th largest Walsh average], k − 1 the largest w with 2 P(W₊ ≤ w) ≤ alpha. It
+  /// excludes zero exactly where p ≤ alpha. For symmetric differences it covers the pseudo-median
+  /// with probability 1 − alpha or more, for others about so. Nothing if 2·2⁻ⁿ > alpha: with five
+  /// differences or fewer at 5 %.
+  std::optional<ConfidenceInterval> interval(double alpha) const;
+  /// The share of a_ij, i < j, above zero; those of zero count half. 1/2 for n = 1.
+  double share_above() const;
+
+ private:
+  std::size_t size() const { return sorted_.size(); }
+  std::size_t averages() const { return size() * (size() + 1) / 2; }
+  std::size_t at_most(double value) const;  // number of Walsh averages
+  double average(std::size_t k) const;      // the k-th smallest, from 1
+  double cdf(std::size_t w) const;          // P(W₊ ≤ w)
+
+  std::vector<double> sorted_;
+  std::vector<double> cdf_;  // empty for large n
 };
 
-/// Tests whether the differences d of pairs are symmetric about zero. All |d| are ranked. Equal
-/// ones share the mean of their ranks. Then zeros drop out (Pratt):
-///     W₊ = Σ_{d > 0} r
-/// Under the hypothesis each sign is + or − with probability 1/2, for any |d|. For up to 200
-/// nonzero differences p is exact, from the distribution of W₊ over all signs with these ranks and
-/// ties. For more it is from the normal distribution with mean Σr/2, variance Σr²/4 and a
-/// continuity correction of 1/2. p = min(1, 2 min(P(W₊ ≤ w), P(W₊ ≥ w))).
+/// The number of differences with which the test at level alpha shows a difference with a
+/// probability of 80 %, if two differences D, D' have P(D + D' > 0) = share_above:
+///     n = (Φ⁻¹(1 − α/2) + Φ⁻¹(0.8))² / (3 (share_above − 1/2)²),  but 2·2⁻ⁿ ≤ α
+/// Nothing above a million.
 ///
-/// Sources: F. Wilcoxon, Biometrics Bull. 1 (1945) 80–83; J. W. Pratt, J. Amer. Statist. Assoc. 54
-/// (1959) 655–667.
-SignedRank signed_rank_test(const std::vector<double>& differences);
+/// Source: G. E. Noether, J. Amer. Statist. Assoc. 82 (1987) 645–647.
+std::optional<std::size_t> differences_needed(double share_above, double alpha);
 
 }  // namespace breakwater

@@ -67,13 +67,13 @@ std::string percent(double share) {
   return fmt::format("{:.0f} %", 100.0 * share);
 }
 
+}  // namespace
+
 std::string brief(const EstimatedMedian& median) {
   if (!median.interval) return in_digits(median.value);
   return fmt::format("{} [{}, {}]", in_digits(median.value), in_digits(median.interval->lower),
                      in_digits(median.interval->upper));
 }
-
-}  // namespace
 
 std::string p_text(double p, const std::string& equals) {
   return p < 1e-15 ? "< 1e-15" : fmt::format("{}{:.2g}", equals, p);
@@ -103,8 +103,6 @@ std::string comparison_csv(const CandidateComparison& comparison) {
                                             "reference_failures",
                                             "failures_alone",
                                             "reference_failures_alone",
-                                            "average_rank",
-                                            "critical_difference",
                                             "blocks",
                                             "variance_between_blocks",
                                             "variance_within_blocks",
@@ -133,19 +131,6 @@ std::string comparison_csv(const CandidateComparison& comparison) {
     row.put("failures_alone", std::to_string(one.alone));
     row.put("reference_failures_alone", std::to_string(one.reference_alone));
     text += row.print(columns);
-  }
-  for (const RankComparison& one : comparison.ranks) {
-    for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
-      Row row;
-      row.put("metric", one.metric);
-      if (one.goal != Goal::none) row.put("goal", name_of(goal_names(), one.goal));
-      row.put("candidate", comparison.candidates[c]);
-      row.put("pairs", std::to_string(one.blocks));
-      row.put("blocks", std::to_string(one.blocks));
-      row.put("average_rank", one.average_ranks[c]);
-      row.put("critical_difference", one.critical_difference);
-      text += row.print(columns);
-    }
   }
   return text;
 }
@@ -198,8 +183,8 @@ std::string few_text(const CandidateComparison& comparison) {
   return few_text(metric->blocks, metric->pairs, comparison.tests, metric->least_p_holm);
 }
 
-std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests,
-                     double least_p_holm) {
+std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, double least_p_holm,
+                     const std::string& fewer) {
   const double alpha = ComparisonSettings{}.alpha;
   std::size_t needed = blocks;
   while (least_p(needed, std::max<std::size_t>(1, tests)) > alpha) ++needed;
@@ -207,7 +192,7 @@ std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests,
       "Too few blocks: with {} blocks{} p cannot be below {:.4g}, and a verdict needs "
       "at least {}{}",
       blocks, tests > 1 ? fmt::format(" and {} tests (Holm's correction)", tests) : "",
-      least_p_holm, needed, least_p(blocks) > alpha ? "" : ", or fewer metrics (compare.metrics)");
+      least_p_holm, needed, least_p(blocks) > alpha ? "" : ", or " + fewer);
   if (pairs > blocks) {
     text +=
         ". Random seeds repeat a block and do not count as blocks (worlds = \"seeds\" changes "

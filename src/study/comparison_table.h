@@ -9,13 +9,15 @@
 namespace breakwater {
 
 /// comparison.csv: a row per metric and pair of candidates, then a row for the failures of each
-/// pair (`metric` is "failure"), then the average ranks. Numbers have 17 digits. Cells that do not
-/// apply are empty.
+/// pair (`metric` is "failure"). Numbers have 17 digits. Cells that do not apply are empty.
 std::string comparison_csv(const CandidateComparison& comparison);
 
 /// comparison_by_key.csv: a row per metric, pair of candidates, varied key and value (or group of
 /// neighbouring values).
 std::string by_key_csv(const CandidateComparison& comparison);
+
+/// "3 [2.1, 3.8]": a value with its interval.
+std::string brief(const EstimatedMedian& median);
 
 /// A p value behind `equals`, such as "0.012". Below the rounding error it is "< 1e-15".
 std::string p_text(double p, const std::string& equals = "");
@@ -25,9 +27,11 @@ std::string turns_text(const CandidateComparison& comparison, const KeyInteracti
 
 /// The reason for the verdict "too few blocks". Empty if no metric has this verdict.
 std::string few_text(const CandidateComparison& comparison);
-/// The same of so many blocks and tests, the pairs of runs in these blocks, and the smallest p that
-/// they can give.
-std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, double least_p);
+/// The same of so many blocks and tests, the pairs of runs in these blocks, the smallest p that
+/// they can give, and what makes the tests fewer.
+inline constexpr const char* kFewerMetrics = "fewer metrics (compare.metrics)";
+std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, double least_p,
+                     const std::string& fewer = kFewerMetrics);
 
 /// A note on repeated runs, such as "In 18 blocks b has 2 different runs: …". Empty if no run
 /// repeats.

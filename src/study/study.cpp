@@ -61,6 +61,36 @@ void read_compare(const TomlEntry& root, Study& study) {
   }
 }
 
+Requirement read_require(const TomlEntry& root, Study& study) {
+  Requirement require;
+  const TomlEntry table = root["require"];
+  if (!table) return require;
+  for (const auto& [key, entry] : table.entries()) {
+    if (key == "share") {
+      require.share = entry.number({0.0, 1.0, false, "above 0 and at most 1"});
+      continue;
+    }
+    if (key == "confidence") {
+      require.confidence = entry.number({0.5, 0.9999, true, "from 0.5 to 0.9999"});
+      continue;
+    }
+    entry.allow({"min", "max"});
+    Bound bound;
+    bound.metric = key;
+    bound.min = entry["min"].number_or_nothing().value_or(bound.min);
+    bound.max = entry["max"].number_or_nothing().value_or(bound.max);
+    if (!entry["min"] && !entry["max"]) entry.fail("has no bound: say min, max or both");
+    if (bound.min > bound.max) {
+      entry.fail(fmt::format("min {} is above max {}", bound.min, bound.max));
+    }
+    study.places["require." + key] = entry.place();
+    require.bounds.push_back(std::move(bound));
+  }
+  if (require.bounds.empty()) table.fail("has no bound of a metric");
+  if (study.goals.empty()) table.fail("needs compare.goal: what candidates are ranked by");
+  return require;
+}
+
 // Checks the study without its scenario.
 void check(const TomlEntry& root, const Study& study) {
   const bool is_drawn = draws(study.method);
@@ -136,7 +166,7 @@ Study read_study(const toml::table& tables, const std::string& file) {
     objective.fail("is of a tuning: breakwater tune");
   }
   root.allow({"scenario", "config", "case", "set", "method", "samples", "sampling_seed", "seeds",
-              "keep", "on_failure", "vary", "compare", "slurm", "made_by"});
+              "keep", "on_failure", "vary", "compare", "require", "slurm", "made_by"});
   Study study;
   study.scenario = root["scenario"].text();
   study.config = root["config"].text_or_nothing();
@@ -156,6 +186,7 @@ Study read_study(const toml::table& tables, const std::string& file) {
   root["on_failure"].choice(failure_rules(), study.on_failure);
   study.vary = read_varied(root["vary"]);
   read_compare(root, study);
+  study.require = read_require(root, study);
   study.slurm = read_slurm(root);
   check_seeds(study.sets, study.seeds, study.places);
   check(root, study);
@@ -208,6 +239,16 @@ std::string Study::print() const {
   }
   for (const VariedKey& key : compare) {
     text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
+  }
+  if (!require.bounds.empty()) {
+    text += fmt::format("\n[require]\nshare = {}\nconfidence = {}\n", toml_number(require.share),
+                        toml_number(require.confidence));
+  }
+  for (const Bound& bound : require.bounds) {
+    std::vector<std::string> ends;
+    if (std::isfinite(bound.min)) ends.push_back("min = " + toml_number(bound.min));
+    if (std::isfinite(bound.max)) ends.push_back("max = " + toml_number(bound.max));
+    text += fmt::format("{} = {{ {} }}\n", toml_key(bound.metric), fmt::join(ends, ", "));
   }
   return text + slurm.print();
 }

@@ -14,6 +14,7 @@
 #include <breakwater/config/names.h>
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/goal.h>
+#include <breakwater/statistics/ranking.h>
 #include <breakwater/study/slurm_settings.h>
 
 namespace breakwater {
@@ -79,9 +80,11 @@ struct Study {
   std::vector<std::string> metrics;  ///< metrics to compare; empty: all
   /// The goals of compared metrics, in the order of the file.
   std::vector<std::pair<std::string, Goal>> goals;
+  Requirement require;  ///< of a ranked candidate
   WorldUnit worlds = WorldUnit::samples;
   SlurmSettings slurm;
-  Places places;  ///< for scenario, config, case, compare.baseline and each set.KEY
+  /// For scenario, config, case, compare.baseline, and each set.KEY and require.METRIC.
+  Places places;
 
   /// The metrics that the user named, the most important first.
   std::vector<std::string> named_metrics() const;

@@ -18,7 +18,7 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kMostWithoutBaseline = 20;
+constexpr std::size_t kMostWithoutBaseline = 20, kMostRanked = 100;
 constexpr double kMostCompared = 2e8;
 
 // All metrics, in the order in which the points first have them.
@@ -93,14 +93,17 @@ bool counts_seeds(const Study& study) {
 
 }  // namespace
 
-PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
+PairedResults paired_results(const Plan& plan, const ShardIndex& index,
+                             const std::vector<std::string>& metrics) {
   const Study& study = plan.study();
   PairedResults results;
   for (const Candidate& candidate : plan.candidates()) {
     if (candidate.label == study.baseline) results.baseline = results.candidates.size();
     results.candidates.push_back(candidate.label);
   }
-  results.metrics = study.metrics.empty() ? metrics_of(index) : study.metrics;
+  results.metrics = !metrics.empty()         ? metrics
+                    : !study.metrics.empty() ? study.metrics
+                                             : metrics_of(index);
   results.goals = {study.goals.begin(), study.goals.end()};
   const std::size_t k = plan.candidates().size();
   const std::size_t all = plan.size() / k;
@@ -186,6 +189,18 @@ std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIn
   return compare_candidates(paired_results(plan, index));
 }
 
+std::optional<Ranking> rank_study(const Plan& plan, const ShardIndex& index) {
+  const Study& study = plan.study();
+  const std::size_t candidates = plan.candidates().size();
+  if (study.goals.empty() || candidates < 2 || candidates > kMostRanked) return std::nullopt;
+  const auto& [metric, goal] = study.goals.front();
+  std::vector<std::string> metrics = {metric};
+  for (const Bound& bound : study.require.bounds) {
+    if (bound.metric != metric) metrics.push_back(bound.metric);
+  }
+  return rank_candidates(paired_results(plan, index, metrics), metric, goal, study.require);
+}
+
 std::size_t most_blocks(const Plan& plan) {
   const std::size_t candidates = plan.candidates().size();
   if (candidates < 2) return 0;
@@ -196,12 +211,16 @@ std::size_t most_blocks(const Plan& plan) {
 std::vector<UnknownMetric> unknown_metrics(const Study& study,
                                            const std::vector<std::string>& known) {
   std::vector<UnknownMetric> unknown;
-  const auto add = [&](const std::string& place, const std::string& name) {
+  const auto add = [&](const std::string& place, const std::string& name,
+                       bool is_required = false) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return;
-    unknown.push_back({place, did_you_mean(name, known)});
+    unknown.push_back({place, name, did_you_mean(name, known), is_required});
   };
   for (const std::string& name : study.metrics) add("compare.metrics: " + name, name);
   for (const auto& [name, goal] : study.goals) add("compare.goal." + name, name);
+  for (const Bound& bound : study.require.bounds) {
+    add(place_of(study.places, "require." + bound.metric), bound.metric, true);
+  }
   return unknown;
 }
 

@@ -6,19 +6,21 @@
 #include <vector>
 
 #include <breakwater/statistics/paired_comparison.h>
+#include <breakwater/statistics/ranking.h>
 #include <breakwater/study/plan.h>
 #include <breakwater/study/shards.h>
 
 namespace breakwater {
 
 /// The results of a study's candidates, paired by sample and seed. Each row is a test condition
-/// that all candidates have finished. The metrics are those of compare.metrics, or all. Seeds
-/// repeat a sample; without varied keys, or with `worlds = "seeds"`, each seed is a block. Keys
-/// that vary together count as one (key_effects()). Equal runs have the same number. A run without
-/// a state hash repeats another one if both ended alike and differ only in keys and seeds without
-/// effect on the candidate. Throws std::invalid_argument if the table would be too large for
-/// memory.
-PairedResults paired_results(const Plan& plan, const ShardIndex& index);
+/// that all candidates have finished. Without `metrics` they are those of compare.metrics, or all.
+/// Seeds repeat a sample; without varied keys, or with `worlds = "seeds"`, each seed is a block.
+/// Keys that vary together count as one (key_effects()). Equal runs have the same number. A run
+/// without a state hash repeats another one if both ended alike and differ only in keys and seeds
+/// without effect on the candidate. Throws std::invalid_argument if the table would be too large
+/// for memory.
+PairedResults paired_results(const Plan& plan, const ShardIndex& index,
+                             const std::vector<std::string>& metrics = {});
 
 /// The number of blocks in a comparison of the candidates, if no run fails. 0: the study compares
 /// nothing, since it has one candidate, or more than 20 and no baseline.
@@ -27,12 +29,18 @@ std::size_t most_blocks(const Plan& plan);
 /// compare_candidates() of them; nothing if the study compares nothing.
 std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIndex& index);
 
+/// rank_candidates() by the first metric with a goal; nothing without a goal, with one candidate or
+/// with more than a hundred.
+std::optional<Ranking> rank_study(const Plan& plan, const ShardIndex& index);
+
 struct UnknownMetric {
-  std::string place;  ///< where it is named: "compare.goal.pea_N"
-  std::string meant;  ///< did_you_mean()
+  std::string place;  ///< where it is named: "compare.goal.pea_N", "FILE:LINE: require.time_s"
+  std::string name;
+  std::string meant;         ///< did_you_mean()
+  bool is_required = false;  ///< by [require]
 };
 
-/// The metrics that compare.metrics or compare.goal name and `known` lacks.
+/// The metrics that compare.metrics, compare.goal or [require] name and `known` lacks.
 std::vector<UnknownMetric> unknown_metrics(const Study& study,
                                            const std::vector<std::string>& known);
 

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <breakwater/study/key_effects.h>
 
@@ -78,27 +79,28 @@ class SeedEffect {
     const std::size_t world = run.number / first_.size();
     auto& first = first_[run.number % first_.size()];
     const std::size_t sample = world / plan_.seeds();
-    if (!first || first->sample != sample) {
-      first = First{sample, run.state_hash};
+    if (!first || first->first != sample) {
+      first.emplace(sample, run);
       return;
     }
     ++pairs_;
-    differs_ = differs_ || run.state_hash != first->hash;
+    differs_ = differs_ || !are_same_run(run, first->second);
   }
   bool is_none() const { return pairs_ > 0 && !differs_; }
 
  private:
-  struct First {
-    std::size_t sample;
-    std::string hash;
-  };
   const Plan& plan_;
-  std::vector<std::optional<First>> first_;  // per candidate: first run of the sample
+  // Per candidate: a sample and its first run.
+  std::vector<std::optional<std::pair<std::size_t, PointResult>>> first_;
   std::size_t pairs_ = 0;
   bool differs_ = false;
 };
 
 }  // namespace
+
+bool are_same_run(const PointResult& one, const PointResult& other) {
+  return one.state_hash == other.state_hash && one.metrics == other.metrics;
+}
 
 std::vector<std::string> notes(const Plan& plan, const ShardIndex& index) {
   MetricCounts metrics(plan);
@@ -116,9 +118,8 @@ std::vector<std::string> notes(const Plan& plan, const ShardIndex& index) {
         "vary: {}: varied together: their effects cannot be told apart, and are one", effect.name));
   }
   if (seeds.is_none()) {
-    lines.push_back(fmt::format(
-        "seeds: the {} of each sample gave the same run: without noise they change nothing",
-        plan.seeds()));
+    lines.push_back(
+        fmt::format("seeds: the {} of each sample gave the same run: {}", plan.seeds(), kNoNoise));
   }
   return lines;
 }

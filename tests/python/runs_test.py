@@ -84,6 +84,16 @@ class Hashes(unittest.TestCase):
         self.assertIs(wave.config["controller"]["compensate"], False)
 
 
+class Metrics(unittest.TestCase):
+    def test_a_missing_one_says_why(self):
+        run = bw.run("motor_estimation", "idob", duration=0.02)
+        for name, why in {"rmse_velocity_rad_s": "in 0.02 s there is no window or event for it",
+                          "unheard_of": "the run has no such metric"}.items():
+            with self.assertRaisesRegex(KeyError, f"{name}: {why}"):
+                run.metrics[name]
+        self.assertIsNone(run.metrics.get("unheard_of"))
+
+
 class Warnings(unittest.TestCase):
     def test_of_seeds_that_change_nothing(self):
         def said(**keys):
@@ -95,7 +105,7 @@ class Warnings(unittest.TestCase):
                              [str(warning.message) for warning in caught])
             return [str(warning.message) for warning in caught]
 
-        same = "gave the same run: without noise they change nothing"
+        same = "gave the same run: no noise reaches their motion or a metric"
         self.assertEqual(said(set={"noise.std_rad": 0}),
                          [f"seed: 1 and 2 {same}", f"seed: 1 and 3 {same}"])
         self.assertEqual(said(set={"noise.std_rad": 0.01}), [])

@@ -179,7 +179,7 @@ class Warned(unittest.TestCase):
             ineffective, "^vary: observer.poles_rad_s: has an effect only where observer.name is ")
         self.assertEqual(self.of(case=["stf", "idob"], vary=poles), [])
         (seeds,) = self.of(case="idob", seeds=[1, 2], set={"noise.std_rad": 0})
-        self.assertEqual(seeds, "seeds: the 2 of each sample gave the same run: without noise they change nothing")
+        self.assertEqual(seeds, "seeds: the 2 of each sample gave the same run: no noise reaches their motion or a metric")
         with temporary_folder() as folder:  # repeated for an existing study
             again = dict(case="idob", seeds=[1, 2], set={"noise.std_rad": 0}, out=folder / "study")
             self.assertEqual(self.of(**again), self.of(**again))

@@ -9,10 +9,10 @@
 #include <sstream>
 
 #include <breakwater/statistics/binomial.h>
-#include <breakwater/statistics/bootstrap.h>
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/group_tests.h>
 #include <breakwater/statistics/multiple_tests.h>
+#include <breakwater/statistics/normal.h>
 #include <breakwater/statistics/quantile.h>
 #include <breakwater/statistics/signed_rank.h>
 #include <breakwater/statistics/student_t.h>
@@ -89,34 +89,24 @@ TEST(Comparisons, TestsAndIntervalsMatchSciPy) {
   for (const std::size_t n : {1, 2, 5, 12, 40, 200}) {
     for (const double shift : {0.0, 0.3, -1.0}) {
       const std::vector<double> d = differences(n, shift, random);
-      questions.ask("wilcoxon" + words(d), signed_rank_test(d).p);
+      questions.ask("wilcoxon" + words(d), SignedRank(d).p());
+      if (n < 5 || n > 12) continue;
+      const SignedRank test(d);
+      for (const double alpha : {0.3, 0.1}) {
+        const auto interval = test.interval(alpha);
+        ASSERT_TRUE(interval);
+        questions.ask("signed_rank " + std::to_string(alpha) + words(d),
+                      {test.pseudo_median(), interval->lower, interval->upper});
+      }
     }
   }
-  for (const std::vector<double>& d : {std::vector<double>{1, 1, 0, -2, 3},
-                                       {0, 0, 0, 2, 2, 2, -2, 5, -1, 1, 4},
-                                       {-1, -1, -1, -1, -1, -1},
-                                       {0, 7}}) {
-    questions.ask("signs" + words(d), signed_rank_test(d).p);
-  }
   for (const std::size_t n : {201, 1000}) {
-    std::vector<double> d = differences(n, 0.05, random);
-    for (double& one : d) one = std::round(8.0 * one);  // ties and zeros
-    for (int i = 0; i < 60; ++i) d.push_back(i % 3 == 0 ? 2.0 : -1.0);
-    ASSERT_FALSE(signed_rank_test(d).is_exact);
-    questions.ask("pratt" + words(d), signed_rank_test(d).p, 1e-9);
+    const std::vector<double> d = differences(n, 0.05, random);
+    questions.ask("approximate" + words(d), SignedRank(d).p(), 1e-9);
   }
-  for (const std::size_t n :
-       {25, 30}) {  // smaller samples have ties when resampled, and SciPy leaves ties out
-    std::vector<double> x = differences(n, 0.0, random);
-    for (double& one : x) one = std::exp(one);  // skew
-    const std::vector<double> replicates =
-        bootstrap_replicates(x, sample_mean, {.replicates = 999, .level = 0.9, .seed = 5});
-    const auto interval = bca_interval(x, sample_mean, replicates, 0.9);
-    ASSERT_TRUE(interval);
-    questions.ask("bca 0.9" + words(x) + words(replicates), {interval->lower, interval->upper});
-  }
-  for (const std::size_t k : {2, 3, 10, 40}) {
-    questions.ask("range " + std::to_string(k) + " 0.05", normal_range_quantile(k, 0.05), 1e-6);
+  for (const auto& [met, n] : {std::pair(0, 1), {0, 8}, {8, 8}, {5, 8}, {1, 40}, {970, 1000}}) {
+    const auto interval = share_interval(met, n, 0.9);
+    questions.ask(fmt::format("share 0.9 {} {}", met, n), {interval.lower, interval.upper}, 1e-9);
   }
   for (const std::size_t degrees : {1, 2, 3, 4, 7, 30, 101}) {
     for (const double t : {-40.0, -2.5, -0.1, 0.0, 1.0, 3.0}) {
@@ -137,26 +127,7 @@ TEST(Comparisons, TestsAndIntervalsMatchSciPy) {
     for (const std::vector<double>& group : groups) same += words(group).substr(2);
     questions.ask(same, share_between(groups).value());
   }
-  const Eigen::MatrixXd rows = (random.matrix(9, 4) * 3.0).array().round();
-  std::string flat = "ranks 9 4";
-  for (Eigen::Index i = 0; i < 9; ++i) {
-    for (Eigen::Index j = 0; j < 4; ++j) flat += " " + std::to_string(rows(i, j));
-  }
-  const Eigen::VectorXd ranks = average_ranks(rows);
-  questions.ask(flat, {ranks.begin(), ranks.end()});
   questions.expect_answers();
-}
-
-// Table 5 of Demšar (2006): q_0.05 for the Nemenyi test.
-TEST(Comparisons, CriticalDifferencesMatchThePrintedTable) {
-  const std::vector<double> printed = {1.960, 2.343, 2.569, 2.728, 2.850,
-                                       2.949, 3.031, 3.102, 3.164};
-  for (std::size_t k = 2; k <= 10; ++k) {
-    const double n = 14.0, size = static_cast<double>(k);
-    EXPECT_NEAR(critical_difference(k, 14, 0.05) / std::sqrt(size * (size + 1.0) / (6.0 * n)),
-                printed[k - 2], 0.0011)
-        << k;
-  }
 }
 
 TEST(Comparisons, HolmStepsDown) {
@@ -165,6 +136,118 @@ TEST(Comparisons, HolmStepsDown) {
   for (std::size_t i = 0; i < p.size(); ++i) EXPECT_NEAR(holm(p)[i], expected[i], 1e-15);
   EXPECT_EQ(holm({0.9, 0.8}), (std::vector<double>{1.0, 1.0}));
   EXPECT_TRUE(holm({}).empty());
+  testing::Random random(5);
+  for (int i = 0; i < 300; ++i) {
+    std::vector<double> all;
+    for (int test = 0; test < 1 + i % 8; ++test) all.push_back(std::pow(random.uniform(0, 1), 4));
+    const std::vector<double> adjusted = holm(all), levels = holm_levels(all, 0.05);
+    for (std::size_t test = 0; test < all.size(); ++test) {
+      EXPECT_EQ(all[test] <= levels[test], adjusted[test] <= 0.05);
+      EXPECT_LE(levels[test], 0.05);  // so intervals are never narrower than of one test
+    }
+  }
+}
+
+// With zeros and equal magnitudes, of all signs of the differences a share of p at most has so
+// small a p.
+TEST(Comparisons, TiesNeverMakePTooSmall) {
+  for (const std::vector<double>& sizes : {std::vector<double>{1, 1, 0, 2, 3, 1, 4, 2, 0},
+                                           {0, 0, 0, 2, 2, 2, 2, 5, 1, 1, 4},
+                                           {1, 1, 1, 1, 1, 1, 1, 1},
+                                           {0, 7}}) {
+    std::vector<double> all;
+    for (unsigned signs = 0; signs < 1U << sizes.size(); ++signs) {
+      std::vector<double> d = sizes;
+      for (std::size_t i = 0; i < d.size(); ++i) d[i] *= (signs >> i & 1U) != 0 ? 1.0 : -1.0;
+      all.push_back(SignedRank(d).p());
+    }
+    std::sort(all.begin(), all.end());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const auto as_small = std::upper_bound(all.begin(), all.end(), all[i]) - all.begin();
+      EXPECT_LE(static_cast<double>(as_small) / static_cast<double>(all.size()), all[i] + 1e-12);
+    }
+  }
+}
+
+TEST(Comparisons, TheIntervalExcludesZeroExactlyWhereTheTestRejects) {
+  testing::Random random(6);
+  int excluded = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::vector<double> d = differences(1 + static_cast<std::size_t>(i % 30), 0.6, random);
+    if (i % 2 == 0)
+      std::transform(d.begin(), d.end(), d.begin(), [](double x) { return std::round(x); });
+    const SignedRank test(d);
+    for (const double alpha : {0.05, 0.05 / 3.0}) {
+      const auto interval = test.interval(alpha);
+      const bool excludes = interval && (interval->lower > 0.0 || interval->upper < 0.0);
+      EXPECT_EQ(excludes, test.p() <= alpha);
+      if (!interval) continue;
+      EXPECT_LE(interval->lower, test.pseudo_median());
+      EXPECT_GE(interval->upper, test.pseudo_median());
+      excluded += excludes;
+    }
+  }
+  EXPECT_GT(excluded, 500);
+  EXPECT_FALSE(SignedRank({1, 2, 3, 4, 5}).interval(0.05));
+  EXPECT_TRUE(SignedRank({1, 2, 3, 4, 5, 6}).interval(0.05));
+}
+
+// The number of covered data sets, of which each is covered with 94 % or more: smaller by chance
+// in one of 10 000 cells.
+int least_covered(int sets) {
+  const std::vector<double> cdf = binomial_cdf(static_cast<std::size_t>(sets), 0.94);
+  return static_cast<int>(std::upper_bound(cdf.begin(), cdf.end(), 1e-4) - cdf.begin());
+}
+
+// The numbers of docs/explanation/statistics.md: BREAKWATER_PROPERTIES=2000.
+TEST(Coverage, OfEveryIntervalOfAComparison) {
+  struct Law {
+    const char* name;
+    double pseudo_median, median;
+    double (*quantile)(double z);  // of the standard normal deviate z
+  };
+  const Law laws[] = {{"normal", 0.0, 0.0, [](double z) { return z; }},
+                      {"cauchy", 0.0, 0.0,
+                       [](double z) { return std::tan(3.14159265358979 * (normal_cdf(z) - 0.5)); }},
+                      {"exponential", 0.8391734950083304, std::log(2.0),
+                       [](double z) { return -std::log(normal_cdf(-z)); }},
+                      {"lognormal", 1.2215829410993904, 1.0, [](double z) { return std::exp(z); }}};
+  const int sets = testing::property_count(400);
+  testing::Random random(12);
+  for (const Law& law : laws) {
+    for (const std::size_t n : {6, 15, 30}) {
+      int difference = 0, median = 0;
+      for (int i = 0; i < sets; ++i) {
+        std::vector<double> x;
+        for (std::size_t j = 0; j < n; ++j) x.push_back(law.quantile(deviate(random)));
+        const auto of_difference = SignedRank(x).interval(0.05);
+        const auto of_median = estimated_median(x, 0.95).interval;
+        ASSERT_TRUE(of_difference && of_median);
+        const auto covers = [](const ConfidenceInterval& interval, double value) {
+          return interval.lower <= value && value <= interval.upper;
+        };
+        difference += covers(*of_difference, law.pseudo_median);
+        median += covers(*of_median, law.median);
+      }
+      EXPECT_GE(difference, least_covered(sets)) << law.name << ' ' << n;
+      EXPECT_GE(median, least_covered(sets)) << law.name << ' ' << n;
+      RecordProperty(fmt::format("{}_{}_difference", law.name, n), difference);
+      RecordProperty(fmt::format("{}_{}_median", law.name, n), median);
+    }
+  }
+  for (const double p : {0.05, 0.5, 0.8, 0.97}) {
+    for (const std::size_t n : {6, 15, 30}) {
+      int covered = 0;
+      for (int i = 0; i < sets; ++i) {
+        std::size_t met = 0;
+        for (std::size_t j = 0; j < n; ++j) met += random.uniform(0.0, 1.0) < p;
+        const auto interval = share_interval(met, n, 0.95);
+        covered += interval.lower <= p && p <= interval.upper;
+      }
+      EXPECT_GE(covered, least_covered(sets)) << p << ' ' << n;
+      RecordProperty(fmt::format("share_{:.0f}_{}", 100.0 * p, n), covered);
+    }
+  }
 }
 
 // Samples of a distribution with known quantiles.
@@ -185,40 +268,30 @@ TEST(Comparisons, IntervalsHaveTheirNominalCoverage) {
   }
   EXPECT_FALSE(quantile_interval({1, 2, 3, 4, 5}, 0.5, 0.95));
   EXPECT_TRUE(quantile_interval({1, 2, 3, 4, 5, 6}, 0.5, 0.95));
-  int covered = 0;
-  for (int i = 0; i < 400; ++i) {
-    std::vector<double> x;
-    for (int j = 0; j < 40; ++j) x.push_back(std::exp(deviate(random)));
-    const auto interval = bca_interval(
-        x, sample_median, bootstrap_replicates(x, sample_median, {.replicates = 500}), 0.95);
-    covered += interval && interval->lower <= 1.0 && 1.0 <= interval->upper;
-  }
-  EXPECT_GE(covered, 366);
 }
 
 TEST(Comparisons, BitsAreTheSameEverywhere) {
   testing::Random random;
   std::vector<double> x;
   for (int i = 0; i < 50; ++i) x.push_back(random.uniform(0.0, 1.0));
-  const auto interval =
-      bca_interval(x, sample_median, bootstrap_replicates(x, sample_median, {}), 0.95);
+  const SignedRank test(x);
+  const auto interval = test.interval(0.05);
   std::uint64_t hash = 14695981039346656037ULL;
-  for (const double value : {interval->lower, interval->upper, signed_rank_test(x).p,
-                             critical_difference(5, 17, 0.05), binomial_cdf(100, 0.3)[40]}) {
+  for (const double value : {interval->lower, interval->upper, test.p(),
+                             share_interval(7, 17, 0.95).upper, binomial_cdf(100, 0.3)[40]}) {
     hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 1099511628211ULL;
   }
-  EXPECT_EQ(hash, 0x28ddc68830cbbdeeULL) << std::hex << hash;
+  EXPECT_EQ(hash, 0x6d903fd2f160d32bULL) << std::hex << hash;
 }
 
 TEST(Comparisons, AnIntervalHasTheUnitOfItsValues) {
   testing::Random random;
   std::vector<double> x;
-  for (int i = 0; i < 9; ++i) x.push_back(random.uniform(0.0, 1.0));
+  for (int i = 0; i < 9; ++i) x.push_back(random.uniform(-0.2, 1.0));
   const auto interval_in = [&](double unit) {
     std::vector<double> values = x;
     for (double& value : values) value *= unit;
-    return bca_interval(values, sample_median, bootstrap_replicates(values, sample_median, {}),
-                        0.95);
+    return SignedRank(values).interval(0.05);
   };
   for (const double unit : {0x1p-400, 0x1p400, 0x1p1000}) {
     EXPECT_EQ(interval_in(unit)->lower, unit * interval_in(1.0)->lower) << unit;
@@ -258,8 +331,7 @@ TEST(Comparisons, EqualCandidatesSeldomDiffer) {
   testing::Random random(11);
   int better = 0, worse = 0;
   for (int i = 0; i < 1000; ++i) {
-    const auto comparison =
-        compare_candidates(two(20, 0.0, Goal::min, random), {.bootstrap = {.replicates = 500}});
+    const auto comparison = compare_candidates(two(20, 0.0, Goal::min, random));
     better += comparison.metrics.front().verdict == ComparisonVerdict::better;
     worse += comparison.metrics.front().verdict == ComparisonVerdict::worse;
   }
@@ -307,7 +379,6 @@ TEST(Comparisons, IncompletePairsAreLeftOutAndFailuresCountedApart) {
   EXPECT_EQ(comparison.failures[2].alone, 1U);
   EXPECT_EQ(comparison.failures[2].reference_alone, 1U);
   EXPECT_EQ(comparison.failures[2].p, 1.0);
-  EXPECT_TRUE(comparison.ranks.empty());  // only one test condition has all three
 }
 
 TEST(Comparisons, RowsWithFewerTestConditionsAreMarked) {
@@ -360,7 +431,6 @@ TEST(Comparisons, EqualPairsCountOnce) {
   EXPECT_EQ(c_beside_b.verdict, ComparisonVerdict::too_few_blocks);
   EXPECT_EQ(comparison.failures[2].pairs, 2U);
   EXPECT_EQ(comparison.failures[2].failures, 1U);
-  EXPECT_TRUE(comparison.ranks.empty());
   EXPECT_TRUE(has(comparison_text(comparison, 200),
                   "In 18 blocks b has 2 different runs, c has 2 different runs: "));
 }
@@ -384,7 +454,7 @@ PairedResults blocks_and_seeds(int blocks, int seeds, double shift, testing::Ran
 }
 
 MetricComparison compared(const PairedResults& results) {
-  return compare_candidates(results, {.bootstrap = {.replicates = 300}}).metrics.front();
+  return compare_candidates(results).metrics.front();
 }
 
 // The number of 1000 studies with 5 seeds whose verdict is better or worse.
@@ -452,7 +522,7 @@ TEST(Blocks, SeedsRepeatABlock) {
   EXPECT_TRUE(has(text, "Too few blocks: with 5 blocks p cannot be below 0.0625"));
   const std::string csv = comparison_csv(compare_candidates(results));
   EXPECT_TRUE(has(csv,
-                  ",critical_difference,blocks,variance_between_blocks,"
+                  ",reference_failures_alone,blocks,variance_between_blocks,"
                   "variance_within_blocks,sign_turns_with\n",
                   ",too few blocks,"));
   results.samples = {};  // worlds = "seeds"
@@ -473,7 +543,7 @@ TEST(Blocks, MediansAreOverSeedsThenOverBlocks) {
   results.failed.col(1) << 1, 0, 0, 0, 1, 0, 0;
   const CandidateComparison comparison = compare_candidates(results);
   const MetricComparison& one = comparison.metrics.front();
-  EXPECT_EQ(one.difference.value, 6.0);  // median of 2, 6, 30
+  EXPECT_EQ(one.difference.value, 11.0);  // pseudo-median of 2, 6, 30
   EXPECT_EQ(one.median.value, 6.0);
   EXPECT_EQ(one.blocks, 3U);
   EXPECT_EQ(one.pairs, 6U);
@@ -508,20 +578,6 @@ TEST(Blocks, ValuesOfAnIneffectiveKeyAreNotBlocks) {
   EXPECT_EQ(comparison.metrics.front().difference.value, compared(of_two).difference.value);
   ASSERT_EQ(comparison.interactions.size(), 1U);  // with the effective key
   EXPECT_EQ(comparison.interactions.front().key, "busy");
-}
-
-TEST(Blocks, RanksAreComputedFromBlocks) {
-  PairedResults results = results_of({"y"}, {Eigen::MatrixXd(14, 3)});
-  results.samples = Eigen::VectorXi(14);
-  for (int row = 0; row < 14; ++row) {
-    results.samples(row) = row / 2;
-    results.values[0].row(row) << 1.0, row < 2 ? 0.0 : 2.0, 3.0;
-  }
-  const CandidateComparison comparison = compare_candidates(results);
-  ASSERT_EQ(comparison.ranks.size(), 1U);
-  EXPECT_EQ(comparison.ranks[0].blocks, 7U);
-  EXPECT_DOUBLE_EQ(comparison.ranks[0].average_ranks[0], 8.0 / 7.0);
-  EXPECT_EQ(comparison.ranks[0].critical_difference, critical_difference(3, 7, 0.05));
 }
 
 // A key with one value per block and given differences.
@@ -584,7 +640,7 @@ TEST(Crossing, IsSeldomReportedWithoutAChangeOfSign) {
   int said[3] = {0, 0, 0};
   for (int i = 0; i < 1000; ++i) {
     const auto turns = [](const PairedResults& results) {
-      return compare_candidates(results, {.bootstrap = {.replicates = 1}}).interactions.at(0).turns;
+      return compare_candidates(results).interactions.at(0).turns;
     };
     said[0] += turns(over_key(std::vector<double>(5, 0.0), 5, 1.0, random));
     said[1] += turns(over_key({0.0, 0.0, 0.5, 3.0, 9.0}, 5, 1.0, random));

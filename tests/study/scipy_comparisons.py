@@ -3,17 +3,13 @@
 binomial n p                     P(X <= 0) ... P(X <= n)
 mcnemar b c                      exact, two-sided
 wilcoxon n d...                  exact p, of differences without ties and zeros
-signs n d...                     p of Pratt's mid-ranks over all 2^n signs
-pratt n d...                     p by the normal approximation
-bca level n x... m replicate...  the interval of the mean
-range k alpha                    upper quantile of the studentized range
-ranks n k x...                   average ranks of k columns over n rows
+signed_rank alpha n d...         the pseudo-median, and the interval of the values that the exact test keeps
+approximate n d...               p by the normal approximation
+share level k n                  the exact interval of a share
 student t nu                     P(T <= t)
 between k n x...                 intraclass correlation of k groups of n values, from F of the analysis of variance
 turn k n x... n x...             p of the extreme t of k groups, either way
 """
-
-import itertools
 
 import numpy as np
 import scipy.stats
@@ -35,39 +31,25 @@ def wilcoxon():
     return [scipy.stats.wilcoxon(numbers(integer()), mode="exact").pvalue]
 
 
-def signs():
+def signed_rank():
+    """Invert the test: its p changes at the Walsh averages alone."""
+    alpha = numbers(1)[0]
     d = numbers(integer())
-    ranks = scipy.stats.rankdata(np.abs(d))
-    ranks = np.where(d == 0, 0, ranks)
-    all_signs = np.array(list(itertools.product([0, 1], repeat=len(d))))
-    sums, w = all_signs @ ranks, ranks[d > 0].sum()
-    return [min(1.0, 2 * min(np.mean(sums <= w), np.mean(sums >= w)))]
+    first, second = np.triu_indices(len(d))
+    averages = np.sort((d[first] + d[second]) / 2)
+    between = (averages[:-1] + averages[1:]) / 2
+    inside = [i for i, at in enumerate(between) if scipy.stats.wilcoxon(d - at, mode="exact").pvalue > alpha]
+    return [np.median(averages), averages[inside[0]], averages[inside[-1] + 1]]
 
 
-def pratt():
-    d = numbers(integer())
-    return [scipy.stats.wilcoxon(d, zero_method="pratt", correction=True, mode="approx").pvalue]
+def approximate():
+    return [scipy.stats.wilcoxon(numbers(integer()), correction=True, mode="approx").pvalue]
 
 
-def bca():
+def share():
     level = numbers(1)[0]
-    x = numbers(integer())
-    replicates = numbers(integer())
-    drawn = scipy.stats._resampling.BootstrapResult(None, replicates, None)
-    result = scipy.stats.bootstrap(
-        (x,), np.mean, n_resamples=0, bootstrap_result=drawn, confidence_level=level, method="BCa"
-    )
-    return [result.confidence_interval.low, result.confidence_interval.high]
-
-
-def range_():
-    k, alpha = integer(), numbers(1)[0]
-    return [scipy.stats.studentized_range.ppf(1 - alpha, k, np.inf)]
-
-
-def ranks():
-    n, k = integer(), integer()
-    return scipy.stats.rankdata(numbers(n * k).reshape(n, k), axis=1).mean(axis=0)
+    interval = scipy.stats.binomtest(integer(), integer()).proportion_ci(level, method="exact")
+    return [interval.low, interval.high]
 
 
 def student():
@@ -91,4 +73,4 @@ def turn():
     return [min(1.0, len(groups) * max(below, above))]
 
 
-answer(binomial, mcnemar, wilcoxon, signs, pratt, bca, range_, ranks, student, between, turn)
+answer(binomial, mcnemar, wilcoxon, signed_rank, approximate, share, student, between, turn)

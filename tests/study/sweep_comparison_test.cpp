@@ -23,17 +23,17 @@ case = ["plain", "noisy"]
 baseline = "plain, x.third = 0.5"
 goal = { y_1 = "min" }
 )toml");
-  const ProgramResult result = swept("study.toml --out s");
+  const ProgramResult result = swept("study.toml --out s --all");
   EXPECT_EQ(result.err, "");
   EXPECT_TRUE(has(result.out, "no difference shown"));
   const auto cells = results("s", "comparison.csv");
   // A label contains a comma, so it has two cells: metric, goal, "case, key", ….
-  ASSERT_EQ(cells.size(), 1U + 2 * 3 + 3 + 2 * 4);
+  ASSERT_EQ(cells.size(), 1U + 2 * 3 + 3);
   EXPECT_EQ(cells[1][0] + cells[1][1], "y_1min");
   // x.third = 1.5 adds 0.1 (1.5⁴ − 0.5⁴) sin x₁ in each test condition, independent of the seed.
   EXPECT_EQ(cells[1][2] + cells[1][3], "\"plain x.third = 1.5\"");
   EXPECT_EQ(cells[1][6], "24");   // pairs
-  EXPECT_EQ(cells[1][27], "12");  // blocks
+  EXPECT_EQ(cells[1][25], "12");  // blocks
   EXPECT_NEAR(std::stod(cells[1][13]), 0.5 * std::sin(0.5), 1e-12);
   EXPECT_EQ(std::stod(cells[1][16]), std::ldexp(1.0, -11));
   EXPECT_EQ(cells[1].at(20), "worse");
@@ -56,7 +56,7 @@ goal = { y_1 = "min" }
         "scenario = \"ishigami\"\nseeds = [1, 2, 3]\n[vary]\n\"x.second\" = [1, 2]\n"
         "[compare]\n\"x.third\" = [0, 1]\nmetrics = [\"y_1\"]\ngoal.unheard_of = \"max\"\n");
   EXPECT_EQ(swept("deep.toml --out v").err, "sweep: compare.goal.unheard_of: no run has it\n");
-  EXPECT_EQ(results("v", "comparison.csv").at(1).at(25), "2");  // blocks
+  EXPECT_EQ(results("v", "comparison.csv").at(1).at(23), "2");  // blocks
 }
 
 // Five walls and five seeds: x.third = 1.5 is worse in all 25 pairs, but there are only five
@@ -74,16 +74,16 @@ seeds = { first = 1, count = 5 }
 baseline = "x.third = 0.5"
 goal.y_1 = "min"
 )toml");
-  const ProgramResult few = swept("study.toml --out few");
+  const ProgramResult few = swept("study.toml --out few --all");
   EXPECT_TRUE(has(few.out, "too few blocks", "with 5 blocks p cannot be below 0.0625"));
   auto cells = results("few", "comparison.csv");
-  EXPECT_EQ(cells[1].at(18) + cells[1].at(25) + cells[1].at(14), "too few blocks50.0625");
+  EXPECT_EQ(cells[1].at(18) + cells[1].at(23) + cells[1].at(14), "too few blocks50.0625");
   const std::string page = read("few/report.html");
   EXPECT_TRUE(has(page, ">too few blocks</b>", "Between: share"));
   // With `--worlds seeds` each seed is a block. The two values of an ineffective key count once.
   swept("study.toml --worlds seeds --out seeds");
   cells = results("seeds", "comparison.csv");
-  EXPECT_EQ(cells[1].at(18) + cells[1].at(25), "worse25");
+  EXPECT_EQ(cells[1].at(18) + cells[1].at(23), "worse25");
   EXPECT_TRUE(lacks(read("seeds/report.html"), "Between: share"));
   EXPECT_TRUE(has(read("seeds/study.toml"), "worlds = \"seeds\"\n"));
   EXPECT_EQ(read("seeds/results.csv"), read("few/results.csv"));
@@ -97,7 +97,7 @@ seeds = { first = 1, count = 8 }
 metrics = ["y_1"]
 )toml");
   swept("seeds.toml --out alone");
-  EXPECT_EQ(results("alone", "comparison.csv").at(1).at(25), "8");
+  EXPECT_EQ(results("alone", "comparison.csv").at(1).at(23), "8");
   expect_refusals(
       "ishigami_lab sweep study.toml --out no ",
       {{"--worlds sample",
@@ -118,7 +118,7 @@ seeds = { first = 1, count = 5 }
 baseline = "x.third = 0.5"
 metrics = ["y_1"]
 )toml");
-  const ProgramResult result = swept("study.toml --out s");
+  const ProgramResult result = swept("study.toml --out s --all");
   EXPECT_TRUE(has(result.out,
                   "\n† y_1, x.third = 1.5 beside x.third = 0.5: the sign turns with x.first (p <\n"
                   "1e-15): -0.4546 at -2, -0.4207 at -1, "));
@@ -127,11 +127,47 @@ metrics = ["y_1"]
   EXPECT_EQ(cells[1].at(3) + cells[1].at(4), "x.first-2");
   EXPECT_NEAR(std::stod(cells[1].at(7)), 0.5 * std::sin(-2.0), 1e-12);
   EXPECT_EQ(cells[5].at(12), "yes");
-  EXPECT_EQ(results("s", "comparison.csv").at(1).at(28), "x.first");
+  EXPECT_EQ(results("s", "comparison.csv").at(1).at(26), "x.first");
   const std::string page = read("s/report.html");
   EXPECT_TRUE(has(page, "Its sign turns with x.first: x.third = 1.5 beside x.third = 0.5",
                   "y, x.third = 1.5 less x.third = 0.5 over x first",
                   "its sign turns with x.first</span>"));
+}
+
+// y = sin x₁ + 7 sin² x₂ + 0.1 x₃⁴ sin x₁ is least for x.third = 0, and at most 8.1 for x.third
+// = 1.
+TEST_F(SweepComparison, AnswersItsQuestionOnOneScreen) {
+  write("study.toml", R"toml(
+scenario = "ishigami"
+seeds = { first = 1, count = 2 }
+[vary]
+"x.first"  = "lin(0.1,2.9,12)"
+"x.second" = [0.5, 1, 1.5]
+[compare]
+"x.third" = [2, 1, 0]
+goal.y_1 = "min"
+[require]
+y_1 = { max = 9.5 }
+)toml");
+  const ProgramResult result = swept("study.toml --out s");
+  const std::vector<std::string> lines = testing::lines_of(result.out);
+  EXPECT_LE(lines.size(), 25U) << result.out;
+  const std::string sentence = "x.third = 0 has the lowest y_1: ";
+  EXPECT_EQ(lines.at(0).substr(0, sentence.size()), sentence);
+  EXPECT_TRUE(has(result.out, "below the next (x.third = 1)", "in 36 of 36", "216 of 216",
+                  "y_1 at most 9.5 in all conditions."));
+  EXPECT_TRUE(lacks(result.out, "better in"));
+  EXPECT_TRUE(has(swept("s --all").out, "better in"));
+  const std::string json = read("s/ranking.json"), page = read("s/report.html");
+  EXPECT_TRUE(has(json, "\"is_shown\": true", "\"p_holm\"", sentence));
+  EXPECT_LT(page.find("<p class=\"finding\">" + sentence), page.find("class=\"score\""));
+  EXPECT_TRUE(has(page, "aria-label=\"Ranking\""));
+  EXPECT_TRUE(has(read("s/study.toml"),
+                  "[require]\nshare = 1.0\nconfidence = 0.95\ny_1 = { max = 9.5 }\n"));
+  EXPECT_TRUE(has(swept("study.toml --out s").out, sentence));  // the same study
+  // A study without a goal ranks nothing.
+  EXPECT_TRUE(has(swept("ishigami --case plain,noisy --vary x.first=1,2 --out none").out,
+                  "Nothing is ranked without a goal"));
 }
 
 TEST_F(SweepComparison, KeysVariedTogetherAreOneEffect) {

@@ -10,6 +10,7 @@ class SweepRefusals : public testing::SweepFolder {};
 TEST_F(SweepRefusals, NonsenseInAFile) {
   const std::string lhs = "method = \"lhs\"\nsamples = 4\n[vary]\n";
   const std::string compare = "[compare]\ncase = [\"plain\", \"noisy\"]\n";
+  const std::string goal = compare + "goal.y_1 = \"min\"\n";
   const std::string many = " = \"lin(0,1,10000)\"\n";
   for (const auto& [text, line] : Refusals{
            {"[objective]\ny_1 = { goal = \"min\" }\n",
@@ -70,6 +71,27 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
             "bad.toml:4: compare.basline: unknown key (did you mean baseline?)"},
            {compare + "baseline = \"\"\n",
             "bad.toml:4: compare.baseline: must be a text, is empty"},
+           {compare + "[require]\ny_1.max = 1\n",
+            "bad.toml:4: require: needs compare.goal: what candidates are ranked by"},
+           {goal + "[require]\nshare = 0.9\n", "bad.toml:5: require: has no bound of a metric"},
+           {goal + "[require]\ny_1 = {}\n",
+            "bad.toml:6: require.y_1: has no bound: say min, max or both"},
+           {goal + "[require]\ny_1 = 3\n", "bad.toml:6: require.y_1: must be a table"},
+           {goal + "[require]\ny_1 = { min = 2, max = 1 }\n",
+            "bad.toml:6: require.y_1: min 2 is above max 1"},
+           {goal + "[require]\ny_1 = { mx = 1 }\n",
+            "bad.toml:6: require.y_1.mx: unknown key (did you mean max?)"},
+           {goal + "[require]\ny_1 = { max = \"1\" }\n",
+            "bad.toml:6: require.y_1.max: must be a number, is \"1\""},
+           {goal + "[require]\nshare = 0\ny_1.max = 1\n",
+            "bad.toml:6: require.share: must be above 0 and at most 1, is 0"},
+           {goal + "[require]\nconfidence = 1\ny_1.max = 1\n",
+            "bad.toml:6: require.confidence: must be from 0.5 to 0.9999, is 1"},
+           {goal + "[require]\ny_2.max = 1\n",
+            "bad.toml:6: require.y_2: the first and the last run have no such metric (did you mean "
+            "y_1?)"},
+           {goal + "[require]\nunheard_of.max = 1\n",
+            "bad.toml:6: require.unheard_of: the first and the last run have no such metric"},
            {"[slurm]\naccount = \"\"\n", "bad.toml:3: slurm.account: must be a text, is empty"},
            {"[slurm]\nenvironment = [\"B;touch P=1\"]\n",
             "bad.toml:3: slurm.environment: B;touch P=1: must be NAME=VALUE; a name has letters, "
@@ -138,9 +160,10 @@ TEST_F(SweepRefusals, WarnsOfIneffectiveKeys) {
             "samples: Sobol' points are even for a power of two: 64 or 128"},
            {"--method sobol --vary x.first=uniform(0,1) --samples 64", ""},
            {"--seeds 1..3",
-            "seeds: the 3 of each sample gave the same run: without noise they change nothing"},
+            "seeds: the 3 of each sample gave the same run: no noise reaches their motion or a "
+            "metric"},
            {"--seeds 1..3 --dry-run",
-            "seeds: 1 and 2 give the same run of plain: without noise they change nothing"},
+            "seeds: 1 and 2 give the same run of plain: no noise reaches their motion or a metric"},
            {"--seeds 1..3 --case noisy", ""},
            {"--vary x.second=1,2", ""},
            {"--vary x.second=-1,1",

@@ -1,0 +1,296 @@
+#include <breakwater/study/ranking_text.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include <breakwater/config/names.h>
+#include <breakwater/experiment/saved_run.h>
+#include <breakwater/shell/digits.h>
+#include <breakwater/shell/table.h>
+#include <breakwater/study/comparison_table.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kMostNamed = 3;  // candidates in a sentence
+constexpr std::size_t kMostRows = 18;  // of a terminal's table
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+std::string with_unit(double value, const std::string& metric) {
+  const std::string unit = unit_of(metric);
+  return in_digits(value) + (unit.empty() ? "" : " ") + unit;
+}
+
+std::string listed(std::vector<std::string> names) {
+  if (names.size() > kMostNamed + 1) {
+    const std::size_t more = names.size() - kMostNamed;
+    names.resize(kMostNamed);
+    names.push_back(fmt::format("{} more", more));
+  }
+  if (names.size() < 2) return names.empty() ? "" : names.front();
+  return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
+}
+
+std::string text_of(const Requirement& requirement) {
+  std::vector<std::string> bounds;
+  for (const Bound& one : requirement.bounds) {
+    const std::string low = with_unit(one.min, one.metric), high = with_unit(one.max, one.metric);
+    bounds.push_back(one.metric + (!std::isfinite(one.min)   ? " at most " + high
+                                   : !std::isfinite(one.max) ? " at least " + low
+                                                             : " from " + low + " to " + high));
+  }
+  const std::string share =
+      requirement.share < 1.0 ? fmt::format("{:.4g} % of the", 100.0 * requirement.share) : "all";
+  return fmt::format("{} in {} conditions", fmt::join(bounds, " and "), share);
+}
+
+// How much worse a candidate is than the first one.
+EstimatedMedian behind(const Ranking& ranking, const MetricComparison& to_first) {
+  EstimatedMedian difference = to_first.difference;
+  if (ranking.goal != Goal::max) return difference;
+  difference.value = -difference.value;
+  if (auto& interval = difference.interval) *interval = {-interval->upper, -interval->lower};
+  return difference;
+}
+
+// The conditions in which a candidate is worse than the first one.
+std::size_t worse_in(const Ranking& ranking, const MetricComparison& to_first) {
+  return ranking.goal == Goal::max ? to_first.smaller : to_first.larger;
+}
+
+std::string percent_of(const CandidateComparison& comparison) {
+  return fmt::format("{:.4g} %", 100.0 * (1.0 - comparison.alpha));
+}
+
+// What would show the difference of a candidate from the first, which is not shown.
+std::string needed_text(const Ranking& ranking, const std::optional<MetricComparison>& to_first) {
+  if (!to_first) return "they have no condition in common";
+  const std::string conditions = number_of(to_first->blocks, "condition");
+  if (to_first->smaller + to_first->larger == 0) return "they are equal in " + conditions;
+  if (!to_first->needed) return "neither is the lower one in these " + conditions;
+  return fmt::format("about {} conditions would show {}",
+                     std::max(*to_first->needed, to_first->blocks + 1),
+                     with_unit(std::abs(to_first->difference.value), ranking.metric));
+}
+
+class Sentence {
+ public:
+  explicit Sentence(const Ranking& ranking) : ranking_(ranking), rows_(ranking.rows) {}
+
+  std::string text() const {
+    if (ranking_.ranked == 0) return nobody();
+    std::string text = ranking_.ranked == 1 ? alone() : ranking_.is_shown() ? best() : level();
+    if (!ranking_.requirement.bounds.empty()) {
+      text +=
+          fmt::format(" {} of {} {}: {}.", ranking_.ranked, number_of(rows_.size(), "candidate"),
+                      ranking_.ranked == 1 ? "meets the bounds" : "meet the bounds",
+                      text_of(ranking_.requirement));
+    }
+    const RankedCandidate& first = rows_.front();
+    if (first.failed > 0) {
+      text += fmt::format(" {} fails in {} of {}.", name(first), first.failed,
+                          number_of(first.blocks, "condition"));
+    }
+    return text;
+  }
+
+ private:
+  std::string name(const RankedCandidate& row) const { return ranking_.candidates[row.candidate]; }
+  std::string value(double value) const { return with_unit(value, ranking_.metric); }
+  std::string extreme() const { return ranking_.goal == Goal::max ? "highest" : "lowest"; }
+
+  std::string nobody() const {
+    if (ranking_.requirement.bounds.empty() || rows_.front().blocks == 0) {
+      return "No run has " + ranking_.metric + ".";
+    }
+    const RankedCandidate& next = *std::max_element(
+        rows_.begin(), rows_.end(), [](const auto& a, const auto& b) { return a.met < b.met; });
+    const bool is_met = std::isnan(next.median.value) && next.met == next.blocks;
+    if (is_met) return "No candidate that meets the bounds has " + ranking_.metric + ".";
+    return fmt::format("No candidate has {}: {} comes nearest, with {} of {}.",
+                       text_of(ranking_.requirement), name(next), next.met, next.blocks);
+  }
+
+  std::string alone() const {
+    return fmt::format("{} alone is ranked, with {} {}.", name(rows_[0]), ranking_.metric,
+                       value(rows_[0].median.value));
+  }
+
+  std::string best() const {
+    const MetricComparison& next = *rows_[1].to_first;
+    const EstimatedMedian by = behind(ranking_, next);
+    return fmt::format("{} has the {} {}: {}, {} {} the next ({}), {} {} to {}, in {} of {}.",
+                       name(rows_[0]), extreme(), ranking_.metric, value(rows_[0].median.value),
+                       value(by.value), ranking_.goal == Goal::max ? "above" : "below",
+                       name(rows_[1]), percent_of(ranking_.comparison),
+                       in_digits(by.interval->lower), value(by.interval->upper),
+                       worse_in(ranking_, next), number_of(next.blocks, "condition"));
+  }
+
+  std::string level() const {
+    std::vector<std::string> level, worse;
+    const RankedCandidate* second = nullptr;
+    for (std::size_t i = 0; i < ranking_.ranked; ++i) {
+      const auto& to_first = rows_[i].to_first;
+      if (to_first && to_first->verdict == ComparisonVerdict::worse) {
+        worse.push_back(name(rows_[i]));
+        continue;
+      }
+      level.push_back(fmt::format("{} ({})", name(rows_[i]), value(rows_[i].median.value)));
+      if (i > 0 && second == nullptr) second = &rows_[i];
+    }
+    std::string text = fmt::format("No difference in {} is shown between {}: {}", ranking_.metric,
+                                   listed(level), needed_text(ranking_, second->to_first));
+    if (level.size() > 2) {
+      text += fmt::format(", between {} and {}", name(rows_[0]), name(*second));
+    }
+    if (worse.empty()) return text + ".";
+    return fmt::format("{}. {} {} shown to be {} than {}.", text, listed(worse),
+                       worse.size() > 1 ? "are" : "is",
+                       ranking_.goal == Goal::max ? "lower" : "higher", name(rows_[0]));
+  }
+
+  const Ranking& ranking_;
+  const std::vector<RankedCandidate>& rows_;
+};
+
+// JSON has no NaN.
+nlohmann::ordered_json number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+}
+
+nlohmann::ordered_json json_of(const EstimatedMedian& median) {
+  const ConfidenceInterval none = {kNone, kNone};
+  const ConfidenceInterval interval = median.interval.value_or(none);
+  return {{"value", number(median.value)},
+          {"lower", number(interval.lower)},
+          {"upper", number(interval.upper)}};
+}
+
+std::string in_middle(const std::string& text, std::size_t most) {
+  if (text.size() <= most) return text;
+  const auto is_inside = [&](std::size_t i) {  // a character of UTF-8
+    return i < text.size() && (static_cast<unsigned char>(text[i]) & 0xC0U) == 0x80U;
+  };
+  std::size_t head = (most - 1) / 2, tail = text.size() - (most - 1 - head);
+  while (is_inside(head)) --head;
+  while (is_inside(tail)) ++tail;
+  return text.substr(0, head) + "…" + text.substr(tail);
+}
+
+}  // namespace
+
+std::string ranking_sentence(const Ranking& ranking) {
+  return Sentence(ranking).text();
+}
+
+std::vector<std::vector<std::string>> ranking_table(const Ranking& ranking) {
+  const bool has_bounds = !ranking.requirement.bounds.empty();
+  const bool has_failures = std::any_of(ranking.rows.begin(), ranking.rows.end(),
+                                        [](const auto& row) { return row.failed > 0; });
+  const std::string unit = unit_of(ranking.metric);
+  std::vector<std::vector<std::string>> rows = {
+      {"", "candidate", "median" + (unit.empty() ? "" : " [" + unit + "]"),
+       fmt::format("behind ({})", percent_of(ranking.comparison)), "p",
+       has_failures ? "failed in" : "worse in"}};
+  if (has_bounds) {
+    rows[0].push_back(fmt::format("meets ({:.4g} %)", 100.0 * ranking.requirement.confidence));
+  }
+  for (const RankedCandidate& one : ranking.rows) {
+    std::vector<std::string> row = {
+        one.place > 0 ? std::to_string(one.place) : "-", ranking.candidates[one.candidate],
+        std::isnan(one.median.value) ? "-" : in_digits(one.median.value)};
+    const auto& beside = one.to_first;
+    row.push_back(beside ? brief(behind(ranking, *beside)) : "-");
+    row.push_back(beside ? p_text(beside->p_holm) : "-");
+    if (has_failures) {
+      row.push_back(fmt::format("{} of {}", one.failed, one.blocks));
+    } else {
+      row.push_back(beside ? fmt::format("{} of {}", worse_in(ranking, *beside), beside->blocks)
+                           : "-");
+    }
+    if (has_bounds) {
+      const auto blocks = static_cast<double>(std::max<std::size_t>(1, one.blocks));
+      const double met = static_cast<double>(one.met) / blocks;
+      row.push_back(fmt::format("{:.0f} % [{:.0f}, {:.0f}]", 100.0 * met, 100.0 * one.share.lower,
+                                100.0 * one.share.upper));
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+nlohmann::ordered_json ranking_json(const Ranking& ranking) {
+  nlohmann::ordered_json json;
+  json["metric"] = ranking.metric;
+  json["unit"] = unit_of(ranking.metric);
+  json["goal"] = name_of(goal_names(), ranking.goal);
+  json["sentence"] = ranking_sentence(ranking);
+  json["is_shown"] = ranking.is_shown();
+  json["table"] = ranking_table(ranking);
+  json["require"] = {{"share", ranking.requirement.share},
+                     {"confidence", ranking.requirement.confidence},
+                     {"bounds", nlohmann::ordered_json::object()}};
+  for (const Bound& one : ranking.requirement.bounds) {
+    json["require"]["bounds"][one.metric] = {{"min", number(one.min)}, {"max", number(one.max)}};
+  }
+  json["candidates"] = nlohmann::ordered_json::array();
+  for (const RankedCandidate& one : ranking.rows) {
+    json["candidates"].push_back({{"place", one.place},
+                                  {"candidate", ranking.candidates[one.candidate]},
+                                  {"median", json_of(one.median)},
+                                  {"conditions", one.blocks},
+                                  {"failed", one.failed},
+                                  {"met", one.met},
+                                  {"met_lower", one.share.lower},
+                                  {"met_upper", one.share.upper}});
+  }
+  json["pairs"] = nlohmann::ordered_json::array();
+  for (const MetricComparison& one : ranking.comparison.metrics) {
+    json["pairs"].push_back(
+        {{"candidate", ranking.comparison.candidates[one.candidate]},
+         {"reference", ranking.comparison.candidates[one.reference]},
+         {"conditions", one.blocks},
+         {"difference", json_of(one.difference)},
+         {"p", one.p},
+         {"p_holm", one.p_holm},
+         {"smaller_in", one.smaller},
+         {"larger_in", one.larger},
+         {"needed", one.needed ? nlohmann::ordered_json(*one.needed) : nlohmann::ordered_json()},
+         {"verdict", name_of(one.verdict)}});
+  }
+  return json;
+}
+
+std::string ranking_text(const Ranking& ranking, std::size_t width) {
+  std::string text =
+      fmt::format("{}\n\n", fmt::join(wrapped(ranking_sentence(ranking), width), "\n"));
+  auto rows = ranking_table(ranking);
+  std::string more;
+  if (rows.size() > kMostRows + 1) {
+    more = fmt::format("… and {} more\n", rows.size() - kMostRows);
+    rows.resize(kMostRows);
+  }
+  std::size_t longest = 0;
+  for (const auto& row : rows) longest = std::max(longest, row[1].size());
+  // A table that is too wide is printed in parts, with an empty line between them.
+  constexpr std::size_t kShortest = 9;
+  std::string table;
+  do {
+    constexpr std::size_t kLabels = 2;
+    Table cut(rows.front(), kLabels);
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+      std::vector<std::string> row = rows[i];
+      row[1] = in_middle(row[1], longest);
+      cut.add(std::move(row));
+    }
+    table = cut.print(width);
+  } while (table.find("\n\n") != std::string::npos && longest-- > kShortest);
+  return text + table + more;
+}
+
+}  // namespace breakwater
