@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <map>
 #include <vector>
 
 namespace breakwater {
@@ -32,20 +31,10 @@ std::string joined(const Texts& texts) {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
-std::string change_of_sets(const Texts& then, const Texts& now) {
-  std::map<std::string, std::pair<std::string, std::string>> values;
-  for (const auto* sets : {&then, &now}) {
-    for (const std::string& set : *sets) {
-      const std::size_t equals = set.find('=');
-      auto& [old, is] = values[set.substr(0, equals)];
-      (sets == &then ? old : is) = comparable(set.substr(equals + 1));
-    }
-  }
-  for (const auto& [key, both] : values) {
-    const std::string reason = change("set." + key, both.first, both.second);
-    if (!reason.empty()) return reason;
-  }
-  return "";
+Texts sets_of(const Study& study) {
+  Texts sets;
+  for (const std::string& set : study.sets) sets.push_back(comparable_set(set));
+  return sets;
 }
 
 // The values of a key as [1, 2], or its distribution; empty without such a key.
@@ -98,10 +87,16 @@ std::string comparable(const std::string& value) {
   return is_number ? fmt::format("{}", number) : value;
 }
 
+std::string comparable_set(const std::string& set) {
+  const std::size_t value = set.find('=') + 1;
+  return set.substr(0, value) + comparable(set.substr(value));
+}
+
 std::string reason_against_growth(const Study& then, const Study& now) {
   Texts reasons = {
       change("scenario", then.scenario, now.scenario),
-      change_of_sets(then.sets, now.sets),
+      missing("set", sets_of(then), sets_of(now)),
+      missing("set", sets_of(now), sets_of(then), "new"),
       change("method", name_of(methods(), then.method), name_of(methods(), now.method)),
       missing("case", then.cases, now.cases),
       missing("seeds", seeds_of(then), seeds_of(now)),

@@ -9,6 +9,8 @@ namespace breakwater {
 
 /// A value as TOML such that equal numbers give equal texts: "0.50" and "5e-1" give "0.5".
 std::string comparable(const std::string& value);
+/// The same for KEY=VALUE.
+std::string comparable_set(const std::string& set);
 
 /// Empty if every run of the study `then` is also one of `now`, so that its results stay: `now` may
 /// have more seeds, values, cases and samples, and other metrics, goals, baselines and folders to

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/config/fields.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/shell/did_you_mean.h>

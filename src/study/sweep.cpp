@@ -143,10 +143,7 @@ std::string Sweep::unprepared_key(std::size_t number) const {
   const StudyPoint point = plan_->point(number);
   std::vector<std::string> parts = {plan_->study().scenario,
                                     plan_->candidates()[point.candidate].case_name};
-  for (const std::string& set : point.sets) {
-    const std::size_t value = set.find('=') + 1;
-    parts.push_back(set.substr(0, value) + comparable(set.substr(value)));
-  }
+  for (const std::string& set : point.sets) parts.push_back(comparable_set(set));
   std::sort(parts.begin() + 2, parts.end());  // their order changes no run
   return fingerprint(parts);
 }

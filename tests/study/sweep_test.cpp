@@ -264,13 +264,12 @@ TEST_F(Sweep, RefusesToContinueAnotherStudy) {
         another("s", "vary: x.second is new")},
        {"ishigami --vary x.second=1,2 --out s", another("s", "vary: x.first is left out")},
        {"ishigami --vary x.first=1,2 --duration 2 --out s",
-        another("s", "set.run.duration_s is 2, and was not set")},
+        another("s", "set: run.duration_s=2 is new")},
        {"ishigami --vary x.first=1,2 --seeds 2..9 --out s", another("s", "seeds: 1 is left out")},
        {"ishigami --vary x.first=1,2 --case noisy --out s",
         another("s", "case: plain is left out")},
        {"ishigami --vary x.first=1,2 --method list --out s",
         another("s", "method is list, and was grid")},
-       {"ishigami_too --out s", another("s", "scenario is ishigami_too, and was ishigami")},
        {drawn + "sobol --samples 2", another("drawn", "samples is 2, and was 4")},
        {drawn + "sobol --samples 8 --sampling-seed 2",
         another("drawn", "sampling_seed is 2, and was 1")},
@@ -289,6 +288,9 @@ TEST_F(Sweep, RefusesToContinueAnotherStudy) {
        {"s --vary x.first=1,3",
         "s: is a study's folder, and its study.toml says what is run: leave --case, "
         "--vary, --out and the like out"}});
+  ran("breakwater sweep motor_estimation --duration 0.01 --out m");
+  expect_refused("breakwater sweep cart_position --duration 0.01 --out m",
+                 another("m", "scenario is cart_position, and was motor_estimation"));
   // Results of another program are not continued.
   ran("/bin/sed -i 's/^program = .*/program = \"0123456789abcdef\"/' s/study.toml");
   const ProgramResult other = sweep("s");
@@ -309,7 +311,7 @@ TEST_F(Sweep, RefusesToContinueAnotherStudy) {
 // Each study of 60 runs or fewer becomes a larger one, which leaves the bytes of that one begun
 // alone.
 TEST_F(Sweep, AStudyGrows) {
-  const std::string grid = "ishigami --vary x.second=1,2,3 --set trouble.fails_above=2.5 ";
+  const std::string grid = "ishigami --vary x.second=1,2,3 --set trouble.fails_above=1.5 ";
   const std::string drawn =
       "ishigami --case plain,noisy --vary x.first=uniform(-3,3) --vary "
       "x.second=normal(0,1) --method ";
@@ -317,8 +319,8 @@ TEST_F(Sweep, AStudyGrows) {
     std::string before, after;
   };
   const std::vector<Growth> growths = {
-      {grid + "--case plain,noisy --vary x.first=1,2 --seeds 1..10",  // 60 runs to 120
-       grid + "--case plain,noisy --vary x.first=1,2 --seeds 1..20"},
+      {grid + "--case plain,noisy --vary x.first=1,2 --seeds 1..5",  // 60 runs to 120
+       grid + "--case plain,noisy --vary x.first=1,2 --seeds 1..10"},
       {grid + "--vary x.first=1,2 --seeds 3", grid + "--vary x.first=lin(0,3,4) --seeds 5,3"},
       {grid + "--vary x.first=1,2",
        grid + "--vary x.first=3.0,0.5,1e0,2 --case noisy,plain --sqlite"},
@@ -336,6 +338,12 @@ TEST_F(Sweep, AStudyGrows) {
     for (const auto& entry : fs::directory_iterator(folder_ / "s")) {
       if (entry.is_regular_file()) texts[entry.path().filename()] = testing::text_of(entry.path());
     }
+    // The page has the mean processor time of a run, which differs between equal studies.
+    std::string& page = texts["report.html"];
+    const std::size_t end = page.find(" s a run");
+    const std::size_t begin = page.rfind(',', end);
+    EXPECT_LT(end - begin, 20U);
+    page.erase(begin, end - begin);
     return texts;
   };
   const auto lines_of_points = [&] {
@@ -349,7 +357,7 @@ TEST_F(Sweep, AStudyGrows) {
   for (const auto& [before, after] : growths) {
     fs::remove_all(folder_ / "s");
     swept(before + " --jobs 2 --out s");
-    EXPECT_EQ(swept(after + " --jobs 3 --out s").err, "") << after;
+    EXPECT_TRUE(lacks(swept(after + " --jobs 3 --out s").err, "warning")) << after;
     EXPECT_EQ(lines_of_points() + 1, results("s").size()) << "only new points run: " << after;
     const auto grown = outputs();
     EXPECT_EQ(swept("s").err, "");
