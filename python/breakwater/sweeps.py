@@ -242,7 +242,7 @@ def tune(
     """Search for the best values of some keys, like `breakwater tune`, and return the table of what it found.
 
     The table is front.csv: a row for each point of the Pareto front of each case. With one objective it is
-    ranking.csv: a row for each tuned case, the best first.
+    tuned.csv: a row for each tuned case, the best first.
 
     tuning: a tuning's file ("tune.toml"), or the folder of a tuning, which is then continued. set, duration [s],
     jobs, out, rerun and objects of your own: as in bw.sweep(). Raises InputError like bw.sweep(), and RuntimeError
@@ -265,7 +265,7 @@ def tune(
     if rerun:
         words.append("--rerun")
     is_folder = pathlib.Path(target).is_dir()
-    return _run(words, target, path_or_none(out, "out"), is_folder, parts, "front.csv", "ranking.csv")
+    return _run(words, target, path_or_none(out, "out"), is_folder, parts, "front.csv", "tuned.csv")
 
 
 def _run(

@@ -64,7 +64,8 @@ void add_tune_options(CLI::App& app, TuneOptions& options) {
   app.add_option("--candidate", options.candidates)->expected(1)->take_all()->group("");
   app.footer(
       "It leaves results.csv (one row a run), front.csv, front/N.toml (for --config),\n"
-      "hypervolume.csv and report.html in the tuning's folder. The same command goes on where it\n"
+      "hypervolume.csv and report.html in the tuning's folder; with one objective tuned.csv and\n"
+      "tuned/CASE.toml instead of the front's. The same command goes on where it\n"
       "was, whatever ended it. docs/how-to/tuning.md has the file; one that is there to be tried\n"
       "is studies/impact.toml.\n"
       "Exit status: 0 done, 1 a defect, 2 usage or input, 3 no candidate met the constraints,\n"
@@ -126,9 +127,10 @@ void print_count(const TuningPlan& plan) {
                  : fmt::format(" ({} of the budget are left: they make no generation)",
                                tuning.budget - plan.evaluations()));
   if (!tuning.validation) return;
-  fmt::print("at most {} more to validate: {} of each front in {}\n",
+  fmt::print("at most {} more to validate: {} of each {} in {}\n",
              tuning.cases.size() * tuning.validated_points * tuning.validation->size(),
-             tuning.validated_points, tuning.validation->size());
+             tuning.validated_points, tuning.has_front() ? "front" : "case",
+             tuning.validation->size());
 }
 
 // Checks for faults that only runs show. With --isolate another process does it, since a run may
@@ -204,15 +206,15 @@ void warn_of_copies(const TuningPlan& plan, const std::vector<PointResult>& runs
   for (const auto& [use, count] : {std::pair("search", search), {"validation", validation}}) {
     if (count.copies == 0) continue;
     warn(kTune.command,
-         {fmt::format("{}: {} of {} runs are the same as another one of their candidate: "
-                      "without noise seeds change nothing",
+         {fmt::format("{}: {} of {} runs are the same as another one of their candidate: what "
+                      "differs between their conditions, such as the seed, changes nothing there",
                       use, count.copies, count.all)});
   }
 }
 
 // Returns whether each case has a Pareto front.
-bool print_result(const TuningPlan& plan, const TuningResult& result, const StudyFolder& folder,
-                  bool quiet) {
+bool print_result(const TuningPlan& plan, const TuningResult& result,
+                  const std::optional<Ranking>& ranking, const StudyFolder& folder, bool quiet) {
   bool has_all = true;
   for (const TunedFront& front : result.fronts) {
     if (!front.points.empty()) continue;
@@ -221,8 +223,9 @@ bool print_result(const TuningPlan& plan, const TuningResult& result, const Stud
                kTune.command, front.case_name, front.evaluations.size());
   }
   if (quiet) return has_all;
-  fmt::print("{}\nfront: {}\n", fronts_text(plan, result, output_width()),
-             (folder.path() / "front.csv").string());
+  const std::string kind = plan.tuning().has_front() ? "front" : "tuned";
+  fmt::print("{}\n{}: {}\n", result_text(plan, result, ranking, output_width()), kind,
+             (folder.path() / (kind + ".csv")).string());
   fmt::print("report: {}\n", (folder.path() / "report.html").string());
   return has_all;
 }
@@ -320,9 +323,10 @@ class TuneCommand : public StudyCommand {
                                   folder_.path().string(), number_of(result.replaced, "run"))});
       }
       warn_of_copies(plan_, result.runs);
-      write_outputs(plan_, result, folder_.path());
-      write_tuning_report(catalogue_, plan_, result, folder_.path());
-      return print_result(plan_, result, folder_, options_.quiet) ? kSuccess : kRunFailed;
+      const std::optional<Ranking> ranking = rank_tuned(plan_, result);
+      write_outputs(plan_, result, ranking, folder_.path());
+      write_tuning_report(catalogue_, plan_, result, ranking, folder_.path());
+      return print_result(plan_, result, ranking, folder_, options_.quiet) ? kSuccess : kRunFailed;
     } catch (const Interrupted&) {
       fmt::print(stderr, "{}: interrupted; {}\n", name(),
                  options_.slurm ? "what is in the queue goes on, and so does the same command"
