@@ -28,7 +28,7 @@ std::string class_name(const py::handle& object) {
   return py::type::of(object).attr("__name__").cast<std::string>();
 }
 
-// Of all parts of this process: a program has one set of them.
+// For all parts of this process: a program has one set of them.
 PythonErrors errors_of_parts = PythonErrors::pass;
 
 // "ZeroDivisionError: division by zero (law.py:12)"

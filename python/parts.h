@@ -15,8 +15,8 @@ namespace py = pybind11;
 /// The catalogue of the `breakwater` program.
 const Catalogue& shipped_parts();
 
-/// What becomes of an exception in Python: it passes through, or it is an OutputError of one line,
-/// which ends a program.
+/// An exception in Python passes through, or becomes an OutputError of one line, which ends a
+/// program.
 enum class PythonErrors { pass, one_line };
 
 /// The catalogue with `controller` and `estimator`, each an object or None, as kinds for every rig.

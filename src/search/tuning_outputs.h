@@ -43,7 +43,7 @@ void write_outputs(const TuningPlan& plan, const TuningResult& result,
 /// A number with this many digits. Other texts stay as they are.
 std::string in_short(const std::string& value, int digits);
 
-/// What was found with one objective, in one or two sentences.
+/// The result of a tuning with one objective, in one or two sentences.
 std::string tuned_sentence(const TuningPlan& plan, const TuningResult& result,
                            const std::optional<Ranking>& ranking);
 /// A text table of the fronts, or of the tuned cases, for readers.

@@ -18,7 +18,7 @@ struct StudyKind {
 inline constexpr StudyKind kSweep = {"sweep", "study.toml"};
 inline constexpr StudyKind kTune = {"tune", "tune.toml"};
 
-/// What the runs are made by besides the program: a hash of the user's parts in Python, or empty.
+/// A hash of the user's parts in Python, which make the runs with the program; or empty.
 inline std::string own_parts;
 
 /// The folder of a study: study.toml (or tune.toml), shards/, runs/ and the collected results. Many
