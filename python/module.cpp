@@ -16,6 +16,7 @@
 #include "interpreter.h"
 #include "linear.h"
 #include "observers.h"
+#include "program.h"
 #include "runs.h"
 
 namespace breakwater::python {
@@ -72,5 +73,6 @@ PYBIND11_MODULE(_core, module) {
   bind_comparisons(module);
   bind_linear(module);
   bind_observers(module);
+  bind_program(module);
   bind_runs(module);
 }

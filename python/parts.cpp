@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include <breakwater/program/program.h>
+#include <breakwater/record/output_error.h>
 #include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/plant_parts.h>
@@ -25,6 +26,32 @@ using Input = Eigen::Ref<const Eigen::VectorXd>;
 
 std::string class_name(const py::handle& object) {
   return py::type::of(object).attr("__name__").cast<std::string>();
+}
+
+// For all parts of this process: a program has one set of them.
+PythonErrors errors_of_parts = PythonErrors::pass;
+
+// "ZeroDivisionError: division by zero (law.py:12)"
+std::string one_line(const py::error_already_set& error) {
+  const py::list frames = py::module_::import("traceback").attr("extract_tb")(error.trace());
+  std::string text = error.type().attr("__name__").cast<std::string>() + ": " +
+                     py::str(error.value()).cast<std::string>();
+  if (frames.empty()) return text;
+  const py::object last = frames[frames.size() - 1];
+  const py::object path = py::module_::import("os.path").attr("basename")(last.attr("filename"));
+  return text + " (" + py::str(path).cast<std::string>() + ":" +
+         py::str(last.attr("lineno")).cast<std::string>() + ")";
+}
+
+// Calls `body`, which calls Python.
+template <typename Body>
+auto of_python(const std::string& name, const Body& body) {
+  if (errors_of_parts == PythonErrors::pass) return body();
+  try {
+    return body();
+  } catch (const py::error_already_set& error) {
+    throw OutputError(name + ": " + one_line(error));
+  }
 }
 
 py::object steal_or_throw(PyObject* result) {
@@ -48,16 +75,16 @@ class Part {
   const std::string& name() const { return name_; }
 
   py::object call_update(const py::object& first, const py::object& second) {
-    py::object result = call(update_, first, second);
+    py::object result = of_python(name_, [&] { return call(update_, first, second); });
     copy_signals();
     return result;
   }
   void call_reset(const py::object& first, const py::object& second) {
-    call(reset_, first, second);
+    of_python(name_, [&] { return call(reset_, first, second); });
     copy_signals();
   }
   void call_reset(const py::object& state) {
-    py::handle(reset_.get())(state);
+    of_python(name_, [&] { return py::handle(reset_.get())(state); });
     copy_signals();
   }
 
@@ -374,12 +401,12 @@ class Keyless final : public PartKind<Product, Context...>::Part {
 template <typename Kind, typename Product, typename... Context, typename Make>
 Kind kind_of(const PartKind<Product, Context...>*, const std::string& name, Make make,
              const std::function<void()>& asked) {
-  return Kind(name, "written in Python", [make, asked] {
+  return Kind(name, "written in Python", [make, name, asked] {
     asked();
     return std::make_unique<Keyless<Product, Context...>>(
-        [make](Context... context) -> std::unique_ptr<Product> {
+        [make, name](Context... context) -> std::unique_ptr<Product> {
           const Locked lock;
-          return make(context...);
+          return of_python(name, [&]() -> std::unique_ptr<Product> { return make(context...); });
         });
   });
 }
@@ -431,8 +458,9 @@ const Catalogue& shipped_parts() {
 
 PythonParts::PythonParts(const Catalogue& standard, const py::object& controller,
                          const py::object& estimator, const py::dict& controllers,
-                         const py::dict& estimators)
+                         const py::dict& estimators, PythonErrors errors)
     : catalogue_(standard), uses_(std::make_shared<Uses>()) {
+  errors_of_parts = errors;
   const std::shared_ptr<Uses> uses = uses_;
   if (!controller.is_none()) {
     controller_ = class_name(controller);

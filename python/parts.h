@@ -15,6 +15,10 @@ namespace py = pybind11;
 /// The catalogue of the `breakwater` program.
 const Catalogue& shipped_parts();
 
+/// An exception in Python passes through, or becomes an OutputError of one line, which ends a
+/// program.
+enum class PythonErrors { pass, one_line };
+
 /// The catalogue with `controller` and `estimator`, each an object or None, as kinds for every rig.
 /// Their names are those of their classes. `controllers` and `estimators` have an object for each
 /// named axis of a plant, with the name CLASS_AXIS. Throws std::invalid_argument if such a kind
@@ -26,7 +30,8 @@ const Catalogue& shipped_parts();
 class PythonParts {
  public:
   PythonParts(const Catalogue& standard, const py::object& controller, const py::object& estimator,
-              const py::dict& controllers, const py::dict& estimators);
+              const py::dict& controllers, const py::dict& estimators,
+              PythonErrors errors = PythonErrors::pass);
 
   const Catalogue& catalogue() const { return catalogue_; }
 

@@ -100,9 +100,9 @@ def sets_of(keys):
 
 def tuned(file, folder, jobs):
     """The found keys."""
-    if not (folder / "front.csv").exists():
+    if not (folder / "tuned.csv").exists():
         call("breakwater", "tune", file, "--out", folder, "--jobs", jobs, "--quiet")
-    with open(folder / "front.csv", newline="", encoding="utf-8") as table:
+    with open(folder / "tuned.csv", newline="", encoding="utf-8") as table:
         row = next(csv.DictReader(table))
     return {key: row[key] for key in ("controller.kp", "controller.kd", "observer.process_noise")}
 

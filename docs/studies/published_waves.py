@@ -30,7 +30,7 @@ def found(folder):
     """{case: its tuned keys}"""
     return {row["case"]: {key: value for key, value in row.items()
                           if key.startswith(KEYS) and value and not key.endswith("gains")}
-            for row in read(folder / "tuned" / "front.csv")}
+            for row in read(folder / "tuned" / "tuned.csv")}
 
 
 def judge(folder, case, keys, jobs, name=None):
@@ -81,7 +81,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=1)
     arguments = parser.parse_args()
     tuned = found(arguments.folder)
-    write(HERE / "published-waves-tuned.csv", read(arguments.folder / "tuned" / "front.csv"))
+    write(HERE / "published-waves-tuned.csv", read(arguments.folder / "tuned" / "tuned.csv"))
     runs = {case: judge(arguments.folder, case, keys, arguments.jobs) for case, keys in tuned.items()}
     # The floor may choose its weights after the fact: its own, or those that were found for the probe.
     other = FLOOR + "-other-weights"

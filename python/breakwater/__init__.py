@@ -9,7 +9,7 @@
     table = bw.sweep("motor_estimation", case=["idob", "stf"], vary={"encoder.bits": [6, 8, 10]}, seeds=range(1, 21))
 
 Runs:         run, load, scenarios, cases; Run
-Many runs:    sweep, compare; Comparison
+Many runs:    sweep, tune, compare; Comparison
 Your own:     Controller, Estimator; ArmSample, AxisSample, PlantSample, QuadrotorSample;
               PlanarChain
 Design:       dare, lqr, place_poles, place_observer_poles, zero_order_hold, damped_inertia,
@@ -58,7 +58,7 @@ from .observers import (
 from .parts import Controller, Estimator
 from .runs import Run, RunFailed, cases, load, run, scenarios
 from .samples import ArmSample, AxisSample, PlantSample, QuadrotorSample
-from .sweeps import sweep
+from .sweeps import sweep, tune
 
 __all__ = [
     "ArmSample",
@@ -107,5 +107,6 @@ __all__ = [
     "scenarios",
     "solve_qp",
     "sweep",
+    "tune",
     "zero_order_hold",
 ]

@@ -162,6 +162,21 @@ def run(
     estimators: dict[str, object],
     out: str | None,
 ) -> OwnRun: ...
+def program(
+    words: list[str],
+    hash: str,
+    controller: object | None,
+    estimator: object | None,
+    controllers: dict[str, object],
+    estimators: dict[str, object],
+) -> int: ...
+def choices(
+    target: str,
+    controller: object | None,
+    estimator: object | None,
+    controllers: dict[str, object],
+    estimators: dict[str, object],
+) -> list[str]: ...
 def scenarios() -> dict[str, str]: ...
 def cases(scenario: str) -> list[str]: ...
 def compare(

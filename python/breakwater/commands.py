@@ -1,12 +1,18 @@
-"""Commands of the program `breakwater` that this module lacks: pictures, pages and studies.
-
-They need an encoder, OpenGL and many further libraries."""
+"""Commands of the program `breakwater`: pictures, pages and studies."""
 
 from __future__ import annotations
 
+import hashlib
+import inspect
+import os
 import pathlib
+import pickle
 import shutil
+import signal
 import subprocess
+import sys
+import traceback
+from typing import Any
 
 from . import _core
 from .arguments import checked_text
@@ -51,6 +57,48 @@ def call(words: list[str]) -> tuple[int, list[str]]:
                 raise
             raise
     return child.returncode, said.splitlines()
+
+
+def call_copy(words: list[str], parts: list[Any]) -> tuple[int, list[str]]:
+    """The same for `sweep` and `tune`, in a copy of this process: it has the parts of your own."""
+    words = [checked_text(word, words[0]) for word in words]
+    part_hash = _hash_of([*parts[:2], *parts[2].values(), *parts[3].values()])
+    sys.stdout.flush()
+    sys.stderr.flush()
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        status = 1
+        try:
+            os.dup2(writing, 2)
+            status = _core.program(words, part_hash, *parts)
+        except BaseException:
+            traceback.print_exc()
+        finally:
+            os._exit(status)
+    os.close(writing)
+    try:
+        with open(reading, errors="replace") as said:
+            lines = said.read().splitlines()
+    except BaseException:
+        os.kill(child, signal.SIGTERM)
+        os.waitpid(child, 0)
+        raise
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), lines
+
+
+def _hash_of(parts: list[Any]) -> str:
+    """A hash of the source and the data of objects. It is new each time if they cannot be read."""
+    known = hashlib.sha256()
+    for part in parts:
+        try:
+            for kind in type(part).__mro__:
+                if kind.__module__ not in ("builtins", "breakwater.parts"):
+                    known.update(inspect.getsource(kind).encode())
+            known.update(pickle.dumps(part))
+        except Exception:
+            known.update(os.urandom(16))
+    return known.hexdigest()
 
 
 def failure_of(status: int, message: str) -> Exception:

@@ -64,6 +64,21 @@ class RunFailed(RuntimeError):
         return RunFailed, (self.time_s, self.reason, self.run)
 
 
+def checked_parts(controller: Any, estimator: Any, controllers: Any, estimators: Any) -> list[Any]:
+    """The parts as _core takes them: two objects or None, and two dicts."""
+    if controller is not None and estimator is not None:
+        raise InputError("estimator: a controller in Python uses none: update your estimator in its update()")
+    controllers, estimators = mapping(controllers, "controllers"), mapping(estimators, "estimators")
+    for axis in controllers.keys() & estimators.keys():
+        raise InputError(f"estimators: {axis}: its controller in Python uses none: update your estimator in its update()")
+    return [
+        _part(controller, Controller, "controller"),
+        _part(estimator, Estimator, "estimator"),
+        {axis: _part(part, Controller, f"controllers: {axis}") for axis, part in controllers.items()},
+        {axis: _part(part, Estimator, f"estimators: {axis}") for axis, part in estimators.items()},
+    ]
+
+
 def _part(value: Any, base: type, name: str) -> Any:
     if value is None or isinstance(value, base):
         return value
@@ -510,21 +525,10 @@ def run(
         sets += set_lines({"run.seed": seed})
     if duration is not None:
         sets += set_lines({"run.duration_s": duration})
-    if controller is not None and estimator is not None:
-        raise InputError("estimator: a controller in Python uses none: update your estimator in its update()")
-    controllers, estimators = mapping(controllers, "controllers"), mapping(estimators, "estimators")
-    for axis in controllers.keys() & estimators.keys():
-        raise InputError(f"estimators: {axis}: its controller in Python uses none: update your estimator in its update()")
-    parts = [
-        _handle(_part(controller, Controller, "controller")),
-        _handle(_part(estimator, Estimator, "estimator")),
-    ]
+    *both, of_controllers, of_estimators = checked_parts(controller, estimator, controllers, estimators)
+    parts = [_handle(part) for part in both]
     of_axes = [
-        {axis: _handle(_part(part, base, f"{name}: {axis}")) for axis, part in given.items()}
-        for given, base, name in (
-            (controllers, Controller, "controllers"),
-            (estimators, Estimator, "estimators"),
-        )
+        {axis: _handle(part) for axis, part in given.items()} for given in (of_controllers, of_estimators)
     ]
     folder = path_or_none(out, "out")
     core = _core.run(

@@ -1,4 +1,4 @@
-"""Studies with many runs, as one table."""
+"""Studies with many runs, and tunings, as one table."""
 
 from __future__ import annotations
 
@@ -17,17 +17,18 @@ import numpy.typing as npt
 
 from . import _core
 from .arguments import did_you_mean, mapping, path_or_none, set_lines, text_or_none, toml_text
-from .commands import call, failure_of
+from .commands import call, call_copy, failure_of
 from .errors import InputError
-from .parts import Controller
+from .parts import Controller, Estimator
+from .runs import checked_parts
 
 if TYPE_CHECKING:
     import pandas
 
 _DISTRIBUTIONS = ("uniform", "log_uniform", "normal")
 _RULE = re.compile(r"(lin|log)\(")
-_WARNING = "sweep: warning: "
-_OPTION = re.compile(r"^(?:sweep: )?--([a-z-]+)(?=:)")
+_WARNING = re.compile(r"^(?:sweep|tune): warning: ")
+_OPTION = re.compile(r"^(?:(?:sweep|tune): )?--([a-z-]+)(?=:)")
 _MOST_JOBS = 4096
 
 
@@ -103,12 +104,12 @@ def _keys(values: Any, name: str) -> Mapping[str, Any]:
 
 
 def _table(file: pathlib.Path) -> pandas.DataFrame:
-    """Read results.csv without loss of digits."""
+    """Read a table of a study without loss of digits."""
     import pandas
 
-    texts = ["point", "case", "status", "state_hash"]
     columns = list(pandas.read_csv(file, nrows=0).columns)
-    metrics = columns[columns.index("state_hash") + 1 :]
+    texts = [name for name in ("point", "case", "status", "state_hash") if name in columns]
+    metrics = columns[columns.index("state_hash") + 1 :] if "state_hash" in columns else []
     table = pandas.read_csv(
         file,
         dtype=dict.fromkeys(texts, str) | dict.fromkeys(metrics, np.float64),
@@ -141,6 +142,9 @@ def sweep(
     out: str | os.PathLike[str] | None = None,
     rerun: bool = False,
     controller: Controller | None = None,
+    estimator: Estimator | None = None,
+    controllers: Mapping[str, Controller] | None = None,
+    estimators: Mapping[str, Estimator] | None = None,
 ) -> pandas.DataFrame:
     """Run a study on all cores, and return its results.csv.
 
@@ -157,8 +161,8 @@ def sweep(
     method: "grid" (every combination, the default), "list", "random", "lhs", "sobol" or "saltelli". Random
        methods draw `samples` samples with `sampling_seed`.
     jobs: number of parallel runs; default: all cores.
-    out: the study's folder, with the same bytes as from `breakwater sweep`. An existing study is continued;
-       rerun=True begins again. The folder has report.html and, for several cases, comparison.csv. By default
+    out: the study's folder, with the same bytes as from `breakwater sweep`. An existing study is continued, and
+       may grow by seeds, values, cases or samples; rerun=True begins again. The folder has report.html and, for several cases, comparison.csv. By default
        nothing is kept.
     baseline: the case that the others are compared with.
     metrics: the compared metrics; default: all.
@@ -173,15 +177,13 @@ def sweep(
     undone; repeat the call to continue. Raises RuntimeError if a run failed and the study file demands to stop
     then. Ctrl-C stops the study and keeps the finished runs in out.
 
-    There is no `controller=` here: all runs would wait for one interpreter. Call bw.run() in a loop, or write
-    the law in C++.
+    controller, estimator, controllers, estimators: objects of your own classes for every run, as in bw.run(). Each
+    run has a copy of this process, and so begins with the objects as you gave them. Later changes of them stay
+    there. An exception of them ends the study with InputError. A folder is continued by the same classes and data.
     """
     import pandas  # raises ImportError before the runs, not after
 
-    if controller is not None:
-        raise InputError(
-            "controller: a sweep runs without Python: call bw.run() in a loop, or write the law in C++"
-        )
+    parts = checked_parts(controller, estimator, controllers, estimators)
     target = path_or_none(study, "study")
     if target is None:
         raise InputError("study: must be a scenario, a scenario file, a study file or a study's folder, is None")
@@ -221,30 +223,85 @@ def sweep(
     words = ["sweep", "--quiet", *(f"--{name}={value}" for name, value in options if value is not None)]
     if rerun:
         words.append("--rerun")
-    if folder is not None:
-        return _run([*words, f"--out={folder}"], target, pathlib.Path(folder))
-    if is_folder:
-        return _run(words, target, pathlib.Path(target))
-    with tempfile.TemporaryDirectory(prefix="breakwater_sweep_") as temporary:
-        return _run([*words, f"--out={temporary}"], target, pathlib.Path(temporary))
+    return _run(words, target, folder, is_folder, parts, "results.csv")
 
 
-def _run(words: list[str], target: str, folder: pathlib.Path) -> pandas.DataFrame:
+def tune(
+    tuning: str | os.PathLike[str],
+    *,
+    set: Mapping[str, Any] | None = None,
+    duration: float | None = None,
+    jobs: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    rerun: bool = False,
+    controller: Controller | None = None,
+    estimator: Estimator | None = None,
+    controllers: Mapping[str, Controller] | None = None,
+    estimators: Mapping[str, Estimator] | None = None,
+) -> pandas.DataFrame:
+    """Search for the best values of some keys, like `breakwater tune`, and return the table of what it found.
+
+    The table is front.csv: a row for each point of the Pareto front of each case. With one objective it is
+    tuned.csv: a row for each tuned case, the best first.
+
+    tuning: a tuning's file ("tune.toml"), or the folder of a tuning, which is then continued. set, duration [s],
+    jobs, out, rerun and objects of your own: as in bw.sweep(). Raises InputError like bw.sweep(), and RuntimeError
+    if no candidate met the constraints.
+    """
+    import pandas  # raises ImportError before the runs, not after
+
+    parts = checked_parts(controller, estimator, controllers, estimators)
+    target = path_or_none(tuning, "tuning")
+    if target is None:
+        raise InputError("tuning: must be a tuning's file or a tuning's folder, is None")
+    lines = set_lines(set)
+    if duration is not None:
+        lines += set_lines({"run.duration_s": duration})
+    if jobs is not None and not 1 <= _whole(jobs, "jobs") <= _MOST_JOBS:
+        raise InputError(f"jobs: must be 1 to {_MOST_JOBS}, is {jobs}")
+    words = ["tune", "--quiet", *(f"--set={line}" for line in lines)]
+    if jobs is not None:
+        words.append(f"--jobs={jobs}")
+    if rerun:
+        words.append("--rerun")
+    is_folder = pathlib.Path(target).is_dir()
+    return _run(words, target, path_or_none(out, "out"), is_folder, parts, "front.csv", "tuned.csv")
+
+
+def _run(
+    words: list[str], target: str, out: str | None, is_folder: bool, parts: list[Any], *tables: str
+) -> pandas.DataFrame:
+    """Call a command, and read the first of the tables that its folder has."""
+    if any(parts):
+        words.append("--isolate")
+        if not is_folder:
+            words += [f"--set={line}" for line in _core.choices(target, *parts)]
+    if out is not None or is_folder:
+        words += [] if out is None else [f"--out={out}"]
+        return _read(words, target, pathlib.Path(out or target), parts, tables)
+    with tempfile.TemporaryDirectory(prefix="breakwater_study_") as temporary:
+        return _read([*words, f"--out={temporary}"], target, pathlib.Path(temporary), parts, tables)
+
+
+def _read(
+    words: list[str], target: str, folder: pathlib.Path, parts: list[Any], tables: tuple[str, ...]
+) -> pandas.DataFrame:
+    words += ["--", target]
     try:
-        status, lines = call([*words, "--", target])
+        status, lines = call_copy(words, parts) if any(parts) else call(words)
     except OSError as error:
         if error.errno != errno.E2BIG:
             raise
         raise InputError("vary: has too many values for a command: write a study file") from None
     # The option --sampling-seed is the argument sampling_seed here.
     lines = [
-        _OPTION.sub(lambda option: option[1].replace("-", "_"), line.removeprefix(_WARNING), count=1)
+        _OPTION.sub(lambda option: option[1].replace("-", "_"), _WARNING.sub("", line), count=1)
         for line in lines
     ]
     if status < 0:
-        raise RuntimeError(f"sweep: the program was ended by signal {-status}")
+        raise RuntimeError(f"{words[0]}: the program was ended by signal {-status}")
     if status != 0:
-        raise failure_of(status, lines[-1] if lines else f"sweep: exit status {status}")
+        raise failure_of(status, lines[-1] if lines else f"{words[0]}: exit status {status}")
     for line in lines:
-        warnings.warn(line, stacklevel=3)
-    return _table(folder / "results.csv")
+        warnings.warn(line, stacklevel=4)
+    return _table(next(file for name in tables if (file := folder / name).exists()))

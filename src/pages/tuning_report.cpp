@@ -17,6 +17,7 @@
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/statistics/goal.h>
+#include <breakwater/study/ranking_text.h>
 
 namespace breakwater {
 namespace mustache = kainjow::mustache;
@@ -124,20 +125,23 @@ std::string front_chart(const TuningPlan& plan, const TuningResult& result,
   return plot.svg();
 }
 
-std::string volume_chart(const TuningResult& result, const std::vector<Identity>& looks) {
+std::string progress_chart(const Tuning& tuning, const TuningResult& result,
+                           const std::vector<Identity>& looks) {
   PlotRange x_range, y_range;
   for (const TunedFront& front : result.fronts) {
-    for (const auto& [evaluations, volume] : front.hypervolume) {
+    for (const auto& [evaluations, volume] : front.progress) {
       x_range.add(static_cast<double>(evaluations));
       y_range.add(volume);
     }
   }
   const ChartScale x = across(x_range), y = upwards(y_range);
-  SvgPlot plot =
-      axes(x, y, "evaluations", "hypervolume", "Hypervolume of the front over the evaluations");
+  const std::string& metric = tuning.objectives.front().metric;
+  const std::string what =
+      tuning.has_front() ? "hypervolume" : metric_label_with_unit(metric, unit_of(metric));
+  SvgPlot plot = axes(x, y, "evaluations", what, "Progress over the evaluations: " + what);
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
     std::vector<PlotPoint> points;
-    for (const auto& [evaluations, volume] : result.fronts[c].hypervolume) {
+    for (const auto& [evaluations, volume] : result.fronts[c].progress) {
       points.emplace_back(x(static_cast<double>(evaluations)), y(volume));
     }
     plot.path("line " + series_class(looks[c]), line_path(points));
@@ -232,9 +236,9 @@ mustache::data legend(const TuningResult& result, const std::vector<Identity>& l
                                                      [](const Evaluation& evaluation) {
                                                        return evaluation.is_feasible();
                                                      })));
-    one.set("volume", result.fronts[c].hypervolume.empty()
-                          ? "-"
-                          : fmt::format("{:.5g}", result.fronts[c].hypervolume.back().second));
+    one.set("reached", result.fronts[c].progress.empty()
+                           ? "-"
+                           : fmt::format("{:.5g}", result.fronts[c].progress.back().second));
     list << one;
   }
   return list;
@@ -256,7 +260,7 @@ std::string readable(const std::string& cell) {
   return cell.find('.') == std::string::npos ? cell : in_short(cell, kDigits);
 }
 
-mustache::data front_rows(const FrontTable& table, std::size_t chosen) {
+mustache::data front_rows(const FrontTable& table, const std::string& chosen) {
   mustache::data rows(mustache::data::type::list);
   for (const FrontRow& row : table.rows) {
     mustache::data cells(mustache::data::type::list);
@@ -273,12 +277,24 @@ mustache::data front_rows(const FrontTable& table, std::size_t chosen) {
   return rows;
 }
 
+// The header and the rows of a table.
+mustache::data ranking_rows(const std::vector<std::vector<std::string>>& table) {
+  mustache::data rows(mustache::data::type::list);
+  for (const std::vector<std::string>& texts : table) {
+    mustache::data cells(mustache::data::type::list);
+    for (const std::string& text : texts) cells << mustache::data("text", text);
+    rows << mustache::data("cells", cells);
+  }
+  return rows;
+}
+
 }  // namespace
 
 void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
-                         const TuningResult& result, const std::filesystem::path& folder) {
+                         const TuningResult& result, const std::optional<Ranking>& ranking,
+                         const std::filesystem::path& folder) {
   const Tuning& tuning = plan.tuning();
-  const FrontTable table = front_table(plan, result);
+  const FrontTable table = front_table(plan, result, ranking);
   std::vector<std::string> names;
   for (const TunedFront& front : result.fronts) names.push_back(front.case_name);
   const std::vector<Identity> looks =
@@ -286,9 +302,11 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   mustache::data data;
   data.set("title", "Tuning of " + tuning.scenario);
   mustache::data toc(mustache::data::type::list);
-  for (const auto& [href, label] : {std::pair("front", "Pareto front"),
-                                    {"budget", "Progress over the budget"},
-                                    {"points", "Points of the front"}}) {
+  const bool has_front = tuning.has_front();
+  for (const auto& [href, label] :
+       {std::pair("front", has_front ? "Pareto front" : "Tuned cases"),
+        {"budget", "Progress over the budget"},
+        {"points", has_front ? "Points of the front" : "Tuned values"}}) {
     mustache::data entry;
     entry.set("href", href);
     entry.set("label", label);
@@ -304,15 +322,23 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
     fresh.set("worlds", number_of(tuning.validation->size(), "world"));
     data.set("validation", fresh);
   }
-  const auto chosen = chosen_point(tuning, result);
-  if (chosen) {
+  const auto chosen = has_front ? chosen_point(tuning, result) : std::nullopt;
+  std::string label = chosen ? std::to_string(chosen->label) : "";
+  if (!has_front && !table.rows.empty()) label = table.rows.front().label;
+  if (!label.empty()) {
     mustache::data lead;
-    lead.set("text", in_words(tuning, result, *chosen));
-    lead.set("label", std::to_string(chosen->label));
+    lead.set("text",
+             chosen ? in_words(tuning, result, *chosen) : tuned_sentence(plan, result, ranking));
+    lead.set("label", label);
     data.set("chosen", lead);
   }
+  data.set("has_front", has_front);
+  data.set("kind", has_front ? "front" : "tuned");
+  data.set("progress", has_front ? "hypervolume" : "best value");
+  data.set("is_ranked", ranking.has_value());
+  if (ranking) data.set("ranking", ranking_rows(ranking_table(*ranking)));
   data.set("cases", legend(result, looks));
-  if (!table.rows.empty()) {
+  if (has_front && !table.rows.empty()) {
     mustache::data reference;
     reference.set("text", reference_text(tuning, result));
     data.set("reference", reference);
@@ -320,7 +346,7 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   if (tuning.objectives.size() > 1 && !table.rows.empty()) {
     data.set("front", drawing(front_chart(plan, result, looks, chosen ? chosen->label : 0)));
   }
-  if (!table.rows.empty()) data.set("volumes", drawing(volume_chart(result, looks)));
+  if (!table.rows.empty()) data.set("volumes", drawing(progress_chart(tuning, result, looks)));
   mustache::data columns(mustache::data::type::list);
   for (const std::string& name : table.columns) {
     mustache::data one;
@@ -328,7 +354,7 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
     columns << one;
   }
   data.set("columns", columns);
-  data.set("rows", front_rows(table, chosen ? chosen->label : 0));
+  data.set("rows", front_rows(table, label));
   replace_file(folder / "report.html", html_page("tuning", data, PageCharts::drawn));
 }
 

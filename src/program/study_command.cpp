@@ -96,7 +96,8 @@ int StudyCommand::run() {
   }
   std::unique_ptr<const ShardIndex> before;  // results before the call
   if (is_there) {
-    folder_.check_is(text(), text_there());
+    const bool is_same = StudyFolder::is_same(text(), text_there());
+    if (!is_same) check_growth();
     before.reset(new ShardIndex(index()));
     if (!options_.rerun) warn(name(), before->foreign());
     if (options_.status) {
@@ -104,12 +105,14 @@ int StudyCommand::run() {
       print_slurm_status(folder_, *before);
       return kSuccess;
     }
+    const bool goes_on = !options_.rerun && (!options_.collect || !is_same);
+    if (goes_on) folder_.check_made_by_this(file(), *before);
+    if (!options_.replay.empty()) return replay(*before);
+    if (goes_on && !is_same) grow(*before);
     if (options_.collect) {
       collect(*before);
       return kSuccess;
     }
-    if (!options_.rerun) folder_.check_made_by_this(file(), *before);
-    if (!options_.replay.empty()) return replay(*before);
   }
   if (options_.slurm) most_tasks();  // fails without a cluster before anything is made
   if (!is_there || options_.rerun) {
@@ -128,6 +131,18 @@ void StudyCommand::begin(bool is_there) const {
   } else {
     folder_.make(text(), file());
   }
+}
+
+// Tasks and processes at work have the numbers of the smaller study.
+void StudyCommand::grow(const ShardIndex& before) const {
+  check_not_queued(queued(folder_, size()), folder_, folder_.kind().file);
+  const std::vector<int> others = other_writers(folder_.shards());
+  if (!others.empty()) {
+    throw std::invalid_argument(fmt::format("{}: process {} is at this study: it grows after that",
+                                            folder_.path().string(), others.front()));
+  }
+  if (before.done() < before.points()) check();
+  folder_.grow(text(), file());
 }
 
 std::size_t StudyCommand::run_here(const std::vector<std::size_t>& points,

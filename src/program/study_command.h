@@ -90,6 +90,9 @@ class StudyCommand {
   /// The text of the study's file, and of the file in the folder.
   virtual std::string text() const = 0;
   virtual std::string text_there() const = 0;
+  /// Throws std::invalid_argument unless the study in the folder, which is another one, may become
+  /// this one.
+  virtual void check_growth() const { folder_.check_is(text(), text_there()); }
 
   virtual void print_dry_run() const = 0;
   virtual void print_status(const ShardIndex& index) const = 0;
@@ -115,6 +118,7 @@ class StudyCommand {
 
  private:
   void begin(bool is_there) const;
+  void grow(const ShardIndex& before) const;
   int run_task(const ShardIndex& before);
 };
 

@@ -24,6 +24,7 @@
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/study/comparison_table.h>
+#include <breakwater/study/growth.h>
 #include <breakwater/study/ranking_text.h>
 #include <breakwater/study/study_comparison.h>
 #include <breakwater/study/study_notes.h>
@@ -97,6 +98,10 @@ class SweepCommand : public StudyCommand {
   std::size_t size() const override { return plan_.size(); }
   std::string text() const override { return plan_.study().print(); }
   std::string text_there() const override { return folder_.study().print(); }
+  void check_growth() const override {
+    const std::string reason = reason_against_growth(folder_.study(), plan_.study());
+    if (!reason.empty()) folder_.fail_as_another(reason);
+  }
 
   void print_dry_run() const override {
     warn(name(), sweep_.check());
@@ -248,6 +253,7 @@ class SweepCommand : public StudyCommand {
                  options_.slurm ? "--status says why, " : "");
       return kInterrupted;
     }
+    folder_.check_is(text(), text_there());  // it may have grown meanwhile
     collect(now);
     if (has_to_stop()) return kRunFailed;
     if (!is_complete) fail_for_undone(now.points() - now.done());

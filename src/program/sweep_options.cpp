@@ -98,6 +98,12 @@ std::pair<std::string, std::string> key_and_value(const std::string& option,
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
+toml::table& table_in(toml::table& tables, const std::string& name, const std::string& file) {
+  if (!tables.contains(name)) tables.insert(name, toml::table{});
+  if (tables.get(name)->is_table()) return *tables.get(name)->as_table();
+  throw std::invalid_argument(file + ": " + name + ": must be a table");
+}
+
 // The tables of a study file, with the options merged in.
 class OptionTables {
  public:
@@ -141,16 +147,7 @@ class OptionTables {
       tables_.insert_or_assign("config",
                                std::filesystem::absolute(run.config).lexically_normal().string());
     }
-    for (const std::string& set : all_sets(run)) {
-      const auto [key, text] = key_and_value("--set", set);
-      const auto parsed = parse_toml_value(text, "--set: " + key);
-      take_out(table("set"), key);
-      if (parsed) {
-        put(table("set"), key, *parsed->get("value"));
-      } else {
-        table("set").insert_or_assign(key, text);  // a word without quotes
-      }
-    }
+    lay_sets(all_sets(run), options_.study.target, tables_);
   }
 
   void lay_varied() {
@@ -188,10 +185,7 @@ class OptionTables {
 
  private:
   toml::table& table(const std::string& name) {
-    if (name.empty()) return tables_;
-    if (!tables_.contains(name)) tables_.insert(name, toml::table{});
-    if (tables_.get(name)->is_table()) return *tables_.get(name)->as_table();
-    throw std::invalid_argument(options_.study.target + ": " + name + ": must be a table");
+    return name.empty() ? tables_ : table_in(tables_, name, options_.study.target);
   }
 
   // KEY=VALUE of an option that may be repeated for other keys.
@@ -256,6 +250,20 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
   app.add_flag("--print-tasks", options.study.print_tasks,
                "print what is left to do as commands, one a line, for any other scheduler")
       ->group(kOnCluster);
+}
+
+void lay_sets(const std::vector<std::string>& sets, const std::string& file, toml::table& tables) {
+  for (const std::string& set : sets) {
+    const auto [key, text] = key_and_value("--set", set);
+    const auto parsed = parse_toml_value(text, "--set: " + key);
+    toml::table& into = table_in(tables, "set", file);
+    take_out(into, key);
+    if (parsed) {
+      into.insert_or_assign(key, *parsed->get("value"));
+    } else {
+      into.insert_or_assign(key, text);  // a word without quotes
+    }
+  }
 }
 
 void lay_on(const SweepOptions& options, toml::table& tables) {

@@ -29,6 +29,9 @@ struct SweepOptions {
 
 void add_sweep_options(CLI::App& app, SweepOptions& options);
 
+/// Merges KEY=VALUE into [set] of a study's file. Throws std::invalid_argument (`--set: reason`).
+void lay_sets(const std::vector<std::string>& sets, const std::string& file, toml::table& tables);
+
 /// Merges the options into the tables of a study file. Throws std::invalid_argument (`OPTION:
 /// reason`).
 void lay_on(const SweepOptions& options, toml::table& tables);

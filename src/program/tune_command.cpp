@@ -19,6 +19,7 @@
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/tuning_report.h>
 #include <breakwater/program/study_command.h>
+#include <breakwater/program/sweep_options.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/search/cluster_runs.h>
 #include <breakwater/search/tuning_outputs.h>
@@ -38,6 +39,7 @@ constexpr double kMinutesOfTask = 5.0;  // short, since a generation waits for i
 
 struct TuneOptions {
   StudyOptions study;
+  std::vector<std::string> sets;
   std::vector<std::string> candidates;  // for a process of --isolate
 };
 
@@ -50,6 +52,8 @@ void add_tune_options(CLI::App& app, TuneOptions& options) {
        .dry_run = "check the file, count the runs, say how long they will take, from one of each\n"
                   "case, and exit",
        .slurm = "run each generation as an array job, and wait here for it"});
+  app.add_option("--set", options.sets, "a key of every run, as in [set] of the file")
+      ->type_name("KEY=VALUE");
   app.get_option("--dry-run")->excludes("--isolate");
   app.get_option("--slurm")->excludes("--jobs");
   for (const char* option : {"--tasks", "--minutes", "--parallel", "--sbatch"}) {
@@ -60,7 +64,8 @@ void add_tune_options(CLI::App& app, TuneOptions& options) {
   app.add_option("--candidate", options.candidates)->expected(1)->take_all()->group("");
   app.footer(
       "It leaves results.csv (one row a run), front.csv, front/N.toml (for --config),\n"
-      "hypervolume.csv and report.html in the tuning's folder. The same command goes on where it\n"
+      "hypervolume.csv and report.html in the tuning's folder; with one objective tuned.csv and\n"
+      "tuned/CASE.toml instead of the front's. The same command goes on where it\n"
       "was, whatever ended it. docs/how-to/tuning.md has the file; one that is there to be tried\n"
       "is studies/impact.toml.\n"
       "Exit status: 0 done, 1 a defect, 2 usage or input, 3 no candidate met the constraints,\n"
@@ -78,7 +83,8 @@ Tuning tuning_of(const StudyFolder& folder) {
   return read_tuning(parse_toml_file(file), file);
 }
 
-OpenedTuning open_tuning(const Catalogue& catalogue, const StudyOptions& options) {
+OpenedTuning open_tuning(const Catalogue& catalogue, const TuneOptions& given) {
+  const StudyOptions& options = given.study;
   const fs::path target = options.target;
   if (fs::is_directory(target)) {
     const bool is_sweep = StudyFolder(target, kSweep).is_there();
@@ -86,8 +92,9 @@ OpenedTuning open_tuning(const Catalogue& catalogue, const StudyOptions& options
         begun_folder(options.target, kTune,
                      is_sweep ? fmt::format("a study's: {} {}", own_program_name(), kSweep.command)
                               : "no tuning's folder");
-    if (!options.out.empty()) {
-      throw std::invalid_argument(options.target + ": is a tuning's folder: leave --out out");
+    if (!options.out.empty() || !given.sets.empty()) {
+      throw std::invalid_argument(options.target +
+                                  ": is a tuning's folder: leave --out and --set out");
     }
     return {tuning_of(folder), folder, folder.path().string()};
   }
@@ -98,8 +105,10 @@ OpenedTuning open_tuning(const Catalogue& catalogue, const StudyOptions& options
                                      ? ": is a scenario: a tuning is a file that names it"
                                      : ": there is no such file or folder"));
   }
-  return {read_tuning(study_tables(file->string()), file->string()),
-          new_folder(options, target.stem().string(), kTune), file->string()};
+  toml::table tables = study_tables(file->string());
+  lay_sets(given.sets, file->string(), tables);
+  return {read_tuning(tables, file->string()), new_folder(options, target.stem().string(), kTune),
+          file->string()};
 }
 
 // The number of runs of all searches.
@@ -118,18 +127,20 @@ void print_count(const TuningPlan& plan) {
                  : fmt::format(" ({} of the budget are left: they make no generation)",
                                tuning.budget - plan.evaluations()));
   if (!tuning.validation) return;
-  fmt::print("at most {} more to validate: {} of each front in {}\n",
+  fmt::print("at most {} more to validate: {} of each {} in {}\n",
              tuning.cases.size() * tuning.validated_points * tuning.validation->size(),
-             tuning.validated_points, tuning.validation->size());
+             tuning.validated_points, tuning.has_front() ? "front" : "case",
+             tuning.validation->size());
 }
 
 // Checks for faults that only runs show. With --isolate another process does it, since a run may
 // crash.
-void check_apart(const std::string& target) {
-  EndedProgram ended = run_beside({own_program(), kTune.command, target, "--dry-run", "--quiet"},
-                                  [](ReadProgram& child) {
-                                    if (interrupted()) child.interrupt();
-                                  });
+void check_apart(const std::string& target, const std::vector<std::string>& sets) {
+  std::vector<std::string> words = {own_program(), kTune.command, target, "--dry-run", "--quiet"};
+  for (const std::string& set : sets) words.insert(words.end(), {"--set", set});
+  EndedProgram ended = run_beside(std::move(words), [](ReadProgram& child) {
+    if (interrupted()) child.interrupt();
+  });
   if (interrupted()) throw Interrupted();
   std::string error;
   if (ended.has_crashed()) {
@@ -195,15 +206,15 @@ void warn_of_copies(const TuningPlan& plan, const std::vector<PointResult>& runs
   for (const auto& [use, count] : {std::pair("search", search), {"validation", validation}}) {
     if (count.copies == 0) continue;
     warn(kTune.command,
-         {fmt::format("{}: {} of {} runs are the same as another one of their candidate: "
-                      "without noise seeds change nothing",
+         {fmt::format("{}: {} of {} runs are the same as another one of their candidate: what "
+                      "differs between their conditions, such as the seed, changes nothing there",
                       use, count.copies, count.all)});
   }
 }
 
 // Returns whether each case has a Pareto front.
-bool print_result(const TuningPlan& plan, const TuningResult& result, const StudyFolder& folder,
-                  bool quiet) {
+bool print_result(const TuningPlan& plan, const TuningResult& result,
+                  const std::optional<Ranking>& ranking, const StudyFolder& folder, bool quiet) {
   bool has_all = true;
   for (const TunedFront& front : result.fronts) {
     if (!front.points.empty()) continue;
@@ -212,8 +223,9 @@ bool print_result(const TuningPlan& plan, const TuningResult& result, const Stud
                kTune.command, front.case_name, front.evaluations.size());
   }
   if (quiet) return has_all;
-  fmt::print("{}\nfront: {}\n", fronts_text(plan, result, output_width()),
-             (folder.path() / "front.csv").string());
+  const std::string kind = plan.tuning().has_front() ? "front" : "tuned";
+  fmt::print("{}\n{}: {}\n", result_text(plan, result, ranking, output_width()), kind,
+             (folder.path() / (kind + ".csv")).string());
   fmt::print("report: {}\n", (folder.path() / "report.html").string());
   return has_all;
 }
@@ -232,6 +244,7 @@ class TuneCommand : public StudyCommand {
         catalogue_(catalogue),
         plan_(catalogue, std::move(opened.tuning)),
         target_(std::move(opened.target)),
+        sets_(options.sets),
         candidates_(options.candidates) {}
 
  protected:
@@ -264,7 +277,7 @@ class TuneCommand : public StudyCommand {
   }
 
   void check() const override {
-    if (options_.isolate) return check_apart(target_);
+    if (options_.isolate) return check_apart(target_, sets_);
     warn(name(), plan_.check());
     warn(name(), plan_.try_each_case(interrupted(), false).warnings);
   }
@@ -310,9 +323,10 @@ class TuneCommand : public StudyCommand {
                                   folder_.path().string(), number_of(result.replaced, "run"))});
       }
       warn_of_copies(plan_, result.runs);
-      write_outputs(plan_, result, folder_.path());
-      write_tuning_report(catalogue_, plan_, result, folder_.path());
-      return print_result(plan_, result, folder_, options_.quiet) ? kSuccess : kRunFailed;
+      const std::optional<Ranking> ranking = rank_tuned(plan_, result);
+      write_outputs(plan_, result, ranking, folder_.path());
+      write_tuning_report(catalogue_, plan_, result, ranking, folder_.path());
+      return print_result(plan_, result, ranking, folder_, options_.quiet) ? kSuccess : kRunFailed;
     } catch (const Interrupted&) {
       fmt::print(stderr, "{}: interrupted; {}\n", name(),
                  options_.slurm ? "what is in the queue goes on, and so does the same command"
@@ -356,7 +370,7 @@ class TuneCommand : public StudyCommand {
   const Catalogue& catalogue_;
   TuningPlan plan_;
   std::string target_;
-  const std::vector<std::string> candidates_;
+  const std::vector<std::string> sets_, candidates_;
 };
 
 }  // namespace
@@ -368,7 +382,7 @@ int tune_main(const Catalogue& catalogue, int argc, const char* const* argv) {
     TuneOptions options;
     add_tune_options(app, options);
     if (const auto status = parse(app, argc, argv)) return *status;
-    return TuneCommand(catalogue, open_tuning(catalogue, options.study), options).run();
+    return TuneCommand(catalogue, open_tuning(catalogue, options), options).run();
   });
 }
 

@@ -165,7 +165,7 @@ int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv)
         ->type_name("FILE");
     app.add_option("--tuned", arguments.tuned,
                    "take the observer and its keys observer.* from this scenario file, such as "
-                   "tune's\nfront/1.toml")
+                   "tune's\ntuned/CASE.toml")
         ->type_name("FILE")
         ->excludes("--observer");
     app.add_option("--set", arguments.sets,

@@ -14,13 +14,6 @@ constexpr double kLevel = 0.95;
 constexpr double kInfeasible = 1e10, kFailed = 1e13;
 constexpr double kLater = 0x1p-40;
 
-std::optional<double> metric_of(const PointResult& run, const std::string& metric) {
-  const auto found = std::find_if(run.metrics.begin(), run.metrics.end(),
-                                  [&](const auto& entry) { return entry.first == metric; });
-  if (found == run.metrics.end()) return std::nullopt;
-  return found->second;
-}
-
 bool has_all(const Tuning& tuning, const PointResult& run) {
   return run.status == PointStatus::complete &&
          std::all_of(tuning.objectives.begin(), tuning.objectives.end(),
@@ -61,6 +54,13 @@ double beyond(double value, const Constraint& constraint) {
 }
 
 }  // namespace
+
+std::optional<double> metric_of(const PointResult& run, const std::string& metric) {
+  const auto found = std::find_if(run.metrics.begin(), run.metrics.end(),
+                                  [&](const auto& entry) { return entry.first == metric; });
+  if (found == run.metrics.end()) return std::nullopt;
+  return found->second;
+}
 
 Evaluation evaluate(const Tuning& tuning, const std::vector<PointResult>& runs,
                     bool with_intervals) {

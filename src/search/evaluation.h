@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <breakwater/search/tuning.h>
@@ -28,6 +29,9 @@ struct Evaluation {
 
   bool is_feasible() const { return failures == 0 && violation == 0.0; }
 };
+
+/// A metric of a run, or nothing.
+std::optional<double> metric_of(const PointResult& run, const std::string& metric);
 
 /// `with_intervals` adds quantile_interval() to a median and to q90.
 /// `worst` has no interval.

@@ -209,8 +209,8 @@ std::vector<double> reference_of(const Tuning& tuning, const std::vector<TunedFr
   return reference;
 }
 
-void measure_hypervolume(const Tuning& tuning, const std::vector<double>& reference,
-                         TunedFront& front) {
+void measure_progress(const Tuning& tuning, const std::vector<double>& reference,
+                      TunedFront& front) {
   const Feasible all = feasible(tuning, front.evaluations);
   Vectors best;
   std::size_t next = 0;
@@ -222,7 +222,12 @@ void measure_hypervolume(const Tuning& tuning, const std::vector<double>& refere
     Vectors kept;
     for (const std::size_t i : front_of(best)) kept.push_back(best[i]);
     best = std::move(kept);
-    front.hypervolume.emplace_back(done, hypervolume_below(best, reference));
+    if (tuning.has_front()) {
+      front.progress.emplace_back(done, hypervolume_below(best, reference));
+    } else if (!best.empty()) {
+      const double sign = tuning.objectives.front().goal == Goal::min ? 1.0 : -1.0;
+      front.progress.emplace_back(done, sign * best.front().front());
+    }
   }
 }
 
@@ -274,9 +279,9 @@ TuningResult tune(TuningPlan& plan, const StudyFolder& folder, const TunerOption
     front.points = front_points(tuning, front.evaluations);
     result.fronts.push_back(std::move(front));
   }
-  result.reference = reference_of(tuning, result.fronts);
+  if (tuning.has_front()) result.reference = reference_of(tuning, result.fronts);
   for (std::size_t c = 0; c < tuning.cases.size(); ++c) {
-    measure_hypervolume(tuning, result.reference, result.fronts[c]);
+    measure_progress(tuning, result.reference, result.fronts[c]);
   }
   if (tuning.validation) validate_all(plan, runs, options, result.fronts);
   runs.finish();

@@ -16,7 +16,7 @@
 
 namespace breakwater {
 
-/// One point of a Pareto front.
+/// One point of a Pareto front, or the best candidate for one objective.
 struct FrontPoint {
   std::size_t evaluation = 0;
   Evaluation tuned;
@@ -28,11 +28,12 @@ struct TunedFront {
   std::string case_name;
   std::vector<FrontPoint> points;       ///< in the order of the first objective, best first
   std::vector<Evaluation> evaluations;  ///< all, in the order of the search
-  std::vector<std::pair<std::size_t, double>> hypervolume;  ///< number of evaluations, hypervolume
+  /// Number of evaluations, and the hypervolume or the best value of one objective.
+  std::vector<std::pair<std::size_t, double>> progress;
 };
 
 struct TuningResult {
-  std::vector<double> reference;  ///< reference point of the hypervolume, with all goals min
+  std::vector<double> reference;  ///< of the hypervolume, with all goals min; empty without fronts
   std::vector<TunedFront> fronts;
   std::vector<PointResult> runs;  ///< in the order of their numbers
   /// Runs that were made again, since the shards had other values for them than the search.

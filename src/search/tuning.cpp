@@ -36,6 +36,9 @@ std::vector<Objective> read_objectives(const TomlEntry& table) {
     objective.goal = entry["goal"].choice(goal_names());
     entry["over"].choice(over_names(), objective.over);
     objective.reference = entry["reference"].number_or_nothing();
+    if (objective.reference && table.entries().size() == 1) {
+      entry["reference"].fail("is of a hypervolume, which one objective does not have");
+    }
     objectives.push_back(std::move(objective));
   }
   if (objectives.empty()) {
@@ -108,7 +111,9 @@ void read_cases(const TomlEntry& root, Tuning& tuning) {
     tuning.cases.push_back(std::move(tuned));
   }
   if (!each) {
-    tuning.cases.push_back({one.text_or_nothing(), one ? one.place() : "", common});
+    std::vector<std::string> names = one.texts();
+    if (!one) names.emplace_back();
+    for (const std::string& name : names) tuning.cases.push_back({name, one.place(), common});
   } else if (tuning.cases.empty()) {
     each.fail("names no case");
   }
@@ -145,8 +150,11 @@ void read_validation(const TomlEntry& table, Tuning& tuning) {
   }
   tuning.validation = std::move(worlds);
   const TomlEntry points = table["points"];
-  tuning.validated_points =
-      static_cast<std::size_t>(points ? points.whole(1, kMostEvaluations) : kUsuallyValidated);
+  if (points && !tuning.has_front())
+    points.fail("is of a front, which one objective does not have");
+  tuning.validated_points = static_cast<std::size_t>(points ? points.whole(1, kMostEvaluations)
+                                                     : tuning.has_front() ? kUsuallyValidated
+                                                                          : 1);
 }
 
 void check_fits(const TomlEntry& root, const Tuning& tuning) {
@@ -292,7 +300,9 @@ std::string Tuning::print() const {
   std::string text = fmt::format("scenario = {}\n", toml_string(scenario));
   if (!config.empty()) text += fmt::format("config = {}\n", toml_string(config));
   if (!is_for_each && !cases.front().name.empty()) {
-    text += fmt::format("case = {}\n", toml_string(cases.front().name));
+    std::vector<std::string> names;
+    for (const TunedCase& tuned : cases) names.push_back(tuned.name);
+    text += fmt::format("case = {}\n", toml_strings(names));
   }
   text += fmt::format("algorithm = {}\nbudget = {}\npopulation = {}\nsampling_seed = {}\n",
                       toml_string(name_of(search_algorithms(), algorithm)), budget, population,
@@ -325,7 +335,8 @@ std::string Tuning::print() const {
                         toml_number(std::isfinite(one.max) ? one.max : one.min), over(one.over));
   }
   if (validation) {
-    text += fmt::format("\n[validate]\npoints = {}\n", validated_points);
+    text += "\n[validate]\n";
+    if (has_front()) text += fmt::format("points = {}\n", validated_points);
     if (!validation->seeds.empty()) text += print_seeds(validation->seeds);
     if (!validation->keys.empty()) text += "\n[validate.world]\n" + print_keys(validation->keys);
   }

@@ -74,15 +74,17 @@ struct Tuning {
   std::size_t population = 0;  ///< size of a generation
   std::uint32_t sampling_seed = 1;
   std::vector<TunedCase> cases;
-  bool is_for_each = false;  ///< the file names several cases
+  bool is_for_each = false;  ///< the cases may have searched keys of their own
   Worlds worlds;
   std::vector<Objective> objectives;
   std::vector<Constraint> constraints;
   std::optional<Worlds> validation;
-  std::size_t validated_points = 0;  ///< maximum per front
+  std::size_t validated_points = 0;  ///< maximum per front; 1 without fronts
   SlurmSettings slurm;
   Places places;  ///< for scenario, config and each set.KEY
 
+  /// With one objective each case has a best candidate instead of a Pareto front.
+  bool has_front() const { return objectives.size() > 1; }
   SearchSettings settings(const TunedCase& tuned) const;
   /// The tuning as a file. Equal tunings give equal text.
   std::string print() const;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include <breakwater/config/toml_text.h>
@@ -13,6 +14,7 @@
 #include <breakwater/search/front.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
+#include <breakwater/study/ranking_text.h>
 
 namespace breakwater {
 namespace {
@@ -115,7 +117,7 @@ std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
 std::string hypervolume_csv(const TuningResult& result) {
   std::string text = csv_line({"case", "evaluations", "hypervolume"});
   for (const TunedFront& front : result.fronts) {
-    for (const auto& [evaluations, volume] : front.hypervolume) {
+    for (const auto& [evaluations, volume] : front.progress) {
       text += csv_line({front.case_name, std::to_string(evaluations), digits(volume)});
     }
   }
@@ -130,10 +132,11 @@ std::string brief(const GatheredValue& number) {
 
 }  // namespace
 
-FrontTable front_table(const TuningPlan& plan, const TuningResult& result) {
+FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
+                       const std::optional<Ranking>& ranking) {
   const Tuning& tuning = plan.tuning();
   FrontTable table;
-  table.columns = {"case", "front", "evaluation"};
+  table.columns = {"case", tuning.has_front() ? "front" : "place", "evaluation"};
   for (const std::string& key : searched_keys(tuning)) table.columns.push_back(key);
   const auto add = [&](const std::string& name) {
     table.columns.push_back(name);
@@ -145,13 +148,19 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result) {
   for (const Objective& one : tuning.objectives) add(one.metric);
   for (const Constraint& one : tuning.constraints) add(one.metric + "_constraint");
   if (tuning.validation) table.columns.emplace_back("fresh_failures");
+  if (!tuning.has_front()) table.columns.emplace_back("at_bound");
 
-  std::size_t label = 0;
-  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
+  std::vector<std::size_t> order = tuned_order(tuning, result, ranking);
+  if (tuning.has_front()) std::sort(order.begin(), order.end());
+  for (const std::size_t c : order) {
     for (const FrontPoint& point : result.fronts[c].points) {
+      const std::string number = std::to_string(table.rows.size() + 1);
       Cells cells;
       cells.put("case", result.fronts[c].case_name);
-      cells.put("front", std::to_string(++label));
+      cells.put("front", number);
+      if (ranking) cells.put("place", std::to_string(ranking->rows[table.rows.size()].place));
+      const auto at_bound = keys_at_bound(tuning.cases[c], plan.values_of(c, point.evaluation));
+      cells.put("at_bound", fmt::format("{}", fmt::join(at_bound, " ")));
       cells.put("evaluation", std::to_string(point.evaluation));
       put_values(plan, c, point.evaluation, cells);
       const auto put_all = [&](const Evaluation& evaluation, const std::string& end) {
@@ -168,28 +177,30 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result) {
         put_all(*point.fresh, "_fresh");
         cells.put("fresh_failures", std::to_string(point.fresh->failures));
       }
-      table.rows.push_back({c, label, cells.in(table.columns)});
+      table.rows.push_back({c, point.evaluation,
+                            tuning.has_front() ? number : result.fronts[c].case_name,
+                            cells.in(table.columns)});
     }
   }
   return table;
 }
 
-void write_outputs(const TuningPlan& plan, const TuningResult& result, const fs::path& folder) {
+void write_outputs(const TuningPlan& plan, const TuningResult& result,
+                   const std::optional<Ranking>& ranking, const fs::path& folder) {
+  const std::string kind = plan.tuning().has_front() ? "front" : "tuned";
   replace_file(folder / "results.csv", results_csv(plan, result));
-  replace_file(folder / "hypervolume.csv", hypervolume_csv(result));
-  const FrontTable table = front_table(plan, result);
-  fs::remove_all(folder / "front");
-  fs::create_directories(folder / "front");
+  if (plan.tuning().has_front()) replace_file(folder / "hypervolume.csv", hypervolume_csv(result));
+  if (ranking) replace_file(folder / "ranking.json", ranking_json(*ranking).dump(1) + "\n");
+  const FrontTable table = front_table(plan, result, ranking);
+  fs::remove_all(folder / kind);
+  fs::create_directories(folder / kind);
   std::string text = csv_line(table.columns);
-  for (const FrontRow& row : table.rows) text += csv_line(row.cells);
-  std::size_t label = 0;
-  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    for (const FrontPoint& point : result.fronts[c].points) {
-      replace_file(folder / "front" / fmt::format("{}.toml", ++label),
-                   plan.config_text(c, point.evaluation));
-    }
+  for (const FrontRow& row : table.rows) {
+    text += csv_line(row.cells);
+    replace_file(folder / kind / (row.label + ".toml"),
+                 plan.config_text(row.tuned, row.evaluation));
   }
-  replace_file(folder / "front.csv", text);
+  replace_file(folder / (kind + ".csv"), text);
 }
 
 std::string in_short(const std::string& value, int digits) {
@@ -246,7 +257,55 @@ std::string front_text(const TuningPlan& plan, const TuningResult& result, std::
 
 }  // namespace
 
-std::string fronts_text(const TuningPlan& plan, const TuningResult& result, std::size_t width) {
+std::string tuned_sentence(const TuningPlan& plan, const TuningResult& result,
+                           const std::optional<Ranking>& ranking) {
+  if (ranking) return ranking_sentence(*ranking);
+  const Tuning& tuning = plan.tuning();
+  const std::vector<std::size_t> order = tuned_order(tuning, result, ranking);
+  if (order.empty()) return "No candidate met the constraints without a failure.";
+  const TunedFront& best = result.fronts[order.front()];
+  const Objective& objective = tuning.objectives.front();
+  const auto& fresh = best.points.front().fresh;
+  const bool has_fresh = fresh && fresh->failures == 0;
+  const Evaluation& shown = has_fresh ? *fresh : best.points.front().tuned;
+  return fmt::format(
+      "{} has the {} {} {} in {}.{}", best.case_name, name_of(over_names(), objective.over),
+      objective.metric, brief(shown.objectives.front()),
+      has_fresh ? number_of(plan.worlds(true).size(), "fresh condition")
+                : "the conditions of its search",
+      fresh && !has_fresh
+          ? fmt::format(" In fresh ones {} failed.", number_of(fresh->failures, "run"))
+      : fresh ? ""
+              : " Nothing was validated: the value is too good.");
+}
+
+std::string result_text(const TuningPlan& plan, const TuningResult& result,
+                        const std::optional<Ranking>& ranking, std::size_t width) {
+  const Tuning& tuning = plan.tuning();
+  if (!tuning.has_front()) {
+    std::string text =
+        ranking
+            ? ranking_text(*ranking, width)
+            : fmt::format("{}\n",
+                          fmt::join(wrapped(tuned_sentence(plan, result, ranking), width), "\n"));
+    for (const std::size_t c : tuned_order(tuning, result, ranking)) {
+      const FrontPoint& best = result.fronts[c].points.front();
+      const std::vector<std::string>& values = plan.values_of(c, best.evaluation);
+      const std::vector<std::string> at_bound = keys_at_bound(tuning.cases[c], values);
+      std::vector<std::string> parts;
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        const std::string& key = tuning.cases[c].search[i].key;
+        const bool is_at_bound = std::find(at_bound.begin(), at_bound.end(), key) != at_bound.end();
+        parts.push_back(fmt::format("{} = {}{}", key, in_short(values[i], shown_digits()),
+                                    is_at_bound ? " (at its bound)" : ""));
+      }
+      const std::string line =
+          fmt::format("{}: {} as tuned, with {}", result.fronts[c].case_name,
+                      brief(best.tuned.objectives.front()), fmt::join(parts, ", "));
+      text += fmt::format("{}\n", fmt::join(wrapped(line, width), "\n"));
+    }
+    return text;
+  }
   std::string text;
   std::size_t label = 1;
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {

@@ -3,19 +3,22 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <breakwater/search/tuned_ranking.h>
 #include <breakwater/search/tuner.h>
 #include <breakwater/search/tuning_plan.h>
 
 namespace breakwater {
 
-/// One row of front.csv, with a cell for each column. `label` is its number, as in
-/// front/LABEL.toml.
+/// One row of front.csv or tuned.csv, with a cell for each column. `label` is its number in
+/// front/LABEL.toml, or its case in tuned/LABEL.toml.
 struct FrontRow {
   std::size_t tuned = 0;
-  std::size_t label = 0;
+  std::size_t evaluation = 0;
+  std::string label;
   std::vector<std::string> cells;
 };
 
@@ -24,20 +27,27 @@ struct FrontTable {
   std::vector<FrontRow> rows;
 };
 
-/// Columns: `case`, `front`, `evaluation`, every searched key, and METRIC of each objective as
-/// tuned. A validation adds METRIC_fresh, METRIC_fresh_lower and METRIC_fresh_upper. Constraints
-/// have the same columns as METRIC_constraint…. The last column is `fresh_failures`. Cells that do
+/// Columns: `case`, `front` (its number, or with one objective `place` in the ranking),
+/// `evaluation`, every searched key, and METRIC of each objective as tuned. A validation adds
+/// METRIC_fresh, METRIC_fresh_lower and METRIC_fresh_upper. Constraints have the same columns as
+/// METRIC_constraint…. Then come `fresh_failures`, and with one objective `at_bound`. Cells that do
 /// not apply are empty.
-FrontTable front_table(const TuningPlan& plan, const TuningResult& result);
+FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
+                       const std::optional<Ranking>& ranking);
 
-/// Writes results.csv, front.csv, hypervolume.csv and front/N.toml. Throws OutputError.
+/// Writes results.csv, and front.csv, hypervolume.csv and front/N.toml. With one objective there
+/// are tuned.csv, tuned/CASE.toml and ranking.json instead. Throws OutputError.
 void write_outputs(const TuningPlan& plan, const TuningResult& result,
-                   const std::filesystem::path& folder);
+                   const std::optional<Ranking>& ranking, const std::filesystem::path& folder);
 
 /// A number with this many digits. Other texts stay as they are.
 std::string in_short(const std::string& value, int digits);
 
-/// A text table of the fronts for readers.
-std::string fronts_text(const TuningPlan& plan, const TuningResult& result, std::size_t width);
+/// The result of a tuning with one objective, in one or two sentences.
+std::string tuned_sentence(const TuningPlan& plan, const TuningResult& result,
+                           const std::optional<Ranking>& ranking);
+/// A text table of the fronts, or of the tuned cases, for readers.
+std::string result_text(const TuningPlan& plan, const TuningResult& result,
+                        const std::optional<Ranking>& ranking, std::size_t width);
 
 }  // namespace breakwater

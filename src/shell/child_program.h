@@ -13,6 +13,11 @@
 
 namespace breakwater {
 
+/// Starts a copy of this process that calls its program with other words, and returns the copy, or
+/// -1 with errno. `output` becomes its stderr. A process whose file is not its program sets it:
+/// Python.
+inline pid_t (*start_copy)(const std::vector<std::string>& words, int output) = nullptr;
+
 /// The running program, its name ("breakwater", or a user's), and a program beside it.
 std::string own_program();
 std::string own_program_name();

@@ -13,8 +13,11 @@
 namespace breakwater {
 namespace {
 
-// A large number, so that the start of a process and its look at finished points cost little.
-constexpr std::size_t kMostPointsOfAChild = 1000;
+// A large number, so that the start of a process and its look at finished points cost little. A
+// copy of this process has a single point: parts in Python begin each run as they were given.
+std::size_t most_points_of_a_child() {
+  return start_copy == nullptr ? 1000 : 1;
+}
 
 // The state that all threads of run_isolated() share. Each thread has one child at a time.
 class Children {
@@ -134,7 +137,7 @@ void run_isolated(const std::vector<std::size_t>& points, const PointSource& sou
   allow_many_files();
   const std::size_t jobs = options.threads > 0 ? options.threads : usable_cores();
   const std::size_t share =
-      std::clamp<std::size_t>(points.size() / (8 * jobs), 1, kMostPointsOfAChild);
+      std::clamp<std::size_t>(points.size() / (8 * jobs), 1, most_points_of_a_child());
   Children children(points, source, folder, shard, options);
   on_all_cores((points.size() + share - 1) / share,
                [&](std::size_t nth) {

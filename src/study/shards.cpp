@@ -256,7 +256,21 @@ void Shard::append(const std::string& text) {
 
 ShardIndex::ShardIndex(const fs::path& folder, std::size_t points, const Asked& asked)
     : places_(points), folder_(folder.string()) {
-  for (const fs::path& file : shards_of(folder)) read_file(file, asked);
+  Others others;
+  for (const fs::path& file : shards_of(folder)) read_file(file, asked, others);
+  if (asked && !others.empty()) take_others(asked, others);
+  std::vector<bool> is_ours(names_.size());
+  std::vector<bool> is_foreign(names_.size());
+  for (const Place& place : places_) {
+    if (place.length > 0) is_ours[place.file] = true;
+  }
+  for (const auto& [point, line] : foreign_) is_foreign[line.first] = true;
+  for (std::size_t file = 0; file < names_.size(); ++file) {
+    if (is_foreign[file] && !is_ours[file]) continue;  // a shard of another study: other models
+    for (const auto& [name, hash] : models_of_files_[file]) {
+      if (models_.emplace(name, hash).first->second != hash) ambiguous_model_ = name;
+    }
+  }
   if (done_ == points) foreign_.clear();
   std::erase_if(foreign_, [&](const auto& one) { return one.first < points && has(one.first); });
 }
@@ -265,11 +279,10 @@ ShardIndex::~ShardIndex() {
   if (open_ >= 0) close(open_);
 }
 
-void ShardIndex::read_file(const fs::path& file, const Asked& asked) {
+void ShardIndex::read_file(const fs::path& file, const Asked& asked, Others& others) {
   names_.push_back(file.string());
-  ModelHashes models;
-  bool has_own = false;
-  bool has_foreign = false;
+  const auto nth = static_cast<std::uint32_t>(names_.size() - 1);
+  ModelHashes& models = models_of_files_.emplace_back();
   each_line(file, [&](std::size_t offset, std::size_t length, std::string_view rest) {
     Parts parts(rest);
     const auto head = read_head(parts);
@@ -280,31 +293,47 @@ void ShardIndex::read_file(const fs::path& file, const Asked& asked) {
       models.emplace(name, parts.next());
       return;
     }
+    const Place line = {offset, static_cast<std::uint32_t>(length), nth,
+                        static_cast<float>(head->cost_s), head->status};
     const std::string wanted = asked && head->number < places_.size() ? asked(head->number) : "";
     const bool is_other = !wanted.empty() && !head->asked.empty() && head->asked != wanted;
-    if (head->number >= places_.size() || is_other) {
-      has_foreign = true;
-      foreign_[head->number] = {static_cast<std::uint32_t>(names_.size() - 1), head->key};
-      return;
+    if (head->number < places_.size() && !is_other) {
+      cost_s_ += head->cost_s;
+      put(head->number, line);
+    } else if (head->asked.empty()) {
+      foreign_[head->number] = {nth, head->key};
+    } else {
+      Other& other = others[head->asked];
+      if (other.place.is_open()) other = {line, head->number, head->key};
     }
-    has_own = true;
-    cost_s_ += head->cost_s;
-    Place& place = places_[head->number];
-    if (place.length > 0 && place.status != PointStatus::crashed) return;
-    if (place.length > 0) {
-      --counts_[static_cast<std::size_t>(place.status)];
-      --done_;
-    }
-    place = {offset, static_cast<std::uint32_t>(length),
-             static_cast<std::uint32_t>(names_.size() - 1), static_cast<float>(head->cost_s),
-             head->status};
-    ++counts_[static_cast<std::size_t>(place.status)];
-    ++done_;
   });
-  if (has_foreign && !has_own) return;  // a shard of another study has other models
-  for (const auto& [name, hash] : models) {
-    if (models_.emplace(name, hash).first->second != hash) ambiguous_model_ = name;
+}
+
+void ShardIndex::take_others(const Asked& asked, Others& others) {
+  for (std::size_t point = 0; point < places_.size(); ++point) {
+    if (has(point) && status(point) != PointStatus::crashed) continue;
+    const auto found = others.find(asked(point));
+    if (found == others.end()) continue;
+    put(point, found->second.place);
+    if (std::exchange(found->second.is_foreign, false)) {
+      cost_s_ += static_cast<double>(found->second.place.cost_s);
+    }
   }
+  for (const auto& [key, other] : others) {
+    if (other.is_foreign) foreign_[other.number] = {other.place.file, other.key};
+  }
+}
+
+void ShardIndex::put(std::size_t point, const Place& line) {
+  Place& place = places_[point];
+  if (!place.is_open()) return;
+  if (place.length > 0) {
+    --counts_[static_cast<std::size_t>(place.status)];
+    --done_;
+  }
+  place = line;
+  ++counts_[static_cast<std::size_t>(place.status)];
+  ++done_;
 }
 
 std::vector<std::string> ShardIndex::foreign() const {
@@ -347,6 +376,7 @@ PointResult ShardIndex::read(std::size_t point) const {
     throw std::invalid_argument(fmt::format("{}:{}: is damaged", names_[place.file],
                                             1 + std::count(before.begin(), before.end(), '\n')));
   }
+  result->number = point;
   return *std::move(result);
 }
 

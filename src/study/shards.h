@@ -84,9 +84,10 @@ class ShardIndex {
   /// asked_of() a point; empty: not known yet.
   using Asked = std::function<std::string(std::size_t)>;
 
-  /// `points` is the number of points of the study. A line is foreign if it has a higher number, or
-  /// if it is of another run than `asked` says. Foreign lines are ignored. If a point has several
-  /// lines, a run counts before a crash. A missing folder counts as empty. Throws
+  /// `points` is the number of points of the study. A line counts for the point with its number, if
+  /// it is of the run that `asked` says, and otherwise for the points that ask for its run: those
+  /// of a study that has grown have other numbers. Lines of no point are foreign and ignored. If a
+  /// point has several lines, a run counts before a crash. A missing folder counts as empty. Throws
   /// std::invalid_argument if the folder or a shard cannot be read.
   ShardIndex(const std::filesystem::path& folder, std::size_t points, const Asked& asked = {});
   ~ShardIndex();
@@ -122,9 +123,23 @@ class ShardIndex {
     std::uint32_t file = 0;
     float cost_s = 0.0F;
     PointStatus status = PointStatus::complete;
+    // Whether another line may take its place: a run counts before a crash.
+    bool is_open() const { return length == 0 || status == PointStatus::crashed; }
   };
 
-  void read_file(const std::filesystem::path& file, const Asked& asked);
+  // A line that no point of its number asks for.
+  struct Other {
+    Place place;
+    std::size_t number = 0;
+    std::string key;
+    bool is_foreign = true;
+  };
+  using Others = std::unordered_map<std::string, Other>;  // by PointResult::asked
+
+  void read_file(const std::filesystem::path& file, const Asked& asked, Others& others);
+  void take_others(const Asked& asked, Others& others);
+  // Gives the point a line, unless it has a better one.
+  void put(std::size_t point, const Place& line);
   std::string line(const Place& place) const;
 
   std::vector<std::string> names_;  // shards
@@ -136,6 +151,7 @@ class ShardIndex {
   double cost_s_ = 0.0;
   std::string folder_;
   ModelHashes models_;
+  std::vector<ModelHashes> models_of_files_;
   std::string ambiguous_model_;  // a model file with different hashes
   std::map<std::size_t, std::pair<std::uint32_t, std::string>> foreign_;  // point → file and key
 };

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/config/fields.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/shell/did_you_mean.h>
@@ -22,13 +23,6 @@ namespace {
 
 constexpr std::uint64_t kMostSeeds = 1'000'000;
 constexpr std::int64_t kMostSamples = 10'000'000;
-
-const Names<Method>& methods() {
-  static const Names<Method> names = {{"grid", Method::grid},     {"list", Method::list},
-                                      {"random", Method::random}, {"lhs", Method::latin_hypercube},
-                                      {"sobol", Method::sobol},   {"saltelli", Method::saltelli}};
-  return names;
-}
 
 const Names<Keep>& keeps() {
   static const Names<Keep> names = {
@@ -100,21 +94,21 @@ Requirement read_require(const TomlEntry& root, Study& study) {
 
 // Checks the study without its scenario.
 void check(const TomlEntry& root, const Study& study) {
-  const bool draws = study.method != Method::grid && study.method != Method::list;
-  if (draws && study.vary.empty()) {
+  const bool is_drawn = draws(study.method);
+  if (is_drawn && study.vary.empty()) {
     root["method"].fail("there is nothing to draw: vary a key");
   }
-  if (draws && study.samples == 0) {
+  if (is_drawn && study.samples == 0) {
     root["method"].fail(name_of(methods(), study.method) + " needs samples");
   }
-  if (!draws && study.samples != 0) {
+  if (!is_drawn && study.samples != 0) {
     root["samples"].fail("is of the methods that draw: random, lhs, sobol, saltelli");
   }
   for (const VariedKey& key : study.vary) {
     const auto fail = [&](const std::string& reason) {
       throw std::invalid_argument(key.place + ": " + reason);
     };
-    if (!draws && key.distribution) {
+    if (!is_drawn && key.distribution) {
       fail("a distribution needs a method that draws: random, lhs, sobol or saltelli");
     }
     if (study.method == Method::list && key.values.size() != study.vary.front().values.size()) {
@@ -145,6 +139,17 @@ std::string without_blanks(const std::string& text) {
 }
 
 }  // namespace
+
+const Names<Method>& methods() {
+  static const Names<Method> names = {{"grid", Method::grid},     {"list", Method::list},
+                                      {"random", Method::random}, {"lhs", Method::latin_hypercube},
+                                      {"sobol", Method::sobol},   {"saltelli", Method::saltelli}};
+  return names;
+}
+
+bool draws(Method method) {
+  return method != Method::grid && method != Method::list;
+}
 
 bool is_set(const std::vector<std::string>& sets, const std::string& key) {
   return std::any_of(sets.begin(), sets.end(),

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <breakwater/config/names.h>
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/goal.h>
 #include <breakwater/statistics/ranking.h>
@@ -39,6 +40,10 @@ enum class Method {
   sobol,            ///< a low-discrepancy sequence
   saltelli          ///< design for sensitivity indices
 };
+
+const Names<Method>& methods();
+/// Whether a method draws its samples.
+bool draws(Method method);
 
 /// The independent units of a comparison: the samples, each repeated by its seeds, or each seed of
 /// each sample.

@@ -61,6 +61,10 @@ std::string made_by(const fs::path& file, const char* key) {
   return table["made_by"][key].value_or(std::string());
 }
 
+std::string maker() {
+  return own_parts.empty() ? program_hash() : fingerprint({program_hash(), own_parts});
+}
+
 }  // namespace
 
 bool StudyFolder::is_there() const {
@@ -81,7 +85,7 @@ std::string StudyFolder::whole_text(const std::string& text, const ScenarioFile&
                     "\n# What the results are of; it is gone on with nothing else.\n"
                     "[made_by]\nbreakwater = {}\ngit_commit = {}\nprogram = {}\n"
                     "scenario_file = {}\nworking_folder = {}\n",
-                    toml_string(kVersion), toml_string(kGitCommit), toml_string(program_hash()),
+                    toml_string(kVersion), toml_string(kGitCommit), toml_string(maker()),
                     toml_string(text_hash(file.text())), toml_string(fs::current_path().string()));
 }
 
@@ -109,9 +113,9 @@ void StudyFolder::make(const std::string& text, const ScenarioFile& file) const 
 
 void StudyFolder::make_anew(const std::string& text, const ScenarioFile& file) const {
   check_is_ours();
-  for (const char* name :
-       {"shards", "runs", "slurm", "front", "results.csv", "results.sqlite", "comparison.csv",
-        "comparison_by_key.csv", "front.csv", "indices.csv", "report.html"}) {
+  for (const char* name : {"shards", "runs", "slurm", "front", "tuned", "results.csv",
+                           "results.sqlite", "comparison.csv", "comparison_by_key.csv", "front.csv",
+                           "tuned.csv", "ranking.json", "indices.csv", "report.html"}) {
     fs::remove_all(folder_ / name);
   }
   make_folders();
@@ -126,14 +130,25 @@ fs::path StudyFolder::working_folder() const {
   return made_by(study_file(), "working_folder");
 }
 
+void StudyFolder::grow(const std::string& text, const ScenarioFile& file) const {
+  replace_file(study_file(), whole_text(text, file));
+}
+
+bool StudyFolder::is_same(const std::string& now, const std::string& then) {
+  return without_place(now) == without_place(then);
+}
+
 void StudyFolder::check_is(const std::string& now, const std::string& then) const {
-  const std::string asked = without_place(now);
-  const std::string found = without_place(then);
-  if (asked == found) return;
+  if (is_same(now, then)) return;
+  fail_as_another(
+      fmt::format("here it is `{}`", first_difference(without_place(now), without_place(then))));
+}
+
+void StudyFolder::fail_as_another(const std::string& reason) const {
   throw std::invalid_argument(
-      fmt::format("{}: holds another study: here it is `{}`; leave it be "
-                  "with another --out",
-                  folder_.string(), first_difference(asked, found)));
+      fmt::format("{}: holds another study: {}; leave it be with another "
+                  "--out",
+                  folder_.string(), reason));
 }
 
 void StudyFolder::fail_to_go_on(const std::string& what) const {
@@ -144,8 +159,9 @@ void StudyFolder::fail_to_go_on(const std::string& what) const {
 
 void StudyFolder::check_made_by_this(const ScenarioFile& file) const {
   check_is_ours();
-  if (made_by(study_file(), "program") != program_hash()) {
-    fail_to_go_on(fmt::format("its results are of another program (breakwater {}, {})",
+  if (made_by(study_file(), "program") != maker()) {
+    fail_to_go_on(fmt::format("its results are of another program{} (breakwater {}, {})",
+                              own_parts.empty() ? "" : " or another class in Python",
                               made_by(study_file(), "breakwater"),
                               made_by(study_file(), "git_commit")));
   }

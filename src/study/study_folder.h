@@ -18,6 +18,9 @@ struct StudyKind {
 inline constexpr StudyKind kSweep = {"sweep", "study.toml"};
 inline constexpr StudyKind kTune = {"tune", "tune.toml"};
 
+/// A hash of the user's parts in Python, which make the runs with the program; or empty.
+inline std::string own_parts;
+
 /// The folder of a study: study.toml (or tune.toml), shards/, runs/ and the collected results. Many
 /// computers may share it over a network: no two processes write the same file, and no file is
 /// locked.
@@ -44,13 +47,17 @@ class StudyFolder {
   /// Removes the results and begins again. Files of the user stay. Throws std::invalid_argument if
   /// the study.toml is not from a study.
   void make_anew(const std::string& text, const ScenarioFile& file) const;
+  /// Gives the study that grows another file. Its results stay. Throws OutputError.
+  void grow(const std::string& text, const ScenarioFile& file) const;
   /// Reads the study. Throws std::invalid_argument.
   Study study() const;
   /// The folder in which the study was begun. Relative names of files start there.
   std::filesystem::path working_folder() const;
-  /// Throws std::invalid_argument unless both texts are the same study. [slurm] may differ, since
-  /// it changes no result.
+  /// Whether both texts are the same study. [slurm] may differ, since it changes no result.
+  static bool is_same(const std::string& now, const std::string& then);
+  /// Throws std::invalid_argument unless both texts are the same study.
   void check_is(const std::string& now, const std::string& then) const;
+  [[noreturn]] void fail_as_another(const std::string& reason) const;
   /// Throws std::invalid_argument unless this program began the study with the present scenario
   /// file, and the results are from the present model files.
   void check_made_by_this(const ScenarioFile& file, const ShardIndex& index) const;

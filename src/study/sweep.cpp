@@ -15,6 +15,7 @@
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/signals/thread_time.h>
+#include <breakwater/study/growth.h>
 
 namespace breakwater {
 namespace {
@@ -142,7 +143,8 @@ std::string Sweep::unprepared_key(std::size_t number) const {
   const StudyPoint point = plan_->point(number);
   std::vector<std::string> parts = {plan_->study().scenario,
                                     plan_->candidates()[point.candidate].case_name};
-  parts.insert(parts.end(), point.sets.begin(), point.sets.end());
+  for (const std::string& set : point.sets) parts.push_back(comparable_set(set));
+  std::sort(parts.begin() + 2, parts.end());  // their order changes no run
   return fingerprint(parts);
 }
 

@@ -33,7 +33,7 @@ population = 5
 max_position_m = { goal = "min" }
 ]])
 run_in(${all} ${lab} tune tune.toml --quiet --out tuned)
-expect_file(${all}/tuned/front/1.toml)
+expect_file(${all}/tuned/tuned.csv)
 run_in(${all} ${lab} identify ${prefix}/share/breakwater/data/identify/bench1.csv --quiet --out identified
   --set csv.position_scale=0.00153398 csv.input_scale=0.068)
 expect_file(${all}/identified/report.html)

@@ -248,7 +248,13 @@ class Nonsense(unittest.TestCase):
             "^method: is empty": sweep(method=""),
             "^study: is empty": sweep(""),
             "config: there is no file .*nowhere.toml": sweep(config="nowhere.toml"),
-            "^controller: a sweep runs without Python": sweep(controller=bw.Controller()),
+            "^controller: must be a bw.Controller, is float": sweep(controller=1.0),
+            "^estimator: a controller in Python uses none": sweep(controller=Drive(1), estimator=Still()),
+            "^controllers: motor_estimation takes none|axis.elbow": sweep(controllers={"elbow": Drive(1)}),
+            "^Wrong: ZeroDivisionError: division by zero \\(sweeps_test.py:[0-9]+\\)$": sweep(controller=Wrong()),
+            "^tuning: must be a tuning's file": lambda: bw.tune(None),
+            "nowhere.toml: there is no such file": lambda: bw.tune("nowhere.toml"),
+            "^jobs: must be 1 to 4096, is 0": lambda: bw.tune("t.toml", jobs=0),
             "^vary: has too many values for a command": sweep(
                 vary={"noise.std_rad": np.random.default_rng(1).random(20_000)}),
         }.items():
@@ -281,6 +287,111 @@ class Nonsense(unittest.TestCase):
             self.assertEqual(pathlib.Path(caught[0].filename).name, "sweeps_test.py")
             with self.assertRaisesRegex(bw.InputError, "leave --case, --vary, --out"):
                 bw.sweep(folder / "new", case="idob")
+
+
+class Drive(bw.Controller):
+    """A law whose reset() forgets to forget."""
+
+    def __init__(self, gain):
+        self.gain = gain
+        self.runs = 0
+
+    def reset(self, t, y):
+        self.runs += 1
+
+    def update(self, t, y):
+        return -self.gain * self.runs * (y[0] - self.setup.reference(t))
+
+
+class Wrong(bw.Controller):
+    def update(self, t, y):
+        return 1 / int(t)
+
+
+class Still(bw.Estimator):
+    def update(self, u, y):
+        return [y[0], 0.0, 0.0]
+
+
+TUNING = """scenario = "motor_estimation"
+case = "idob"
+algorithm = "cmaes"
+budget = 10
+population = 5
+seeds = [1, 2]
+[set]
+"run.duration_s" = 2.5
+"noise.std_rad" = 0.01
+[search]
+"encoder.bits" = [6, 7, 8, 9, 10]
+[objective]
+rms_torque_Nm = { goal = "min" }
+"""
+
+
+class PartsInPython(unittest.TestCase):
+    def test_a_sweep_has_the_runs_of_their_objects_on_any_number_of_workers(self):
+        study = dict(case="idob", vary={"encoder.bits": [6, 8]}, seeds=[1, 2], duration=0.05,
+                     set={"noise.std_rad": 0.1})
+        for parts in (lambda: dict(controller=Drive(3.0)), lambda: dict(estimator=Still())):
+            with temporary_folder() as folder:
+                table = bw.sweep("motor_estimation", **study, **parts(), jobs=2, out=folder / "two")
+                bw.sweep("motor_estimation", **study, **parts(), jobs=1, out=folder / "one")
+                for name in ("results.csv", "study.toml"):
+                    self.assertEqual((folder / "one" / name).read_bytes(), (folder / "two" / name).read_bytes())
+            self.assertEqual(len(table), 4)
+            for row in table.to_dict("records"):
+                run = bw.run("motor_estimation", case="idob", seed=row["seed"], duration=0.05, **parts(),
+                             set={"noise.std_rad": 0.1, "encoder.bits": row["encoder.bits"]})
+                self.assertEqual(run.state_hash, row["state_hash"])
+
+    def test_an_axis_of_a_plant_has_its_own(self):
+        table = bw.sweep("plant", seeds=[1, 2], duration=0.05, controllers={"elbow": Drive(2.0)})
+        run = bw.run("plant", seed=2, duration=0.05, controllers={"elbow": Drive(2.0)})
+        self.assertEqual(list(table["state_hash"])[1], run.state_hash)
+
+    def test_a_study_goes_on_with_the_same_object_alone(self):
+        with temporary_folder() as folder:
+            def study(law, seeds):
+                return bw.sweep("motor_estimation", case="idob", seeds=seeds, duration=0.05, controller=law,
+                                out=folder / "s")
+
+            study(Drive(2.0), [1])
+            shards = len(list((folder / "s" / "shards").iterdir()))
+            grown = study(Drive(2.0), [1, 2, 3])
+            self.assertEqual(len(grown), 3)
+            self.assertEqual(len(list((folder / "s" / "shards").iterdir())), shards + 2)
+            for law in (Drive(4.0), None):
+                with self.assertRaisesRegex(bw.InputError, "another (program|class in Python)|another study"):
+                    study(law, [1, 2, 3])
+            bw.sweep(folder / "s", controller=Drive(2.0))
+
+    def test_a_tuning_is_the_same_on_any_number_of_workers(self):
+        with temporary_folder() as folder:
+            (folder / "t.toml").write_text(TUNING)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                tables = [bw.tune(folder / "t.toml", controller=Drive(1.0), jobs=jobs, out=folder / str(jobs))
+                          for jobs in (1, 2)]
+                plain = bw.tune(folder / "t.toml", out=folder / "plain")
+            pandas.testing.assert_frame_equal(*tables)
+            for name in ("results.csv", "tune.toml"):
+                self.assertEqual((folder / "1" / name).read_bytes(), (folder / "2" / name).read_bytes())
+            self.assertNotEqual(float(tables[0]["rms_torque_Nm"][0]), float(plain["rms_torque_Nm"][0]))
+            self.assertIn('"controller.name" = "Drive"', (folder / "1" / "tune.toml").read_text())
+
+    def test_an_interruption_ends_the_copies(self):
+        code = ("import sys; sys.path.insert(0, sys.argv[2]); import breakwater as bw\n"
+                "from sweeps_test import Drive\n"
+                "bw.sweep('motor_estimation', case='idob', seeds=range(1, 200), controller=Drive(1), out=sys.argv[1])")
+        with temporary_folder() as folder:
+            child = subprocess.Popen([sys.executable, "-c", code, folder / "s", pathlib.Path(__file__).parent],
+                                     stderr=subprocess.PIPE, text=True, start_new_session=True)
+            while not list((folder / "s").glob("shards/*")):
+                time.sleep(0.05)
+            os.killpg(child.pid, signal.SIGINT)
+            self.assertIn("KeyboardInterrupt", child.communicate(timeout=60)[1])
+            self.assertRaises(ProcessLookupError, os.killpg, child.pid, 0)
 
 
 class Processes(unittest.TestCase):

@@ -193,7 +193,7 @@ TEST_F(ClusterRuns, WarnOfASearchWithOneCandidateAtATime) {
             "tune: warning: bobyqa asks for one candidate at a time: each is an array job of its "
             "own, of 3 runs\n"
             "tune: warning: search: 10 of 15 runs are the same as another one of their candidate: "
-            "without noise seeds change nothing\n");
+            "what differs between their conditions, such as the seed, changes nothing there\n");
   EXPECT_TRUE(has(result.out, "plain, evaluation 5: 3 runs in 1 task: job 7\n"));
   EXPECT_EQ(jobs("s"), 5U);
 }

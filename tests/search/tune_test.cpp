@@ -19,7 +19,9 @@ TEST_F(Tune, WritesAFrontWhosePointsRun) {
   const ProgramResult result = tuned("t.toml --out s");
   // Without noise both seeds of a candidate give the same run, and so do all six of its validation.
   const std::string copies =
-      " runs are the same as another one of their candidate: without noise seeds change nothing\n";
+      " runs are the same as another one of their candidate: what differs between their "
+      "conditions, "
+      "such as the seed, changes nothing there\n";
   EXPECT_TRUE(has(result.err, "tune: warning: search: 64 of 256" + copies,
                   "tune: warning: validation: 18 of 36" + copies));
   const auto front = results("s", "front.csv");
@@ -57,6 +59,75 @@ TEST_F(Tune, WritesAFrontWhosePointsRun) {
     EXPECT_GE(std::stod(volumes[i][2]), std::stod(volumes[i - 1][2]));
   }
   EXPECT_GT(std::stod(volumes[8][2]), 0.0);
+}
+
+// y = sin x_1 + 7 sin² x_2 has its minimum of 0 in x_2 at 0; sin x_1 falls to the lower end of its
+// range. `noisy` adds 0.1 sin(seed).
+constexpr const char* kOneObjective = R"(
+scenario = "ishigami"
+case = ["noisy", "plain"]
+algorithm = "cmaes"
+budget = 60
+population = 6
+seeds = [1, 2]
+[set]
+"x.third" = 0
+[search]
+"x.first" = { uniform = [-1, 1] }
+"x.second" = { uniform = [-1, 1] }
+[objective]
+y_1 = { goal = "GOAL", over = "mean" }
+[validate]
+seeds = [11, 12, 13, 14, 18, 19, 20, 24]
+)";
+
+TEST_F(Tune, RanksTheTunedCasesOfOneObjective) {
+  write("t.toml", testing::replaced(kOneObjective, "GOAL", "min"));
+  const ProgramResult result = tuned("t.toml --out s --jobs 2");
+  for (const char* word : {"the front", "ypervolume", "Pareto", "compromise", "front.csv"}) {
+    EXPECT_TRUE(lacks(result.out, word)) << result.out;
+    EXPECT_TRUE(lacks(read("s/report.html"), word)) << word;
+    EXPECT_TRUE(lacks(read("s/tuned.csv"), word)) << word;
+  }
+  EXPECT_TRUE(lacks(read("s/tune.toml"), "points"));
+  EXPECT_FALSE(fs::exists(folder_ / "s/front"));
+  EXPECT_FALSE(fs::exists(folder_ / "s/hypervolume.csv"));
+  // Equal budgets, and the same fresh conditions.
+  std::map<std::string, int> runs;
+  for (const auto& row : results("s")) ++runs[row[1] + " " + row[3]];
+  EXPECT_EQ(runs["plain search"], 120);
+  EXPECT_EQ(runs["noisy search"], 120);
+  EXPECT_EQ(runs["plain validate"], 8);
+  EXPECT_EQ(runs["noisy validate"], 8);
+  const auto rows = results("s", "tuned.csv");
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0].back(), "at_bound");
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i].back(), "x.first") << "x.second has its optimum inside";
+    EXPECT_LT(std::stod(rows[i][3]), -0.98);
+    EXPECT_NEAR(std::stod(rows[i][4]), 0.0, 0.1);
+  }
+  EXPECT_TRUE(has(result.out, " (at its bound)"));
+  EXPECT_TRUE(has(read("s/ranking.json"), "\"metric\": \"y_1\""));
+  ran("ishigami_lab run ishigami --config s/tuned/plain.toml --out r");
+  // The page, the terminal and the ranking say the same sentence. The file in the folder is the
+  // same tuning.
+  const std::string sentence = result.out.substr(0, 24);
+  EXPECT_TRUE(has(read("s/report.html"), sentence)) << sentence;
+  const std::string table = read("s/tuned.csv");
+  tuned("s --jobs 1");
+  EXPECT_EQ(read("s/tuned.csv"), table);
+  // The other goal: the other end of the range, and a larger value.
+  write("t.toml", testing::replaced(kOneObjective, "GOAL", "max"));
+  tuned("t.toml --out most --quiet");
+  EXPECT_GT(std::stod(results("most", "tuned.csv")[1][3]), 0.98);
+  // One case without a validation.
+  write("t.toml", testing::replaced(testing::replaced(kOneObjective, "GOAL", "min"),
+                                    "[\"noisy\", \"plain\"]", "\"plain\""));
+  std::string alone = read("t.toml");
+  write("t.toml", alone.substr(0, alone.find("[validate]")));
+  EXPECT_TRUE(
+      has(tuned("t.toml --out alone").out, "plain has the mean y_1 ", "the value is too good"));
 }
 
 TEST_F(Tune, WorkersAndKillsChangeNoResult) {
@@ -179,6 +250,19 @@ TEST_F(Tune, NonsenseIsOneLineAndStatus2) {
             "bad.toml:8: validate: needs seeds or a world that the tuning does not have"},
            {budget + "seeds = [1, 2]\n" + search + two + "[validate]\nseeds = [2, 3]\n",
             "bad.toml:9: validate: has a world that the tuning has too"},
+           {budget + "algorithm = \"cmaes\"\n" + search +
+                "[objective]\ny_1 = { goal = \"min\", reference = 3 }\n",
+            "bad.toml:7: objective.y_1.reference: is of a hypervolume, which one objective does "
+            "not "
+            "have"},
+           {budget + "algorithm = \"cmaes\"\n" + search + objective +
+                "[validate]\nseeds = [9]\npoints = 3\n",
+            "bad.toml:10: validate.points: is of a front, which one objective does not have"},
+           {budget + "case = [\"plain\", \"plain\"]\n" + search + two,
+            "bad.toml:3: case: plain is there twice"},
+           {budget + "case = [\"plain\", \"nosy\"]\n" + search + two,
+            "bad.toml:3: case: PROJECT/tests/study/ishigami/ishigami.toml has no case \"nosy\" "
+            "(did you mean noisy?)"},
            {budget + "case = \"nosy\"\n" + search + two,
             "bad.toml:3: case: PROJECT/tests/study/ishigami/ishigami.toml has no case \"nosy\" "
             "(did you mean noisy?)"},

@@ -249,13 +249,48 @@ TEST_F(Sweep, AnInterruptionExplainsHowToContinue) {
 
 TEST_F(Sweep, RefusesToContinueAnotherStudy) {
   swept("ishigami --vary x.first=1,2 --out s");
-  expect_refusals("ishigami_lab sweep ",
-                  {{"ishigami --vary x.first=1,3 --out s",
-                    "HERE/s: holds another study: here it is `\"x.first\" = [1, 3]`; "
-                    "leave it be with another --out"},
-                   {"s --vary x.first=1,3",
-                    "s: is a study's folder, and its study.toml says what is run: leave --case, "
-                    "--vary, --out and the like out"}});
+  swept("ishigami --method sobol --samples 4 --vary x.first=uniform(0,1) --out drawn");
+  swept("ishigami --method lhs --samples 4 --vary x.first=uniform(0,1) --out cube");
+  swept("ishigami --method list --vary x.first=1,2 --vary x.second=3,4 --out list");
+  const auto another = [](const std::string& folder, const std::string& reason) {
+    return "HERE/" + folder + ": holds another study: " + reason +
+           "; leave it be with another --out";
+  };
+  const std::string drawn = "ishigami --out drawn --vary x.first=uniform(0,1) --method ";
+  expect_refusals(
+      "ishigami_lab sweep ",
+      {{"ishigami --vary x.first=1,3 --out s", another("s", "vary.x.first: 2 is left out")},
+       {"ishigami --vary x.first=1,2 --vary x.second=1,2 --out s",
+        another("s", "vary: x.second is new")},
+       {"ishigami --vary x.second=1,2 --out s", another("s", "vary: x.first is left out")},
+       {"ishigami --vary x.first=1,2 --duration 2 --out s",
+        another("s", "set: run.duration_s=2 is new")},
+       {"ishigami --vary x.first=1,2 --seeds 2..9 --out s", another("s", "seeds: 1 is left out")},
+       {"ishigami --vary x.first=1,2 --case noisy --out s",
+        another("s", "case: plain is left out")},
+       {"ishigami --vary x.first=1,2 --method list --out s",
+        another("s", "method is list, and was grid")},
+       {drawn + "sobol --samples 2", another("drawn", "samples is 2, and was 4")},
+       {drawn + "sobol --samples 8 --sampling-seed 2",
+        another("drawn", "sampling_seed is 2, and was 1")},
+       {drawn + "sobol --samples 8 --vary x.second=uniform(0,1)",
+        another("drawn", "vary: x.second is new")},
+       {"ishigami --out drawn --vary x.first=uniform(0,2) --method sobol --samples 4",
+        another("drawn",
+                "vary.x.first is { uniform = [0.0, 2.0] }, and was { uniform = "
+                "[0.0, 1.0] }")},
+       {"ishigami --out cube --vary x.first=uniform(0,1) --method lhs --samples 8",
+        another("cube",
+                "samples: the points of lhs depend on their number, so none of "
+                "the 4 is among 8")},
+       {"ishigami --out list --method list --vary x.first=1,2 --vary x.second=4,3",
+        another("list", "vary.x.second is 4, 3, and was 3, 4")},
+       {"s --vary x.first=1,3",
+        "s: is a study's folder, and its study.toml says what is run: leave --case, "
+        "--vary, --out and the like out"}});
+  ran("breakwater sweep motor_estimation --duration 0.01 --out m");
+  expect_refused("breakwater sweep cart_position --duration 0.01 --out m",
+                 another("m", "scenario is cart_position, and was motor_estimation"));
   // Results of another program are not continued.
   ran("/bin/sed -i 's/^program = .*/program = \"0123456789abcdef\"/' s/study.toml");
   const ProgramResult other = sweep("s");
@@ -271,6 +306,93 @@ TEST_F(Sweep, RefusesToContinueAnotherStudy) {
       {{"ishigami --out mine", "HERE/mine: holds something that is not a study; it is left alone"},
        {"mine", "mine: has no study.toml: it is no study's folder"}});
   EXPECT_EQ(read("mine/thesis.tex"), "text");
+}
+
+// Each study of 60 runs or fewer becomes a larger one, which leaves the bytes of that one begun
+// alone.
+TEST_F(Sweep, AStudyGrows) {
+  const std::string grid = "ishigami --vary x.second=1,2,3 --set trouble.fails_above=1.5 ";
+  const std::string drawn =
+      "ishigami --case plain,noisy --vary x.first=uniform(-3,3) --vary "
+      "x.second=normal(0,1) --method ";
+  struct Growth {
+    std::string before, after;
+  };
+  const std::vector<Growth> growths = {
+      {grid + "--case plain,noisy --vary x.first=1,2 --seeds 1..5",  // 60 runs to 120
+       grid + "--case plain,noisy --vary x.first=1,2 --seeds 1..10"},
+      {grid + "--vary x.first=1,2 --seeds 3", grid + "--vary x.first=lin(0,3,4) --seeds 5,3"},
+      {grid + "--vary x.first=1,2",
+       grid + "--vary x.first=3.0,0.5,1e0,2 --case noisy,plain --sqlite"},
+      {grid + "--case noisy", grid + "--case plain,noisy --baseline noisy --metrics y_1"},
+      {"ishigami --method list --vary x.first=1,2 --vary x.second=3,3",
+       "ishigami --method list --vary x.first=1,2,1 --vary x.second=3,3,4"},
+      {drawn + "random --samples 10", drawn + "random --samples 25"},
+      {drawn + "sobol --samples 8 --seeds 1..2", drawn + "sobol --samples 16 --seeds 1..3"},
+      {drawn + "saltelli --samples 4", drawn + "saltelli --samples 8"},
+      // These look at the same runs in another way.
+      {drawn + "random --samples 10", drawn + "random --samples 10 --baseline noisy --goal y_1=max "
+                                              "--metrics y_1 --keep failed --on-failure stop"}};
+  const auto outputs = [&] {
+    std::map<std::string, std::string> texts;
+    for (const auto& entry : fs::directory_iterator(folder_ / "s")) {
+      if (entry.is_regular_file()) texts[entry.path().filename()] = testing::text_of(entry.path());
+    }
+    // The page has the mean processor time of a run, which differs between equal studies.
+    std::string& page = texts["report.html"];
+    const std::size_t end = page.find(" s a run");
+    const std::size_t begin = page.rfind(',', end);
+    EXPECT_LT(end - begin, 20U);
+    page.erase(begin, end - begin);
+    return texts;
+  };
+  const auto lines_of_points = [&] {
+    std::size_t points = 0;
+    for (const auto& entry : fs::directory_iterator(folder_ / "s/shards")) {
+      std::istringstream text(testing::text_of(entry.path()));
+      for (std::string line; std::getline(text, line);) points += has(line, "\tasked\t");
+    }
+    return points;
+  };
+  for (const auto& [before, after] : growths) {
+    fs::remove_all(folder_ / "s");
+    swept(before + " --jobs 2 --out s");
+    EXPECT_TRUE(lacks(swept(after + " --jobs 3 --out s").err, "warning")) << after;
+    EXPECT_EQ(lines_of_points() + 1, results("s").size()) << "only new points run: " << after;
+    const auto grown = outputs();
+    EXPECT_EQ(swept("s").err, "");
+    fs::remove_all(folder_ / "s");
+    swept(after + " --out s");
+    const auto at_once = outputs();
+    ASSERT_EQ(grown.size(), at_once.size()) << after;
+    for (const auto& [name, text] : at_once) EXPECT_TRUE(grown.at(name) == text) << name << after;
+  }
+}
+
+TEST_F(Sweep, AStudyGrowsBetweenKillsAndInTasks) {
+  const std::string study =
+      "ishigami --case plain,noisy --vary x.first=lin(-3,3,10) --set trouble.takes_s=0.01 ";
+  swept(study + "--seeds 1..6 --out whole");
+  run_and_kill(study + "--seeds 1..3 --jobs 2 --out s", 4, 0.3, 5);
+  run_and_kill(study + "--seeds 1..5 --isolate --jobs 2 --out s", 4, 0.3, 6);
+  write("tasks.sh", swept(study + "--seeds 1..6 --out s --print-tasks --tasks 3").out);
+  ran("/bin/sh -e tasks.sh");
+  swept("s");
+  EXPECT_EQ(read("s/results.csv"), read("whole/results.csv"));
+  EXPECT_EQ(read("s/comparison.csv"), read("whole/comparison.csv"));
+}
+
+TEST_F(Sweep, AStudyAtWorkDoesNotGrow) {
+  const std::string study = "ishigami --set trouble.takes_s=0.1 --out s --vary x.first=";
+  ReadProgram first(
+      {(testing::bin_folder() / "../tests/ishigami_lab").string(), "sweep", "ishigami", "--set",
+       "trouble.takes_s=0.1", "--vary", "x.first=lin(0,1,400)", "--out", (folder_ / "s").string()},
+      true);
+  wait_for_a_result();
+  EXPECT_TRUE(has(sweep(study + "lin(0,2,799)").err, " is at this study: it grows after that\n"));
+  first.interrupt();
+  while (first.next()) continue;
+  EXPECT_TRUE(has(sweep(study + "lin(0,2,799) --status").out, " of 799 points are done"));
 }
 
 TEST_F(Sweep, RerunKeepsTheUsersFiles) {
@@ -417,9 +539,11 @@ TEST_F(Sweep, AnElementOfAnArrayIsAKey) {
 
 // A study's file is edited in its folder, or shards are copied from another study.
 TEST_F(Sweep, ARowHasTheResultsOfItsOwnRun) {
-  const auto same_as_new = [&](const std::string& study, const std::string& words) {
+  const auto same_as_new = [&](const std::string& study, const std::string& words,
+                               bool is_new = true) {
     const ProgramResult result = swept(study);
-    EXPECT_TRUE(has(result.err, "sweep: warning: ", ".shard: ", "of other runs than this study"));
+    EXPECT_EQ(has(result.err, "sweep: warning: ", ".shard: ", "of other runs than this study"),
+              is_new);
     fs::remove_all(folder_ / "new");
     swept("ishigami --case noisy " + words + " --out new");
     EXPECT_EQ(read(study + "/results.csv"), read("new/results.csv")) << words;
@@ -432,7 +556,7 @@ TEST_F(Sweep, ARowHasTheResultsOfItsOwnRun) {
   write("s/study.toml", testing::replaced(read("s/study.toml"), "count = 3", "count = 4"));
   same_as_new("s", "--vary x.first=5,6 --seeds 1..4");
   write("s/study.toml", testing::replaced(read("s/study.toml"), "count = 4", "count = 1"));
-  same_as_new("s", "--vary x.first=5,6 --seeds 1");
+  same_as_new("s", "--vary x.first=5,6 --seeds 1", false);  // all are there
 
   swept("ishigami --case noisy --vary x.first=7,8 --out t");
   fs::remove_all(folder_ / "s/shards");
