@@ -367,7 +367,13 @@ TEST_F(Reports, CompareOfSetsOfRunsIsPairedBySeed) {
     return cells.at(static_cast<std::size_t>(found - names.begin()));
   };
   EXPECT_EQ(cell("candidate") + cell("reference") + cell("pairs"), "stfkfd6");
-  EXPECT_DOUBLE_EQ(std::stod(cell("difference")), 0.5 * (differences[2] + differences[3]));
+  std::vector<double> averages;
+  for (std::size_t i = 0; i < differences.size(); ++i) {
+    for (std::size_t j = i; j < differences.size(); ++j) {
+      averages.push_back(0.5 * (differences[i] + differences[j]));
+    }
+  }
+  EXPECT_DOUBLE_EQ(std::stod(cell("difference")), testing::median(averages));
   EXPECT_DOUBLE_EQ(std::stod(cell("p")), 2.0 / 64.0);
   EXPECT_EQ(cell("verdict"), "better");
 

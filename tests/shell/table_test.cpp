@@ -65,6 +65,19 @@ TEST(Table, RepeatsAllLabelsInEachBlock) {
             "peak    cc    1\n");
 }
 
+TEST(Table, LeavesRowsOutOfABlockWithoutAnythingInThem) {
+  Table table({"metric", "first", "second"});
+  table.add({"peak", "3.5", "4.5"});
+  table.add({"difference", "", "+1.0"});
+  EXPECT_EQ(table.print(18),
+            "metric      first\n"
+            "peak          3.5\n"
+            "\n"
+            "metric      second\n"
+            "peak           4.5\n"
+            "difference    +1.0\n");
+}
+
 TEST(Table, CountsCharactersNotBytes) {
   Table table({"unit", "value"});
   table.add({"µs", "1"});
