@@ -101,12 +101,6 @@ struct MissingSpec {
   std::string why;
 };
 
-/// The reason why a printed result is not reproduced, or all whose path matches a pattern.
-struct ReasonSpec {
-  std::string of;
-  std::string why;
-};
-
 struct SectionSpec {
   std::string id;     ///< number in the thesis: "2.4.3.2"
   std::string group;  ///< another name for --only: "arm"
@@ -117,7 +111,6 @@ struct SectionSpec {
   std::string strip;  ///< the run whose strip of pictures is shown; empty: none
   std::string strip_number;
   std::vector<TableSpec> tables;
-  std::vector<ReasonSpec> reasons;
   std::vector<FigureSpec> figures;
   std::vector<MissingSpec> missing;
   std::size_t line = 0;

@@ -82,9 +82,6 @@ class PrintedResults {
   std::map<std::string, Case> cases_;
 };
 
-/// Whether a path matches a pattern, in which * stands for any characters.
-bool matches_pattern(const std::string& pattern, const std::string& path);
-
 /// The results in the project's own data/.
 const PrintedResults& printed_results();
 

@@ -143,8 +143,8 @@ std::string missing_text(const CellSpec& cell, std::size_t missing, std::size_t 
   return values == 1 ? "no " + what : fmt::format("no {} in {} of {} runs", what, missing, values);
 }
 
-mustache::data table_data(const TableSpec& table, const SectionSpec& section,
-                          const Measured& measured, bool is_own, Score& score) {
+mustache::data table_data(const TableSpec& table, const Measured& measured, bool is_own,
+                          Score& score) {
   const PrintedResults& printed = printed_results();
   mustache::data data;
   data.set("table_title", table.title);
@@ -201,7 +201,7 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
         } else {
           filled.set("shows", judged.printed);
         }
-        const std::string why = reason_of(judged, *spec, section);
+        const std::string why = reason_of(judged, *spec);
         if (!why.empty()) {
           auto place = std::find(notes.begin(), notes.end(), why);
           if (place == notes.end()) place = notes.insert(notes.end(), why);
@@ -271,16 +271,11 @@ std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own
   return before + (judged.verdict == Verdict::reproduced ? "holds" : "does not hold");
 }
 
-std::string reason_of(const Judged& judged, const CellSpec& cell, const SectionSpec& section) {
+std::string reason_of(const Judged& judged, const CellSpec& cell) {
   if (!cell.hypothesis.empty()) return cell.hypothesis;
   if (is_vacuous(judged, cell)) return cell.vacuous;
   if (!cell.shows.empty() || judged.verdict == Verdict::reproduced) return "";
-  if (!cell.why.empty()) return cell.why;
-  const std::string path = cell.printed.empty() ? cell.quantity.run : cell.printed;
-  for (const ReasonSpec& reason : section.reasons) {
-    if (matches_pattern(reason.of, path)) return reason.why;
-  }
-  return "";
+  return cell.why;
 }
 
 Score& Score::operator+=(const Score& other) {
@@ -434,7 +429,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     }
     mustache::data tables(mustache::data::type::list);
     for (const TableSpec& table : spec->tables) {
-      tables << table_data(table, *spec, measured, experiments.is_own, score);
+      tables << table_data(table, measured, experiments.is_own, score);
     }
     section.set("tables", tables);
     if (!spec->video.empty() && reproduction.with_replay) {

@@ -56,9 +56,9 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
 /// stand first.
 std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own);
 
-/// The reason why a cell is vacuous, its hypothesis, or why it is not reproduced (from the cell or
-/// its section). Empty if there is no reason or nothing is judged.
-std::string reason_of(const Judged& judged, const CellSpec& cell, const SectionSpec& section);
+/// The reason why a cell is vacuous, its hypothesis, or why it is not reproduced. Empty if there is
+/// no reason or nothing is judged.
+std::string reason_of(const Judged& judged, const CellSpec& cell);
 
 /// The command for one repetition of a run, with its log in a folder of the run's name.
 std::string command_of(const RunSpec& run, std::size_t repetition = 0);

@@ -38,7 +38,7 @@ std::string verdict_list(const Reproduction& reproduction, const Measured& measu
                             cell->printed.empty() ? "" : judged.printed, cell->says + cell->shows,
                             judged.class_text,
                             verdict_word(judged, *cell, reproduction.experiments.is_own),
-                            reason_of(judged, *cell, *section)});
+                            reason_of(judged, *cell)});
         }
       }
     }

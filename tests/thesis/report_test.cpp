@@ -227,7 +227,7 @@ TEST(Verdict, VacuousCellsAndHypothesesAreLabelled) {
   cell.holds.below = 2.0;
   const auto word_and_reason = [&](double value) {
     const Judged one = judged(cell, runs_of("peak_N", {value}));
-    return verdict_word(one, cell, false) + ", " + reason_of(one, cell, {});
+    return verdict_word(one, cell, false) + ", " + reason_of(one, cell);
   };
   cell.why = "too hard";
   cell.vacuous = "nothing moves";
@@ -376,65 +376,71 @@ TEST(Experiments, MessagesNameTheLineOfAMistake) {
   };
   const std::string section = "[[section]]\nid = \"1\"\ngroup = \"arm\"\ntitle = \"t\"\n";
   EXPECT_EQ(message(section), "");
-  const std::string run = section +
-                          "[[section.run]]\nname = \"x\"\nscenario = \"arm_push\"\n"
-                          "case = \"c\"\n";
+  const std::string run =
+      section + "runs = [{ name = \"x\", scenario = \"arm_push\", case = \"c\" }]\n";
   using Rows = std::vector<std::pair<std::string, std::string>>;
-  for (const auto& [text, line] :
-       Rows{{section + "colour = 1\n", ":5: section.colour: unknown key"},
-            {section + "[[section.run]]\nname = \"{k}\"\n",
-             ":6: section.run.name: \"{k}\": there is no {k}"},
-            {"[[section]\n",
-             ":1: is not TOML: Error while parsing table header: expected ']', saw '\\n'"},
-            {"x = 1", ":1: x: unknown key"},
-            {section + "video = \"none\"\n", ":1: there is no run none"},
-            {section + "docs = \"nowhere.md\"\n",
-             ":5: section.docs: there is no page docs/nowhere.md"},
-            {"titel = \"t\"\n", ":1: titel: unknown key (did you mean title?)"},
-            {section + "[[hero]]\nfigure = \"9\"\ncaption = \"c\"\n",
-             ":5: there is no panel 0 of a figure 9"},
-            {run + "spread = { key = \"k\", count = [1, 1], width = \"wide\" }\n",
-             ":9: section.run.spread.width: \"wide\" is no number"}}) {
+  for (const auto& [text, line] : Rows{
+           {section + "colour = 1\n", ":5: section.colour: unknown key"},
+           {"[[section]\n",
+            ":1: is not TOML: Error while parsing table header: expected ']', saw '\\n'"},
+           {"x = 1", ":1: x: unknown key"},
+           {section + "video = \"none\"\n", ":1: there is no run none"},
+           {section + "docs = \"nowhere.md\"\n",
+            ":5: section.docs: there is no page docs/nowhere.md"},
+           {"titel = \"t\"\n", ":1: titel: unknown key (did you mean title?)"},
+           {section + "[[hero]]\nfigure = \"9\"\ncaption = \"c\"\n",
+            ":5: there is no panel 0 of a figure 9"},
+           {section + "runs = [{ name = \"x\", scenario = \"arm_push\" }]\n",
+            ":5: section.runs.case: is missing"},
+           {section + "runs = [{ name = \"x\", scenario = \"s\", case = \"c\", for = [] }]\n",
+            ":5: section.runs.for: unknown key"},
+           {section + "runs = [{ name = \"x\", scenario = \"s\", case = \"c\", seeds = [1] }]\n",
+            ":5: section.runs.seeds: must be [full, quick]"},
+           {section +
+                "runs = [{ name = \"x\", scenario = \"s\", case = \"c\", spread = { key = \"k\", "
+                "width = \"wide\" } }]\n",
+            ":5: section.runs.spread.width: must be a number"},
+           {run + "figures = [{ n = \"1\", title = \"t\", form = \"none\", run = \"x\" }]\n",
+            ":6: section.figures.form: there is no such form"},
+           {run + "[[section.table]]\ntitle = \"t\"\n", ":6: section.table.columns: is missing"}}) {
     EXPECT_EQ(message(text), file.string() + line);
   }
-  // A cell merges the table's `cell` (line 11), its column (12) and its row (14). Its own table is
-  // in the row.
-  const auto of_cell = [&](const std::string& row) {
+  // The cell is in line 10.
+  const auto of_cell = [&](const std::string& cell) {
     return message(run +
-                   "[[section.table]]\ntitle = \"t\"\ncell = { run = \"x\", below = 1.0 }\n"
-                   "columns = [{ title = \"c\", key = \"k\", metric = \"m\" }]\n"
-                   "rows = [\n  { title = \"r\", " +
-                   row + " },\n]\n");
+                   "[[section.table]]\ntitle = \"t\"\ncolumns = [\"c\"]\ncells = [\n"
+                   "  { row = \"r\", run = \"x\", metric = \"m\", " +
+                   cell + " },\n]\n");
   };
-  EXPECT_EQ(of_cell("says = \"s\""), "");
-  EXPECT_EQ(of_cell("says = \"s\", absent = \"never\""), "");
-  for (const auto& [row, line] :
-       Rows{{"run = \"x\"",
-             ":14: section.table.rows: a cell has either `printed`, `says` or `shows`"},
+  EXPECT_EQ(of_cell("says = \"s\", below = 1.0"), "");
+  EXPECT_EQ(of_cell("says = \"s\", below = 1.0, absent = \"never\", column = \"c\""), "");
+  for (const auto& [cell, line] :
+       Rows{{"below = 1.0",
+             ":10: section.table.cells: a cell has either `printed`, `says` or "
+             "`shows`"},
             {"says = \"s\", shows = \"t\"",
-             ":14: section.table.rows: a cell has either `printed`, `says` or `shows`"},
+             ":10: section.table.cells: a cell has either `printed`, `says` or `shows`"},
+            {"says = \"s\"",
+             ":10: section.table.cells: what the text `says` holds `above` or `below` something"},
             {"says = \"s\", vacuous = \"v\", hypothesis = \"h\"",
-             ":14: section.table.rows: `vacuous` is neither what `shows` nor a `hypothesis`"},
+             ":10: section.table.cells: `vacuous` is neither what `shows` nor a `hypothesis`"},
             {"shows = \"s\", vacuous = \"v\"",
-             ":14: section.table.rows: `vacuous` is neither what `shows` nor a `hypothesis`"},
-            {"says = \"s\", run = \"y\"", ":14: there is no run y (did you mean x?)"},
-            {"says = \"s\", over = \"y\"", ":14: there is no run y (did you mean x?)"},
-            {"says = \"s\", metric = \"{q}\"",
-             ":14: section.table.rows.metric: \"{q}\": there is no {q}"},
-            {"says = \"s\", divisor = 0", ":14: section.table.rows.divisor: must not be zero"},
-            {"says = \"s\", divisor = \"a\"", ":14: section.table.rows.divisor: must be a number"},
+             ":10: section.table.cells: `vacuous` is neither what `shows` nor a `hypothesis`"},
+            {"says = \"s\", below = 1.0, over = \"y\"", ":10: there is no run y (did you mean x?)"},
+            {"says = \"s\", column = \"d\"",
+             ":10: section.table.cells.column: there is no such column (did you mean c?)"},
+            {"shows = \"s\" }, { row = \"r\", run = \"x\", metric = \"m\", shows = \"s\"",
+             ":10: section.table.cells: there is such a cell already"},
+            {"says = \"s\", divisor = 0", ":10: section.table.cells.divisor: must not be zero"},
+            {"says = \"s\", divisor = \"a\"", ":10: section.table.cells.divisor: must be a number"},
             {"says = \"s\", statistic = \"shares\"",
-             ":14: section.table.rows.statistic: \"shares\" must be median or share"},
+             ":10: section.table.cells.statistic: \"shares\" must be median or share"},
             {"says = \"s\", absent = \"nevr\"",
-             ":14: section.table.rows.absent: \"nevr\" must be never"},
-            {"says = \"s\", k = { below = \"a\" }",
-             ":14: section.table.rows.k.below: must be a number"},
+             ":10: section.table.cells.absent: \"nevr\" must be never"},
             {"says = \"s\", belwo = 2.0",
-             ":14: section.table.rows.belwo: unknown key (did you mean below?)"},
-            {"says = \"s\", k = { absnet = \"never\" }",
-             ":14: section.table.rows.k.absnet: unknown key (did you mean absent?)"},
-            {"printed = \"nowhere\"", ":14: nothing is printed at nowhere"}}) {
-    EXPECT_EQ(of_cell(row), file.string() + line);
+             ":10: section.table.cells.belwo: unknown key (did you mean below?)"},
+            {"printed = \"nowhere\"", ":10: nothing is printed at nowhere"}}) {
+    EXPECT_EQ(of_cell(cell), file.string() + line);
   }
   std::filesystem::remove(file);
   EXPECT_THROW(read_experiments(file.string(), Effort::quick), std::invalid_argument);
