@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
@@ -70,10 +71,10 @@ void read_run(const TomlEntry& row, Effort effort, std::map<std::string, RunSpec
   if (!runs.emplace(run.name, run).second) row.fail("there is a run " + run.name + " already");
 }
 
-CellSpec read_cell(const TomlEntry& cell, const std::string& hypothesis) {
-  cell.allow({"row", "column", "run", "metric", "over", "over_metric", "divisor", "absent",
-              "if_failed", "statistic", "printed", "says", "shows", "above", "below", "why",
-              "vacuous", "hypothesis"});
+CellSpec read_cell(const TomlEntry& cell, const std::string& reading) {
+  cell.allow({"row",    "column",    "run",       "metric",  "over",    "over_metric", "divisor",
+              "absent", "if_failed", "statistic", "printed", "says",    "shows",       "above",
+              "below",  "why",       "cause",     "vacuous", "without", "reading"});
   CellSpec spec;
   spec.line = cell.line();
   spec.quantity = {cell["run"].text(), cell["metric"].text()};
@@ -91,16 +92,21 @@ CellSpec read_cell(const TomlEntry& cell, const std::string& hypothesis) {
   spec.says = cell["says"].text_or_nothing();
   spec.shows = cell["shows"].text_or_nothing();
   spec.why = cell["why"].text_or_nothing();
+  spec.cause = word_or_nothing(cell["cause"], {std::begin(kCauses), std::end(kCauses)});
   spec.vacuous = cell["vacuous"].text_or_nothing();
-  spec.hypothesis = cell["hypothesis"] ? cell["hypothesis"].text() : hypothesis;
+  spec.without = cell["without"].text_or_nothing();
+  spec.reading = cell["reading"] ? cell["reading"].text() : reading;
   spec.holds.above = cell["above"].number_or_nothing();
   spec.holds.below = cell["below"].number_or_nothing();
   const auto kinds = {spec.printed.empty(), spec.says.empty(), spec.shows.empty()};
   if (std::count(kinds.begin(), kinds.end(), false) != 1) {
     cell.fail("a cell has either `printed`, `says` or `shows`");
   }
-  if (!spec.vacuous.empty() && (!spec.shows.empty() || !spec.hypothesis.empty())) {
-    cell.fail("`vacuous` is neither what `shows` nor a `hypothesis`");
+  if (!spec.vacuous.empty() && (!spec.shows.empty() || !spec.reading.empty())) {
+    cell.fail("`vacuous` is neither what `shows` nor another `reading`");
+  }
+  if (!spec.without.empty() && spec.vacuous.empty()) {
+    cell.fail("`without` needs `vacuous`: what it means");
   }
   if (!spec.says.empty() && !spec.holds.above && !spec.holds.below) {
     cell.fail("what the text `says` holds `above` or `below` something");
@@ -115,7 +121,7 @@ std::size_t place_of(const std::string& name, const std::vector<std::string>& na
 
 // The rows of a table are those of its cells, in their order.
 TableSpec read_table(const TomlEntry& table) {
-  table.allow({"title", "unit", "note", "hypothesis", "columns", "cells"});
+  table.allow({"title", "unit", "note", "reading", "columns", "cells"});
   TableSpec spec;
   spec.title = table["title"].text();
   spec.unit = table["unit"].text_or_nothing();
@@ -135,7 +141,7 @@ TableSpec read_table(const TomlEntry& table) {
                           did_you_mean(cell["column"].text(), spec.columns));
     }
     if (spec.cells[r][c]) cell.fail("there is such a cell already");
-    spec.cells[r][c] = read_cell(cell, table["hypothesis"].text_or_nothing());
+    spec.cells[r][c] = read_cell(cell, table["reading"].text_or_nothing());
   }
   return spec;
 }
@@ -205,6 +211,33 @@ SectionSpec read_section(const TomlEntry& table, const TomlEntry& forms, Effort 
   return section;
 }
 
+// Adds the settings of the chosen readings to the runs.
+void choose_readings(const TomlEntry& rows, const std::vector<std::string>& names,
+                     Experiments& experiments) {
+  std::vector<std::string> known;
+  for (const TomlEntry& row : rows.elements()) {
+    row.allow({"name", "runs", "sets", "why"});
+    const ReadingSpec reading{row["name"].text(), row["runs"].text(), texts(row["sets"]),
+                              row["why"].text_or_nothing(), row.line()};
+    known.push_back(reading.name);
+    const bool is_chosen = std::find(names.begin(), names.end(), reading.name) != names.end();
+    bool has_run = false;
+    for (auto& [name, run] : experiments.runs) {
+      if (!matches_pattern(reading.runs, name)) continue;
+      has_run = true;
+      if (is_chosen) run.sets.insert(run.sets.end(), reading.sets.begin(), reading.sets.end());
+    }
+    if (!has_run) row["runs"].fail("there is no run " + reading.runs);
+    if (is_chosen) experiments.readings.push_back(reading);
+  }
+  for (const std::string& name : names) {
+    if (place_of(name, known) == known.size()) {
+      throw std::invalid_argument(
+          fmt::format("--reading {}: there is no such reading{}", name, did_you_mean(name, known)));
+    }
+  }
+}
+
 // Checks that all references exist.
 class Check {
  public:
@@ -242,6 +275,7 @@ class Check {
 
   void cell(const CellSpec& cell) const {
     for (const Quantity& quantity : cell.quantities()) run(quantity.run, cell.line);
+    run(cell.without, cell.line);
     if (!cell.printed.empty() && !printed_.find(cell.printed)) {
       fail(cell.line, "nothing is printed at " + cell.printed);
     }
@@ -295,16 +329,18 @@ std::vector<std::string> SectionSpec::runs() const {
       for (const auto& cell : row) {
         if (!cell) continue;
         for (const Quantity& quantity : cell->quantities()) add_once(names, quantity.run);
+        add_once(names, cell->without);
       }
     }
   }
   return names;
 }
 
-Experiments read_experiments(const std::string& file, Effort effort) {
+Experiments read_experiments(const std::string& file, Effort effort,
+                             const std::vector<std::string>& readings) {
   const toml::table tables = parse_toml_file(file);
   const TomlEntry root(tables, file);
-  root.allow({"title", "hero", "video", "form", "section"});
+  root.allow({"title", "hero", "video", "readings", "form", "section"});
   Experiments experiments;
   experiments.file = file;
   std::error_code ignored;
@@ -314,6 +350,7 @@ Experiments read_experiments(const std::string& file, Effort effort) {
   for (const TomlEntry& section : root["section"].elements()) {
     experiments.sections.push_back(read_section(section, root["form"], effort, experiments.runs));
   }
+  choose_readings(root["readings"], readings, experiments);
   for (const TomlEntry& hero : root["hero"].elements()) {
     const TomlEntry panel = hero["panel"];
     experiments.heroes.push_back({hero["figure"].text(),

@@ -15,7 +15,6 @@
 namespace breakwater {
 namespace {
 
-// In a pattern * stands for any characters.
 bool matches(const char* pattern, const char* path) {
   if (*pattern == '*')
     return matches(pattern + 1, path) || (*path != '\0' && matches(pattern, path + 1));
@@ -212,7 +211,7 @@ std::optional<PrintedResult> PrintedResults::find(const std::string& path) const
 
 const Standard& PrintedResults::standard(const std::string& path) const {
   for (const auto& [pattern, standard] : standards_) {
-    if (matches(pattern.c_str(), path.c_str())) return standard;
+    if (matches_pattern(pattern, path)) return standard;
   }
   throw std::runtime_error("reproduced.toml has no class for " + path);
 }
@@ -222,6 +221,10 @@ std::optional<PrintedResults::Case> PrintedResults::of_case(const std::string& s
   const auto found = cases_.find(scenario + "/" + case_name);
   if (found == cases_.end()) return std::nullopt;
   return found->second;
+}
+
+bool matches_pattern(const std::string& pattern, const std::string& text) {
+  return matches(pattern.c_str(), text.c_str());
 }
 
 const PrintedResults& printed_results() {

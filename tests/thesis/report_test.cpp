@@ -187,13 +187,17 @@ TEST(Verdict, ARatioWithoutDenominatorIsNotMeasured) {
   cell.absent_is_never = true;
   Measured measured = runs_of("peak_N", {1.0});
   Measurement& other = measured["other"].emplace_back();
-  for (const double nothing : {0.0, -0.0, double(NAN), kNever}) {
+  for (const double nothing : {0.0, -0.0, double(NAN)}) {
     other.values["peak_N"] = nothing;
     EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured) << nothing;
   }
   other.values.clear();
   other.absent.insert("peak_N");
-  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured) << "a part of never";
+  EXPECT_EQ(judged(cell, measured).median, 0.0) << "no part of never";
+  measured["any"][0].values.clear();
+  measured["any"][0].absent.insert("peak_N");
+  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured) << "never over never";
+  measured["any"][0].values["peak_N"] = 1.0;
   other.values["peak_N"] = 2.0;
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
 }
@@ -221,7 +225,7 @@ TEST(Verdict, AShownCellHasNoVerdict) {
   EXPECT_EQ(verdict_word(shown, cell, false), "shown");
 }
 
-TEST(Verdict, VacuousCellsAndHypothesesAreLabelled) {
+TEST(Verdict, VacuousCellsAndOtherReadingsAreLabelled) {
   CellSpec cell = cell_of("peak_N");
   cell.says = "small";
   cell.holds.below = 2.0;
@@ -234,9 +238,36 @@ TEST(Verdict, VacuousCellsAndHypothesesAreLabelled) {
   EXPECT_EQ(word_and_reason(1.0), "vacuous, nothing moves");
   EXPECT_EQ(word_and_reason(3.0), "not reproduced, too hard") << "so it was no construction";
   cell.vacuous = "";
-  cell.hypothesis = "if it were soft";
-  EXPECT_EQ(word_and_reason(1.0), "hypothesis: reproduced, if it were soft");
-  EXPECT_EQ(word_and_reason(3.0), "hypothesis: not reproduced, if it were soft");
+  cell.reading = "if it were soft";
+  EXPECT_EQ(word_and_reason(1.0), "other reading: reproduced, if it were soft");
+  EXPECT_EQ(word_and_reason(3.0), "other reading: not reproduced, if it were soft");
+}
+
+// A statement is vacuous only if a run without what it is about does as well.
+TEST(Verdict, IsVacuousIfTheRunWithoutItHoldsToo) {
+  CellSpec cell = cell_of("peak_N");
+  cell.says = "small";
+  cell.holds.below = 2.0;
+  cell.vacuous = "nothing moves";
+  cell.without = "other";
+  Measured measured = runs_of("peak_N", {1.0});
+  measured["other"].emplace_back().values["peak_N"] = 3.0;
+  EXPECT_FALSE(judged(cell, measured).is_vacuous);
+  measured["other"][0].values["peak_N"] = 1.9;
+  EXPECT_TRUE(judged(cell, measured).is_vacuous);
+  measured["any"][0].values["peak_N"] = 2.5;
+  EXPECT_FALSE(judged(cell, measured).is_vacuous);
+}
+
+// A class that contains zero holds for any loop that settles.
+TEST(Verdict, APrintedNumberWithinItsClassCanBeVacuous) {
+  CellSpec cell =
+      cell_of("mean_force_error_N", "arm_wall_contact.force_2N.proposed.mean_force_error_N");
+  cell.vacuous = "zero";
+  for (const auto& [value, is_vacuous] :
+       {std::pair(0.0030, true), std::pair(0.0, true), std::pair(0.01, false)}) {
+    EXPECT_EQ(judged(cell, runs_of("mean_force_error_N", {value})).is_vacuous, is_vacuous) << value;
+  }
 }
 
 TEST(Verdict, SixOfTenDoNotConverge) {
@@ -422,10 +453,14 @@ TEST(Experiments, MessagesNameTheLineOfAMistake) {
              ":10: section.table.cells: a cell has either `printed`, `says` or `shows`"},
             {"says = \"s\"",
              ":10: section.table.cells: what the text `says` holds `above` or `below` something"},
-            {"says = \"s\", vacuous = \"v\", hypothesis = \"h\"",
-             ":10: section.table.cells: `vacuous` is neither what `shows` nor a `hypothesis`"},
+            {"says = \"s\", vacuous = \"v\", reading = \"h\"",
+             ":10: section.table.cells: `vacuous` is neither what `shows` nor another `reading`"},
+            {"says = \"s\", below = 1.0, without = \"x\"",
+             ":10: section.table.cells: `without` needs `vacuous`: what it means"},
+            {"says = \"s\", cause = \"they\"",
+             ":10: section.table.cells.cause: \"they\" must be thesis or hardware or ours"},
             {"shows = \"s\", vacuous = \"v\"",
-             ":10: section.table.cells: `vacuous` is neither what `shows` nor a `hypothesis`"},
+             ":10: section.table.cells: `vacuous` is neither what `shows` nor another `reading`"},
             {"says = \"s\", below = 1.0, over = \"y\"", ":10: there is no run y (did you mean x?)"},
             {"says = \"s\", column = \"d\"",
              ":10: section.table.cells.column: there is no such column (did you mean c?)"},
@@ -465,12 +500,59 @@ TEST(Score, CountsStatementsOfOtherListsAsHeld) {
             "1 reproduced, 0 within the class, 0 not reproduced, 2 held, "
             "0 did not hold, 3 not measured");
   score.vacuous = 4;
-  EXPECT_EQ(score.beside(), "4 vacuous");
-  score.hypotheses = 6;
-  score.hypotheses_hold = 5;
-  EXPECT_TRUE(
-      score.text().ends_with(", 3 not measured; beside them 4 vacuous, 5 of 6 hypotheses hold"))
-      << score.text();
+  EXPECT_TRUE(score.text().ends_with(", 3 not measured; beside them 4 vacuous")) << score.text();
+}
+
+TEST(Score, TheHeadlineCountsDifferentStatements) {
+  Score section;
+  section.printed = {2, 1, 1, 5};
+  section.numbers = 3;
+  section.numbers_near = 1;
+  section.numbers_off = 1;
+  section.statements = {{"1: fast", {2, 0, 1, 3}},
+                        {"1: soft", {1, 0, 0, 3}},
+                        {"1: exact", {0, 0, 0, 1}},
+                        {"1: free", {0, 0, 1, 1}}};
+  section.causes = {{"thesis", 2}, {"ours", 2}};
+  Score score;
+  EXPECT_TRUE(score.headline().empty());
+  score += section;
+  EXPECT_EQ(score.headline(),
+            (std::vector<std::string>{
+                "printed results: 2 of 5 reproduced, 1 within their class, 1 not, 1 vacuous",
+                "printed numbers: 1 of 3 within 5 %, 2 within 25 %",
+                "different statements (6 cells): 1 of 3 hold in all cells, 1 in some, 1 in none",
+                "causes of what is not: ours 2, thesis 2"}));
+}
+
+TEST(Experiments, AReadingAddsItsSettingsToTheRunsOfItsPattern) {
+  const std::string list =
+      "readings = [{ name = \"soft\", runs = \"wall-*\", sets = [\"k=1\"], why = \"w\" }, "
+      "{ name = \"hard\", runs = \"wall-b\", sets = [\"k=2\"] }]\n[[section]]\nid = \"1\"\n"
+      "group = \"arm\"\ntitle = \"t\"\nruns = [\n";
+  const auto run = [](const std::string& name) {
+    return "{ name = \"" + name + "\", scenario = \"s\", case = \"c\", sets = [\"k=0\"] },\n";
+  };
+  const testing::TemporaryPath file{"mine.toml",
+                                    list + run("wall-a") + run("wall-b") + run("push") + "]\n"};
+  const auto sets = [&](const std::vector<std::string>& readings) {
+    const Experiments mine = read_experiments(file.string(), Effort::quick, readings);
+    std::vector<std::string> last;
+    for (const auto& [name, spec] : mine.runs) last.push_back(spec.sets.back());
+    return last;  // push, wall-a, wall-b
+  };
+  using Sets = std::vector<std::string>;
+  EXPECT_EQ(sets({}), (Sets{"k=0", "k=0", "k=0"}));
+  EXPECT_EQ(sets({"soft"}), (Sets{"k=0", "k=1", "k=1"}));
+  EXPECT_EQ(sets({"soft", "hard"}), (Sets{"k=0", "k=1", "k=2"}));
+  EXPECT_EQ(complaint_of([&] { sets({"softer"}); }),
+            "--reading softer: there is no such reading (did you mean soft?)");
+}
+
+TEST(Experiments, EveryReasonOfTheShippedListHasACause) {
+  for (const CellSpec& cell : cells_of(own_experiments())) {
+    EXPECT_EQ(cell.why.empty(), cell.cause.empty()) << cell.line;
+  }
 }
 
 // A short run in a folder, for damage.
