@@ -59,9 +59,48 @@ double largest_divergence(const Waves& waves, double depth_m) {
   return largest;
 }
 
+// Root mean square of the vertical speed of the water in an hour [m/s].
+double speed_of(const Waves& waves, double z_m) {
+  double sum = 0.0;
+  for (int i = 0; i < kSamples; ++i) {
+    const double speed = waves.at(kStep_s * i, Eigen::Vector3d(0, 0, z_m)).velocity.z();
+    sum += speed * speed;
+  }
+  return std::sqrt(sum / kSamples);
+}
+
+// The same of the spectrum, except for a factor that does not depend on z.
+double speed_of(const SeaState& sea, double z_m) {
+  constexpr int kIntervals = 2000;
+  const SampledSpectrum acceleration = acceleration_spectrum(sea, -z_m, 0.5, 3.0, kIntervals);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < acceleration.density.size(); ++i) {
+    sum += acceleration.density[i] / (acceleration.omega_rad_s[i] * acceleration.omega_rad_s[i]);
+  }
+  return std::sqrt(sum);
+}
+
+// The vertical speed at some depths, as a part of that at z = 0.
+std::string decay_text(const SeaState& sea, const Waves& waves) {
+  const double peak = JonswapSpectrum(sea).peak_rad_s();
+  const double k = wave_number(peak, sea.water_depth_m, sea.gravity_m_s2);
+  const Waves peak_wave({{1.0, peak, k, 0.0}}, 0.0, sea.water_depth_m);
+  std::string text =
+      "\nvertical speed over that at z = 0\nz [m]    a wave of T_p    the spectrum    an hour\n";
+  for (const double z : {-1.0, -5.0, -10.0, -20.0}) {
+    if (sea.water_depth_m > 0.0 && -z >= sea.water_depth_m) break;
+    text += fmt::format("{:5.1f}    {:13.4f}    {:12.4f}    {:7.4f}\n", z,
+                        speed_of(peak_wave, z) / speed_of(peak_wave, 0.0),
+                        speed_of(sea, z) / speed_of(sea, 0.0),
+                        speed_of(waves, z) / speed_of(waves, 0.0));
+  }
+  return text;
+}
+
 // A report on one realisation of a sea. It compares H_s = 4 √m0 of the spectrum and of an hour, and
-// the spectrum with the Fourier transform of that hour. It compares the decay with depth with
-// e^{kz}, and prints the largest divergence of the velocity [1/s].
+// the spectrum with the Fourier transform of that hour. It compares the decay with depth of a wave
+// of the peak period, of the spectrum and of that hour. It prints the largest divergence of the
+// velocity [1/s].
 std::string waves_report(const SeaState& sea) {
   const JonswapSpectrum spectrum(sea);
   const Waves waves(sea, 0.0);
@@ -88,18 +127,7 @@ std::string waves_report(const SeaState& sea) {
                         spectrum.variance(from, to), energy(samples, from, to));
   }
 
-  SeaState one = sea;
-  one.components = 1;
-  const Waves single(one, 0.0);
-  if (!single.components().empty() && sea.water_depth_m == 0.0) {
-    const double k = single.components().front().wave_number_rad_m;
-    text += "\nz [m]    speed over that at z = 0    e^(kz)\n";
-    for (const double z : {-1.0, -5.0, -10.0, -20.0}) {
-      const double ratio = single.at(0.0, Eigen::Vector3d(0, 0, z)).velocity.norm() /
-                           single.at(0.0, Eigen::Vector3d::Zero()).velocity.norm();
-      text += fmt::format("{:5.1f}    {:22.9f}    {:.9f}\n", z, ratio, math::exp(k * z));
-    }
-  }
+  if (sea.significant_height_m > 0.0) text += decay_text(sea, waves);
   return text + fmt::format("\ndivergence of the velocity: at most {:.1e} 1/s\n",
                             largest_divergence(waves, sea.water_depth_m));
 }

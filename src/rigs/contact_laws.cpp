@@ -8,8 +8,8 @@ using Law = std::unique_ptr<ContactForceLaw>;
 
 void bind_stiffness(Fields& fields, double& stiffness) {
   fields.number("contact.stiffness_N_m", stiffness, positive(),
-                "K: stiffness of the chain of sensor, end effector, gears and links, not of the "
-                "steel; of hertz in N/m^1.5, of hunt_crossley in N/m^n [N/m]");
+                "K: stiffness of the contact as a whole, not of its steel; "
+                "of hertz in N/m^1.5, of hunt_crossley in N/m^n [N/m]");
 }
 
 void bind_dissipation(Fields& fields, double& dissipation) {

@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
@@ -19,88 +18,7 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-using Variables = std::map<std::string, std::string>;
-
 constexpr std::int64_t kMostPanels = 1000;
-
-// Tables with increasing priority, whose texts may contain {VARIABLES}. They are not merged, since
-// a merged table has no line numbers.
-struct Scope {
-  explicit Scope(const TomlEntry& table, Variables values = {})
-      : tables{table}, variables(std::move(values)) {}
-
-  TomlEntry operator[](const std::string& key) const {
-    const auto found = std::find_if(tables.rbegin(), tables.rend(), [&](const TomlEntry& table) {
-      return static_cast<bool>(table[key]);
-    });
-    return (found == tables.rend() ? tables.back() : *found)[key];
-  }
-  std::size_t line() const { return tables.back().line(); }
-  std::string text(const std::string& key) const { return text((*this)[key]); }
-  std::string text_or_nothing(const std::string& key) const {
-    return (*this)[key] ? text(key) : "";
-  }
-  std::vector<std::string> texts(const std::string& key) const {
-    std::vector<std::string> all;
-    for (const TomlEntry& entry : (*this)[key].elements()) all.push_back(text(entry));
-    return all;
-  }
-
-  std::string text(const TomlEntry& entry) const;
-
-  std::vector<TomlEntry> tables;
-  Variables variables;
-};
-
-// A text, or a number as text.
-std::string plain(const TomlEntry& entry) {
-  if (!entry) entry.fail("is missing");
-  if (const auto* string = entry.node()->as_string()) return string->get();
-  if (const auto* integer = entry.node()->as_integer()) return fmt::format("{}", integer->get());
-  if (const auto* real = entry.node()->as_floating_point()) return fmt::format("{}", real->get());
-  entry.fail("must be a text or a number");
-}
-
-// The text of an entry with each {NAME} replaced. The value of a variable may contain variables
-// too.
-std::string Scope::text(const TomlEntry& entry) const {
-  constexpr int kMostReplacements = 100;
-  std::string text = plain(entry);
-  for (int i = 0; text.find('{') != std::string::npos; ++i) {
-    const std::size_t open = text.find('{');
-    const std::size_t close = text.find('}', open);
-    const std::string name = text.substr(open + 1, close - open - 1);
-    const auto found = variables.find(name);
-    if (close == std::string::npos || found == variables.end() || i == kMostReplacements) {
-      entry.fail(fmt::format("\"{}\": there is no {{{}}}", text, name));
-    }
-    text.replace(open, close - open + 1, found->second);
-  }
-  return text;
-}
-
-// Adds the texts and numbers of a table to variables.
-Variables with(Variables variables, const TomlEntry& more) {
-  for (const auto& [key, entry] : more.entries()) {
-    const bool is_plain = entry.node()->is_string() || entry.node()->is_number();
-    if (is_plain) variables[key] = plain(entry);
-  }
-  return variables;
-}
-
-// The combinations of the lists `for` and `and`; one without variables if there are no lists.
-std::vector<Variables> combinations(const TomlEntry& table) {
-  std::vector<Variables> all = {{}};
-  for (const char* key : {"for", "and"}) {
-    if (!table[key]) continue;
-    std::vector<Variables> longer;
-    for (const Variables& variables : all) {
-      for (const TomlEntry& entry : table[key].elements()) longer.push_back(with(variables, entry));
-    }
-    all = longer;
-  }
-  return all;
-}
 
 // One of `words`; empty if the entry is missing.
 std::string word_or_nothing(const TomlEntry& entry, const std::vector<std::string>& words) {
@@ -119,167 +37,124 @@ int repetitions(const TomlEntry& entry, Effort effort) {
   return static_cast<int>(both[effort == Effort::full ? 0 : 1].whole(1, kMostRepetitions));
 }
 
-// A number whose text may contain variables.
-double real(const Scope& scope, const std::string& key) {
-  const std::string written = scope.text(key);
-  const char* const end = written.data() + written.size();
-  double value = 0.0;
-  const auto result = std::from_chars(written.data(), end, value);
-  if (result.ec != std::errc() || result.ptr != end || !std::isfinite(value)) {
-    scope[key].fail(fmt::format("\"{}\" is no number", written));
-  }
-  return value;
+std::vector<std::string> texts(const TomlEntry& list) {
+  std::vector<std::string> all;
+  for (const TomlEntry& entry : list.elements()) all.push_back(entry.text());
+  return all;
 }
 
-void read_runs(const TomlEntry& table, Effort effort, std::map<std::string, RunSpec>& runs) {
-  table.allow({"name", "scenario", "case", "sets", "for", "and", "seeds", "spread", "except"});
-  for (const Variables& variables : combinations(table)) {
-    const Scope scope(table, variables);
-    RunSpec run;
-    run.name = scope.text("name");
-    run.scenario = scope.text("scenario");
-    run.case_name = scope.text("case");
-    run.sets = scope.texts("sets");
-    run.line = table.line();
-    if (const TomlEntry seeds = table["seeds"]) {
-      const int count = repetitions(seeds, effort);
-      for (int seed = 1; seed <= count; ++seed) {
-        run.repetitions.push_back({fmt::format("run.seed={}", seed)});
-      }
-    } else if (const TomlEntry spread = table["spread"]) {
-      spread.allow({"key", "width", "count"});
-      const Scope over(spread, variables);
-      const std::string key = over.text("key");
-      const double width = real(over, "width");
-      const int count = width > 0.0 ? repetitions(spread["count"], effort) : 1;
-      for (int i = 0; i < count; ++i) {
-        run.repetitions.push_back(
-            {fmt::format("{}={:.17g}", key, width * ((i + 0.5) / count - 0.5))});
-      }
-    } else {
-      run.repetitions = {{}};
+void read_run(const TomlEntry& row, Effort effort, std::map<std::string, RunSpec>& runs) {
+  row.allow({"name", "scenario", "case", "sets", "seeds", "spread"});
+  RunSpec run;
+  run.name = row["name"].text();
+  run.scenario = row["scenario"].text();
+  run.case_name = row["case"].text();
+  run.sets = texts(row["sets"]);
+  run.line = row.line();
+  if (const TomlEntry seeds = row["seeds"]) {
+    const int count = repetitions(seeds, effort);
+    for (int seed = 1; seed <= count; ++seed) {
+      run.repetitions.push_back({fmt::format("run.seed={}", seed)});
     }
-    if (!runs.emplace(run.name, run).second) {
-      table.fail("there is a run " + run.name + " already");
+  } else if (const TomlEntry spread = row["spread"]) {
+    spread.allow({"key", "width", "count"});
+    const std::string key = spread["key"].text();
+    const double width = spread["width"].number();
+    const int count = repetitions(spread["count"], effort);
+    for (int i = 0; i < count; ++i) {
+      run.repetitions.push_back(
+          {fmt::format("{}={:.17g}", key, width * ((i + 0.5) / count - 0.5))});
     }
+  } else {
+    run.repetitions = {{}};
   }
+  if (!runs.emplace(run.name, run).second) row.fail("there is a run " + run.name + " already");
 }
 
-CellSpec read_cell(const Scope& cell) {
+CellSpec read_cell(const TomlEntry& cell, const std::string& reading) {
+  cell.allow({"row",    "column",    "run",       "metric",  "over",    "over_metric", "divisor",
+              "absent", "if_failed", "statistic", "printed", "says",    "shows",       "above",
+              "below",  "why",       "cause",     "vacuous", "without", "reading"});
   CellSpec spec;
   spec.line = cell.line();
-  spec.quantity = {cell.text("run"), cell.text("metric")};
+  spec.quantity = {cell["run"].text(), cell["metric"].text()};
   if (cell["over"] || cell["over_metric"]) {
     spec.over = spec.quantity;
-    if (cell["over"]) spec.over->run = cell.text("over");
-    if (cell["over_metric"]) spec.over->metric = cell.text("over_metric");
+    if (cell["over"]) spec.over->run = cell["over"].text();
+    if (cell["over_metric"]) spec.over->metric = cell["over_metric"].text();
   }
   spec.divisor = cell["divisor"].number_or_nothing().value_or(1.0);
   if (spec.divisor == 0.0) cell["divisor"].fail("must not be zero");
   spec.if_failed = cell["if_failed"].number_or_nothing().value_or(spec.if_failed);
   spec.absent_is_never = word_or_nothing(cell["absent"], {"never"}) == "never";
   spec.is_share = word_or_nothing(cell["statistic"], {"median", "share"}) == "share";
-  spec.printed = cell.text_or_nothing("printed");
-  spec.says = cell.text_or_nothing("says");
-  spec.shows = cell.text_or_nothing("shows");
-  spec.why = cell.text_or_nothing("why");
-  spec.vacuous = cell.text_or_nothing("vacuous");
-  spec.hypothesis = cell.text_or_nothing("hypothesis");
+  spec.printed = cell["printed"].text_or_nothing();
+  spec.says = cell["says"].text_or_nothing();
+  spec.shows = cell["shows"].text_or_nothing();
+  spec.why = cell["why"].text_or_nothing();
+  spec.cause = word_or_nothing(cell["cause"], {std::begin(kCauses), std::end(kCauses)});
+  spec.vacuous = cell["vacuous"].text_or_nothing();
+  spec.without = cell["without"].text_or_nothing();
+  spec.reading = cell["reading"] ? cell["reading"].text() : reading;
   spec.holds.above = cell["above"].number_or_nothing();
   spec.holds.below = cell["below"].number_or_nothing();
-  const auto fail = [&](const std::string& reason) { cell.tables.back().fail(reason); };
   const auto kinds = {spec.printed.empty(), spec.says.empty(), spec.shows.empty()};
   if (std::count(kinds.begin(), kinds.end(), false) != 1) {
-    fail("a cell has either `printed`, `says` or `shows`");
+    cell.fail("a cell has either `printed`, `says` or `shows`");
   }
-  if (!spec.vacuous.empty() && (!spec.shows.empty() || !spec.hypothesis.empty())) {
-    fail("`vacuous` is neither what `shows` nor a `hypothesis`");
+  if (!spec.vacuous.empty() && (!spec.shows.empty() || !spec.reading.empty())) {
+    cell.fail("`vacuous` is neither what `shows` nor another `reading`");
+  }
+  if (!spec.without.empty() && spec.vacuous.empty()) {
+    cell.fail("`without` needs `vacuous`: what it means");
   }
   if (!spec.says.empty() && !spec.holds.above && !spec.holds.below) {
-    fail("what the text `says` holds `above` or `below` something");
+    cell.fail("what the text `says` holds `above` or `below` something");
   }
   return spec;
 }
 
-// Collects all {VARIABLES} in the texts of a table, including nested tables and arrays.
-void collect_variables(const toml::node& node, std::vector<std::string>& names) {
-  if (const auto* string = node.as_string()) {
-    const std::string& text = string->get();
-    for (std::size_t open = text.find('{'); open != std::string::npos;) {
-      const std::size_t next = text.find_first_of("{}", open + 1);
-      const bool is_name = next != std::string::npos && text[next] == '}';
-      if (is_name) names.push_back(text.substr(open + 1, next - open - 1));
-      open = is_name ? text.find('{', next) : next;
-    }
-  }
-  if (const toml::table* table = node.as_table()) {
-    for (const auto& [key, value] : *table) collect_variables(value, names);
-  }
-  if (const toml::array* array = node.as_array()) {
-    for (const toml::node& entry : *array) collect_variables(entry, names);
-  }
+// The place of a name in a list.
+std::size_t place_of(const std::string& name, const std::vector<std::string>& names) {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
-// Refuses unknown keys in the cells, columns and rows of a table. Known are the keys of cells, the
-// `key` of a column, and the {VARIABLES} of the texts.
-void check_cell_keys(const TomlEntry& table) {
-  std::vector<std::string> keys = {"title",   "key",        "run",        "metric",    "over",
-                                   "divisor", "absent",     "if_failed",  "statistic", "printed",
-                                   "says",    "shows",      "above",      "below",     "why",
-                                   "vacuous", "hypothesis", "over_metric"};
-  for (const TomlEntry& column : table["columns"].elements()) {
-    if (column["key"]) keys.push_back(column["key"].text());
-  }
-  collect_variables(*table.node(), keys);
-  table["cell"].allow(keys);
-  for (const TomlEntry& column : table["columns"].elements()) column.allow(keys);
-  for (const TomlEntry& row : table["rows"].elements()) {
-    row.allow(keys);
-    for (const auto& [key, entry] : row.entries()) {
-      if (entry.node()->is_table()) entry.allow(keys);
-    }
-  }
-}
-
-// A cell merges the table's `cell`, its column and its row, in this order. In a row, a table with
-// the name of a column's `key` is for that cell only; `false` means no cell.
+// The rows of a table are those of its cells, in their order.
 TableSpec read_table(const TomlEntry& table) {
-  table.allow({"title", "unit", "note", "rows", "columns", "cell"});
-  check_cell_keys(table);
-  const Scope scope(table);
+  table.allow({"title", "unit", "note", "reading", "columns", "cells"});
   TableSpec spec;
-  spec.title = scope.text("title");
-  spec.unit = scope.text_or_nothing("unit");
-  spec.note = scope.text_or_nothing("note");
-  const std::vector<TomlEntry> columns = table["columns"].elements();
-  for (const TomlEntry& column : columns) spec.columns.push_back(Scope(column).text("title"));
-  for (const TomlEntry& row : table["rows"].elements()) {
-    spec.rows.push_back(Scope(row).text("title"));
-    std::vector<std::optional<CellSpec>>& cells = spec.cells.emplace_back();
-    for (const TomlEntry& column : columns) {
-      const TomlEntry own = row[Scope(column).text_or_nothing("key")];
-      if (own && own.node()->is_boolean()) {
-        cells.emplace_back();
-        continue;
-      }
-      Scope cell(table["cell"], with(with({}, row), column));
-      cell.tables.insert(cell.tables.end(), {column, row});
-      if (own && own.node()->is_table()) cell.tables.push_back(own);
-      cells.emplace_back(read_cell(cell));
+  spec.title = table["title"].text();
+  spec.unit = table["unit"].text_or_nothing();
+  spec.note = table["note"].text_or_nothing();
+  spec.columns = texts(table["columns"]);
+  if (spec.columns.empty()) table["columns"].fail("is missing");
+  for (const TomlEntry& cell : table["cells"].elements()) {
+    const std::size_t r = place_of(cell["row"].text(), spec.rows);
+    if (r == spec.rows.size()) {
+      spec.rows.push_back(cell["row"].text());
+      spec.cells.emplace_back(spec.columns.size());
     }
+    const bool has_one = spec.columns.size() == 1 && !cell["column"];
+    const std::size_t c = has_one ? 0 : place_of(cell["column"].text(), spec.columns);
+    if (c == spec.columns.size()) {
+      cell["column"].fail("there is no such column" +
+                          did_you_mean(cell["column"].text(), spec.columns));
+    }
+    if (spec.cells[r][c]) cell.fail("there is such a cell already");
+    spec.cells[r][c] = read_cell(cell, table["reading"].text_or_nothing());
   }
   return spec;
 }
 
-std::vector<PanelSpec> read_panels(const TomlEntry& form, const Variables& variables) {
+std::vector<PanelSpec> read_panels(const TomlEntry& form) {
+  form.allow({"panels"});
   std::vector<PanelSpec> panels;
   for (const TomlEntry& panel : form["panels"].elements()) {
     panel.allow({"title", "signals", "once", "lines", "from_s", "to_s"});
-    const Scope scope(panel, variables);
     PanelSpec& spec = panels.emplace_back();
-    spec.title = scope.text("title");
-    spec.signals = scope.texts("signals");
-    spec.once = scope.texts("once");
+    spec.title = panel["title"].text();
+    spec.signals = texts(panel["signals"]);
+    spec.once = texts(panel["once"]);
     for (const TomlEntry& line : panel["lines"].elements()) spec.lines.push_back(line.number());
     spec.from_s = panel["from_s"].number_or_nothing();
     spec.to_s = panel["to_s"].number_or_nothing();
@@ -287,64 +162,80 @@ std::vector<PanelSpec> read_panels(const TomlEntry& form, const Variables& varia
   return panels;
 }
 
-// Reads figures of equal form: `list` has an entry for each, `form` names their panels.
-void read_figures(const TomlEntry& table, const TomlEntry& forms,
-                  std::vector<FigureSpec>& figures) {
-  table.allow({"form", "list", "runs"});
-  const TomlEntry form = forms[table["form"].text()];
-  if (!form) table["form"].fail("there is no such form");
-  for (const TomlEntry& entry : table["list"].elements()) {
-    const Scope scope(entry);
-    const Scope labels(entry, with({}, entry));
-    FigureSpec& figure = figures.emplace_back();
-    figure.number = scope.text("n");
-    figure.title = scope.text("title");
-    figure.off = scope.texts("off");
-    figure.note = scope.text_or_nothing("note");
-    figure.line = entry.line();
-    if (entry["run"]) figure.runs.push_back({scope.text("run"), ""});
-    for (const TomlEntry& source : {table, entry}) {
-      for (const TomlEntry& run : source["runs"].elements()) {
-        const std::vector<TomlEntry> pair = run.elements();
-        if (pair.size() != 2) run.fail("must be [NAME, LABEL] each");
-        figure.runs.push_back({labels.text(pair[0]), labels.text(pair[1])});
-      }
-    }
-    if (figure.runs.empty()) entry.fail("a figure has no run");
-    figure.panels = read_panels(form, labels.variables);
+FigureSpec read_figure(const TomlEntry& row, const TomlEntry& forms) {
+  row.allow({"n", "title", "form", "run", "runs", "off", "note"});
+  FigureSpec figure;
+  figure.number = row["n"].text();
+  figure.title = row["title"].text();
+  figure.off = texts(row["off"]);
+  figure.note = row["note"].text_or_nothing();
+  figure.line = row.line();
+  const TomlEntry form = forms[row["form"].text()];
+  if (!form) row["form"].fail("there is no such form");
+  figure.panels = read_panels(form);
+  if (row["run"]) figure.runs.push_back({row["run"].text(), ""});
+  for (const TomlEntry& run : row["runs"].elements()) {
+    const std::vector<TomlEntry> pair = run.elements();
+    if (pair.size() != 2) run.fail("must be [NAME, LABEL] each");
+    figure.runs.push_back({pair[0].text(), pair[1].text()});
   }
+  if (figure.runs.empty()) row.fail("a figure has no run");
+  return figure;
 }
 
 SectionSpec read_section(const TomlEntry& table, const TomlEntry& forms, Effort effort,
                          std::map<std::string, RunSpec>& runs) {
-  table.allow({"id", "group", "title", "text", "docs", "video", "strip", "strip_number", "run",
-               "table", "reasons", "figures", "missing"});
-  const Scope scope(table);
+  table.allow({"id", "group", "title", "text", "docs", "video", "strip", "strip_number", "runs",
+               "table", "figures", "missing"});
   SectionSpec section;
-  section.id = scope.text("id");
-  section.group = scope.text("group");
-  section.title = scope.text("title");
-  section.text = scope.text_or_nothing("text");
-  section.docs = scope.text_or_nothing("docs");
-  section.video = scope.text_or_nothing("video");
-  section.strip = scope.text_or_nothing("strip");
-  section.strip_number = scope.text_or_nothing("strip_number");
+  section.id = table["id"].text();
+  section.group = table["group"].text();
+  section.title = table["title"].text();
+  section.text = table["text"].text_or_nothing();
+  section.docs = table["docs"].text_or_nothing();
+  section.video = table["video"].text_or_nothing();
+  section.strip = table["strip"].text_or_nothing();
+  section.strip_number = table["strip_number"].text_or_nothing();
   section.line = table.line();
   if (!section.docs.empty() && !look_for("docs/" + section.docs)) {
     table["docs"].fail("there is no page docs/" + section.docs);
   }
-  for (const TomlEntry& run : table["run"].elements()) read_runs(run, effort, runs);
+  for (const TomlEntry& run : table["runs"].elements()) read_run(run, effort, runs);
   for (const TomlEntry& one : table["table"].elements()) section.tables.push_back(read_table(one));
-  for (const TomlEntry& reason : table["reasons"].elements()) {
-    section.reasons.push_back({Scope(reason).text("of"), Scope(reason).text("why")});
-  }
-  for (const TomlEntry& figures : table["figures"].elements()) {
-    read_figures(figures, forms, section.figures);
+  for (const TomlEntry& figure : table["figures"].elements()) {
+    section.figures.push_back(read_figure(figure, forms));
   }
   for (const TomlEntry& missing : table["missing"].elements()) {
-    section.missing.push_back({Scope(missing).text("what"), Scope(missing).text("why")});
+    section.missing.push_back({missing["what"].text(), missing["why"].text()});
   }
   return section;
+}
+
+// Adds the settings of the chosen readings to the runs.
+void choose_readings(const TomlEntry& rows, const std::vector<std::string>& names,
+                     Experiments& experiments) {
+  std::vector<std::string> known;
+  for (const TomlEntry& row : rows.elements()) {
+    row.allow({"name", "runs", "sets", "why"});
+    const ReadingSpec reading{row["name"].text(), row["runs"].text(), texts(row["sets"]),
+                              row["why"].text_or_nothing(), row.line()};
+    known.push_back(reading.name);
+    const bool is_chosen = std::find(names.begin(), names.end(), reading.name) != names.end();
+    bool has_run = false;
+    for (auto& [name, run] : experiments.runs) {
+      if (!matches_pattern(reading.runs, name)) continue;
+      has_run = true;
+      if (is_chosen) run.sets.insert(run.sets.end(), reading.sets.begin(), reading.sets.end());
+    }
+    if (!has_run) row["runs"].fail("there is no run " + reading.runs);
+    if (is_chosen) experiments.readings.push_back(reading);
+  }
+  for (const std::string& name : names) {
+    if (place_of(name, known) == known.size()) {
+      throw std::invalid_argument(
+          fmt::format("--reading {}: there is no such reading{}", name, did_you_mean(name, known)));
+    }
+  }
 }
 
 // Checks that all references exist.
@@ -384,6 +275,7 @@ class Check {
 
   void cell(const CellSpec& cell) const {
     for (const Quantity& quantity : cell.quantities()) run(quantity.run, cell.line);
+    run(cell.without, cell.line);
     if (!cell.printed.empty() && !printed_.find(cell.printed)) {
       fail(cell.line, "nothing is printed at " + cell.printed);
     }
@@ -437,16 +329,18 @@ std::vector<std::string> SectionSpec::runs() const {
       for (const auto& cell : row) {
         if (!cell) continue;
         for (const Quantity& quantity : cell->quantities()) add_once(names, quantity.run);
+        add_once(names, cell->without);
       }
     }
   }
   return names;
 }
 
-Experiments read_experiments(const std::string& file, Effort effort) {
+Experiments read_experiments(const std::string& file, Effort effort,
+                             const std::vector<std::string>& readings) {
   const toml::table tables = parse_toml_file(file);
   const TomlEntry root(tables, file);
-  root.allow({"title", "hero", "video", "form", "section"});
+  root.allow({"title", "hero", "video", "readings", "form", "section"});
   Experiments experiments;
   experiments.file = file;
   std::error_code ignored;
@@ -456,11 +350,12 @@ Experiments read_experiments(const std::string& file, Effort effort) {
   for (const TomlEntry& section : root["section"].elements()) {
     experiments.sections.push_back(read_section(section, root["form"], effort, experiments.runs));
   }
+  choose_readings(root["readings"], readings, experiments);
   for (const TomlEntry& hero : root["hero"].elements()) {
     const TomlEntry panel = hero["panel"];
-    experiments.heroes.push_back({Scope(hero).text("figure"),
+    experiments.heroes.push_back({hero["figure"].text(),
                                   static_cast<std::size_t>(panel ? panel.whole(0, kMostPanels) : 0),
-                                  Scope(hero).text("caption"), hero.line()});
+                                  hero["caption"].text(), hero.line()});
   }
   Check(experiments, printed_results()).all();
   return experiments;

@@ -28,7 +28,9 @@ struct RunSpec {
 /// A metric of a run.
 struct Quantity {
   std::string run;
-  std::string metric;  ///< NAME; |NAME|; or "max SIGNAL", the signal's largest value
+  /// NAME; |NAME|; or "max SIGNAL", the signal's largest value. "step SIGNAL" is the root mean
+  /// square of its changes from sample to sample, from metrics.from_s to metrics.to_s.
+  std::string metric;
 
   /// The name of the metric, without the bars of a magnitude.
   std::string name() const;
@@ -50,11 +52,14 @@ struct CellSpec {
   std::string says;       ///< a statement of the text; `holds` is its criterion
   std::string shows;      ///< text of a cell that is not judged or counted
   std::string why;        ///< the reason if it is not reproduced
+  std::string cause;      ///< one of `kCauses`; may be empty
   /// The reason if the cell holds by construction. It is then counted apart, not as a success.
   std::string vacuous;
-  /// An assumption against the printed text or the section's reading. The cell is judged and
-  /// counted apart.
-  std::string hypothesis;
+  /// A run without what the statement is about: the cell is vacuous if it holds for this run too.
+  std::string without;
+  /// An assumption against the printed text or the section's reading. The cell is judged, and not
+  /// counted.
+  std::string reading;
   Band holds;
   std::size_t line = 0;
 
@@ -101,12 +106,6 @@ struct MissingSpec {
   std::string why;
 };
 
-/// The reason why a printed result is not reproduced, or all whose path matches a pattern.
-struct ReasonSpec {
-  std::string of;
-  std::string why;
-};
-
 struct SectionSpec {
   std::string id;     ///< number in the thesis: "2.4.3.2"
   std::string group;  ///< another name for --only: "arm"
@@ -117,7 +116,6 @@ struct SectionSpec {
   std::string strip;  ///< the run whose strip of pictures is shown; empty: none
   std::string strip_number;
   std::vector<TableSpec> tables;
-  std::vector<ReasonSpec> reasons;
   std::vector<FigureSpec> figures;
   std::vector<MissingSpec> missing;
   std::size_t line = 0;
@@ -126,6 +124,16 @@ struct SectionSpec {
   std::vector<std::string> runs() const;
   /// The runs whose logs its figures, video and strip need.
   std::vector<std::string> logged_runs() const;
+};
+
+/// Another reading of the text: settings for all runs whose names match a pattern, in which *
+/// stands for any characters. A reading may have several.
+struct ReadingSpec {
+  std::string name;
+  std::string runs;
+  std::vector<std::string> sets;
+  std::string why;
+  std::size_t line = 0;
 };
 
 /// A picture at the top of the page: one panel of a figure.
@@ -145,10 +153,17 @@ struct Experiments {
   std::map<std::string, RunSpec> runs;
   std::vector<SectionSpec> sections;
   std::vector<HeroSpec> heroes;
-  std::string video;  ///< for the top of the page: id of a section
+  std::vector<ReadingSpec> readings;  ///< the chosen ones
+  std::string video;                  ///< for the top of the page: id of a section
 };
 
-/// Reads a file of experiments. Throws std::invalid_argument `FILE[:LINE]: reason`.
-Experiments read_experiments(const std::string& file, Effort effort);
+/// The cause if a result is not reproduced. The thesis contradicts itself or its numbers, or it is
+/// about hardware, or a reading, metric or limit of ours is in doubt.
+inline constexpr const char* kCauses[] = {"thesis", "hardware", "ours"};
+
+/// Reads a file of experiments, with the readings of these names. Throws std::invalid_argument
+/// `FILE[:LINE]: reason`.
+Experiments read_experiments(const std::string& file, Effort effort,
+                             const std::vector<std::string>& readings = {});
 
 }  // namespace breakwater

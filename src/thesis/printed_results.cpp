@@ -223,8 +223,8 @@ std::optional<PrintedResults::Case> PrintedResults::of_case(const std::string& s
   return found->second;
 }
 
-bool matches_pattern(const std::string& pattern, const std::string& path) {
-  return matches(pattern.c_str(), path.c_str());
+bool matches_pattern(const std::string& pattern, const std::string& text) {
+  return matches(pattern.c_str(), text.c_str());
 }
 
 const PrintedResults& printed_results() {

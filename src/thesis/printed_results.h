@@ -82,8 +82,8 @@ class PrintedResults {
   std::map<std::string, Case> cases_;
 };
 
-/// Whether a path matches a pattern, in which * stands for any characters.
-bool matches_pattern(const std::string& pattern, const std::string& path);
+/// Whether a text matches a pattern, in which * stands for any characters.
+bool matches_pattern(const std::string& pattern, const std::string& text);
 
 /// The results in the project's own data/.
 const PrintedResults& printed_results();

@@ -24,6 +24,7 @@ struct ReproduceArguments {
   std::string only = "all";
   std::string out = "runs/reproduce";
   std::string file;
+  std::vector<std::string> readings;
   bool quick = false;
   bool no_video = false;
   bool with_replay = true;
@@ -91,7 +92,7 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   const fs::path file =
       arguments.file.empty() ? data_file("data/experiments.toml") : fs::path(arguments.file);
   const Effort effort = arguments.quick ? Effort::quick : Effort::full;
-  const Experiments experiments = read_experiments(file.string(), effort);
+  const Experiments experiments = read_experiments(file.string(), effort, arguments.readings);
   check_out(arguments.out);
   stop_on_signals();
   const Reproduction reproduction{catalogue,
@@ -110,6 +111,9 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   replace_file(page, report.html);
   const fs::path verdicts = reproduction.out / "verdicts.csv";
   replace_file(verdicts, verdict_list(reproduction, measured));
+  if (!experiments.is_own) {
+    for (const std::string& line : report.score.headline()) fmt::print("{}\n", line);
+  }
   fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", report.score.text(), report.figures,
              page.string(), verdicts.string());
   return status;
@@ -132,6 +136,10 @@ int reproduce_main(const Catalogue& catalogue, int argc, const char* const* argv
   app.add_option("--experiments", arguments.file,
                  "another list of experiments than data/experiments.toml")
       ->type_name("FILE");
+  app.add_option("--reading", arguments.readings,
+                 "other readings of the text, by their names in the list of experiments")
+      ->type_name("NAME[,NAME]")
+      ->delimiter(',');
   app.add_flag("--no-video", arguments.no_video, "leave out the video");
   app.add_flag("!--no-replay", arguments.with_replay, "leave out the replays");
   app.add_flag("--quiet", arguments.quiet, "print errors and the score only");

@@ -21,9 +21,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kLargest = "max ";
+constexpr const char* kStep = "step ";
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Metrics computed from signals ("max SIGNAL"), with the line that needs each.
+// Metrics computed from signals ("max SIGNAL", "step SIGNAL"), with the line that needs each.
 using Derived = std::map<std::string, std::size_t>;
 
 struct Job {
@@ -35,7 +36,9 @@ struct Job {
   Derived derived;
   bool is_logged = false;
   std::string key;
-  double cost = 0.0;  // number of physics steps
+  double cost = 0.0;    // number of physics steps
+  double from_s = 0.0;  // the window of the run's metrics
+  double to_s = std::numeric_limits<double>::infinity();
 };
 
 // Calls `body` for each cell of the sections.
@@ -64,7 +67,8 @@ std::map<std::string, Derived> derived_metrics(const Experiments& experiments) {
   each_cell(sections, [&](const CellSpec& cell) {
     for (const Quantity& quantity : cell.quantities()) {
       const std::string name = quantity.name();
-      if (name.starts_with(kLargest)) derived[quantity.run].emplace(name, cell.line);
+      if (name.starts_with(kLargest) || name.starts_with(kStep))
+        derived[quantity.run].emplace(name, cell.line);
     }
   });
   return derived;
@@ -160,6 +164,8 @@ Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t rep
   job.models = models_.of(run.model_files);
   job.cost = config.number("run.duration_s").value_or(1.0) /
              config.number("physics.timestep_s").value_or(1e-3);
+  job.from_s = config.number("metrics.from_s").value_or(job.from_s);
+  job.to_s = config.number("metrics.to_s").value_or(job.to_s);
   return job;
 }
 
@@ -187,10 +193,25 @@ double largest(const std::vector<double>& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
-// All values of the signal that `metric` ("max SIGNAL") refers to.
+// Root mean square of the changes from sample to sample in the window of the job's metrics.
+double step_of(const std::vector<double>& values, const std::vector<double>& times,
+               const Job& job) {
+  constexpr double kHalfStep_s = 1e-9;
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (times[i] < job.from_s - kHalfStep_s || times[i] > job.to_s + kHalfStep_s) continue;
+    const double change = values.at(i) - values.at(i - 1);
+    sum += change * change;
+    ++count;
+  }
+  return count == 0 ? kNaN : std::sqrt(sum / static_cast<double>(count));
+}
+
+// All values of the signal that `metric` ("max SIGNAL", "step SIGNAL") refers to.
 std::vector<double> values_for(const std::string& metric, std::size_t line, const Job& job,
                                const Experiments& experiments, const Track& track) {
-  const std::string signal = metric.substr(std::string(kLargest).size());
+  const std::string signal = metric.substr(metric.find(' ') + 1);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < track.signals(); ++i) {
     names.push_back(track.signal(i).name);
@@ -210,9 +231,10 @@ void Jobs::derive(std::size_t point, const Recording& recording, PointResult& re
   if (recording.failure) return;
   const Job& job = jobs_[point];
   for (const auto& [metric, line] : job.derived) {
-    result.metrics.emplace_back(metric,
-                                largest(values_for(metric, line, job, reproduction_.experiments,
-                                                   recording.track("control"))));
+    const Track& track = recording.track("control");
+    const auto values = values_for(metric, line, job, reproduction_.experiments, track);
+    result.metrics.emplace_back(
+        metric, metric.starts_with(kStep) ? step_of(values, track.times(), job) : largest(values));
   }
 }
 
@@ -358,7 +380,10 @@ std::vector<double> values_of(const CellSpec& cell, const Measured& measured) {
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
     const bool is_part = std::isfinite(divisors[i]) && divisors[i] != 0.0;
-    values[i] /= is_part ? divisors[i] * cell.divisor : kNaN;
+    // A time is no part of never.
+    const bool is_of_never =
+        cell.absent_is_never && std::isinf(divisors[i]) && std::isfinite(values[i]);
+    values[i] = is_of_never ? 0.0 : values[i] / (is_part ? divisors[i] * cell.divisor : kNaN);
   }
   return values;
 }

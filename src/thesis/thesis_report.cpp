@@ -89,20 +89,32 @@ std::vector<PageChart> charts_of(const FigureSpec& figure, const std::string& gr
   return charts;
 }
 
-bool is_vacuous(const Judged& judged, const CellSpec& cell) {
-  return !cell.vacuous.empty() && judged.verdict == Verdict::reproduced;
+// How far a measured number is from the printed one, relative to it; infinite without a number.
+double deviation(const Judged& judged, const PrintedResult& printed) {
+  const double off = std::abs((judged.median - *printed.number) / *printed.number);
+  return std::isfinite(off) ? off : std::numeric_limits<double>::infinity();
 }
 
-void count(const Judged& judged, const CellSpec& cell, bool is_own, Score& score) {
-  if (!cell.hypothesis.empty()) {
-    ++score.hypotheses;
-    score.hypotheses_hold += judged.verdict == Verdict::reproduced ? 1 : 0;
-    return;
+void count(const Judged& judged, const CellSpec& cell, const std::string& section, bool is_own,
+           Score& score) {
+  if (!cell.reading.empty()) return;
+  const auto printed = printed_results().find(cell.printed);
+  if (printed && printed->number) {
+    const double off = deviation(judged, *printed);
+    ++score.numbers;
+    score.numbers_near += off <= 0.05 ? 1 : 0;
+    score.numbers_off += off > 0.25 ? 1 : 0;
   }
-  if (is_vacuous(judged, cell)) {
+  const auto one_if = [&](Verdict verdict) {
+    return judged.verdict == verdict && !judged.is_vacuous ? 1 : 0;
+  };
+  (printed ? score.printed : score.statements[section + ": " + cell.says]) +=
+      {one_if(Verdict::reproduced), one_if(Verdict::within_class), judged.is_vacuous ? 1 : 0, 1};
+  if (judged.is_vacuous) {
     ++score.vacuous;
     return;
   }
+  if (judged.verdict == Verdict::not_reproduced) ++score.causes[cell.cause];
   const bool is_own_statement = is_own && !cell.says.empty();
   switch (judged.verdict) {
     case Verdict::reproduced:
@@ -143,8 +155,9 @@ std::string missing_text(const CellSpec& cell, std::size_t missing, std::size_t 
   return values == 1 ? "no " + what : fmt::format("no {} in {} of {} runs", what, missing, values);
 }
 
-mustache::data table_data(const TableSpec& table, const SectionSpec& section,
-                          const Measured& measured, bool is_own, Score& score) {
+mustache::data table_data(const TableSpec& table, const std::string& section,
+                          const Measured& measured, bool is_own, Score& score,
+                          std::map<std::string, mustache::data>& failures) {
   const PrintedResults& printed = printed_results();
   mustache::data data;
   data.set("table_title", table.title);
@@ -165,12 +178,13 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
     mustache::data row;
     row.set("name", table.rows[r]);
     mustache::data cells(mustache::data::type::list);
-    for (const auto& spec : table.cells[r]) {
+    for (std::size_t c = 0; c < table.columns.size(); ++c) {
+      const auto& spec = table.cells[r][c];
       mustache::data cell;
       if (spec) {
         const Judged judged = judge_cell(*spec, measured, printed);
         const bool is_judged = spec->shows.empty();
-        if (is_judged) count(judged, *spec, is_own, score);
+        if (is_judged) count(judged, *spec, section, is_own, score);
         mustache::data filled;
         filled.set("measured", judged.measured);
         const std::size_t missing = judged.values - judged.numbers;
@@ -188,8 +202,8 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
         if (is_judged) {
           mustache::data verdict;
           verdict.set("word", verdict_word(judged, *spec, is_own));
-          verdict.set("kind", css_class(is_vacuous(judged, *spec) ? Verdict::not_measured
-                                                                  : judged.verdict));
+          verdict.set("kind",
+                      css_class(judged.is_vacuous ? Verdict::not_measured : judged.verdict));
           verdict.set("class_text", judged.class_text);
           filled.set("verdict", verdict);
           if (!spec->says.empty()) {
@@ -201,7 +215,18 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
         } else {
           filled.set("shows", judged.printed);
         }
-        const std::string why = reason_of(judged, *spec, section);
+        const std::string why = reason_of(judged, *spec);
+        if (is_judged && spec->reading.empty() && judged.verdict == Verdict::not_reproduced) {
+          mustache::data failure;
+          failure.set("section", section);
+          failure.set("section_anchor", "section-" + anchor(section));
+          failure.set("what", table.columns.size() == 1 ? table.rows[r]
+                                                        : table.rows[r] + ", " + table.columns[c]);
+          failure.set("says", judged.printed);
+          failure.set("measured", judged.measured);
+          failure.set("why", why);
+          failures.try_emplace(spec->cause, mustache::data::type::list).first->second << failure;
+        }
         if (!why.empty()) {
           auto place = std::find(notes.begin(), notes.end(), why);
           if (place == notes.end()) place = notes.insert(notes.end(), why);
@@ -261,8 +286,8 @@ mustache::data figure_data(const FigureSpec& figure, const SectionSpec& section,
 
 std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own) {
   if (!cell.shows.empty()) return "shown";
-  if (is_vacuous(judged, cell)) return "vacuous";
-  const std::string before = cell.hypothesis.empty() ? "" : "hypothesis: ";
+  if (judged.is_vacuous) return "vacuous";
+  const std::string before = cell.reading.empty() ? "" : "other reading: ";
   // A statement of a user's own list holds; it is not reproduced.
   const bool is_own_statement = is_own && !cell.says.empty();
   if (!is_own_statement || judged.verdict == Verdict::not_measured) {
@@ -271,16 +296,19 @@ std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own
   return before + (judged.verdict == Verdict::reproduced ? "holds" : "does not hold");
 }
 
-std::string reason_of(const Judged& judged, const CellSpec& cell, const SectionSpec& section) {
-  if (!cell.hypothesis.empty()) return cell.hypothesis;
-  if (is_vacuous(judged, cell)) return cell.vacuous;
+std::string reason_of(const Judged& judged, const CellSpec& cell) {
+  if (!cell.reading.empty()) return cell.reading;
+  if (judged.is_vacuous) return cell.vacuous;
   if (!cell.shows.empty() || judged.verdict == Verdict::reproduced) return "";
-  if (!cell.why.empty()) return cell.why;
-  const std::string path = cell.printed.empty() ? cell.quantity.run : cell.printed;
-  for (const ReasonSpec& reason : section.reasons) {
-    if (matches_pattern(reason.of, path)) return reason.why;
-  }
-  return "";
+  return cell.why;
+}
+
+Score::Share& Score::Share::operator+=(const Share& other) {
+  reproduced += other.reproduced;
+  within_class += other.within_class;
+  vacuous += other.vacuous;
+  all += other.all;
+  return *this;
 }
 
 Score& Score::operator+=(const Score& other) {
@@ -291,8 +319,12 @@ Score& Score::operator+=(const Score& other) {
   holds += other.holds;
   does_not_hold += other.does_not_hold;
   vacuous += other.vacuous;
-  hypotheses += other.hypotheses;
-  hypotheses_hold += other.hypotheses_hold;
+  printed += other.printed;
+  for (const auto& [statement, share] : other.statements) statements[statement] += share;
+  numbers += other.numbers;
+  numbers_near += other.numbers_near;
+  numbers_off += other.numbers_off;
+  for (const auto& [cause, number] : other.causes) causes[cause] += number;
   return *this;
 }
 
@@ -312,21 +344,53 @@ std::vector<Score::Tally> Score::tallies() const {
   return all;
 }
 
-std::string Score::beside() const {
-  std::vector<std::string> parts;
-  if (vacuous > 0) parts.push_back(fmt::format("{} vacuous", vacuous));
-  if (hypotheses > 0) {
-    parts.push_back(fmt::format("{} of {} hypotheses hold", hypotheses_hold, hypotheses));
-  }
-  return fmt::format("{}", fmt::join(parts, ", "));
-}
-
 std::string Score::text() const {
   std::vector<std::string> parts;
   for (const Tally& tally : tallies())
     parts.push_back(fmt::format("{} {}", tally.count, tally.word));
-  const std::string more = beside();
-  return fmt::format("{}{}{}", fmt::join(parts, ", "), more.empty() ? "" : "; beside them ", more);
+  return fmt::format("{}{}", fmt::join(parts, ", "),
+                     vacuous > 0 ? fmt::format("; beside them {} vacuous", vacuous) : "");
+}
+
+std::vector<std::string> Score::headline() const {
+  std::vector<std::string> lines;
+  if (printed.all > 0) {
+    lines.push_back(fmt::format(
+        "printed results: {} of {} reproduced, {} within their class, {} not, {} vacuous",
+        printed.reproduced, printed.all, printed.within_class,
+        printed.all - printed.reproduced - printed.within_class - printed.vacuous,
+        printed.vacuous));
+  }
+  if (numbers > 0) {
+    lines.push_back(fmt::format("printed numbers: {} of {} within 5 %, {} within 25 %",
+                                numbers_near, numbers, numbers - numbers_off));
+  }
+  int whole = 0;
+  int none = 0;
+  int judged = 0;
+  int cells = 0;
+  for (const auto& [statement, share] : statements) {
+    const int counted = share.all - share.vacuous;
+    if (counted == 0) continue;
+    whole += share.reproduced == counted ? 1 : 0;
+    none += share.reproduced == 0 ? 1 : 0;
+    cells += counted;
+    ++judged;
+  }
+  if (judged > 0) {
+    lines.push_back(
+        fmt::format("different statements ({} cells): {} of {} hold in all cells, {} in some, {} "
+                    "in none",
+                    cells, whole, judged, judged - whole - none, none));
+  }
+  std::vector<std::string> parts;
+  for (const auto& [cause, number] : causes) {
+    parts.push_back(fmt::format("{} {}", cause.empty() ? "not said" : cause, number));
+  }
+  if (!parts.empty()) {
+    lines.push_back(fmt::format("causes of what is not: {}", fmt::join(parts, ", ")));
+  }
+  return lines;
 }
 
 Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed) {
@@ -371,6 +435,13 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
     judged.printed = cell.shows;
     return judged;
   }
+  // Whether a run without what the statement is about does as well.
+  const bool is_trivial = [&] {
+    if (cell.vacuous.empty() || cell.without.empty()) return !cell.vacuous.empty();
+    CellSpec without = cell;
+    without.quantity.run = cell.without;
+    return cell.holds.contains(median(values_of(without, measured)));
+  }();
   if (!cell.says.empty()) {
     judged.printed = cell.says;
     judged.class_text = "holds if " + cell.holds.text();
@@ -378,12 +449,15 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
     judged.verdict = final_verdict(std::isnan(judged.median) ? Verdict::not_measured
                                    : holds                   ? Verdict::reproduced
                                                              : Verdict::not_reproduced);
+    judged.is_vacuous = is_trivial && judged.verdict == Verdict::reproduced;
     return judged;
   }
   const PrintedResult result = printed.find(cell.printed).value();
   const Standard& standard = printed.standard(cell.printed);
   judged.printed = result.text();
   judged.verdict = final_verdict(judge(judged.median, result, standard));
+  judged.is_vacuous = is_trivial && judged.verdict != Verdict::not_reproduced &&
+                      judged.verdict != Verdict::not_measured;
   if (result.number) {
     judged.class_text = rule_text(standard);
   } else {
@@ -412,7 +486,8 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
                            Effort effort) {
   const Experiments& experiments = reproduction.experiments;
   ThesisReport report;
-  std::map<std::string, PageChart> hero_charts;  // by figure and panel
+  std::map<std::string, PageChart> hero_charts;    // by figure and panel
+  std::map<std::string, mustache::data> failures;  // by cause
   std::set<std::string> docs;
   std::set<std::string> numbers;  // "4.32 (10 ms)" is a part of Fig. 4.32
   mustache::data toc(mustache::data::type::list);
@@ -434,7 +509,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     }
     mustache::data tables(mustache::data::type::list);
     for (const TableSpec& table : spec->tables) {
-      tables << table_data(table, *spec, measured, experiments.is_own, score);
+      tables << table_data(table, spec->id, measured, experiments.is_own, score, failures);
     }
     section.set("tables", tables);
     if (!spec->video.empty() && reproduction.with_replay) {
@@ -540,13 +615,32 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
   if (reproduction.sections.size() < experiments.sections.size()) {
     extent += " Only the sections in the contents were asked for.";
   }
+  for (const ReadingSpec& reading : experiments.readings) {
+    extent += fmt::format(" Other reading {}: {} with {}. {}", reading.name, reading.runs,
+                          fmt::join(reading.sets, " "), reading.why);
+  }
   page.set("extent", extent);
   int all = 0;
   for (const Score::Tally& tally : report.score.tallies()) all += tally.count;
   page.set("tallies", tallies_data(report.score));
   page.set("all", std::to_string(all));
-  const std::string beside = report.score.beside();
-  if (!beside.empty()) page.set("beside", beside);
+  if (report.score.vacuous > 0) page.set("vacuous", std::to_string(report.score.vacuous));
+  mustache::data headline(mustache::data::type::list);
+  const bool has_causes = !experiments.is_own && !failures.empty();
+  for (const std::string& line :
+       experiments.is_own ? std::vector<std::string>{} : report.score.headline())
+    headline << mustache::data("line", line);
+  page.set("headline", headline);
+  page.set("has_headline", !experiments.is_own);
+  mustache::data causes(mustache::data::type::list);
+  for (const auto& [cause, list] : failures) {
+    mustache::data entry("failures", list);
+    entry.set("cause", cause.empty() ? "not said" : cause);
+    entry.set("count", std::to_string(report.score.causes[cause]));
+    causes << entry;
+  }
+  page.set("causes", causes);
+  page.set("has_causes", has_causes);
   page.set("figure_count", std::to_string(report.figures));
   for (const SectionSpec* spec : reproduction.sections) {
     if (spec->id != experiments.video || spec->video.empty()) continue;

@@ -1,6 +1,7 @@
 // The page that compares the thesis' results with ours.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,7 +12,7 @@
 
 namespace breakwater {
 
-/// The number of results with each verdict.
+/// The number of results with each verdict. Other readings are not counted.
 struct Score {
   int reproduced = 0;
   int within_class = 0;
@@ -19,9 +20,22 @@ struct Score {
   int not_measured = 0;
   int holds = 0;  ///< statements of a user's own list
   int does_not_hold = 0;
-  int vacuous = 0;  ///< hold by construction; vacuous cells and hypotheses are no results
-  int hypotheses = 0;
-  int hypotheses_hold = 0;
+  int vacuous = 0;  ///< hold by construction, and are no results
+
+  struct Share {
+    int reproduced = 0;
+    int within_class = 0;
+    int vacuous = 0;
+    int all = 0;
+
+    Share& operator+=(const Share& other);
+  };
+  Share printed;                            ///< printed numbers and words
+  std::map<std::string, Share> statements;  ///< cells of each statement of each section
+  int numbers = 0;                          ///< printed numbers, also the vacuous ones
+  int numbers_near = 0;                     ///< within 5 %
+  int numbers_off = 0;                      ///< not within 25 %
+  std::map<std::string, int> causes;        ///< number of cells not reproduced by cause
 
   Score& operator+=(const Score& other);
   /// The counts in the order of the text. A count that cannot occur in the list is left out.
@@ -31,10 +45,10 @@ struct Score {
     Verdict verdict;
   };
   std::vector<Tally> tallies() const;
-  /// A text such as "2 vacuous, 3 of 5 hypotheses hold"; empty if there are neither.
-  std::string beside() const;
   /// A text such as "3 reproduced, 1 within the class, 0 not reproduced; beside them 2 vacuous".
   std::string text() const;
+  /// Lines about printed results, numbers, different statements, and causes.
+  std::vector<std::string> headline() const;
 };
 
 /// The verdict on a cell.
@@ -48,17 +62,18 @@ struct Judged {
   std::string printed;                      ///< as in the thesis
   std::string class_text;                   ///< the criterion of "reproduced"
   Verdict verdict = Verdict::not_measured;  ///< unused if the cell only `shows`
+  bool is_vacuous = false;                  ///< reproduced, but by construction
 };
 Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed);
 
 /// The verdict in words: "reproduced", "within the class", … In a user's own list a statement
-/// "holds" or "does not hold". A cell that is not judged is "shown". "vacuous" or "hypothesis: "
-/// stand first.
+/// "holds" or "does not hold". A cell that is not judged is "shown". "vacuous" or "other
+/// reading: " stand first.
 std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own);
 
-/// The reason why a cell is vacuous, its hypothesis, or why it is not reproduced (from the cell or
-/// its section). Empty if there is no reason or nothing is judged.
-std::string reason_of(const Judged& judged, const CellSpec& cell, const SectionSpec& section);
+/// The reason why a cell is vacuous, its reading, or why it is not reproduced. Empty if there is
+/// no reason or nothing is judged.
+std::string reason_of(const Judged& judged, const CellSpec& cell);
 
 /// The command for one repetition of a run, with its log in a folder of the run's name.
 std::string command_of(const RunSpec& run, std::size_t repetition = 0);

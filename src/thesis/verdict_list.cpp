@@ -18,9 +18,10 @@ std::string exact(double value) {
 
 std::string verdict_list(const Reproduction& reproduction, const Measured& measured) {
   const PrintedResults& printed = printed_results();
-  std::string text = csv_line({"section", "table", "row", "column", "run", "metric", "over_run",
-                               "over_metric", "divisor", "statistic", "measured", "smallest",
-                               "largest", "runs", "printed", "says", "holds_if", "verdict", "why"});
+  std::string text = csv_line({"section",  "table",    "row",         "column",  "run",
+                               "metric",   "over_run", "over_metric", "divisor", "statistic",
+                               "measured", "smallest", "largest",     "runs",    "printed",
+                               "says",     "holds_if", "verdict",     "cause",   "why"});
   for (const SectionSpec* section : reproduction.sections) {
     for (const TableSpec& table : section->tables) {
       for (std::size_t r = 0; r < table.rows.size(); ++r) {
@@ -30,15 +31,26 @@ std::string verdict_list(const Reproduction& reproduction, const Measured& measu
           const Judged judged = judge_cell(*cell, measured, printed);
           const Quantity over = cell->over.value_or(Quantity{});
           const bool has_numbers = judged.numbers > 0;
-          text += csv_line({section->id, table.title, table.rows[r], table.columns[c],
-                            cell->quantity.run, cell->quantity.metric, over.run, over.metric,
-                            exact(cell->divisor), cell->is_share ? "share" : "median",
-                            exact(judged.median), has_numbers ? exact(judged.smallest) : "",
-                            has_numbers ? exact(judged.largest) : "", std::to_string(judged.values),
-                            cell->printed.empty() ? "" : judged.printed, cell->says + cell->shows,
+          text += csv_line({section->id,
+                            table.title,
+                            table.rows[r],
+                            table.columns[c],
+                            cell->quantity.run,
+                            cell->quantity.metric,
+                            over.run,
+                            over.metric,
+                            exact(cell->divisor),
+                            cell->is_share ? "share" : "median",
+                            exact(judged.median),
+                            has_numbers ? exact(judged.smallest) : "",
+                            has_numbers ? exact(judged.largest) : "",
+                            std::to_string(judged.values),
+                            cell->printed.empty() ? "" : judged.printed,
+                            cell->says + cell->shows,
                             judged.class_text,
                             verdict_word(judged, *cell, reproduction.experiments.is_own),
-                            reason_of(judged, *cell, *section)});
+                            judged.verdict == Verdict::not_reproduced ? cell->cause : "",
+                            reason_of(judged, *cell)});
         }
       }
     }

@@ -42,19 +42,12 @@ id = "1"
 group = "cart"
 title = "A cart"
 text = "A cart goes."
-[[section.run]]
-name = "cart"
-scenario = "cart_position"
-case = "idob"
-sets = ["run.duration_s=0.1"]
-seeds = [2, 2]
+runs = [{ name = "cart", scenario = "cart_position", case = "idob", sets = ["run.duration_s=0.1"], seeds = [2, 2] }]
+figures = [{ n = "1", title = "The cart", form = "position", run = "cart" }]
 [[section.table]]
 title = "Position"
-columns = [{ title = "measured" }]
-rows = [{ title = "the cart [m]", run = "cart", metric = "max_position_m", shows = "not said" }]
-[[section.figures]]
-form = "position"
-list = [{ n = "1", title = "The cart", run = "cart" }]
+columns = ["measured"]
+cells = [{ row = "the cart [m]", shows = "not said", run = "cart", metric = "max_position_m" }]
 [form.position]
 panels = [{ title = "position", signals = ["position_true_m"] }]
 """

@@ -59,6 +59,15 @@ TEST_F(ScenarioCommandLine, AVehicleOfAnotherMassIsALine) {
   EXPECT_TRUE(lacks(ran(brief).err, "assume"));
 }
 
+// At -10 m a wave of 8 s keeps e^{-ω² z/g} = 0.5331 of its vertical speed. The JONSWAP sea,
+// integrated with NumPy from 0.5 to 3 ω_p, keeps 0.3973.
+TEST_F(ScenarioCommandLine, WavesDecayAsTheSeaDoesWhateverTheSeed) {
+  for (const std::string seed : {"1", "2"}) {
+    EXPECT_TRUE(has(ran("breakwater waves --height 2 --period 8 --seed " + seed).out,
+                    "\n-10.0           0.5331          0.3973     0.3"));
+  }
+}
+
 TEST_F(ScenarioCommandLine, NanEndsTheRunWithStatus3) {
   const std::string broken =
       "quadrotor_waves --duration 2 --quiet --set metrics.window_s=1 fault.sensor=z fault.at_s=1";

@@ -37,14 +37,8 @@ title = "The arm"
 text = "Held."
 docs = "explanation/experiments/arm-push.md"
 video = "push"
-[[section.run]]
-name = "push"
-scenario = "arm_push"
-case = "proposed-link1"
-sets = ["run.duration_s=1.5", "push.start_s=0.2"]
-[[section.figures]]
-form = "tip"
-list = [{ n = "2.50", title = "The tip", run = "push" }]
+runs = [{ name = "push", scenario = "arm_push", case = "proposed-link1", sets = ["run.duration_s=1.5", "push.start_s=0.2"] }]
+figures = [{ n = "2.50", title = "The tip", form = "tip", run = "push" }]
 
 [[section]]
 id = "4.3.2"
@@ -52,22 +46,31 @@ group = "motor"
 title = "The motor"
 text = "Disturbed."
 docs = "explanation/methods/disturbance-kalman-filters.md"
-[[section.run]]
-name = "motor-{k}"
-scenario = "motor_estimation"
-case = "{k}"
-for = [{ k = "mdob" }, { k = "idob" }, { k = "kfd" }, { k = "dkf" }, { k = "fakfd-095" }, { k = "fakfd-0998" }, { k = "vfakfd" }]
+runs = [
+  { name = "motor-mdob", scenario = "motor_estimation", case = "mdob" },
+  { name = "motor-idob", scenario = "motor_estimation", case = "idob" },
+  { name = "motor-kfd", scenario = "motor_estimation", case = "kfd" },
+  { name = "motor-dkf", scenario = "motor_estimation", case = "dkf" },
+  { name = "motor-fakfd-095", scenario = "motor_estimation", case = "fakfd-095" },
+  { name = "motor-fakfd-0998", scenario = "motor_estimation", case = "fakfd-0998" },
+  { name = "motor-vfakfd", scenario = "motor_estimation", case = "vfakfd" },
+]
+figures = [
+  { n = "4.32", title = "KFD", form = "angle", run = "motor-kfd" },
+  { n = "4.34", title = "Both", form = "angle", runs = [["motor-kfd", "KFD"], ["motor-idob", "IDOB"]], off = ["IDOB"] },
+]
 [[section.table]]
 title = "A row of Table 4.8"
 unit = "rad/s"
-columns = [{ title = "MDOB", k = "mdob", i = 0 }, { title = "IDOB", k = "idob", i = 1 }, { title = "KFD", k = "kfd", i = 2 }, { title = "DKF", k = "dkf", i = 3 }, { title = "FAKFD", k = "fakfd-095", i = 4 }, { title = "FAKFD .998", k = "fakfd-0998", i = 5 }, { title = "VFAKFD", k = "vfakfd", i = 6 }]
-rows = [{ title = "1 ms, 12 bits" }]
-cell = { run = "motor-{k}", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[{i}]" }
-[[section.figures]]
-form = "angle"
-list = [
-  { n = "4.32", title = "KFD", run = "motor-kfd" },
-  { n = "4.34", title = "Both", runs = [["motor-kfd", "KFD"], ["motor-idob", "IDOB"]], off = ["IDOB"] },
+columns = ["MDOB", "IDOB", "KFD", "DKF", "FAKFD", "FAKFD .998", "VFAKFD"]
+cells = [
+  { row = "1 ms, 12 bits", column = "MDOB", run = "motor-mdob", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[0]" },
+  { row = "1 ms, 12 bits", column = "IDOB", run = "motor-idob", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[1]" },
+  { row = "1 ms, 12 bits", column = "KFD", run = "motor-kfd", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[2]" },
+  { row = "1 ms, 12 bits", column = "DKF", run = "motor-dkf", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[3]" },
+  { row = "1 ms, 12 bits", column = "FAKFD", run = "motor-fakfd-095", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[4]" },
+  { row = "1 ms, 12 bits", column = "FAKFD .998", run = "motor-fakfd-0998", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[5]" },
+  { row = "1 ms, 12 bits", column = "VFAKFD", run = "motor-vfakfd", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[6]" },
 ]
 """
 
