@@ -172,11 +172,11 @@ void read_candidate_line(const std::string& line) {
 }
 
 void read_points(const std::string& text) {
-  constexpr std::size_t kPoints = 100;
-  const std::vector<std::size_t> points = parse_points(text, kPoints);
-  fuzz::require(std::is_sorted(points.begin(), points.end()) && points.back() < kPoints,
+  constexpr std::size_t kAllPoints = 100;
+  const std::vector<std::size_t> points = parse_points(text, kAllPoints);
+  fuzz::require(std::is_sorted(points.begin(), points.end()) && points.back() < kAllPoints,
                 "points are of the study");
-  fuzz::require(parse_points(print_points(points), kPoints) == points,
+  fuzz::require(parse_points(print_points(points), kAllPoints) == points,
                 "points are printed as read");
 }
 

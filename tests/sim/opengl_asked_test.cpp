@@ -16,9 +16,9 @@ TEST(OpenGlAsked, ReadsTheVariablesOfMujocosPrograms) {
     std::optional<int> number;
     bool software_only;
   };
-  const std::vector<Row> rows = {
-      {"", "", {}, true},         {"EGL", "", {}, false}, {"osmesa", "", {}, true},
-      {"osmesa", "1", {}, true},  {"egl", "0", 0, false}, {"", "2", 2, true}};
+  const std::vector<Row> rows = {{"", "", {}, true},       {"EGL", "", {}, false},
+                                 {"osmesa", "", {}, true}, {"osmesa", "1", {}, true},
+                                 {"egl", "0", 0, false},   {"", "2", 2, true}};
   for (const Row& row : rows) {
     const testing::Environment library("MUJOCO_GL", row.library);
     const testing::Environment device("MUJOCO_EGL_DEVICE_ID", row.device);
