@@ -105,13 +105,15 @@ void count(const Judged& judged, const CellSpec& cell, const std::string& sectio
     score.numbers_near += off <= 0.05 ? 1 : 0;
     score.numbers_off += off > 0.25 ? 1 : 0;
   }
+  const auto one_if = [&](Verdict verdict) {
+    return judged.verdict == verdict && !judged.is_vacuous ? 1 : 0;
+  };
+  (printed ? score.printed : score.statements[section + ": " + cell.says]) +=
+      {one_if(Verdict::reproduced), one_if(Verdict::within_class), judged.is_vacuous ? 1 : 0, 1};
   if (judged.is_vacuous) {
     ++score.vacuous;
     return;
   }
-  (printed ? score.printed : score.statements[section + ": " + cell.says]) +=
-      {judged.verdict == Verdict::reproduced ? 1 : 0,
-       judged.verdict == Verdict::within_class ? 1 : 0, 1};
   if (judged.verdict == Verdict::not_reproduced) ++score.causes[cell.cause];
   const bool is_own_statement = is_own && !cell.says.empty();
   switch (judged.verdict) {
@@ -304,6 +306,7 @@ std::string reason_of(const Judged& judged, const CellSpec& cell) {
 Score::Share& Score::Share::operator+=(const Share& other) {
   reproduced += other.reproduced;
   within_class += other.within_class;
+  vacuous += other.vacuous;
   all += other.all;
   return *this;
 }
@@ -353,33 +356,39 @@ std::vector<std::string> Score::headline() const {
   std::vector<std::string> lines;
   if (printed.all > 0) {
     lines.push_back(fmt::format(
-        "of {} printed results {} are reproduced, {} are within their class, {} are not",
-        printed.all, printed.reproduced, printed.within_class,
-        printed.all - printed.reproduced - printed.within_class));
+        "printed results: {} of {} reproduced, {} within their class, {} not, {} vacuous",
+        printed.reproduced, printed.all, printed.within_class,
+        printed.all - printed.reproduced - printed.within_class - printed.vacuous,
+        printed.vacuous));
   }
   if (numbers > 0) {
-    lines.push_back(fmt::format("of {} printed numbers {} are within 5 %, {} within 25 %", numbers,
-                                numbers_near, numbers - numbers_off));
+    lines.push_back(fmt::format("printed numbers: {} of {} within 5 %, {} within 25 %",
+                                numbers_near, numbers, numbers - numbers_off));
   }
-  if (!statements.empty()) {
-    std::size_t whole = 0;
-    std::size_t none = 0;
-    int cells = 0;
-    for (const auto& [statement, share] : statements) {
-      whole += share.reproduced == share.all ? 1 : 0;
-      none += share.reproduced == 0 ? 1 : 0;
-      cells += share.all;
-    }
-    lines.push_back(fmt::format(
-        "of {} different statements ({} cells) {} hold in all cells, {} in some, {} in none",
-        statements.size(), cells, whole, statements.size() - whole - none, none));
+  int whole = 0;
+  int none = 0;
+  int judged = 0;
+  int cells = 0;
+  for (const auto& [statement, share] : statements) {
+    const int counted = share.all - share.vacuous;
+    if (counted == 0) continue;
+    whole += share.reproduced == counted ? 1 : 0;
+    none += share.reproduced == 0 ? 1 : 0;
+    cells += counted;
+    ++judged;
+  }
+  if (judged > 0) {
+    lines.push_back(
+        fmt::format("different statements ({} cells): {} of {} hold in all cells, {} in some, {} "
+                    "in none",
+                    cells, whole, judged, judged - whole - none, none));
   }
   std::vector<std::string> parts;
   for (const auto& [cause, number] : causes) {
     parts.push_back(fmt::format("{} {}", cause.empty() ? "not said" : cause, number));
   }
   if (!parts.empty()) {
-    lines.push_back(fmt::format("cause of what is not: {}", fmt::join(parts, ", ")));
+    lines.push_back(fmt::format("causes of what is not: {}", fmt::join(parts, ", ")));
   }
   return lines;
 }
@@ -622,6 +631,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
        experiments.is_own ? std::vector<std::string>{} : report.score.headline())
     headline << mustache::data("line", line);
   page.set("headline", headline);
+  page.set("has_headline", !experiments.is_own);
   mustache::data causes(mustache::data::type::list);
   for (const auto& [cause, list] : failures) {
     mustache::data entry("failures", list);

@@ -25,6 +25,7 @@ struct Score {
   struct Share {
     int reproduced = 0;
     int within_class = 0;
+    int vacuous = 0;
     int all = 0;
 
     Share& operator+=(const Share& other);
@@ -34,7 +35,7 @@ struct Score {
   int numbers = 0;                          ///< printed numbers, also the vacuous ones
   int numbers_near = 0;                     ///< within 5 %
   int numbers_off = 0;                      ///< not within 25 %
-  std::map<std::string, int> causes;        ///< of what is not reproduced
+  std::map<std::string, int> causes;        ///< number of cells not reproduced by cause
 
   Score& operator+=(const Score& other);
   /// The counts in the order of the text. A count that cannot occur in the list is left out.
@@ -46,7 +47,7 @@ struct Score {
   std::vector<Tally> tallies() const;
   /// A text such as "3 reproduced, 1 within the class, 0 not reproduced; beside them 2 vacuous".
   std::string text() const;
-  /// What these cells are: printed results, numbers, different statements, and causes.
+  /// Lines about printed results, numbers, different statements, and causes.
   std::vector<std::string> headline() const;
 };
 

@@ -505,21 +505,24 @@ TEST(Score, CountsStatementsOfOtherListsAsHeld) {
 
 TEST(Score, TheHeadlineCountsDifferentStatements) {
   Score section;
-  section.printed = {2, 1, 4};
+  section.printed = {2, 1, 1, 5};
   section.numbers = 3;
   section.numbers_near = 1;
   section.numbers_off = 1;
-  section.statements = {{"1: fast", {2, 0, 2}}, {"1: soft", {1, 0, 3}}, {"1: exact", {0, 0, 1}}};
+  section.statements = {{"1: fast", {2, 0, 1, 3}},
+                        {"1: soft", {1, 0, 0, 3}},
+                        {"1: exact", {0, 0, 0, 1}},
+                        {"1: free", {0, 0, 1, 1}}};
   section.causes = {{"thesis", 2}, {"ours", 2}};
   Score score;
   EXPECT_TRUE(score.headline().empty());
   score += section;
   EXPECT_EQ(score.headline(),
             (std::vector<std::string>{
-                "of 4 printed results 2 are reproduced, 1 are within their class, 1 are not",
-                "of 3 printed numbers 1 are within 5 %, 2 within 25 %",
-                "of 3 different statements (6 cells) 1 hold in all cells, 1 in some, 1 in none",
-                "cause of what is not: ours 2, thesis 2"}));
+                "printed results: 2 of 5 reproduced, 1 within their class, 1 not, 1 vacuous",
+                "printed numbers: 1 of 3 within 5 %, 2 within 25 %",
+                "different statements (6 cells): 1 of 3 hold in all cells, 1 in some, 1 in none",
+                "causes of what is not: ours 2, thesis 2"}));
 }
 
 TEST(Experiments, AReadingAddsItsSettingsToTheRunsOfItsPattern) {
