@@ -72,7 +72,7 @@ class SavedRun {
   std::vector<Metric> metrics_;
   std::vector<LogEntry> signals_;
   std::vector<std::string> notes_;
-  std::map<std::string, std::size_t> written_rows_;   // of each track, if the run was cut
+  std::map<std::string, std::size_t> written_rows_;   // by track, if the run was cut
   mutable std::map<std::string, LoggedSignal> read_;  // the datasets that were read so far
 };
 

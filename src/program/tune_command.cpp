@@ -63,9 +63,9 @@ void add_tune_options(CLI::App& app, TuneOptions& options) {
   app.add_option("--points", options.study.points)->group("")->excludes("--slurm", "--rerun");
   app.add_option("--candidate", options.candidates)->expected(1)->take_all()->group("");
   app.footer(
-      "It leaves results.csv (one row a run), front.csv, front/N.toml (for --config),\n"
-      "hypervolume.csv and report.html in the tuning's folder; with one objective tuned.csv and\n"
-      "tuned/CASE.toml instead of the front's. The same command goes on where it\n"
+      "The tuning's folder gets results.csv (one row a run), report.html, front.csv,\n"
+      "front/N.toml (for --config) and hypervolume.csv. With one objective there is no front, and\n"
+      "it gets tuned.csv and tuned/CASE.toml. The same command goes on where it\n"
       "was, whatever ended it. docs/how-to/tuning.md has the file; one that is there to be tried\n"
       "is studies/impact.toml.\n"
       "Exit status: 0 done, 1 a defect, 2 usage or input, 3 no candidate met the constraints,\n"

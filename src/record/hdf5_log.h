@@ -81,9 +81,9 @@ LoggedSignal read_hdf5_signal(const std::string& file, const std::string& datase
 std::size_t written_rows(const std::string& file, const std::string& track);
 
 /// Reads a log of unknown origin in a child process, since HDF5 crashes or never ends on some
-/// files: its headers, and its values if `has_values`. Throws std::invalid_argument if it is not a
-/// log, has more than 1 GB of values, or the child fails. Throws Interrupted if this process
-/// handles a signal. The child ends with the call. Thread-safe.
+/// files. It reads the headers, and the values if `has_values`. Throws std::invalid_argument if it
+/// is not a log, has more than 1 GB of values, or the child fails. Throws Interrupted if this
+/// process handles a signal. The child ends with the call. Thread-safe.
 void check_foreign_log(const std::string& file, bool has_values);
 
 }  // namespace breakwater

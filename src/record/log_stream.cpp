@@ -20,7 +20,7 @@ using detail::DataFile;
 namespace {
 
 constexpr const char* kLog = "log.h5";
-constexpr std::size_t kBufferBytes = 1 << 20;  // of each track's times, and of its values
+constexpr std::size_t kBufferBytes = 1 << 20;  // for a track's times, and for its values
 constexpr std::chrono::milliseconds kBetweenWrites(500);
 
 bool same_dataset(const LogEntry& a, const LogEntry& b) {
@@ -39,7 +39,7 @@ struct LogStream::Streamed {
   std::vector<Signal> signals;
   std::size_t room = 0;             // rows
   std::size_t first_dataset = 0;    // the time base
-  std::vector<double> times = {};   // of the rows that have none in the file
+  std::vector<double> times = {};   // for the rows without one in the file
   std::size_t untimed = 0;          // their number
   std::vector<double> values = {};  // dataset after dataset, each with `capacity` rows
   std::size_t capacity = 0;         // rows

@@ -24,8 +24,8 @@ class DataFile;
 /// The number of rows is known before the run. At the first row HDF5 therefore writes the headers
 /// of all datasets with room for all rows, whose times are NaN. From then on the file is a log that
 /// any reader of HDF5 opens. Later rows go to their places without HDF5. Twice a second the values
-/// are synced to the disk, and then the times are written: a row with a time is whole, even after a
-/// power failure.
+/// are synced to the disk, and then the times are written. So a row with a time is whole, even
+/// after a power failure.
 ///
 /// Only the first row allocates.
 class LogStream {

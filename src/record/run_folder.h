@@ -15,7 +15,7 @@ namespace detail {
 class DataFile;
 }
 
-/// A file in a partial folder that no other run may remove: its log is streamed (LogStream), or it
+/// A file in a partial folder that no other run may remove. Its log is streamed (LogStream), or it
 /// is a complete run that could not be moved elsewhere.
 inline constexpr const char* kKept = "kept";
 

@@ -22,7 +22,7 @@ std::vector<std::size_t> tuned_order(const Tuning& tuning, const TuningResult& r
                                      const std::optional<Ranking>& ranking);
 
 /// The searched keys of a case whose values are in the outer hundredths of their ranges, or are the
-/// smallest or largest of their numbers: a better value may lie beyond.
+/// smallest or largest of their numbers. A better value may lie beyond.
 std::vector<std::string> keys_at_bound(const TunedCase& tuned,
                                        const std::vector<std::string>& values);
 

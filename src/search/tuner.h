@@ -33,7 +33,7 @@ struct TunedFront {
 };
 
 struct TuningResult {
-  std::vector<double> reference;  ///< of the hypervolume, with all goals min; empty without fronts
+  std::vector<double> reference;  ///< for the hypervolume, with all goals min; empty without fronts
   std::vector<TunedFront> fronts;
   std::vector<PointResult> runs;  ///< in the order of their numbers
   /// Runs that were made again, since the shards had other values for them than the search.

@@ -10,9 +10,9 @@ struct OpenGlAsked {
   bool software_only = true;  ///< false: the first device that works, a GPU if there is one
 };
 
-/// Reads MUJOCO_GL (`egl`: any device; `osmesa`, unset or empty: Mesa's software renderer; in upper
-/// or lower case) and MUJOCO_EGL_DEVICE_ID (a whole number, without effect with `osmesa`). Throws
-/// std::invalid_argument, one line, for other values.
+/// Reads MUJOCO_GL, in upper or lower case: `egl` is any device; `osmesa`, unset or empty is Mesa's
+/// software renderer. Reads MUJOCO_EGL_DEVICE_ID, a whole number without effect with `osmesa`.
+/// Throws std::invalid_argument, one line, for other values.
 OpenGlAsked opengl_asked();
 
 }  // namespace breakwater

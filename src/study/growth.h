@@ -12,9 +12,10 @@ std::string comparable(const std::string& value);
 /// The same for KEY=VALUE.
 std::string comparable_set(const std::string& set);
 
-/// Empty if every run of the study `then` is also one of `now`, so that its results stay: `now` may
-/// have more seeds, values, cases and samples, and other metrics, goals, baselines and folders to
-/// keep. Otherwise the reason in one line. The points of a Latin hypercube depend on their number.
+/// Empty if every run of the study `then` is also one of `now`, so that its results stay. `now` may
+/// have more seeds, values, cases and samples. It may have other metrics, goals, baselines and
+/// folders to keep. Otherwise the reason in one line. The points of a Latin hypercube depend on
+/// their number.
 std::string reason_against_growth(const Study& then, const Study& now);
 
 }  // namespace breakwater

@@ -85,10 +85,10 @@ class ShardIndex {
   using Asked = std::function<std::string(std::size_t)>;
 
   /// `points` is the number of points of the study. A line counts for the point with its number, if
-  /// it is of the run that `asked` says, and otherwise for the points that ask for its run: those
-  /// of a study that has grown have other numbers. Lines of no point are foreign and ignored. If a
-  /// point has several lines, a run counts before a crash. A missing folder counts as empty. Throws
-  /// std::invalid_argument if the folder or a shard cannot be read.
+  /// it is of the run that `asked` says. Otherwise it counts for the points that ask for its run,
+  /// since a study that has grown has other numbers. Lines of no point are foreign and ignored. If
+  /// a point has several lines, a run counts before a crash. A missing folder counts as empty.
+  /// Throws std::invalid_argument if the folder or a shard cannot be read.
   ShardIndex(const std::filesystem::path& folder, std::size_t points, const Asked& asked = {});
   ~ShardIndex();
   ShardIndex(const ShardIndex&) = delete;

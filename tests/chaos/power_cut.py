@@ -13,7 +13,7 @@ PAGE = 4096
 
 @dataclasses.dataclass
 class State:
-    """What is below a folder, by device and inode."""
+    """All that is below a folder, by device and inode."""
 
     folders: dict  # {name: key of a folder or a file}
     files: dict  # bytes

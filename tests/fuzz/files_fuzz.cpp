@@ -1,7 +1,7 @@
 // Files and options of scenarios and studies. They are a scenario file with values of --set, a
 // study, a tuning and its candidates, experiments, shots and printed results. There are lists of
-// values, seeds and points, shards, and the answers of Slurm. What is read and printed or written
-// is read again as the same.
+// values, seeds and points, shards, and the answers of Slurm. A text that is read and printed or
+// written is read again as the same.
 #include <unistd.h>
 
 #include <algorithm>
