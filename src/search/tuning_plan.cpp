@@ -114,11 +114,9 @@ Trial TuningPlan::try_each_case(const std::atomic<bool>& stop, bool is_brief) co
     const double begin_s = thread_time_s();
     double cost_s = 0.0;
     std::optional<Recording> run;
-    std::vector<MetricDefinition> defined;
     try {
       const PreparedRun prepared =
           prepare_point(catalogue_, tuning_.scenario, *file_, tuned.name, sets);
-      defined = prepared.scenario->metric_definitions();
       run = prepared.scenario->run(control);
       cost_s = thread_time_s() - begin_s;
     } catch (const Interrupted&) {
@@ -143,16 +141,9 @@ Trial TuningPlan::try_each_case(const std::atomic<bool>& stop, bool is_brief) co
       if (std::find(names.begin(), names.end(), metric) != names.end()) return;
       const auto absent = std::find_if(recording.absent.begin(), recording.absent.end(),
                                        [&](const AbsentMetric& one) { return one.name == metric; });
-      const bool is_defined =
-          std::any_of(defined.begin(), defined.end(),
-                      [&](const MetricDefinition& one) { return one.name == metric; });
-      if (absent != recording.absent.end() || is_defined) {
+      if (absent != recording.absent.end()) {
         throw std::invalid_argument(
-            fmt::format("{}: a run of {} lacks it: {}", place, tuned.name,
-                        absent != recording.absent.end()
-                            ? absent->reason
-                            : fmt::format("in {:.6g} s there is no window or event for it",
-                                          recording.simulated_s)));
+            fmt::format("{}: a run of {} lacks it: {}", place, tuned.name, absent->reason));
       }
       throw std::invalid_argument(fmt::format("{}: a run of {} has no such metric{}", place,
                                               tuned.name, did_you_mean(metric, names)));

@@ -74,6 +74,8 @@ Study completed(Study study, const ScenarioFile& file) {
   }
   if (study.seeds.empty() && seeds.size() == 1 && seeds.begin()->value_or(-1) >= 0) {
     study.seeds = {static_cast<std::uint64_t>(**seeds.begin())};
+    // A study's file must not have both.
+    std::erase_if(study.sets, [](const std::string& set) { return set.starts_with("run.seed="); });
   }
   return study;
 }

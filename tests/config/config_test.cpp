@@ -412,7 +412,7 @@ TEST(Table, AlignsAndFolds) {
   table.add({"first", "10", "2"});
   table.add({"x", "", "333"});
   EXPECT_EQ(table.print(80), "name    a   bb\nfirst  10    2\nx          333\n");
-  EXPECT_EQ(table.print(10), "name    a\nfirst  10\nx\n\nname    bb\nfirst    2\nx      333\n");
+  EXPECT_EQ(table.print(10), "name    a\nfirst  10\n\nname    bb\nfirst    2\nx      333\n");
 }
 
 // A duration of "100" means 100 s.

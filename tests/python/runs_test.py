@@ -87,7 +87,7 @@ class Hashes(unittest.TestCase):
 class Metrics(unittest.TestCase):
     def test_a_missing_one_says_why(self):
         run = bw.run("motor_estimation", "idob", duration=0.02)
-        for name, why in {"rmse_velocity_rad_s": "in 0.02 s there is no window or event for it",
+        for name, why in {"rmse_velocity_rad_s": "the run does not cover its window",
                           "unheard_of": "the run has no such metric"}.items():
             with self.assertRaisesRegex(KeyError, f"{name}: {why}"):
                 run.metrics[name]

@@ -156,8 +156,8 @@ TEST_F(Tune, AMetricWithoutItsWindowIsNoUnknownOne) {
         "observer.alpha = { log_uniform = [1, 2] }\n[objective]\nrms_torque_Nm = { goal = \"min\" "
         "}\n");
   EXPECT_TRUE(has(run("breakwater tune t.toml --out s").err,
-                  "t.toml:11: objective.rms_torque_Nm: a run of stf lacks it: in 0.3 s there is no "
-                  "window or event for it\n"));
+                  "t.toml:11: objective.rms_torque_Nm: a run of stf lacks it: the run does not "
+                  "cover its window\n"));
 }
 
 TEST_F(Tune, AnEditedTuningRunsAgainWhatItAsksFor) {
