@@ -83,7 +83,8 @@ void SavedRun::read() {
   config_text_ = config.str();
   check_file(folder_, "config.toml");
   if (!failure()) metrics_ = read_metrics(folder_);
-  if (!check_log(folder_)) {
+  const bool is_known = check_log(folder_);
+  if (!is_known) {
     const bool has_values = !manifest_.is_unfinished;
     read_log([&](const std::string& log) { check_foreign_log(log, has_values); });
     if (has_values) {
@@ -93,6 +94,11 @@ void SavedRun::read() {
   }
   signals_ = read_log([](const std::string& log) { return list_hdf5_signals(log); });
   if (manifest_.is_unfinished) find_end();
+  if (!is_known) {
+    for (const LogEntry& entry : signals_) {
+      check_rows(entry.group + "/" + entry.name, {entry.rows, entry.width, {}});
+    }
+  }
   if (failure() && failure()->is_cut) {
     notes_.push_back(fmt::format("{}: was cut at {:.6g} s: {}", folder_.string(), failure()->time_s,
                                  failure()->reason));

@@ -134,7 +134,7 @@ constexpr Legal kLegal[] = {
      "the scenario does not read that sensor"},
     {"--config", "(of|minus)", "string",
      "a metric of a signal that the run does not have is left out, with a warning"},
-    {"--config", "(text|unit)", "string", "words about a metric"},
+    {"--config", "(name|text|unit)", "string", "words about a metric"},
     {"model.urdf", "<(robot|joint)> name", ".*", "nothing asks for it by its name"},
     {"model.urdf", "<origin> xyz", "negative", "a place"},
     {"model.mjcf", "<geom> material", ".*", "a default that every geom of its class overrides"},
