@@ -107,7 +107,8 @@ def make_pages(program, folder):
         call("run", "motor_estimation", "--case", name, "--quiet", "--out", run, *sets)
     call("report", runs[0], "--out", "report")
     call("compare", *runs, "--out", "compare")
-    call("sweep", "motor_estimation", "--case", ",".join(CASES), "--vary", "controller.kd=1,2,3,4,5,6,7", *sets, "--out", "study")
+    call("sweep", "motor_estimation", "--case", ",".join(CASES), "--vary", "controller.kd=1,2,3,4,5,6,7", *sets,
+         "--goal", "rmse_velocity_rad_s=min", "--out", "study")
     (folder / "tune.toml").write_text(TUNE)
     call("tune", "tune.toml", "--out", "tune")
     call("analyze", "motor_estimation", "--case", ",".join(CASES), "--points", 4, "--settle", 1, "--quiet", "--out", "analysis")
