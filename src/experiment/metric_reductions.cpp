@@ -58,37 +58,56 @@ class Excess final : public Reduction {
   double largest_ = 0.0;
 };
 
-class Settling final : public Reduction {
+// A time from the start of the window, which may be an event.
+template <typename Time, typename Start>
+class FromStart final : public Reduction {
  public:
-  explicit Settling(const ReductionSetup& setup) : setup_(setup) {}
+  explicit FromStart(const ReductionSetup& setup) : setup_(setup) {}
   void add(const AddedValues& added) override {
-    if (!settling_) {
-      settling_.emplace(TimeWindow{setup_.window.from_s.value()}, std::abs(setup_.level.value()));
+    if (!time_) {
+      time_.emplace(Start{setup_.window.from_s.value()}, std::abs(setup_.level.value()));
     }
-    settling_->add(added.time_s, added.value);
+    time_->add(added.time_s, added.value);
   }
-  std::optional<double> value() const override { return settling_->value(); }
+  std::optional<double> value() const override { return time_->value(); }
 
  private:
   ReductionSetup setup_;
-  std::optional<SettlingTime> settling_;
+  std::optional<Time> time_;
 };
 
-class Reach final : public Reduction {
+template <double (*kAddend)(const ReductionSetup& setup, const AddedValues& added)>
+class Total final : public Reduction {
  public:
-  explicit Reach(const ReductionSetup& setup) : setup_(setup) {}
-  void add(const AddedValues& added) override {
-    if (!reach_) {
-      reach_.emplace(setup_.window.from_s.value(), std::abs(setup_.level.value()));
-    }
-    reach_->add(added.time_s, added.value);
-  }
-  std::optional<double> value() const override { return reach_->value(); }
+  explicit Total(const ReductionSetup& setup) : setup_(setup) {}
+  void add(const AddedValues& added) override { total_ += kAddend(setup_, added); }
+  std::optional<double> value() const override { return total_; }
 
  private:
   ReductionSetup setup_;
-  std::optional<ReachTime> reach_;
+  double total_ = 0.0;
 };
+
+double value_of(const ReductionSetup& /*setup*/, const AddedValues& added) {
+  return added.value;
+}
+
+double area_of(const ReductionSetup& setup, const AddedValues& added) {
+  return added.value * setup.period_s;
+}
+
+double change_of(const ReductionSetup& /*setup*/, const AddedValues& added) {
+  return added.last ? std::abs(added.value - *added.last) : 0.0;
+}
+
+double time_above(const ReductionSetup& setup, const AddedValues& added) {
+  return added.value > setup.level.value() ? setup.period_s : 0.0;
+}
+
+double time_outside(const ReductionSetup& setup, const AddedValues& added) {
+  const bool is_below = added.value < setup.lower.value();
+  return is_below ? setup.period_s : time_above(setup, added);
+}
 
 class Exceed final : public Reduction {
  public:
@@ -120,34 +139,6 @@ class Overshoot final : public Reduction {
  private:
   std::optional<double> first_;
   double beyond_ = 0.0;  // the farthest value on the other side of 0
-};
-
-class TimeAbove final : public Reduction {
- public:
-  explicit TimeAbove(const ReductionSetup& setup) : setup_(setup) {}
-  void add(const AddedValues& added) override {
-    if (added.value > setup_.level.value()) time_s_ += setup_.period_s;
-  }
-  std::optional<double> value() const override { return time_s_; }
-
- private:
-  ReductionSetup setup_;
-  double time_s_ = 0.0;
-};
-
-class TimeOutside final : public Reduction {
- public:
-  explicit TimeOutside(const ReductionSetup& setup) : setup_(setup) {}
-  void add(const AddedValues& added) override {
-    if (added.value > setup_.level.value() || added.value < setup_.lower.value()) {
-      time_s_ += setup_.period_s;
-    }
-  }
-  std::optional<double> value() const override { return time_s_; }
-
- private:
-  ReductionSetup setup_;
-  double time_s_ = 0.0;
 };
 
 class Bounces final : public Reduction {
@@ -232,39 +223,6 @@ class Restitution final : public Reduction {
  private:
   std::optional<double> in_;
   double out_ = 0.0;
-};
-
-class Travel final : public Reduction {
- public:
-  explicit Travel(const ReductionSetup& /*setup*/) {}
-  void add(const AddedValues& added) override {
-    if (added.last) travel_ += std::abs(added.value - *added.last);
-  }
-  std::optional<double> value() const override { return travel_; }
-
- private:
-  double travel_ = 0.0;
-};
-
-class Sum final : public Reduction {
- public:
-  explicit Sum(const ReductionSetup& /*setup*/) {}
-  void add(const AddedValues& added) override { sum_ += added.value; }
-  std::optional<double> value() const override { return sum_; }
-
- private:
-  double sum_ = 0.0;
-};
-
-class Integral final : public Reduction {
- public:
-  explicit Integral(const ReductionSetup& setup) : period_s_(setup.period_s) {}
-  void add(const AddedValues& added) override { integral_ += added.value * period_s_; }
-  std::optional<double> value() const override { return integral_; }
-
- private:
-  double period_s_;
-  double integral_ = 0.0;
 };
 
 class RelativeRms final : public Reduction {
@@ -430,29 +388,29 @@ const std::vector<MetricKind>& standard_metric_kinds() {
       {"rms_change", "root mean square of the change from sample to sample", signal,
        make_reduction<RmsChange>},
       {"travel", "sum of the magnitudes of all changes from sample to sample", signal,
-       make_reduction<Travel>},
-      {"sum", "sum", signal, make_reduction<Sum>},
+       make_reduction<Total<change_of>>},
+      {"sum", "sum", signal, make_reduction<Total<value_of>>},
       {"integral", "sum of the values times the time between them", time_integral,
-       make_reduction<Integral>},
+       make_reduction<Total<area_of>>},
       {.name = "settling",
        .meaning =
            "time from the window's start until the magnitude stays within the level to its end",
        .unit = time,
-       .make = make_reduction<Settling>,
+       .make = make_reduction<FromStart<SettlingTime, TimeWindow>>,
        .has_level = true,
        .why_absent = "the magnitude ends beyond the level"},
       {.name = "settled",
        .meaning = "time from the window's start until the magnitude stays within the level to the "
                   "end of the run, which covers the window",
        .unit = time,
-       .make = make_reduction<Settling>,
+       .make = make_reduction<FromStart<SettlingTime, TimeWindow>>,
        .has_level = true,
        .goes_on = true,
        .why_absent = "the magnitude ends beyond the level"},
       {.name = "reach",
        .meaning = "time from the window's start until the magnitude first reaches the level",
        .unit = time,
-       .make = make_reduction<Reach>,
+       .make = make_reduction<FromStart<ReachTime, double>>,
        .has_level = true,
        .why_absent = "the magnitude never reaches the level"},
       {.name = "exceed",
@@ -470,12 +428,12 @@ const std::vector<MetricKind>& standard_metric_kinds() {
       {.name = "time",
        .meaning = "time for which the value is above the level",
        .unit = time,
-       .make = make_reduction<TimeAbove>,
+       .make = make_reduction<Total<time_above>>,
        .has_level = true},
       {.name = "time_outside",
        .meaning = "time for which the value is above the level or below the lower one",
        .unit = time,
-       .make = make_reduction<TimeOutside>,
+       .make = make_reduction<Total<time_outside>>,
        .has_level = true},
       {.name = "bounces",
        .meaning = "number of times that the value rises above the level, without the first: "
