@@ -39,7 +39,7 @@ SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
 
 template <typename Read>
 auto SavedRun::read_log(const Read& read) const {
-  const std::string name = log_ ? fmt::format("/proc/self/fd/{}", fileno(log_.get())) : log_file();
+  const std::string name = log_ ? path_of(*log_) : log_file();
   try {
     return read(name);
   } catch (const std::invalid_argument& error) {
@@ -52,6 +52,7 @@ auto SavedRun::read_log(const Read& read) const {
 void SavedRun::read() {
   metrics_.clear();
   notes_.clear();
+  signals_.clear();
   read_.clear();
   written_rows_.clear();
   if (!fs::is_directory(folder_)) {
@@ -86,15 +87,23 @@ void SavedRun::read() {
   const bool is_known = check_log(folder_);
   if (!is_known) {
     const bool has_values = !manifest_.is_unfinished;
-    read_log([&](const std::string& log) { check_foreign_log(log, has_values); });
+    for (LoggedDataset& read :
+         read_log([&](const std::string& log) { return read_foreign_log(log, has_values); })) {
+      if (read.entry.name != "time_s") signals_.push_back(read.entry);
+      read_[read.entry.group + "/" + read.entry.name] = std::move(read.signal);
+    }
     if (has_values) {
       notes_.push_back(log_file() +
                        ": may not be what the run wrote: its manifest.json has no log_hash");
     }
   }
-  signals_ = read_log([](const std::string& log) { return list_hdf5_signals(log); });
+  is_read_whole_ = !is_known && !manifest_.is_unfinished;
+  if (!is_read_whole_) {
+    signals_ = read_log([](const std::string& log) { return list_hdf5_signals(log); });
+  }
   if (manifest_.is_unfinished) find_end();
   if (!is_known) {
+    for (const auto& [path, data] : read_) check_rows(path, data);
     for (const LogEntry& entry : signals_) {
       check_rows(entry.group + "/" + entry.name, {entry.rows, entry.width, {}});
     }
@@ -181,6 +190,9 @@ std::optional<double> SavedRun::metric(const std::string& name) const {
 const LoggedSignal& SavedRun::dataset(const std::string& path) const {
   const auto found = read_.find(path);
   if (found != read_.end()) return found->second;
+  if (is_read_whole_) {
+    throw std::invalid_argument(log_file() + ": is not a log, or has no " + path);
+  }
   const auto written = written_rows_.find(path.substr(0, path.find('/')));
   const std::size_t rows = written != written_rows_.end() ? written->second : SIZE_MAX;
   LoggedSignal data =

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -16,12 +17,15 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <mutex>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include <breakwater/record/hdf5_library.h>
@@ -402,20 +406,51 @@ void confine(const std::string& file, pid_t parent) {
   }
 }
 
-int soundness_of(const std::string& file, bool has_values) {
+// Writes one line of JSON about the datasets, and then their values.
+int send(const std::string& file, bool has_values, const std::string& sheet) {
   try {
     const std::vector<LogEntry> datasets = list_datasets(file);
     if (!has_values) return kSound;
+    nlohmann::json headers = nlohmann::json::array();
     std::size_t values = 0;
-    for (const LogEntry& entry : datasets) values += entry.rows * entry.width;
+    for (const LogEntry& entry : datasets) {
+      headers.push_back(
+          {entry.group, entry.name, entry.unit, entry.description, entry.rows, entry.width});
+      values += entry.rows * entry.width;
+    }
     if (values > kForeignBytes / sizeof(double)) return kTooMuch;
-    for (const LogEntry& entry : datasets) read_signal(file, entry.group + "/" + entry.name);
-    return kSound;
+    std::ofstream sent(sheet, std::ios::binary);
+    sent << headers.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    for (const LogEntry& entry : datasets) {
+      const std::vector<double> read = read_signal(file, entry.group + "/" + entry.name).values;
+      sent.write(reinterpret_cast<const char*>(read.data()),
+                 static_cast<std::streamsize>(read.size() * sizeof(double)));
+    }
+    return sent.flush() ? kSound : kTooMuch;
   } catch (const std::bad_alloc&) {
     return kTooMuch;
   } catch (...) {
     return kDamaged;
   }
+}
+
+std::vector<LoggedDataset> received(const std::string& sheet) {
+  std::ifstream sent(sheet, std::ios::binary);
+  std::string headers;
+  std::getline(sent, headers);
+  std::vector<LoggedDataset> datasets;
+  for (const nlohmann::json& header : nlohmann::json::parse(headers)) {
+    LoggedDataset& dataset = datasets.emplace_back();
+    LogEntry& entry = dataset.entry;
+    std::tie(entry.group, entry.name, entry.unit, entry.description, entry.rows, entry.width) =
+        header.get<std::tuple<std::string, std::string, std::string, std::string, std::size_t,
+                              std::size_t>>();
+    dataset.signal = {entry.rows, entry.width, std::vector<double>(entry.rows * entry.width)};
+    sent.read(reinterpret_cast<char*>(dataset.signal.values.data()),
+              static_cast<std::streamsize>(dataset.signal.values.size() * sizeof(double)));
+  }
+  check(static_cast<bool>(sent));
+  return datasets;
 }
 
 // The child's exit status; nothing if a signal ended it. A signal may end the child at once.
@@ -522,6 +557,10 @@ LoggedSignal read_hdf5_signal(const std::string& file, const std::string& datase
   return read_signal(file, dataset, most_rows);
 }
 
+std::string path_of(std::FILE& file) {
+  return fmt::format("/proc/self/fd/{}", fileno(&file));
+}
+
 std::size_t written_rows(const std::string& file, const std::string& track) {
   const std::lock_guard lock(hdf5_in_use);
   return with_dataset(file, track + "/" + kTimeBase, [](hid_t data, const Size& size) {
@@ -535,7 +574,10 @@ std::size_t written_rows(const std::string& file, const std::string& track) {
   });
 }
 
-void check_foreign_log(const std::string& file, bool has_values) {
+std::vector<LoggedDataset> read_foreign_log(const std::string& file, bool has_values) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> sheet(
+      fdopen(memfd_create("log", MFD_CLOEXEC), "r+"), std::fclose);
+  if (!sheet) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
   const std::lock_guard lock(hdf5_in_use);
   hdf5();  // load it once, before the fork
   const pid_t parent = getpid();
@@ -543,7 +585,7 @@ void check_foreign_log(const std::string& file, bool has_values) {
   if (child < 0) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
   if (child == 0) {
     confine(file, parent);
-    _exit(soundness_of(file, has_values));
+    _exit(send(file, has_values, path_of(*sheet)));
   }
   const std::optional<int> outcome = outcome_of(child);
   if (outcome == kTooMuch) {
@@ -551,7 +593,10 @@ void check_foreign_log(const std::string& file, bool has_values) {
         "{}: is not read: it takes more than {} MB, and its manifest.json has no log_hash", file,
         kForeignBytes / 1'000'000));
   }
-  if (outcome != kSound) {
+  try {
+    check(outcome == kSound);
+    return has_values ? received(path_of(*sheet)) : std::vector<LoggedDataset>();
+  } catch (const std::exception&) {
     throw std::invalid_argument(file + ": is not a log, or one that is damaged");
   }
 }

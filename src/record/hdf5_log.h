@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -65,7 +66,7 @@ std::vector<std::uint64_t> lay_out_hdf5_log(const std::string& file,
 
 /// The readers check types, sizes and that the data are in the file. They do not follow links, and
 /// read texts of variable length (version 0.1) as empty. A damaged file may still be misread or
-/// crash HDF5, so call check_log() first. Without a hash, call check_foreign_log().
+/// crash HDF5, so call check_log() first. Without a hash, call read_foreign_log().
 
 /// All signals of a log, by group and name. Throws std::invalid_argument if it is no log.
 /// Thread-safe.
@@ -80,10 +81,21 @@ LoggedSignal read_hdf5_signal(const std::string& file, const std::string& datase
 /// std::invalid_argument if the file is no log or has no such track. Thread-safe.
 std::size_t written_rows(const std::string& file, const std::string& track);
 
+/// A path of an open file, which this process can open again.
+std::string path_of(std::FILE& file);
+
+/// A dataset with its values.
+struct LoggedDataset {
+  LogEntry entry;
+  LoggedSignal signal;
+};
+
 /// Reads a log of unknown origin in a child process, since HDF5 crashes or never ends on some
-/// files. It reads the headers, and the values if `has_values`. Throws std::invalid_argument if it
-/// is not a log, has more than 1 GB of values, or the child fails. Throws Interrupted if this
-/// process handles a signal. The child ends with the call. Thread-safe.
-void check_foreign_log(const std::string& file, bool has_values);
+/// files, and on others crashes at some times only. Returns all datasets, with the time bases; or,
+/// without `has_values`, reads only the headers and returns none. Throws std::invalid_argument if
+/// it is not a log, has more than 1 GB of values, or the child fails. Throws OutputError if there
+/// is no room for a child. Throws Interrupted if this process handles a signal. The child ends with
+/// the call. Thread-safe.
+std::vector<LoggedDataset> read_foreign_log(const std::string& file, bool has_values);
 
 }  // namespace breakwater
