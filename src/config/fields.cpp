@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -223,14 +222,6 @@ Error read_count(const ConfigValue& value, const Range& range, Integer& target) 
 
 std::string with_range(const std::string& what, const Range& range) {
   return range.text == any().text ? what : what + ", " + range.text;
-}
-
-std::optional<double> number_in(const std::string& text) {
-  double number = 0.0;
-  const char* const end = text.data() + text.size();
-  const auto [last, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc() || last != end || !std::isfinite(number)) return std::nullopt;
-  return number;
 }
 
 std::string print_numbers(const std::vector<double>& values) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <cmath>
 
 namespace breakwater {
 
@@ -47,6 +49,14 @@ std::string plain_text(const std::string& value) {
   if (value.size() < 2 || value.front() != '"') return value;
   const toml::table table = toml::parse("value = " + value);
   return table["value"].value_or(value);
+}
+
+std::optional<double> number_in(const std::string& text) {
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || last != end || !std::isfinite(number)) return std::nullopt;
+  return number;
 }
 
 }  // namespace breakwater

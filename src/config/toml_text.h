@@ -1,6 +1,7 @@
 // Values written as TOML.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,5 +21,8 @@ std::string toml_number(double value);
 
 /// The reverse of toml_string(): a string without its quotes. Any other value stays as it is.
 std::string plain_text(const std::string& value);
+
+/// The finite number that the whole text is, if it is one.
+std::optional<double> number_in(const std::string& text);
 
 }  // namespace breakwater

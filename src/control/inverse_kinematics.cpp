@@ -15,9 +15,9 @@ LmInverseKinematics::LmInverseKinematics(const LmDesign& design, Eigen::Index jo
     throw std::invalid_argument(
         "inverse kinematics: weights, damping and step limit must be positive");
   }
-  if (design.form == LmForm::printed && joints != 3) {
+  if (design.form != LmForm::sugihara && joints != 3) {
     throw std::invalid_argument(
-        "inverse kinematics: the printed form needs three joints; use \"sugihara\"");
+        "inverse kinematics: the printed M needs three joints; use \"sugihara\"");
   }
 }
 
@@ -25,9 +25,9 @@ const Eigen::VectorXd& LmInverseKinematics::step(const TipJacobian& J, const Tip
   weighted_Jt_.noalias() = J.transpose() * design_.weights.asDiagonal();
   normal_matrix_.noalias() = weighted_Jt_.lazyProduct(J);
   step_.noalias() = weighted_Jt_ * X_e;
+  if (design_.form != LmForm::sugihara) step_ += X_e;
   if (design_.form == LmForm::printed) {
     normal_matrix_.diagonal().array() += X_e.array().abs() + design_.damping;
-    step_ += X_e;
   } else {
     normal_matrix_.diagonal().array() +=
         0.5 * X_e.dot(design_.weights.cwiseProduct(X_e)) + design_.damping;

@@ -14,6 +14,8 @@ enum class LmForm {
   /// a joint-space vector, which is dimensionally wrong, and needs as many joints as task
   /// coordinates. Eq. 2.68 prints diag(X_e), but a damping must not be negative.
   printed,
+  /// M as printed with the W_n of `sugihara`.
+  sugihara_damping,
   /// For any number of joints: M = Jᵀ W_e X_e and W_n = (½ X_eᵀ W_e X_e + λ) I, as in T. Sugihara,
   /// IEEE Trans. Robotics 27 (2011) 984–991.
   sugihara
@@ -34,7 +36,7 @@ struct LmDesign {
 class LmInverseKinematics {
  public:
   /// Throws std::invalid_argument if a weight, λ or the limit is not positive, or if the printed
-  /// form is used with other than three joints.
+  /// M is used with other than three joints.
   LmInverseKinematics(const LmDesign& design, Eigen::Index joints);
 
   /// q̃ [rad], given the tip's Jacobian and its error X_e [m, m, rad]. Allocates nothing.

@@ -2,26 +2,18 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
 
+#include <breakwater/config/toml_text.h>
 #include <breakwater/record/window_metrics.h>
 
 namespace breakwater {
 namespace {
 
 constexpr double kOpen = std::numeric_limits<double>::infinity();
-
-std::optional<double> number_in(const std::string& word) {
-  double number = 0.0;
-  const char* const end = word.data() + word.size();
-  const auto [last, error] = std::from_chars(word.data(), end, number);
-  if (error != std::errc() || last != end) return std::nullopt;
-  return number;
-}
 
 using Value = std::optional<double> (WindowStatistics::*)() const;
 

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <mutex>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -212,20 +214,34 @@ MetricRows::MetricRows(const Catalogue& catalogue, const std::string& name,
   kinds_.insert(kinds_.end(), own_kinds.begin(), own_kinds.end());
 }
 
+// Each point of a sweep asks for them: the file is read again only if it changed.
 std::vector<MetricRow> MetricRows::own_rows() const {
-  std::vector<MetricRow> rows;
-  if (!scenario_) return rows;
-  const ScenarioFile file(scenario_->file().string(), scenario_->name);
+  if (!scenario_) return {};
+  struct ReadRows {
+    std::filesystem::file_time_type written;
+    std::vector<MetricRow> rows;
+  };
+  static std::mutex reading;
+  static std::map<std::pair<std::string, std::string>, ReadRows> read;
+  const std::string path = scenario_->file().string();
+  const auto written = std::filesystem::last_write_time(path);
+  const std::lock_guard lock(reading);
+  const auto found = read.find({scenario_->name, path});
+  if (found != read.end() && found->second.written == written) return found->second.rows;
+
+  const ScenarioFile file(path, scenario_->name);
   const Config all = file.tables().front();
   std::map<std::string, ConfigEntry> entries;
   for (const auto& [key, entry] : all.entries()) {
     if (key.starts_with("metric.")) entries.emplace(key, entry);
   }
   const Config own(file.file(), std::move(entries));
+  std::vector<MetricRow> rows;
   for (const std::string& name : own.names_in("metric")) rows.emplace_back().table = name;
   Fields fields;
   for (MetricRow& row : rows) row.bind(fields, kinds_);
   fields.read(own);
+  read[{scenario_->name, path}] = {written, rows};
   return rows;
 }
 

@@ -72,9 +72,11 @@ void bind_proposed(Fields& fields, ProposedSettings& settings) {
   fields.number("controller.ik_damping", settings.ik_damping, positive(),
                 "lambda: damping of the inverse kinematics");
   fields.choice("controller.ik_form", settings.ik_form,
-                {{"printed", LmForm::printed}, {"sugihara", LmForm::sugihara}},
-                "form of the inverse kinematics: printed (Eqs. 2.66, 2.68; three joints), or "
-                "sugihara (any number)");
+                {{"printed", LmForm::printed},
+                 {"sugihara_damping", LmForm::sugihara_damping},
+                 {"sugihara", LmForm::sugihara}},
+                "form of the inverse kinematics: printed (Eqs. 2.66, 2.68; three joints), "
+                "sugihara_damping (Eq. 2.66 with Sugihara's W_n), or sugihara (any number)");
 }
 
 void check_proposed(const ProposedSettings& settings, const ArmSetup& arm) {

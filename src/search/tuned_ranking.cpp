@@ -1,10 +1,11 @@
 #include <breakwater/search/tuned_ranking.h>
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <map>
 #include <unordered_map>
+
+#include <breakwater/config/toml_text.h>
 
 namespace breakwater {
 namespace {
@@ -41,13 +42,6 @@ PairedResults fresh_results(const TuningPlan& plan, const TuningResult& result,
     }
   }
   return paired;
-}
-
-std::optional<double> number_in(const std::string& value) {
-  double number = 0.0;
-  const char* const end = value.data() + value.size();
-  const auto [stop, error] = std::from_chars(value.data(), end, number);
-  return error == std::errc() && stop == end ? std::optional(number) : std::nullopt;
 }
 
 bool is_at_bound(const VariedKey& key, const std::string& value) {

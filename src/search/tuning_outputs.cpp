@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -204,10 +203,8 @@ void write_outputs(const TuningPlan& plan, const TuningResult& result,
 }
 
 std::string in_short(const std::string& value, int digits) {
-  double number = 0.0;
-  const char* end = value.data() + value.size();
-  const auto [stop, error] = std::from_chars(value.data(), end, number);
-  return error == std::errc() && stop == end ? fmt::format("{:.{}g}", number, digits) : value;
+  const auto number = number_in(value);
+  return number ? fmt::format("{:.{}g}", *number, digits) : value;
 }
 
 namespace {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <set>
 #include <utility>
@@ -100,13 +99,6 @@ std::vector<KeyEffect> key_effects(const Study& study) {
     effects.push_back(std::move(effect));
   }
   return effects;
-}
-
-std::optional<double> number_in(const std::string& value) {
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-  if (error != std::errc() || end != value.data() + value.size()) return std::nullopt;
-  return number;
 }
 
 }  // namespace breakwater

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,8 +26,5 @@ struct KeyEffect {
 /// The effects of the varied keys. In a list the value of one key may determine that of another.
 /// Nobody can then separate the two, so they are one effect. In other methods each key is one.
 std::vector<KeyEffect> key_effects(const Study& study);
-
-/// The number that a TOML value is, if it is a number.
-std::optional<double> number_in(const std::string& value);
 
 }  // namespace breakwater

@@ -228,12 +228,14 @@ void choose_readings(const TomlEntry& rows, const std::vector<std::string>& name
       if (is_chosen) run.sets.insert(run.sets.end(), reading.sets.begin(), reading.sets.end());
     }
     if (!has_run) row["runs"].fail("there is no run " + reading.runs);
+    experiments.all_readings.push_back(reading);
     if (is_chosen) experiments.readings.push_back(reading);
   }
   for (const std::string& name : names) {
     if (place_of(name, known) == known.size()) {
       throw std::invalid_argument(
-          fmt::format("--reading {}: there is no such reading{}", name, did_you_mean(name, known)));
+          fmt::format("--reading {}: there is no such reading{}; --list-readings shows them", name,
+                      did_you_mean(name, known)));
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <set>
 #include <stdexcept>
 
@@ -12,6 +13,7 @@
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/shell/table.h>
 #include <breakwater/thesis/reproduction.h>
 #include <breakwater/thesis/thesis_report.h>
 #include <breakwater/thesis/verdict_list.h>
@@ -20,11 +22,31 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
+// The sections with a run that the reading changes.
+std::vector<std::string> sections_of(const Experiments& experiments, const std::string& name) {
+  std::vector<std::string> sections;
+  for (const SectionSpec& section : experiments.sections) {
+    const std::vector<std::string> runs = section.runs();
+    const auto changes = [&](const ReadingSpec& reading) {
+      return reading.name == name &&
+             std::any_of(runs.begin(), runs.end(), [&](const std::string& run) {
+               return matches_pattern(reading.runs, run);
+             });
+    };
+    const auto& all = experiments.all_readings;
+    if (std::any_of(all.begin(), all.end(), changes)) sections.push_back(section.id);
+  }
+  return sections;
+}
+
+constexpr std::size_t kWidth = 78;  // of an indented text
+
 struct ReproduceArguments {
   std::string only = "all";
   std::string out = "runs/reproduce";
   std::string file;
   std::vector<std::string> readings;
+  bool list_readings = false;
   bool quick = false;
   bool no_video = false;
   bool with_replay = true;
@@ -52,6 +74,35 @@ std::vector<const SectionSpec*> choose_sections(const Experiments& experiments,
         experiments.sections.front().id, did_you_mean(only, names)));
   }
   return chosen;
+}
+
+// The readings, with the sections whose runs they change.
+void print_readings(const Experiments& experiments) {
+  std::string before;
+  for (const ReadingSpec& reading : experiments.all_readings) {
+    if (reading.name != before) {
+      fmt::print("{} (sections {})\n", reading.name,
+                 fmt::join(sections_of(experiments, reading.name), ", "));
+      for (const std::string& line : wrapped(reading.why, kWidth)) fmt::print("  {}\n", line);
+    }
+    fmt::print("  {}: {}\n", reading.runs, fmt::join(reading.sets, " "));
+    before = reading.name;
+  }
+}
+
+// A reading that changes no run of the chosen sections is a mistake.
+void check_readings(const ReproduceArguments& arguments, const Experiments& experiments,
+                    const std::vector<const SectionSpec*>& chosen) {
+  for (const std::string& name : arguments.readings) {
+    const std::vector<std::string> changed = sections_of(experiments, name);
+    const auto is_changed = [&](const SectionSpec* section) {
+      return std::find(changed.begin(), changed.end(), section->id) != changed.end();
+    };
+    if (std::any_of(chosen.begin(), chosen.end(), is_changed)) continue;
+    throw std::invalid_argument(
+        fmt::format("--reading {}: changes no run of --only {}, but runs of the sections {}", name,
+                    arguments.only, fmt::join(changed, ", ")));
+  }
 }
 
 // Refuses a folder with contents that are not ours.
@@ -93,15 +144,17 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
       arguments.file.empty() ? data_file("data/experiments.toml") : fs::path(arguments.file);
   const Effort effort = arguments.quick ? Effort::quick : Effort::full;
   const Experiments experiments = read_experiments(file.string(), effort, arguments.readings);
+  if (arguments.list_readings) {
+    print_readings(experiments);
+    return kSuccess;
+  }
+  const std::vector<const SectionSpec*> sections = choose_sections(experiments, arguments.only);
+  check_readings(arguments, experiments, sections);
   check_out(arguments.out);
   stop_on_signals();
-  const Reproduction reproduction{catalogue,
-                                  experiments,
-                                  choose_sections(experiments, arguments.only),
-                                  arguments.out,
-                                  arguments.quiet,
-                                  &interrupted(),
-                                  arguments.with_replay};
+  const Reproduction reproduction{
+      catalogue,      experiments,          sections, arguments.out, arguments.quiet,
+      &interrupted(), arguments.with_replay};
   const Measured measured = measure(reproduction);
   const int status = make_pictures(reproduction, !arguments.no_video);
   if (status == kInterrupted) throw Interrupted(measured.size());
@@ -113,6 +166,10 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   replace_file(verdicts, verdict_list(reproduction, measured));
   if (!experiments.is_own) {
     for (const std::string& line : report.score.headline()) fmt::print("{}\n", line);
+  }
+  if (!arguments.readings.empty()) {
+    fmt::print("other readings: {}; the reasons are those of the shipped one\n",
+               fmt::join(arguments.readings, ", "));
   }
   fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", report.score.text(), report.figures,
              page.string(), verdicts.string());
@@ -140,6 +197,7 @@ int reproduce_main(const Catalogue& catalogue, int argc, const char* const* argv
                  "other readings of the text, by their names in the list of experiments")
       ->type_name("NAME[,NAME]")
       ->delimiter(',');
+  app.add_flag("--list-readings", arguments.list_readings, "print the readings, and end");
   app.add_flag("--no-video", arguments.no_video, "leave out the video");
   app.add_flag("!--no-replay", arguments.with_replay, "leave out the replays");
   app.add_flag("--quiet", arguments.quiet, "print errors and the score only");

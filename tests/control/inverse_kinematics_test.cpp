@@ -78,6 +78,34 @@ TEST(LmInverseKinematics, SugiharaWorksForAnyNumberOfJoints) {
   }
 }
 
+// {Jᵀ W_e J + W_n} q̃ = M, for each form, by another factorization.
+TEST(LmInverseKinematics, SolvesTheEquationOfItsForm) {
+  const LmDesign defaults;
+  const TipPose X_e(0.02, -0.01, 0.03);
+  TipJacobian J;
+  chain_of(3).tip_jacobian(Eigen::Vector3d(0.9, -1.8, 0.9), J);
+  const Eigen::Matrix3d W_e = defaults.weights.asDiagonal();
+  const Eigen::Vector3d task = J.transpose() * W_e * X_e;
+  const Eigen::Vector3d error = X_e;
+  const Eigen::Vector3d square = Eigen::Vector3d::Constant(0.5 * X_e.dot(W_e * X_e));
+  const struct {
+    LmForm form;
+    Eigen::Vector3d M, W_n;
+  } rows[] = {{LmForm::printed, task + error, error.cwiseAbs()},
+              {LmForm::sugihara_damping, task + error, square},
+              {LmForm::sugihara, task, square}};
+  for (const auto& row : rows) {
+    LmDesign design;
+    design.form = row.form;
+    Eigen::Matrix3d normal = J.transpose() * W_e * J;
+    normal.diagonal() += row.W_n + Eigen::Vector3d::Constant(design.damping);
+    const Eigen::Vector3d expected = normal.fullPivLu().solve(row.M);
+    EXPECT_LT((LmInverseKinematics(design, 3).step(J, X_e) - expected).norm(),
+              1e-9 * expected.norm())
+        << static_cast<int>(row.form);
+  }
+}
+
 TEST(LmInverseKinematics, LimitsEachStep) {
   LmDesign design;
   design.step_limit_rad = 0.01;
