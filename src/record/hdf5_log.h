@@ -90,8 +90,8 @@ struct LoggedDataset {
   LoggedSignal signal;
 };
 
-/// Reads a log of unknown origin in a child process, since HDF5 crashes or never ends on some
-/// files, and on others crashes at some times only. Returns all datasets, with the time bases; or,
+/// Reads a log of unknown origin in a child process. HDF5 never ends on some files, and crashes on
+/// others, on some of them not always. Returns all datasets, with the time bases; or,
 /// without `has_values`, reads only the headers and returns none. Throws std::invalid_argument if
 /// it is not a log, has more than 1 GB of values, or the child fails. Throws OutputError if there
 /// is no room for a child. Throws Interrupted if this process handles a signal. The child ends with

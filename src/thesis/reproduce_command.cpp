@@ -39,7 +39,7 @@ std::vector<std::string> sections_of(const Experiments& experiments, const std::
   return sections;
 }
 
-constexpr std::size_t kWidth = 78;  // of an indented text
+constexpr std::size_t kWidth = 78;  // for an indented text
 
 struct ReproduceArguments {
   std::string only = "all";
