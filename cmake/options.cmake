@@ -6,7 +6,7 @@ if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
       CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
-set(BREAKWATER_SANITIZER "" CACHE STRING "address, fuzzer or coverage (both Clang) or thread; empty for none")
+set(BREAKWATER_SANITIZER "" CACHE STRING "address, fuzzer (Clang) or thread; empty for none")
 # Both link faster than GNU's linker.
 find_program(FASTER_LINKER NAMES mold ld.lld)
 if(FASTER_LINKER MATCHES "mold$")
