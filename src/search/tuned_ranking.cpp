@@ -44,6 +44,15 @@ PairedResults fresh_results(const TuningPlan& plan, const TuningResult& result,
   return paired;
 }
 
+// The cases with a best candidate.
+std::vector<std::size_t> tuned_cases(const TuningResult& result) {
+  std::vector<std::size_t> cases;
+  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
+    if (!result.fronts[c].points.empty()) cases.push_back(c);
+  }
+  return cases;
+}
+
 bool is_at_bound(const VariedKey& key, const std::string& value) {
   const auto number = number_in(value);
   if (!number) return false;
@@ -63,10 +72,7 @@ bool is_at_bound(const VariedKey& key, const std::string& value) {
 
 std::optional<Ranking> rank_tuned(const TuningPlan& plan, const TuningResult& result) {
   const Tuning& tuning = plan.tuning();
-  std::vector<std::size_t> cases;
-  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    if (!result.fronts[c].points.empty()) cases.push_back(c);
-  }
+  const std::vector<std::size_t> cases = tuned_cases(result);
   if (tuning.has_front() || !tuning.validation || cases.size() < 2) return std::nullopt;
   const Objective& objective = tuning.objectives.front();
   return rank_candidates(fresh_results(plan, result, cases), objective.metric, objective.goal);
@@ -74,11 +80,8 @@ std::optional<Ranking> rank_tuned(const TuningPlan& plan, const TuningResult& re
 
 std::vector<std::size_t> tuned_order(const Tuning& tuning, const TuningResult& result,
                                      const std::optional<Ranking>& ranking) {
-  std::vector<std::size_t> order;
-  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    if (!result.fronts[c].points.empty()) order.push_back(c);
-  }
-  const std::vector<std::size_t> cases = order;
+  const std::vector<std::size_t> cases = tuned_cases(result);
+  std::vector<std::size_t> order = cases;
   if (ranking) {
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = cases[ranking->rows[i].candidate];
     return order;
