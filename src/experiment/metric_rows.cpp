@@ -293,7 +293,7 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
     const MetricRow& row = rows_[i];
     const Config own = config.under(row.prefix());
     const auto parse = [&](const char* key, const std::string& text) {
-      const auto read = own.blame(key, [&] { return MetricExpression(text, number, events); });
+      auto read = own.blame(key, [&] { return MetricExpression(text, number, events); });
       const bool is_number = text.find_first_not_of("+-.0123456789e") == std::string::npos;
       if (is_number && read.value() < 0.0) own.fail(key, "must be 0 or more, is " + text);
       return read;

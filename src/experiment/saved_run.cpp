@@ -171,7 +171,7 @@ std::vector<Metric> read_metrics(const fs::path& folder) {
                                   ": must be a number: the file is damaged; run it again");
     }
     try {
-      list.push_back({name, unit_of(name), value.get<double>()});
+      list.emplace_back(name, unit_of(name), value.get<double>());
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(file.string() + ": " + error.what());
     }

@@ -1,5 +1,6 @@
 #include <breakwater/control/inverse_kinematics.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "support.h"
@@ -86,13 +87,12 @@ TEST(LmInverseKinematics, SolvesTheEquationOfItsForm) {
   chain_of(3).tip_jacobian(Eigen::Vector3d(0.9, -1.8, 0.9), J);
   const Eigen::Matrix3d W_e = defaults.weights.asDiagonal();
   const Eigen::Vector3d task = J.transpose() * W_e * X_e;
-  const Eigen::Vector3d error = X_e;
   const Eigen::Vector3d square = Eigen::Vector3d::Constant(0.5 * X_e.dot(W_e * X_e));
   const struct {
     LmForm form;
     Eigen::Vector3d M, W_n;
-  } rows[] = {{LmForm::printed, task + error, error.cwiseAbs()},
-              {LmForm::sugihara_damping, task + error, square},
+  } rows[] = {{LmForm::printed, task + X_e, X_e.cwiseAbs()},
+              {LmForm::sugihara_damping, task + X_e, square},
               {LmForm::sugihara, task, square}};
   for (const auto& row : rows) {
     LmDesign design;
