@@ -420,7 +420,7 @@ int send(const std::string& file, bool has_values, const std::string& sheet) {
     }
     if (values > kForeignBytes / sizeof(double)) return kTooMuch;
     std::ofstream sent(sheet, std::ios::binary);
-    sent << headers.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    sent << headers.dump() << '\n';
     for (const LogEntry& entry : datasets) {
       const std::vector<double> read = read_signal(file, entry.group + "/" + entry.name).values;
       sent.write(reinterpret_cast<const char*>(read.data()),
