@@ -85,25 +85,23 @@ void SavedRun::read() {
   check_file(folder_, "config.toml");
   if (!failure()) metrics_ = read_metrics(folder_);
   const bool is_known = check_log(folder_);
+  is_read_whole_ = !is_known && !manifest_.is_unfinished;
   if (!is_known) {
-    const bool has_values = !manifest_.is_unfinished;
     for (LoggedDataset& read :
-         read_log([&](const std::string& log) { return read_foreign_log(log, has_values); })) {
+         read_log([&](const std::string& log) { return read_foreign_log(log, is_read_whole_); })) {
       if (read.entry.name != "time_s") signals_.push_back(read.entry);
       read_[read.entry.group + "/" + read.entry.name] = std::move(read.signal);
     }
-    if (has_values) {
-      notes_.push_back(log_file() +
-                       ": may not be what the run wrote: its manifest.json has no log_hash");
-    }
   }
-  is_read_whole_ = !is_known && !manifest_.is_unfinished;
-  if (!is_read_whole_) {
+  if (is_read_whole_) {
+    notes_.push_back(log_file() +
+                     ": may not be what the run wrote: its manifest.json has no log_hash");
+    for (const auto& [path, data] : read_) check_rows(path, data);
+  } else {
     signals_ = read_log([](const std::string& log) { return list_hdf5_signals(log); });
   }
   if (manifest_.is_unfinished) find_end();
-  if (!is_known) {
-    for (const auto& [path, data] : read_) check_rows(path, data);
+  if (!is_known && !is_read_whole_) {
     for (const LogEntry& entry : signals_) {
       check_rows(entry.group + "/" + entry.name, {entry.rows, entry.width, {}});
     }

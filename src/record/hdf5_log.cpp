@@ -575,13 +575,13 @@ std::size_t written_rows(const std::string& file, const std::string& track) {
 }
 
 std::vector<LoggedDataset> read_foreign_log(const std::string& file, bool has_values) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> sheet(
-      fdopen(memfd_create("log", MFD_CLOEXEC), "r+"), std::fclose);
-  if (!sheet) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
   const std::lock_guard lock(hdf5_in_use);
   hdf5();  // load it once, before the fork
+  const int descriptor = memfd_create("log", MFD_CLOEXEC);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> sheet(
+      descriptor < 0 ? nullptr : fdopen(descriptor, "r+"), std::fclose);
   const pid_t parent = getpid();
-  const pid_t child = fork();
+  const pid_t child = sheet ? fork() : -1;
   if (child < 0) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
   if (child == 0) {
     confine(file, parent);

@@ -217,19 +217,19 @@ void choose_readings(const TomlEntry& rows, const std::vector<std::string>& name
   std::vector<std::string> known;
   for (const TomlEntry& row : rows.elements()) {
     row.allow({"name", "runs", "sets", "why"});
-    const ReadingSpec reading{row["name"].text(), row["runs"].text(), texts(row["sets"]),
-                              row["why"].text_or_nothing(), row.line()};
+    ReadingSpec reading{row["name"].text(), row["runs"].text(), texts(row["sets"]),
+                        row["why"].text_or_nothing()};
     known.push_back(reading.name);
-    const bool is_chosen = std::find(names.begin(), names.end(), reading.name) != names.end();
+    reading.is_chosen = std::find(names.begin(), names.end(), reading.name) != names.end();
     bool has_run = false;
     for (auto& [name, run] : experiments.runs) {
       if (!matches_pattern(reading.runs, name)) continue;
       has_run = true;
-      if (is_chosen) run.sets.insert(run.sets.end(), reading.sets.begin(), reading.sets.end());
+      if (!reading.is_chosen) continue;
+      run.sets.insert(run.sets.end(), reading.sets.begin(), reading.sets.end());
     }
     if (!has_run) row["runs"].fail("there is no run " + reading.runs);
-    experiments.all_readings.push_back(reading);
-    if (is_chosen) experiments.readings.push_back(reading);
+    experiments.readings.push_back(std::move(reading));
   }
   for (const std::string& name : names) {
     if (place_of(name, known) == known.size()) {

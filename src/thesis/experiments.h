@@ -133,7 +133,7 @@ struct ReadingSpec {
   std::string runs;
   std::vector<std::string> sets;
   std::string why;
-  std::size_t line = 0;
+  bool is_chosen = false;
 };
 
 /// A picture at the top of the page: one panel of a figure.
@@ -153,9 +153,8 @@ struct Experiments {
   std::map<std::string, RunSpec> runs;
   std::vector<SectionSpec> sections;
   std::vector<HeroSpec> heroes;
-  std::vector<ReadingSpec> readings;      ///< the chosen ones
-  std::vector<ReadingSpec> all_readings;  ///< in the file's order
-  std::string video;                      ///< for the top of the page: id of a section
+  std::vector<ReadingSpec> readings;
+  std::string video;  ///< for the top of the page: id of a section
 };
 
 /// The cause if a result is not reproduced. The thesis contradicts itself or its numbers, or it is

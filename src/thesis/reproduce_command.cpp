@@ -22,19 +22,22 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// The sections with a run that the reading changes.
+// Whether a reading changes a run of the section.
+bool changes(const Experiments& experiments, const std::string& name, const SectionSpec& section) {
+  const std::vector<std::string> runs = section.runs();
+  return std::any_of(experiments.readings.begin(), experiments.readings.end(),
+                     [&](const ReadingSpec& reading) {
+                       return reading.name == name &&
+                              std::any_of(runs.begin(), runs.end(), [&](const std::string& run) {
+                                return matches_pattern(reading.runs, run);
+                              });
+                     });
+}
+
 std::vector<std::string> sections_of(const Experiments& experiments, const std::string& name) {
   std::vector<std::string> sections;
   for (const SectionSpec& section : experiments.sections) {
-    const std::vector<std::string> runs = section.runs();
-    const auto changes = [&](const ReadingSpec& reading) {
-      return reading.name == name &&
-             std::any_of(runs.begin(), runs.end(), [&](const std::string& run) {
-               return matches_pattern(reading.runs, run);
-             });
-    };
-    const auto& all = experiments.all_readings;
-    if (std::any_of(all.begin(), all.end(), changes)) sections.push_back(section.id);
+    if (changes(experiments, name, section)) sections.push_back(section.id);
   }
   return sections;
 }
@@ -79,7 +82,7 @@ std::vector<const SectionSpec*> choose_sections(const Experiments& experiments,
 // The readings, with the sections whose runs they change.
 void print_readings(const Experiments& experiments) {
   std::string before;
-  for (const ReadingSpec& reading : experiments.all_readings) {
+  for (const ReadingSpec& reading : experiments.readings) {
     if (reading.name != before) {
       fmt::print("{} (sections {})\n", reading.name,
                  fmt::join(sections_of(experiments, reading.name), ", "));
@@ -94,14 +97,13 @@ void print_readings(const Experiments& experiments) {
 void check_readings(const ReproduceArguments& arguments, const Experiments& experiments,
                     const std::vector<const SectionSpec*>& chosen) {
   for (const std::string& name : arguments.readings) {
-    const std::vector<std::string> changed = sections_of(experiments, name);
-    const auto is_changed = [&](const SectionSpec* section) {
-      return std::find(changed.begin(), changed.end(), section->id) != changed.end();
-    };
-    if (std::any_of(chosen.begin(), chosen.end(), is_changed)) continue;
+    const bool is_heeded = std::any_of(
+        chosen.begin(), chosen.end(),
+        [&](const SectionSpec* section) { return changes(experiments, name, *section); });
+    if (is_heeded) continue;
     throw std::invalid_argument(
         fmt::format("--reading {}: changes no run of --only {}, but runs of the sections {}", name,
-                    arguments.only, fmt::join(changed, ", ")));
+                    arguments.only, fmt::join(sections_of(experiments, name), ", ")));
   }
 }
 

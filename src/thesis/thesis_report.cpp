@@ -616,6 +616,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     extent += " Only the sections in the contents were asked for.";
   }
   for (const ReadingSpec& reading : experiments.readings) {
+    if (!reading.is_chosen) continue;
     extent += fmt::format(" Other reading {}: {} with {}. {}", reading.name, reading.runs,
                           fmt::join(reading.sets, " "), reading.why);
   }
