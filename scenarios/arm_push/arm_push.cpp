@@ -117,6 +117,9 @@ Fields ArmPush::fields() {
   fields.count("push.link", link_, between(1, 100), "number of the link whose end the hand pushes");
   fields.number("push.angle_rad", hand_.angle_rad, any(),
                 "angle by which the hand turns the link [rad]");
+  fields.number("push.moment_Nm", hand_.given_moment_Nm, any(),
+                "moment about the link's joint with which the hand pushes, wherever the link goes; "
+                "0: it turns the link by the angle [N m]");
   fields.number("push.start_s", hand_.start_s, not_negative(), "time at which the hand grips [s]");
   fields.number("push.rise_s", hand_.rise_s, positive(),
                 "time that the hand takes to turn the link [s]");
@@ -126,6 +129,9 @@ Fields ArmPush::fields() {
                 "stiffness of the hand about the link's joint [N m/rad]");
   fields.number("push.damping_Nms_rad", hand_.damping_Nms_rad, not_negative(),
                 "damping of the hand about the link's joint [N m s/rad]");
+  fields.standard("push.moment_Nm", {0.0});
+  fields.only_where({"push.angle_rad", "push.stiffness_Nm_rad", "push.damping_Nms_rad"},
+                    "push.moment_Nm is 0", [this] { return hand_.given_moment_Nm == 0.0; });
   fields.number("metrics.settled_within_m", settled_within_m_, positive(),
                 "distance from the start pose within which the tip counts as settled [m]");
   rows_.bind(fields);

@@ -79,17 +79,16 @@ std::vector<const SectionSpec*> choose_sections(const Experiments& experiments,
   return chosen;
 }
 
-// The readings, with the sections whose runs they change.
+// The readings, with the sections whose runs they change. The first row of one has its reason.
 void print_readings(const Experiments& experiments) {
-  std::string before;
+  std::set<std::string> known;
   for (const ReadingSpec& reading : experiments.readings) {
-    if (reading.name != before) {
+    if (known.insert(reading.name).second) {
       fmt::print("{} (sections {})\n", reading.name,
                  fmt::join(sections_of(experiments, reading.name), ", "));
       for (const std::string& line : wrapped(reading.why, kWidth)) fmt::print("  {}\n", line);
     }
     fmt::print("  {}: {}\n", reading.runs, fmt::join(reading.sets, " "));
-    before = reading.name;
   }
 }
 
@@ -170,9 +169,10 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
     for (const std::string& line : report.score.headline()) fmt::print("{}\n", line);
   }
   if (!arguments.readings.empty()) {
-    fmt::print("other readings: {}; the reasons are those of the shipped one\n",
+    fmt::print("other readings: {}; a reason is that of the shipped one unless it names another\n",
                fmt::join(arguments.readings, ", "));
   }
+  fmt::print("{}", failure_list(reproduction, measured));
   fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", report.score.text(), report.figures,
              page.string(), verdicts.string());
   return status;

@@ -13,4 +13,8 @@ namespace breakwater {
 /// that is not reproduced follow.
 std::string verdict_list(const Reproduction& reproduction, const Measured& measured);
 
+/// The entries that are not reproduced, for a terminal: each if they are few, else their number by
+/// section. Empty if there are none.
+std::string failure_list(const Reproduction& reproduction, const Measured& measured);
+
 }  // namespace breakwater

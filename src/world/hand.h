@@ -1,11 +1,12 @@
-// A stiff hand that turns a link and then releases it.
+// A hand that pushes a link and then releases it.
 #pragma once
 
 namespace breakwater {
 
 /// Grips a link at `start_s`, turns its absolute angle by `angle_rad` along a smoothstep of
 /// `rise_s`, holds it for `hold_s` and releases it. This is the forced displacement of thesis
-/// 2.4.3.3. The grip acts as a spring and a damper between the link and the target angle.
+/// 2.4.3.3. The grip acts as a spring and a damper between the link and the target angle. A hand of
+/// given moment pushes with it instead, along the same smoothstep, wherever the link goes.
 struct Hand {
   double start_s = 0.0;
   double rise_s = 1.0;
@@ -13,6 +14,7 @@ struct Hand {
   double angle_rad = 0.0;
   double stiffness_Nm_rad = 0.0;
   double damping_Nms_rad = 0.0;
+  double given_moment_Nm = 0.0;  ///< about the link's joint; 0: the hand turns the link
 
   double release_s() const { return start_s + rise_s + hold_s; }
   bool grips(double time_s) const { return time_s >= start_s && time_s < release_s(); }
@@ -25,6 +27,7 @@ struct Hand {
   double moment_Nm(double time_s, double turned_rad, double rate_rad_s) const;
 
  private:
+  double risen(double end, double time_s) const;  // from 0 to `end`
   double target_rate_rad_s(double time_s) const;
 };
 

@@ -164,7 +164,8 @@ cells = [{ row = "r", shows = "what is not claimed", run = "one", metric = "peak
 note = "Two gains for one cell."
 )");
   const ProgramResult result = done(reproduce("out"));
-  EXPECT_TRUE(has(result.out, "1 held, 1 did not hold; beside them 1 vacuous\n"));
+  EXPECT_TRUE(has(result.out, "1 held, 1 did not hold; beside them 1 vacuous\n",
+                  "did not hold:\n  1, 1: ", ", so (holds if below 0)\n"));
   const std::string html = read("out/report.html");
   EXPECT_TRUE(has(html, "since it is, &quot;truly&quot;", "what is not claimed",
                   "beside the rest, not judged", "among them: 1 vacuous, which hold by",

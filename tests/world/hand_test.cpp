@@ -29,5 +29,14 @@ TEST(Hand, PullsTowardsItsPosition) {
   EXPECT_NEAR(kHand.moment_Nm(t, kHand.target_rad(t), rate + 0.1), -6.0, 1e-6);
 }
 
+TEST(Hand, PushesWithAGivenMoment) {
+  Hand hand = kHand;
+  hand.given_moment_Nm = 8.0;
+  EXPECT_EQ(hand.moment_Nm(2.9, 0.0, 0.0), 0.0);
+  EXPECT_DOUBLE_EQ(hand.moment_Nm(3.75, 0.0, 0.0), 4.0);
+  EXPECT_DOUBLE_EQ(hand.moment_Nm(4.9, 2.0, -3.0), 8.0);  // wherever the link is
+  EXPECT_EQ(hand.moment_Nm(5.0, 0.0, 0.0), 0.0);
+}
+
 }  // namespace
 }  // namespace breakwater
