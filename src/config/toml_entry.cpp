@@ -68,7 +68,12 @@ std::vector<std::pair<std::string, TomlEntry>> TomlEntry::entries() const {
 void TomlEntry::allow(const std::vector<std::string>& keys) const {
   for (const auto& [key, entry] : entries()) {
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-    entry.fail("unknown key" + did_you_mean(key, keys));
+    std::string meant = did_you_mean(key, keys);
+    constexpr std::size_t kFew = 4;
+    if (meant.empty() && keys.size() <= kFew) {
+      meant = fmt::format(" (there are {})", fmt::join(keys, ", "));
+    }
+    entry.fail("unknown key" + meant);
   }
 }
 

@@ -501,6 +501,7 @@ struct MetricValues::Row {
   MetricDefinition definition;
   std::string unmet;    // a condition that the configuration does not meet
   std::string missing;  // a signal that the run lacks
+  std::string window;   // as its keys say it
   std::vector<std::pair<std::string, MetricExpression>> reached;  // times that it needs
   std::unique_ptr<Value> value;                                   // null if it cannot apply
 
@@ -511,7 +512,7 @@ struct MetricValues::Row {
     for (const auto& [text, time] : reached) {
       if (!(time.value() <= now_s)) return "the run does not reach " + text;
     }
-    if (!value->has_values) return "the run does not cover its window";
+    if (!value->has_values) return "the run does not cover its window, " + window;
     const auto result = value->result();
     return result && std::isfinite(*result) ? "" : value->kind.why_absent;
   }
@@ -531,6 +532,8 @@ MetricValues::MetricValues(const MetricRows& rows, const std::vector<Signal>& si
     Row& made = rows_.emplace_back();
     made.definition = row.definition(kind);
     made.unmet = rows.unmet(i);
+    const std::string end = row.to_s != kZero ? row.to_s : row.before_s;
+    made.window = fmt::format("from {} to {}", row.from_s, end == kZero ? "the run's end" : end);
     for (const std::string& condition : conditions_of(row)) {
       const std::string signal = without_end(condition, kIsThere);
       if (condition.ends_with(kIsThere) && value_of(signal, signals, true).empty()) {

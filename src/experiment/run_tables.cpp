@@ -76,13 +76,19 @@ std::string metrics_table(const std::string& scenario, const RunSummary& run,
     }
     table.add(row);
   }
-  std::string reasons;
+  std::vector<std::pair<std::string, std::vector<std::string>>> reasons;  // with their metrics
   for (const AbsentMetric& metric : run.absent) {
     table.add({metric.name, "–", metric.unit});
-    reasons += fmt::format("{}: {}\n", metric.name, metric.reason);
+    const auto known = std::find_if(reasons.begin(), reasons.end(),
+                                    [&](const auto& one) { return one.first == metric.reason; });
+    auto& named = known == reasons.end() ? reasons.emplace_back(metric.reason, 0) : *known;
+    named.second.push_back(metric.name);
   }
   std::string text = table.print(std::numeric_limits<std::size_t>::max());
-  if (!reasons.empty()) text += "\n" + reasons;
+  if (!reasons.empty()) text += "\n";
+  for (const auto& [reason, names] : reasons) {
+    text += fmt::format("{}: {}\n", fmt::join(names, ", "), reason);
+  }
   if (run.metrics.empty() && run.absent.empty()) {
     text =
         "no metric applies: the run is too short, or there was nothing to measure, such as a "

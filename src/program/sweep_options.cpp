@@ -58,6 +58,8 @@ constexpr WhatOption kOthers[] = {
      "metrics"},
     {"--goal", "METRIC=GOAL",
      "what is better in a metric: METRIC=min or METRIC=max; may be given again"},
+    {"--require", "METRIC=MIN..MAX",
+     "rank only candidates within these bounds; one of them may be left out: ..0.6"},
     {"--worlds", "WHAT",
      "what a comparison counts: samples (the default; seeds repeat them, or are the\n"
      "worlds where no key is varied), or seeds: each of every sample",
@@ -183,6 +185,24 @@ class OptionTables {
     }
   }
 
+  void lay_requirements() {
+    for (const auto& [metric, text] : pairs("--require")) {
+      const std::size_t dots = std::min(text.find(".."), text.size());
+      const std::string ends[] = {text.substr(0, dots),
+                                  text.substr(std::min(dots + 2, text.size()))};
+      toml::table bounds;
+      for (const std::size_t end : {0, 1}) {
+        const auto number = number_in(ends[end]);
+        if (dots == text.size() || (!number && !ends[end].empty())) {
+          throw std::invalid_argument(
+              fmt::format("--require: {}: {}: must be MIN..MAX, MIN.. or ..MAX", metric, text));
+        }
+        if (number) bounds.insert_or_assign(end == 0 ? "min" : "max", *number);
+      }
+      table("require").insert_or_assign(metric, std::move(bounds));
+    }
+  }
+
  private:
   toml::table& table(const std::string& name) {
     return name.empty() ? tables_ : table_in(tables_, name, options_.study.target);
@@ -276,6 +296,7 @@ void lay_on(const SweepOptions& options, toml::table& tables) {
   laid.lay_seeds();
   for (const WhatOption& what : kOthers) laid.lay_what(what);
   laid.lay_goals();
+  laid.lay_requirements();
 }
 
 }  // namespace breakwater

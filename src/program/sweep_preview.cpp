@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -50,6 +51,63 @@ std::size_t tests_shown(const Plan& plan, const std::vector<PointResult>& runs) 
   return tests;
 }
 
+// The metrics of the first point's scenario, also those that a run may be too short for.
+std::vector<std::string> defined_metrics(const Sweep& sweep) {
+  std::vector<std::string> names;
+  for (const MetricDefinition& one : sweep.prepare(0).scenario->metric_definitions()) {
+    names.push_back(one.name);
+  }
+  return names;
+}
+
+// Refuses names that neither the scenario nor its runs know.
+void refuse_unknown(const Sweep& sweep, const std::vector<PointResult>& runs) {
+  std::vector<std::string> known = defined_metrics(sweep);
+  for (const PointResult& run : runs) {
+    for (const std::string& name : metric_names(run)) {
+      if (std::find(known.begin(), known.end(), name) == known.end()) known.push_back(name);
+    }
+  }
+  for (const UnknownMetric& one : unknown_metrics(sweep.plan().study(), known)) {
+    if (one.meant.empty()) continue;
+    throw std::invalid_argument(one.place + ": there is no such metric" + one.meant);
+  }
+}
+
+// Whether another seed changes the first run, and what follows for the seeds of the study. Empty
+// if nothing does, or if the run takes long.
+std::string seed_warning(const Sweep& sweep, const PointResult* first = nullptr) {
+  const Plan& plan = sweep.plan();
+  if (plan.study().seeds.empty()) return "";
+  std::optional<Sweep> with_another;
+  if (plan.seeds() == 1) with_another.emplace(sweep.with_another_seed());
+  const Sweep& two = with_another ? *with_another : sweep;
+  const std::vector<std::uint64_t>& seeds = two.plan().study().seeds;
+  const std::string& label = plan.candidates()[0].label;
+  const auto run = [&](std::size_t point) {
+    BriefLook look(interrupted());
+    return run_point(point, two, look.control());
+  };
+  try {
+    const PointResult one = first == nullptr ? run(0) : *first;
+    if (one.status != PointStatus::complete) return "";
+    const bool is_same = are_same_run(run(plan.candidates().size()), one);
+    if (with_another && !is_same) {
+      return fmt::format(
+          "seeds: {} gives another run of {} than {}: one seed is one draw of the "
+          "noise, and more of them show what depends on it",
+          seeds[1], label, seeds[0]);
+    }
+    if (!with_another && is_same) {
+      return fmt::format("seeds: {} and {} give the same run of {}: {}", seeds[0], seeds[1], label,
+                         kNoNoise);
+    }
+  } catch (const Interrupted&) {
+    if (interrupted()) throw;
+  }
+  return "";
+}
+
 // Warnings from one run of each candidate.
 std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<PointResult>& runs) {
   const Plan& plan = sweep.plan();
@@ -72,20 +130,13 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
     warnings.push_back(fmt::format("{}: the first run lacks {}", plan.candidates()[c].label,
                                    fmt::join(lacking, ", ")));
   }
+  refuse_unknown(sweep, runs);
   for (const UnknownMetric& one : unknown_metrics(plan.study(), all)) {
     warnings.push_back(
         fmt::format("{}: none of these runs has it{}", one.place, why_missing(sweep, one)));
   }
-  if (plan.seeds() > 1 && runs.front().status == PointStatus::complete) {
-    RunControl control;
-    control.stop = &interrupted();
-    const PointResult other = run_point(plan.candidates().size(), sweep, control);
-    if (are_same_run(other, runs.front())) {
-      warnings.push_back(fmt::format("seeds: {} and {} give the same run of {}: {}",
-                                     plan.study().seeds[0], plan.study().seeds[1],
-                                     plan.candidates()[0].label, kNoNoise));
-    }
-  }
+  const std::string warning = seed_warning(sweep, &runs.front());
+  if (!warning.empty()) warnings.push_back(warning);
   const std::size_t blocks = most_blocks(plan);
   const std::size_t tests = tests_shown(plan, runs);
   const double p = least_p(blocks, std::max<std::size_t>(1, tests));
@@ -123,11 +174,8 @@ void print_preview(const Sweep& sweep, std::size_t jobs) {
 }
 
 std::string why_missing(const Sweep& sweep, const UnknownMetric& metric) {
-  const auto defined = sweep.prepare(0).scenario->metric_definitions();
-  if (std::none_of(defined.begin(), defined.end(),
-                   [&](const MetricDefinition& one) { return one.name == metric.name; })) {
-    return metric.meant;
-  }
+  const std::vector<std::string> defined = defined_metrics(sweep);
+  if (std::find(defined.begin(), defined.end(), metric.name) == defined.end()) return metric.meant;
   std::string why = ": they have no window or event for it";
   for (const std::string& set : sweep.plan().study().sets) {
     if (set.starts_with("run.duration_s=")) why += " (" + set + ")";
@@ -135,29 +183,25 @@ std::string why_missing(const Sweep& sweep, const UnknownMetric& metric) {
   return why;
 }
 
-void check_asked_metrics(const Sweep& sweep) {
-  const Study& study = sweep.plan().study();
-  std::vector<std::string> known;
-  RunControl control;
-  control.stop = &interrupted();
-  // A metric that these runs lack, since they are too short for its window, is no mistake.
-  for (const MetricDefinition& one : sweep.prepare(0).scenario->metric_definitions()) {
-    known.push_back(one.name);
-  }
-  const std::size_t candidates = sweep.plan().candidates().size();
-  for (const std::size_t first : {std::size_t{0}, sweep.plan().size() - candidates}) {
-    for (std::size_t c = 0; c < candidates; ++c) {
-      if (unknown_metrics(study, known).empty()) return;
-      const PointResult run = run_point(first + c, sweep, control);
-      if (run.status != PointStatus::complete) return;
-      for (const auto& [name, value] : run.metrics) known.push_back(name);
+std::vector<std::string> check_first_runs(const Sweep& sweep) {
+  const Plan& plan = sweep.plan();
+  const Study& study = plan.study();
+  const std::size_t candidates = plan.candidates().size();
+  if (!unknown_metrics(study, defined_metrics(sweep)).empty()) {
+    RunControl control;
+    control.stop = &interrupted();
+    std::vector<PointResult> runs;
+    for (const std::size_t first : {std::size_t{0}, plan.size() - candidates}) {
+      for (std::size_t c = 0; c < candidates; ++c) {
+        runs.push_back(run_point(first + c, sweep, control));
+        if (runs.back().status != PointStatus::complete) return {};
+      }
     }
+    refuse_unknown(sweep, runs);
   }
-  for (const UnknownMetric& one : unknown_metrics(study, known)) {
-    if (one.meant.empty() && !one.is_required) continue;
-    throw std::invalid_argument(
-        fmt::format("{}: the first and the last run have no such metric{}", one.place, one.meant));
-  }
+  if (study.goals.empty() || candidates < 2 || plan.seeds() > 1) return {};
+  const std::string warning = seed_warning(sweep);
+  return warning.empty() ? std::vector<std::string>() : std::vector{warning};
 }
 
 std::string counted(const ShardIndex& index) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include <breakwater/study/study_comparison.h>
 #include <breakwater/study/sweep.h>
@@ -13,10 +14,10 @@ namespace breakwater {
 /// each candidate. Also prints their warnings. Throws Interrupted.
 void print_preview(const Sweep& sweep, std::size_t jobs);
 
-/// Finds misspelt names of metrics before the study runs, from a first and a last run of each
-/// candidate. A missing name counts as misspelt only if it resembles a metric of these runs. Throws
-/// std::invalid_argument.
-void check_asked_metrics(const Sweep& sweep);
+/// Looks for misspelt names of metrics before the study runs. For names that the scenario does not
+/// define it makes a first and a last run of each candidate. Throws std::invalid_argument.
+/// Returns a warning if the study ranks with one seed and another would give other runs.
+std::vector<std::string> check_first_runs(const Sweep& sweep);
 
 /// Why the runs lack a metric, behind "no run has it": they are too short, or it is misspelt.
 std::string why_missing(const Sweep& sweep, const UnknownMetric& metric);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -14,6 +15,15 @@ namespace {
 const Eigen::MatrixXd& values_of(const PairedResults& results, const std::string& metric) {
   const auto found = std::find(results.metrics.begin(), results.metrics.end(), metric);
   return results.values.at(static_cast<std::size_t>(found - results.metrics.begin()));
+}
+
+// The interval of the share of blocks that meet the bounds. Blocks whose bounded metrics are equal
+// tell one thing, so it counts the different outcomes, not the blocks.
+ConfidenceInterval interval_of_share(double share, std::size_t different, double confidence) {
+  const double met = share * static_cast<double>(different);
+  const auto whole = [](double x) { return static_cast<std::size_t>(x); };
+  return {share_interval(whole(std::floor(met + 1e-9)), different, confidence).lower,
+          share_interval(whole(std::ceil(met - 1e-9)), different, confidence).upper};
 }
 
 // Counts the blocks of a candidate alone.
@@ -29,6 +39,7 @@ RankedCandidate counted(const PairedResults& results, std::size_t candidate,
   RankedCandidate row;
   row.candidate = candidate;
   std::vector<double> medians;
+  std::set<std::vector<double>> outcomes;  // in the bounded metrics
   for (const std::vector<Eigen::Index>& block : different_blocks(results, {candidate})) {
     const bool has_failed = std::any_of(block.begin(), block.end(), [&](Eigen::Index world) {
       return results.failed(world, column) > 0.0;
@@ -36,6 +47,14 @@ RankedCandidate counted(const PairedResults& results, std::size_t candidate,
     ++row.blocks;
     row.failed += has_failed;
     row.met += !has_failed && std::all_of(block.begin(), block.end(), meets);
+    std::vector<double> outcome = {has_failed ? 1.0 : 0.0};
+    for (const Bound& bound : requirement.bounds) {
+      for (const Eigen::Index world : block) {
+        const double value = values_of(results, bound.metric)(world, column);
+        outcome.push_back(std::isnan(value) ? std::numeric_limits<double>::infinity() : value);
+      }
+    }
+    outcomes.insert(std::move(outcome));
     std::vector<double> values;
     for (const Eigen::Index world : block) {
       const double value = values_of(results, metric)(world, column);
@@ -43,7 +62,11 @@ RankedCandidate counted(const PairedResults& results, std::size_t candidate,
     }
     if (!values.empty()) medians.push_back(sample_median(values));
   }
-  if (row.blocks > 0) row.share = share_interval(row.met, row.blocks, requirement.confidence);
+  if (row.blocks > 0) {
+    row.different = requirement.bounds.empty() ? row.blocks : outcomes.size();
+    const double share = static_cast<double>(row.met) / static_cast<double>(row.blocks);
+    row.share = interval_of_share(share, row.different, requirement.confidence);
+  }
   if (!medians.empty()) row.median = estimated_median(std::move(medians), level);
   return row;
 }

@@ -32,7 +32,9 @@ struct RankedCandidate {
   std::size_t blocks = 0;     ///< different blocks of the candidate
   std::size_t failed = 0;     ///< blocks in which a run failed
   std::size_t met = 0;        ///< blocks that meet the requirement
-  ConfidenceInterval share = {0.0, 1.0};  ///< share_interval() of met
+  std::size_t different = 0;  ///< blocks that differ in a metric of the requirement
+  /// share_interval() of met / blocks, in `different` trials: blocks with equal values are one.
+  ConfidenceInterval share = {0.0, 1.0};
   EstimatedMedian median = {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
   /// This candidate less the first one; nothing for the first, if it is not ranked, or if the two
   /// have no block in common.

@@ -71,6 +71,10 @@ std::string needed_text(const Ranking& ranking, const std::optional<MetricCompar
   if (!to_first) return "they have no condition in common";
   const std::string conditions = number_of(to_first->blocks, "condition");
   if (to_first->smaller + to_first->larger == 0) return "they are equal in " + conditions;
+  if (to_first->verdict == ComparisonVerdict::too_few_blocks) {
+    return fmt::format("{} {} too few to show any difference", conditions,
+                       to_first->blocks == 1 ? "is" : "are");
+  }
   if (!to_first->needed) return "neither is the lower one in these " + conditions;
   return fmt::format("about {} conditions would show {}",
                      std::max(*to_first->needed, to_first->blocks + 1),
@@ -95,6 +99,17 @@ class Sentence {
       text += fmt::format(" {} fails in {} of {}.", name(first), first.failed,
                           number_of(first.blocks, "condition"));
     }
+    const auto lower =
+        std::find_if(rows_.begin(), rows_.begin() + static_cast<long>(ranking_.ranked),
+                     [&](const RankedCandidate& row) {
+                       return ranking_.goal == Goal::max ? row.median.value > first.median.value
+                                                         : row.median.value < first.median.value;
+                     });
+    if (lower != rows_.begin() + static_cast<long>(ranking_.ranked)) {
+      text += fmt::format(
+          " {} has the {} median, yet is behind: candidates are compared in equal conditions.",
+          name(*lower), extreme());
+    }
     const auto turns = std::find_if(rows_.begin(), rows_.end(), [](const RankedCandidate& row) {
       return row.to_first && !row.to_first->turns_with.empty();
     });
@@ -116,10 +131,15 @@ class Sentence {
     }
     const RankedCandidate& next = *std::max_element(
         rows_.begin(), rows_.end(), [](const auto& a, const auto& b) { return a.met < b.met; });
+    std::vector<std::string> nearest;
+    for (const RankedCandidate& row : rows_) {
+      if (row.met == next.met && row.blocks == next.blocks) nearest.push_back(name(row));
+    }
     const bool is_met = std::isnan(next.median.value) && next.met == next.blocks;
     if (is_met) return "No candidate that meets the bounds has " + ranking_.metric + ".";
-    return fmt::format("No candidate has {}: {} comes nearest, with {} of {}.",
-                       text_of(ranking_.requirement), name(next), next.met, next.blocks);
+    return fmt::format("No candidate has {}: {} {} nearest, with {} of {}.",
+                       text_of(ranking_.requirement), listed(nearest),
+                       nearest.size() > 1 ? "come" : "comes", next.met, next.blocks);
   }
 
   std::string alone() const {
@@ -223,8 +243,11 @@ std::vector<std::vector<std::string>> ranking_table(const Ranking& ranking) {
     if (has_bounds) {
       const auto blocks = static_cast<double>(std::max<std::size_t>(1, one.blocks));
       const double met = static_cast<double>(one.met) / blocks;
-      row.push_back(fmt::format("{:.0f} % [{:.0f}, {:.0f}]", 100.0 * met, 100.0 * one.share.lower,
-                                100.0 * one.share.upper));
+      const bool are_equal = one.different == 1 && one.blocks > 1;
+      row.push_back(fmt::format("{:.0f} % ", 100.0 * met) +
+                    (are_equal ? "(equal)"
+                               : fmt::format("[{:.0f}, {:.0f}]", 100.0 * one.share.lower,
+                                             100.0 * one.share.upper)));
     }
     rows.push_back(std::move(row));
   }

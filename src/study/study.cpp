@@ -53,6 +53,7 @@ void read_compare(const TomlEntry& root, Study& study) {
   study.metrics = compare["metrics"].texts();
   for (const auto& [metric, goal] : compare["goal"].entries()) {
     study.goals.emplace_back(metric, goal.choice(goal_names()));
+    study.places["compare.goal." + metric] = goal.place();
   }
   compare["worlds"].choice(world_units(), study.worlds);
   study.compare = read_varied(compare, {"case", "baseline", "metrics", "goal", "worlds"});

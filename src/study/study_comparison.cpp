@@ -211,16 +211,17 @@ std::size_t most_blocks(const Plan& plan) {
 std::vector<UnknownMetric> unknown_metrics(const Study& study,
                                            const std::vector<std::string>& known) {
   std::vector<UnknownMetric> unknown;
-  const auto add = [&](const std::string& place, const std::string& name,
-                       bool is_required = false) {
+  const auto add = [&](const std::string& place, const std::string& name, bool is_required) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return;
-    unknown.push_back({place, name, did_you_mean(name, known), is_required});
+    std::string meant = did_you_mean(name, known);
+    if (meant.empty() && is_required)
+      meant = fmt::format(" (there are {})", fmt::join(known, ", "));
+    unknown.push_back({place_of(study.places, place), name, std::move(meant), is_required});
   };
-  for (const std::string& name : study.metrics) add("compare.metrics: " + name, name);
-  for (const auto& [name, goal] : study.goals) add("compare.goal." + name, name);
-  for (const Bound& bound : study.require.bounds) {
-    add(place_of(study.places, "require." + bound.metric), bound.metric, true);
-  }
+  for (const std::string& name : study.metrics) add("compare.metrics: " + name, name, false);
+  for (const auto& [name, goal] : study.goals) add("compare.goal." + name, name, true);
+  for (const Bound& bound : study.require.bounds)
+    add("require." + bound.metric, bound.metric, true);
   return unknown;
 }
 

@@ -35,6 +35,7 @@ std::string option_of(std::string key) {
     if (key == table) return "--" + key.substr(8);
   }
   if (key.starts_with("compare.goal.")) return "--goal: " + key.substr(13);
+  if (key.starts_with("require.")) return "--require: " + key.substr(8);
   for (const std::string table : {"vary.", "compare.", "set."}) {
     if (key.starts_with(table)) {
       return "--" + table.substr(0, table.size() - 1) + ": " + key.substr(table.size());

@@ -132,6 +132,12 @@ Sweep::Sweep(const Catalogue& catalogue, Study study) : catalogue_(catalogue) {
   plan_ = std::make_unique<Plan>(completed(std::move(study), *file_));
 }
 
+Sweep Sweep::with_another_seed() const {
+  Study study = plan_->study();
+  study.seeds = {study.seeds.front(), study.seeds.front() + 1};
+  return {catalogue_, std::move(study)};
+}
+
 PreparedRun Sweep::prepare(const StudyPoint& point) const {
   return prepare_point(catalogue_, plan_->study().scenario, *file_,
                        plan_->candidates()[point.candidate].case_name, point.sets);

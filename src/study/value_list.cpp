@@ -64,7 +64,7 @@ std::vector<double> value_list(const std::string& text) {
   if (*n < 2.0 || *n > kMostValues || *n != std::floor(*n)) {
     refuse(fmt::format("must be an integer number of values, 2 to {:.0f}", kMostValues));
   }
-  if (*a > *b) refuse("is upside down");
+  if (*a > *b) refuse(fmt::format("must rise: {} is above {}", *a, *b));
   if (*a == *b) refuse("is empty: both ends are the same");
   if (is_log && *a <= 0.0) refuse("must be positive: it is logarithmic");
   if (!std::isfinite(is_log ? *b / *a : *b - *a)) refuse("is too wide");

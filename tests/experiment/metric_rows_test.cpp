@@ -152,7 +152,8 @@ TEST(MetricsOfTheWall, AreRightForAHistoryWithTwoBounces) {
 TEST(MetricsOfTheWall, AreAbsentWhereTheyDoNotApply) {
   const History early = wall_history(100);
   EXPECT_FALSE(early.metric("saturated_time_s"));
-  EXPECT_EQ(early.absent().at("free_motion_time_s"), "the run does not cover its window");
+  EXPECT_EQ(early.absent().at("free_motion_time_s"),
+            "the run does not cover its window, from force_control to the run's end");
   const History untouched = wall_history(150);
   EXPECT_EQ(untouched.absent().at("peak_force_raw_N"), "the run does not reach first_contact");
   EXPECT_EQ(untouched.absent().at("free_motion_time_s"), "the value never rises above the level");

@@ -111,7 +111,7 @@ TEST(PlantTest, TellsWhyAMetricIsAbsent) {
   }
   const std::map<std::string, std::string> expected = {
       {"settling_time_s", "the magnitude ends beyond the level"},
-      {"rms_input_step_N", "the run does not cover its window"},
+      {"rms_input_step_N", "the run does not cover its window, from 5.0 to 11.0"},
       {"estimate_rise_time_s", "the magnitude never reaches the level"},
       {"max_position_m", "metric.max_position.of: the log has no signal \"no_m\""}};
   EXPECT_EQ(absent, expected);

@@ -157,7 +157,7 @@ TEST_F(Tune, AMetricWithoutItsWindowIsNoUnknownOne) {
         "}\n");
   EXPECT_TRUE(has(run("breakwater tune t.toml --out s").err,
                   "t.toml:11: objective.rms_torque_Nm: a run of stf lacks it: the run does not "
-                  "cover its window\n"));
+                  "cover its window, from disturbance.start_s to the run's end\n"));
 }
 
 TEST_F(Tune, AnEditedTuningRunsAgainWhatItAsksFor) {

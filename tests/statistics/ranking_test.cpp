@@ -146,7 +146,7 @@ TEST(Ranking, IsAmongThoseThatMeetTheBounds) {
   Eigen::MatrixXd peaks(8, 4), times(8, 4);
   for (int i = 0; i < 8; ++i) {
     peaks.row(i) << 3.0 + 0.1 * i, 6.0 + 0.1 * i, 9.0 + 0.3 * i, 1.0;
-    times.row(i) << (i < 2 ? 0.7 : 0.5), 0.5, 0.6, kNaN;
+    times.row(i) << (i < 2 ? 0.7 : 0.5) + 1e-3 * i, 0.5, 0.6, kNaN;
   }
   PairedResults results = results_of(peaks, times);
   Requirement require{.bounds = {{.metric = "time_s", .max = 0.6}}};
@@ -158,6 +158,10 @@ TEST(Ranking, IsAmongThoseThatMeetTheBounds) {
   EXPECT_EQ(rank().rows[2].met, 6U);
   EXPECT_NEAR(rank().rows[2].share.lower, 0.349, 1e-3);
   EXPECT_NEAR(rank().rows[2].share.upper, 0.968, 1e-3);
+  EXPECT_EQ(rank().rows[0].met, 8U);  // one outcome of eight: 0.025 = (1 − 0.95)/2
+  EXPECT_EQ(rank().rows[0].different, 1U);
+  EXPECT_NEAR(rank().rows[0].share.lower, 0.025, 1e-9);
+  EXPECT_EQ(ranking_table(rank())[1].back(), "100 % (equal)");
   EXPECT_EQ(
       ranking_sentence(rank()),
       "b has the lowest peak_N: 6.35 N, 3.7 N below the next (c), 95 % 3.2 to 4.2 N, in 8 of 8 "
@@ -179,6 +183,8 @@ TEST(Ranking, IsAmongThoseThatMeetTheBounds) {
       ranking_sentence(rank()),
       "No candidate has time_s from 0.65 s to 0.8 s in all conditions: a comes nearest, with 2 of "
       "8.");
+  require.bounds[0].min = 0.75;
+  EXPECT_TRUE(testing::has(ranking_sentence(rank()), ": a, b, c and d come nearest, with 0 of 8."));
 }
 
 TEST(Ranking, SaysWhatWouldShowADifference) {
@@ -191,6 +197,8 @@ TEST(Ranking, SaysWhatWouldShowADifference) {
       << sentence;
   EXPECT_TRUE(testing::has(sentence, ": about ", " conditions would show 0.",
                            "c is shown to be higher than a."));
+  EXPECT_TRUE(testing::has(ranking_sentence(ranked(peaks.topRows(4))),
+                           "4 conditions are too few to show any difference"));
   peaks.col(1) = peaks.col(0);
   EXPECT_TRUE(testing::has(ranking_sentence(ranked(peaks)), "they are equal in 8 conditions"));
   PairedResults results = results_of(peaks.topRows(5));
@@ -202,11 +210,22 @@ TEST(Ranking, SaysWhatWouldShowADifference) {
   EXPECT_EQ(ranking_sentence(ranked(Eigen::MatrixXd::Constant(8, 2, kNaN))), "No run has peak_N.");
 }
 
+// a is lower in each condition, and b has the lower median of those that it has.
+TEST(Ranking, SaysWhyALowerMedianCanBeBehind) {
+  Eigen::MatrixXd peaks(16, 2);
+  for (int i = 0; i < 16; ++i) peaks.row(i) << 1.0 + i, (i < 8 ? 1.5 + 1.01 * i : kNaN);
+  const Ranking ranking = ranked(peaks);
+  EXPECT_EQ(ranking.candidates[ranking.rows[0].candidate], "a");
+  EXPECT_TRUE(testing::has(ranking_sentence(ranking),
+                           "b has the lowest median, yet is behind: "
+                           "candidates are compared in equal"));
+}
+
 TEST(Ranking, HasATableOfTwentyLinesIn80Columns) {
   testing::Random random(24);
   Eigen::MatrixXd peaks(30, 40), times(30, 40);
   for (double& peak : peaks.reshaped()) peak = 123.456 + deviate(random);
-  times.setConstant(0.5);
+  for (double& time : times.reshaped()) time = 0.5 + 0.01 * deviate(random);
   PairedResults results = results_of(peaks, times);
   for (std::size_t c = 0; c < 40; ++c) {
     results.candidates[c] = fmt::format("a-long-name-of-a-case, controller.k_position = {}", c);

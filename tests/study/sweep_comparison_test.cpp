@@ -54,8 +54,8 @@ goal = { y_1 = "min" }
   EXPECT_FALSE(fs::exists(folder_ / "u/comparison.csv"));  // one candidate
   write("deep.toml",
         "scenario = \"ishigami\"\nseeds = [1, 2, 3]\n[vary]\n\"x.second\" = [1, 2]\n"
-        "[compare]\n\"x.third\" = [0, 1]\nmetrics = [\"y_1\"]\ngoal.unheard_of = \"max\"\n");
-  EXPECT_EQ(swept("deep.toml --out v").err, "sweep: compare.goal.unheard_of: no run has it\n");
+        "[compare]\n\"x.third\" = [0, 1]\nmetrics = [\"y_1\", \"unheard_of\"]\n");
+  EXPECT_EQ(swept("deep.toml --out v").err, "sweep: compare.metrics: unheard_of: no run has it\n");
   EXPECT_EQ(results("v", "comparison.csv").at(1).at(23), "2");  // blocks
 }
 
@@ -165,6 +165,20 @@ y_1 = { max = 9.5 }
   EXPECT_TRUE(has(read("s/study.toml"),
                   "[require]\nshare = 1.0\nconfidence = 0.95\ny_1 = { max = 9.5 }\n"));
   EXPECT_TRUE(has(swept("study.toml --out s").out, sentence));  // the same study
+  const std::string options = "ishigami --seeds 1..3 --case plain,noisy --goal y_1=min --out ";
+  write("bounded.toml", R"toml(
+scenario = "ishigami"
+seeds = [1, 2, 3]
+[compare]
+case = ["plain", "noisy"]
+goal.y_1 = "min"
+[require]
+positive_x_second_1.max = 2
+y_1 = { min = 1, max = 9.5 }
+)toml");
+  swept("bounded.toml --out file");
+  swept(options + "options --require y_1=1..9.5 --require positive_x_second_1=..2");
+  EXPECT_EQ(read("options/study.toml"), read("file/study.toml"));
   // A study without a goal ranks nothing.
   EXPECT_TRUE(has(swept("ishigami --case plain,noisy --vary x.first=1,2 --out none").out,
                   "Nothing is ranked without a goal"));
@@ -217,11 +231,11 @@ baseline = "trouble.fails_above = 10"
 TEST_F(SweepComparison, TheFirstRunsRevealAMisspeltMetric) {
   expect_refusals(
       "ishigami_lab sweep ishigami --case plain,noisy --seeds 1..9 --out misspelt ",
-      {{"--goal y_2=max",
-        "compare.goal.y_2: the first and the last run have no such metric (did you mean y_1?)"},
-       {"--metrics y_2",
-        "compare.metrics: y_2: the first and the last run have no such metric (did you mean "
-        "y_1?)"}});
+      {{"--goal y_2=max", "--goal: y_2: there is no such metric (did you mean y_1?)"},
+       {"--goal unheard_of=max",
+        "--goal: unheard_of: there is no such metric (there are y_1, positive_x_second_1)"},
+       {"--metrics y_2", "compare.metrics: y_2: there is no such metric (did you mean y_1?)"}});
+  EXPECT_EQ(sweep("ishigami --metrics y_2 --dry-run").status, 2);
 }
 
 TEST_F(SweepComparison, SensitivityIndicesOfTheIshigamiFunctionMatchTheClosedForm) {

@@ -33,7 +33,7 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
             "bad.toml:3: vary.y.noise: must be 0 or more, is -1"},
            {"[vary]\n\"x.first\" = []\n", "bad.toml:3: vary.x.first: has no values"},
            {"[vary]\n\"x.first\" = \"lin(2,1,4)\"\n",
-            "bad.toml:3: vary.x.first: \"lin(2,1,4)\" is upside down"},
+            "bad.toml:3: vary.x.first: \"lin(2,1,4)\" must rise: 2 is above 1"},
            {"[vary]\n\"x.first\" = \"log(0,1,4)\"\n",
             "bad.toml:3: vary.x.first: \"log(0,1,4)\" must be positive: it is logarithmic"},
            {lhs + "\"x.first\" = { uniform = [1, 0] }\n",
@@ -88,10 +88,12 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
            {goal + "[require]\nconfidence = 1\ny_1.max = 1\n",
             "bad.toml:6: require.confidence: must be from 0.5 to 0.9999, is 1"},
            {goal + "[require]\ny_2.max = 1\n",
-            "bad.toml:6: require.y_2: the first and the last run have no such metric (did you mean "
-            "y_1?)"},
+            "bad.toml:6: require.y_2: there is no such metric (did you mean y_1?)"},
            {goal + "[require]\nunheard_of.max = 1\n",
-            "bad.toml:6: require.unheard_of: the first and the last run have no such metric"},
+            "bad.toml:6: require.unheard_of: there is no such metric (there are y_1, "
+            "positive_x_second_1)"},
+           {goal + "[require]\ny_1 = { maximum = 1 }\n",
+            "bad.toml:6: require.y_1.maximum: unknown key (there are min, max)"},
            {"[slurm]\naccount = \"\"\n", "bad.toml:3: slurm.account: must be a text, is empty"},
            {"[slurm]\nenvironment = [\"B;touch P=1\"]\n",
             "bad.toml:3: slurm.environment: B;touch P=1: must be NAME=VALUE; a name has letters, "
@@ -129,6 +131,13 @@ TEST_F(SweepRefusals, NonsenseInTheCommand) {
         "--sampling-seed: 18446744073709551615: must be at most 9223372036854775807"},
        {"ishigami --sampling-seed two", "--sampling-seed: two: must be a number"},
        {"noisy.toml --replay ''", "sweep: --replay: must not be empty (see --help)"},
+       {"ishigami --goal y_1=min --require y_1=0.6",
+        "--require: y_1: 0.6: must be MIN..MAX, MIN.. or ..MAX"},
+       {"ishigami --goal y_1=min --require y_1=a..2",
+        "--require: y_1: a..2: must be MIN..MAX, MIN.. or ..MAX"},
+       {"ishigami --goal y_1=min --require y_1=2..1", "--require: y_1: min 2 is above max 1"},
+       {"ishigami --require y_1=1..2",
+        "--require: needs compare.goal: what candidates are ranked by"},
        {"ishigami --goal y_1=least", "--goal: y_1: must be one of min, max, is \"least\""},
        {"ishigami --vary x.first", "--vary: x.first: must be of the form KEY=VALUE"},
        {"ishigami --vary x.first=1,,2", "--vary: x.first: 1,,2: a value is missing"},
@@ -168,8 +177,10 @@ TEST_F(SweepRefusals, WarnsOfIneffectiveKeys) {
             "positive_x_second_1 is missing: in 1 of 2 complete runs of plain"},
            {"--case 'plain, noisy' --vary x.second=1,2 --dry-run",
             "Too few blocks: with 2 blocks p cannot be below 0.5, and a verdict needs at least 6"},
-           {"--metrics y_2 --case 'plain, noisy' --vary 'x.second=lin(1,6,6)' --dry-run",
-            "compare.metrics: y_2: none of these runs has it (did you mean y_1?)"},
+           {"--case noisy,plain --goal y_1=min --vary 'x.second=lin(1,6,6)'",
+            "seeds: 2 gives another run of noisy than 1: one seed is one draw of the noise, and "
+            "more of them show what depends on it"},
+           {"--case plain,noisy --goal y_1=min --vary 'x.second=lin(1,6,6)'", ""},
            {"--duration 0.5 --dry-run", ""}}) {  // their runs are shorter
     const ProgramResult result = said("ishigami_lab sweep ishigami " + words);
     const std::string all = result.err + result.out;

@@ -43,7 +43,7 @@ std::string reason(const std::string& text) {
 }
 
 TEST(ValueList, RefusesInvalidArguments) {
-  EXPECT_EQ(reason("lin(1,0,3)"), "\"lin(1,0,3)\" is upside down");
+  EXPECT_EQ(reason("lin(1,0,3)"), "\"lin(1,0,3)\" must rise: 1 is above 0");
   EXPECT_EQ(reason("lin(1,1,3)"), "\"lin(1,1,3)\" is empty: both ends are the same");
   EXPECT_EQ(reason("log(0,1,3)"), "\"log(0,1,3)\" must be positive: it is logarithmic");
   EXPECT_EQ(reason("log(-1,1,3)"), "\"log(-1,1,3)\" must be positive: it is logarithmic");
