@@ -62,8 +62,9 @@ OwnRun run(const std::string& scenario_or_file, const std::optional<std::string>
     const Unlocked unlocked;
     const auto start = std::chrono::steady_clock::now();
     for (std::string& choice : parts.choices(scenario)) sets.push_back(std::move(choice));
-    const ScenarioFile file(
-        config ? *config : parts.catalogue().get<ScenarioKind>(scenario).file().string(), scenario);
+    const auto read = config ? std::make_shared<const ScenarioFile>(*config, scenario)
+                             : parts.catalogue().get<ScenarioKind>(scenario).scenario_file();
+    const ScenarioFile& file = *read;
     const std::string chosen = case_name ? *case_name : file.default_case();
     parts.check_axes(file.config(chosen).names_in("axis"));
     own.prepared = prepare_run(parts.catalogue(), scenario, file, chosen, sets);
@@ -251,8 +252,7 @@ void bind_runs(py::module_& module) {
     return summaries;
   });
   module.def("cases", [](const std::string& scenario) {
-    return ScenarioFile(shipped_parts().get<ScenarioKind>(scenario).file().string(), scenario)
-        .cases();
+    return shipped_parts().get<ScenarioKind>(scenario).scenario_file()->cases();
   });
 }
 

@@ -141,8 +141,8 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
                                 ": expected a scenario of axes (a scenario of your own must be an "
                                 "AxisScenario)");
   }
-  const ScenarioFile file(arguments.config.empty() ? kind.file().string() : arguments.config,
-                          kind.name);
+  const auto read = kind.scenario_file(arguments.config);
+  const ScenarioFile& file = *read;
   std::vector<PreparedRun> prepared;
   std::vector<AnalysedLoop> loops;
   for (const std::string& name : cases_of(arguments, file)) {

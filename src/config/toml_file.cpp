@@ -92,8 +92,7 @@ std::string at_line(const std::string& file, const toml::source_region& source) 
   return file + ":" + std::to_string(source.begin.line);
 }
 
-toml::table parse_toml_file(const std::string& file, std::string* text_of_file) {
-  const math::FloatEnvironment floats;
+std::string toml_file_text(const std::string& file) {
   std::ifstream stream = open_input(file);
   // Reads at most one character more than is allowed, which shows that the file is too long.
   std::string text;
@@ -102,6 +101,12 @@ toml::table parse_toml_file(const std::string& file, std::string* text_of_file) 
     stream.read(block.data(), block.size());
     text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
   }
+  return text;
+}
+
+toml::table parse_toml_file(const std::string& file, std::string* text_of_file) {
+  const math::FloatEnvironment floats;
+  std::string text = toml_file_text(file);
   Guard guard(text);
   if (const char* complaint = guard.complaint()) {
     throw std::invalid_argument(file + ":" + std::to_string(guard.line()) + ": " + complaint);

@@ -8,6 +8,10 @@
 
 namespace breakwater {
 
+/// The text of a file. Throws std::invalid_argument if it cannot be read. A text of more than 4 MiB
+/// is cut: the parser refuses it.
+std::string toml_file_text(const std::string& file);
+
 /// Parses a file, and stores its text in `text` unless that is null. Throws std::invalid_argument
 /// `FILE[:LINE]: reason` if it cannot be read or is not TOML. Files of more than 4 MiB, with
 /// control characters or with more than 32 levels are refused too: they could overflow the parser's

@@ -1,5 +1,10 @@
 #include <breakwater/experiment/catalogue.h>
 
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include <breakwater/config/toml_file.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 
@@ -10,6 +15,17 @@ std::filesystem::path ScenarioKind::file() const {
   std::error_code error;
   if (!folder.empty() && std::filesystem::is_directory(folder, error)) return folder / file;
   return data_file("scenarios/" + name + "/" + file);
+}
+
+std::shared_ptr<const ScenarioFile> ScenarioKind::scenario_file(const std::string& config) const {
+  if (!config.empty()) return std::make_shared<const ScenarioFile>(config, name);
+  static std::mutex reading;
+  static std::map<std::pair<std::string, std::string>, std::shared_ptr<const ScenarioFile>> known;
+  const std::string path = file().string(), text = toml_file_text(path);
+  const std::lock_guard lock(reading);
+  auto& read = known[{name, path}];
+  if (!read || read->text() != text) read = std::make_shared<const ScenarioFile>(path, name);
+  return read;
 }
 
 std::filesystem::path ScenarioKind::shots() const {

@@ -26,6 +26,9 @@ struct ScenarioKind {
 
   /// Its scenario file. Throws std::invalid_argument with all searched places if there is none.
   std::filesystem::path file() const;
+  /// The tables of file(), or of `config` unless that is empty. A program parses its scenario's
+  /// file once, and again when its text changes. Throws as ScenarioFile does.
+  std::shared_ptr<const ScenarioFile> scenario_file(const std::string& config = "") const;
   /// Its shot list, which may be missing.
   std::filesystem::path shots() const;
 };

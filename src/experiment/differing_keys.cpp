@@ -101,9 +101,9 @@ std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const fs::path&
   if (!catalogue.has<ScenarioKind>(scenario)) return changed;
   try {
     const ScenarioKind& kind = catalogue.get<ScenarioKind>(scenario);
-    const ScenarioFile file(kind.file().string(), kind.name);
-    if (!file.has_case(case_name)) return changed;
-    const Config shipped = file.config(case_name);
+    const auto file = kind.scenario_file();
+    if (!file->has_case(case_name)) return changed;
+    const Config shipped = file->config(case_name);
     const Config own = config_of(folder, scenario, case_name);
     if (has_own_axis(own, shipped)) return changed;
     for (const auto& [key, entry] : own.entries()) {

@@ -214,34 +214,32 @@ MetricRows::MetricRows(const Catalogue& catalogue, const std::string& name,
   kinds_.insert(kinds_.end(), own_kinds.begin(), own_kinds.end());
 }
 
-// Each point of a sweep asks for them: the file is read again only if it changed.
+// Each point of a sweep asks for them: they are bound again only if the file changed.
 std::vector<MetricRow> MetricRows::own_rows() const {
   if (!scenario_) return {};
   struct ReadRows {
-    std::filesystem::file_time_type written;
+    std::shared_ptr<const ScenarioFile> file;
     std::vector<MetricRow> rows;
   };
   static std::mutex reading;
-  static std::map<std::pair<std::string, std::string>, ReadRows> read;
-  const std::string path = scenario_->file().string();
-  const auto written = std::filesystem::last_write_time(path);
+  static std::map<std::string, ReadRows> known;
+  const auto file = scenario_->scenario_file();
   const std::lock_guard lock(reading);
-  const auto found = read.find({scenario_->name, path});
-  if (found != read.end() && found->second.written == written) return found->second.rows;
+  ReadRows& read = known[scenario_->name];
+  if (read.file == file) return read.rows;
 
-  const ScenarioFile file(path, scenario_->name);
-  const Config all = file.tables().front();
+  const Config all = file->tables().front();
   std::map<std::string, ConfigEntry> entries;
   for (const auto& [key, entry] : all.entries()) {
     if (key.starts_with("metric.")) entries.emplace(key, entry);
   }
-  const Config own(file.file(), std::move(entries));
+  const Config own(file->file(), std::move(entries));
   std::vector<MetricRow> rows;
   for (const std::string& name : own.names_in("metric")) rows.emplace_back().table = name;
   Fields fields;
   for (MetricRow& row : rows) row.bind(fields, kinds_);
   fields.read(own);
-  read[{scenario_->name, path}] = {written, rows};
+  read = {file, rows};
   return rows;
 }
 

@@ -139,10 +139,8 @@ bool differ_in_a_number(const Config& one, const Config& other) {
 bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run, const ScenarioFile& file,
                    const std::string& case_name, const std::vector<std::string>& sets) {
   const auto& kind = catalogue.get<ScenarioKind>(run.scenario->name());
-  const std::string own_file = kind.file().string();
-  std::optional<ScenarioFile> other;  // most runs have read the file already
-  if (file.file() != own_file) other.emplace(own_file, kind.name);
-  const ScenarioFile& own = other ? *other : file;
+  const auto own_file = kind.scenario_file();
+  const ScenarioFile& own = *own_file;
   if (!own.has_case(case_name)) return false;
   const RunSettings& settings = run.scenario->run_settings();
   std::vector<std::string> own_sets = {fmt::format("run.seed={}", settings.seed),

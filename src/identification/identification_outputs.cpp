@@ -109,10 +109,8 @@ std::string identified_toml(const Catalogue& catalogue, const Identification& id
   std::vector<std::string> sets = scenario.plant_sets(plant);
   const std::vector<std::string> others = scenario.other_sets(plant);
   sets.insert(sets.end(), others.begin(), others.end());
-  const std::string file = catalogue.get<ScenarioKind>(scenario.name).file().string();
-  return prepare_run(catalogue, scenario.name, ScenarioFile(file, scenario.name),
-                     scenario.case_name, sets)
-      .config_text;
+  const auto file = catalogue.get<ScenarioKind>(scenario.name).scenario_file();
+  return prepare_run(catalogue, scenario.name, *file, scenario.case_name, sets).config_text;
 }
 
 std::string identifiable_text(const Identification& identification,

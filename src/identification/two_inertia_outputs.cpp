@@ -28,16 +28,16 @@ std::string two_inertia_toml(const Catalogue& catalogue, const Identification& i
                                    .rounding = data.rounding,
                                    .noise_std = identification.fit.noise_std,
                                    .measured = measured};
-  const std::string file = catalogue.get<ScenarioKind>(scenario.name).file().string();
+  const auto file = catalogue.get<ScenarioKind>(scenario.name).scenario_file();
   const std::string left_out =
       values[kOffset] == 0.0
           ? ""
           : fmt::format(
                 "# Left out, since this scenario has no constant torque: offset {:.6g} N m\n",
                 values[kOffset]);
-  return left_out + prepare_run(catalogue, scenario.name, ScenarioFile(file, scenario.name),
-                                scenario.case_name, scenario.sets(plant))
-                        .config_text;
+  return left_out +
+         prepare_run(catalogue, scenario.name, *file, scenario.case_name, scenario.sets(plant))
+             .config_text;
 }
 
 }  // namespace breakwater

@@ -48,9 +48,9 @@ void FinishedRun::read_settings(const ScenarioKind& kind) {
   Fields fields = scenario_->fields();
   const std::vector<std::string> missing = fields.read_finished(*config_);
   if (missing.empty() || !std::filesystem::exists(kind.file())) return;
-  const ScenarioFile shipped(kind.file().string(), kind.name);
+  const auto shipped = kind.scenario_file();
   const Config values =
-      shipped.config(shipped.has_case(case_name()) ? case_name() : shipped.default_case());
+      shipped->config(shipped->has_case(case_name()) ? case_name() : shipped->default_case());
   for (const std::string& key : missing) {
     const ConfigEntry* entry = values.find(key);
     if (entry == nullptr) continue;

@@ -139,7 +139,7 @@ std::vector<Identity> identities_of(const Catalogue& catalogue, const std::vecto
 std::vector<std::string> cases_of(const Catalogue& catalogue, const std::string& scenario) {
   if (!catalogue.has<ScenarioKind>(scenario)) return {};
   try {
-    return ScenarioFile(catalogue.get<ScenarioKind>(scenario).file().string(), scenario).cases();
+    return catalogue.get<ScenarioKind>(scenario).scenario_file()->cases();
   } catch (const std::invalid_argument&) {
     return {};  // the colours then go by place
   }

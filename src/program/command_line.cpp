@@ -337,10 +337,8 @@ int scenario_main(const Catalogue& catalogue, const std::string& scenario,
     describe(app, video_program, arguments);
     if (const auto status = parse(app, argc, argv)) return *status;
 
-    const std::string path = arguments.run.config.empty()
-                                 ? catalogue.get<ScenarioKind>(scenario).file().string()
-                                 : arguments.run.config;
-    const ScenarioFile file(path, scenario);
+    const auto read = catalogue.get<ScenarioKind>(scenario).scenario_file(arguments.run.config);
+    const ScenarioFile& file = *read;
     if (arguments.list_cases) {
       for (const std::string& name : file.cases()) fmt::print("{}\n", name);
       return static_cast<int>(kSuccess);

@@ -53,8 +53,8 @@ constexpr const char* kMoment = "run.duration_s=0.1";
 constexpr int kPictureSide = 64;
 
 void run_for_a_moment(const Catalogue& catalogue, const ScenarioKind& kind) {
-  const ScenarioFile file(kind.file().string(), kind.name);
-  const PreparedRun run = prepare_run(catalogue, kind.name, file, file.default_case(), {kMoment});
+  const auto file = kind.scenario_file();
+  const PreparedRun run = prepare_run(catalogue, kind.name, *file, file->default_case(), {kMoment});
   model_hashes(run.model_files);
   const Recording recording =
       run.scenario->run({.progress = {}, .stop = nullptr, .logs = false, .measured = {}});

@@ -95,7 +95,7 @@ class TuningPlan : public PointSource {
 
   const Catalogue& catalogue_;
   Tuning tuning_;
-  std::unique_ptr<ScenarioFile> file_;
+  std::shared_ptr<const ScenarioFile> file_;
   std::vector<std::vector<std::vector<std::string>>> values_;  // by case and evaluation
 };
 

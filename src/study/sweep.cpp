@@ -113,8 +113,9 @@ double mean_length(const Sweep& sweep, std::size_t candidate, const std::atomic<
 
 }  // namespace
 
-std::unique_ptr<ScenarioFile> scenario_file(const Catalogue& catalogue, const std::string& scenario,
-                                            const std::string& config, const Places& places) {
+std::shared_ptr<const ScenarioFile> scenario_file(const Catalogue& catalogue,
+                                                  const std::string& scenario,
+                                                  const std::string& config, const Places& places) {
   const ScenarioKind* kind = nullptr;
   try {
     kind = &catalogue.get<ScenarioKind>(scenario);
@@ -124,7 +125,7 @@ std::unique_ptr<ScenarioFile> scenario_file(const Catalogue& catalogue, const st
   if (!config.empty() && !std::filesystem::exists(config)) {
     throw std::invalid_argument(place_of(places, "config") + ": there is no file " + config);
   }
-  return std::make_unique<ScenarioFile>(config.empty() ? kind->file().string() : config, scenario);
+  return kind->scenario_file(config);
 }
 
 Sweep::Sweep(const Catalogue& catalogue, Study study) : catalogue_(catalogue) {

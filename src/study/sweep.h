@@ -19,8 +19,9 @@
 namespace breakwater {
 
 /// The file of a study's scenario. Throws std::invalid_argument if there is no such scenario.
-std::unique_ptr<ScenarioFile> scenario_file(const Catalogue& catalogue, const std::string& scenario,
-                                            const std::string& config, const Places& places);
+std::shared_ptr<const ScenarioFile> scenario_file(const Catalogue& catalogue,
+                                                  const std::string& scenario,
+                                                  const std::string& config, const Places& places);
 
 /// A plan with everything that its runs need.
 class Sweep : public PointSource {
@@ -54,7 +55,7 @@ class Sweep : public PointSource {
   PreparedRun prepare(const StudyPoint& point) const;
 
   const Catalogue& catalogue_;
-  std::unique_ptr<ScenarioFile> file_;
+  std::shared_ptr<const ScenarioFile> file_;
   std::unique_ptr<Plan> plan_;
   std::optional<StudyFolder> folder_;
   Keep keep_ = Keep::metrics;

@@ -101,7 +101,7 @@ class Jobs : public PointSource {
   Job make_job(const std::string& name, const RunSpec& spec, std::size_t repetition);
 
   const Reproduction& reproduction_;
-  std::map<std::string, ScenarioFile> files_;  // each is read once
+  std::map<std::string, std::shared_ptr<const ScenarioFile>> files_;
   KnownModels models_;
   std::vector<Job> jobs_;  // the longest first
 };
@@ -148,14 +148,14 @@ Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t rep
   auto found = files_.find(spec.scenario);
   const bool is_first = found == files_.end();
   if (is_first) {
-    const std::string file = catalogue.get<ScenarioKind>(spec.scenario).file().string();
-    found = files_.emplace(spec.scenario, ScenarioFile(file, spec.scenario)).first;
+    const auto file = catalogue.get<ScenarioKind>(spec.scenario).scenario_file();
+    found = files_.emplace(spec.scenario, file).first;
   }
   const std::vector<std::string> sets = sets_of(spec, repetition);
   // The first one also checks every table of the file.
   const PreparedRun run = (is_first ? prepare_run : prepare_point)(
-      catalogue, spec.scenario, found->second, spec.case_name, sets);
-  const Config config = found->second.config(spec.case_name, sets);
+      catalogue, spec.scenario, *found->second, spec.case_name, sets);
+  const Config config = found->second->config(spec.case_name, sets);
   Job job;
   job.name = name;
   job.spec = &spec;
@@ -171,7 +171,7 @@ Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t rep
 
 PreparedRun Jobs::prepare(std::size_t point) const {
   const Job& job = jobs_[point];
-  return prepare_point(reproduction_.catalogue, job.spec->scenario, files_.at(job.spec->scenario),
+  return prepare_point(reproduction_.catalogue, job.spec->scenario, *files_.at(job.spec->scenario),
                        job.spec->case_name, sets_of(*job.spec, job.repetition));
 }
 
