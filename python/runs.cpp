@@ -62,8 +62,8 @@ OwnRun run(const std::string& scenario_or_file, const std::optional<std::string>
     const Unlocked unlocked;
     const auto start = std::chrono::steady_clock::now();
     for (std::string& choice : parts.choices(scenario)) sets.push_back(std::move(choice));
-    const auto read = config ? std::make_shared<const ScenarioFile>(*config, scenario)
-                             : parts.catalogue().get<ScenarioKind>(scenario).scenario_file();
+    const auto read =
+        parts.catalogue().get<ScenarioKind>(scenario).scenario_file(config.value_or(""));
     const ScenarioFile& file = *read;
     const std::string chosen = case_name ? *case_name : file.default_case();
     parts.check_axes(file.config(chosen).names_in("axis"));

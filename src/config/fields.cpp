@@ -26,52 +26,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Error = std::optional<Refusal>;
 
-// Names that different scenarios use for the same thing, without units.
-const std::vector<std::vector<std::string>>& synonyms() {
-  static const std::vector<std::vector<std::string>> groups = {
-      {"noise.std", "noise.position", "noise.angle", "sensor.angle_noise"},
-      {"encoder.bits", "encoder.resolution", "sensor.resolution", "sensor.encoder_counts_per_turn"},
-      {"plant.friction", "plant.coulomb_friction"},
-      {"plant.inertia_ratio", "plant.mass_ratio"},
-      {"nominal.inertia", "nominal.mass", "observer.nominal_inertia"},
-      {"observer.name", "estimator.filter"},
-      {"observer.process_noise", "estimator.process_noise"},
-      {"observer.observation_noise", "estimator.measurement_covariance"},
-      {"task.reference", "reference.position"},
-      {"task.reference_from", "reference.start"},
-      {"task.start", "task.start_angles", "start.position"},
-      {"disturbance.kind", "push.kind", "condition"},
-      {"disturbance.amplitude", "disturbance.input", "disturbance.step", "push.amplitude"},
-      {"disturbance.start", "disturbance.step_start", "push.start"},
-      {"metrics.from", "metrics.window"}};
-  return groups;
-}
-
-// "noise.std_rad" is called "noise.std".
-bool is_called(const std::string& key, const std::string& stem) {
-  return key == stem ||
-         (key.starts_with(stem + "_") && key.find('_', stem.size() + 1) == std::string::npos);
-}
-
-// " (here it is X)" with this scenario's names of a key of another scenario; "" if it has none. The
-// keys of a table [TABLE.NAME] have such names in that table.
-std::string name_here(const std::string& key, const std::set<std::string>& keys) {
-  std::vector<std::string> found;
-  const std::size_t dot = key.find('.', key.find('.') + 1);
-  const std::string table = dot == std::string::npos ? "" : key.substr(0, dot + 1);
-  for (const std::vector<std::string>& group : synonyms()) {
-    const auto is_in_group = [&](const std::string& name) {
-      return name.starts_with(table) &&
-             std::any_of(group.begin(), group.end(), [&](const std::string& stem) {
-               return is_called(name.substr(table.size()), stem);
-             });
-    };
-    if (!is_in_group(key)) continue;
-    std::copy_if(keys.begin(), keys.end(), std::back_inserter(found), is_in_group);
-  }
-  return found.empty() ? "" : fmt::format(" (here it is {})", fmt::join(found, " or "));
-}
-
 // Answers that do not change during a pass over all keys: which parts are chosen.
 template <typename Ask>
 class Remembered {
@@ -130,9 +84,7 @@ void check_tables(Fields& fields, std::span<const Config> tables, const Assign& 
       if (by_key.contains(key)) continue;
       std::set<std::string> keys;
       for (const auto& field : fields) keys.insert(field.key);
-      const std::string here = name_here(key, keys);
-      table.fail(key, "unknown key" +
-                          (here.empty() ? did_you_mean(key, {keys.begin(), keys.end()}) : here));
+      table.fail(key, "unknown key" + did_you_mean(key, {keys.begin(), keys.end()}));
     }
     check_values(table, [](const std::string&) { return true; });
   }
@@ -152,6 +104,23 @@ template <typename Field>
 bool names_file(const Field& field) {
   return std::any_of(field.variables.begin(), field.variables.end(),
                      [](const auto& variable) { return variable.file != nullptr; });
+}
+
+// What a key of a table with names is called without the name: "observer.alpha" for
+// "axis.NAME.observer.alpha", "contact.stiffness_N_m" for "contact.NAME.stiffness_N_m". Empty for
+// another key, and for those that say what an axis is.
+std::string without_name(const std::string& key) {
+  const std::size_t table = key.find('.'), name = key.find('.', table + 1);
+  if (name == std::string::npos) return "";
+  const std::string of = key.substr(0, table), rest = key.substr(name + 1);
+  if (of == "contact" || of == "push") return of + "." + rest;
+  const bool is_own = rest == "joint" || rest == "actuator" || rest == "position_sensor";
+  return of == "axis" && !is_own ? rest : "";
+}
+
+// "axis" for "axis.NAME.observer.alpha".
+std::string table_with_names(const std::string& key) {
+  return key.substr(0, key.find('.'));
 }
 
 // "" for a root key.
@@ -519,7 +488,78 @@ Fields::Error Fields::assign(Field& field, const ConfigValue& value, const Varia
   return suited != nullptr ? std::nullopt : first;
 }
 
+// The entries of a key without a name that are not those of a field, for the fields `named`.
+std::map<std::string, ConfigEntry> Fields::for_each_name(const ConfigEntry& entry,
+                                                         const std::vector<Field*>& named) {
+  const auto* array = std::get_if<ConfigValue::Array>(&entry.value.data);
+  // An array of lists, or an array where a key takes none.
+  const bool has_one_each = array != nullptr && array->size() == named.size() &&
+                            (std::holds_alternative<ConfigValue::Array>(array->front().data) ||
+                             assign(*named.front(), entry.value, nullptr));
+  std::map<std::string, ConfigEntry> entries;
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    ConfigEntry& one = entries.emplace(named[i]->key, entry).first->second;
+    if (has_one_each) one.value = (*array)[i];
+  }
+  return entries;
+}
+
+Config Fields::spread(const Config& config) {
+  // With controller.name = "axes" all keys of controllers and observers are those of the axes.
+  const ConfigEntry* controller = config.find("controller.name");
+  const auto* controller_name =
+      controller != nullptr ? std::get_if<std::string>(&controller->value.data) : nullptr;
+  const bool is_of_axes = controller_name == nullptr || *controller_name == "axes";
+  const auto is_own = [&](const std::string& key) {
+    if (find(key) == nullptr) return false;
+    const bool is_of_controller = key.starts_with("observer.") || key.starts_with("controller.");
+    return !is_of_axes || !is_of_controller || key == "controller.name";
+  };
+  std::unordered_map<std::string, std::vector<Field*>> named;
+  for (Field& field : fields_) {
+    if (const std::string key = without_name(field.key); !key.empty()) named[key].push_back(&field);
+  }
+  Config whole = config;
+  if (named.empty()) return whole;
+  for (const auto& [key, entry] : config.entries()) {
+    const auto found = named.find(key);
+    if (found == named.end() || is_own(key)) continue;
+    whole.remove(key);
+    bool counts = false;
+    for (auto& [name, one] : for_each_name(entry, found->second)) {
+      if (config.find(name) != nullptr) continue;
+      whole.apply({{name, one}});
+      without_name_[name] = key;
+      counts = true;
+    }
+    if (!counts && entry.is_set()) {
+      config.fail(key, fmt::format("has no effect, since {} has a value of its own",
+                                   found->second.size() == 1
+                                       ? found->second.front()->key
+                                       : "each " + table_with_names(found->second.front()->key)));
+    }
+  }
+  return whole;
+}
+
 std::vector<UnusedKey> Fields::unused() const {
+  std::vector<UnusedKey> keys = unused_fields();
+  // A key without a name is unused if it is so at each name.
+  std::map<std::string, std::size_t> counts;
+  for (const auto& [name, key] : without_name_) ++counts[key];
+  std::vector<UnusedKey> unused;
+  for (UnusedKey& one : keys) {
+    const auto spread = without_name_.find(one.key);
+    if (spread != without_name_.end()) {
+      if (--counts[spread->second] > 0) continue;
+      one.key = spread->second;
+    }
+    unused.push_back(std::move(one));
+  }
+  return unused;
+}
+
+std::vector<UnusedKey> Fields::unused_fields() const {
   std::vector<UnusedKey> keys;
   Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
   for (const Field& field : fields_) {
@@ -609,13 +649,16 @@ std::vector<const Fields::Field*> Fields::assign_all(const Config& config) {
   return missing;
 }
 
-void Fields::read(const Config& config) {
+void Fields::read(const Config& given) {
+  without_name_.clear();
+  const Config config = spread(given);
   const std::vector<const Field*> missing = assign_all(config);
   if (!missing.empty()) config.fail(missing.front()->key, missing_in_words(missing));
   for (const Field& field : fields_) find_file(config, field);
 }
 
-void Fields::read_incomplete(const Config& config) {
+void Fields::read_incomplete(const Config& given) {
+  const Config config = spread(given);
   assign_all(config);
   for (Field& field : fields_) {
     field.is_missing = !field.was_read;
@@ -624,7 +667,8 @@ void Fields::read_incomplete(const Config& config) {
 }
 
 void Fields::check(const ScenarioFile& file) {
-  const std::vector<Config> tables = file.tables();
+  std::vector<Config> tables = file.tables();
+  for (Config& table : tables) table = spread(table);
   check(tables);
 }
 

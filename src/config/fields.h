@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -187,7 +188,10 @@ class Fields {
   void only_where(const std::vector<std::string>& keys, const std::string& condition,
                   std::function<bool()> holds);
 
-  /// Reads every key and makes file names absolute. Throws std::invalid_argument `ORIGIN: KEY:
+  /// Reads every key and makes file names absolute. A key of a table with names (axis.NAME.KEY,
+  /// contact.NAME.KEY, push.NAME.KEY) may be given without the name: KEY, contact.KEY. It then
+  /// counts for each name that has such a key and no value of its own. An array with an entry for
+  /// each of them, in their order, has one for each. Throws std::invalid_argument `ORIGIN: KEY:
   /// reason` for the first wrong key: unknown, missing, of the wrong type, out of range, or without
   /// its file.
   void read(const Config& config);
@@ -201,7 +205,7 @@ class Fields {
   /// not know, such as the name of a user's controller. Returns the missing keys.
   std::vector<std::string> read_finished(const Config& config);
 
-  /// The ineffective keys of the config that was read, with the reason.
+  /// The ineffective keys of the config that was read, with the reason. Call it after read().
   std::vector<UnusedKey> unused() const;
 
   /// A scenario file with these values, with one case and no overrides. A key without a value is a
@@ -267,6 +271,11 @@ class Fields {
 
   // Assigns every key of the config. Returns the missing keys that the chosen parts need.
   std::vector<const Field*> assign_all(const Config& config);
+  // Gives the keys without a name to all names that lack them.
+  Config spread(const Config& config);
+  static std::map<std::string, ConfigEntry> for_each_name(const ConfigEntry& entry,
+                                                          const std::vector<Field*>& named);
+  std::vector<UnusedKey> unused_fields() const;
   void add(const std::string& name, Variable variable);
   // Makes the variable of another place follow the value of `first`.
   static void join(Variable& first, Variable other);
@@ -290,8 +299,9 @@ class Fields {
                   const std::string& doc);
 
   std::vector<Field> fields_;
-  Part part_;           // the part whose keys are being bound
-  std::string prefix_;  // the prefix of the keys that are being bound
+  std::map<std::string, std::string> without_name_;  // key that was given by its key without a name
+  Part part_;                                        // the part whose keys are being bound
+  std::string prefix_;                               // the prefix of the keys that are being bound
   std::function<bool()> is_left_out_;
   std::size_t place_ = 0;
   std::size_t places_ = 0;  // 0: the keys are of no place

@@ -117,8 +117,7 @@ class SweepCommand : public StudyCommand {
 
   void check() const override {
     warn(name(), sweep_.check());
-    if (!options_.isolate)
-      warn(name(), check_first_runs(sweep_));  // a run could crash this process
+    if (!options_.isolate) check_names(sweep_);  // a run could crash this process
   }
 
   void collect(const ShardIndex& index) const override {

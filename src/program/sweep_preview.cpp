@@ -60,52 +60,35 @@ std::vector<std::string> defined_metrics(const Sweep& sweep) {
   return names;
 }
 
-// Refuses names that neither the scenario nor its runs know.
-void refuse_unknown(const Sweep& sweep, const std::vector<PointResult>& runs) {
-  std::vector<std::string> known = defined_metrics(sweep);
-  for (const PointResult& run : runs) {
-    for (const std::string& name : metric_names(run)) {
-      if (std::find(known.begin(), known.end(), name) == known.end()) known.push_back(name);
-    }
-  }
-  for (const UnknownMetric& one : unknown_metrics(sweep.plan().study(), known)) {
-    if (one.meant.empty()) continue;
-    throw std::invalid_argument(one.place + ": there is no such metric" + one.meant);
-  }
-}
-
-// Whether another seed changes the first run, and what follows for the seeds of the study. Empty
-// if nothing does, or if the run takes long.
-std::string seed_warning(const Sweep& sweep, const PointResult* first = nullptr) {
+// Whether another seed changes the runs, and what follows for the seeds of the study. Empty if
+// nothing does, or if a run takes long.
+std::string seed_warning(const Sweep& sweep, const std::vector<PointResult>& runs) {
   const Plan& plan = sweep.plan();
   if (plan.study().seeds.empty()) return "";
-  std::optional<Sweep> with_another;
-  if (plan.seeds() == 1) with_another.emplace(sweep.with_another_seed());
-  const Sweep& two = with_another ? *with_another : sweep;
-  const std::vector<std::uint64_t>& seeds = two.plan().study().seeds;
-  const std::string& label = plan.candidates()[0].label;
-  const auto run = [&](std::size_t point) {
-    BriefLook look(interrupted());
-    return run_point(point, two, look.control());
-  };
+  const bool is_one = plan.seeds() == 1;
+  std::optional<Sweep> next_seed;
+  if (is_one) next_seed.emplace(sweep.with_next_seed());
+  const Sweep& other = next_seed ? *next_seed : sweep;
+  const std::uint64_t first = plan.study().seeds[0];
+  const std::uint64_t second = is_one ? first + 1 : plan.study().seeds[1];
   try {
-    const PointResult one = first == nullptr ? run(0) : *first;
-    if (one.status != PointStatus::complete) return "";
-    const bool is_same = are_same_run(run(plan.candidates().size()), one);
-    if (with_another && !is_same) {
+    for (std::size_t c = 0; c < runs.size(); ++c) {
+      if (runs[c].status != PointStatus::complete) continue;
+      BriefLook look(interrupted());
+      const PointResult run = run_point(is_one ? c : runs.size() + c, other, look.control());
+      if (are_same_run(run, runs[c])) continue;
+      if (!is_one) return "";
       return fmt::format(
           "seeds: {} gives another run of {} than {}: one seed is one draw of the "
           "noise, and more of them show what depends on it",
-          seeds[1], label, seeds[0]);
-    }
-    if (!with_another && is_same) {
-      return fmt::format("seeds: {} and {} give the same run of {}: {}", seeds[0], seeds[1], label,
-                         kNoNoise);
+          second, plan.candidates()[c].label, first);
     }
   } catch (const Interrupted&) {
     if (interrupted()) throw;
+    return "";
   }
-  return "";
+  if (is_one || runs.front().status != PointStatus::complete) return "";
+  return fmt::format("seeds: {} and {} give the same runs: {}", first, second, kNoNoise);
 }
 
 // Warnings from one run of each candidate.
@@ -130,12 +113,12 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
     warnings.push_back(fmt::format("{}: the first run lacks {}", plan.candidates()[c].label,
                                    fmt::join(lacking, ", ")));
   }
-  refuse_unknown(sweep, runs);
+  check_names(sweep);
   for (const UnknownMetric& one : unknown_metrics(plan.study(), all)) {
     warnings.push_back(
         fmt::format("{}: none of these runs has it{}", one.place, why_missing(sweep, one)));
   }
-  const std::string warning = seed_warning(sweep, &runs.front());
+  const std::string warning = seed_warning(sweep, runs);
   if (!warning.empty()) warnings.push_back(warning);
   const std::size_t blocks = most_blocks(plan);
   const std::size_t tests = tests_shown(plan, runs);
@@ -183,25 +166,26 @@ std::string why_missing(const Sweep& sweep, const UnknownMetric& metric) {
   return why;
 }
 
-std::vector<std::string> check_first_runs(const Sweep& sweep) {
-  const Plan& plan = sweep.plan();
-  const Study& study = plan.study();
-  const std::size_t candidates = plan.candidates().size();
-  if (!unknown_metrics(study, defined_metrics(sweep)).empty()) {
-    RunControl control;
-    control.stop = &interrupted();
-    std::vector<PointResult> runs;
-    for (const std::size_t first : {std::size_t{0}, plan.size() - candidates}) {
-      for (std::size_t c = 0; c < candidates; ++c) {
-        runs.push_back(run_point(first + c, sweep, control));
-        if (runs.back().status != PointStatus::complete) return {};
+void check_names(const Sweep& sweep) {
+  const Study& study = sweep.plan().study();
+  std::vector<std::string> known = defined_metrics(sweep);
+  RunControl control;
+  control.stop = &interrupted();
+  const std::size_t candidates = sweep.plan().candidates().size();
+  for (const std::size_t first : {std::size_t{0}, sweep.plan().size() - candidates}) {
+    for (std::size_t c = 0; c < candidates; ++c) {
+      if (unknown_metrics(study, known).empty()) return;
+      const PointResult run = run_point(first + c, sweep, control);
+      if (run.status != PointStatus::complete) return;
+      for (const std::string& name : metric_names(run)) {
+        if (std::find(known.begin(), known.end(), name) == known.end()) known.push_back(name);
       }
     }
-    refuse_unknown(sweep, runs);
   }
-  if (study.goals.empty() || candidates < 2 || plan.seeds() > 1) return {};
-  const std::string warning = seed_warning(sweep);
-  return warning.empty() ? std::vector<std::string>() : std::vector{warning};
+  for (const UnknownMetric& one : unknown_metrics(study, known)) {
+    if (one.meant.empty()) continue;
+    throw std::invalid_argument(one.place + ": there is no such metric" + one.meant);
+  }
 }
 
 std::string counted(const ShardIndex& index) {

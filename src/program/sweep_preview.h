@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <string>
-#include <vector>
 
 #include <breakwater/study/study_comparison.h>
 #include <breakwater/study/sweep.h>
@@ -16,8 +15,7 @@ void print_preview(const Sweep& sweep, std::size_t jobs);
 
 /// Looks for misspelt names of metrics before the study runs. For names that the scenario does not
 /// define it makes a first and a last run of each candidate. Throws std::invalid_argument.
-/// Returns a warning if the study ranks with one seed and another would give other runs.
-std::vector<std::string> check_first_runs(const Sweep& sweep);
+void check_names(const Sweep& sweep);
 
 /// Why the runs lack a metric, behind "no run has it": they are too short, or it is misspelt.
 std::string why_missing(const Sweep& sweep, const UnknownMetric& metric);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <tuple>
 #include <utility>
 
@@ -15,15 +14,6 @@ namespace {
 const Eigen::MatrixXd& values_of(const PairedResults& results, const std::string& metric) {
   const auto found = std::find(results.metrics.begin(), results.metrics.end(), metric);
   return results.values.at(static_cast<std::size_t>(found - results.metrics.begin()));
-}
-
-// The interval of the share of blocks that meet the bounds. Blocks whose bounded metrics are equal
-// tell one thing, so it counts the different outcomes, not the blocks.
-ConfidenceInterval interval_of_share(double share, std::size_t different, double confidence) {
-  const double met = share * static_cast<double>(different);
-  const auto whole = [](double x) { return static_cast<std::size_t>(x); };
-  return {share_interval(whole(std::floor(met + 1e-9)), different, confidence).lower,
-          share_interval(whole(std::ceil(met - 1e-9)), different, confidence).upper};
 }
 
 // Counts the blocks of a candidate alone.
@@ -39,7 +29,6 @@ RankedCandidate counted(const PairedResults& results, std::size_t candidate,
   RankedCandidate row;
   row.candidate = candidate;
   std::vector<double> medians;
-  std::set<std::vector<double>> outcomes;  // in the bounded metrics
   for (const std::vector<Eigen::Index>& block : different_blocks(results, {candidate})) {
     const bool has_failed = std::any_of(block.begin(), block.end(), [&](Eigen::Index world) {
       return results.failed(world, column) > 0.0;
@@ -47,14 +36,6 @@ RankedCandidate counted(const PairedResults& results, std::size_t candidate,
     ++row.blocks;
     row.failed += has_failed;
     row.met += !has_failed && std::all_of(block.begin(), block.end(), meets);
-    std::vector<double> outcome = {has_failed ? 1.0 : 0.0};
-    for (const Bound& bound : requirement.bounds) {
-      for (const Eigen::Index world : block) {
-        const double value = values_of(results, bound.metric)(world, column);
-        outcome.push_back(std::isnan(value) ? std::numeric_limits<double>::infinity() : value);
-      }
-    }
-    outcomes.insert(std::move(outcome));
     std::vector<double> values;
     for (const Eigen::Index world : block) {
       const double value = values_of(results, metric)(world, column);
@@ -62,13 +43,26 @@ RankedCandidate counted(const PairedResults& results, std::size_t candidate,
     }
     if (!values.empty()) medians.push_back(sample_median(values));
   }
-  if (row.blocks > 0) {
-    row.different = requirement.bounds.empty() ? row.blocks : outcomes.size();
-    const double share = static_cast<double>(row.met) / static_cast<double>(row.blocks);
-    row.share = interval_of_share(share, row.different, requirement.confidence);
-  }
+  if (row.blocks > 0) row.share = share_interval(row.met, row.blocks, requirement.confidence);
   if (!medians.empty()) row.median = estimated_median(std::move(medians), level);
   return row;
+}
+
+// Whether each candidate with two different blocks or more has the same values in all of them.
+bool is_constant(const PairedResults& results, const std::string& metric) {
+  const Eigen::MatrixXd& values = values_of(results, metric);
+  bool has_repeats = false;
+  for (Eigen::Index column = 0; column < values.cols(); ++column) {
+    const auto blocks = different_blocks(results, {static_cast<std::size_t>(column)});
+    for (std::size_t i = 1; i < blocks.size(); ++i) {
+      const bool is_same =
+          blocks[i].size() == blocks[0].size() &&
+          (values(blocks[i], column).array() == values(blocks[0], column).array()).all();
+      if (!is_same) return false;  // neither are missing values
+      has_repeats = true;
+    }
+  }
+  return has_repeats;
 }
 
 // One metric of some candidates, without a baseline.
@@ -109,7 +103,7 @@ MetricComparison turned(MetricComparison one) {
 
 Ranking rank_candidates(const PairedResults& results, const std::string& metric, Goal goal,
                         const Requirement& requirement, const ComparisonSettings& settings) {
-  Ranking ranking{metric, goal, results.candidates, requirement, {}, 0, {}, 0};
+  Ranking ranking{metric, goal, results.candidates, requirement, {}, 0, {}, 0, {}};
   std::vector<RankedCandidate> ranked, others;
   std::vector<Eigen::Index> columns;
   for (std::size_t c = 0; c < results.candidates.size(); ++c) {
@@ -120,6 +114,9 @@ Ranking rank_candidates(const PairedResults& results, const std::string& metric,
     const bool is_ranked = meets && !std::isnan(row.median.value);
     (is_ranked ? ranked : others).push_back(row);
     if (is_ranked) columns.push_back(static_cast<Eigen::Index>(c));
+  }
+  for (const Bound& bound : requirement.bounds) {
+    if (is_constant(results, bound.metric)) ranking.constant.push_back(bound.metric);
   }
   ranking.ranked = ranked.size();
   ranking.comparison = compare_candidates(part_of(results, metric, goal, columns), settings);

@@ -32,9 +32,7 @@ struct RankedCandidate {
   std::size_t blocks = 0;     ///< different blocks of the candidate
   std::size_t failed = 0;     ///< blocks in which a run failed
   std::size_t met = 0;        ///< blocks that meet the requirement
-  std::size_t different = 0;  ///< blocks that differ in a metric of the requirement
-  /// share_interval() of met / blocks, in `different` trials: blocks with equal values are one.
-  ConfidenceInterval share = {0.0, 1.0};
+  ConfidenceInterval share = {0.0, 1.0};  ///< share_interval() of met
   EstimatedMedian median = {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
   /// This candidate less the first one; nothing for the first, if it is not ranked, or if the two
   /// have no block in common.
@@ -54,6 +52,9 @@ struct Ranking {
   std::size_t ranked = 0;          ///< number of ranked candidates
   CandidateComparison comparison;  ///< all pairs of them
   std::size_t level = 0;           ///< rows that are not shown to be worse than the first, with it
+  /// Bounded metrics that differ between no blocks of any candidate: the blocks are then no
+  /// independent trials, and the intervals of the shares are too narrow.
+  std::vector<std::string> constant;
 
   /// Whether the first is shown to be better than every other ranked one.
   bool is_shown() const { return ranked > 1 && level == 1; }

@@ -174,6 +174,12 @@ std::string repeated_text(const CandidateComparison& comparison) {
       comparison.blocks, fmt::join(repeated, ", "));
 }
 
+std::size_t blocks_for_verdict(std::size_t blocks, std::size_t tests) {
+  const double alpha = ComparisonSettings{}.alpha;
+  while (least_p(blocks, std::max<std::size_t>(1, tests)) > alpha) ++blocks;
+  return blocks;
+}
+
 std::string few_text(const CandidateComparison& comparison) {
   const auto is_few = [](const auto& one) {
     return one.verdict == ComparisonVerdict::too_few_blocks;
@@ -186,13 +192,12 @@ std::string few_text(const CandidateComparison& comparison) {
 std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, double least_p_holm,
                      const std::string& fewer) {
   const double alpha = ComparisonSettings{}.alpha;
-  std::size_t needed = blocks;
-  while (least_p(needed, std::max<std::size_t>(1, tests)) > alpha) ++needed;
   std::string text = fmt::format(
       "Too few blocks: with {} blocks{} p cannot be below {:.4g}, and a verdict needs "
       "at least {}{}",
       blocks, tests > 1 ? fmt::format(" and {} tests (Holm's correction)", tests) : "",
-      least_p_holm, needed, least_p(blocks) > alpha ? "" : ", or " + fewer);
+      least_p_holm, blocks_for_verdict(blocks, tests),
+      least_p(blocks) > alpha ? "" : ", or " + fewer);
   if (pairs > blocks) {
     text +=
         ". Random seeds repeat a block and do not count as blocks (worlds = \"seeds\" changes "

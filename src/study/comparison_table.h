@@ -25,6 +25,10 @@ std::string p_text(double p, const std::string& equals = "");
 /// A line such as "peak_N, a beside b: the sign turns with k (p = 0.001): -1 at 2, 3 at 4".
 std::string turns_text(const CandidateComparison& comparison, const KeyInteraction& one);
 
+/// The smallest number of blocks, from `blocks` on, in which one of so many tests can be
+/// significant.
+std::size_t blocks_for_verdict(std::size_t blocks, std::size_t tests);
+
 /// The reason for the verdict "too few blocks". Empty if no metric has this verdict.
 std::string few_text(const CandidateComparison& comparison);
 /// The same from the numbers of blocks, of pairs of runs in them and of tests, and from the

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include <breakwater/config/names.h>
 #include <breakwater/experiment/saved_run.h>
@@ -72,8 +73,9 @@ std::string needed_text(const Ranking& ranking, const std::optional<MetricCompar
   const std::string conditions = number_of(to_first->blocks, "condition");
   if (to_first->smaller + to_first->larger == 0) return "they are equal in " + conditions;
   if (to_first->verdict == ComparisonVerdict::too_few_blocks) {
-    return fmt::format("{} {} too few to show any difference", conditions,
-                       to_first->blocks == 1 ? "is" : "are");
+    return fmt::format("{} {} too few to show any difference, which needs {} or more", conditions,
+                       to_first->blocks == 1 ? "is" : "are",
+                       blocks_for_verdict(to_first->blocks, ranking.comparison.tests));
   }
   if (!to_first->needed) return "neither is the lower one in these " + conditions;
   return fmt::format("about {} conditions would show {}",
@@ -99,16 +101,20 @@ class Sentence {
       text += fmt::format(" {} fails in {} of {}.", name(first), first.failed,
                           number_of(first.blocks, "condition"));
     }
-    const auto lower =
-        std::find_if(rows_.begin(), rows_.begin() + static_cast<long>(ranking_.ranked),
-                     [&](const RankedCandidate& row) {
-                       return ranking_.goal == Goal::max ? row.median.value > first.median.value
-                                                         : row.median.value < first.median.value;
-                     });
-    if (lower != rows_.begin() + static_cast<long>(ranking_.ranked)) {
-      text += fmt::format(
-          " {} has the {} median, yet is behind: candidates are compared in equal conditions.",
-          name(*lower), extreme());
+    const auto others = std::span(rows_).first(ranking_.ranked);
+    const auto best = std::min_element(others.begin(), others.end(), [&](auto& x, auto& y) {
+      return ranking_.goal == Goal::max ? x.median.value > y.median.value
+                                        : x.median.value < y.median.value;
+    });
+    if (best->to_first && best->to_first->verdict == ComparisonVerdict::worse) {
+      text += fmt::format(" {} has the {} median, but is worse in equal conditions.", name(*best),
+                          extreme());
+    }
+    // A count is often the same.
+    for (const std::string& metric : ranking_.constant) {
+      if (unit_of(metric).empty()) continue;
+      text += fmt::format(" {} is the same in all conditions, so they say nothing about others.",
+                          metric);
     }
     const auto turns = std::find_if(rows_.begin(), rows_.end(), [](const RankedCandidate& row) {
       return row.to_first && !row.to_first->turns_with.empty();
@@ -243,11 +249,8 @@ std::vector<std::vector<std::string>> ranking_table(const Ranking& ranking) {
     if (has_bounds) {
       const auto blocks = static_cast<double>(std::max<std::size_t>(1, one.blocks));
       const double met = static_cast<double>(one.met) / blocks;
-      const bool are_equal = one.different == 1 && one.blocks > 1;
-      row.push_back(fmt::format("{:.0f} % ", 100.0 * met) +
-                    (are_equal ? "(equal)"
-                               : fmt::format("[{:.0f}, {:.0f}]", 100.0 * one.share.lower,
-                                             100.0 * one.share.upper)));
+      row.push_back(fmt::format("{:.0f} % [{:.0f}, {:.0f}]", 100.0 * met, 100.0 * one.share.lower,
+                                100.0 * one.share.upper));
     }
     rows.push_back(std::move(row));
   }

@@ -214,7 +214,7 @@ std::vector<UnknownMetric> unknown_metrics(const Study& study,
   const auto add = [&](const std::string& place, const std::string& name, bool is_required) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return;
     std::string meant = did_you_mean(name, known);
-    if (meant.empty() && is_required)
+    if (meant.empty() && is_required && !known.empty())
       meant = fmt::format(" (there are {})", fmt::join(known, ", "));
     unknown.push_back({place_of(study.places, place), name, std::move(meant), is_required});
   };

@@ -117,6 +117,9 @@ std::vector<std::string> notes(const Plan& plan, const ShardIndex& index) {
     lines.push_back(fmt::format(
         "vary: {}: varied together: their effects cannot be told apart, and are one", effect.name));
   }
+  if (plan.seeds() == 1 && !plan.study().goals.empty()) {
+    lines.emplace_back("seeds: one, so any noise is one draw of it (--dry-run looks for noise)");
+  }
   if (seeds.is_none()) {
     lines.push_back(
         fmt::format("seeds: the {} of each sample gave the same run: {}", plan.seeds(), kNoNoise));

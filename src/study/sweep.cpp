@@ -133,9 +133,9 @@ Sweep::Sweep(const Catalogue& catalogue, Study study) : catalogue_(catalogue) {
   plan_ = std::make_unique<Plan>(completed(std::move(study), *file_));
 }
 
-Sweep Sweep::with_another_seed() const {
+Sweep Sweep::with_next_seed() const {
   Study study = plan_->study();
-  study.seeds = {study.seeds.front(), study.seeds.front() + 1};
+  study.seeds = {study.seeds.front() + 1};
   return {catalogue_, std::move(study)};
 }
 

@@ -70,18 +70,17 @@ std::string verdict_list(const Reproduction& reproduction, const Measured& measu
 std::string failure_list(const Reproduction& reproduction, const Measured& measured) {
   constexpr std::size_t kFew = 15;
   std::vector<std::string> entries, counts;
-  std::string before;
-  std::size_t count = 0;
+  std::vector<std::pair<std::string, std::size_t>> by_section;
   for_each_cell(
       reproduction, measured,
       [&](const SectionSpec& section, const TableSpec& table, std::size_t r, std::size_t c,
           const CellSpec& cell, const Judged& judged) {
         const bool is_counted = cell.shows.empty() && cell.reading.empty();
         if (!is_counted || judged.verdict != Verdict::not_reproduced) return;
-        if (section.id != before) count = 0;
-        if (section.id == before) counts.pop_back();
-        counts.push_back(fmt::format("{}: {}", section.id, ++count));
-        before = section.id;
+        if (by_section.empty() || by_section.back().first != section.id) {
+          by_section.emplace_back(section.id, 0);
+        }
+        ++by_section.back().second;
         entries.push_back(fmt::format("  {}, {}{}: {}, {} ({})\n", section.id, table.rows[r],
                                       table.columns.size() > 1 ? ", " + table.columns[c] : "",
                                       judged.measured, judged.printed, judged.class_text));
@@ -89,6 +88,9 @@ std::string failure_list(const Reproduction& reproduction, const Measured& measu
   if (entries.empty()) return "";
   const std::string verdict = reproduction.experiments.is_own ? "did not hold" : "not reproduced";
   if (entries.size() <= kFew) return fmt::format("{}:\n{}", verdict, fmt::join(entries, ""));
+  for (const auto& [section, number] : by_section) {
+    counts.push_back(fmt::format("{}: {}", section, number));
+  }
   return fmt::format("{}, by section: {}\n", verdict, fmt::join(counts, ", "));
 }
 

@@ -89,6 +89,47 @@ TEST(PlantTest, ItsConfigurationRunsAgain) {
   EXPECT_EQ(again.scenario->run({}).state_hash, run.scenario->run({}).state_hash);
 }
 
+// The shipped plant has two axes, shoulder and elbow, whose encoders have a value in its file.
+TEST(PlantTest, AKeyWithoutAnAxisCountsForEachThatLacksIt) {
+  const std::string own = testing::text_of(testing::source_file("scenarios/plant/plant.toml"));
+  std::string without = own;
+  for (const std::string key :
+       {"controller.name = \"pd\"              # none: no control\n", "controller.name = \"pd\"\n",
+        "observer.poles_rad_s = [-80, -90, -100]\n", "observer.poles_rad_s = [-80, -90, -100]\n",
+        "encoder.bits = 16\n"}) {
+    ASSERT_NE(without.find(key), std::string::npos) << key;
+    without.erase(without.find(key), key.size());
+  }
+  using Keys = std::vector<std::string>;
+  const auto config = [](const std::string& text, const Keys& sets) {
+    return prepare_text(text, "idob", sets).config_text;
+  };
+  const std::string poles = "observer.poles_rad_s=", rows = "[-8, -9, -10], [-7, -8, -9]";
+  // The root's controller.name is that of the whole plant, so an axis' needs its axis.
+  const Keys names = {"axis.shoulder.controller.name=pd", "axis.elbow.controller.name=pd"};
+  const auto with_names = [&](Keys sets) {
+    sets.insert(sets.end(), names.begin(), names.end());
+    return sets;
+  };
+  EXPECT_EQ(
+      config(without, with_names({poles + "[-8, -9, -10]", "encoder.bits=12"})),
+      config(own, {"axis.shoulder." + poles + "[-8, -9, -10]",
+                   "axis.elbow." + poles + "[-8, -9, -10]", "axis.shoulder.encoder.bits=12"}));
+  EXPECT_EQ(config(without, with_names({poles + "[" + rows + "]", "encoder.bits=16",
+                                        "encoder.gear_ratio=[2, 3]"})),
+            config(own, {"axis.shoulder." + poles + "[-8, -9, -10]",
+                         "axis.elbow." + poles + "[-7, -8, -9]",
+                         "axis.shoulder.encoder.gear_ratio=2", "axis.elbow.encoder.gear_ratio=3"}));
+  // One axis uses it, so it has an effect.
+  const Keys one_uses = {"axis.elbow.observer.name=none", "observer.poles_rad_s=[-8, -9, -10]"};
+  EXPECT_TRUE(prepare_text(without, "idob", with_names(one_uses)).ineffective.empty());
+  const Keys none_uses = {"axis.elbow.observer.name=none", "axis.shoulder.observer.name=none",
+                          "observer.alpha=3"};
+  const auto ineffective = prepare_text(without, "idob", with_names(none_uses)).ineffective;
+  ASSERT_EQ(ineffective.size(), 1U);
+  EXPECT_EQ(ineffective[0].key, "observer.alpha");
+}
+
 // Another case may have an estimator that publishes it.
 TEST(PlantTest, WarnsOfASignalThatIsNotThere) {
   const PreparedRun run =

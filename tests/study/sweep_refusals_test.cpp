@@ -169,18 +169,19 @@ TEST_F(SweepRefusals, WarnsOfIneffectiveKeys) {
             "samples: Sobol' points are even for a power of two: 64 or 128"},
            {"--method sobol --vary x.first=uniform(0,1) --samples 64", ""},
            {"--seeds 1..3", "seeds: the 3 of each sample gave the same run: no noise reaches them"},
-           {"--seeds 1..3 --dry-run",
-            "seeds: 1 and 2 give the same run of plain: no noise reaches them"},
+           {"--seeds 1..3 --dry-run", "seeds: 1 and 2 give the same runs: no noise reaches them"},
            {"--seeds 1..3 --case noisy", ""},
            {"--vary x.second=1,2", ""},
            {"--vary x.second=-1,1",
             "positive_x_second_1 is missing: in 1 of 2 complete runs of plain"},
-           {"--case 'plain, noisy' --vary x.second=1,2 --dry-run",
+           {"--case 'plain, noisy' --set y.noise=0 --vary x.second=1,2 --dry-run",
             "Too few blocks: with 2 blocks p cannot be below 0.5, and a verdict needs at least 6"},
-           {"--case noisy,plain --goal y_1=min --vary 'x.second=lin(1,6,6)'",
+           {"--case plain,noisy --goal y_1=min --vary 'x.second=lin(1,6,6)' --dry-run",
             "seeds: 2 gives another run of noisy than 1: one seed is one draw of the noise, and "
             "more of them show what depends on it"},
-           {"--case plain,noisy --goal y_1=min --vary 'x.second=lin(1,6,6)'", ""},
+           {"--case plain --set x.third=2 --goal y_1=min --vary x.second=1,2 --dry-run", ""},
+           {"--case plain,noisy --goal y_1=min --vary 'x.second=lin(1,6,6)'",
+            "seeds: one, so any noise is one draw of it (--dry-run looks for noise)"},
            {"--duration 0.5 --dry-run", ""}}) {  // their runs are shorter
     const ProgramResult result = said("ishigami_lab sweep ishigami " + words);
     const std::string all = result.err + result.out;
