@@ -106,9 +106,9 @@ bool names_file(const Field& field) {
                      [](const auto& variable) { return variable.file != nullptr; });
 }
 
-// What a key of a table with names is called without the name: "observer.alpha" for
-// "axis.NAME.observer.alpha", "contact.stiffness_N_m" for "contact.NAME.stiffness_N_m". Empty for
-// another key, and for those that say what an axis is.
+// The key without the name of its table: "observer.alpha" for "axis.NAME.observer.alpha",
+// "contact.stiffness_N_m" for "contact.NAME.stiffness_N_m". Empty for another key, and for those
+// that say what an axis is.
 std::string without_name(const std::string& key) {
   const std::size_t table = key.find('.'), name = key.find('.', table + 1);
   if (name == std::string::npos) return "";
@@ -505,15 +505,18 @@ std::map<std::string, ConfigEntry> Fields::for_each_name(const ConfigEntry& entr
 }
 
 Config Fields::spread(const Config& config) {
-  // With controller.name = "axes" all keys of controllers and observers are those of the axes.
+  // With controller.name = "axes" all keys of controllers and observers are those of the axes. A
+  // file's keys for a controller that a case or --set replaces are not.
   const ConfigEntry* controller = config.find("controller.name");
   const auto* controller_name =
       controller != nullptr ? std::get_if<std::string>(&controller->value.data) : nullptr;
   const bool is_of_axes = controller_name == nullptr || *controller_name == "axes";
-  const auto is_own = [&](const std::string& key) {
+  const bool is_replaced = controller != nullptr && controller->is_chosen;
+  const auto is_own = [&](const std::string& key, const ConfigEntry& entry) {
     if (find(key) == nullptr) return false;
     const bool is_of_controller = key.starts_with("observer.") || key.starts_with("controller.");
-    return !is_of_axes || !is_of_controller || key == "controller.name";
+    return !is_of_axes || !is_of_controller || key == "controller.name" ||
+           (is_replaced && !entry.is_chosen);
   };
   std::unordered_map<std::string, std::vector<Field*>> named;
   for (Field& field : fields_) {
@@ -523,7 +526,7 @@ Config Fields::spread(const Config& config) {
   if (named.empty()) return whole;
   for (const auto& [key, entry] : config.entries()) {
     const auto found = named.find(key);
-    if (found == named.end() || is_own(key)) continue;
+    if (found == named.end() || is_own(key, entry)) continue;
     whole.remove(key);
     bool counts = false;
     for (auto& [name, one] : for_each_name(entry, found->second)) {

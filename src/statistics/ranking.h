@@ -52,7 +52,7 @@ struct Ranking {
   std::size_t ranked = 0;          ///< number of ranked candidates
   CandidateComparison comparison;  ///< all pairs of them
   std::size_t level = 0;           ///< rows that are not shown to be worse than the first, with it
-  /// Bounded metrics that differ between no blocks of any candidate: the blocks are then no
+  /// Bounded metrics that are the same in all blocks of each candidate. The blocks are then no
   /// independent trials, and the intervals of the shares are too narrow.
   std::vector<std::string> constant;
 
