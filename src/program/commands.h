@@ -26,7 +26,7 @@ inline constexpr const char* kRemoveRuns = "rm";
 int list_runs_main(const Catalogue& catalogue, int argc, const char* const* argv);
 int remove_runs_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `new`: makes a project from a template. Each folder of templates/ is a kind of project.
+/// `new`: makes a project from the folders of templates/.
 int new_project_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
 /// `reference`: writes pages about commands, keys, metrics, columns and exit statuses.

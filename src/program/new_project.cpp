@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -50,36 +51,30 @@ std::string replaced(std::string text, const std::string& word, const std::strin
   return text;
 }
 
-std::string instantiated(const std::string& text, const std::string& placeholder,
-                         const std::string& name) {
-  std::string result = replaced(text, placeholder, name);
-  result = replaced(result, camel_case(placeholder), camel_case(name));
-  return replaced(result, upper_case(placeholder), upper_case(name));
+// A template's folder my_part has the placeholders my_part, MyPart and MY_PART.
+std::string instantiated(std::string text, const fs::path& folder, const std::string& name) {
+  const std::string placeholder = "my_" + folder.filename().string();
+  text = replaced(std::move(text), placeholder, name);
+  text = replaced(std::move(text), camel_case(placeholder), camel_case(name));
+  return replaced(std::move(text), upper_case(placeholder), upper_case(name));
 }
 
-// The files of a template by their new names, relative to the project's folder.
-std::map<fs::path, fs::path> files_of(const fs::path& from, const std::string& placeholder,
-                                      const std::string& name) {
-  std::map<fs::path, fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(from)) {
-    if (!entry.is_regular_file()) continue;
-    const std::string old_name = entry.path().lexically_relative(from).string();
-    const fs::path new_name = instantiated(old_name, placeholder, name);
-    if (!files.emplace(new_name, entry.path()).second) {
-      throw std::invalid_argument(fmt::format(
-          "{}: the project has a {} already: choose another name", name, new_name.string()));
+// The texts of the files of templates by their new names, relative to the project's folder.
+std::map<fs::path, std::string> files_of(const std::vector<fs::path>& from,
+                                         const std::string& name) {
+  std::map<fs::path, std::string> files;
+  for (const fs::path& folder : from) {
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      if (!entry.is_regular_file()) continue;
+      const std::string old_name = entry.path().lexically_relative(folder).string();
+      const fs::path new_name = instantiated(old_name, folder, name);
+      if (!files.emplace(new_name, instantiated(bytes_of(entry.path()), folder, name)).second) {
+        throw std::invalid_argument(fmt::format(
+            "{}: the project has a {} already: choose another name", name, new_name.string()));
+      }
     }
   }
   return files;
-}
-
-std::vector<std::string> kinds_of_projects(const fs::path& templates) {
-  std::vector<std::string> kinds;
-  for (const auto& entry : fs::directory_iterator(templates)) {
-    if (entry.is_directory()) kinds.push_back(entry.path().filename().string());
-  }
-  std::sort(kinds.begin(), kinds.end());
-  return kinds;
 }
 
 // The first commands for the user. CMake finds packages that are installed in the system.
@@ -107,13 +102,16 @@ std::string how_to_build(const fs::path& templates, const fs::path& out) {
 int new_project(const Catalogue& catalogue, const std::string& kind, const std::string& name,
                 const std::string& folder) {
   const fs::path templates = data_file("templates");
-  const std::vector<std::string> kinds = kinds_of_projects(templates);
-  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
-    throw std::invalid_argument("new: KIND " + must_be_one_of(kinds, kind));
+  const auto kinds = kinds_of_projects(templates);
+  const auto from = kinds.find(kind);
+  if (from == kinds.end()) {
+    std::vector<std::string> names;
+    for (const auto& entry : kinds) names.push_back(entry.first);
+    throw std::invalid_argument("new: KIND " + must_be_one_of(names, kind));
   }
   check_project_name(catalogue, name);
   const fs::path out = folder.empty() ? name : folder;
-  make_project(templates / kind, "my_" + kind, name, out);
+  make_project(from->second, name, out);
   const bool has_code = fs::exists(out / "main.cpp");
   fmt::print(
       "a new {0}: {1}\n\n"
@@ -127,6 +125,18 @@ int new_project(const Catalogue& catalogue, const std::string& kind, const std::
 }
 
 }  // namespace
+
+std::map<std::string, std::vector<fs::path>> kinds_of_projects(const fs::path& templates) {
+  std::map<std::string, std::vector<fs::path>> kinds;
+  std::istringstream lines(bytes_of(templates / "kinds.txt"));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string kind, folder;
+    words >> kind;
+    while (words >> folder) kinds[kind].push_back(templates / folder);
+  }
+  return kinds;
+}
 
 void check_project_name(const Catalogue& catalogue, const std::string& name) {
   const bool is_one = !name.empty() && name.size() <= kLongestName && name[0] >= 'a' &&
@@ -149,8 +159,7 @@ void check_project_name(const Catalogue& catalogue, const std::string& name) {
   }
 }
 
-void make_project(const fs::path& from, const std::string& placeholder, const std::string& name,
-                  const fs::path& out) {
+void make_project(const std::vector<fs::path>& from, const std::string& name, const fs::path& out) {
   fs::path folder = fs::absolute(out).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   if (fs::symlink_status(folder).type() != fs::file_type::not_found) {
@@ -159,15 +168,14 @@ void make_project(const fs::path& from, const std::string& placeholder, const st
   if (!fs::is_directory(folder.parent_path())) {
     throw std::invalid_argument(folder.parent_path().string() + ": is no folder");
   }
-  const std::map<fs::path, fs::path> files = files_of(from, placeholder, name);
+  const std::map<fs::path, std::string> files = files_of(from, name);
   const fs::path partial =
       folder.parent_path() / (hidden_name(folder, ".partial-") + unique_name());
   try {
     fs::create_directory(partial);
-    for (const auto& [file, original] : files) {
+    for (const auto& [file, text] : files) {
       fs::create_directories((partial / file).parent_path());
-      write_text_file((partial / file).string(),
-                      instantiated(bytes_of(original), placeholder, name));
+      write_text_file((partial / file).string(), text);
     }
     fs::rename(partial, folder);
   } catch (...) {
@@ -186,15 +194,14 @@ int new_project_main(const Catalogue& catalogue, int argc, const char* const* ar
     std::string name;
     std::string out;
     app.add_option("KIND", kind,
-                   "controller, observer, plant (an MJCF and a scenario file, without C++), or\n"
-                   "scenario (C++, with a plant of its own)")
+                   "controller or observer (C++); plant or scenario (an MJCF and a scenario\n"
+                   "file, without C++)")
         ->required();
     app.add_option("NAME", name, "what it is called: [a-z][a-z0-9_]*")->required();
     app.add_option("--out", out, "the project's folder (default: NAME)")->type_name("DIR");
     app.footer(
-        "The folder has CMakeLists.txt, presets, C++ that works, a scenario file, tests and a\n"
-        "README.md. A plant has no presets and no C++. Exit status: 0 success, 1 a defect, 2 usage "
-        "or input.");
+        "The folder has CMakeLists.txt, presets, a scenario file, tests and a README.md, and C++\n"
+        "or an MJCF that works. Exit status: 0 success, 1 a defect, 2 usage or input.");
     if (const auto status = parse(app, argc, argv)) return *status;
     return new_project(catalogue, kind, name, out);
   });

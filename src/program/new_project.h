@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
+#include <vector>
 
 #include <breakwater/experiment/catalogue.h>
 
@@ -12,11 +14,18 @@ namespace breakwater {
 /// and is not the name of a scenario or part.
 void check_project_name(const Catalogue& catalogue, const std::string& name);
 
-/// Makes the project folder `out` from the template folder `from`. `placeholder` ("my_controller")
-/// becomes `name` in the names and texts of the files. Likewise MyController becomes "Name" and
-/// MY_CONTROLLER "NAME". On an error no folder is left. Throws std::invalid_argument if `out`
-/// exists, its parent does not, or two files would have the same name; OutputError.
-void make_project(const std::filesystem::path& from, const std::string& placeholder,
-                  const std::string& name, const std::filesystem::path& out);
+/// The kinds of projects, each with the folders that have its files. A line of the file kinds.txt
+/// in `templates` is a kind and the names of its folders. A plant and a scenario are the same
+/// project.
+std::map<std::string, std::vector<std::filesystem::path>> kinds_of_projects(
+    const std::filesystem::path& templates);
+
+/// Makes the project folder `out` from the files of the folders `from`. In the names and texts of
+/// the files, my_FOLDER of each folder ("my_controller") becomes `name`. Likewise MyController
+/// becomes "Name" and MY_CONTROLLER "NAME". On an error no folder is left. Throws
+/// std::invalid_argument if `out` exists, its parent does not, or two files would have the same
+/// name; OutputError.
+void make_project(const std::vector<std::filesystem::path>& from, const std::string& name,
+                  const std::filesystem::path& out);
 
 }  // namespace breakwater

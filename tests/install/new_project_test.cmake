@@ -1,11 +1,11 @@
 # Makes a project by the installed `breakwater new`, builds and tests it, and does with its program
 # what its README says.
-#   cmake -DWORK_DIR= -DKIND=controller|observer|scenario -P new_project_test.cmake
+#   cmake -DWORK_DIR= -DKIND=controller|observer -P new_project_test.cmake
 cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 set(name own_${KIND})
 set(folder ${WORK_DIR}/${name})
-# The three kinds run at the same time.
+# Both kinds run at the same time.
 set(elsewhere ${WORK_DIR}/elsewhere-${KIND})
 file(REMOVE_RECURSE ${folder} ${WORK_DIR}/${name}-moved ${elsewhere})
 unset(ENV{CMAKE_PREFIX_PATH})  # what is printed is enough
@@ -24,10 +24,6 @@ elseif(KIND STREQUAL "observer")
   set(scenario motor_estimation)
   set(chosen --set observer.name=${name} --duration 0.5)
   set(other --case stf --duration 0.5)
-else()
-  set(scenario ${name})
-  set(chosen --duration 0.5)
-  set(other --case stf --duration 0.5)
 endif()
 run_in(${folder} ${lab} run ${scenario} ${chosen} --out a --video)
 run_in(${folder} ${lab} run ${scenario} ${other} --out b --quiet)
@@ -37,24 +33,6 @@ run_in(${folder} ${lab} replay a b --out replay.html --quiet)
 foreach(file a/video.mp4 report.html compare.html replay.html)
   expect_file(${folder}/${file})
 endforeach()
-if(KIND STREQUAL "scenario")
-  # A plant of one's own with a mesh.
-  file(READ ${folder}/${scenario}/${scenario}.xml model)
-  string(REPLACE "<worldbody>" "<asset><mesh name='bob' vertex='-.06 0 0 .06 0 0 0 -.06 0 0 .06 0 0 0 .08'/></asset><worldbody>"
-    meshed "${model}")
-  string(REPLACE "type=\"sphere\" size=\"0.06\"" "type=\"mesh\" mesh=\"bob\"" meshed "${meshed}")
-  file(WRITE ${folder}/meshed.xml "${meshed}")
-  run_in(${folder} ${lab} run ${scenario} ${chosen} --set model.mjcf=meshed.xml --out meshed --quiet)
-  run_in(${folder} ${lab} replay meshed --quiet)
-  execute_process(COMMAND python3 -c "
-import base64, re, sys, zlib
-page = open(sys.argv[1], encoding='utf-8').read()
-packed = re.search('id=.packed.>([^<]*)<', page)[1]
-sys.exit(b'\"kind\":\"mesh\"' not in zlib.decompress(base64.b64decode(packed)))" ${folder}/meshed/replay.html RESULT_VARIABLE status)
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "the replay has no mesh")
-  endif()
-endif()
 # The same bits of its own config.toml; and who else has the run sees it, without the part.
 run_in(${folder} ${lab} run ${scenario} --config a/config.toml --out again --quiet)
 file(READ ${folder}/a/manifest.json a)
@@ -64,10 +42,8 @@ string(JSON again GET "${again}" state_hash)
 if(NOT a STREQUAL again)
   message(FATAL_ERROR "config.toml gives another run: ${a}, ${again}")
 endif()
-if(NOT KIND STREQUAL "scenario")
-  run_in(${folder} ${prefix}/bin/breakwater still a --at 0.2 --size 320x180 --quiet)
-  expect_file(${folder}/a/still.png)
-endif()
+run_in(${folder} ${prefix}/bin/breakwater still a --at 0.2 --size 320x180 --quiet)
+expect_file(${folder}/a/still.png)
 
 # Help and messages name the program.
 foreach(words "--help" "video;--help" "compare;--help" "run;${scenario};--help" "new;--help")

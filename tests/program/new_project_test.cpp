@@ -39,13 +39,13 @@ TEST(ProjectName, ANameOfTheCatalogueIsRefused) {
 class NewProject : public ::testing::Test {
  protected:
   NewProject() {
-    fs::create_directories(root_ / "template/my_part");
-    write("template/main.cpp", "#include \"my_part/my_part.h\"\n");
-    write("template/my_part/my_part.h", "class MyPart {};  // MY_PART_FOLDER\n");
+    fs::create_directories(root_ / "part/my_part");
+    write("part/main.cpp", "#include \"my_part/my_part.h\"\n");
+    write("part/my_part/my_part.h", "class MyPart {};  // MY_PART_FOLDER\n");
   }
 
   void make(const std::string& name, const fs::path& out) const {
-    make_project(root_ / "template", "my_part", name, out);
+    make_project({root_ / "part"}, name, out);
   }
   void write(const std::string& file, const std::string& text) const {
     write_text_file((root_ / file).string(), text);
@@ -67,7 +67,7 @@ TEST_F(NewProject, HasTheNameInItsFilesAndTheirNames) {
   make("big_door", root_ / "out/");
   EXPECT_EQ(text("out/main.cpp"), "#include \"big_door/big_door.h\"\n");
   EXPECT_EQ(text("out/big_door/big_door.h"), "class BigDoor {};  // BIG_DOOR_FOLDER\n");
-  EXPECT_EQ(entries(), (std::set<std::string>{"out", "template"}));
+  EXPECT_EQ(entries(), (std::set<std::string>{"out", "part"}));
 }
 
 TEST_F(NewProject, DoesNotChangeExistingFiles) {
@@ -84,28 +84,34 @@ TEST_F(NewProject, NeedsAParentFolder) {
 }
 
 TEST_F(NewProject, LeavesNothingBehindOnFailure) {
-  write("template/my_part.cpp", "");
+  write("part/my_part.cpp", "");
   EXPECT_EQ(refusal("main", root_ / "out"),
             "main: the project has a main.cpp already: choose another name");
-  EXPECT_EQ(entries(), (std::set<std::string>{"template"}));
+  EXPECT_EQ(entries(), (std::set<std::string>{"part"}));
 }
 
-// For any name, no two files of a shipped template get the same name.
+// A name with a template's name in it is written once. No two files get the same name.
 TEST_F(NewProject, ShippedTemplatesHaveTheirPlaceholderNameAlone) {
-  for (const char* kind : {"controller", "observer", "plant", "scenario"}) {
-    const fs::path from = testing::source_file(std::string("templates/") + kind);
-    make_project(from, std::string("my_") + kind, "own_name", root_ / kind);
-    std::size_t files = 0;
-    for (const auto& entry : fs::recursive_directory_iterator(root_ / kind)) {
-      if (!entry.is_regular_file()) continue;
-      ++files;
-      const std::string all = entry.path().string() + text(entry.path());
-      for (const char* word : {"my_controller", "my_observer", "my_plant", "my_scenario",
-                               "MyController", "MyObserver", "MyScenario", "MY_SCENARIO"}) {
-        EXPECT_TRUE(lacks(all, word)) << entry.path() << " has " << word;
+  const auto kinds = kinds_of_projects(testing::source_file("templates"));
+  EXPECT_EQ(kinds.size(), 4U);
+  for (const auto& [kind, from] : kinds) {
+    for (const std::string name : {"own_name", "my_part_of", "my_controller_of"}) {
+      const fs::path out = root_ / (kind + name);
+      make_project(from, name, out);
+      std::size_t files = 0;
+      for (const auto& entry : fs::recursive_directory_iterator(out)) {
+        if (!entry.is_regular_file()) continue;
+        ++files;
+        const std::string all = entry.path().string() + text(entry.path());
+        EXPECT_TRUE(lacks(all, "_of_of")) << entry.path();
+        if (name != "own_name") continue;
+        for (const char* word : {"my_controller", "my_observer", "my_part", "my_plant",
+                                 "MyController", "MyObserver", "MY_"}) {
+          EXPECT_TRUE(lacks(all, word)) << entry.path() << " has " << word;
+        }
       }
+      EXPECT_GE(files, from.size() == 2 ? 5U : 8U);
     }
-    EXPECT_GE(files, std::string(kind) == "plant" ? 4U : 7U);
   }
 }
 

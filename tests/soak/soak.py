@@ -11,21 +11,19 @@ import csv
 import os
 import pathlib
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
 import threading
 import time
 
-STEPS_PER_ROW = 10
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 BOUNDS = {"memory": 1000.0, "descriptors": 0.5, "time": 0.05}  # kB, 1, share
 WARM_UP = {False: 0.2, True: 0.6}  # share of a part, by --short: caches and encoders fill
 
 
 class Watch:
-    """Samples a process while it works. `count` returns its repetitions so far."""
+    """Samples a process while it works. It prints its repetitions so far, or makes `count` of them while it writes."""
 
     def __init__(self, words, count=None, interval_s=None, **options):
         self.samples = []
@@ -40,9 +38,19 @@ class Watch:
             ended = threading.Event()
             threading.Thread(target=lambda: (self.process.wait(), ended.set()), daemon=True).start()
             while not ended.wait(interval_s):
-                self.sample(count())
+                self.sample(self.written())
         if self.process.wait() != 0:
             sys.exit(f"soak: {words[0]} ended with status {self.process.returncode}")
+        if count:  # each repetition writes as many bytes; the end of the process is no repetition
+            first, last = self.samples[0][0], self.samples[-1][0]
+            counted = [(count * (written - first) // (last - first), *rest) for written, *rest in self.samples]
+            self.samples = [sample for sample in counted if sample[0] < 0.98 * count]
+
+    def written(self):
+        try:
+            return int(pathlib.Path("/proc", str(self.process.pid), "io").read_text().split()[3])
+        except OSError:  # it has ended
+            return 0
 
     def sample(self, count):
         """Append count, time [s], memory [kB], descriptors and processor's time [s]."""
@@ -55,22 +63,8 @@ class Watch:
         except (OSError, IndexError):  # it has ended
             return
         used_s = (int(stat[11]) + int(stat[12])) / TICKS_PER_S
-        if count > 0 and (not self.samples or count > self.samples[-1][0]):
+        if count > 0:
             self.samples.append((count, time.monotonic() - self.begin, memory, descriptors, used_s))
-
-
-def rows_of(folder):
-    """The rows of `control` in the journal of a streamed run."""
-    def count():
-        for journal in folder.glob(".run.partial-*/log.journal"):
-            try:
-                blocks = struct.iter_unpack("<IIQ", journal.read_bytes()[: journal.stat().st_size // 16 * 16])
-                return STEPS_PER_ROW * sum(rows for track, rows, _ in blocks if track == 0)
-            except OSError:  # the run has just ended
-                pass
-        return 0
-
-    return count
 
 
 class Soak:
@@ -84,7 +78,7 @@ class Soak:
         count = 1_000_000 if self.is_short else 100_000_000
         return Watch([self.build / "bin/motor_estimation", "--quiet", "--case", "stf", "--out", folder / "run", "--set",
                       "record.stream=true", "physics.timestep_s=1e-4", "physics.integrator=euler",
-                      f"run.duration_s={count * 1e-4}"], rows_of(folder), 0.01 if self.is_short else 1.0)
+                      f"run.duration_s={count * 1e-4}"], count, 0.01 if self.is_short else 1.0)
 
     def work(self, what, count, folder, *more):
         return Watch([self.build / "tests/soak_work", what, str(count), folder, *more],
@@ -126,18 +120,21 @@ class Soak:
         if len(samples) * (1 - warm_up) < 2 * BLOCKS + 2:
             sys.exit(f"soak: {name}: has {len(samples)} samples, too few for a trend")
         counts, walls, memories, descriptors, used = zip(*samples)
-        each_us = [1e6 * (b - a) / (n - m) for a, b, m, n in zip(used, used[1:], counts, counts[1:])]
-        memory, files, times = (trend(counts[-len(values):], values, warm_up)
-                                for values in (memories, descriptors, each_us))
-        grown = [what for what, found, bound in (
-            ("memory", memory, BOUNDS["memory"]), ("descriptors", files, BOUNDS["descriptors"]),
-            ("time", times, BOUNDS["time"] * times.start)) if found.exceeds(bound)
-            and not (self.is_short and what == "time")]
+        found = {"memory": trend(counts, memories, warm_up), "descriptors": trend(counts, descriptors, warm_up)}
+        bounds = dict(BOUNDS)
+        if not self.is_short:
+            each = [(n, 1e6 * (b - a) / (n - m)) for a, b, m, n in zip(used, used[1:], counts, counts[1:]) if n > m]
+            found["time"] = trend(*zip(*each), warm_up)
+            bounds["time"] *= found["time"].start
+        grown = [what for what, series in found.items() if series.exceeds(bounds[what])]
         print(
-            f"{name:<8} {counts[-1]:>10}  {walls[-1]:8.0f} s  {max(memories) / 1000:7.1f} MB {memory.growth:+8.0f} kB "
-            f"(t {memory.t:+.1f})  {max(descriptors):3} fd {files.growth:+.1f}  {times.start:10.2f} us "
-            f"{100 * times.growth / times.start:+6.1f} % (t {times.t:+.1f})"
-            f"{'  GROWS: ' + ', '.join(grown) if grown else ''}", flush=True)
+            f"{name:<8} {counts[-1]:>10}  {walls[-1]:8.0f} s  {max(memories) / 1000:7.1f} MB "
+            f"{found['memory'].growth:+8.0f} kB (t {found['memory'].t:+.1f})  {max(descriptors):3} fd "
+            f"{found['descriptors'].growth:+.1f}", end="")
+        if "time" in found:
+            time_us = found["time"]
+            print(f"  {time_us.start:10.2f} us {100 * time_us.growth / time_us.start:+6.1f} % (t {time_us.t:+.1f})", end="")
+        print(f"{'  GROWS: ' + ', '.join(grown) if grown else ''}", flush=True)
         return not grown
 
 
