@@ -306,9 +306,9 @@ TEST(OwnParts, ArmAndQuadrotorTakeAnExternalController) {
   }
 }
 
-// 3.2 of 4 N m on each joint, and a shelf of the model at 80 % of its friction, which is no joint
-// of the chain. By the formula of friction.h the shelf creeps 0.2 µm in 2 s, and the joints less
-// than 0.1 µrad. Beyond its friction a joint moves.
+// Each joint has 80 % of its friction as a load, and so has a shelf that is no joint of the chain.
+// By the formula of friction.h the shelf creeps 0.2 µm in 2 s, and the joints less than 0.1 µrad.
+// Beyond its friction a joint moves.
 TEST(OwnParts, FrictionHoldsEachJointOfTheArm) {
   std::string mjcf = testing::text_of(testing::source_file("models/arm.xml"));
   mjcf = testing::replaced(mjcf, "<worldbody>", R"(<worldbody><body name="shelf">
@@ -318,7 +318,7 @@ TEST(OwnParts, FrictionHoldsEachJointOfTheArm) {
   const testing::TemporaryPath model("shelf.xml", mjcf);
   // How far the shelf and the joints move under a torque on each joint.
   const auto moved_by = [&](double torque_Nm) {
-    const double start_rad = 0.8956647938578649;  // of joint 1
+    const double start_rad = 0.8956647938578649;  // the first of task.start_angles_rad
     const Recording run = run_with_theirs(
         "arm_push", {"controller.name=spring", "run.duration_s=2", "model.mjcf=" + model.string(),
                      "controller.spring_constant=" + std::to_string(-torque_Nm / start_rad)});
