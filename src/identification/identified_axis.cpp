@@ -27,6 +27,7 @@ constexpr std::size_t kLeastRows = 60;   // in a stretch
 constexpr double kLeastCounts = 10.0;    // the least motion
 constexpr double kLargestDelay = 0.02;   // s, or 20 periods if that is more
 constexpr double kLargestLead = 0.005;   // s, of the clock of u, or 5 periods
+constexpr double kSettlePeriods = 20.0;  // the inputs before the first row act in them
 constexpr int kTrialIterations = 15;
 constexpr std::size_t kFinalists = 2;
 constexpr std::size_t kLags = 20;
@@ -539,9 +540,11 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   }
   const double largest_delay = std::max(kLargestDelay, 20.0 * all.period_s);
   const double largest_lead = std::max(kLargestLead, 5.0 * all.period_s);
-  // The inputs before the first row are unknown.
+  // The inputs before the first row are unknown. Where a delay is longer, the start takes up most
+  // of their effect.
+  const double settle_s = kSettlePeriods * all.period_s;
   AxisData& data = result.data;
-  data = axis_data(records, settings.inputs_act_before, largest_delay);
+  data = axis_data(records, settings.inputs_act_before, settle_s);
   if (data.stretches.empty()) data = all;
   data.model = settings.model;
   data.least_delay_s = -largest_lead;
@@ -641,7 +644,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
         "table are wrong. The intervals are too narrow");
   }
   if (!held_out.empty()) {
-    AxisData held = axis_data(held_out, settings.inputs_act_before, largest_delay);
+    AxisData held = axis_data(held_out, settings.inputs_act_before, settle_s);
     held.model = data.model;
     held.quantum = data.quantum;
     held.rounding = data.rounding;

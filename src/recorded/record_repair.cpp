@@ -241,67 +241,98 @@ class Repair {
 
   double step(std::size_t k) const { return rows_[k].position - rows_[k - 1].position; }
 
+  bool is_jump(std::size_t k) const { return std::binary_search(jumps_.begin(), jumps_.end(), k); }
+
+  // The step at row k by the motion beside it.
+  double motion(std::size_t k) const {
+    double sum = 0.0;
+    double count = 0.0;
+    for (const std::size_t i : {k - 1, k + 1}) {
+      if (i < 1 || i >= rows_.size() || is_jump(i)) continue;
+      sum += step(i);
+      count += 1.0;
+    }
+    return count > 0.0 ? sum / count : 0.0;
+  }
+
+  // Far above the steps beside it and the normal ones.
+  bool is_isolated(std::size_t k, double normal) const {
+    double most = normal;
+    for (const std::size_t i : {k - 1, k + 1}) {
+      if (i >= 1 && i < rows_.size()) most = std::max(most, std::abs(step(i)));
+    }
+    return std::abs(step(k)) > kJump * most;
+  }
+
   // If all jumps go to 0, the counter was reset. The motion goes on by the step before.
   void continue_after_resets(double normal) {
-    std::vector<std::size_t> resets;
-    for (std::size_t k = 1; k < rows_.size(); ++k) {
-      if (std::abs(step(k)) <= kJump * normal) continue;
-      if (std::abs(rows_[k].position) > normal) return;
-      resets.push_back(k);
+    for (const std::size_t k : jumps_) {
+      if (std::abs(rows_[k].position) > std::max(normal, std::abs(motion(k)))) return;
     }
-    if (resets.empty()) return;
     Count count;
     double missing = 0.0;
-    auto next = resets.begin();
-    for (std::size_t k = resets.front(); k < rows_.size(); ++k) {
-      if (next != resets.end() && *next == k) {
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      if (is_jump(k)) {
         const double last = k > 1 ? step(k - 1) : 0.0;
         missing = rows_[k - 1].position + last - rows_[k].position;
         count.add(rows_[k].line);
-        ++next;
       }
       rows_[k].position += missing;
     }
     count.report(repairs_, "reset", "of the counter to 0 undone");
   }
 
-  // Jumps of more than half the range of the column, far above the normal steps.
+  // A counter that wraps jumps by its range, whenever it leaves it. One that is reset jumps to 0
+  // from anywhere.
   void unwrap() {
     if (rows_.size() < kRowsBeforeWraps) return;
     std::vector<double> steps;
     double low = rows_.front().position;
     double high = low;
     for (std::size_t k = 1; k < rows_.size(); ++k) {
-      steps.push_back(std::abs(step(k)));
+      if (step(k) != 0.0) steps.push_back(std::abs(step(k)));
       low = std::min(low, rows_[k].position);
       high = std::max(high, rows_[k].position);
     }
+    if (steps.empty()) return;
     std::sort(steps.begin(), steps.end());
-    const double normal = quantile(steps, 0.9);
-    std::vector<std::size_t> jumps;
+    // A position that is held for some rows stands in most of them.
+    const double normal = quantile(steps, steps.size() < kRowsBeforeWraps ? 0.5 : 0.9);
+    std::size_t far = 0;  // jumps of more than half the range of the column
     for (std::size_t k = 1; k < rows_.size(); ++k) {
-      if (std::abs(step(k)) > std::max(0.5 * (high - low), kJump * normal)) jumps.push_back(k);
+      const bool is_far = std::abs(step(k)) > std::max(0.5 * (high - low), kJump * normal);
+      far += is_far ? 1 : 0;
+      if (is_far || is_isolated(k, normal)) jumps_.push_back(k);
     }
-    if (jumps.empty()) return continue_after_resets(normal);
+    if (jumps_.empty()) return;
     std::vector<double> sizes;
-    for (const std::size_t k : jumps) sizes.push_back(size_of_wrap(k, jumps));
+    for (const std::size_t k : jumps_) sizes.push_back(std::abs(step(k) - motion(k)));
     const double median = sample_median(sizes);
-    const auto is_near = [&](double size) {
-      return std::abs(size - median) <= std::max(3.0 * normal, 1e-3 * median);
-    };
-    const double range = counter_range(median, std::max(normal, 1e-6 * median));
-    const bool is_spike = jumps.size() % 2 == 0 && range == 0.0 && leave_out_spikes(jumps);
-    if (is_spike || !std::all_of(sizes.begin(), sizes.end(), is_near)) return;
+    const double tolerance = std::max(2.0 * wobble(), 1e-6 * median);
+    const double range = counter_range(median, tolerance);
+    if (range == 0.0 && leave_out_spikes()) return;
     double wrap = range;
-    if (wrap == 0.0) {
-      if (jumps.size() < kWrapsForAnyRange) return continue_after_resets(normal);
-      const double quantum = quantum_without(jumps);
+    if (wrap == 0.0 && jumps_.size() >= kWrapsForAnyRange) {
+      std::vector<double> positions;
+      for (const Row& row : rows_) positions.push_back(row.position);
+      const double quantum = encoder_quantum(positions);
       wrap = quantum > 0.0 ? quantum * std::round(median / quantum) : median;
     }
+    // Two positions of a counter differ by less than its range, and by the range itself if both
+    // ends are rounded. Then the motion passes them.
+    const double widest = range > 0.0 ? wrap * (1.0 + 1e-9) : wrap + tolerance;
+    const bool has_ends = high - low >= wrap * (1.0 - 1e-9);
+    const bool is_wrap =
+        wrap > 0.0 && far == jumps_.size() && high - low <= widest &&
+        std::all_of(sizes.begin(), sizes.end(),
+                    [&](double size) { return std::abs(size - median) <= tolerance; }) &&
+        (!has_ends || std::all_of(jumps_.begin(), jumps_.end(),
+                                  [&](std::size_t k) { return motion(k) * step(k) < 0.0; }));
+    if (!is_wrap) return continue_after_resets(normal);
     Count wraps;
     double turns = 0.0;
     std::vector<double> signs(rows_.size(), 0.0);
-    for (const std::size_t k : jumps) {
+    for (const std::size_t k : jumps_) {
       signs[k] = step(k) > 0.0 ? -1.0 : 1.0;
       wraps.add(rows_[k].line);
     }
@@ -312,19 +343,14 @@ class Repair {
     wraps.report(repairs_, "wrap", fmt::format("of a counter of {:.10g} unwrapped", wrap));
   }
 
-  // The size of a jump without the motion, which the steps beside it show.
-  double size_of_wrap(std::size_t k, const std::vector<std::size_t>& jumps) const {
-    const auto is_jump = [&](std::size_t i) {
-      return std::binary_search(jumps.begin(), jumps.end(), i);
-    };
-    double sum = 0.0;
-    double count = 0.0;
-    for (const std::size_t i : {k - 1, k + 1}) {
-      if (i < 1 || i >= rows_.size() || is_jump(i)) continue;
-      sum += step(i);
-      count += 1.0;
+  // How far steps are from the motion beside them, of all but the jumps.
+  double wobble() const {
+    std::vector<double> off;
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      if (!is_jump(k)) off.push_back(std::abs(step(k) - motion(k)));
     }
-    return std::abs(step(k) - (count > 0.0 ? sum / count : 0.0));
+    std::sort(off.begin(), off.end());
+    return quantile(off, 0.99);
   }
 
   // A power of two, a turn in a common unit, or a round number of counts; 0 if none is near.
@@ -343,23 +369,18 @@ class Repair {
     return best;
   }
 
-  double quantum_without(const std::vector<std::size_t>& jumps) const {
-    std::vector<double> positions;
-    for (std::size_t k = 0; k < jumps.front(); ++k) positions.push_back(rows_[k].position);
-    return encoder_quantum(positions);
-  }
-
   // Whether all jumps are pairs there and back at the same row, which is then left out.
-  bool leave_out_spikes(const std::vector<std::size_t>& jumps) {
-    for (std::size_t i = 0; i < jumps.size(); i += 2) {
+  bool leave_out_spikes() {
+    if (jumps_.size() % 2 != 0) return false;
+    for (std::size_t i = 0; i < jumps_.size(); i += 2) {
       const bool is_pair =
-          jumps[i + 1] == jumps[i] + 1 && step(jumps[i]) * step(jumps[i + 1]) < 0.0;
+          jumps_[i + 1] == jumps_[i] + 1 && step(jumps_[i]) * step(jumps_[i + 1]) < 0.0;
       if (!is_pair) return false;
     }
     Count wrong;
-    for (std::size_t i = 0; i < jumps.size(); i += 2) wrong.add(rows_[jumps[i]].line);
-    for (std::size_t i = jumps.size(); i >= 2; i -= 2) {
-      rows_.erase(rows_.begin() + static_cast<std::ptrdiff_t>(jumps[i - 2]));
+    for (std::size_t i = 0; i < jumps_.size(); i += 2) wrong.add(rows_[jumps_[i]].line);
+    for (std::size_t i = jumps_.size(); i >= 2; i -= 2) {
+      rows_.erase(rows_.begin() + static_cast<std::ptrdiff_t>(jumps_[i - 2]));
     }
     wrong.report(repairs_, "row", "with a position far from both neighbours left out");
     return true;
@@ -368,6 +389,7 @@ class Repair {
   const std::string& file_;
   const std::string& time_column_;
   std::vector<Row> rows_;
+  std::vector<std::size_t> jumps_;  // rows whose position jumps
   std::vector<std::string> repairs_;
 };
 

@@ -274,6 +274,7 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
   Model model = Model::load_physics(settings.mjcf, role.geoms);
   model.set_physics(settings.physics.timestep_s, settings.physics.integrator);
   positions_of_file_ = static_cast<std::size_t>(model->nq);
+  author_friction(model);  // also of joints that are not the chain's
   std::vector<double> coulombs;
   for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
     const std::string& name = chain_.joint(i).name;

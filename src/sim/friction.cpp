@@ -38,14 +38,7 @@ void author_friction(Model& model) {
 }
 
 void set_coulomb_friction(Model& model, int joint, double coulomb) {
-  if (!(std::isfinite(coulomb) && coulomb >= 0.0)) {
-    throw std::invalid_argument("friction: must be finite and not negative");
-  }
-  mjModel& m = *model.get();
-  if (m.jnt_type[joint] != mjJNT_SLIDE && m.jnt_type[joint] != mjJNT_HINGE) {
-    throw std::invalid_argument(model.file() + ": friction needs a slide or a hinge");
-  }
-  m.dof_frictionloss[m.jnt_dofadr[joint]] = coulomb;
+  author_friction(model, joint, model->dof_damping[model->jnt_dofadr[joint]], coulomb);
 }
 
 }  // namespace breakwater

@@ -19,8 +19,7 @@ void author_friction(Model& model, int joint, double viscous, double coulomb);
 /// The same for each slide and hinge, with the numbers of the model file.
 void author_friction(Model& model);
 
-/// Sets only the Coulomb friction, with the softness of the model file. Throws as
-/// author_friction().
+/// The same with the joint's own viscous friction.
 void set_coulomb_friction(Model& model, int joint, double coulomb);
 
 }  // namespace breakwater

@@ -24,8 +24,8 @@ namespace breakwater {
 /// which also knows contacts and other joints. The force is stable for every σ₀ and step.
 class JointFriction final : public StagedForce {
  public:
-  /// Gives the joint a friction constraint, with the softness that the model has. The transmitted
-  /// force of the law is that of the joint's actuators, and of the transmission whose load the
+  /// Gives the joint a friction constraint, as author_friction() does. The transmitted force of the
+  /// law is that of the joint's actuators, and of the transmission whose load the
   /// joint is; null: none. It must outlive the friction. Throws std::invalid_argument if there is
   /// no such slide or hinge. Bristles also need a solver that reads the constraints at its call
   /// (Newton, CG).

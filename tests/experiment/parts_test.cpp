@@ -306,6 +306,35 @@ TEST(OwnParts, ArmAndQuadrotorTakeAnExternalController) {
   }
 }
 
+// Each joint has 80 % of its friction as a load, and so has a shelf that is no joint of the chain.
+// By the formula of friction.h the shelf creeps 0.2 µm in 2 s, and the joints less than 0.1 µrad.
+// Beyond its friction a joint moves.
+TEST(OwnParts, FrictionHoldsEachJointOfTheArm) {
+  std::string mjcf = testing::text_of(testing::source_file("models/arm.xml"));
+  mjcf = testing::replaced(mjcf, "<worldbody>", R"(<worldbody><body name="shelf">
+    <inertial pos="0 0 0" mass="2" diaginertia="0.01 0.01 0.01"/>
+    <joint name="lift" type="slide" axis="0 0 1" armature="0" frictionloss="24.525"/></body>)");
+  mjcf = testing::replaced(mjcf, "qpos=\"0 0 0\"", "qpos=\"0 0 0 0\"");
+  const testing::TemporaryPath model("shelf.xml", mjcf);
+  // How far the shelf and the joints move under a torque on each joint.
+  const auto moved_by = [&](double torque_Nm) {
+    const double start_rad = 0.8956647938578649;  // the first of task.start_angles_rad
+    const Recording run = run_with_theirs(
+        "arm_push", {"controller.name=spring", "run.duration_s=2", "model.mjcf=" + model.string(),
+                     "controller.spring_constant=" + std::to_string(-torque_Nm / start_rad)});
+    const Track& track = run.track("control");
+    EXPECT_NEAR(track.values("torque_applied_Nm").front(), torque_Nm, 1e-3 * torque_Nm);
+    const std::vector<double> q = track.values("qpos");
+    std::vector<double> moved;
+    for (std::size_t i = 0; i < 4; ++i) moved.push_back(std::abs(q[q.size() - 4 + i] - q[i]));
+    return moved;
+  };
+  const std::vector<double> crept = moved_by(3.2);
+  EXPECT_NEAR(crept[0], 1.962e-7, 1e-9);
+  for (std::size_t i = 1; i < crept.size(); ++i) EXPECT_LT(crept[i], 1e-7);
+  EXPECT_GT(moved_by(4.2)[1], 0.01);
+}
+
 // The default case has a factor for its estimator, the FAKFD. With another estimator the user did
 // not set it.
 TEST(OwnParts, DoesNotWarnOfKeysForTheChoiceOfACase) {

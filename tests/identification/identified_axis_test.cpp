@@ -198,11 +198,7 @@ TEST(Identification, UnitsChangeNothing) {
                                           {kViscous, force * s.time},
                                           {kCoulomb, s.input}}) {
       const ParameterEstimate& expected = of(plain, parameter);
-      // With another clock the estimates differ by up to a fifth of their intervals. The cause is
-      // not known, so this bound only notes how large the difference is.
-      const double allowed =
-          s.time == 1.0 ? 1e-6 * expected.value : 0.25 * (expected.high - expected.low);
-      EXPECT_NEAR(of(found, parameter).value / unit, expected.value, allowed)
+      EXPECT_NEAR(of(found, parameter).value / unit, expected.value, 1e-6 * expected.value)
           << parameter_key(parameter) << ", input × " << s.input << ", position × " << s.position
           << ", time × " << s.time;
       EXPECT_EQ(of(found, parameter).is_identifiable, expected.is_identifiable);
@@ -227,12 +223,15 @@ TEST(Identification, FindsASmallMotor) {
 TEST(Identification, AConstantTorqueShowsNoInertia) {
   Bench bench;
   bench.swing = 0.0;
-  for (const double torque : {0.15, 0.3, 3.0}) {
-    bench.mean_input = torque;
-    const ParameterEstimate inertia = of(identify_axis({bench.record(1)}, {}, {}), kInertia);
-    EXPECT_FALSE(inertia.is_identifiable) << torque;
-    EXPECT_LE(inertia.low, bench.inertia) << torque;
-    EXPECT_GE(inertia.high, bench.inertia) << torque;
+  for (const double inertia_kgm2 : {1e-3, 4e-3}) {
+    bench.inertia = inertia_kgm2;
+    for (const double torque : {-1.0, 0.12, 0.3, 3.0, 10.0}) {
+      bench.mean_input = torque;
+      const ParameterEstimate inertia = of(identify_axis({bench.record(1)}, {}, {}), kInertia);
+      EXPECT_FALSE(inertia.is_identifiable) << torque << ", " << inertia_kgm2;
+      EXPECT_LE(inertia.low, inertia_kgm2) << torque;
+      EXPECT_GE(inertia.high, inertia_kgm2) << torque;
+    }
   }
 }
 

@@ -182,6 +182,7 @@ TEST(TwoInertiaIdentification, FindsInertiasStiffnessAndBacklash) {
       identify_axis({bench.record(1)}, {short_one.record(2)}, settings_of(bench));
   EXPECT_TRUE(found.is_converged);
   EXPECT_TRUE(found.holds()) << found.held_out->normalised;
+  EXPECT_NEAR(found.errors.normalised, 1.0, 0.1);
   EXPECT_TRUE(found.whiteness.is_white()) << found.whiteness.statistic;
   EXPECT_NEAR(of(found, kMotorInertia).value, bench.motor_inertia, 1e-3 * bench.motor_inertia);
   EXPECT_NEAR(of(found, kLoadInertia).value, bench.load_inertia, 1e-3 * bench.load_inertia);

@@ -238,6 +238,95 @@ TEST_P(DamagedTable, IsRepairedAndCountedOrRefusedWithItsLine) {
 INSTANTIATE_TEST_SUITE_P(All, DamagedTable, ::testing::ValuesIn(kDamages),
                          [](const auto& damage) { return damage.param.name; });
 
+double wrapped(double position, double low, double range) {
+  return position - range * std::floor((position - low) / range);
+}
+
+// A motion, the counter that shows it, and what is said of it. Afterwards the position is the
+// motion plus a constant within `error`, or else the counter's own.
+struct Counter {
+  std::string name;
+  double (*motion)(int k);
+  double (*shown)(int k, double position);
+  std::string report;
+  double error = 1e-9;
+  bool is_repaired = true;
+};
+
+double steady(int k) {
+  return 5.0 * k;
+}
+double uneven(int k) {
+  return std::round(5.0 * k + 40.0 * std::sin(0.1 * k));
+}
+double there_and_back(int k) {
+  return std::round(260.0 * (1.0 - std::cos(0.03 * k)));
+}
+double stands_and_goes(int k) {
+  return k < 320 ? std::min(5.0 * k, 400.0) : 400.0 + 5.0 * (k - 320);
+}
+
+const std::vector<Counter> kCounters = {
+    {"wraps", uneven, [](int, double p) { return wrapped(p, 0.0, 400.0); },
+     "5 wraps of a counter of 400 unwrapped (the first in line 76)"},
+    {"wraps_of_any_range", steady, [](int, double p) { return wrapped(p, -20.0, 387.0); },
+     "5 wraps of a counter of 387 unwrapped (the first in line 76)"},
+    {"wraps_with_both_ends", [](int k) { return 3.6 * k; },
+     [](int k, double p) { return k == 150 ? 180.0 : wrapped(p, -180.0, 360.0); },
+     "4 wraps of a counter of 360 unwrapped (the first in line 52)"},
+    {"wraps_of_a_slow_counter", [](int k) { return std::round(0.1 * k) + 380.0 + k % 2; },
+     [](int, double p) { return wrapped(p, 0.0, 400.0); },
+     "11 wraps of a counter of 400 unwrapped (the first in line 187)"},
+    {"resets_at_unlike_positions", steady,
+     [](int k, double p) {
+       return p - (k < 80 ? 0.0 : k < 110 ? 400.0 : 550.0);
+     },
+     "2 resets of the counter to 0 undone (the first in line 82)"},
+    {"resets_at_like_positions", steady,
+     [](int k, double p) {
+       return p - (k < 80 ? 0.0 : k < 158 ? 400.0 : k < 239 ? 790.0 : 1195.0);
+     },
+     "3 resets of the counter to 0 undone (the first in line 82)"},
+    {"reset_near_a_round_number", steady, [](int k, double p) { return k < 81 ? p : p - 405.0; },
+     "1 reset of the counter to 0 undone (in line 83)"},
+    {"reset_on_the_way_back", there_and_back,
+     [](int k, double p) { return k < 138 ? p : p - there_and_back(138); },
+     "1 reset of the counter to 0 undone (in line 140)", 2.0},
+    {"reset_at_rest", stands_and_goes, [](int k, double p) { return k < 150 ? p : p - 400.0; },
+     "1 reset of the counter to 0 undone (in line 152)"},
+    {"jumps_to_unlike_positions", steady,
+     [](int k, double p) { return p - (k < 80    ? 0.0
+                                       : k < 110 ? 300.0
+                                                 : 500.0); }, "", 1e-9, false},
+};
+
+class CounterOfATable : public ::testing::TestWithParam<Counter> {};
+
+TEST_P(CounterOfATable, IsTakenForAWrapOnlyIfItIsOne) {
+  const Counter& counter = GetParam();
+  const testing::TemporaryPath file("counter.csv");
+  std::vector<double> motion, shown;
+  std::ofstream out(file);
+  out << "time_s,u,y\n";
+  for (int k = 0; k < 400; ++k) {
+    motion.push_back(counter.motion(k));
+    shown.push_back(counter.shown(k, motion.back()));
+    out << fmt::format("{:.2f},1,{:.10g}\n", 0.01 * k, shown.back());
+  }
+  out.close();
+  const RecordedAxis axis = read_recorded_axis(file.string());
+  EXPECT_EQ(fmt::format("{}", fmt::join(axis.repairs, "; ")), counter.report);
+  const std::vector<double>& expected = counter.is_repaired ? motion : shown;
+  ASSERT_EQ(axis.positions.size(), expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    ASSERT_NEAR(axis.positions[k] - axis.positions[0], expected[k] - expected[0], counter.error)
+        << k;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, CounterOfATable, ::testing::ValuesIn(kCounters),
+                         [](const auto& counter) { return counter.param.name; });
+
 TEST(DamagedTables, InputsOfALowerRateAreHeldAndThoseOfAHigherRateAveraged) {
   const testing::TemporaryPath file("rates.csv");
   std::ofstream(file) << "time_s,u,y\n0,1,0\n1,,1\n2,,2\n3,4,3\n";
