@@ -7,7 +7,7 @@
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/math/functions.h>
-#include <breakwater/sim/joint_force.h>
+#include <breakwater/sim/held_force.h>
 #include <breakwater/sim/named_elements.h>
 
 namespace breakwater {

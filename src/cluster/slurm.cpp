@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -18,6 +19,7 @@
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/signals/environment.h>
+#include <breakwater/study/slurm_settings.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -237,6 +239,29 @@ std::size_t task_threads() {
   std::from_chars(given.data(), given.data() + given.size(), threads);
   if (threads > 0) return threads;
   return environment("SLURM_JOB_ID") ? 1 : usable_cores();
+}
+
+void add_slurm_options(CLI::App& app, SlurmRequest& request) {
+  app.add_option("--tasks", request.tasks,
+                 "split the work into this many tasks (default: by --minutes)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000))
+      ->group(kOnCluster);
+  app.add_option("--minutes", request.minutes,
+                 fmt::format("plan this time for a task (default: {:g})", request.minutes))
+      ->type_name("M")
+      ->check(CLI::PositiveNumber)
+      ->group(kOnCluster);
+  app.add_option("--parallel", request.parallel, "run at most this many tasks at a time")
+      ->type_name("M")
+      ->check(CLI::Range(1, 1000000))
+      ->group(kOnCluster);
+  app.add_option("--sbatch", request.options, "pass these options to sbatch")
+      ->type_name("OPTIONS")
+      ->check(overriding)
+      ->expected(1)
+      ->take_all()
+      ->group(kOnCluster);
 }
 
 }  // namespace breakwater

@@ -1,6 +1,7 @@
 // Studies as array jobs of Slurm, and as tasks of any other scheduler.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -64,5 +65,10 @@ std::filesystem::path submission_of_task(const std::string& text);
 
 /// The number of parallel runs of a task, as its scheduler allows.
 std::size_t task_threads();
+
+inline constexpr const char* kOnCluster = "On a cluster";  ///< the group of options
+
+/// Adds --tasks, --minutes, --parallel and --sbatch. Their default values are those of the request.
+void add_slurm_options(CLI::App& app, SlurmRequest& request);
 
 }  // namespace breakwater

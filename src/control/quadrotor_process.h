@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include <breakwater/observers/process.h>
+#include <breakwater/observers/nonlinear_kalman.h>
 #include <breakwater/observers/resonator.h>
 #include <breakwater/plants/quadrotor.h>
 

@@ -7,7 +7,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include <breakwater/pictures/motion_codec.h>
 #include <breakwater/pictures/page_data.h>
 #include <breakwater/pictures/replay_motion.h>
 

@@ -4,7 +4,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <stdexcept>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <breakwater/plants/xml_file.h>
 
@@ -84,6 +93,186 @@ class MjcfFiles {
 
 std::vector<fs::path> mjcf_files(const fs::path& mjcf) {
   return MjcfFiles(mjcf).files;
+}
+namespace {
+
+// Attributes with names, which may be "nan".
+bool holds_a_name(const tinyxml2::XMLAttribute& attribute) {
+  static const std::set<std::string_view> names = {
+      "name",   "class",    "childclass", "model",   "file",    "prefix", "joint",
+      "body",   "site",     "geom",       "tendon",  "target",  "mesh",   "texture",
+      "hfield", "material", "objname",    "refname", "actuator"};
+  return names.contains(attribute.Name());
+}
+
+// Attributes that must not be negative in any element. The engine reads a negative mass as 0 and
+// accepts the others.
+bool must_not_be_negative(const tinyxml2::XMLAttribute& attribute) {
+  static const std::set<std::string_view> names = {
+      "mass",    "diaginertia", "density",    "viscosity", "armature",  "damping",  "frictionloss",
+      "fovy",    "offwidth",    "offheight",  "znear",     "zfar",      "extent",   "shadowclip",
+      "group",   "numslices",   "shadowsize", "numstacks", "rgba",      "rgb1",     "rgb2",
+      "markrgb", "ambient",     "diffuse",    "specular",  "shininess", "emission", "reflectance"};
+  return names.contains(attribute.Name());
+}
+
+// The engine allocates memory for the numbers of <size>, and for <numeric>, without a limit. It
+// needs user data once for each element.
+double largest(const tinyxml2::XMLElement& element, const tinyxml2::XMLAttribute& attribute) {
+  constexpr double kLargestSize = 1e7;
+  constexpr double kMostUserData = 1e3;
+  const std::string_view kind = element.Name();
+  const std::string_view name = attribute.Name();
+  if (kind == "numeric" && name == "size") return kLargestSize;
+  if (kind != "size") return std::numeric_limits<double>::infinity();
+  return name.starts_with("nuser_") ? kMostUserData : kLargestSize;
+}
+
+double number_of(const tinyxml2::XMLElement& element, const char* attribute) {
+  const char* text = element.Attribute(attribute);
+  const auto numbers = text != nullptr ? read_numbers(text) : std::nullopt;
+  return numbers && !numbers->empty() ? std::max(numbers->front(), 0.0) : 0.0;
+}
+
+// The memory of a grid [bytes]: heights as floats, or pixels. A texture is a cube of six squares
+// unless it says otherwise.
+double bytes_of_grid(const tinyxml2::XMLElement& element) {
+  const std::string_view kind = element.Name();
+  if (kind == "hfield") return 4.0 * number_of(element, "nrow") * number_of(element, "ncol");
+  if (kind != "texture") return 0.0;
+  const char* type = element.Attribute("type");
+  const double width = number_of(element, "width");
+  const bool is_flat = type != nullptr && std::string_view(type) == "2d";
+  return 3.0 * width * (is_flat ? number_of(element, "height") : 6.0 * width);
+}
+
+// The memory of a PNG's pixels [bytes], by its head; 0 for another file.
+double bytes_of_png(const std::filesystem::path& file) {
+  constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
+  std::array<unsigned char, 24> head = {};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(reinterpret_cast<char*>(head.data()), head.size());
+  if (!stream ||
+      !std::equal(kSignature.begin(), kSignature.end(), head.begin(),
+                  [](char a, unsigned char b) { return static_cast<unsigned char>(a) == b; })) {
+    return 0.0;
+  }
+  const auto size = [&](std::size_t at) {
+    double value = 0.0;
+    for (std::size_t i = at; i < at + 4; ++i) value = 256.0 * value + head[i];
+    return value;
+  };
+  return 3.0 * size(16) * size(20);
+}
+
+// The complaint about the memory of grids; empty if it is small enough.
+std::string too_large(double bytes) {
+  constexpr double kMostBytes = 250e6;
+  if (bytes <= kMostBytes) return "";
+  return ": here height fields and textures take " +
+         std::to_string(std::llround(std::min(bytes, 1e18) / 1e6)) + " MB: must be at most " +
+         std::to_string(std::llround(kMostBytes / 1e6)) + " MB";
+}
+
+std::string quoted(const tinyxml2::XMLAttribute& attribute) {
+  return std::string(attribute.Name()) + "=\"" + attribute.Value() + "\"";
+}
+
+void check_element(const XmlFile& xml, const tinyxml2::XMLElement& element) {
+  for (const auto* attribute = element.FirstAttribute(); attribute != nullptr;
+       attribute = attribute->Next()) {
+    if (holds_a_name(*attribute)) continue;
+    std::istringstream words(attribute->Value());
+    for (std::string word; words >> word;) {
+      const auto number = read_numbers(word);
+      if (!number) continue;
+      std::string complaint;
+      if (!is_sensible(number->front())) {
+        complaint = ": must be finite and not beyond 1e30";
+      } else if (number->front() < 0.0 && must_not_be_negative(*attribute)) {
+        complaint = ": must not be negative";
+      } else if (number->front() > largest(element, *attribute)) {
+        const auto most = static_cast<long>(largest(element, *attribute));
+        complaint = ": must be at most " + std::to_string(most);
+      }
+      if (!complaint.empty()) {
+        xml.fail(attribute->GetLineNum(),
+                 std::string("<") + element.Name() + "> " + quoted(*attribute) + complaint);
+      }
+    }
+  }
+}
+
+// The number of model elements of an XML element; for a <composite> the product of its counts.
+double elements_of(const tinyxml2::XMLElement& element) {
+  const char* counts = element.Attribute("count");
+  if (counts == nullptr || std::string_view(element.Name()) != "composite") return 1.0;
+  double product = 1.0;
+  for (const double count : read_numbers(counts).value_or(std::vector<double>())) {
+    product *= std::max(count, 1.0);
+  }
+  return product;
+}
+
+class MjcfCheck {
+ public:
+  MjcfCheck(const std::filesystem::path& file, std::uint64_t most_elements)
+      : folder_(file.parent_path()), most_elements_(most_elements) {
+    check(file);
+  }
+
+ private:
+  void check(const std::filesystem::path& file) {
+    if (!visited_.insert(file.lexically_normal()).second) return;
+    const XmlFile xml(file.string());
+    std::vector<const tinyxml2::XMLElement*> elements = {xml.root()};
+    while (!elements.empty()) {
+      const tinyxml2::XMLElement* element = elements.back();
+      elements.pop_back();
+      check_element(xml, *element);
+      count(xml, *element);
+      bytes_ += bytes_of_grid(*element);
+      if (const std::string complaint = too_large(bytes_); !complaint.empty()) {
+        xml.fail(element->GetLineNum(), std::string("<") + element->Name() + ">" + complaint);
+      }
+      const char* included = element->Attribute("file");
+      if (included != nullptr && std::string_view(element->Name()) == "include") {
+        check(folder_ / included);
+      }
+      for (const auto* child = element->FirstChildElement(); child != nullptr;
+           child = child->NextSiblingElement()) {
+        elements.push_back(child);
+      }
+    }
+  }
+
+  void count(const XmlFile& xml, const tinyxml2::XMLElement& element) {
+    elements_ += elements_of(element);
+    if (elements_ <= static_cast<double>(most_elements_)) return;
+    xml.fail(element.GetLineNum(), std::string("<") + element.Name() + ">: here the model has " +
+                                       std::to_string(std::llround(std::min(elements_, 1e18))) +
+                                       " elements: model.most_elements allows " +
+                                       std::to_string(most_elements_));
+  }
+
+  std::filesystem::path folder_;  // the folder for includes
+  std::uint64_t most_elements_;
+  double elements_ = 0.0;
+  double bytes_ = 0.0;  // all grids
+  std::set<std::filesystem::path> visited_;
+};
+
+}  // namespace
+
+void check_mjcf(const std::string& file, std::uint64_t most_elements) {
+  MjcfCheck(file, most_elements);
+  double bytes = 0.0;
+  for (const auto& asset : mjcf_files(file)) {  // meshes and textures must be regular files too
+    bytes += bytes_of_png(asset);
+    if (const std::string complaint = too_large(bytes); !complaint.empty()) {
+      throw std::invalid_argument(asset.string() + complaint);
+    }
+  }
 }
 
 }  // namespace breakwater

@@ -11,11 +11,11 @@
 #include <breakwater/experiment/run_tables.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/version.h>
+#include <breakwater/program/commands.h>
 #include <breakwater/program/run_changes.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/digits.h>
-#include <breakwater/shell/exit_statuses.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/terminal.h>

@@ -28,7 +28,6 @@
 #include <breakwater/shell/table.h>
 #include <breakwater/shell/terminal.h>
 #include <breakwater/signals/environment.h>
-#include <breakwater/sim/engine_functions.h>
 #include <breakwater/sim/engine_guard.h>
 #include <breakwater/sim/opengl_asked.h>
 

@@ -15,7 +15,6 @@
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
-#include <breakwater/shell/exit_statuses.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include <breakwater/cluster/slurm_options.h>
+#include <breakwater/cluster/slurm.h>
 #include <breakwater/cluster/slurm_queue.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/all_cores.h>

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <utility>
 
-#include <breakwater/cluster/slurm_options.h>
+#include <breakwater/cluster/slurm.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/study/study.h>

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include <breakwater/cluster/slurm_options.h>
+#include <breakwater/cluster/slurm.h>
 #include <breakwater/cluster/slurm_queue.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/tuning_report.h>

@@ -8,7 +8,7 @@
 
 #include <breakwater/observers/stacked_estimator.h>
 #include <breakwater/plants/damped_inertia.h>
-#include <breakwater/sim/friction.h>
+#include <breakwater/sim/joint_friction.h>
 
 namespace breakwater {
 namespace {

@@ -1,5 +1,5 @@
 // Breakwater's estimators of an axis: their keys, and the functions that make them.
-#include <breakwater/observers/asymmetric_fakfd.h>
+#include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mdob.h>

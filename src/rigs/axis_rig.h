@@ -12,9 +12,8 @@
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/rigs/axis_settings.h>
-#include <breakwater/sim/body_force.h>
-#include <breakwater/sim/geom_contact.h>
-#include <breakwater/sim/joint_force.h>
+#include <breakwater/sim/contact.h>
+#include <breakwater/sim/held_force.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include <breakwater/config/column_table.h>
-#include <breakwater/sim/friction.h>
+#include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/linear_model.h>
 
 namespace breakwater {

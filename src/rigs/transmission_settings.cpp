@@ -1,7 +1,7 @@
 #include <breakwater/rigs/transmission_settings.h>
 
 #include <breakwater/plants/damped_inertia.h>
-#include <breakwater/sim/friction.h>
+#include <breakwater/sim/joint_friction.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-// A contact with parameters in SI units.
+// Contacts: their parameters in SI units, and the force between two geoms.
 #pragma once
 
 #include <string>
@@ -33,5 +33,19 @@ void place_wall(Model& model, const std::string& wall, double x_m);
 /// Turns that plane, together with the same geoms, about the vertical through its own position,
 /// counter-clockwise seen from above. Throws as place_wall().
 void tilt_wall(Model& model, const std::string& wall, double angle_rad);
+
+/// Two geoms that may touch.
+class GeomContact {
+ public:
+  /// Throws std::invalid_argument if the model lacks one of them.
+  GeomContact(const Model& model, const std::string& geom_1, const std::string& geom_2);
+
+  /// The sum of the normal forces of all their contacts [N], as the engine computed it last.
+  double force_N(const Model& model, const mjData& data) const;
+
+ private:
+  int geom_1_;
+  int geom_2_;
+};
 
 }  // namespace breakwater

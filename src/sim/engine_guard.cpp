@@ -3,15 +3,23 @@
 #include <mujoco/mujoco.h>
 #include <sys/mman.h>
 
+#include <dlfcn.h>
+#include <link.h>
+#include <unistd.h>
+#include <algorithm>
+#include <atomic>
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <mutex>
 #include <new>
+#include <span>
 #include <stdexcept>
+#include <string_view>
 
-#include <breakwater/sim/engine_functions.h>
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 namespace {
@@ -95,6 +103,116 @@ std::string take_engine_warning() {
   std::string text = state.warning;
   state.warning[0] = '\0';
   return text;
+}
+namespace {
+
+template <typename Function>
+ElfW(Addr) address(Function* function) {
+  return reinterpret_cast<ElfW(Addr)>(function);
+}
+
+// These are all double-precision functions of MuJoCo that glibc selects by processor (a house test
+// checks this). Functions of single precision only draw.
+const std::map<std::string_view, ElfW(Addr)>& replacements() {
+  static const std::map<std::string_view, ElfW(Addr)> table = {
+      {"acos", address(breakwater_acos)},     {"asin", address(breakwater_asin)},
+      {"atan2", address(breakwater_atan2)},   {"cos", address(breakwater_cos)},
+      {"exp", address(breakwater_exp)},       {"log", address(breakwater_log)},
+      {"pow", address(breakwater_pow)},       {"sin", address(breakwater_sin)},
+      {"sincos", address(breakwater_sincos)}, {"tan", address(breakwater_tan)}};
+  return table;
+}
+
+// The tables by which the loader joins a library with the functions of others.
+struct Imports {
+  const ElfW(Sym) * symbols = nullptr;
+  const char* names = nullptr;
+  std::span<const ElfW(Rela)> data;
+  std::span<const ElfW(Rela)> calls;
+};
+
+Imports imports_of(const link_map& library) {
+  Imports imports;
+  const ElfW(Rela)* data = nullptr;
+  const ElfW(Rela)* calls = nullptr;
+  std::size_t data_bytes = 0, call_bytes = 0;
+  for (const ElfW(Dyn)* entry = library.l_ld; entry->d_tag != DT_NULL; ++entry) {
+    const auto pointer = entry->d_un.d_ptr;  // the loader has added the library's address
+    switch (entry->d_tag) {
+      case DT_SYMTAB:
+        imports.symbols = reinterpret_cast<const ElfW(Sym)*>(pointer);
+        break;
+      case DT_STRTAB:
+        imports.names = reinterpret_cast<const char*>(pointer);
+        break;
+      case DT_RELA:
+        data = reinterpret_cast<const ElfW(Rela)*>(pointer);
+        break;
+      case DT_RELASZ:
+        data_bytes = entry->d_un.d_val;
+        break;
+      case DT_JMPREL:
+        calls = reinterpret_cast<const ElfW(Rela)*>(pointer);
+        break;
+      case DT_PLTRELSZ:
+        call_bytes = entry->d_un.d_val;
+        break;
+      default:
+        break;
+    }
+  }
+  imports.data = {data, data_bytes / sizeof(ElfW(Rela))};
+  imports.calls = {calls, call_bytes / sizeof(ElfW(Rela))};
+  return imports;
+}
+
+void write(ElfW(Addr) & slot, ElfW(Addr) function, const std::string& library) {
+  const auto page_size = static_cast<ElfW(Addr)>(sysconf(_SC_PAGESIZE));
+  auto* const page = reinterpret_cast<void*>(address(&slot) / page_size * page_size);
+  // The loader makes these pages read-only in libraries that are linked so.
+  if (mprotect(page, page_size, PROT_READ | PROT_WRITE) != 0) {
+    throw std::runtime_error(library + ": the system does not allow to redirect its functions");
+  }
+  // A thread that calls the function meanwhile calls either one.
+  std::atomic_ref(slot).store(function);
+}
+
+}  // namespace
+
+std::vector<std::string> redirect_elementary_functions(const void* inside) {
+  Dl_info place{};
+  link_map* library = nullptr;
+  if (dladdr1(inside, &place, reinterpret_cast<void**>(&library), RTLD_DL_LINKMAP) == 0) {
+    throw std::runtime_error("elementary functions: the address is in no shared library");
+  }
+  const Imports imports = imports_of(*library);
+  std::vector<std::string> redirected;
+  for (const auto relocations : {imports.data, imports.calls}) {
+    for (const ElfW(Rela) & relocation : relocations) {
+      const auto type = ELF64_R_TYPE(relocation.r_info);
+      if (type != R_X86_64_JUMP_SLOT && type != R_X86_64_GLOB_DAT) continue;
+      const ElfW(Sym)& symbol = imports.symbols[ELF64_R_SYM(relocation.r_info)];
+      const auto found = replacements().find(imports.names + symbol.st_name);
+      if (found == replacements().end()) continue;
+      write(*reinterpret_cast<ElfW(Addr)*>(library->l_addr + relocation.r_offset), found->second,
+            place.dli_fname);
+      redirected.emplace_back(found->first);
+    }
+  }
+  std::sort(redirected.begin(), redirected.end());
+  if (redirected.empty()) {
+    throw std::runtime_error(std::string(place.dli_fname) +
+                             ": calls no elementary functions that can be redirected, so the bits "
+                             "of runs would depend on the processor");
+  }
+  return redirected;
+}
+
+const std::vector<std::string>& engine_functions() {
+  // This text lies in the engine's library. The address of a function may lie in the program.
+  static const std::vector<std::string> functions =
+      redirect_elementary_functions(mj_versionString());
+  return functions;
 }
 
 }  // namespace breakwater

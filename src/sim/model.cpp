@@ -11,8 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include <breakwater/plants/mjcf_numbers.h>
-#include <breakwater/sim/contact_pairs.h>
+#include <breakwater/plants/mjcf_files.h>
 #include <breakwater/sim/engine_guard.h>
 #include <breakwater/sim/model_draft.h>
 #include <breakwater/sim/physics_part.h>

@@ -8,8 +8,8 @@
 #include <breakwater/sim/external_force.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/sim/surface_waves.h>
-#include <breakwater/world/changing_sea.h>
 #include <breakwater/world/low_pass.h>
+#include <breakwater/world/waves.h>
 
 namespace breakwater {
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include <breakwater/world/jonswap.h>
@@ -80,5 +81,34 @@ double mean_acceleration_frequency(const SeaState& sea, double depth_m);
 
 /// The solution k of ω² = g k tanh(k h) [rad/m]; h = 0: deep water.
 double wave_number(double omega_rad_s, double water_depth_m, double gravity_m_s2);
+
+/// Waves whose peak period changes from one value to another. During the change the motions of both
+/// seas are mixed.
+class ChangingSea {
+ public:
+  struct Change {
+    double at_s = 0.0;      ///< 0: never
+    double period_s = 0.0;  ///< the new peak period
+    double within_s = 0.0;  ///< duration of the change
+  };
+
+  /// Throws std::invalid_argument as Waves does.
+  ChangingSea(const SeaState& sea, double slope_low_pass_s, const Change& change);
+
+  WaterMotion water(double time_s, const Eigen::Vector3d& position) const;
+  /// The elevation η at a position [m].
+  double elevation(double time_s, double x_m, double y_m) const;
+
+  const Waves& first() const { return first_; }
+  const std::optional<Waves>& second() const { return second_; }
+
+ private:
+  // Share of the second sea at a time, 0 … 1.
+  double changed(double time_s) const;
+
+  Change change_;
+  Waves first_;
+  std::optional<Waves> second_;
+};
 
 }  // namespace breakwater

@@ -10,7 +10,7 @@
 #include <string>
 
 #include <breakwater/sim/contact.h>
-#include <breakwater/sim/friction.h>
+#include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
 #include <breakwater/sim/wall_contact.h>
 #include "bench/simbody_impacts.h"

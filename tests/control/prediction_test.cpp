@@ -1,4 +1,4 @@
-#include <breakwater/control/prediction.h>
+#include <breakwater/control/lmpc.h>
 
 #include "support.h"
 

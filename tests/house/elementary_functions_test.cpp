@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/sim/engine_functions.h>
+#include <breakwater/sim/engine_guard.h>
 #include "shell.h"
 
 namespace breakwater {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include <breakwater/observers/asymmetric_fakfd.h>
+#include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mdob.h>

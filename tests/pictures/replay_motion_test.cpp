@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include <breakwater/pictures/motion_codec.h>
 #include <breakwater/pictures/page_data.h>
 #include "support.h"
 

@@ -1,7 +1,7 @@
 
 #include <cmath>
 
-#include <breakwater/sim/friction.h>
+#include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
 #include "sim/small_models.h"
 

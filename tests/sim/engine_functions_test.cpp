@@ -1,4 +1,4 @@
-#include <breakwater/sim/engine_functions.h>
+#include <breakwater/sim/engine_guard.h>
 
 #include <dlfcn.h>
 #include <mujoco/mujoco.h>

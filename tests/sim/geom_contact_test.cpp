@@ -1,4 +1,4 @@
-#include <breakwater/sim/geom_contact.h>
+#include <breakwater/sim/contact.h>
 
 #include <breakwater/sim/named_elements.h>
 #include "sim/small_models.h"

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include <breakwater/sim/friction.h>
-#include <breakwater/sim/joint_force.h>
+#include <breakwater/sim/held_force.h>
 #include <breakwater/sim/simulation.h>
 #include "python.h"
 #include "sim/small_models.h"

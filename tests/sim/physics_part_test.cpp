@@ -4,7 +4,6 @@
 
 #include <cstring>
 
-#include <breakwater/sim/contact_pairs.h>
 #include "sim/small_models.h"
 
 namespace breakwater {

@@ -14,7 +14,7 @@
 
 #include <breakwater/plants/motor_and_load.h>
 #include <breakwater/plants/xml_file.h>
-#include <breakwater/sim/friction.h>
+#include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
 #include "sim/small_models.h"
 

@@ -1,6 +1,7 @@
-// A force along a joint's axis.
+// Forces that are held over a physics step: along a joint's axis, and on a body.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 
 #include <breakwater/sim/external_force.h>
@@ -27,6 +28,24 @@ class JointForce final : public ExternalForce {
   bool is_from_world_;  // the body's only joint, in the world: the same as a force on the body
   int part_;            // part of the wrench: force or torque
   double force_ = 0.0;
+};
+
+/// A force at a body's centre of mass, along a direction of the world. It is constant over a
+/// physics step for every integrator.
+class BodyForce final : public ExternalForce {
+ public:
+  /// Throws std::invalid_argument if the model has no body `body`, or the direction has no length.
+  BodyForce(const Model& model, const std::string& body, const Eigen::Vector3d& along);
+
+  /// Sets the force [N].
+  void hold(double force_N) { force_N_ = force_N; }
+
+  void apply(double time_s, const mjModel& model, mjData& data) const override;
+
+ private:
+  int body_;
+  Eigen::Vector3d along_;
+  double force_N_ = 0.0;
 };
 
 }  // namespace breakwater
