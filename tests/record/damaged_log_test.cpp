@@ -9,6 +9,7 @@
 #include <breakwater/record/run_folder.h>
 #include <breakwater/record/stop_asked.h>
 #include "record/damaged_log.h"
+#include "support.h"
 
 namespace breakwater::damaged_log_test {
 namespace {
