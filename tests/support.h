@@ -1,4 +1,4 @@
-// Common header of all tests: GoogleTest, standard headers for text and files, and helpers.
+// Common header of all tests: GoogleTest, the usual standard headers, and helpers.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -6,14 +6,30 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <complex>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <numeric>
+#include <optional>
 #include <random>
+#include <set>
+#include <span>
+#include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
+
+/// The call throws std::invalid_argument.
+#define EXPECT_REFUSED(...) EXPECT_THROW((__VA_ARGS__), std::invalid_argument)
 
 namespace breakwater::testing {
 
@@ -113,12 +129,12 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 /// A text repeated `times` times.
 std::string repeated(const std::string& text, int times);
 
-/// The message of the std::invalid_argument that a call throws; "" if it throws none.
-template <typename Call>
+/// The message of the Error that a call throws; "" if it throws none.
+template <typename Error = std::invalid_argument, typename Call>
 std::string complaint_of(Call&& call) {
   try {
     call();
-  } catch (const std::invalid_argument& error) {
+  } catch (const Error& error) {
     return error.what();
   }
   return "";

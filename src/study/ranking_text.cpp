@@ -176,9 +176,13 @@ class Sentence {
       level.push_back(fmt::format("{} ({})", name(rows_[i]), value(rows_[i].median.value)));
       if (i > 0 && second == nullptr) second = &rows_[i];
     }
-    std::string text = fmt::format("No difference in {} is shown between {}: {}", ranking_.metric,
+    // The others may differ from each other.
+    const std::string first = level.front();
+    level.erase(level.begin());
+    std::string text = fmt::format("No difference in {} is shown between {} and {}{}: {}",
+                                   ranking_.metric, first, level.size() > 1 ? "any of " : "",
                                    listed(level), needed_text(ranking_, second->to_first));
-    if (level.size() > 2) {
+    if (level.size() > 1) {
       text += fmt::format(", between {} and {}", name(rows_[0]), name(*second));
     }
     if (worse.empty()) return text + ".";

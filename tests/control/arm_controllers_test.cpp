@@ -8,7 +8,7 @@
 #include "control/controller_signal.h"
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::arm_controllers_test {
 namespace {
 
 using testing::signal;
@@ -170,4 +170,4 @@ TEST_F(ArmControllers, RefuseNonsense) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::arm_controllers_test

@@ -5,7 +5,7 @@
 
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::inverse_kinematics_test {
 namespace {
 
 PlanarChain chain_of(int n) {
@@ -124,4 +124,4 @@ TEST(LmInverseKinematics, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::inverse_kinematics_test

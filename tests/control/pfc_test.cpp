@@ -1,12 +1,17 @@
-#include <breakwater/control/pfc.h>
-
+// Controllers of single axes against their equations.
 #include <Eigen/Dense>
-#include <cmath>
 
+#include <breakwater/control/axes_control.h>
+#include <breakwater/control/disturbance_cancelling_pd.h>
+#include <breakwater/control/pfc.h>
+#include <breakwater/control/reference.h>
 #include <breakwater/linear/eigenvalues.h>
+#include <breakwater/observers/idob.h>
+#include <breakwater/observers/kfd.h>
+#include <breakwater/plants/damped_inertia.h>
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::pfc_test {
 namespace {
 
 constexpr double T_s = 1e-3;
@@ -136,14 +141,158 @@ TEST(Pfc, ErrorAtTheTargetResponseTimeMatchesThePoles) {
 }
 
 TEST(Pfc, RefusesNonsense) {
-  EXPECT_THROW(Pfc({0.0, T_s, 3, 3}), std::invalid_argument);
-  EXPECT_THROW(Pfc({1.0, 0.0, 3, 3}), std::invalid_argument);
-  EXPECT_THROW(Pfc({std::nan(""), T_s, 3, 3}), std::invalid_argument);
-  EXPECT_THROW(Pfc({1.0, T_s, 2, 3}), std::invalid_argument);
-  EXPECT_THROW(Pfc({1.0, T_s, 3, 0}), std::invalid_argument);
-  EXPECT_THROW(Pfc({0.003, T_s, 3, 3}), std::invalid_argument);
-  EXPECT_THROW(Pfc({1e9, T_s, 3, 3}), std::invalid_argument);
+  EXPECT_REFUSED(Pfc({0.0, T_s, 3, 3}));
+  EXPECT_REFUSED(Pfc({1.0, 0.0, 3, 3}));
+  EXPECT_REFUSED(Pfc({std::nan(""), T_s, 3, 3}));
+  EXPECT_REFUSED(Pfc({1.0, T_s, 2, 3}));
+  EXPECT_REFUSED(Pfc({1.0, T_s, 3, 0}));
+  EXPECT_REFUSED(Pfc({0.003, T_s, 3, 3}));
+  EXPECT_REFUSED(Pfc({1e9, T_s, 3, 3}));
+}
+
+TEST(Reference, HasItsShapes) {
+  Reference r{.value = 2.0,
+              .from_s = 1.0,
+              .reversed_from_s = 3.0,
+              .before = 0.5,
+              .frequency_rad_s = 4.0,
+              .table = {.times_s = {0.0, 1.0}, .values = {1.0, 3.0}}};
+  const auto expect = [&](ReferenceShape kind, std::initializer_list<double> values) {
+    r.kind = kind;
+    double time_s = 0.0;
+    for (const double value : values) {
+      EXPECT_DOUBLE_EQ(r.at(time_s), value) << time_s;
+      time_s += 0.5;
+    }
+  };
+  expect(ReferenceShape::hold, {0.5, 0.5, 0.5, 0.5});
+  expect(ReferenceShape::step, {0.5, 0.5, 2.0, 2.0, 2.0, 2.0, -2.0});
+  expect(ReferenceShape::sine, {0.5, 0.5, 0.5, 0.5 + 2.0 * std::sin(2.0)});
+  expect(ReferenceShape::csv, {0.5, 0.5, 1.0, 2.0, 3.0, 3.0});
+}
+
+// Commands the sum of its sample.
+class Sum final : public Controller {
+ public:
+  Sum() { signals_ = {{"sum", "1", "sum of the sample", view(sum_)}}; }
+  void reset(const Sample& first) override { sum_ = first.y.sum(); }
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
+    u(0) = sum_ = y.time_s + y.y.sum();
+  }
+  std::span<const Signal> signals() const override { return signals_; }
+  void set_watched(bool is_watched) override { sum_ = is_watched ? 1.0 : -1.0; }
+
+ private:
+  double sum_ = 0.0;
+  std::vector<Signal> signals_;
+};
+
+TEST(AxesControl, GivesEachAxisItsPartAndItsCommand) {
+  std::vector<AxisControl> axes;
+  for (const char* name : {"a", "b", "c"}) {
+    axes.push_back({name, std::make_unique<Sum>(), name != std::string("b")});
+  }
+  AxesControl control(std::move(axes), 3);
+  ASSERT_EQ(control.signals().size(), 3u);
+  EXPECT_EQ(control.signals()[1].name, "b_sum");
+  const auto expect_sums = [&](double a, double b, double c) {
+    const double expected[] = {a, b, c};
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(control.signals()[i].values[0], expected[i]);
+  };
+  Sample sample;
+  sample.time_s = 0.5;
+  sample.y.resize(9);
+  sample.y << 1, 2, 3, 10, 20, 30, 100, 200, 300;
+  control.reset(sample);
+  expect_sums(111.0, 222.0, 333.0);
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(2);
+  control.update(sample, u);
+  expect_sums(111.5, 222.5, 333.5);
+  EXPECT_EQ(u, Eigen::Vector2d(111.5, 333.5));
+  control.set_watched(false);
+  expect_sums(-1.0, -1.0, -1.0);
+}
+
+constexpr double kPeriod = 0.01;
+
+std::unique_ptr<DisturbanceEstimator> idob(const StateSpace& plant) {
+  return std::make_unique<Idob>(plant, std::vector<PoleGroup>{{-20.0, -25.0, -30.0}}, kPeriod);
+}
+
+DisturbanceCancellingPdDesign design() {
+  return {.k_p = 10.0,
+          .k_d = 5.0,
+          .reference = {0.5, 1.0},
+          .period_s = kPeriod,
+          .units = rotation_units()};
+}
+
+// Runs the loop on the exactly sampled plant with a constant disturbance. Returns the last state.
+Eigen::Vector2d run_loop(DisturbanceCancellingPd& controller, double disturbance, double limit,
+                         int samples) {
+  const StateSpace plant = zero_order_hold(damped_inertia(1.0, 0.0), kPeriod);
+  Eigen::Vector2d x = Eigen::Vector2d::Zero();
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
+  Sample sample{0.0, Eigen::VectorXd::Zero(1)};
+  controller.reset(sample);
+  for (int k = 0; k < samples; ++k) {
+    sample.time_s = k * kPeriod;
+    sample.y(0) = x(0);
+    controller.update(sample, u);
+    x = plant.A * x + plant.B * (std::clamp(u(0), -limit, limit) - disturbance);
+  }
+  return x;
+}
+
+TEST(DisturbanceCancellingPd, ReachesItsReferenceUnderAnyDisturbance) {
+  for (const double d : {0.0, 7.0, -3.0}) {
+    DisturbanceCancellingPd controller(idob(damped_inertia(1.0, 0.0)), design());
+    const Eigen::Vector2d x = run_loop(controller, d, INFINITY, 1500);
+    EXPECT_NEAR(x(0), 0.5, 1e-9) << d;
+    EXPECT_NEAR(controller.disturbance(), d, 1e-9);
+  }
+}
+
+TEST(DisturbanceCancellingPd, FollowsEquation422) {
+  DisturbanceCancellingPd controller(idob(damped_inertia(1.0, 0.0)), design());
+  Sample sample{0.0, Eigen::VectorXd::Zero(1)};
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
+  controller.reset(sample);
+  for (int k = 0; k < 200; ++k) {
+    sample.time_s = k * kPeriod;
+    sample.y(0) = 0.1 * std::sin(0.3 * k);
+    controller.update(sample, u);
+    const double reference = k < 100 ? 0.0 : 0.5;
+    EXPECT_EQ(controller.reference(), reference);
+    EXPECT_DOUBLE_EQ(u(0), 10.0 * (reference - controller.position()) -
+                               5.0 * controller.velocity() + controller.disturbance());
+  }
+}
+
+TEST(DisturbanceCancellingPd, PassesTheDriveLimitsToTheEstimator) {
+  // The drive's limit is too small for d = 5. The estimate must stay bounded.
+  auto limited = design();
+  limited.force_limit = 2.0;
+  DisturbanceCancellingPd controller(idob(damped_inertia(1.0, 0.0)), limited);
+  run_loop(controller, 5.0, 2.0, 300);
+  EXPECT_NEAR(controller.disturbance(), 5.0, 1e-3);
+}
+
+TEST(DisturbanceCancellingPd, RefusesNonsense) {
+  auto bad = design();
+  bad.force_limit = 0.0;
+  EXPECT_REFUSED(DisturbanceCancellingPd(idob(damped_inertia(1.0, 0.0)), bad));
+  bad = design();
+  bad.period_s = 0.0;
+  EXPECT_REFUSED(DisturbanceCancellingPd(idob(damped_inertia(1.0, 0.0)), bad));
+  const StateSpace two{Eigen::MatrixXd::Zero(3, 3), Eigen::Vector3d(0, 0, 1),
+                       Eigen::RowVector3d(1, 0, 0)};
+  StateSpace chain = two;
+  chain.A(0, 1) = chain.A(1, 2) = 1.0;
+  EXPECT_REFUSED(DisturbanceCancellingPd(
+      std::make_unique<Idob>(chain, std::vector<PoleGroup>{{-1.0, -2.0, -3.0, -4.0}}, kPeriod),
+      design()));
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::pfc_test

@@ -1,16 +1,12 @@
 // Backstepping gains and law and the processes of the filters, against the thesis' numbers and an
 // ODE.
-
-#include <cmath>
-#include <utility>
-
 #include <breakwater/control/backstepping.h>
 #include <breakwater/control/wave_mpc.h>
 #include <breakwater/observers/wave_frequency.h>
 #include "control/quadrotor_endurance.h"
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::quadrotor_control_test {
 namespace {
 
 constexpr double kPeriod_s = 0.01;
@@ -175,10 +171,10 @@ TEST(WaveFrequency, DoesNotDependOnWhereTheAxisStarts) {
 
 TEST(WaveFrequency, RefusesNonsense) {
   using Design = WaveFrequencyDesign;
-  EXPECT_THROW(WaveFrequency({}, 0.0), std::invalid_argument);
-  EXPECT_THROW(WaveFrequency({.damping = 1.0}, 1.0), std::invalid_argument);
-  EXPECT_THROW(WaveFrequency({.candidates = 1}, 1.0), std::invalid_argument);
-  EXPECT_THROW(WaveFrequency({.longest_period_s = 4.0}, 1.0), std::invalid_argument);
+  EXPECT_REFUSED(WaveFrequency({}, 0.0));
+  EXPECT_REFUSED(WaveFrequency({.damping = 1.0}, 1.0));
+  EXPECT_REFUSED(WaveFrequency({.candidates = 1}, 1.0));
+  EXPECT_REFUSED(WaveFrequency({.longest_period_s = 4.0}, 1.0));
   for (double Design::*positive :
        {&Design::mass_kg, &Design::damping, &Design::force_std_N, &Design::bias_std_N,
         &Design::velocity_std_m_s, &Design::position_std_m, &Design::shortest_period_s,
@@ -302,15 +298,15 @@ TEST(QuadrotorEstimators, RefuseNonsense) {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
   QuadrotorEstimatorDesign design;
   design.noise = ProcessNoiseSource::input;
-  EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);
+  EXPECT_REFUSED(make_quadrotor_estimator(design, model));
   design = {};
   design.order = DisturbanceOrder::resonator;
   design.filter = QuadrotorFilter::ekf;
-  EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);
+  EXPECT_REFUSED(make_quadrotor_estimator(design, model));
   design = {};
   design.position_std_m = 0.0;
-  EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);
+  EXPECT_REFUSED(make_quadrotor_estimator(design, model));
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::quadrotor_control_test

@@ -8,7 +8,7 @@
 #include "python.h"
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::pole_placement_test {
 namespace {
 
 using testing::distance;
@@ -161,4 +161,4 @@ TEST(PolePlacement, RefusesImpossiblePoles) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::pole_placement_test

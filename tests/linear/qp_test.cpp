@@ -12,7 +12,7 @@
 #include "linear/random_qp.h"
 #include "python.h"
 
-namespace breakwater {
+namespace breakwater::qp_test {
 namespace {
 
 using testing::kQpSizes;
@@ -584,4 +584,4 @@ TEST(ActiveSet, AgreesWithCvxopt) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::qp_test

@@ -1,15 +1,13 @@
 // The elementary functions of math/: accuracy, special arguments and bits.
-#include <breakwater/math/functions.h>
-
 #include <bit>
 #include <cstdint>
-#include <limits>
-#include <numbers>
 
 #include <breakwater/math/error_function.h>
+#include <breakwater/math/functions.h>
+#include <breakwater/math/mills_ratio.h>
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::functions_test {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -167,5 +165,25 @@ TEST(Math, BitsAreTheSameEverywhere) {
   EXPECT_EQ(bits_of(math::tanh, {-4.0, 4.0}), 0x9b8693921705070bULL);
 }
 
+// Mills' ratio against the C library's erfc in extended precision.
+
+TEST(MillsRatio, MatchesTheNormalTail) {
+  for (double x = 0.0; x < 100.0; x += x < 8.0 ? 1.0 / 128.0 : 0.25) {
+    const long double z = x;
+    const long double truth = std::erfc(z / std::sqrt(2.0L)) * std::exp(z * z / 2.0L) *
+                              std::sqrt(std::acos(-1.0L) / 2.0L);
+    EXPECT_NEAR(math::mills_ratio(x) / static_cast<double>(truth), 1.0, 2e-15) << x;
+  }
+}
+
+// 1/x − 1/x³ < (1 − Φ)/φ < 1/x, where erfc underflows.
+TEST(MillsRatio, FollowsItsBoundsWhereTheTailUnderflows) {
+  for (const double x : {1e3, 1e6, 1e150, 1e300}) {
+    EXPECT_LE(math::mills_ratio(x), (1.0 + 1e-15) / x);
+    EXPECT_GE(math::mills_ratio(x), (1.0 - 1e-15) * (1.0 - 1.0 / x / x) / x);
+  }
+  EXPECT_EQ(math::mills_ratio(std::numeric_limits<double>::infinity()), 0.0);
+}
+
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::functions_test

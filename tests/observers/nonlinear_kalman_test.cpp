@@ -10,7 +10,7 @@
 #include <breakwater/observers/ukf.h>
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::nonlinear_kalman_test {
 namespace {
 
 // A pendulum with an unknown constant torque: x = [angle, rate, torque].
@@ -315,4 +315,4 @@ TEST(NonlinearKalman, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::nonlinear_kalman_test

@@ -1,13 +1,10 @@
-#include <breakwater/plants/motor_and_load.h>
-
-#include <gtest/gtest.h>
-
+// Axes of one and of two inertias.
 #include <Eigen/LU>
-#include <cmath>
-#include <complex>
-#include <stdexcept>
 
 #include <breakwater/linear/eigenvalues.h>
+#include <breakwater/plants/damped_inertia.h>
+#include <breakwater/plants/motor_and_load.h>
+#include "support.h"
 
 namespace breakwater::motor_and_load_test {
 namespace {
@@ -73,9 +70,25 @@ TEST(TwoInertia, RefusesNonsense) {
        }) {
     TwoInertia wrong = kPlant;
     change(wrong);
-    EXPECT_THROW(motor_and_load(wrong, Side::motor), std::invalid_argument);
-    EXPECT_THROW(load_torque_input(wrong, Side::load), std::invalid_argument);
+    EXPECT_REFUSED(motor_and_load(wrong, Side::motor));
+    EXPECT_REFUSED(load_torque_input(wrong, Side::load));
   }
+}
+
+TEST(DampedInertia, SampledMatchesTheClosedForm) {
+  const double M = 0.625, C = 0.78, T = 0.1;
+  const StateSpace sampled = zero_order_hold(damped_inertia(M, C), T);
+  const double decay = std::exp(-C / M * T);
+  EXPECT_NEAR(sampled.A(0, 1), M / C * (1 - decay), 1e-15);
+  EXPECT_NEAR(sampled.A(1, 1), decay, 1e-15);
+  EXPECT_NEAR(sampled.B(1, 0), (1 - decay) / C, 1e-15);
+  EXPECT_NEAR(sampled.B(0, 0), (T - M / C * (1 - decay)) / C, 1e-15);
+}
+
+TEST(DampedInertia, RefusesNonsense) {
+  EXPECT_REFUSED(damped_inertia(0.0, 0.0));
+  EXPECT_REFUSED(damped_inertia(1.0, -1.0));
+  EXPECT_REFUSED(damped_inertia(std::nan(""), 0.0));
 }
 
 }  // namespace

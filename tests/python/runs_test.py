@@ -211,59 +211,8 @@ class Logs(unittest.TestCase):
 
 
 class Nonsense(unittest.TestCase):
-    def test_is_an_input_error_of_one_line_that_names_it(self):
-        run = bw.run
-        for pattern, call in {
-            "no scenario \"arm_wal_contact\".*did you mean": lambda: run("arm_wal_contact"),
-            "scenario: must be a str, is int": lambda: run(3),
-            "no case \"hpfc\"": lambda: run("arm_wall_contact", case="hpfc"),
-            "case: must be a str": lambda: run("arm_wall_contact", case=["hpfc-2N"]),
-            "wall.distanc_m.*did you mean wall.distance_m": lambda: run(
-                "arm_wall_contact", set={"wall.distanc_m": 1}),
-            "wall.distance_m: must be": lambda: run("arm_wall_contact", set={"wall.distance_m": "a"}),
-            "wall.distance_m: must be positive": lambda: run(
-                "arm_wall_contact", set={"wall.distance_m": -1}),
-            "set: wall.distance_m: must be finite": lambda: run(
-                "arm_wall_contact", set={"wall.distance_m": float("nan")}),
-            "set: wall.distance_m: must be a number.*complex": lambda: run(
-                "arm_wall_contact", set={"wall.distance_m": 1j}),
-            "set: must be a dict": lambda: run("arm_wall_contact", set=["wall.distance_m=1"]),
-            "set: keys must be str": lambda: run("arm_wall_contact", set={1: 1}),
-            "run.seed: must be": lambda: run("arm_wall_contact", seed=-1),
-            "run.seed": lambda: run("arm_wall_contact", seed=1.5),
-            "run.duration_s: must be positive": lambda: run("arm_wall_contact", duration=0),
-            "nowhere.toml: cannot be read": lambda: run("arm_push", config="nowhere.toml"),
-            "config: must be a path, is int": lambda: run("arm_push", config=3),
-            "out: must be a path": lambda: run("arm_push", duration=0.01, out=3),
-            "controller: must be a bw.Controller, is function": lambda: run(
-                "arm_push", controller=lambda t, y: 0),
-            "controller.*did you mean an object": lambda: run("arm_push", controller=bw.Controller),
-            "estimator: must be a bw.Estimator": lambda: run("arm_push", estimator=bw.Controller()),
-            "there is no such folder": lambda: bw.load("nowhere"),
-            "folder: must be a path": lambda: bw.load(3),
-            "folder: must be a path, is NoneType": lambda: bw.load(None),
-            "no scenario \"nothing\"": lambda: bw.cases("nothing"),
-            "^scenario: must not hold a NUL character, is 'a.x00'": lambda: run("a\0"),
-            "^case: must not hold a NUL": lambda: run("arm_push", case="\0"),
-            "^config: must not hold a NUL": lambda: run("arm_push", config="a\0b"),
-            "^set: must not hold a NUL": lambda: run("arm_push", set={"a\0": 1}),
-            "^out: must not hold a NUL": lambda: run("arm_push", duration=0.01, out="\0a"),
-            "^folder: must not hold a NUL": lambda: bw.load("\0a"),
-            "^scenario: must be UTF-8, is '.ud800'$": lambda: run("\ud800"),
-            "^case: must be UTF-8": lambda: run("arm_push", case="\ud800"),
-            "^set: must be UTF-8": lambda: run("arm_push", set={"\ud800": 1}),
-            "^set: a: must be UTF-8": lambda: run("arm_push", set={"a": "\ud800"}),
-            "^out: must be UTF-8, is '.udcff'$": lambda: run("arm_push", out=b"\xff"),
-            "^out: is empty": lambda: run("arm_push", duration=0.01, out=""),
-            "^config: is empty": lambda: run("arm_push", config=""),
-            "^folder: is empty": lambda: bw.load(""),
-            "^video: must be UTF-8": lambda: run("arm_push", duration=0.01).video("x.mp4", camera="\ud800"),
-            "^set: run.seed: is too large": lambda: run("arm_push", seed=10**5000),
-        }.items():
-            with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern) as caught:
-                call()
-            self.assertNotIn("\n", str(caught.exception))
-        self.assertNotIn("\ud800", run("arm_push", duration=0.01))
+    def test_a_name_that_is_no_text_is_no_signal(self):
+        self.assertNotIn("\ud800", bw.run("arm_push", duration=0.01))
 
     def test_a_log_that_does_not_fit_is_a_memory_error(self):
         self.assertRaisesRegex(MemoryError, "run.duration_s", bw.run, "arm_wall_contact", duration=1e7)

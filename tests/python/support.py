@@ -5,9 +5,11 @@ import ctypes
 import pathlib
 import tempfile
 
-import breakwater
+import pandas
 
-BIN = pathlib.Path(breakwater.commands.program()).parent
+import breakwater as bw
+
+BIN = pathlib.Path(bw.commands.program()).parent
 
 
 @contextlib.contextmanager
@@ -23,3 +25,40 @@ def resident_kB():
         if line.startswith("VmRSS:"):
             return int(line.split()[1])
     raise RuntimeError("no VmRSS")
+
+
+def table(**columns):
+    """Runs of three candidates, for bw.compare()."""
+    rows = [{"who": who, "seed": seed, "y": seed + 5.0 * (who == "b") + 0.1 * seed * (who == "c"), "t": 0.1 * seed}
+            for who in "abc" for seed in range(1, 11)]
+    return pandas.DataFrame(rows).assign(**columns)
+
+
+class Drive(bw.Controller):
+    """A law whose reset() forgets to forget."""
+
+    def __init__(self, gain):
+        self.gain = gain
+        self.runs = 0
+
+    def reset(self, t, y):
+        self.runs += 1
+
+    def update(self, t, y):
+        return -self.gain * self.runs * (y[0] - self.setup.reference(t))
+
+
+class Returns(bw.Controller):
+    def __init__(self, value):
+        self.value = value
+
+    def update(self, t, y):
+        return self.value
+
+
+class Still(bw.Estimator):
+    def __init__(self, value=None):
+        self.value = value
+
+    def update(self, u, y):
+        return self.value or [y[0], 0.0, 0.0]

@@ -16,7 +16,7 @@ import numpy as np
 import pandas
 
 import breakwater as bw
-from support import BIN, temporary_folder
+from support import BIN, Drive, Still, temporary_folder
 
 MOTOR = dict(case=["idob", "stf"], vary={"encoder.bits": [6, 8]}, seeds=range(1, 4),
              set={"noise.std_rad": 0.1}, duration=0.05)
@@ -186,82 +186,6 @@ class Warned(unittest.TestCase):
 
 
 class Nonsense(unittest.TestCase):
-    def test_is_an_input_error_of_one_line_that_names_it(self):
-        def sweep(study="motor_estimation", **arguments):
-            return lambda: bw.sweep(study, **{"duration": 0.01, **arguments})
-
-        for pattern, call in {
-            "no scenario \"motor_estimatio\".*did you mean": sweep("motor_estimatio"),
-            "study: must be a path, is int": sweep(3),
-            "study: must be .* is None": sweep(None),
-            "nowhere/study.toml: there is no such file": sweep("nowhere/study.toml"),
-            "no case \"ido\"": sweep(case="ido"),
-            "^case: is empty": sweep(case=[]),
-            "^case: must be a str or a list of them, is of type int": sweep(case=3),
-            "^case: must be a str or a list of them, has one of type int": sweep(case=["idob", 3]),
-            "^case: there is no 'idob,stf'": sweep(case="idob,stf"),
-            "^case: idob is there twice": sweep(case=["idob", "idob"]),
-            "^vary: encoder.bit: .*did you mean encoder.bits": sweep(vary={"encoder.bit": [6]}),
-            "^vary: encoder.bits: is empty": sweep(vary={"encoder.bits": []}),
-            "^vary: encoder.bits: must be a list of values.*is of type int": sweep(vary={"encoder.bits": 6}),
-            "^vary: encoder.bits: must be a list of values.*is of type NoneType": sweep(vary={"encoder.bits": None}),
-            "^vary: observer.name: must be a list of values.*is 'stf'": sweep(vary={"observer.name": "stf"}),
-            "^vary: encoder.bits: must be": sweep(vary={"encoder.bits": ["six"]}),
-            "^vary: noise.std_rad: must be finite": sweep(vary={"noise.std_rad": [float("inf")]}),
-            "^vary: noise.std_rad: must be a number.*NoneType": sweep(vary={"noise.std_rad": [None]}),
-            "^vary: encoder.bits: .*lin": sweep(vary={"encoder.bits": "lin(6,8)"}),
-            "^vary: encoder.bits: a value is there twice": sweep(vary={"encoder.bits": [6, 6]}),
-            "^vary: noise.std_rad: there is no distribution 'unifrm'.*uniform": sweep(
-                vary={"noise.std_rad": {"unifrm": [0, 1]}}),
-            "^vary: noise.std_rad: must be one distribution, has 0": sweep(vary={"noise.std_rad": {}}),
-            "^vary: noise.std_rad: .*two numbers": sweep(
-                vary={"noise.std_rad": {"uniform": [0]}}, method="sobol", samples=2),
-            "^vary: noise.std_rad: uniform: must be two numbers, is of type int": sweep(
-                vary={"noise.std_rad": {"uniform": 1}}),
-            "^vary: noise.std_rad: a distribution needs a method that draws": sweep(
-                vary={"noise.std_rad": {"uniform": [0, 1]}}),
-            "^vary: must be a dict, is of type list": sweep(vary=["encoder.bits"]),
-            "^vary: keys must be str, one is int": sweep(vary={3: [1]}),
-            "^vary: run.seed: say seeds": sweep(vary={"run.seed": [1]}),
-            "^set: keys must be str": sweep(set={1: 1}),
-            "wall.distance_m": sweep(set={"wall.distance_m": 1}),
-            "run.duration_s: must be positive": sweep(duration=-1),
-            "^seeds: must be a range or a list of whole numbers, is of type int": sweep(seeds=20),
-            "^seeds: must be a range or a list of whole numbers, is '1..20'": sweep(seeds="1..20"),
-            "^seeds: must be a whole number, is of type float": sweep(seeds=[1.0, 2.0]),
-            "^seeds: must be a whole number, is of type bool": sweep(seeds=[True]),
-            "^seeds: is empty": sweep(seeds=range(0)),
-            "^seeds: -1": sweep(seeds=[-1]),
-            "^seeds: one is there twice": sweep(seeds=[1, 1]),
-            "^method: must be one of .*did you mean sobol": sweep(method="sobl"),
-            "^method: must be a str": sweep(method=1),
-            "method: sobol needs samples": sweep(method="sobol", vary={"noise.std_rad": {"uniform": [0, 1]}}),
-            "^samples: must be a whole number, is of type float": sweep(samples=2.0),
-            "^samples: must be a whole number of 1": sweep(samples=0),
-            "^jobs: must be 1 to 4096, is 0": sweep(jobs=0),
-            "^jobs: must be a whole number, is 'all'": sweep(jobs="all"),
-            "^baseline: .*give out=": sweep(baseline="idob"),
-            "^keep: .*give out=": sweep(keep="all"),
-            "^worlds: .*give out=": sweep(worlds="seeds"),
-            "^out: must be a path, is int": sweep(out=3),
-            "^out: is empty": sweep(out=""),
-            "^method: is empty": sweep(method=""),
-            "^study: is empty": sweep(""),
-            "config: there is no file .*nowhere.toml": sweep(config="nowhere.toml"),
-            "^controller: must be a bw.Controller, is float": sweep(controller=1.0),
-            "^estimator: a controller in Python uses none": sweep(controller=Drive(1), estimator=Still()),
-            "^controllers: motor_estimation takes none|axis.elbow": sweep(controllers={"elbow": Drive(1)}),
-            "^Wrong: ZeroDivisionError: division by zero \\(sweeps_test.py:[0-9]+\\)$": sweep(controller=Wrong()),
-            "^tuning: must be a tuning's file": lambda: bw.tune(None),
-            "nowhere.toml: there is no such file": lambda: bw.tune("nowhere.toml"),
-            "^jobs: must be 1 to 4096, is 0": lambda: bw.tune("t.toml", jobs=0),
-            "^vary: has too many values for a command": sweep(
-                vary={"noise.std_rad": np.random.default_rng(1).random(20_000)}),
-        }.items():
-            with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern) as caught:
-                call()
-            self.assertNotIn("\n", str(caught.exception))
-
     def test_of_the_study_folder(self):
         with temporary_folder() as folder:
             brief = dict(case=["idob", "stf"], duration=0.01)
@@ -287,30 +211,6 @@ class Nonsense(unittest.TestCase):
             self.assertEqual(pathlib.Path(caught[0].filename).name, "sweeps_test.py")
             with self.assertRaisesRegex(bw.InputError, "leave --case, --vary, --out"):
                 bw.sweep(folder / "new", case="idob")
-
-
-class Drive(bw.Controller):
-    """A law whose reset() forgets to forget."""
-
-    def __init__(self, gain):
-        self.gain = gain
-        self.runs = 0
-
-    def reset(self, t, y):
-        self.runs += 1
-
-    def update(self, t, y):
-        return -self.gain * self.runs * (y[0] - self.setup.reference(t))
-
-
-class Wrong(bw.Controller):
-    def update(self, t, y):
-        return 1 / int(t)
-
-
-class Still(bw.Estimator):
-    def update(self, u, y):
-        return [y[0], 0.0, 0.0]
 
 
 TUNING = """scenario = "motor_estimation"
@@ -382,7 +282,7 @@ class PartsInPython(unittest.TestCase):
 
     def test_an_interruption_ends_the_copies(self):
         code = ("import sys; sys.path.insert(0, sys.argv[2]); import breakwater as bw\n"
-                "from sweeps_test import Drive\n"
+                "from support import Drive\n"
                 "bw.sweep('motor_estimation', case='idob', seeds=range(1, 200), controller=Drive(1), out=sys.argv[1])")
         with temporary_folder() as folder:
             child = subprocess.Popen([sys.executable, "-c", code, folder / "s", pathlib.Path(__file__).parent],

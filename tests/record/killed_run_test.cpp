@@ -1,16 +1,14 @@
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
 #include <csignal>
-#include <map>
-#include <set>
 
 #include <breakwater/record/run_folder.h>
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::killed_run_test {
 namespace {
+
 namespace fs = std::filesystem;
 using testing::text_of;
 
@@ -196,4 +194,4 @@ TEST_F(KilledRun, LeavesNothingOnAFullDisk) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::killed_run_test

@@ -1,8 +1,6 @@
 // The streamed log equals the one from memory, and what is left of it after a kill is a part of it.
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmath>
 #include <csignal>
 
 #include <breakwater/record/hdf5_log.h>
@@ -10,8 +8,9 @@
 #include <breakwater/record/run_folder.h>
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::log_stream_test {
 namespace {
+
 namespace fs = std::filesystem;
 using testing::text_of;
 
@@ -191,4 +190,4 @@ TEST_F(LogStreams, LeaveAFolderThatNoRunRemoves) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::log_stream_test

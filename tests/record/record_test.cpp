@@ -1,21 +1,18 @@
+// Tracks, logs, metrics and run folders.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <climits>
-#include <cmath>
-#include <cstdlib>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <thread>
 
 #include <breakwater/record/csv.h>
 #include <breakwater/record/data_file.h>
+#include <breakwater/record/file_hash.h>
 #include <breakwater/record/hdf5_log.h>
+#include <breakwater/record/loaded_library.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/recording.h>
@@ -23,8 +20,9 @@
 #include <breakwater/record/text_outputs.h>
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::record_test {
 namespace {
+
 namespace fs = std::filesystem;
 using testing::text_of;
 
@@ -63,12 +61,7 @@ TEST(Track, KeepsEveryRow) {
 }
 
 std::string refusal(const std::string& track, std::vector<Signal> signals) {
-  try {
-    const Track made(track, std::move(signals), 0);
-    return "";
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
+  return complaint_of([&] { const Track made(track, std::move(signals), 0); });
 }
 
 TEST(Track, RefusesTwoSignalsOfOneName) {
@@ -116,8 +109,8 @@ TEST(Hdf5Log, GivesBackTheSameBits) {
     EXPECT_EQ(read_hdf5_signal(file, "control/force_N").values, recorded.track().values("force_N"));
     EXPECT_EQ(read_hdf5_signal(file, "control/time_s").values, recorded.track().times());
   }
-  EXPECT_THROW(read_hdf5_signal(file, "control/torque_Nm"), std::invalid_argument);
-  EXPECT_THROW(read_hdf5_signal("/etc/hostname", "control/q_rad"), std::invalid_argument);
+  EXPECT_REFUSED(read_hdf5_signal(file, "control/torque_Nm"));
+  EXPECT_REFUSED(read_hdf5_signal("/etc/hostname", "control/q_rad"));
 }
 
 TEST(Hdf5Log, StoresTheUnitOfEachValue) {
@@ -162,12 +155,8 @@ TEST(Hdf5Log, IsReadableByH5py) {
 
 TEST(Hdf5Log, ReportsAFailedWrite) {
   const Recorded recorded;
-  try {
-    write_hdf5_log("/proc/log.h5", {recorded.track()}, 0);
-    FAIL();
-  } catch (const OutputError& error) {
-    EXPECT_TRUE(std::string(error.what()).starts_with("/proc/log.h5: ")) << error.what();
-  }
+  const auto write = [&] { write_hdf5_log("/proc/log.h5", {recorded.track()}, 0); };
+  EXPECT_TRUE(complaint_of<OutputError>(write).starts_with("/proc/log.h5: "));
 }
 
 TEST(CsvLog, HasOneColumnPerValueAndAllDigits) {
@@ -272,12 +261,12 @@ TEST_F(RunFolders, LeaveOtherThingsAlone) {
   fs::create_directory(base_ / "thesis");
   write_text_file(base_ / "thesis" / "chapter1", "years of work");
   write_text_file(base_ / "file", "");
-  EXPECT_THROW(RunFolder(base_ / "thesis"), std::invalid_argument);
-  EXPECT_THROW(RunFolder(base_ / "file"), std::invalid_argument);
-  EXPECT_THROW(RunFolder(base_ / "file" / "run"), std::invalid_argument);
+  EXPECT_REFUSED(RunFolder(base_ / "thesis"));
+  EXPECT_REFUSED(RunFolder(base_ / "file"));
+  EXPECT_REFUSED(RunFolder(base_ / "file" / "run"));
   // A foreign manifest.json does not make the folder a run.
   write_text_file(base_ / "thesis" / "manifest.json", R"({"name": "a web page"})");
-  EXPECT_THROW(RunFolder(base_ / "thesis"), std::invalid_argument);
+  EXPECT_REFUSED(RunFolder(base_ / "thesis"));
   EXPECT_EQ(entries(), 2U);
   fs::create_directory(base_ / "empty");
   EXPECT_NO_THROW(RunFolder(base_ / "empty"));
@@ -341,8 +330,8 @@ TEST_F(RunFolders, AreMadeByOneThreadPerTarget) {
 }
 
 TEST_F(RunFolders, ReportAFailedCreation) {
-  EXPECT_THROW(RunFolder("/proc/run"), std::invalid_argument);
-  EXPECT_THROW(RunFolder("/"), std::invalid_argument);
+  EXPECT_REFUSED(RunFolder("/proc/run"));
+  EXPECT_REFUSED(RunFolder("/"));
 }
 
 TEST_F(RunFolders, ClearUpAfterAKilledRun) {
@@ -491,5 +480,63 @@ TEST_F(RunFolders, KeepFilesThatAppearedMeanwhile) {
   EXPECT_EQ(entries(), 2U);
 }
 
+// XXH3_64bits of no bytes, and of "abc".
+TEST(FileHash, DependsOnTheBytesOfTheFile) {
+  const testing::TemporaryPath file{"hashed"};
+  std::ofstream(file).close();
+  EXPECT_EQ(file_hash(file), "2d06800538d394c2");
+  std::ofstream(file) << "abc";
+  EXPECT_EQ(file_hash(file), "78af5f94892f3950");
+}
+
+TEST(FileHash, ChangesWithOneByteOfALargeFile) {
+  const testing::TemporaryPath file{"hashed"};
+  std::string bytes(3'500'000, 'x');
+  std::ofstream(file) << bytes;
+  const std::string before = file_hash(file);
+  EXPECT_EQ(file_hash(file), before);
+  bytes[3'200'000] = 'y';
+  std::ofstream(file) << bytes;
+  EXPECT_NE(file_hash(file), before);
+}
+
+TEST(Fingerprint, SeparatesItsParts) {
+  EXPECT_NE(fingerprint({"a", "b"}), fingerprint({"ab", ""}));
+  EXPECT_NE(fingerprint({"a", "b"}), fingerprint({"a", "c"}));
+  EXPECT_EQ(fingerprint({"a", "b"}), fingerprint({"a", "b"}));
+}
+
+TEST(FileHash, NamesAnUnreadableFile) {
+  for (const auto& [file, reason] :
+       {std::pair("/no/such/file", "No such file or directory"),
+        std::pair("/tmp", "it is a folder"), std::pair("/dev/zero", "it is not a regular file")}) {
+    EXPECT_EQ(complaint_of([&] { file_hash(file); }),
+              std::string(file) + ": cannot be read (" + reason + ")");
+  }
+}
+
+const LoadedLibrary& libc() {
+  static const LoadedLibrary library("libc.so.6", "libc6");
+  return library;
+}
+
+BREAKWATER_LOADED(libc, std::invalid_argument, labs)
+
+TEST(LoadedLibrary, GivesItsFunctions) {
+  ASSERT_TRUE(libc().is_there());
+  EXPECT_EQ(labs(-5L), 5L);
+  const auto find = [] { libc().symbol<std::invalid_argument, void()>("glue"); };
+  EXPECT_EQ(complaint_of(find), "libc.so.6 has no glue");
+}
+
+TEST(LoadedLibrary, NamesThePackageThatIsMissing) {
+  const LoadedLibrary none("libnone.so.1", "libnone1");
+  EXPECT_FALSE(none.is_there());
+  const auto find = [&] { none.symbol<std::invalid_argument, void()>("glue"); };
+  EXPECT_EQ(complaint_of(find),
+            "libnone.so.1: cannot open shared object file: No such file or directory (Debian "
+            "package libnone1)");
+}
+
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::record_test

@@ -1,8 +1,6 @@
 // The loop allocates nothing after the first sample. The test counts calls of malloc.
 #include <dlfcn.h>
-
 #include <atomic>
-#include <cstdlib>
 
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/gsf.h>
@@ -19,6 +17,7 @@
 #include <breakwater/plants/damped_inertia.h>
 #include "linear/random_qp.h"
 #include "regression/run_case.h"
+#include "tables.h"
 
 namespace {
 
@@ -57,7 +56,7 @@ int posix_memalign(void** p, std::size_t alignment, std::size_t size) {
 }
 }
 
-namespace breakwater {
+namespace breakwater::allocation_test {
 namespace {
 
 // In a debug build Eigen stops the program with a backtrace if it allocates.
@@ -93,13 +92,6 @@ long allocations_in_loop(const std::string& scenario, const std::string& case_na
   return counted;
 }
 
-// The slowest case touches the wall 5 s after the switch.
-std::vector<std::string> noisy_impact() {
-  std::vector<std::string> sets = testing::switched_at_10_s(17);
-  sets.push_back("sensor.angle_noise_rad=1e-6");
-  return sets;
-}
-
 TEST(Allocation, CounterCounts) {
   counting = true;
   const long before = allocations;
@@ -109,111 +101,35 @@ TEST(Allocation, CounterCounts) {
   EXPECT_EQ(allocations, before + 1);
 }
 
-// Includes the switch to force control, the impact, and the log at the physics rate.
-TEST(Allocation, WallContactLoopDoesNotAllocate) {
-  for (const char* name : {"proposed-2N", "hpfc-2N", "drac-2N", "tlsc-2N", "energy-2N",
-                           "impact-qp-2N", "contact-mpc-2N"}) {
-    EXPECT_EQ(allocations_in_loop("arm_wall_contact", name, noisy_impact()), 0) << name;
-  }
-}
-
 // The loop writes the log too. HDF5 writes only the headers, at the first sample.
 TEST(Allocation, AStreamedLogDoesNotAllocate) {
   const testing::TemporaryPath folder("stream");
   std::filesystem::create_directory(folder);
   LogStream stream(folder, "", "{}");
-  EXPECT_EQ(allocations_in_loop("arm_wall_contact", "proposed-2N", noisy_impact(), &stream), 0);
+  std::vector<std::string> sets = testing::switched_at_10_s(17);
+  sets.emplace_back("sensor.angle_noise_rad=1e-6");
+  EXPECT_EQ(allocations_in_loop("arm_wall_contact", "proposed-2N", sets, &stream), 0);
   EXPECT_GT(written_rows(folder / "log.h5", "control"), 32U);
 }
 
-TEST(Allocation, AContactLawDoesNotAllocate) {
-  for (const char* law :
-       {"kelvin_voigt_clipped", "hertz", "hunt_crossley", "layered", "standard_linear_solid"}) {
-    EXPECT_EQ(allocations_in_loop(
-                  "impact_test", law,
-                  {"run.duration_s=1.2", "wall.motion=free", "wall.mass_kg=2",
-                   "wall.stiffness_N_m=1e3", "wall.damping_Ns_m=1", "sensor.force_resonance_Hz=500",
-                   "sensor.force_delay_s=1e-3", "sensor.force_drift_N_sqrt_s=0.1"}),
-              0)
-        << law;
+class Loops : public ::testing::TestWithParam<testing::Table> {};
+
+TEST_P(Loops, DoNotAllocate) {
+  const std::vector<std::string> heading = testing::words_in(GetParam().heading);
+  for (const testing::TableRow& row : GetParam().rows) {
+    for (const std::string& name : testing::forms_of(row.cells.at(0))) {
+      for (const std::string& form : testing::forms_of(row.cells.at(1))) {
+        std::vector<std::string> sets = testing::words_in(form);
+        sets.insert(sets.end(), heading.begin() + 1, heading.end());
+        EXPECT_EQ(allocations_in_loop(heading.front(), name, sets), 0) << name << " " << form;
+      }
+    }
   }
 }
 
-TEST(Allocation, ADriveAsItIsDoesNotAllocate) {
-  const std::vector<std::string> motor = {"drive.current_bandwidth_rad_s=500",
-                                          "drive.current_damping_ratio=0.7",
-                                          "drive.voltage_limit_V=100",
-                                          "drive.resistance_ohm=1",
-                                          "drive.inductance_H=1e-3",
-                                          "drive.cogging_Nm=0.1",
-                                          "control.delay_s=1.5e-3",
-                                          "control.jitter_s=3e-3",
-                                          "control.drop_probability=0.1",
-                                          "encoder.eccentricity_rad=1e-4",
-                                          "plant.coulomb_friction_Nm=0.5",
-                                          "run.duration_s=120"};
-  const std::vector<std::vector<std::string>> laws = {
-      {"friction.law=load_dependent", "friction.load_ratio=0.1"},
-      {"friction.law=lugre", "friction.static_ratio=1.5", "friction.stribeck_velocity=0.05",
-       "friction.bristle_stiffness=1e4", "friction.bristle_damping=10"}};
-  for (std::vector<std::string> sets : laws) {
-    sets.insert(sets.end(), motor.begin(), motor.end());
-    EXPECT_EQ(allocations_in_loop("motor_estimation", "vfakfd", sets), 0) << sets.front();
-  }
-}
-
-TEST(Allocation, AnElasticDriveDoesNotAllocate) {
-  EXPECT_EQ(allocations_in_loop("arm_push", "proposed-link2",
-                                {"run.duration_s=12", "transmission.stiffness_Nm_rad=1e4",
-                                 "transmission.backlash_rad=1e-4", "friction.law=load_dependent",
-                                 "friction.load_ratio=0.1"}),
-            0);
-}
-
-TEST(Allocation, PushLoopDoesNotAllocate) {
-  for (const char* observer : {"idob", "kfd", "qvff", "stf", "qbank"}) {
-    EXPECT_EQ(allocations_in_loop("arm_push", "proposed-link2",
-                                  {"run.duration_s=12", "observer.name=" + std::string(observer)}),
-              0)
-        << observer;
-  }
-}
-
-// They have active limits, the disturbance, and problems that need softening.
-struct PredictiveLoop {
-  const char* scenario;
-  const char* name;
-  std::vector<std::string> sets;
-};
-
-class PredictiveLoops : public ::testing::TestWithParam<PredictiveLoop> {};
-
-TEST_P(PredictiveLoops, DoNotAllocate) {
-  const auto& [scenario, name, sets] = GetParam();
-  EXPECT_EQ(allocations_in_loop(scenario, name, sets), 0);
-}
-
-std::vector<PredictiveLoop> predictive_loops() {
-  std::vector<PredictiveLoop> loops = {{"cart_constrained", "lqr-obs-kfd", {"run.duration_s=120"}}};
-  for (const std::string solver : {"active_set", "hildreth"}) {
-    // From 15 s on each of Hildreth's programs meets the limit of iterations, and takes 8 ms. So
-    // its run has fewer samples, and as many steps.
-    const bool is_slow = solver == "hildreth";
-    const std::string duration_s = is_slow ? "46" : "120", timestep_s = is_slow ? "5e-4" : "1e-3";
-    loops.push_back({"cart_constrained",
-                     "proposed-idob",
-                     {"condition=C", "run.duration_s=" + duration_s, "disturbance.start_s=15",
-                      "constraint.velocity_m_s=0.3", "physics.timestep_s=" + timestep_s,
-                      "solver.name=" + solver}});
-    loops.push_back({"cart_offset_free",
-                     "proposed-kfd",
-                     {"run.duration_s=120", "reference.start_s=15", "constraint.position_m=0.5",
-                      "solver.name=" + solver}});
-  }
-  return loops;
-}
-
-INSTANTIATE_TEST_SUITE_P(Allocation, PredictiveLoops, ::testing::ValuesIn(predictive_loops()));
+INSTANTIATE_TEST_SUITE_P(Allocation, Loops,
+                         ::testing::ValuesIn(testing::tables_of("tests/regression/allocation.txt")),
+                         testing::test_name);
 
 // Ill-conditioned programs, dependent constraints and infeasible programs reach all branches of the
 // solver.
@@ -235,34 +151,6 @@ TEST(Allocation, QuadraticProgramsDoNotAllocate) {
     }
   }
   EXPECT_EQ(allocations, 0);
-}
-
-TEST(Allocation, EstimatorsDoNotAllocate) {
-  for (const char* name :
-       {"mdob", "idob", "kfd", "fakfd-095", "vfakfd", "qvff", "stf", "qbank", "immkf", "immkf-code",
-        "mckf", "mckf-code", "eso", "eso-fal", "tracking_differentiator", "vbakf", "gsf", "mhe"}) {
-    EXPECT_EQ(
-        allocations_in_loop("motor_estimation", name,
-                            {"run.duration_s=90", "disturbance.start_s=15", "noise.std_rad=1e-4",
-                             "noise.input_std_Nm=0.1", "sensor.delay_samples=1"}),
-        0)
-        << name;
-  }
-  for (const char* form : {"symmetric", "printed"}) {
-    EXPECT_EQ(allocations_in_loop(
-                  "cart_position", "order2-gamma",
-                  {"run.duration_s=120", "observer.covariance_form=" + std::string(form)}),
-              0)
-        << form;
-  }
-}
-
-TEST(Allocation, ControllersOfTwoInertiasDoNotAllocate) {
-  for (const char* name : {"pd", "rrc", "sf-kfd", "sf-stf", "sf-qbank", "lmpc"}) {
-    EXPECT_EQ(allocations_in_loop("two_inertia", name, {"run.duration_s=60", "task.kind=reversal"}),
-              0)
-        << name;
-  }
 }
 
 // Jitter, gaps with missing inputs, and uncertain times.
@@ -332,17 +220,6 @@ TEST(Allocation, ObserversOfSeveralOutputsDoNotAllocateWithVariableIntervals) {
   }
 }
 
-// The loop reports every 10 s, so its first 10 s count too.
-TEST(Allocation, QuadrotorLoopDoesNotAllocate) {
-  for (const char* name :
-       {"resonator", "spectrum", "ukf-second", "ekf-second", "ukf-none", "spectrum-lead",
-        "mpc-held", "mpc-forecast", "mpc-autoregressive", "mpc-upstream", "mpc-told"}) {
-    EXPECT_EQ(allocations_in_loop("quadrotor_waves", name,
-                                  {"run.duration_s=111", "estimator.wave_frequency=estimated"}),
-              0)
-        << name;
-  }
-}
-
 }  // namespace
-}  // namespace breakwater
+
+}  // namespace breakwater::allocation_test

@@ -1,10 +1,5 @@
 // Bounds of shipped cases: cases.txt, one test a table.
-#include <algorithm>
-#include <cmath>
-#include <map>
 #include <regex>
-#include <set>
-#include <sstream>
 
 #include "regression/run_case.h"
 #include "tables.h"
@@ -54,6 +49,14 @@ std::optional<double> number_of(const Recording& run, const std::string& metric)
   return value ? std::optional(std::abs(*value)) : value;
 }
 
+// A run of a shipped scenario, or of a plant's file: its scenario is "FILE.toml".
+PreparedRun prepare(const Run& run) {
+  if (!run.scenario.ends_with(".toml"))
+    return testing::prepare(run.scenario, run.case_name, run.sets);
+  const ScenarioFile file(testing::source_file(run.scenario), "plant");
+  return prepare_run(testing::catalogue(), "plant", file, run.case_name, run.sets);
+}
+
 // The runs of a table, each of them once.
 class Runs {
  public:
@@ -65,7 +68,7 @@ class Runs {
   }
   void do_all() {
     for (auto& [run, outcome] : outcomes_) {
-      const PreparedRun prepared = testing::prepare(run.scenario, run.case_name, run.sets);
+      const PreparedRun prepared = prepare(run);
       for (const MetricDefinition& metric : prepared.scenario->metric_definitions()) {
         outcome.defined.insert(metric.name);
       }

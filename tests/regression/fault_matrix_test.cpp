@@ -1,19 +1,12 @@
 // Every kind of sensor fault in every case. A run is complete, or fails with time and reason within
 // one control step of its first value that is not finite. BREAKWATER_FAULTS=DIR runs the whole
 // matrix and writes the effects to DIR/SCENARIO.csv.
-
 #include <fmt/format.h>
 
-#include <cmath>
-#include <cstdlib>
-#include <fstream>
-#include <limits>
-#include <optional>
-
 #include <breakwater/shell/all_cores.h>
-#include "run_case.h"
+#include "regression/run_case.h"
 
-namespace breakwater {
+namespace breakwater::fault_matrix_test {
 namespace {
 
 struct Place {
@@ -259,4 +252,4 @@ INSTANTIATE_TEST_SUITE_P(Faults, SensorFaults, ::testing::ValuesIn(places()),
                          [](const auto& place) { return std::string(place.param.scenario); });
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::fault_matrix_test

@@ -1,14 +1,7 @@
 // Each metric again, from the log, with plain loops over whole arrays.
-#include <cmath>
-#include <functional>
-#include <limits>
-#include <map>
-#include <numeric>
-#include <set>
-
 #include "regression/run_case.h"
 
-namespace breakwater {
+namespace breakwater::metrics_from_logs_test {
 namespace {
 
 using testing::run_case;
@@ -451,4 +444,4 @@ TEST(SignalsOfMetrics, AStepHasNoLag) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::metrics_from_logs_test

@@ -1,8 +1,4 @@
 // The motor behind an encoder: Table 4.8 over phases, poles, and keys. Its bounds are in cases.txt.
-
-#include <cmath>
-#include <sstream>
-
 #include <breakwater/thesis/printed_results.h>
 #include "regression/run_case.h"
 

@@ -1,10 +1,13 @@
-// The shipped cases: their metrics, and whether they hold their references.
-#include <map>
+// The shipped cases: their metrics, whether they hold their references, brief, equal and whole
+// runs.
+#include <xmmintrin.h>
+#include <cfenv>
 
+#include <breakwater/sim/physics_part.h>
 #include "catalogue.h"
 #include "regression/run_case.h"
 
-namespace breakwater {
+namespace breakwater::shipped_cases_test {
 namespace {
 
 using testing::run_case;
@@ -68,5 +71,211 @@ TEST_P(ShippedCases, ReportTheDefinedMetricsAndHoldTheirReferences) {
 INSTANTIATE_TEST_SUITE_P(Regression, ShippedCases, ::testing::ValuesIn(testing::scenario_names()),
                          [](const auto& scenario) { return scenario.param; });
 
+// Runs that end before the windows of their metrics, and equal runs.
+
+using testing::completed_run;
+
+std::map<std::string, double> values(const std::vector<Metric>& metrics) {
+  std::map<std::string, double> values;
+  for (const Metric& metric : metrics) values[metric.name] = metric.value;
+  return values;
+}
+
+// The largest distance of the measured value from the true one towards 0, in counts.
+double most_lost_counts(const std::string& scenario, const std::string& case_name,
+                        const std::vector<std::string>& sets, const std::string& measured,
+                        const std::string& truth, double quantum) {
+  const Recording run = completed_run(scenario, case_name, sets);
+  const Track& track = run.track("control");
+  const std::vector<double> y = track.values(measured), q = track.values(truth);
+  double most = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    EXPECT_NEAR(y[i] / quantum, std::round(y[i] / quantum), 1e-6);
+    most = std::max(most, (std::abs(q[i]) - std::abs(y[i])) / quantum);
+  }
+  return most;
+}
+
+// Rounding, subnormal numbers, the precision of the x87 and traps of the caller. They change no
+// run, and the caller has them again afterwards.
+TEST(EqualRuns, HaveTheirOwnFloatingPointEnvironment) {
+  const auto set_x87 = [](unsigned short control) { __asm__("fldcw %0" : : "m"(control)); };
+  const auto x87 = [] {
+    unsigned short control = 0;
+    __asm__("fnstcw %0" : "=m"(control));
+    return control;
+  };
+  constexpr unsigned kFlushes = 0x8040, kFlags = 0x3F;
+  const std::vector<std::function<void()>> environments = {
+      [] { std::fesetround(FE_UPWARD); }, [] { std::fesetround(FE_DOWNWARD); },
+      [] { std::fesetround(FE_TOWARDZERO); }, [] { _mm_setcsr(_mm_getcsr() | kFlushes); },
+      [&] { set_x87(0x027F); },  // 53 bits
+      // The standard library's own paths raise FE_INEXACT before the run begins.
+      [] { feenableexcept(FE_UNDERFLOW | FE_DIVBYZERO | FE_OVERFLOW | FE_INVALID); }};
+  for (const auto& [scenario, name, duration] :
+       {std::tuple("motor_estimation", "stf", "run.duration_s=0.3"),
+        {"cart_constrained", "lqr-idob", "run.duration_s=0.3"},
+        {"quadrotor_waves", "ekf-second", "run.duration_s=0.3"}}) {
+    const Recording usual = run_case(scenario, name, {duration});
+    for (std::size_t i = 0; i < environments.size(); ++i) {
+      std::fenv_t before;
+      std::fegetenv(&before);
+      environments[i]();
+      const unsigned csr = _mm_getcsr() & ~kFlags, control = x87();
+      const Recording run = run_case(scenario, name, {duration});
+      const unsigned csr_then = _mm_getcsr() & ~kFlags, control_then = x87();
+      std::fesetenv(&before);
+      EXPECT_EQ(run.state_hash, usual.state_hash) << scenario << ", environment " << i;
+      EXPECT_EQ(csr_then, csr);
+      EXPECT_EQ(control_then, control);
+      ASSERT_EQ(run.metrics.size(), usual.metrics.size());
+      for (std::size_t m = 0; m < run.metrics.size(); ++m) {
+        EXPECT_EQ(run.metrics[m].value, usual.metrics[m].value) << run.metrics[m].name;
+      }
+    }
+  }
+}
+
+TEST(EncoderRounding, IsAKeyOfMotorCartsAndArm) {
+  struct Plant {
+    const char* scenario;
+    const char* case_name;
+    const char* key;
+    std::vector<std::string> sets;
+    const char* measured;
+    const char* truth;
+    double quantum;
+  };
+  const double coarse = 2.0 * std::numbers::pi / 400.0;
+  const std::vector<Plant> plants = {{"motor_estimation",
+                                      "idob",
+                                      "encoder.rounding",
+                                      {"run.duration_s=2", "encoder.bits=8"},
+                                      "position_measured_rad",
+                                      "qpos",
+                                      2.0 * std::numbers::pi / 256.0},
+                                     {"cart_position",
+                                      "kfd",
+                                      "encoder.rounding",
+                                      {"run.duration_s=2", "encoder.resolution_m=1e-3"},
+                                      "position_measured_m",
+                                      "qpos",
+                                      1e-3},
+                                     {"arm_push",
+                                      "hpfc-link1",
+                                      "sensor.encoder_rounding",
+                                      {"run.duration_s=1.5", "push.start_s=0.2", "push.rise_s=0.3",
+                                       "sensor.encoder_counts_per_turn=400"},
+                                      "q_measured_rad",
+                                      "q_true_rad",
+                                      coarse}};
+  for (const Plant& plant : plants) {
+    SCOPED_TRACE(plant.scenario);
+    const auto most = [&](const std::string& rounding) {
+      std::vector<std::string> sets = plant.sets;
+      sets.push_back(std::string(plant.key) + "=" + rounding);
+      return most_lost_counts(plant.scenario, plant.case_name, sets, plant.measured, plant.truth,
+                              plant.quantum);
+    };
+    EXPECT_LT(most("nearest"), 0.6);  // the true sample before
+    EXPECT_GT(most("truncate"), 0.8);
+    EXPECT_LT(most("truncate"), 1.1);
+  }
+}
+
+TEST(BriefRuns, EveryCaseOfEveryScenarioRunsForATenthOfASecond) {
+  for (const std::string& scenario : testing::scenario_names()) {
+    const ScenarioFile file = testing::scenario_file(scenario);
+    for (const std::string& name : file.cases()) {
+      const PreparedRun run = testing::prepare(scenario, name, {"run.duration_s=0.1"});
+      const Recording recording = run.scenario->run({});
+      EXPECT_FALSE(recording.failure) << scenario << " " << name;
+      EXPECT_NEAR(recording.simulated_s, 0.1, 0.011) << scenario << " " << name;
+      for (const auto& [metric, value] : values(recording.metrics)) {
+        EXPECT_TRUE(std::isfinite(value)) << scenario << " " << name << " " << metric;
+      }
+    }
+  }
+}
+
+// Measured times are not metrics.
+TEST(SameRunTwice, GivesTheSameMetricsToTheLastBit) {
+  struct Run {
+    const char* scenario;
+    const char* case_name;
+    std::vector<std::string> sets;
+  };
+  const std::vector<Run> runs = {
+      {"cart_constrained", "proposed-idob", {"run.duration_s=2"}},
+      {"cart_offset_free", "proposed", {"run.duration_s=6"}},
+      {"cart_position", "mpc-short", {"run.duration_s=1"}},
+      {"quadrotor_waves", "ukf-zero", {"run.duration_s=3", "metrics.window_s=2"}}};
+  for (const Run& run : runs) {
+    const Recording one = run_case(run.scenario, run.case_name, run.sets);
+    const Recording two = run_case(run.scenario, run.case_name, run.sets);
+    EXPECT_FALSE(one.metrics.empty());
+    EXPECT_EQ(values(one.metrics), values(two.metrics)) << run.scenario;
+    EXPECT_FALSE(one.costs.empty()) << run.scenario;
+    EXPECT_EQ(one.costs.size(), two.costs.size());
+    for (const Metric& cost : one.costs) {
+      EXPECT_TRUE(cost.name.ends_with("_us")) << cost.name;
+      EXPECT_GT(cost.value, 0.0) << cost.name;
+    }
+  }
+}
+
+// Runs leave out parts that do not affect the motion. The results stay the same.
+
+// Short runs with all their events.
+std::vector<std::string> shortened(const std::string& scenario) {
+  if (scenario == "arm_wall_contact") {
+    return {"run.duration_s=6", "wall.solid_from_s=1.5", "force.from_s=2",      "metrics.from_s=5",
+            "metrics.to_s=6",   "record.fine_from_s=2",  "record.fine_to_s=2.1"};
+  }
+  if (scenario == "quadrotor_waves") return {"run.duration_s=3", "metrics.window_s=2"};
+  return {"run.duration_s=3"};
+}
+
+void expect_same(const Recording& a, const Recording& b, const std::string& which) {
+  EXPECT_EQ(a.state_hash, b.state_hash) << which;
+  ASSERT_EQ(a.metrics.size(), b.metrics.size()) << which;
+  for (std::size_t i = 0; i < a.metrics.size(); ++i) {
+    EXPECT_EQ(a.metrics[i].name, b.metrics[i].name) << which;
+    EXPECT_EQ(a.metrics[i].value, b.metrics[i].value) << which << " " << a.metrics[i].name;
+  }
+}
+
+TEST(WholeModels, GiveEveryScenarioTheSameStatesAndMetrics) {
+  for (const std::string& scenario : testing::scenario_names()) {
+    const std::vector<std::string> sets = shortened(scenario);
+    const std::string name = testing::scenario_file(scenario).default_case();
+    const Recording run = completed_run(scenario, name, sets);
+    const WholeModels whole;
+    expect_same(run, run_case(scenario, name, sets), scenario);
+  }
+}
+
+TEST(WholeModels, TheArmHitsTheWallInTheShortenedRun) {
+  const Recording run =
+      run_case("arm_wall_contact", testing::scenario_file("arm_wall_contact").default_case(),
+               shortened("arm_wall_contact"));
+  const bool touches = std::any_of(run.metrics.begin(), run.metrics.end(), [](const Metric& m) {
+    return m.name == "peak_force_raw_N" && m.value > 0.0;
+  });
+  EXPECT_TRUE(touches);
+}
+
+// Without a log the poles of an estimator are computed only for metrics.
+TEST(UnwatchedRuns, HaveTheMetricsOfThoseWithALog) {
+  RunControl unwatched;
+  unwatched.logs = false;
+  for (const char* scenario : {"motor_estimation", "cart_estimation", "cart_position"}) {
+    const ScenarioFile file = testing::scenario_file(scenario);
+    for (const std::string& name : file.cases()) {
+      expect_same(run_case(scenario, name), run_case(scenario, name, {}, unwatched), name);
+    }
+  }
+}
+
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::shipped_cases_test

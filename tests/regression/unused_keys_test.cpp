@@ -1,14 +1,11 @@
 // Keys reported as ineffective have no effect, and no shipped case sets one.
-
 #include <fmt/format.h>
-
-#include <map>
 
 #include <breakwater/experiment/runner.h>
 #include <breakwater/shell/all_cores.h>
 #include "catalogue.h"
 
-namespace breakwater {
+namespace breakwater::unused_keys_test {
 namespace {
 
 TEST(UnusedKeys, NoShippedCaseSetsOne) {
@@ -194,4 +191,4 @@ TEST(UnusedKeys, DoNotChangeTheStateHash) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::unused_keys_test

@@ -1,11 +1,5 @@
 // Every observer of an axis in the catalogue, with numbers that a broken sensor may send.
-#include <gtest/gtest.h>
-
 #include <Eigen/Eigenvalues>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include <breakwater/config/fields.h>
 #include <breakwater/experiment/catalogue.h>

@@ -1,11 +1,8 @@
 // Forecasts that know the sea: the true future, and a probe upstream.
-
-#include <cmath>
-
 #include <breakwater/rigs/sea_forecasts.h>
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::sea_forecasts_test {
 namespace {
 
 const Eigen::Vector3d kPlace(10.0, 15.0, -10.0);
@@ -125,10 +122,10 @@ TEST(SeaForecasts, UpstreamRemovesAConstantForce) {
 TEST(SeaForecasts, RefuseWhatTheyCannotKnow) {
   QuadrotorTask printed = task(40);
   printed.waves.mode = WaveMode::thesis;
-  EXPECT_THROW(ToldForecast(printed, 0.1), std::invalid_argument);
-  EXPECT_THROW(UpstreamForecast(printed, {}), std::invalid_argument);
-  EXPECT_THROW(UpstreamForecast(task(40), {.window_s = 5.0}), std::invalid_argument);
+  EXPECT_REFUSED(ToldForecast(printed, 0.1));
+  EXPECT_REFUSED(UpstreamForecast(printed, {}));
+  EXPECT_REFUSED(UpstreamForecast(task(40), {.window_s = 5.0}));
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::sea_forecasts_test

@@ -1,10 +1,13 @@
+// Contacts of the engine and of own laws against closed forms.
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/sim/contact.h>
-
-#include <cmath>
-
+#include <breakwater/sim/contact_stability.h>
+#include <breakwater/sim/named_elements.h>
+#include <breakwater/sim/simulation.h>
+#include <breakwater/sim/wall_contact.h>
 #include "sim/small_models.h"
 
-namespace breakwater {
+namespace breakwater::contact_test {
 namespace {
 
 // A ball of mass m on a slide with a motor, 0.1 m before a wall.
@@ -91,12 +94,12 @@ TEST(Contact, NeverPulls) {
 TEST(Contact, RefusesUnsupportedContacts) {
   Model model = ball_and_wall(1.0, 0.0);
   const int ball = model.id(mjOBJ_GEOM, "ball"), wall = model.id(mjOBJ_GEOM, "wall");
-  EXPECT_THROW(author_contact(model, ball, wall, {0.0, 1.0}), std::invalid_argument);
-  EXPECT_THROW(author_contact(model, ball, wall, {1.0, -1.0}), std::invalid_argument);
-  EXPECT_THROW(author_contact(model, ball, wall, {std::nan(""), 1.0}), std::invalid_argument);
-  EXPECT_THROW(author_contact(model, wall, wall, {1.0, 1.0}), std::invalid_argument);
+  EXPECT_REFUSED(author_contact(model, ball, wall, {0.0, 1.0}));
+  EXPECT_REFUSED(author_contact(model, ball, wall, {1.0, -1.0}));
+  EXPECT_REFUSED(author_contact(model, ball, wall, {std::nan(""), 1.0}));
+  EXPECT_REFUSED(author_contact(model, wall, wall, {1.0, 1.0}));
   model.get()->geom_condim[wall] = 3;
-  EXPECT_THROW(author_contact(model, ball, wall, {1.0, 1.0}), std::invalid_argument);
+  EXPECT_REFUSED(author_contact(model, ball, wall, {1.0, 1.0}));
 }
 
 // The arm's wall therefore belongs to the world. If a wall has its own body, MuJoCo 2.2.2 finds
@@ -115,5 +118,150 @@ TEST(Contact, EngineDoublesContactsWithAPlaneOnItsOwnBody) {
   }
 }
 
+// The largest growth in a step of m ẍ = −k x − c ẋ.
+double growth(Integrator integrator, double h, const ContactSlopes& slopes) {
+  const double k = slopes.stiffness_N_m / slopes.mass_kg;
+  const double c = slopes.damping_Ns_m / slopes.mass_kg;
+  Eigen::Matrix2d step;
+  if (integrator == Integrator::rk4) {
+    const Eigen::Matrix2d a = h * (Eigen::Matrix2d() << 0.0, 1.0, -k, -c).finished();
+    step = Eigen::Matrix2d::Identity() + a + a * a / 2.0 + a * a * a / 6.0 + a * a * a * a / 24.0;
+  } else {  // v += h a, x += h v
+    step << 1.0 - h * h * k, h - h * h * c, -h * k, 1.0 - h * c;
+  }
+  return spectral_radius(step);
+}
+
+TEST(ContactStability, TheLimitIsWhereTheStepBeginsToGrow) {
+  testing::Random random;
+  for (const Integrator integrator : {Integrator::euler, Integrator::rk4, Integrator::implicit}) {
+    for (int i = 0; i < 200; ++i) {
+      const ContactSlopes slopes = {.stiffness_N_m = std::pow(10.0, random.uniform(1.0, 7.0)),
+                                    .damping_Ns_m = std::pow(10.0, random.uniform(-1.0, 4.0)),
+                                    .mass_kg = std::pow(10.0, random.uniform(-2.0, 2.0))};
+      const double h = longest_stable_timestep_s(integrator, slopes);
+      EXPECT_LE(growth(integrator, 0.999 * h, slopes), 1.0 + 1e-12);
+      EXPECT_GT(growth(integrator, 1.001 * h, slopes), 1.0);
+      EXPECT_TRUE(is_stable(integrator, 0.999 * h, slopes));
+      EXPECT_FALSE(is_stable(integrator, 1.001 * h, slopes));
+    }
+  }
+}
+
+TEST(ContactStability, ARelaxationHasALimitOfItsOwn) {
+  const ContactSlopes slopes = {.stiffness_N_m = 1.0, .relaxation_1_s = 1e3};
+  EXPECT_DOUBLE_EQ(longest_stable_timestep_s(Integrator::euler, slopes), 2e-3);
+  EXPECT_FALSE(is_stable(Integrator::rk4, 2.1e-3, slopes));
+}
+
+TEST(ContactStability, SlopesAreThoseOfTheLaw) {
+  const HuntCrossley law(1e5, 1.5, 0.8);
+  const ContactSlopes slopes = slopes_of(law, {}, 4e-4, 0.5, 2.0);
+  EXPECT_NEAR(slopes.stiffness_N_m, 1e5 * 1.5 * 0.02 * 1.4, 1e-2);
+  EXPECT_NEAR(slopes.damping_Ns_m, 1e5 * 8e-6 * 0.8, 1e-6);
+  EXPECT_EQ(slopes.mass_kg, 2.0);
+  WallMotion wall{.mass_kg = 6.0, .stiffness_N_m = 100.0, .damping_Ns_m = 10.0};
+  EXPECT_EQ(with_wall(slopes, wall).mass_kg, 2.0) << "a fixed wall";
+  wall.kind = WallMotionKind::free;
+  const ContactSlopes both = with_wall(slopes, wall);
+  EXPECT_DOUBLE_EQ(both.mass_kg, 1.5);
+  EXPECT_NEAR(both.stiffness_N_m, slopes.stiffness_N_m + 25.0, 1e-9);
+  EXPECT_NEAR(both.damping_Ns_m, slopes.damping_Ns_m + 2.5, 1e-12);
+  const StandardLinearSolid solid(1e3, 2e3, 0.01);
+  EXPECT_NEAR(slopes_of(solid, {}, 1e-3, 0.0, 1.0).stiffness_N_m, 3e3, 1e-3);
+  EXPECT_NEAR(slopes_of(solid, {}, 1e-3, 0.0, 1.0).relaxation_1_s, 100.0, 1e-3);
+}
+
+constexpr double kBall_kg = 0.5, kWall_kg = 1.5, kStiffness_N_m = 1e4, kSpeed_m_s = 0.3;
+// The two masses oscillate on the spring of the contact.
+const double kOmega_rad_s = std::sqrt(kStiffness_N_m * (1.0 / kBall_kg + 1.0 / kWall_kg));
+
+// A ball that touches a free wall.
+class Impact {
+ public:
+  Impact(Integrator integrator, double step_s)
+      : controller_([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {}),
+        simulation_(model(integrator, step_s), controller_, {}, 1),
+        contact_(simulation_.model(), "ball", "wall",
+                 std::make_unique<KelvinVoigt>(kStiffness_N_m, 0.0, KelvinVoigt::By::force),
+                 {.kind = WallMotionKind::free, .mass_kg = kWall_kg}) {
+    contact_.set_solid(true);
+    simulation_.add(contact_);
+    const double speed = kSpeed_m_s;
+    simulation_.set_velocity({&speed, 1});
+  }
+  void step() { simulation_.step(); }
+  double time_s() const { return simulation_.data().time; }
+  double ball_m() const { return simulation_.data().qpos[0]; }
+  double ball_m_s() const { return simulation_.data().qvel[0]; }
+  const WallContact& contact() const { return contact_; }
+
+ private:
+  static Model model(Integrator integrator, double step_s) {
+    Model model = testing::model_of(R"(<mujoco><option gravity="0 0 0"/><worldbody>
+      <geom name="wall" type="plane" size="1 1 1" zaxis="-1 0 0" contype="0" conaffinity="0"/>
+      <body><inertial pos="0 0 0" mass="0.5" diaginertia="1 1 1"/>
+        <joint name="x" type="slide" axis="1 0 0"/>
+        <geom name="ball" type="sphere" size="0.02" pos="-0.02 0 0" mass="0" contype="0"
+          conaffinity="0"/></body></worldbody></mujoco>)");
+    model.set_physics(step_s, integrator);
+    return model;
+  }
+
+  testing::FunctionController controller_;
+  Simulation simulation_;
+  WallContact contact_;
+};
+
+// Euler's method moves the wall by the new speed, as the engine moves the ball.
+TEST(WallContact, AFreeWallMovesByTheSpeedThatTheForceGaveIt) {
+  Impact impact(Integrator::euler, 1e-4);
+  double impulse = 0.0, wall_m = 0.0;
+  for (int k = 0; k < 400; ++k) {
+    impact.step();
+    ASSERT_NEAR(impact.contact().wall_m(), wall_m, 1e-15) << k;
+    impulse += impact.contact().impulse_Ns();
+    wall_m += 1e-4 * impulse / kWall_kg;
+    ASSERT_NEAR(impact.ball_m_s(), kSpeed_m_s - impulse / kBall_kg, 1e-12) << k;
+  }
+  EXPECT_NEAR(impulse, 2.0 * kSpeed_m_s / (1.0 / kBall_kg + 1.0 / kWall_kg), 1e-3 * impulse);
+}
+
+// Two masses on a spring: half a period of a sine, then both are free.
+TEST(WallContact, AFreeWallHasTheClosedFormsMotion) {
+  Impact impact(Integrator::rk4, 1e-4);
+  const double share = kBall_kg / (kBall_kg + kWall_kg), end_s = M_PI / kOmega_rad_s;
+  for (double t = 0.0; t < 0.95 * end_s; t = impact.time_s()) {
+    const double depth = kSpeed_m_s / kOmega_rad_s * std::sin(kOmega_rad_s * t);
+    ASSERT_NEAR(impact.ball_m(), share * kSpeed_m_s * t + (1.0 - share) * depth, 1e-10) << t;
+    impact.step();
+    ASSERT_NEAR(impact.contact().wall_m(), share * (kSpeed_m_s * t - depth), 1e-10) << t;
+    ASSERT_NEAR(impact.contact().force_N(), kStiffness_N_m * depth, 1e-6) << t;
+  }
+}
+
+TEST(GeomContact, IsTheWeightOfTheBallThatRests) {
+  const Model model = testing::model_of(R"(<mujoco><worldbody>
+      <geom name="floor" type="plane" size="1 1 1"/>
+      <body pos="0 0 0.1"><joint type="slide" axis="0 0 1" damping="20"/>
+        <geom name="light" type="sphere" size="0.1" mass="1"/></body>
+      <body pos="0.5 0 0.1"><joint type="slide" axis="0 0 1" damping="20"/>
+        <geom name="heavy" type="sphere" size="0.1" mass="3"/><site name="tip"/></body>
+      </worldbody></mujoco>)");
+  const DataPointer data = model.make_data();
+  for (int k = 0; k < 2000; ++k) mj_step(model.get(), data.get());
+  const auto force_N = [&](const char* one, const char* other) {
+    return GeomContact(model, one, other).force_N(model, *data);
+  };
+  EXPECT_NEAR(force_N("light", "floor"), 9.81, 1e-3);
+  EXPECT_NEAR(force_N("floor", "light"), 9.81, 1e-3);
+  EXPECT_NEAR(force_N("heavy", "floor"), 29.43, 1e-3);
+  EXPECT_EQ(force_N("heavy", "light"), 0.0);
+  EXPECT_EQ(geom_id(model, "heavy"), 2);
+  EXPECT_EQ(site_id(model, "tip"), 0);
+  EXPECT_TRUE(has_geom(model, "floor"));
+  EXPECT_FALSE(has_geom(model, "tip"));
+}
+
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::contact_test

@@ -1,14 +1,13 @@
 // The files of a model: exactly those that the engine opens.
-#include <breakwater/plants/mjcf_files.h>
-
 #include <cstdint>
-#include <set>
 
+#include <breakwater/plants/mjcf_files.h>
 #include <breakwater/sim/model.h>
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::mjcf_files_test {
 namespace {
+
 namespace fs = std::filesystem;
 
 class MjcfFiles : public ::testing::Test {
@@ -84,7 +83,7 @@ TEST_F(MjcfFiles, AreExactlyTheFilesThatTheEngineNeeds) {
     fs::rename(entry.path(), aside);
     const std::string name = entry.path().lexically_relative(folder_).string();
     if (needed.contains(name)) {
-      EXPECT_THROW(Model::load(model), std::invalid_argument) << name;
+      EXPECT_REFUSED(Model::load(model)) << name;
     } else {
       EXPECT_NO_THROW(Model::load(model)) << name;
     }
@@ -114,4 +113,4 @@ TEST_F(MjcfFiles, AnotherFileHasOnlyItself) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::mjcf_files_test

@@ -1,8 +1,5 @@
 // The quadrotor's MJCF and its forces against the thesis' matrices, closed forms and an ODE.
-
 #include <Eigen/Geometry>
-
-#include <cmath>
 
 #include <breakwater/control/backstepping.h>
 #include <breakwater/sim/simulation.h>
@@ -10,7 +7,7 @@
 #include <breakwater/world/noise.h>
 #include "sim/small_models.h"
 
-namespace breakwater {
+namespace breakwater::quadrotor_test {
 namespace {
 
 using Vector12d = Eigen::Matrix<double, 12, 1>;
@@ -406,4 +403,4 @@ TEST(QuadrotorForces, ClosedLoopTracksAsTheOde) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::quadrotor_test

@@ -1,21 +1,11 @@
-#include <breakwater/sim/transmission.h>
-
-#include <gtest/gtest.h>
-
 #include <Eigen/LU>
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <complex>
-#include <numbers>
 #include <regex>
-#include <string>
-#include <vector>
 
 #include <breakwater/plants/motor_and_load.h>
 #include <breakwater/plants/xml_file.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
+#include <breakwater/sim/transmission.h>
 #include "sim/small_models.h"
 
 namespace breakwater::transmission_test {
@@ -265,16 +255,13 @@ TEST(Transmission, RefusesATimestepBeyondTheStabilityLimit) {
       Transmission(model, "motor", "load", {.stiffness = 50.0}).check_stability(model);
     };
     EXPECT_NO_THROW(check(0.99 * limit / omega));
-    EXPECT_THROW(check(1.01 * limit / omega), std::invalid_argument);
+    EXPECT_REFUSED(check(1.01 * limit / omega));
   }
   const Model slow = drive(0.04);
-  try {
-    Transmission(slow, "motor", "load", {.stiffness = 50.0}).check_stability(slow);
-    FAIL();
-  } catch (const std::invalid_argument& refused) {
-    EXPECT_NE(std::string(refused.what()).find("that divides it is 0.02"), std::string::npos)
-        << refused.what();
-  }
+  EXPECT_TRUE(has(complaint_of([&] {
+                    Transmission(slow, "motor", "load", {.stiffness = 50.0}).check_stability(slow);
+                  }),
+                  "that divides it is 0.02"));
 }
 
 // models/two_inertia.xml without its motor, and with a rotor added in its place.
@@ -368,9 +355,9 @@ TEST(AddedRotor, GravityDoesNotActOnIt) {
 
 TEST(AddedRotor, RefusesNonsense) {
   Model model = drive_with_added_rotor(1.0);
-  EXPECT_THROW(model.add_rotor(0, 0, 1.0, 0.01, "rotor"), std::invalid_argument);
-  EXPECT_THROW(model.add_rotor(0, 0, 1.0, 0.01, "load"), std::invalid_argument);
-  EXPECT_THROW(model.add_rotor(0, 0, 1.0, 0.0, "other"), std::invalid_argument);
+  EXPECT_REFUSED(model.add_rotor(0, 0, 1.0, 0.01, "rotor"));
+  EXPECT_REFUSED(model.add_rotor(0, 0, 1.0, 0.01, "load"));
+  EXPECT_REFUSED(model.add_rotor(0, 0, 1.0, 0.0, "other"));
 }
 
 TEST(Transmission, RefusesNonsense) {
@@ -379,14 +366,14 @@ TEST(Transmission, RefusesNonsense) {
                         const TransmissionDesign& design) {
     return Transmission(model, motor, load, design);
   };
-  EXPECT_THROW(make("motor", "motor", {.stiffness = 1.0}), std::invalid_argument);
-  EXPECT_THROW(make("motor", "wheel", {.stiffness = 1.0}), std::invalid_argument);
+  EXPECT_REFUSED(make("motor", "motor", {.stiffness = 1.0}));
+  EXPECT_REFUSED(make("motor", "wheel", {.stiffness = 1.0}));
   for (const TransmissionDesign& wrong :
        {TransmissionDesign{}, TransmissionDesign{.ratio = 0.0, .stiffness = 1.0},
         TransmissionDesign{.stiffness = 1.0, .damping = -1.0},
         TransmissionDesign{.stiffness = 1.0, .backlash = std::nan("")},
         TransmissionDesign{.stiffness = 1.0, .kinematic_error = INFINITY}}) {
-    EXPECT_THROW(make("motor", "load", wrong), std::invalid_argument);
+    EXPECT_REFUSED(make("motor", "load", wrong));
   }
 }
 

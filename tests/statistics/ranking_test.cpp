@@ -197,6 +197,9 @@ TEST(Ranking, SaysWhatWouldShowADifference) {
       testing::has(ranking_sentence(ranked(peaks.topRows(4))),
                    "4 conditions are too few to show any difference, which needs 7 or more"));
   peaks.col(1) = peaks.col(0);
+  peaks.col(2) = peaks.col(0);
+  EXPECT_TRUE(
+      testing::has(ranking_sentence(ranked(peaks)), "a (8.5 N) and any of b (8.5 N) and c"));
   EXPECT_TRUE(testing::has(ranking_sentence(ranked(peaks)), "they are equal in 8 conditions"));
   PairedResults results = results_of(peaks.topRows(5));
   results.failed(0, 0) = 1.0;

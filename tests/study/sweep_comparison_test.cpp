@@ -236,6 +236,13 @@ TEST_F(SweepComparison, TheFirstRunsRevealAMisspeltMetric) {
         "--goal: unheard_of: there is no such metric (there are y_1, positive_x_second_1)"},
        {"--metrics y_2", "compare.metrics: y_2: there is no such metric (did you mean y_1?)"}});
   EXPECT_EQ(sweep("ishigami --metrics y_2 --dry-run").status, 2);
+  // A finished study is not changed by one either.
+  const std::string study = "ishigami --case plain,noisy --seeds 1..9 --out finished ";
+  swept(study);
+  const std::string text = read("finished/study.toml");
+  EXPECT_EQ(sweep(study + "--goal y_2=max").err,
+            "--goal: y_2: there is no such metric (did you mean y_1?)\n");
+  EXPECT_EQ(read("finished/study.toml"), text);
 }
 
 TEST_F(SweepComparison, SensitivityIndicesOfTheIshigamiFunctionMatchTheClosedForm) {

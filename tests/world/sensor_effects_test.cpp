@@ -1,15 +1,12 @@
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <stdexcept>
-#include <vector>
-
+// Sensors: their errors, their chain and their noise.
 #include <breakwater/world/encoder.h>
+#include <breakwater/world/force_sensor.h>
 #include <breakwater/world/low_pass.h>
+#include <breakwater/world/noise.h>
 #include <breakwater/world/sensor_fault.h>
+#include "support.h"
 
-namespace breakwater {
+namespace breakwater::sensor_effects_test {
 namespace {
 
 TEST(Encoder, RoundsToTheNearestCount) {
@@ -88,9 +85,9 @@ TEST(LowPass, WithoutTimeConstantItPassesItsInputOn) {
 }
 
 TEST(LowPass, RefusesNonsense) {
-  EXPECT_THROW(LowPass(-1.0, 1e-3), std::invalid_argument);
-  EXPECT_THROW(LowPass(1.0, 0.0), std::invalid_argument);
-  EXPECT_THROW(LowPass(std::nan(""), 1e-3), std::invalid_argument);
+  EXPECT_REFUSED(LowPass(-1.0, 1e-3));
+  EXPECT_REFUSED(LowPass(1.0, 0.0));
+  EXPECT_REFUSED(LowPass(std::nan(""), 1e-3));
 }
 
 TEST(FaultySensor, BreaksFromItsTimeForItsSamples) {
@@ -128,9 +125,134 @@ TEST(FaultySensor, BreaksFromItsTimeForItsSamples) {
   FaultySensor at_once({"q", 0.0, 2, FaultKind::frozen}, 1e-3);
   EXPECT_EQ(at_once.update(0.0, 3.0), 3.0);
   EXPECT_EQ(at_once.update(1.0, 4.0), 3.0);
-  EXPECT_THROW(FaultySensor({"q", 0.0, 1, FaultKind::stuck}, 1e-3), std::invalid_argument);
-  EXPECT_THROW(FaultySensor({"q", 0.0, 1, FaultKind::bias, kNan}, 1e-3), std::invalid_argument);
+  EXPECT_REFUSED(FaultySensor({"q", 0.0, 1, FaultKind::stuck}, 1e-3));
+  EXPECT_REFUSED(FaultySensor({"q", 0.0, 1, FaultKind::bias, kNan}, 1e-3));
+}
+
+constexpr double kStep = 1e-4;
+
+TEST(ForceSensor, WithoutLinksItPassesTheBitsOn) {
+  Resonance body({}, kStep);
+  body.reset(1.0);
+  EXPECT_EQ(body.update(0.1), 0.1);
+  EXPECT_FALSE(SensorElectronics{}.is_on());
+  SampledReading reading({}, kStep, 1, "force");
+  reading.reset(1.0);
+  reading.update(0.1);
+  EXPECT_EQ(reading.value(), 0.1);
+}
+
+TEST(ForceSensor, BodyAnswersAStepAsASecondOrderSystem) {
+  const double omega = 300.0, zeta = 0.2;
+  Resonance body({omega, zeta}, kStep);
+  body.reset(0.0);
+  const double damped = omega * std::sqrt(1.0 - zeta * zeta);
+  for (int k = 1; k <= 1000; ++k) {
+    const double t = k * kStep;
+    const double expected =
+        2.0 - 2.0 * std::exp(-zeta * omega * t) *
+                  (std::cos(damped * t) + zeta * omega / damped * std::sin(damped * t));
+    ASSERT_NEAR(body.update(2.0), expected, 1e-12) << k;
+  }
+}
+
+double reading_of(const SensorElectronics& electronics, double value) {
+  SampledReading reading(electronics, kStep, 1, "force");
+  reading.reset(0.0);
+  reading.update(value);
+  return reading.value();
+}
+
+TEST(ForceSensor, BiasRangeAndStepsOfTheConverter) {
+  EXPECT_DOUBLE_EQ(reading_of({.bias = 0.3}, 2.0), 2.3);
+  EXPECT_DOUBLE_EQ(reading_of({.range = 1.5}, 2.0), 1.5);
+  EXPECT_DOUBLE_EQ(reading_of({.range = 1.5}, -2.0), -1.5);
+  EXPECT_DOUBLE_EQ(reading_of({.quantum = 0.25}, 1.9), 2.0);
+  // The range is that of the biased value, and the converter comes last.
+  EXPECT_DOUBLE_EQ(reading_of({.bias = 1.0, .range = 2.1, .quantum = 0.5}, 1.6), 2.0);
+}
+
+TEST(ForceSensor, HoldsForItsOwnPeriodAndDelays) {
+  SampledReading reading({.period_s = 3 * kStep, .delay_s = 2 * kStep}, kStep, 1, "force");
+  reading.reset(0.0);
+  std::vector<double> seen;
+  for (int k = 0; k < 9; ++k) {
+    reading.update(k);
+    seen.push_back(reading.value());
+  }
+  EXPECT_EQ(seen, (std::vector<double>{0, 0, 0, 0, 0, 3, 3, 3, 6}));
+}
+
+TEST(ForceSensor, DriftIsARandomWalkOfTheSizeThatWasAskedFor) {
+  double square = 0.0;
+  constexpr int kWalks = 400, kSteps = 100;
+  for (int seed = 1; seed <= kWalks; ++seed) {
+    SampledReading reading({.drift_per_sqrt_s = 0.5}, kStep, static_cast<std::uint64_t>(seed), "f");
+    reading.reset(0.0);
+    for (int k = 0; k <= kSteps; ++k) reading.update(0.0);
+    square += reading.value() * reading.value();
+  }
+  // The variance of 400 walks has a standard deviation of 7 %.
+  EXPECT_NEAR(square / kWalks, 0.25 * kSteps * kStep, 0.25 * 0.25 * kSteps * kStep);
+}
+
+TEST(ForceSensor, RefusesWhatIsNoSensor) {
+  EXPECT_REFUSED(Resonance({-1.0, 0.1}, kStep));
+  EXPECT_REFUSED(Resonance({1.0, HUGE_VAL}, kStep));
+  const std::vector<SensorElectronics> wrong = {{.drift_per_sqrt_s = -1.0},
+                                                {.range = -1.0},
+                                                {.quantum = -1.0},
+                                                {.period_s = 1.5 * kStep},
+                                                {.delay_s = 0.5 * kStep}};
+  for (const SensorElectronics& electronics : wrong) {
+    EXPECT_REFUSED(SampledReading(electronics, kStep, 1, "f"));
+  }
+}
+
+TEST(Noise, IsAPureFunctionOfSeedChannelAndSample) {
+  const Noise a(7, "q1"), b(7, "q1");
+  const double later = a(1000);
+  a(3);
+  EXPECT_EQ(b(1000), later);
+  EXPECT_NE(Noise(8, "q1")(1000), later);
+  EXPECT_NE(Noise(7, "q2")(1000), later);
+  EXPECT_NE(a(1001), later);
+}
+
+TEST(Noise, IsStandardNormal) {
+  const Noise noise(1, "force");
+  const int n = 200000;
+  std::vector<double> values;
+  double sum = 0, squares = 0;
+  for (int k = 0; k < n; ++k) {
+    values.push_back(noise(static_cast<std::uint64_t>(k)));
+    sum += values.back();
+    squares += values.back() * values.back();
+  }
+  EXPECT_NEAR(sum / n, 0.0, 4 / std::sqrt(n));
+  EXPECT_NEAR(squares / n, 1.0, 4 * std::sqrt(2.0 / n));
+  // Kolmogorov–Smirnov against the normal distribution, at 0.1 %.
+  std::sort(values.begin(), values.end());
+  double largest = 0;
+  for (int k = 0; k < n; ++k) {
+    const double normal = 0.5 * std::erfc(-values[k] / std::sqrt(2.0));
+    largest = std::max({largest, std::abs(normal - static_cast<double>(k) / n),
+                        std::abs(normal - static_cast<double>(k + 1) / n)});
+  }
+  EXPECT_LT(largest, 1.95 / std::sqrt(n));
+}
+
+TEST(Noise, SamplesAndChannelsAreUncorrelated) {
+  const Noise a(1, "q1"), b(1, "q2");
+  const int n = 100000;
+  double neighbours = 0, channels = 0;
+  for (std::uint64_t k = 0; k < n; ++k) {
+    neighbours += a(k) * a(k + 1);
+    channels += a(k) * b(k);
+  }
+  EXPECT_NEAR(neighbours / n, 0.0, 4 / std::sqrt(n));
+  EXPECT_NEAR(channels / n, 0.0, 4 / std::sqrt(n));
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::sensor_effects_test

@@ -1,12 +1,8 @@
 // The sea: its spectrum, its realisations, and the laws of water.
 #include <breakwater/world/waves.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::waves_test {
 namespace {
 
 SeaState sea(double height_m = 2.0, double period_s = 8.0) {
@@ -81,7 +77,7 @@ TEST(Waves, AccelerationHasItsMeanFrequencyAboveThePeak) {
   // It falls with depth, towards the peak frequency.
   EXPECT_GT(mean_acceleration_frequency(sea(), 0.0), mean_acceleration_frequency(sea(), 10.0));
   EXPECT_GT(mean_acceleration_frequency(sea(), 10.0), 2.0 * M_PI / sea().peak_period_s);
-  EXPECT_THROW(mean_acceleration_frequency(sea(), -1.0), std::invalid_argument);
+  EXPECT_REFUSED(mean_acceleration_frequency(sea(), -1.0));
 }
 
 TEST(Waves, AnHourHasTheSignificantHeight) {
@@ -213,16 +209,16 @@ TEST(Waves, StillWater) {
 }
 
 TEST(Waves, RefuseNonsense) {
-  EXPECT_THROW(Waves(sea(-1.0), 0.0), std::invalid_argument);
-  EXPECT_THROW(Waves(sea(1.0, 0.0), 0.0), std::invalid_argument);
-  EXPECT_THROW(Waves(sea(), -1.0), std::invalid_argument);
+  EXPECT_REFUSED(Waves(sea(-1.0), 0.0));
+  EXPECT_REFUSED(Waves(sea(1.0, 0.0), 0.0));
+  EXPECT_REFUSED(Waves(sea(), -1.0));
   SeaState s = sea();
   s.gamma = 0.5;
-  EXPECT_THROW(Waves(s, 0.0), std::invalid_argument);
+  EXPECT_REFUSED(Waves(s, 0.0));
   s = sea();
   s.components = 0;
-  EXPECT_THROW(Waves(s, 0.0), std::invalid_argument);
+  EXPECT_REFUSED(Waves(s, 0.0));
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::waves_test
