@@ -101,7 +101,7 @@ class SweepCommand : public StudyCommand {
   void check_growth() const override {
     const std::string reason = reason_against_growth(folder_.study(), plan_.study());
     if (!reason.empty()) folder_.fail_as_another(reason);
-    if (!options_.isolate) check_names(sweep_);  // of a goal that a finished study gets, too
+    if (!options_.isolate) check_names(sweep_);  // a finished study may get a goal
   }
 
   void print_dry_run() const override {
