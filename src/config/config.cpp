@@ -245,6 +245,12 @@ std::vector<std::string> Config::names_in(const std::string& table) const {
   return names;
 }
 
+std::optional<std::string> Config::text(const std::string& key) const {
+  const ConfigEntry* entry = find(key);
+  const auto* text = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
+  return text != nullptr ? std::optional(*text) : std::nullopt;
+}
+
 std::optional<double> Config::number(const std::string& key) const {
   const ConfigEntry* entry = find(key);
   if (entry == nullptr) return std::nullopt;
@@ -370,12 +376,11 @@ Config ScenarioFile::config(const std::string& case_name,
 }
 
 const Entries& ScenarioFile::reading(const Config& config) const {
-  const ConfigEntry* entry = config.find("reading");
-  if (entry == nullptr) config.fail("reading", "is missing");
+  if (config.find("reading") == nullptr) config.fail("reading", "is missing");
   std::vector<std::string> names;
   for (const auto& [name, keys] : readings_) names.push_back(name);
-  const auto* name = std::get_if<std::string>(&entry->value.data);
-  if (name == nullptr) config.fail("reading", "must be a string");
+  const auto name = config.text("reading");
+  if (!name) config.fail("reading", "must be a string");
   const auto found = readings_.find(*name);
   if (found == readings_.end()) {
     config.fail("reading", "there is no [readings." + *name + "]" + did_you_mean(*name, names));

@@ -50,6 +50,8 @@ class Config {
   Config under(const std::string& prefix) const;
 
   const ConfigEntry* find(const std::string& key) const;
+  /// The text of a key; nothing if the key is missing or is no text.
+  std::optional<std::string> text(const std::string& key) const;
   /// The number of a key; nothing if the key is missing or is not a number.
   std::optional<double> number(const std::string& key) const;
   const std::map<std::string, ConfigEntry>& entries() const { return entries_; }

@@ -118,11 +118,6 @@ std::string without_name(const std::string& key) {
   return of == "axis" && !is_own ? rest : "";
 }
 
-// "axis" for "axis.NAME.observer.alpha".
-std::string table_with_names(const std::string& key) {
-  return key.substr(0, key.find('.'));
-}
-
 // "" for a root key.
 std::string table_of(const std::string& key) {
   const std::size_t dot = key.rfind('.');
@@ -488,29 +483,19 @@ Fields::Error Fields::assign(Field& field, const ConfigValue& value, const Varia
   return suited != nullptr ? std::nullopt : first;
 }
 
-// The entries of a key without a name that are not those of a field, for the fields `named`.
-std::map<std::string, ConfigEntry> Fields::for_each_name(const ConfigEntry& entry,
-                                                         const std::vector<Field*>& named) {
-  const auto* array = std::get_if<ConfigValue::Array>(&entry.value.data);
-  // An array of lists, or an array where a key takes none.
-  const bool has_one_each = array != nullptr && array->size() == named.size() &&
-                            (std::holds_alternative<ConfigValue::Array>(array->front().data) ||
-                             assign(*named.front(), entry.value, nullptr));
-  std::map<std::string, ConfigEntry> entries;
-  for (std::size_t i = 0; i < named.size(); ++i) {
-    ConfigEntry& one = entries.emplace(named[i]->key, entry).first->second;
-    if (has_one_each) one.value = (*array)[i];
-  }
-  return entries;
+// Whether an array has an entry for each of the fields: it is one of lists, or they take no array.
+bool Fields::has_one_each(const ConfigValue::Array& array, const std::vector<Field*>& named) {
+  return array.size() == named.size() &&
+         (std::holds_alternative<ConfigValue::Array>(array.front().data) ||
+          assign(*named.front(), {array}, nullptr));
 }
 
 Config Fields::spread(const Config& config) {
+  without_name_.clear();
   // With controller.name = "axes" all keys of controllers and observers are those of the axes. A
   // file's keys for a controller that a case or --set replaces are not.
   const ConfigEntry* controller = config.find("controller.name");
-  const auto* controller_name =
-      controller != nullptr ? std::get_if<std::string>(&controller->value.data) : nullptr;
-  const bool is_of_axes = controller_name == nullptr || *controller_name == "axes";
+  const bool is_of_axes = config.text("controller.name").value_or("axes") == "axes";
   const bool is_replaced = controller != nullptr && controller->is_chosen;
   const auto is_own = [&](const std::string& key, const ConfigEntry& entry) {
     if (find(key) == nullptr) return false;
@@ -528,18 +513,25 @@ Config Fields::spread(const Config& config) {
     const auto found = named.find(key);
     if (found == named.end() || is_own(key, entry)) continue;
     whole.remove(key);
+    const std::vector<Field*>& fields = found->second;
+    const auto* array = std::get_if<ConfigValue::Array>(&entry.value.data);
+    const bool is_split = array != nullptr && has_one_each(*array, fields);
     bool counts = false;
-    for (auto& [name, one] : for_each_name(entry, found->second)) {
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const std::string& name = fields[i]->key;
       if (config.find(name) != nullptr) continue;
-      whole.apply({{name, one}});
+      ConfigEntry one = entry;
+      if (is_split) one.value = (*array)[i];
+      whole.apply({{name, std::move(one)}});
       without_name_[name] = key;
       counts = true;
     }
     if (!counts && entry.is_set()) {
-      config.fail(key, fmt::format("has no effect, since {} has a value of its own",
-                                   found->second.size() == 1
-                                       ? found->second.front()->key
-                                       : "each " + table_with_names(found->second.front()->key)));
+      const std::string& first = fields.front()->key;
+      config.fail(
+          key,
+          fmt::format("has no effect, since {} has a value of its own",
+                      fields.size() == 1 ? first : "each " + first.substr(0, first.find('.'))));
     }
   }
   return whole;
@@ -653,7 +645,6 @@ std::vector<const Fields::Field*> Fields::assign_all(const Config& config) {
 }
 
 void Fields::read(const Config& given) {
-  without_name_.clear();
   const Config config = spread(given);
   const std::vector<const Field*> missing = assign_all(config);
   if (!missing.empty()) config.fail(missing.front()->key, missing_in_words(missing));

@@ -273,8 +273,7 @@ class Fields {
   std::vector<const Field*> assign_all(const Config& config);
   // Gives the keys without a name to all names that lack them.
   Config spread(const Config& config);
-  static std::map<std::string, ConfigEntry> for_each_name(const ConfigEntry& entry,
-                                                          const std::vector<Field*>& named);
+  static bool has_one_each(const ConfigValue::Array& array, const std::vector<Field*>& named);
   std::vector<UnusedKey> unused_fields() const;
   void add(const std::string& name, Variable variable);
   // Makes the variable of another place follow the value of `first`.

@@ -68,12 +68,9 @@ std::vector<std::pair<std::string, TomlEntry>> TomlEntry::entries() const {
 void TomlEntry::allow(const std::vector<std::string>& keys) const {
   for (const auto& [key, entry] : entries()) {
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-    std::string meant = did_you_mean(key, keys);
     constexpr std::size_t kFew = 4;
-    if (meant.empty() && keys.size() <= kFew) {
-      meant = fmt::format(" (there are {})", fmt::join(keys, ", "));
-    }
-    entry.fail("unknown key" + meant);
+    entry.fail("unknown key" +
+               (keys.size() <= kFew ? did_you_mean_or_list : did_you_mean)(key, keys));
   }
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <mutex>
 #include <numeric>
@@ -318,15 +317,15 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
         continue;
       }
       const std::vector<std::string> parts = split(condition, " is ");
-      const ConfigEntry* entry = config.find(parts.front());
-      if (parts.size() != 2 || (entry == nullptr && !all().has(parts.front()))) {
+      const bool is_known = config.find(parts.front()) != nullptr || all().has(parts.front());
+      if (parts.size() != 2 || !is_known) {
         own.fail("where",
                  "\"" + condition + "\" must be KEY is VALUE, SIGNAL is there or TIME is reached");
       }
-      const auto* word = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
+      const auto word = config.text(parts.front());
       const std::vector<std::string> values = split(parts[1], " or ");
       const bool holds = std::any_of(values.begin(), values.end(), [&](const std::string& value) {
-        return word != nullptr ? *word == value : all().has_chosen(parts.front(), value);
+        return word ? *word == value : all().has_chosen(parts.front(), value);
       });
       if (!holds) unmet_[i] = "it is defined only where " + condition;
     }

@@ -64,9 +64,8 @@ void FinishedRun::read_settings(const ScenarioKind& kind) {
 }
 
 Model FinishedRun::load_scene() const {
-  const ConfigEntry* entry = config_->find("model.mjcf");
-  const auto* name = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
-  if (name == nullptr) config_->fail("model.mjcf", "is missing: there is nothing to draw");
+  const auto name = config_->text("model.mjcf");
+  if (!name) config_->fail("model.mjcf", "is missing: there is nothing to draw");
   ModelFile file(config_->find_file_of("model.mjcf", *name));
   if (const auto most = config_->number("model.most_elements")) {
     file.most_elements = static_cast<std::uint64_t>(*most);

@@ -26,6 +26,13 @@ std::vector<std::string> metric_names(const PointResult& run) {
   return names;
 }
 
+// Adds the names of metrics that are not there.
+void add_metrics(const PointResult& run, std::vector<std::string>& names) {
+  for (const std::string& name : metric_names(run)) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+}
+
 // The number of tests in Holm's correction: of the ranking if there is a goal, else of the
 // comparison. A test is a metric and a pair of candidates that differ in these runs.
 std::size_t tests_shown(const Plan& plan, const std::vector<PointResult>& runs) {
@@ -69,13 +76,13 @@ std::string seed_warning(const Sweep& sweep, const std::vector<PointResult>& run
   std::optional<Sweep> next_seed;
   if (is_one) next_seed.emplace(sweep.with_next_seed());
   const Sweep& other = next_seed ? *next_seed : sweep;
-  const std::uint64_t first = plan.study().seeds[0];
-  const std::uint64_t second = is_one ? first + 1 : plan.study().seeds[1];
+  const std::size_t place = is_one ? 0 : 1;  // where the second seed is
+  const std::uint64_t first = plan.study().seeds[0], second = other.plan().study().seeds[place];
   try {
     for (std::size_t c = 0; c < runs.size(); ++c) {
       if (runs[c].status != PointStatus::complete) continue;
       BriefLook look(interrupted());
-      const PointResult run = run_point(is_one ? c : runs.size() + c, other, look.control());
+      const PointResult run = run_point(place * runs.size() + c, other, look.control());
       if (are_same_run(run, runs[c])) continue;
       if (!is_one) return "";
       return fmt::format(
@@ -101,9 +108,7 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
       warnings.push_back(fmt::format("{}: the first run {}: {}", plan.candidates()[c].label,
                                      name_of(runs[c].status), runs[c].reason));
     }
-    for (const std::string& name : metric_names(runs[c])) {
-      if (std::find(all.begin(), all.end(), name) == all.end()) all.push_back(name);
-    }
+    add_metrics(runs[c], all);
   }
   for (std::size_t c = 0; c < runs.size(); ++c) {
     if (runs[c].status != PointStatus::complete) continue;
@@ -177,9 +182,7 @@ void check_names(const Sweep& sweep) {
       if (unknown_metrics(study, known).empty()) return;
       const PointResult run = run_point(first + c, sweep, control);
       if (run.status != PointStatus::complete) return;
-      for (const std::string& name : metric_names(run)) {
-        if (std::find(known.begin(), known.end(), name) == known.end()) known.push_back(name);
-      }
+      add_metrics(run, known);
     }
   }
   for (const UnknownMetric& one : unknown_metrics(study, known)) {

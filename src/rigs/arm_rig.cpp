@@ -160,9 +160,8 @@ TransmissionSettings ArmJoint::at_joint() const {
 }
 
 void ArmSettings::learn(const Config& config) {
-  const ConfigEntry* entry = config.find("model.urdf");
-  const auto* file = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
-  if (file == nullptr) return;
+  const auto file = config.text("model.urdf");
+  if (!file) return;
   Eigen::Index count = 1;
   try {
     count = load_planar_chain(config.find_file_of("model.urdf", *file)).joints();

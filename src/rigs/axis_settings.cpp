@@ -273,14 +273,9 @@ void AxisPlant::learn(const Config& config) {
   if (names.empty()) {
     config.fail("axis", "there is no table [axis.NAME]: a plant needs at least one axis");
   }
-  const auto text = [](const Config& from, const char* key) {
-    const ConfigEntry* entry = from.find(key);
-    const auto* value = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
-    return value != nullptr ? *value : std::string();
-  };
   // Missing keys are reported when all keys are read.
   std::optional<Model> model;
-  if (const std::string file = text(config, "model.mjcf"); !file.empty()) {
+  if (const std::string file = config.text("model.mjcf").value_or(""); !file.empty()) {
     ModelFile wanted(config.find_file_of("model.mjcf", file));
     if (const auto most = config.number("model.most_elements");
         most && *most >= 0.0 && *most < 1e9) {
@@ -291,8 +286,8 @@ void AxisPlant::learn(const Config& config) {
   std::vector<std::pair<int, Axis>> found;
   for (const std::string& name : names) {
     const Config own = config.under("axis." + name + ".");
-    const std::string joint_name = text(own, "joint");
-    const std::string motor_name = text(own, "transmission.motor_joint");
+    const std::string joint_name = own.text("joint").value_or("");
+    const std::string motor_name = own.text("transmission.motor_joint").value_or("");
     int joint = -1;
     bool is_hinge = true;
     std::string actuator = Axis::kNone;

@@ -40,6 +40,13 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return best != nullptr ? " (did you mean " + *best + "?)" : "";
 }
 
+std::string did_you_mean_or_list(const std::string& word,
+                                 const std::vector<std::string>& candidates) {
+  std::string meant = did_you_mean(word, candidates);
+  if (!meant.empty() || candidates.empty()) return meant;
+  return fmt::format(" (there are {})", fmt::join(candidates, ", "));
+}
+
 std::string must_be_one_of(const std::vector<std::string>& names, const std::string& word) {
   return fmt::format("must be one of {}, is \"{}\"{}", fmt::join(names, ", "), word,
                      did_you_mean(word, names));

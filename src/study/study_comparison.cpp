@@ -213,10 +213,8 @@ std::vector<UnknownMetric> unknown_metrics(const Study& study,
   std::vector<UnknownMetric> unknown;
   const auto add = [&](const std::string& place, const std::string& name, bool is_required) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return;
-    std::string meant = did_you_mean(name, known);
-    if (meant.empty() && is_required && !known.empty())
-      meant = fmt::format(" (there are {})", fmt::join(known, ", "));
-    unknown.push_back({place_of(study.places, place), name, std::move(meant), is_required});
+    unknown.push_back({place_of(study.places, place), name,
+                       (is_required ? did_you_mean_or_list : did_you_mean)(name, known)});
   };
   for (const std::string& name : study.metrics) add("compare.metrics: " + name, name, false);
   for (const auto& [name, goal] : study.goals) add("compare.goal." + name, name, true);

@@ -36,8 +36,7 @@ std::optional<Ranking> rank_study(const Plan& plan, const ShardIndex& index);
 struct UnknownMetric {
   std::string place;  ///< where it is named: "FILE:LINE: compare.goal.pea_N"
   std::string name;
-  std::string meant;         ///< did_you_mean(), or for a goal or bound: the known names
-  bool is_required = false;  ///< by compare.goal or [require]
+  std::string meant;  ///< did_you_mean(), or for a goal or bound: the known names
 };
 
 /// The metrics that compare.metrics, compare.goal or [require] name and `known` lacks.
