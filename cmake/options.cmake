@@ -39,6 +39,10 @@ target_compile_options(breakwater_options INTERFACE
 # 105651), and in Eigen's vectorised copies of small matrices. The sanitizers find real ones.
 target_compile_options(breakwater_options INTERFACE
   $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-array-bounds;-Wno-stringop-overflow>>)
+# GCC collects its garbage when the heap has half a gigabyte: collecting earlier takes 7 to 13 % of
+# the time of a unit.
+target_compile_options(breakwater_options INTERFACE
+  $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>>)
 # A program loads only the libraries that it uses, so simulations load no encoder.
 target_link_options(breakwater_options INTERFACE $<BUILD_INTERFACE:-Wl,--as-needed>)
 if(BREAKWATER_NATIVE)

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -28,7 +29,7 @@ namespace {
 constexpr const char* kAll = "all";
 
 struct Arguments {
-  std::string case_name;
+  std::vector<std::string> cases;
   RunChanges run;
   std::string seed;
   std::string out;
@@ -43,16 +44,19 @@ struct Arguments {
 };
 
 void describe(CLI::App& app, const std::string& video_program, Arguments& arguments) {
-  app.add_option("--case", arguments.case_name,
-                 "which case to run (--list-cases), or all: every case, on all cores")
-      ->type_name("NAME");
+  app.add_option("--case", arguments.cases,
+                 "which case to run (--list-cases); several, or all, run on all cores")
+      ->type_name("NAME[,NAME...]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
   add_run_changes(app, arguments.run, "another scenario file, such as a run's own config.toml",
                   "override keys of the scenario file (--print-config shows them all)");
   app.add_option("--seed", arguments.seed, "the same as --set run.seed=N")
       ->type_name("N")
       ->check(is_number);
   app.add_option("--out", arguments.out,
-                 "the run's folder; with --case all, the folder of the runs' folders\n"
+                 "the run's folder; of several runs the folder of their folders\n"
                  "(default: runs/SCENARIO/CASE-seedN)")
       ->type_name("DIR");
   arguments.video =
@@ -261,16 +265,22 @@ int run_batch(const Call& call, const Batch& batch,
 
 int run_cases(const Call& call) {
   const Arguments& arguments = call.arguments;
-  const bool all = arguments.case_name == kAll;
-  check_video(all && call.file.cases().size() > 1, arguments);
-  Batch batch = {arguments.case_name.empty() ? call.file.default_case() : arguments.case_name};
-  for (const std::string& name : all ? call.file.cases() : std::vector{batch.name}) {
+  std::vector<std::string> cases = arguments.cases;
+  if (cases.empty()) cases = {call.file.default_case()};
+  const bool several = cases.size() > 1 || cases.front() == kAll;
+  if (cases == std::vector<std::string>{kAll}) cases = call.file.cases();
+  check_video(cases.size() > 1, arguments);
+  Batch batch = {several ? kAll : cases.front()};
+  for (const std::string& name : cases) {
+    if (std::ranges::count(cases, name) > 1) {
+      throw std::invalid_argument("--case: " + name + " is there twice");
+    }
     batch.runs.push_back(call.prepare(name, all_sets(arguments)));
-    batch.places.push_back(all ? name : "");
+    batch.places.push_back(several ? name : "");
   }
-  if (all) batch.shared = {""};
-  if (arguments.print_config && all) {
-    throw std::invalid_argument("--print-config: prints one case, not all");
+  if (several) batch.shared = {""};
+  if (arguments.print_config && several) {
+    throw std::invalid_argument("--print-config: prints one case, not several");
   }
   if (arguments.print_config) {
     fmt::print("{}", batch.runs.front().config_text);
@@ -278,7 +288,7 @@ int run_cases(const Call& call) {
   }
   return run_batch(
       call, batch, [&](const std::vector<RunSummary>& runs, const std::string& out) -> std::string {
-        if (all) {
+        if (several) {
           return fmt::format(
               "results: {}\n\n{}", out,
               coloured(comparison_table(call.scenario, runs, call.catalogue, output_width())));
@@ -302,7 +312,7 @@ int run_matrix(const Call& call) {
   if (matrix.key.empty()) {
     throw std::invalid_argument(call.scenario + ": --matrix: this scenario has no conditions");
   }
-  if (!arguments.case_name.empty()) {
+  if (!arguments.cases.empty()) {
     throw std::invalid_argument(call.scenario + ": --matrix: runs all cases, so leave --case out");
   }
   for (const std::string& set : arguments.run.sets) {

@@ -109,8 +109,10 @@ TEST_F(CommandLine, AllCasesOnTwoThreadsGiveTheBitsOfOne) {
     EXPECT_TRUE(json("one/metrics.json").contains("peak_force_raw_N")) << name;
     EXPECT_EQ(state_hash("one"), state_hash("all/" + name)) << name;
   }
-  // A second call replaces the folder.
-  early("--case all --out all");
+  // A second call replaces a run's folder.
+  const std::string two = early("--case hpfc-5N,drac-5N --out all");
+  EXPECT_TRUE(has(two, "hpfc-5N") && has(two, "drac-5N") && !has(two, "tuned-5N")) << two;
+  EXPECT_EQ(state_hash("one"), state_hash("all/tuned-2N"));
 }
 
 TEST_F(CommandLine, FindsItsModelsFromAnyFolder) {
