@@ -33,8 +33,8 @@ set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "testbed for robust model-based motion c
 
 # A user's program is built against them: the build's packages without the tools, and without the
 # libraries that are loaded.
-file(STRINGS ${PROJECT_SOURCE_DIR}/packages/demo.txt lines REGEX "^[a-z]")
-file(STRINGS ${PROJECT_SOURCE_DIR}/packages/build.txt more REGEX "^[a-z]")
+file(STRINGS ${PROJECT_SOURCE_DIR}/cmake/packages/demo.txt lines REGEX "^[a-z]")
+file(STRINGS ${PROJECT_SOURCE_DIR}/cmake/packages/build.txt more REGEX "^[a-z]")
 set(depends "breakwater (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 foreach(line IN LISTS lines more)
   string(REGEX MATCH "^[a-z0-9.+-]+" package "${line}")
@@ -73,10 +73,10 @@ include(CPack)
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   string(TOUPPER ${component} name)
   set(doc ${CMAKE_INSTALL_DATAROOTDIR}/doc/${CPACK_DEBIAN_${name}_PACKAGE_NAME})
-  install(FILES debian/${CPACK_DEBIAN_${name}_PACKAGE_NAME}.lintian-overrides
+  install(FILES cmake/debian/${CPACK_DEBIAN_${name}_PACKAGE_NAME}.lintian-overrides
     DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/lintian/overrides
     RENAME ${CPACK_DEBIAN_${name}_PACKAGE_NAME} COMPONENT ${component})
-  install(FILES debian/copyright DESTINATION ${doc} COMPONENT ${component})
+  install(FILES cmake/debian/copyright DESTINATION ${doc} COMPONENT ${component})
   install(FILES ${PROJECT_BINARY_DIR}/package/changelog.Debian.gz DESTINATION ${doc}
     COMPONENT ${component} OPTIONAL)
 endforeach()

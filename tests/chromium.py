@@ -63,7 +63,7 @@ def visit(pages, folder, flags):
     Returns the page's report, Chromium's log, and the requested paths.
     """
     if shutil.which("chromium") is None:
-        sys.exit("there is no chromium (packages/test.txt)")
+        sys.exit("there is no chromium (cmake/packages/test.txt)")
     done = threading.Event()
     seen = {}
     asked = []

@@ -188,6 +188,6 @@ if __name__ == "__main__":
     WORK = pathlib.Path(sys.argv.pop()).resolve()
     for program, package in (("mkdocs", "mkdocs-material"), ("doxygen", "doxygen")):
         if shutil.which(program) is None:
-            print(f"skipped: there is no {program} (Debian's {package}, packages/docs.txt)")
+            print(f"skipped: there is no {program} (Debian's {package}, cmake/packages/docs.txt)")
             sys.exit(SKIPPED)
     unittest.main()
