@@ -142,15 +142,6 @@ Eigen::VectorXd vector_of(const py::handle& object, Eigen::Index size, const std
   return values;
 }
 
-Eigen::MatrixXd matrix_of(const py::handle& object, Eigen::Index rows, Eigen::Index columns,
-                          const std::string& name) {
-  Eigen::MatrixXd values = matrix(object, name);
-  if (values.rows() != rows || values.cols() != columns) {
-    refuse(name, std::to_string(rows) + "x" + std::to_string(columns), object);
-  }
-  return values;
-}
-
 py::array_t<double> array(std::span<const double> values) {
   return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
 }

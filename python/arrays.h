@@ -44,9 +44,6 @@ Eigen::VectorXd vector(const py::handle& object, const std::string& name);
 Eigen::MatrixXd matrix(const py::handle& object, const std::string& name);
 /// A vector with `size` entries. A single number fills all entries.
 Eigen::VectorXd vector_of(const py::handle& object, Eigen::Index size, const std::string& name);
-/// A matrix with this size.
-Eigen::MatrixXd matrix_of(const py::handle& object, Eigen::Index rows, Eigen::Index columns,
-                          const std::string& name);
 
 /// Copies to NumPy.
 py::array_t<double> array(std::span<const double> values);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <numbers>
@@ -14,16 +13,10 @@
 #include <stdexcept>
 #include <string>
 
+#include <breakwater/config/toml_text.h>
 #include <breakwater/control/quadrotor_estimator.h>
 #include <breakwater/linear/eigenvalues.h>
-#include <breakwater/observers/fakfd.h>
-#include <breakwater/observers/idob.h>
-#include <breakwater/observers/kfd.h>
-#include <breakwater/observers/mdob.h>
-#include <breakwater/observers/qvff.h>
 #include <breakwater/observers/record_intervals.h>
-#include <breakwater/observers/state_observer.h>
-#include <breakwater/observers/stf.h>
 #include <breakwater/rigs/axis_parts.h>
 #include "arrays.h"
 #include "interpreter.h"
@@ -35,167 +28,75 @@ namespace {
 using Estimator = std::unique_ptr<DisturbanceEstimator>;
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
 
-// The arguments of a Python class by name.
+// The plant, the sensor and the drive of an estimator, by name.
 class Arguments {
  public:
   explicit Arguments(py::dict arguments) : arguments_(std::move(arguments)) {}
 
-  py::object at(const char* name) const { return arguments_[name]; }
-  bool has(const char* name) const { return !at(name).is_none(); }
-  double number(const char* name) const { return python::number(at(name), name); }
-
-  // In continuous time if there is a period, else sampled.
-  StateSpace plant() const {
-    StateSpace plant{matrix(at("A"), "A"), matrix(at("B"), "B"), matrix(at("C"), "C")};
-    check(plant);
-    return plant;
-  }
-  // Without a period the unit of time is a sample.
-  double period_s() const { return has("period_s") ? number("period_s") : 1.0; }
-
-  ExtendedPlant extended() const {
-    const int order = whole_number(at("order"), "order");
-    return has("period_s") ? sample_with_disturbance_model(plant(), order, period_s())
-                           : extend_by_disturbance_model(plant(), order, period_s());
-  }
-
-  std::vector<PoleGroup> poles() const { return at("poles").cast<std::vector<PoleGroup>>(); }
-
-  SensorError sensor(Eigen::Index outputs) const {
-    SensorError error{vector_of(at("delta"), outputs, "delta"),
-                      vector_of(at("sigma"), outputs, "sigma")};
-    if (!arguments_.contains("rounding")) return error;
+  // Without a period the plant is a sampled one, and the unit of time is a sample.
+  NominalAxis axis() const {
+    NominalAxis axis{.plant = {matrix(at("A"), "A"), matrix(at("B"), "B"), matrix(at("C"), "C")},
+                     .period_s = 1.0,
+                     .is_sampled = at("period_s").is_none(),
+                     .pulses_per_revolution = number_at("pulses_per_revolution")};
+    check(axis.plant);
+    if (!axis.is_sampled) axis.period_s = number_at("period_s");
+    if (const double largest = number_at("largest_input"); largest > 0.0) {
+      axis.force_limit = largest;
+    }
+    const Eigen::Index outputs = axis.plant.outputs();
+    axis.sensor = {vector_of(at("delta"), outputs, "delta"),
+                   vector_of(at("sigma"), outputs, "sigma")};
     const std::string rounding = utf8(at("rounding"), "rounding");
     if (rounding == "truncate") {
-      error.rounding = EncoderRounding::truncate;
+      axis.sensor.rounding = EncoderRounding::truncate;
     } else if (rounding != "nearest") {
       throw std::invalid_argument("rounding: must be nearest or truncate, is \"" + rounding + "\"");
     }
-    return error;
-  }
-  // Standard deviation of the first output's error; 0 if the estimator has no such parameter.
-  double sensor_std() const {
-    if (!arguments_.contains("delta")) return 0.0;
-    const SensorError error = sensor(matrix(at("C"), "C").rows());
-    return std::sqrt(error.variance()(0));
-  }
-
-  KalmanDesign kalman() const {
-    const ExtendedPlant plant = extended();
-    const Eigen::Index N = plant.states();
-    KalmanDesign design{plant, {}, square("R", plant.outputs()), square("P0", N)};
-    const std::string on = utf8(at("noise_on"), "noise_on");
-    if (numbers(at("Q"), "Q").ndim() != 0) {
-      design.Q = matrix_of(at("Q"), N, N, "Q");
-    } else if (on == "input") {
-      design.Q = input_noise(plant, number("Q"));
-    } else if (on == "all") {
-      design.Q = uniform_noise(plant, number("Q"));
-    } else if (on == "disturbance") {
-      design.Q = disturbance_noise(plant, number("Q"));
-    } else {
-      throw std::invalid_argument("noise_on: must be input, all or disturbance, is \"" + on + "\"");
-    }
-    return design;
-  }
-
-  void limit(VfakfdDesign& design) const {
-    design.lambda_min = number("lambda_min");
-    design.lambda_max = number("lambda_max");
+    return axis;
   }
 
  private:
-  // A number means a multiple of I, a vector a diagonal.
-  Eigen::MatrixXd square(const char* name, Eigen::Index size) const {
-    if (numbers(at(name), name).ndim() == 2) return matrix_of(at(name), size, size, name);
-    return vector_of(at(name), size, name).asDiagonal();
-  }
+  py::object at(const char* name) const { return arguments_[name]; }
+  double number_at(const char* name) const { return python::number(at(name), name); }
 
   py::dict arguments_;
 };
 
-Estimator make_mdob(const Arguments& arguments) {
-  MdobDesign design;
-  design.nominal_inertia = arguments.number("inertia");
-  design.derivative_cutoff_rad_s = arguments.has("derivative_cutoff_rad_s")
-                                       ? arguments.number("derivative_cutoff_rad_s")
-                                       : std::numeric_limits<double>::infinity();
-  design.observer_cutoff_rad_s = arguments.number("cutoff_rad_s");
-  return std::make_unique<Mdob>(design, arguments.number("period_s"));
-}
-
-Estimator make_fakfd(const Arguments& arguments) {
-  const KalmanDesign design = arguments.kalman();
-  return std::make_unique<Fakfd>(
-      design, scalar_gamma(design.plant, arguments.number("gamma"))
-                  .cwiseProduct(diagonal_gamma(design.plant, arguments.number("gamma_d"))));
-}
-
-Estimator make_vfakfd(const Arguments& arguments) {
-  const KalmanDesign kalman = arguments.kalman();
-  const Eigen::Index p = kalman.plant.outputs();
-  VfakfdDesign design;
-  design.alpha = vector_of(arguments.at("alpha"), p, "alpha");
-  design.dead_zone = vector_of(arguments.at("dead_zone"), p, "dead_zone");
-  arguments.limit(design);
-  return std::make_unique<Vfakfd>(kalman, design);
-}
-
-Estimator make_qvff(const Arguments& arguments) {
-  const ExtendedPlant plant = arguments.extended();
-  VfakfdDesign design = qvff_design(arguments.sensor(plant.outputs()));
-  arguments.limit(design);
-  return std::make_unique<Vfakfd>(variable_forgetting_design(plant, kQvffInitialCovariance),
-                                  design);
-}
-
-Estimator make_stf(const Arguments& arguments) {
-  const ExtendedPlant plant = arguments.extended();
-  const SensorError error = arguments.sensor(plant.outputs());
-  return std::make_unique<Stf>(stf_design(plant, error, arguments.period_s()), error);
-}
-
 // An estimator of the catalogue, with its own keys.
-Estimator make_of_catalogue(const Arguments& arguments) {
+Estimator make(const std::string& name, const NominalAxis& axis,
+               const std::vector<std::string>& sets) {
   PartChoice<AxisEstimatorKind> choice(shipped_parts(), "observer.name");
   Fields fields;
   choice.bind(fields);
-  Config config("AxisObserver", {});
-  for (const py::handle& key : arguments.at("keys")) config.set(utf8(key, "keys"));
+  Config config("Observer", {});
+  config.set("observer.name=" + toml_string(name));
+  for (const std::string& assignment : sets) config.set(assignment);
   fields.read(config);
   for (const UnusedKey& unused : fields.unused()) config.fail(unused.key, unused.reason);
-  const StateSpace plant = arguments.plant();
-  if (plant.states() != 2 || plant.inputs() != 1 || plant.outputs() != 1) {
-    throw std::invalid_argument(
-        "A, B, C: must be an axis: position and velocity, one input, "
-        "the position measured");
-  }
-  const double largest_input = arguments.number("largest_input");
-  NominalAxis axis{.plant = plant,
-                   .period_s = arguments.period_s(),
-                   .sensor = arguments.sensor(1),
-                   .pulses_per_revolution = arguments.number("pulses_per_revolution")};
-  if (largest_input > 0.0) axis.force_limit = largest_input;
   return choice.check(config, axis);
 }
 
-Estimator make(const std::string& kind, const Arguments& arguments) {
-  if (kind == "state_observer") {
-    return std::make_unique<StateObserver>(arguments.plant(), arguments.poles(),
-                                           arguments.number("period_s"));
+// The estimators of an axis: name, one line of help, and the keys. A key has its meaning, what it
+// takes, and its default value in TOML, which may be missing.
+py::list table_of_observers() {
+  py::list table;
+  for (const AxisEstimatorKind& kind : shipped_parts().all<AxisEstimatorKind>()) {
+    Catalogue one;
+    one.add(kind);
+    PartChoice<AxisEstimatorKind> choice(one, "observer.name");
+    Fields fields;
+    choice.bind(fields);
+    fields.read_incomplete(Config("Observer", {}));  // the default values
+    py::list keys;
+    for (const KeyHelp& key : fields.help()) {
+      if (key.parts.empty()) continue;  // observer.name
+      const std::string prefix = "observer.";
+      keys.append(py::make_tuple(key.key.substr(prefix.size()), key.text, key.takes, key.value));
+    }
+    table.append(py::make_tuple(kind.name, kind.help, keys));
   }
-  if (kind == "idob") {
-    return std::make_unique<Idob>(arguments.plant(), arguments.poles(),
-                                  arguments.number("period_s"));
-  }
-  if (kind == "mdob") return make_mdob(arguments);
-  if (kind == "kfd") return std::make_unique<Kfd>(arguments.kalman());
-  if (kind == "fakfd") return make_fakfd(arguments);
-  if (kind == "vfakfd") return make_vfakfd(arguments);
-  if (kind == "qvff") return make_qvff(arguments);
-  if (kind == "stf") return make_stf(arguments);
-  if (kind == "axis") return make_of_catalogue(arguments);
-  throw std::invalid_argument("there is no estimator \"" + kind + "\"");
+  return table;
 }
 
 // A finite record, rows × width. A copy: another thread may change the array during the work.
@@ -286,14 +187,15 @@ class Lookout {
 // handlers.
 class ArrayEstimator {
  public:
-  ArrayEstimator(const std::string& kind, const py::dict& dict) {
-    const Arguments arguments(dict);
-    estimator_ = make(kind, arguments);
+  ArrayEstimator(const std::string& name, const py::dict& arguments,
+                 const std::vector<std::string>& sets) {
+    const NominalAxis axis = Arguments(arguments).axis();
+    estimator_ = make(name, axis, sets);
     n_ = estimator_->state().size();
     m_ = estimator_->disturbance().size();
-    C_ = kind == "mdob" ? Eigen::MatrixXd(Eigen::RowVector2d(1.0, 0.0)) : arguments.plant().C;
-    if (arguments.has("period_s")) period_s_ = arguments.period_s();
-    sensor_std_ = arguments.sensor_std();
+    C_ = axis.plant.C;
+    if (!axis.is_sampled) period_s_ = axis.period_s;
+    sensor_std_ = std::sqrt(axis.sensor.variance()(0));
     innovation_ = published(*estimator_, "innovation");
     lambda_ = published(*estimator_, "lambda");
     estimator_->reset(Eigen::VectorXd::Zero(n_));
@@ -548,7 +450,10 @@ void bind_observers(py::module_& module) {
               "(x, d).\n\n"
               "The first u after a reset is ignored.",
               py::arg("u"), py::arg("y"));
-  estimator.def(py::init<const std::string&, const py::dict&>(), OwnCall())
+  module.def("observers", &table_of_observers, OwnCall(), "The estimators of an axis.");
+  estimator
+      .def(py::init<const std::string&, const py::dict&, const std::vector<std::string>&>(),
+           OwnCall())
       .def("filter_record", &ArrayEstimator::filter, OwnCall(), "The arrays of filter().")
       .def_property_readonly("x", &ArrayEstimator::state, "A copy of the estimated state (n).")
       .def_property_readonly("d", &ArrayEstimator::disturbance,

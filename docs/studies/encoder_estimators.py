@@ -232,7 +232,7 @@ def make(case, row, keys):
         keys["poles_rad_s"] = [-pole, -2.0 * pole, -3.0 * pole]
     if case == "qbank":  # not tuned
         keys["largest_disturbance"] = RECORD["largest_disturbance_Nm"]
-    return bw.AxisObserver(estimator.get("name", case), *bw.damped_inertia(RECORD["inertia_kgm2"]),
+    return bw.Observer(estimator.get("name", case), *bw.damped_inertia(RECORD["inertia_kgm2"]),
                            period_s=row["period_s"], delta=quantum(row), sigma=noise(row),
                            rounding=row.get("rounding", "nearest"),
                            pulses_per_revolution=2.0**row["sensor"]["bits"], **keys)

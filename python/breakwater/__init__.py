@@ -14,8 +14,8 @@ Your own:     Controller, Estimator; ArmSample, AxisSample, PlantSample, Quadrot
               PlanarChain
 Design:       dare, lqr, place_poles, place_observer_poles, zero_order_hold, damped_inertia,
               extend_by_disturbance_model, observability_rank; QpSolver, solve_qp
-On your data: identify; Identification, IdentifiedParameter; AxisObserver, by name; Stf, Qvff, Vfakfd, Fakfd,
-              Kfd, Idob, Mdob, StateObserver; QuadrotorFilter
+On your data: identify; Identification, IdentifiedParameter; Observer, by name (also AxisObserver), or Stf, Qvff,
+              Vfakfd, Fakfd, Kfd, Idob, Mdob, StateObserver; QuadrotorFilter
 Errors:       InputError, RunFailed
 
 docs/tutorials/python.md has the tutorial.
@@ -40,25 +40,14 @@ from .linear import (
     solve_qp,
     zero_order_hold,
 )
-from .observers import (
-    AxisObserver,
-    Estimates,
-    Fakfd,
-    Filter,
-    Idob,
-    Kfd,
-    Mdob,
-    Motions,
-    Qvff,
-    QuadrotorFilter,
-    StateObserver,
-    Stf,
-    Vfakfd,
-)
+from .named_observers import Fakfd, Idob, Kfd, Mdob, Qvff, StateObserver, Stf, Vfakfd
+from .observers import Estimates, Motions, Observer, QuadrotorFilter
 from .parts import Controller, Estimator
 from .runs import Run, RunFailed, cases, load, run, scenarios
 from .samples import ArmSample, AxisSample, PlantSample, QuadrotorSample
 from .sweeps import sweep, tune
+
+AxisObserver = Filter = Observer
 
 __all__ = [
     "ArmSample",
@@ -77,6 +66,7 @@ __all__ = [
     "Kfd",
     "Mdob",
     "Motions",
+    "Observer",
     "PlanarChain",
     "Plant",
     "PlantSample",

@@ -90,7 +90,7 @@ class SavedRun:
 class ArrayEstimator:
     """An estimator of a plant's state x (n) and disturbance d (m) on arrays."""
 
-    def __init__(self, kind: str, arguments: dict[str, object]) -> None: ...
+    def __init__(self, name: str, arguments: dict[str, object], sets: list[str]) -> None: ...
     def reset(self, x0: npt.ArrayLike | None = None) -> None:
         """Start from the state x0 (n; default: zeros) without a disturbance."""
 
@@ -120,6 +120,8 @@ class ArrayEstimator:
     @property
     def pole_matrix(self) -> np.ndarray:
         """The matrix whose eigenvalues are the poles at this sample."""
+
+def observers() -> list[tuple[str, str, list[tuple[str, str, str, str]]]]: ...
 
 class ArrayQuadrotorFilter:
     """A Kalman filter of the underwater quadrotor on arrays."""

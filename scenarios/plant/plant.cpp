@@ -20,7 +20,7 @@ void Plant::learn(const Config& config) {
 
 Fields Plant::fields() {
   Fields fields;
-  plant_.bind(fields);
+  plant_.bind_named(fields);
   parts_.bind(fields);
   for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
     const Fields::Under under(fields, plant_.axes[i].axis.prefix());

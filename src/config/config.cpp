@@ -111,8 +111,8 @@ void flatten(const toml::table& table, const std::string& file, const std::strin
       throw std::invalid_argument(at_line(file, key.source()) + ": " + shown(path) + ": is no key");
     }
     if (const auto* nested = node.as_table()) {
-      // Such as [push.NAME]: its name alone makes nothing.
-      if (nested->empty() && !prefix.empty()) {
+      // [axis], and such as [push.NAME]: the name alone makes nothing.
+      if (nested->empty() && (!prefix.empty() || path == "axis")) {
         throw std::invalid_argument(at_line(file, key.source()) + ": " + path +
                                     ": the table is empty");
       }
@@ -151,6 +151,25 @@ std::vector<std::string> read_named(const toml::table& file_table, const std::st
   std::sort(lines.begin(), lines.end());  // the TOML parser sorts tables by name
   for (const auto& line : lines) names.push_back(line.second);
   return names;
+}
+
+// The table [alias]: "NAME" = "KEY".
+Aliases read_aliases(const toml::node& node, const std::string& file) {
+  Entries named;
+  if (node.is_table()) flatten(*node.as_table(), file, "", named);
+  if (named.empty()) {
+    throw std::invalid_argument(at_line(file, node.source()) +
+                                ": alias: must be a table with \"NAME\" = \"KEY\"");
+  }
+  Aliases aliases;
+  for (const auto& [name, entry] : named) {
+    const auto* key = std::get_if<std::string>(&entry.value.data);
+    if (key == nullptr || *key == name) {
+      throw std::invalid_argument(entry.origin + ": alias." + name + ": must be another key");
+    }
+    aliases[name] = *key;
+  }
+  return aliases;
 }
 
 }  // namespace
@@ -291,7 +310,11 @@ std::string Config::origin_of(const std::string& key) const {
 }
 
 void Config::fail(const std::string& key, const std::string& message) const {
-  throw std::invalid_argument(origin_of(whole_key(key)) + ": " + prefix_ + key + ": " + message);
+  const std::string whole = whole_key(key);
+  const ConfigEntry* entry = find(whole);
+  const bool is_other = entry != nullptr && !entry->given.empty();
+  const std::string written = is_other ? entry->given + key.substr(whole.size()) : prefix_ + key;
+  throw std::invalid_argument(origin_of(whole) + ": " + written + ": " + message);
 }
 
 ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario) : file_(file) {
@@ -326,7 +349,10 @@ ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario)
     for (auto& [key, entry] : keys) entry.is_chosen = true;
   }
   read_named(table, "readings", file, readings_);
-  for (const char* key : {"scenario", "default_case", "case", "readings"}) table.erase(key);
+  if (const toml::node* alias = table.get("alias")) aliases_ = read_aliases(*alias, file);
+  for (const char* key : {"scenario", "default_case", "case", "readings", "alias"}) {
+    table.erase(key);
+  }
   flatten(table, file, "", entries_);
   if (readings_.empty()) return;
   for (const Entries* keys : all_entries()) {
@@ -343,10 +369,10 @@ std::vector<const Entries*> ScenarioFile::all_entries() const {
 std::vector<Config> ScenarioFile::tables() const {
   std::vector<Config> tables;
   for (const Entries* keys : all_entries()) {
-    tables.emplace_back(file_, *keys);
+    tables.emplace_back(file_, *keys, aliases_);
     if (!readings_.empty()) tables.back().remove("reading");
   }
-  for (const auto& [name, keys] : readings_) tables.emplace_back(file_, keys);
+  for (const auto& [name, keys] : readings_) tables.emplace_back(file_, keys, aliases_);
   return tables;
 }
 
@@ -360,7 +386,7 @@ Config ScenarioFile::config(const std::string& case_name,
                             const std::vector<std::string>& sets) const {
   check_case(case_name, "--case");
   check_elements(sets);
-  Config config(file_, entries_);
+  Config config(file_, entries_, aliases_);
   config.apply(overrides_.at(case_name));
   if (!readings_.empty()) {
     // A set may choose the reading. The sets are then applied on top of it.

@@ -25,15 +25,22 @@ struct ConfigEntry {
   ConfigValue value;
   std::string origin;      ///< "FILE:LINE" or "--set"
   bool is_chosen = false;  ///< set by the case or --set, not by the root of the file
+  /// The key as it was written: without the name of its table, or by an alias. Empty: as it is.
+  std::string given = {};
 
   bool is_set() const { return origin == kSetOrigin; }
+  /// Higher for an entry that overrides others: that of a case, and that of --set.
+  int rank() const { return is_set() ? 2 : is_chosen ? 1 : 0; }
 };
+
+/// Further names of keys: {name, key}.
+using Aliases = std::map<std::string, std::string>;
 
 /// The keys of one run, dotted ("contact.stiffness_N_m"), with their origins.
 class Config {
  public:
-  Config(std::string file, std::map<std::string, ConfigEntry> entries)
-      : file_(std::move(file)), entries_(std::move(entries)) {}
+  Config(std::string file, std::map<std::string, ConfigEntry> entries, Aliases aliases = {})
+      : file_(std::move(file)), entries_(std::move(entries)), aliases_(std::move(aliases)) {}
 
   /// Applies one `key.path=value`. A value that is not TOML is taken as a string. The key may name
   /// an element of an array that is there (whole_key()). Throws std::invalid_argument if the form
@@ -55,6 +62,8 @@ class Config {
   /// The number of a key; nothing if the key is missing or is not a number.
   std::optional<double> number(const std::string& key) const;
   const std::map<std::string, ConfigEntry>& entries() const { return entries_; }
+  /// Further names that the file gives.
+  const Aliases& aliases() const { return aliases_; }
   /// The names of the tables [TABLE.NAME], in the file's order; those of --set alone come last.
   /// Throws as fail() does unless a name is made of A-Z, a-z, 0-9 and '_', as the names of signals
   /// are.
@@ -64,9 +73,9 @@ class Config {
   /// name from a scenario file to the folder of that file (find_file). Throws as fail() if missing.
   std::string find_file_of(const std::string& key, const std::string& name) const;
 
-  /// Throws std::invalid_argument `ORIGIN: KEY: MESSAGE`. The origin of a key that is not set is
-  /// the file, or --set if all keys of its table [TABLE.NAME] are from there. The key may name an
-  /// element.
+  /// Throws std::invalid_argument `ORIGIN: KEY: MESSAGE` with the key as it was written. The origin
+  /// of a key that is not set is the file, or --set if all keys of its table [TABLE.NAME] are from
+  /// there. The key may name an element.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 
   /// Calls `body`. If it throws std::invalid_argument, fail() reports that for `key`.
@@ -84,6 +93,7 @@ class Config {
 
   std::string file_;
   std::map<std::string, ConfigEntry> entries_;
+  Aliases aliases_;
   std::string prefix_;
 };
 
@@ -93,7 +103,8 @@ std::string whole_key(const std::string& key);
 bool is_element_of(const std::string& key, const std::string& other);
 
 /// A scenario file: its keys, its cases and its readings. A case is a table of overrides
-/// `[case.NAME]`. A reading is a table `[readings.NAME]`, chosen by the root key `reading`.
+/// `[case.NAME]`. A reading is a table `[readings.NAME]`, chosen by the root key `reading`. The
+/// table `[alias]` gives further names to keys: "wall.distance_m" = "contact.wall.distance_m".
 class ScenarioFile {
  public:
   /// Throws std::invalid_argument `FILE[:LINE]: reason` if the file cannot be read or parsed, or is
@@ -110,6 +121,7 @@ class ScenarioFile {
   /// Throws std::invalid_argument `PLACE: FILE has no case "NAME"`.
   void check_case(const std::string& name, const std::string& place) const;
   const std::string& default_case() const { return default_case_; }
+  const Aliases& aliases() const { return aliases_; }
 
   /// The tables, not merged: the file's keys, each case, each reading.
   std::vector<Config> tables() const;
@@ -130,6 +142,7 @@ class ScenarioFile {
   std::map<std::string, std::map<std::string, ConfigEntry>> overrides_;
   std::map<std::string, std::map<std::string, ConfigEntry>> readings_;
   std::string default_case_;
+  Aliases aliases_;
 };
 
 }  // namespace breakwater

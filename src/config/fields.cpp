@@ -56,6 +56,18 @@ class Remembered {
   std::map<std::pair<std::string_view, std::string_view>, bool> known_;
 };
 
+// The key without the name of its table: "observer.alpha" for "axis.NAME.observer.alpha",
+// "contact.stiffness_N_m" for "contact.NAME.stiffness_N_m". Empty for another key, and for those
+// that say what an axis is.
+std::string without_name(const std::string& key) {
+  const std::size_t table = key.find('.'), name = key.find('.', table + 1);
+  if (name == std::string::npos) return "";
+  const std::string of = key.substr(0, table), rest = key.substr(name + 1);
+  if (of == "contact" || of == "push") return of + "." + rest;
+  const bool is_own = rest == "joint" || rest == "actuator" || rest == "position_sensor";
+  return of == "axis" && !is_own ? rest : "";
+}
+
 // Each key of a table must exist, and its value must suit one of its variables. Keys of a part that
 // does not exist are unknown too. Report the choice first: it is the cause. assign(table, field,
 // value) refuses a wrong value.
@@ -83,7 +95,10 @@ void check_tables(Fields& fields, std::span<const Config> tables, const Assign& 
     for (const auto& [key, entry] : table.entries()) {
       if (by_key.contains(key)) continue;
       std::set<std::string> keys;
-      for (const auto& field : fields) keys.insert(field.key);
+      for (const auto& field : fields) {
+        keys.insert(field.key);
+        if (const std::string other = without_name(field.key); !other.empty()) keys.insert(other);
+      }
       table.fail(key, "unknown key" + did_you_mean(key, {keys.begin(), keys.end()}));
     }
     check_values(table, [](const std::string&) { return true; });
@@ -106,16 +121,19 @@ bool names_file(const Field& field) {
                      [](const auto& variable) { return variable.file != nullptr; });
 }
 
-// The key without the name of its table: "observer.alpha" for "axis.NAME.observer.alpha",
-// "contact.stiffness_N_m" for "contact.NAME.stiffness_N_m". Empty for another key, and for those
-// that say what an axis is.
-std::string without_name(const std::string& key) {
-  const std::size_t table = key.find('.'), name = key.find('.', table + 1);
-  if (name == std::string::npos) return "";
-  const std::string of = key.substr(0, table), rest = key.substr(name + 1);
-  if (of == "contact" || of == "push") return of + "." + rest;
-  const bool is_own = rest == "joint" || rest == "actuator" || rest == "position_sensor";
-  return of == "axis" && !is_own ? rest : "";
+// "axis.NAME." of a key of an axis; empty for another key.
+std::string axis_in(const std::string& key) {
+  const std::string table = "axis.";
+  const std::size_t name = key.starts_with(table) ? key.find('.', table.size()) : key.npos;
+  return name == key.npos ? "" : key.substr(0, name + 1);
+}
+
+std::string without(const std::string& part, std::string text) {
+  if (part.empty()) return text;
+  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at)) {
+    text.erase(at, part.size());
+  }
+  return text;
 }
 
 // "" for a root key.
@@ -211,18 +229,8 @@ Range between(double lower, double upper) {
 
 void Fields::number(const std::string& key, double& target, const Range& range,
                     const std::string& doc) {
-  std::string takes = with_range("a number", range);
-  if (places_ > 1) takes += fmt::format("; or an array of {} of them", places_);
-  add(key, {part_, doc, takes,
-            [&target, range, place = place_, places = places_](const ConfigValue& v) -> Error {
-              const auto* array = std::get_if<ConfigValue::Array>(&v.data);
-              if (places == 0 || array == nullptr) return read_number(v, range, target);
-              if (array->size() != places) {
-                return fmt::format("must be a number or an array of {}, has {}", places,
-                                   array->size());
-              }
-              return in_element(place, read_number((*array)[place], range, target));
-            },
+  add(key, {part_, doc, with_range("a number", range),
+            [&target, range](const ConfigValue& v) { return read_number(v, range, target); },
             [&target] { return toml_number(target); }});
 }
 
@@ -344,30 +352,10 @@ void Fields::add(const std::string& name, Variable variable) {
   variable.is_left_out = is_left_out_;
   Field* field = find_key(fields_, key);
   if (field == nullptr) field = &fields_.emplace_back(Field{key, {}});
-  for (Variable& other : field->variables) {
-    if (other.part != variable.part) continue;
-    if (place_ == 0) throw std::logic_error("the key " + key + " is bound twice");
-    join(other, std::move(variable));
-    return;
+  for (const Variable& other : field->variables) {
+    if (other.part == variable.part) throw std::logic_error("the key " + key + " is bound twice");
   }
   field->variables.push_back(std::move(variable));
-}
-
-void Fields::join(Variable& first, Variable other) {
-  first.read = [read = std::move(first.read), next = std::move(other.read)](const ConfigValue& v) {
-    const Error error = read(v);
-    return error ? error : next(v);
-  };
-  if (first.of_places.empty()) first.of_places.push_back(first.print);
-  first.of_places.push_back(std::move(other.print));
-  first.print = [prints = first.of_places] {
-    std::vector<std::string> texts;
-    for (const auto& print : prints) texts.push_back(print());
-    const bool are_equal =
-        std::adjacent_find(texts.begin(), texts.end(), std::not_equal_to<>()) == texts.end();
-    return are_equal ? texts.front() : fmt::format("[{}]", fmt::join(texts, ", "));
-  };
-  if (other.file != nullptr) first.copies.push_back(other.file);
 }
 
 const Fields::Field* Fields::find(const std::string& key) const {
@@ -412,20 +400,7 @@ void Fields::only_where(const std::vector<std::string>& keys, const std::string&
 
 void Fields::add_condition(const std::vector<std::string>& keys, const Condition& condition) {
   for (const std::string& key : keys) {
-    for (Variable* variable : at(key)) {
-      std::vector<Condition>& all = variable->conditions;
-      const auto same = std::find_if(all.begin(), all.end(), [&](const Condition& other) {
-        return place_ > 0 && other.text == condition.text;
-      });
-      if (same == all.end()) {
-        all.push_back(condition);
-        continue;
-      }
-      // A key has an effect if it has one at any place.
-      same->holds = [one = same->holds, other = condition.holds](const Fields& fields) {
-        return one(fields) || other(fields);
-      };
-    }
+    for (Variable* variable : at(key)) variable->conditions.push_back(condition);
   }
 }
 
@@ -456,14 +431,8 @@ bool Fields::has_chosen(const std::string& choice, const std::string& name) cons
 }
 
 const Fields::Variable* Fields::in_use(const Field& field) const {
-  const auto find = [&](auto&& counts) {
-    const auto found = std::find_if(field.variables.begin(), field.variables.end(), counts);
-    return found != field.variables.end() ? &*found : nullptr;
-  };
-  const Variable* own = find([](const Variable& v) { return v.part.name.empty(); });
-  return own != nullptr
-             ? own
-             : find([this](const Variable& v) { return has_chosen(v.part.choice, v.part.name); });
+  Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
+  return chosen.in_use(field);
 }
 
 Fields::Error Fields::assign(Field& field, const ConfigValue& value, const Variable* counts) {
@@ -490,8 +459,30 @@ bool Fields::has_one_each(const ConfigValue::Array& array, const std::vector<Fie
           assign(*named.front(), {array}, nullptr));
 }
 
-Config Fields::spread(const Config& config) {
-  without_name_.clear();
+// Gives the value of an alias to its key, unless the key has one that overrides it.
+Config Fields::without_aliases(const Config& config) const {
+  Aliases aliases = config.aliases();
+  aliases.insert(aliases_.begin(), aliases_.end());
+  Config whole = config;
+  for (const auto& [alias, key] : aliases) {
+    const ConfigEntry* entry = config.find(alias);
+    if (entry == nullptr || find(alias) != nullptr) continue;
+    const ConfigEntry* other = whole.find(key);
+    const int rank = other != nullptr ? other->rank() : -1;
+    if (rank == entry->rank()) {
+      config.fail(alias, fmt::format("is another name of {}, which is given too", key));
+    }
+    whole.remove(alias);
+    if (rank > entry->rank()) continue;
+    ConfigEntry one = *entry;
+    one.given = alias;
+    whole.apply({{key, std::move(one)}});
+  }
+  return whole;
+}
+
+Config Fields::spread(const Config& given) {
+  const Config config = without_aliases(given);
   // With controller.name = "axes" all keys of controllers and observers are those of the axes. A
   // file's keys for a controller that a case or --set replaces are not.
   const ConfigEntry* controller = config.find("controller.name");
@@ -516,14 +507,21 @@ Config Fields::spread(const Config& config) {
     const std::vector<Field*>& fields = found->second;
     const auto* array = std::get_if<ConfigValue::Array>(&entry.value.data);
     const bool is_split = array != nullptr && has_one_each(*array, fields);
+    if (array != nullptr && !is_split && !array->empty() &&
+        assign(*fields.front(), entry.value, nullptr) &&
+        !assign(*fields.front(), array->front(), nullptr)) {
+      config.fail(key, fmt::format("must be one value or an array of {}, has {}", fields.size(),
+                                   array->size()));
+    }
+    const std::string written = entry.given.empty() ? key : entry.given;
     bool counts = false;
     for (std::size_t i = 0; i < fields.size(); ++i) {
       const std::string& name = fields[i]->key;
       if (config.find(name) != nullptr) continue;
       ConfigEntry one = entry;
       if (is_split) one.value = (*array)[i];
+      one.given = is_split ? fmt::format("{}[{}]", written, i + 1) : written;
       whole.apply({{name, std::move(one)}});
-      without_name_[name] = key;
       counts = true;
     }
     if (!counts && entry.is_set()) {
@@ -538,45 +536,63 @@ Config Fields::spread(const Config& config) {
 }
 
 std::vector<UnusedKey> Fields::unused() const {
-  std::vector<UnusedKey> keys = unused_fields();
-  // A key without a name is unused if it is so at each name.
+  // A key that was given without a name is unused if it is so at each name.
   std::map<std::string, std::size_t> counts;
-  for (const auto& [name, key] : without_name_) ++counts[key];
-  std::vector<UnusedKey> unused;
-  for (UnusedKey& one : keys) {
-    const auto spread = without_name_.find(one.key);
-    if (spread != without_name_.end()) {
-      if (--counts[spread->second] > 0) continue;
-      one.key = spread->second;
-    }
-    unused.push_back(std::move(one));
-  }
-  return unused;
-}
-
-std::vector<UnusedKey> Fields::unused_fields() const {
-  std::vector<UnusedKey> keys;
+  for (const Field& field : fields_) counts[field.given] += field.was_read ? 1 : 0;
+  std::vector<UnusedKey> all;
   Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
   for (const Field& field : fields_) {
     if (!field.was_read) continue;
-    const Variable* variable = chosen.in_use(field);
-    if (variable == nullptr) {
-      std::vector<std::string> names;
-      for (const Variable& of_part : field.variables) names.push_back(of_part.part.name);
-      const std::string& choice = field.variables.front().part.choice;
-      keys.push_back(
-          {field.key,
-           fmt::format("has an effect only where {} is {}", choice, fmt::join(names, " or ")),
-           choice});
-      continue;
+    std::optional<UnusedKey> one = unused(field, chosen.in_use(field));
+    if (!one) continue;
+    if (!field.given.empty()) {
+      if (--counts[field.given] > 0) continue;
+      const std::string axis = axis_in(field.key);
+      *one = {field.given, without(axis, one->reason), without(axis, one->choice)};
     }
-    const auto fails = std::find_if(variable->conditions.begin(), variable->conditions.end(),
-                                    [this](const Condition& c) { return !c.holds(*this); });
-    if (fails != variable->conditions.end()) {
-      keys.push_back({field.key, "has an effect only where " + fails->text, fails->choice});
-    }
+    all.push_back(std::move(*one));
   }
-  return keys;
+  return all;
+}
+
+std::optional<UnusedKey> Fields::unused(const Field& field, const Variable* variable) const {
+  if (variable == nullptr) {
+    std::vector<std::string> names;
+    for (const Variable& of_part : field.variables) names.push_back(of_part.part.name);
+    const std::string& choice = field.variables.front().part.choice;
+    return UnusedKey{
+        field.key,
+        fmt::format("has an effect only where {} is {}", choice, fmt::join(names, " or ")), choice};
+  }
+  const auto fails = std::find_if(variable->conditions.begin(), variable->conditions.end(),
+                                  [this](const Condition& c) { return !c.holds(*this); });
+  if (fails == variable->conditions.end()) return std::nullopt;
+  return UnusedKey{field.key, "has an effect only where " + fails->text, fails->choice};
+}
+
+template <typename What>
+void Fields::unite_axes(std::vector<Shown<What>>& all) const {
+  std::map<std::string, std::size_t> axes;  // the number of axes that have a key
+  for (const Field& field : fields_) {
+    if (!axis_in(field.key).empty()) ++axes[without_name(field.key)];
+  }
+  std::map<std::string, std::vector<Shown<What>*>> groups;
+  for (Shown<What>& one : all) {
+    if (axis_in(one.key).empty()) continue;
+    const std::string key = without_name(one.key);
+    if (!key.empty() && find(key) == nullptr) groups[key].push_back(&one);
+  }
+  for (const auto& [key, group] : groups) {
+    Shown<What>& first = *group.front();
+    const bool is_one = std::all_of(group.begin(), group.end(), [&](const Shown<What>* one) {
+      return one->what == first.what;
+    });
+    const bool has_names = group.size() > 1 || !first.field->given.empty();
+    if (!is_one || !has_names || group.size() != axes.at(key)) continue;
+    first.key = key;
+    for (std::size_t i = 1; i < group.size(); ++i) group[i]->key.clear();
+  }
+  std::erase_if(all, [](const Shown<What>& one) { return one.key.empty(); });
 }
 
 void Fields::fail_if(const Config& config, const Field& field, const Error& error) {
@@ -592,7 +608,9 @@ void Fields::check(std::span<const Config> tables) {
 // Sets the missing keys that have a default value. One of them may be a choice, so set them first.
 void Fields::assign_standards(const Config& config) {
   for (Field& field : fields_) {
-    field.was_read = config.find(field.key) != nullptr;
+    const ConfigEntry* entry = config.find(field.key);
+    field.was_read = entry != nullptr;
+    field.given = entry != nullptr ? whole_key(entry->given) : "";
     if (field.was_read) continue;
     for (const Variable& variable : field.variables) {
       if (variable.standard) variable.read(*variable.standard);
@@ -606,7 +624,6 @@ void Fields::find_file(const Config& config, const Field& field) const {
   const Variable* variable = in_use(field);
   if (variable == nullptr || variable->file == nullptr) return;
   *variable->file = config.find_file_of(field.key, *variable->file);
-  for (std::string* copy : variable->copies) *copy = *variable->file;
 }
 
 std::string Fields::missing_in_words(const std::vector<const Field*>& missing) const {
@@ -644,11 +661,14 @@ std::vector<const Fields::Field*> Fields::assign_all(const Config& config) {
   return missing;
 }
 
-void Fields::read(const Config& given) {
+Config Fields::read(const Config& given) {
   const Config config = spread(given);
   const std::vector<const Field*> missing = assign_all(config);
   if (!missing.empty()) config.fail(missing.front()->key, missing_in_words(missing));
   for (const Field& field : fields_) find_file(config, field);
+  Config all = given;
+  all.apply(config.entries());
+  return all;
 }
 
 void Fields::read_incomplete(const Config& given) {
@@ -666,7 +686,8 @@ void Fields::check(const ScenarioFile& file) {
   check(tables);
 }
 
-std::vector<std::string> Fields::read_finished(const Config& config) {
+std::vector<std::string> Fields::read_finished(const Config& given) {
+  const Config config = spread(given);
   assign_standards(config);
   std::set<std::string> not_understood;
   for (Field& field : fields_) {
@@ -689,8 +710,14 @@ std::vector<std::string> Fields::read_finished(const Config& config) {
 std::string Fields::print(const std::string& scenario, const std::string& case_name) const {
   std::string text = fmt::format("scenario = {}\ndefault_case = {}\n", toml_string(scenario),
                                  toml_string(case_name));
-  // Each table with its lines, in the order of their first keys. The root's keys come first.
-  std::vector<std::pair<std::string, std::string>> tables = {{"", ""}};
+  struct Line {
+    std::string doc;
+    std::string value;
+    bool is_missing;
+
+    bool operator==(const Line&) const = default;
+  };
+  std::vector<Shown<Line>> lines;
   Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
   for (const Field& field : fields_) {
     if (field.is_left_out()) continue;
@@ -698,42 +725,71 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
     // Keys of parts that are not chosen, and those without a value, are printed only if given.
     if (!field.was_read && (variable == nullptr || variable->clear)) continue;
     if (variable == nullptr) variable = &field.variables[field.suited];
-    const std::string name = table_of(field.key);
+    const bool is_missing = field.is_missing && !variable->standard;
+    lines.push_back(
+        {&field, field.key, {field.doc(), is_missing ? "" : variable->print(), is_missing}});
+  }
+  unite_axes(lines);
+  // Each table with its lines, in the order of their first keys. The root's keys come first.
+  std::vector<std::pair<std::string, std::string>> tables = {{"", ""}};
+  for (const auto& [field, shown, line] : lines) {
+    // A key without a name means all axes.
+    const bool is_as_given =
+        !field->given.empty() && (shown != field->key || without_name(shown).empty());
+    const std::string& key = is_as_given ? field->given : shown;
+    const std::string name = table_of(key);
     auto table = std::find_if(tables.begin(), tables.end(),
                               [&](const auto& other) { return other.first == name; });
     if (table == tables.end()) table = tables.insert(table, {name, ""});
-    const bool is_missing = field.is_missing && !variable->standard;
-    std::string& lines = table->second;
-    lines.append("# ").append(field.doc()).append(is_missing ? "\n# " : "\n");
-    lines.append(field.key, name.empty() ? 0 : name.size() + 1).append(" = ");
-    lines.append(is_missing ? "  # required" : variable->print()).append("\n");
+    std::string& of_table = table->second;
+    of_table.append("# ").append(line.doc).append(line.is_missing ? "\n# " : "\n");
+    of_table.append(key, name.empty() ? 0 : name.size() + 1).append(" = ");
+    of_table.append(line.is_missing ? "  # required" : line.value).append("\n");
   }
-  for (const auto& [name, lines] : tables) {
-    text += (name.empty() ? "" : "\n[" + name + "]\n") + lines;
+  for (const auto& [name, of_table] : tables) {
+    text += (name.empty() ? "" : "\n[" + name + "]\n") + of_table;
   }
   return text + fmt::format("\n[case.{}]\n", toml_key(case_name));
 }
 
-std::vector<KeyHelp> Fields::help() const {
+// The meanings of a key, each with all the parts that give it.
+std::vector<KeyHelp> Fields::help_of(const Field& field) {
   std::vector<KeyHelp> all;
+  for (const Variable& variable : field.variables) {
+    KeyHelp help = {field.key, variable.part.choice, {}, variable.doc, variable.takes, "", {}};
+    if (field.was_read || variable.standard) help.value = variable.print();
+    for (const Condition& condition : variable.conditions) {
+      help.conditions.push_back(condition.text);
+    }
+    const auto same = std::find_if(all.begin(), all.end(), [&](const KeyHelp& other) {
+      return other.choice == help.choice && other.text == help.text && other.takes == help.takes &&
+             other.value == help.value && other.conditions == help.conditions;
+    });
+    KeyHelp& meaning = same != all.end() ? *same : all.emplace_back(std::move(help));
+    if (!variable.part.name.empty()) meaning.parts.push_back(variable.part.name);
+  }
+  return all;
+}
+
+std::vector<KeyHelp> Fields::help() const {
+  std::vector<Shown<std::vector<KeyHelp>>> keys;
   for (const Field& field : fields_) {
     if (field.is_left_out()) continue;
-    const std::size_t first = all.size();  // the meanings of this key begin here
-    for (const Variable& variable : field.variables) {
-      KeyHelp help = {field.key, variable.part.choice, {}, variable.doc, variable.takes, "", {}};
-      if (field.was_read || variable.standard) help.value = variable.print();
-      for (const Condition& condition : variable.conditions) {
-        help.conditions.push_back(condition.text);
+    std::vector<KeyHelp> meanings = help_of(field);
+    if (const std::string axis = axis_in(field.key); !axis.empty()) {
+      for (KeyHelp& help : meanings) {
+        help.key = without(axis, help.key);
+        help.choice = without(axis, help.choice);
+        for (std::string& condition : help.conditions) condition = without(axis, condition);
       }
-      const auto same = std::find_if(
-          all.begin() + static_cast<std::ptrdiff_t>(first), all.end(), [&](const KeyHelp& other) {
-            return other.choice == help.choice && other.text == help.text &&
-                   other.takes == help.takes && other.value == help.value &&
-                   other.conditions == help.conditions;
-          });
-      KeyHelp& meaning = same != all.end() ? *same : all.emplace_back(std::move(help));
-      if (!variable.part.name.empty()) meaning.parts.push_back(variable.part.name);
     }
+    keys.push_back({&field, field.key, std::move(meanings)});
+  }
+  unite_axes(keys);
+  std::vector<KeyHelp> all;
+  for (const auto& [field, key, of_axes] : keys) {
+    const std::vector<KeyHelp>& meanings = key == field->key ? help_of(*field) : of_axes;
+    all.insert(all.end(), meanings.begin(), meanings.end());
   }
   return all;
 }

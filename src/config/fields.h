@@ -47,6 +47,8 @@ struct KeyHelp {
   std::string takes;  ///< "a number, positive"
   std::string value;  ///< in TOML; empty: neither the file nor a default value gives it
   std::vector<std::string> conditions;  ///< all must hold: "disturbance.kind is sine"
+
+  bool operator==(const KeyHelp&) const = default;
 };
 
 /// The reason to refuse a value.
@@ -105,24 +107,6 @@ class Fields {
     LeftOut(const LeftOut&) = delete;
     LeftOut& operator=(const LeftOut&) = delete;
     ~LeftOut() { fields_.is_left_out_ = nullptr; }
-
-   private:
-    Fields& fields_;
-  };
-
-  /// The keys that are bound during its life are those of place `place` of `count` places, such as
-  /// the joints of an arm. Each place binds the same keys to variables of its own, from place 0 on.
-  /// The value of a number() is one number for all places, or an array with a number for each.
-  /// Other values are those of all places.
-  class OfPlace {
-   public:
-    OfPlace(Fields& fields, std::size_t place, std::size_t count) : fields_(fields) {
-      fields_.place_ = place;
-      fields_.places_ = count;
-    }
-    OfPlace(const OfPlace&) = delete;
-    OfPlace& operator=(const OfPlace&) = delete;
-    ~OfPlace() { fields_.place_ = fields_.places_ = 0; }
 
    private:
     Fields& fields_;
@@ -188,13 +172,17 @@ class Fields {
   void only_where(const std::vector<std::string>& keys, const std::string& condition,
                   std::function<bool()> holds);
 
+  /// Further names of keys, besides those of the file that is read.
+  void alias(const Aliases& aliases) { aliases_.insert(aliases.begin(), aliases.end()); }
+
   /// Reads every key and makes file names absolute. A key of a table with names (axis.NAME.KEY,
   /// contact.NAME.KEY, push.NAME.KEY) may be given without the name: KEY, contact.KEY. It then
   /// counts for each name that has such a key and no value of its own. An array with an entry for
   /// each of them, in their order, has one for each. Throws std::invalid_argument `ORIGIN: KEY:
-  /// reason` for the first wrong key: unknown, missing, of the wrong type, out of range, or without
-  /// its file.
-  void read(const Config& config);
+  /// reason` for the first wrong key. It is unknown, missing, of the wrong type, out of range,
+  /// without its file, or given by two names. Returns the keys as they were given, and those with
+  /// the name of each table for which they count.
+  Config read(const Config& config);
   /// The same, but keys may be missing: print() then asks for them.
   void read_incomplete(const Config& config);
   /// Checks every table of a file, whichever case runs: a wrong value is refused even if another
@@ -208,11 +196,13 @@ class Fields {
   /// The ineffective keys of the config that was read, with the reason. Call it after read().
   std::vector<UnusedKey> unused() const;
 
-  /// A scenario file with these values, with one case and no overrides. A key without a value is a
-  /// comment to fill in, `# required`.
+  /// A scenario file with these values, with one case and no overrides. A key that was given by
+  /// another name keeps it. A key that is the same at each of several axes is printed once,
+  /// without their names. A key without a value is a comment to fill in, `# required`.
   std::string print(const std::string& scenario, const std::string& case_name) const;
 
-  /// Every meaning of every key, in their order, with the values that were read.
+  /// Every meaning of every key, in their order, with the values that were read. A key that is the
+  /// same at each of several axes is there once, without their names.
   std::vector<KeyHelp> help() const;
 
   /// The present number of a key, NaN for an optional one without a value; nothing if there is no
@@ -246,10 +236,8 @@ class Fields {
     std::string takes;  // "a number, positive"
     std::function<Error(const ConfigValue&)> read;
     std::function<std::string()> print;
-    std::string* file = nullptr;            // the variable, if it is a file name
-    std::vector<std::string*> copies = {};  // the same file name, of the other places
-    std::vector<std::function<std::string()>> of_places = {};  // print() of each place
-    std::vector<Condition> conditions = {};                    // all must hold for an effect
+    std::string* file = nullptr;             // the variable, if it is a file name
+    std::vector<Condition> conditions = {};  // all must hold for an effect
     std::optional<ConfigValue> standard = {};
     std::function<void()> clear = {};  // leaves the variable without a value; null if it needs one
     std::function<bool()> is_left_out = {};  // null: never
@@ -262,6 +250,7 @@ class Fields {
     bool was_read = false;
     bool is_missing = false;  // missing in an incomplete file, without a default value
     std::size_t suited = 0;   // the first variable that the value suits
+    std::string given = {};   // ConfigEntry::given without the number of an element
 
     std::string doc() const;
     bool is_left_out() const {
@@ -271,13 +260,23 @@ class Fields {
 
   // Assigns every key of the config. Returns the missing keys that the chosen parts need.
   std::vector<const Field*> assign_all(const Config& config);
+  Config without_aliases(const Config& config) const;
   // Gives the keys without a name to all names that lack them.
   Config spread(const Config& config);
   static bool has_one_each(const ConfigValue::Array& array, const std::vector<Field*>& named);
-  std::vector<UnusedKey> unused_fields() const;
+  // A key and the texts shown for it.
+  template <typename What>
+  struct Shown {
+    const Field* field;
+    std::string key;
+    What what;
+  };
+  // Makes one of what is the same at each of several axes.
+  template <typename What>
+  void unite_axes(std::vector<Shown<What>>& all) const;
+  static std::vector<KeyHelp> help_of(const Field& field);
+  std::optional<UnusedKey> unused(const Field& field, const Variable* variable) const;
   void add(const std::string& name, Variable variable);
-  // Makes the variable of another place follow the value of `first`.
-  static void join(Variable& first, Variable other);
   const Field* find(const std::string& key) const;
   std::vector<Variable*> at(const std::string& name);
   void add_condition(const std::vector<std::string>& keys, const Condition& condition);
@@ -298,12 +297,10 @@ class Fields {
                   const std::string& doc);
 
   std::vector<Field> fields_;
-  std::map<std::string, std::string> without_name_;  // key that was given by its key without a name
-  Part part_;                                        // the part whose keys are being bound
-  std::string prefix_;                               // the prefix of the keys that are being bound
+  Aliases aliases_;
+  Part part_;           // the part whose keys are being bound
+  std::string prefix_;  // the prefix of the keys that are being bound
   std::function<bool()> is_left_out_;
-  std::size_t place_ = 0;
-  std::size_t places_ = 0;  // 0: the keys are of no place
 };
 
 }  // namespace breakwater

@@ -85,14 +85,16 @@ std::string axis_of(const std::string& key) {
   return key.starts_with(axis) ? key.substr(0, key.find('.', axis.size())) : "";
 }
 
-// Whether a configuration has an axis that the other lacks.
+// Whether a configuration has an axis that the other, a file with axes, lacks.
 bool has_own_axis(const Config& config, const Config& other) {
   std::set<std::string> axes;
   for (const auto& [key, entry] : other.entries()) axes.insert(axis_of(key));
-  return std::any_of(config.entries().begin(), config.entries().end(), [&](const auto& entry) {
-    const std::string axis = axis_of(entry.first);
-    return !axis.empty() && axes.count(axis) == 0;
-  });
+  axes.erase("");
+  return !axes.empty() &&
+         std::any_of(config.entries().begin(), config.entries().end(), [&](const auto& entry) {
+           const std::string axis = axis_of(entry.first);
+           return !axis.empty() && axes.count(axis) == 0;
+         });
 }
 
 std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const fs::path& folder,

@@ -258,6 +258,7 @@ void MetricRows::learn(const Config& config) {
 }
 
 void MetricRows::bind(Fields& fields) {
+  if (scenario_) fields.alias(scenario_->scenario_file()->aliases());
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     if (!is_in_file_[i]) continue;
     const Fields::LeftOut left_out(

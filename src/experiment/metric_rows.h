@@ -81,8 +81,8 @@ class MetricRows {
 
   /// Finds the tables of a run's file.
   void learn(const Config& config);
-  /// Binds the keys of the run's file. Rows that are the scenario's own, unchanged, are neither
-  /// printed nor among the keys of a reference.
+  /// Binds the keys of the run's file, and the aliases of the scenario's own. Rows that are the
+  /// scenario's own, unchanged, are neither printed nor among the keys of a reference.
   void bind(Fields& fields);
   /// Checks the rows after reading, and takes the numbers of keys. Call it from Scenario::check().
   /// `fields` gives the values of keys that the file leaves out.

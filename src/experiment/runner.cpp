@@ -150,8 +150,7 @@ bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run, const Sce
   const auto shipped = kind.make(catalogue);
   shipped->learn(config);
   Fields fields = shipped->fields();
-  fields.read(config);
-  shipped->check(config);
+  shipped->check(fields.read(config));
   return fields.print(kind.name, case_name) == run.config_text;
 }
 
@@ -168,8 +167,7 @@ PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioF
   run.scenario->learn(config);
   Fields fields = run.scenario->fields();
   if (tables == Tables::unchecked) fields.check(file);
-  fields.read(config);
-  run.scenario->check(config);
+  run.scenario->check(fields.read(config));
   for (const UnusedKey& unused : fields.unused()) {
     const ConfigEntry& entry = *config.find(unused.key);
     if (!entry.is_chosen) continue;

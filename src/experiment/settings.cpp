@@ -141,11 +141,11 @@ void FaultSettings::apply(SensingSetup& setup) const {
   if (fault.channel != kNoFault) setup.fault = fault;
 }
 
-void bind_encoder_rounding(Fields& fields, const std::string& key, EncoderRounding& rounding) {
-  fields.choice(key, rounding,
+void bind_encoder_rounding(Fields& fields, EncoderRounding& rounding) {
+  fields.choice("encoder.rounding", rounding,
                 {{"nearest", EncoderRounding::nearest}, {"truncate", EncoderRounding::truncate}},
                 "how the encoder rounds: to the nearest count, or towards 0 (truncate)");
-  fields.standard(key, {std::string("nearest")});
+  fields.standard("encoder.rounding", {std::string("nearest")});
 }
 
 bool is_multiple(double time_s, double step_s) {

@@ -56,8 +56,8 @@ struct FaultSettings {
   void apply(SensingSetup& setup) const;
 };
 
-/// Binds the rounding of an encoder. The default value is the nearest count.
-void bind_encoder_rounding(Fields& fields, const std::string& key, EncoderRounding& rounding);
+/// Binds encoder.rounding. The default value is the nearest count.
+void bind_encoder_rounding(Fields& fields, EncoderRounding& rounding);
 
 /// Whether `time_s` is a whole multiple of `step_s`, except for rounding errors.
 bool is_multiple(double time_s, double step_s);

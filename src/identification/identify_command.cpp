@@ -69,7 +69,7 @@ struct Keys {
     bind_record_format(fields, format, input_acts);
     fields.number("encoder.quantum", quantum, any(),
                   "encoder resolution, one count; 0: not quantised; negative: found [rad]");
-    bind_encoder_rounding(fields, "encoder.rounding", rounding);
+    bind_encoder_rounding(fields, rounding);
     fields.choice("encoder.side", side, {{"motor", Side::motor}, {"load", Side::load}},
                   "side with the encoder, for --model two_inertia");
     fields.standard("encoder.side", {std::string("motor")});

@@ -138,7 +138,8 @@ std::string cases(const Catalogue& catalogue, const ScenarioKind& kind, const Sc
     const auto value = values(fields.help());
     std::vector<std::string> sets;
     for (const auto& entry : tables[i + 1].entries()) {
-      sets.push_back(code(entry.first + " = " + value.at(entry.first)));
+      const auto found = value.find(entry.first);  // an alias is not there
+      sets.push_back(code(entry.first + (found != value.end() ? " = " + found->second : "")));
     }
     rows.push_back({code(name), fmt::format("{}", fmt::join(sets, ", "))});
   }

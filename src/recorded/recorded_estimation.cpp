@@ -85,7 +85,7 @@ Fields RecordedEstimation::fields() {
       "encoder resolution, one count; 0: not quantised [rad or m] (--set encoder.quantum=VALUE)");
   fields.number("encoder.pulses_per_revolution", pulses_, not_negative(),
                 "b_reso of Eq. 4.26, or counts per metre; 0: from encoder.quantum");
-  bind_encoder_rounding(fields, "encoder.rounding", rounding_);
+  bind_encoder_rounding(fields, rounding_);
   fields.only_where({"encoder.rounding"}, "encoder.quantum is not 0",
                     [this] { return quantum_ != 0.0; });
   fields.number("noise.std", noise_std_, not_negative(),

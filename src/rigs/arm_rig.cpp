@@ -105,6 +105,7 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
 }
 
 constexpr double kFrictionOfModel = -1.0;
+constexpr const char* kFriction = "plant.coulomb_friction_Nm";
 
 double coulomb_Nm(const ArmSettings& settings, const Model& model, const PlanarChain& chain,
                   Eigen::Index joint) {
@@ -162,13 +163,24 @@ TransmissionSettings ArmJoint::at_joint() const {
 void ArmSettings::learn(const Config& config) {
   const auto file = config.text("model.urdf");
   if (!file) return;
-  Eigen::Index count = 1;
   try {
-    count = load_planar_chain(config.find_file_of("model.urdf", *file)).joints();
+    const PlanarChain chain = load_planar_chain(config.find_file_of("model.urdf", *file));
+    joints.clear();
+    for (int i = 0; i < chain.joints(); ++i) joints.emplace_back(chain.joint(i).name, *catalogue_);
   } catch (const std::invalid_argument&) {
     return;
   }
-  while (static_cast<Eigen::Index>(joints.size()) < count) joints.emplace_back(*catalogue_);
+}
+
+void ArmJoint::bind(Fields& fields) {
+  const Fields::Under under(fields, prefix());
+  const AxisUnits units = rotation_units();
+  fields.number(kFriction, friction_Nm, between(kFrictionOfModel, 1e3),
+                "Coulomb friction of the joint; -1: that of the model file [N m]");
+  fields.standard(kFriction, {kFrictionOfModel});
+  drive.bind(fields, units);
+  scale.bind(fields, units);
+  transmission.bind_plant(fields, units, "kgm2", "Nms_rad");
 }
 
 void ArmSettings::bind(Fields& fields) {
@@ -179,13 +191,7 @@ void ArmSettings::bind(Fields& fields) {
   run.bind(fields);
   fields.numbers("task.start_angles_rad", start_angles_rad, any(),
                  "q_0^ref, the start posture; its tip pose is X_0^ref [rad]");
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    const Fields::OfPlace of_joint(fields, i, joints.size());
-    fields.number("plant.friction_Nm", joints[i].friction_Nm, between(kFrictionOfModel, 1e3),
-                  "Coulomb friction of each joint; -1: that of the model file [N m]");
-    fields.standard("plant.friction_Nm", {kFrictionOfModel});
-    joints[i].drive.bind(fields, rotation_units());
-  }
+  for (ArmJoint& joint : joints) joint.bind(fields);
   controller.bind(fields);
   fields.numbers("observer.nominal_inertia_kgm2", nominal_inertia_kgm2, positive(),
                  "diagonal of J_n: nominal inertia of each joint [kg m^2]");
@@ -196,15 +202,9 @@ void ArmSettings::bind(Fields& fields) {
       "torque that the observer gets: after saturation (clipped) or before it (unclipped)");
   fields.number("sensor.encoder_counts_per_turn", encoder_counts_per_turn, between(0, 1e12),
                 "encoder counts per turn of each joint; 0: not quantised");
-  bind_encoder_rounding(fields, "sensor.encoder_rounding", encoder_rounding);
-  fields.only_where({"sensor.encoder_rounding"}, "sensor.encoder_counts_per_turn is not 0",
+  bind_encoder_rounding(fields, encoder_rounding);
+  fields.only_where({"encoder.rounding"}, "sensor.encoder_counts_per_turn is not 0",
                     [this] { return encoder_counts_per_turn != 0.0; });
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    const Fields::OfPlace of_joint(fields, i, joints.size());
-    joints[i].scale.bind(fields, "sensor.encoder_", rotation_units());
-    joints[i].transmission.bind_plant(fields, rotation_units(), "kgm2", "Nms_rad",
-                                      "sensor.encoder_side");
-  }
   fields.number("sensor.angle_noise_rad", angle_noise_rad, not_negative(),
                 "standard deviation of white noise on each angle sample [rad]");
   fields.number("sensor.force_noise_N", force_noise_N, not_negative(),
@@ -227,7 +227,8 @@ void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& c
 
   for (const ArmJoint& joint : settings.joints) {
     if (joint.friction_Nm < 0.0 && joint.friction_Nm != kFrictionOfModel) {
-      config.fail("plant.friction_Nm", "must be -1 (the value of the model file) or not negative");
+      config.under(joint.prefix())
+          .fail(kFriction, "must be -1 (the value of the model file) or not negative");
     }
   }
   for (int i = 0; i < chain.joints(); ++i) {
@@ -237,12 +238,13 @@ void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& c
   const Model model = Model::load_physics(settings.mjcf, role.geoms);
   check_actuators(model, chain);
   for (int i = 0; i < chain.joints(); ++i) {
+    const Config own = config.under(settings.joint(i).prefix());
     try {
       settings.joint(i).transmission.check_motor(model, chain.joint(i).name);
     } catch (const WrongKey& wrong) {
-      config.fail(wrong.key(), wrong.what());
+      own.fail(wrong.key(), wrong.what());
     }
-    settings.joint(i).drive.check(config, coulomb_Nm(settings, model, chain, i));
+    settings.joint(i).drive.check(own, coulomb_Nm(settings, model, chain, i));
   }
   const std::vector<SensorChannel> channels = sensing_setup(settings, role, chain).channels;
   settings.faults.check(config, channels);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <breakwater/experiment/scenario.h>
@@ -19,15 +20,20 @@
 
 namespace breakwater {
 
-/// The drive of one joint. All quantities are those at the joint, and the motor's inertia, viscous
-/// friction and error of the transmission those at the motor.
+/// The drive of one joint: keys axis.NAME.…. All quantities are those at the joint, and the motor's
+/// inertia, viscous friction and error of the transmission those at the motor.
 struct ArmJoint {
-  explicit ArmJoint(const Catalogue& catalogue) : drive(catalogue) {}
+  ArmJoint(std::string which, const Catalogue& catalogue)
+      : name(std::move(which)), drive(catalogue) {}
 
+  std::string name;
   double friction_Nm = 0.0;  ///< Coulomb friction; negative: that of the model file
   DriveSettings drive;       ///< friction law and motor
   ScaleSettings scale;       ///< errors of the encoder's scale
   TransmissionSettings transmission;
+
+  std::string prefix() const { return "axis." + name + "."; }
+  void bind(Fields& fields);
 
   /// The transmission with the motor's angle over the ratio in place of its angle. The command and
   /// the encoder are then those of the joint for every ratio.
@@ -40,7 +46,7 @@ struct ArmSettings {
       : controller(catalogue, "controller.name"),
         observer(catalogue, "observer.name", "idob"),
         catalogue_(&catalogue) {
-    joints.emplace_back(catalogue);
+    joints.emplace_back("joint1", catalogue);
   }
 
   ModelFile mjcf;
@@ -49,10 +55,8 @@ struct ArmSettings {
   TimingSettings timing;  ///< timing of the commands
   RunSettings run;
 
-  std::vector<ArmJoint> joints;  ///< one for each joint after learn(); before, one for all
-  const ArmJoint& joint(Eigen::Index i) const {
-    return joints.size() == 1 ? joints[0] : joints[static_cast<std::size_t>(i)];
-  }
+  std::vector<ArmJoint> joints;  ///< one for each joint after learn()
+  const ArmJoint& joint(Eigen::Index i) const { return joints.at(static_cast<std::size_t>(i)); }
   std::vector<double> start_angles_rad;  ///< q_0^ref
   PartChoice<ArmControllerKind> controller;
 
@@ -66,7 +70,7 @@ struct ArmSettings {
   double force_noise_N = 0.0;
   FaultSettings faults;
 
-  /// Takes the number of joints from the URDF. A file that is missing or wrong is left to read()
+  /// Takes the joints from the URDF. A file that is missing or wrong is left to read()
   /// and check_arm().
   void learn(const Config& config);
   void bind(Fields& fields);

@@ -47,6 +47,7 @@ void bind_poles(Fields& fields, Poles& settings) {
 }
 
 Estimator make_state_observer(const Poles& settings, const NominalAxis& axis) {
+  need_continuous(axis, "state_observer");
   return blame("observer.poles_rad_s", [&] {
     return std::make_unique<StateObserver>(axis.plant, settings.of(axis), axis.period_s);
   });
@@ -67,6 +68,7 @@ struct MdobCutoffs {
 void bind_mdob(Fields& fields, MdobCutoffs& settings) {
   fields.number("observer.derivative_cutoff_rad_s", settings.derivative_rad_s, not_negative(),
                 "g_d: cut-off of the pseudo-derivative; 0: the raw difference [rad/s]");
+  fields.standard("observer.derivative_cutoff_rad_s", {0.0});
   bind_low_pass(fields, settings.observer_rad_s);
 }
 
@@ -100,11 +102,13 @@ struct KalmanNoise {
                    {"disturbance", ProcessNoise::disturbance}},
                   "place of the process noise: input (B Q B^T, the KFD), all states (Q I) or "
                   "disturbance (the DKF)");
+    fields.standard("observer.process_noise_on", {std::string("input")});
     bind_process_noise(fields, process_noise);
     bind_initial_covariance(fields, initial_covariance);
   }
   void bind_observation(Fields& fields) {
     fields.number("observer.observation_noise", observation_noise, positive(), "R");
+    fields.standard("observer.observation_noise", {1.0});
   }
 
   KalmanDesign design(const NominalAxis& axis) const {
@@ -190,6 +194,8 @@ struct ForgettingLimits {
                   "lower bound of the forgetting factor");
     fields.number("observer.lambda_max", lambda_max, between(0, 1),
                   "upper bound of the forgetting factor");
+    fields.standard("observer.lambda_min", {0.8});
+    fields.standard("observer.lambda_max", {1.0});
   }
   void apply(VfakfdDesign& design) const {
     design.lambda_min = lambda_min;
@@ -200,6 +206,7 @@ struct ForgettingLimits {
 struct VfakfdSettings {
   KalmanNoise noise;
   double alpha = 0.0;
+  double dead_zone = 0.0;
   ForgettingLimits limits;
 };
 
@@ -207,6 +214,9 @@ void bind_vfakfd(Fields& fields, VfakfdSettings& settings) {
   settings.noise.bind(fields);
   fields.number("observer.alpha", settings.alpha, not_negative(),
                 "alpha of Eq. 4.20; 0: 1/(b_reso T_s), Eq. 4.26");
+  fields.standard("observer.process_noise", {0.0});
+  fields.optional_number("observer.dead_zone", settings.dead_zone, not_negative(),
+                         "size by which the innovation is reduced first [rad or m]");
   settings.limits.bind(fields);
 }
 
@@ -221,7 +231,7 @@ Estimator make_vfakfd(const VfakfdSettings& settings, const NominalAxis& axis) {
   design.alpha = Eigen::VectorXd::Constant(
       1, settings.alpha > 0.0 ? settings.alpha
                               : vfakfd_alpha(axis.pulses_per_revolution, axis.period_s));
-  design.dead_zone = Eigen::VectorXd::Zero(1);
+  design.dead_zone = Eigen::VectorXd::Constant(1, settings.dead_zone);
   settings.limits.apply(design);
   const KalmanDesign filter = settings.noise.design(axis);
   return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd>(filter, design); });
@@ -267,6 +277,7 @@ void bind_multiple_model(Fields& fields, MultipleModelSettings& settings) {
 }
 
 Estimator make_multiple_model(const MultipleModelSettings& settings, const NominalAxis& axis) {
+  need_continuous(axis, "qbank");
   need_one_axis(axis, "qbank");
   const double largest_d = settings.largest_d > 0.0 ? settings.largest_d : axis.force_limit;
   if (!(largest_d > 0.0) || !std::isfinite(largest_d)) {

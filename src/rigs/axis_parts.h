@@ -23,7 +23,8 @@ namespace breakwater {
 struct NominalAxis {
   StateSpace plant;  ///< continuous: the input is a force, the states are position and velocity
                      ///< (of two inertias, if E is there), the output is the position
-  double period_s = 0.0;                                         ///< sampling period T_s
+  double period_s = 0.0;    ///< sampling period T_s
+  bool is_sampled = false;  ///< the plant is that over a period; its disturbance is at the input
   double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
   SensorError sensor;                                            ///< as in a data sheet
   double pulses_per_revolution = 0.0;  ///< b_reso, or counts per metre; 0: not quantised
@@ -44,6 +45,7 @@ struct NominalAxis {
 
   /// The plant over an interval, with a model of the disturbance.
   ExtendedPlant extended(int order, double interval_s) const {
+    if (is_sampled) return extend_by_disturbance_model(plant, order, interval_s);
     if (E.size() == 0) return sample_with_disturbance_model(plant, order, interval_s);
     return sample_with_disturbance_model(plant, E, order, interval_s);
   }

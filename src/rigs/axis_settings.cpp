@@ -94,9 +94,32 @@ Axis named_axis(const std::string& name, const std::string& joint, const std::st
   return axis;
 }
 
-// The keys of a named axis that others do not have, and the default values of the others.
-void AxisSettings::bind_own(Fields& fields) {
+void AxisSettings::bind_nominal(Fields& fields) {
+  const char* const doc = "nominal value for the controller and the observer";
+  fields.number("nominal." + axis.inertia_name + "_" + axis.inertia_suffix, nominal_inertia,
+                positive(), doc);
+  fields.number("nominal.viscous_friction_" + axis.friction_suffix, nominal_friction,
+                not_negative(), doc);
+}
+
+void AxisSettings::bind_named(Fields& fields) {
+  const Fields::Under under(fields, axis.prefix());
+  bind_parts(fields);
   const AxisUnits& u = axis.units;
+  const char* const from = "nominal.from";
+  fields.choice(from, nominal_from, {{"model", NominalFrom::model}, {"keys", NominalFrom::keys}},
+                "source of the nominal numbers: keys, or the model at the pose of start.keyframe "
+                "with all other joints held, and the keys of the transmission");
+  fields.standard(from, {std::string("model")});
+  fields.only_for({"nominal.motor_inertia_" + axis.inertia_suffix,
+                   "nominal.motor_viscous_friction_" + axis.friction_suffix,
+                   "nominal.stiffness_" + u.force_suffix + "_" + u.position_suffix,
+                   "nominal.damping_" + axis.friction_suffix},
+                  from, {"keys"});
+  {
+    const Fields::OfPart keys(fields, from, "keys");
+    bind_nominal(fields);
+  }
   const std::string unit = " [" + u.position + "]";
   fields.text("joint", axis.joint, "hinge or slide of the model");
   fields.text("actuator", axis.actuator,
@@ -160,40 +183,22 @@ void AxisSettings::bind_own(Fields& fields) {
 }
 
 void AxisSettings::bind(Fields& fields) {
-  const Fields::Under under(fields, axis.prefix());
+  bind_nominal(fields);
+  bind_parts(fields);
+}
+
+void AxisSettings::bind_parts(Fields& fields) {
   const AxisUnits& u = axis.units;
   const auto key = [](const std::string& stem, const std::string& suffix) {
     return stem + "_" + suffix;
   };
-  const bool is_named = !axis.name.empty();
-  const Range friction = is_named ? any() : not_negative();
-  const std::string or_file = is_named ? "; negative: that of the model file" : "";
-  fields.number(
-      "plant." + key("viscous_friction", axis.friction_suffix), viscous_friction, friction,
-      "viscous friction of the plant" + or_file + " [" + u.force + " per " + u.velocity + "]");
-  fields.number("plant." + key("coulomb_friction", u.force_suffix), coulomb_friction, friction,
-                "Coulomb friction of the plant" + or_file + " [" + u.force + "]");
-  const auto bind_nominal = [&] {
-    const char* const doc = "nominal value for the controller and the observer";
-    fields.number("nominal." + key(axis.inertia_name, axis.inertia_suffix), nominal_inertia,
-                  positive(), doc);
-    fields.number("nominal." + key("viscous_friction", axis.friction_suffix), nominal_friction,
-                  not_negative(), doc);
-  };
-  if (is_named) {
-    const char* const from = "nominal.from";
-    fields.choice(from, nominal_from, {{"model", NominalFrom::model}, {"keys", NominalFrom::keys}},
-                  "source of the nominal numbers: keys, or the model at the pose of start.keyframe "
-                  "with all other joints held, and the keys of the transmission");
-    fields.standard(from, {std::string("model")});
-    const Fields::OfPart keys(fields, from, "keys");
-    bind_nominal();
-  } else {
-    bind_nominal();
-  }
-  fields.number(
-      "drive." + key("limit", u.force_suffix), drive_limit, not_negative(),
-      (is_named ? "0: the actuator's ctrlrange, or none [" : "0: none [") + u.force + "]");
+  const std::string or_file = "; negative: that of the model file [";
+  fields.number("plant." + key("viscous_friction", axis.friction_suffix), viscous_friction, any(),
+                "viscous friction of the plant" + or_file + u.force + " per " + u.velocity + "]");
+  fields.number("plant." + key("coulomb_friction", u.force_suffix), coulomb_friction, any(),
+                "Coulomb friction of the plant" + or_file + u.force + "]");
+  fields.number("drive." + key("limit", u.force_suffix), drive_limit, not_negative(),
+                "0: the actuator's ctrlrange, or none [" + u.force + "]");
   fields.number("drive." + key("resolution", u.force_suffix), drive_resolution, not_negative(),
                 "step of the drive's PWM; 0: not quantised [" + u.force + "]");
   drive.bind(fields, u);
@@ -218,11 +223,11 @@ void AxisSettings::bind(Fields& fields) {
       {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
       "zero of the encoder: it counts from the start, or is calibrated to the true 0. The two "
       "differ only with a phase");
-  bind_encoder_rounding(fields, "encoder.rounding", encoder_rounding);
+  bind_encoder_rounding(fields, encoder_rounding);
   fields.only_where(
       {"encoder." + key("phase", u.position_suffix), "encoder.origin", "encoder.rounding"},
       "the encoder is quantised", [this] { return quantum() != 0.0; });
-  scale.bind(fields, "encoder.", u);
+  scale.bind(fields, u);
   fields.number("noise." + key("std", u.position_suffix), noise_std, not_negative(),
                 "standard deviation of the measurement's white noise [" + u.position + "]");
   fields.number("noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),
@@ -230,13 +235,6 @@ void AxisSettings::bind(Fields& fields) {
   fields.count("sensor.delay_samples", delay_samples, between(0, 1e6),
                "delay of the measurement in control periods");
   transmission.bind(fields, u, axis.inertia_suffix, axis.friction_suffix);
-  if (!is_named) return;
-  bind_own(fields);
-  fields.only_for({"nominal." + key("motor_inertia", axis.inertia_suffix),
-                   "nominal." + key("motor_viscous_friction", axis.friction_suffix),
-                   "nominal." + key("stiffness", u.force_suffix + "_" + u.position_suffix),
-                   "nominal." + key("damping", axis.friction_suffix)},
-                  "nominal.from", {"keys"});
 }
 
 double AxisSettings::pulses_per_revolution() const {
@@ -318,32 +316,41 @@ void AxisPlant::learn(const Config& config) {
 }
 
 void AxisPlant::bind(Fields& fields) {
+  bind_whole(fields);
+  axis().bind(fields);
+  bind_faults(fields);
+}
+
+void AxisPlant::bind_whole(Fields& fields) {
   bind_model(fields, mjcf);
   physics.bind(fields);
   timing.bind(fields);
   run.bind(fields);
-  const bool is_named = axes.empty() || !axis().axis.name.empty();
-  const std::string inertia = is_named ? "inertia" : axis().axis.inertia_name;
-  fields.number("plant." + inertia + "_ratio", inertia_ratio, positive(),
-                "the plant's " + inertia + ", divided by that of its model file");
-  if (is_named) {
-    fields.standard("plant.inertia_ratio", {1.0});
-    fields.standard("record.compression", {std::int64_t{0}});
-    fields.text("start.keyframe", keyframe,
-                "keyframe of the pose that axes hold and models are linearised about; "
-                "none: the joints' own");
-    fields.standard("start.keyframe", {std::string(Axis::kNone)});
-    fields.flag("sensor.true_state", senses_true_state,
-                "samples also have the true positions and the true velocities of all axes");
-    fields.standard("sensor.true_state", {false});
-  }
-  for (AxisSettings& one : axes) one.bind(fields);
-  for (PushSettings& one : pushes) one.bind(fields);
-  for (ContactSettings& one : contacts) one.bind(fields);
+  fields.number("plant.inertia_ratio", inertia_ratio, positive(),
+                "the plant's inertia, or mass, divided by that of its model file");
+}
+
+void AxisPlant::bind_faults(Fields& fields) {
   std::vector<std::string> channels;
   for (const AxisSettings& one : axes) channels.push_back(one.axis.channel);
   faults.bind(fields, fmt::format("{}", fmt::join(channels, ", ")), run.duration_s);
-  if (!is_named) return;
+}
+
+void AxisPlant::bind_named(Fields& fields) {
+  bind_whole(fields);
+  fields.standard("plant.inertia_ratio", {1.0});
+  fields.standard("record.compression", {std::int64_t{0}});
+  fields.text("start.keyframe", keyframe,
+              "keyframe of the pose that axes hold and models are linearised about; "
+              "none: the joints' own");
+  fields.standard("start.keyframe", {std::string(Axis::kNone)});
+  fields.flag("sensor.true_state", senses_true_state,
+              "samples also have the true positions and the true velocities of all axes");
+  fields.standard("sensor.true_state", {false});
+  for (AxisSettings& one : axes) one.bind_named(fields);
+  for (PushSettings& one : pushes) one.bind(fields);
+  for (ContactSettings& one : contacts) one.bind(fields);
+  bind_faults(fields);
   fields.standard("sensor.nan_policy", {std::string("stop")});
   fields.standard("fault.sensor", {std::string(Axis::kNone)});
   fields.standard("fault.at_s", {0.0});
@@ -351,7 +358,6 @@ void AxisPlant::bind(Fields& fields) {
 }
 
 void AxisPlant::complete(const Config& config) {
-  if (axes.empty() || axis().axis.name.empty()) return;
   load_model(&config);
   const Model model = model_of_file();  // the true plant may differ from the nominal one
   if (keyframe != Axis::kNone) id_of(config, "start.keyframe", model, mjOBJ_KEY, keyframe);
@@ -491,15 +497,8 @@ Model AxisPlant::load_model(const Config* config) const {
   Model model = Model::load_physics(mjcf);
   model.set_physics(physics.timestep_s, physics.integrator);
   if (config != nullptr) check_names(model, *config);
-  const bool is_alone = axis().axis.name.empty();
   std::vector<int> joints;
   for (const AxisSettings& one : axes) joints.push_back(model.id(mjOBJ_JOINT, one.axis.joint));
-  const bool has_motor = axis().transmission.is_elastic() && !axis().transmission.adds_rotor();
-  if (is_alone && (model->nv != (has_motor ? 2 : 1) || model->nu != 1)) {
-    throw std::invalid_argument(model.file() +
-                                (has_motor ? ": must have two joints" : ": must have one joint") +
-                                " and one actuator");
-  }
   model.scale_inertia(inertia_ratio);
   author_friction(model);  // also of joints that are no axis
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -510,7 +509,7 @@ Model AxisPlant::load_model(const Config* config) const {
                     or_file(one.coulomb_friction, model->dof_frictionloss[dof]));
     const bool is_driven = one.axis.is_driven();
     const int actuator = is_driven ? model.id(mjOBJ_ACTUATOR, one.axis.actuator) : -1;
-    if (is_driven && (is_alone || one.drive_limit > 0.0)) {
+    if (is_driven && one.drive_limit > 0.0) {
       model.limit_actuator(actuator, one.force_limit());
     }
     if (is_driven || one.transmission.is_elastic()) {

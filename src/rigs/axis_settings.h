@@ -97,8 +97,11 @@ struct AxisSettings {
   TwoInertia model_numbers;
   double model_limit = std::numeric_limits<double>::infinity();
 
-  /// The keys begin with axis.prefix().
+  /// The keys of the only axis of a plant.
   void bind(Fields& fields);
+  /// The keys axis.NAME.…, with default values: those of bind(), and what the axis is, its start,
+  /// its reference and its disturbance.
+  void bind_named(Fields& fields);
 
   /// The joint of the side with the encoder.
   std::string measured_joint() const { return transmission.measured_joint(axis.joint); }
@@ -108,7 +111,8 @@ struct AxisSettings {
   double force_limit() const;            ///< limit of the drive; infinity: none
 
  private:
-  void bind_own(Fields& fields);
+  void bind_nominal(Fields& fields);
+  void bind_parts(Fields& fields);
 };
 
 /// The settings of a plant with axes.
@@ -143,7 +147,10 @@ struct AxisPlant {
   AxisSettings& axis() { return axes.front(); }
   const AxisSettings& axis() const { return axes.front(); }
 
+  /// The keys of a plant with one axis.
   void bind(Fields& fields);
+  /// The keys of a plant with named axes.
+  void bind_named(Fields& fields);
 
   /// Reads the tables that the keys name, and takes from the model what they leave to it. Throws
   /// std::invalid_argument `ORIGIN: KEY: reason`.
@@ -172,6 +179,8 @@ struct AxisPlant {
   SensingSetup sensing() const;
 
  private:
+  void bind_whole(Fields& fields);
+  void bind_faults(Fields& fields);
   Model load_model(const Config* config) const;  // checks the names of the keys, if it is there
   Model model_of_file() const;                   // load_model() without the keys plant.…
   void check_names(const Model& model, const Config& config) const;

@@ -68,11 +68,11 @@ std::unique_ptr<FrictionLaw> DriveSettings::make_friction(double coulomb) const 
   return friction_->make(coulomb);
 }
 
-void ScaleSettings::bind(Fields& fields, const std::string& stem, const AxisUnits& units) {
+void ScaleSettings::bind(Fields& fields, const AxisUnits& units) {
   const std::string unit = " [" + units.position + "]";
-  bind_sine(fields, stem + "eccentricity", units.position_suffix, eccentricity, units,
+  bind_sine(fields, "encoder.eccentricity", units.position_suffix, eccentricity, units,
             "amplitude of the error of a scale that is not centred" + unit);
-  bind_sine(fields, stem + "interpolation", units.position_suffix, interpolation, units,
+  bind_sine(fields, "encoder.interpolation", units.position_suffix, interpolation, units,
             "amplitude of the error between two lines of the scale" + unit);
 }
 

@@ -38,8 +38,7 @@ struct ScaleSettings {
   PositionSine eccentricity;
   PositionSine interpolation;
 
-  /// The keys begin with `stem`, "encoder.".
-  void bind(Fields& fields, const std::string& stem, const AxisUnits& units);
+  void bind(Fields& fields, const AxisUnits& units);
   void apply(Encoder& encoder) const;
 };
 

@@ -23,8 +23,15 @@ inline void need_one_axis(const NominalAxis& axis, const std::string& observer) 
                                       "state_observer, idob, kfd, fakfd, qvff or stf");
 }
 
+inline void need_continuous(const NominalAxis& axis, const std::string& observer) {
+  if (!axis.is_sampled) return;
+  throw WrongKey("control.period_s",
+                 "is missing: " + observer + " needs a plant in continuous time");
+}
+
 // The IDOB and the MDOB estimate a disturbance at the input.
 inline void need_one_inertia(const NominalAxis& axis, const std::string& observer) {
+  need_continuous(axis, observer);
   if (axis.E.size() == 0) return;
   throw WrongKey("nominal.model", "must be rigid or motor for " + observer +
                                       ": it finds no disturbance behind a spring");
@@ -40,6 +47,7 @@ struct DisturbanceModel {
   void bind(Fields& fields) {
     fields.count("observer.disturbance_order", order, between(0, 2),
                  "disturbance model: step (0), ramp (1) or parabola (2)");
+    fields.standard("observer.disturbance_order", {std::int64_t{0}});
   }
   ExtendedPlant extend(const NominalAxis& axis) const {
     return axis.extended(order, axis.period_s);
@@ -52,10 +60,13 @@ inline void bind_process_noise(Fields& fields, double& process_noise) {
 
 inline void bind_initial_covariance(Fields& fields, std::vector<double>& initial_covariance) {
   fields.numbers("observer.initial_covariance", initial_covariance, positive(),
-                 "diagonal of the initial covariance P0 of position, velocity, d, ...");
+                 "diagonal of the initial covariance P0 of position, velocity, d, ...; one number: "
+                 "of all");
+  fields.standard("observer.initial_covariance", {ConfigValue::Array{{1.0}}});
 }
 
 inline Eigen::VectorXd diagonal_of(const std::vector<double>& P0, const ExtendedPlant& plant) {
+  if (P0.size() == 1) return Eigen::VectorXd::Constant(plant.states(), P0[0]);
   if (static_cast<Eigen::Index>(P0.size()) != plant.states()) {
     throw WrongKey("observer.initial_covariance", "needs one initial covariance for each of the " +
                                                       std::to_string(plant.states()) +

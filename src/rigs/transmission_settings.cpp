@@ -7,8 +7,7 @@ namespace breakwater {
 
 void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u,
                                       const std::string& inertia_suffix,
-                                      const std::string& friction_suffix,
-                                      const std::string& side_key) {
+                                      const std::string& friction_suffix) {
   const std::string stiffness =
       "transmission.stiffness_" + u.force_suffix + "_" + u.position_suffix;
   const std::string position = "_" + u.position_suffix, friction = "_" + friction_suffix;
@@ -41,18 +40,18 @@ void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u,
     fields.standard(key, {std::string("load")});
   };
   side("friction.side", friction_side, "dry friction");
-  side(side_key, measured, "encoder");
+  side("encoder.side", measured, "encoder");
   fields.only_where(
       {"transmission.damping" + friction, "transmission.backlash" + position,
        "transmission.kinematic_error" + position, "transmission.kinematic_error_per_turn",
-       "transmission.motor_viscous_friction" + friction, "friction.side", side_key},
+       "transmission.motor_viscous_friction" + friction, "friction.side", "encoder.side"},
       stiffness + " is not 0", [this] { return is_elastic(); });
 }
 
 void TransmissionSettings::bind(Fields& fields, const AxisUnits& u,
                                 const std::string& inertia_suffix,
                                 const std::string& friction_suffix) {
-  bind_plant(fields, u, inertia_suffix, friction_suffix, "encoder.side");
+  bind_plant(fields, u, inertia_suffix, friction_suffix);
   const std::string stiffness = "_" + u.force_suffix + "_" + u.position_suffix;
   const std::string friction = "_" + friction_suffix, torque_per = u.force + " per ";
   fields.optional_number(

@@ -38,9 +38,9 @@ struct TransmissionSettings {
   double nominal_damping = 0.0;
   double nominal_motor_friction = 0.0;
 
-  /// The keys of the plant: `transmission.…`, `friction.side` and `side_key`, the encoder's side.
+  /// The keys of the plant: `transmission.…`, `friction.side` and `encoder.side`.
   void bind_plant(Fields& fields, const AxisUnits& units, const std::string& inertia_suffix,
-                  const std::string& friction_suffix, const std::string& side_key);
+                  const std::string& friction_suffix);
   /// All keys: those of the plant, `transmission.motor_joint` and `nominal.…`. All have a default
   /// value.
   void bind(Fields& fields, const AxisUnits& units, const std::string& inertia_suffix,

@@ -178,7 +178,7 @@ class Estimate(unittest.TestCase):
             (["--csv", "motor.csv", "--set", "plant.inertai=1"], r"did you mean plant.inertia"),
             (["--csv", "motor.csv", "--set", "csv.input_scale=0"], r"csv.input_scale: must not be 0"),
             (["--csv", "motor.csv", "--observer", "vfakfd"], r"observer.alpha: must be positive: 0 selects"),
-            (["--csv", "motor.csv", "--observer", "kfd", "--set", "observer.initial_covariance=[1]"],
+            (["--csv", "motor.csv", "--observer", "kfd", "--set", "observer.initial_covariance=[1,1]"],
              r"observer.initial_covariance: needs one"),
         ):
             with self.subTest(line):

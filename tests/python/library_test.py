@@ -42,17 +42,18 @@ def every_filter():
         "Vfakfd": bw.Vfakfd(**plant, alpha=1e-6, P0=1e-8),
         "Fakfd": bw.Fakfd(**plant, Q=0.0, gamma=1.01, gamma_d=1.02),
         "Kfd": bw.Kfd(**plant, Q=100.0, P0=[1.0, 2.0, 3.0]),
-        "Idob": bw.Idob(**plant, poles=[-10, -20 + 3j, -20 - 3j]),
+        "Idob": bw.Idob(**plant, poles=[-10, -20, -25]),
         "StateObserver": bw.StateObserver(**plant, poles=[-10, -20]),
-        "qbank": bw.AxisObserver("qbank", **plant, delta=1e-3, largest_disturbance=1.0),
-        "stf": bw.AxisObserver("stf", **plant, delta=1e-3, sigma=1e-5, disturbance_order=0),
+        "Vfakfd by its name": bw.Observer("vfakfd", **plant, alpha=1e-6, initial_covariance=[1e-8]),
+        "qbank": bw.Observer("qbank", **plant, delta=1e-3, largest_disturbance=1.0),
+        "stf": bw.Observer("stf", **plant, delta=1e-3, sigma=1e-5, disturbance_order=0),
         **{
-            name: bw.AxisObserver(name, **plant, delta=1e-3, disturbance_order=0, process_noise=1e-2,
+            name: bw.Observer(name, **plant, delta=1e-3, disturbance_order=0, process_noise=1e-2,
                                   initial_covariance=[1.0, 1.0, 1.0])
             for name in ("immkf", "mckf", "vbakf", "gsf")
         },
-        "mhe": bw.AxisObserver("mhe", **plant, delta=1e-3, disturbance_order=0, process_noise=1e-2),
-        "eso": bw.AxisObserver("eso", **plant, delta=1e-3),
+        "mhe": bw.Observer("mhe", **plant, delta=1e-3, disturbance_order=0, process_noise=1e-2),
+        "eso": bw.Observer("eso", **plant, delta=1e-3),
         "Mdob": bw.Mdob(0.5, cutoff_rad_s=20, derivative_cutoff_rad_s=50, period_s=PERIOD),
     }
 

@@ -41,6 +41,17 @@ class Package(unittest.TestCase):
                 theirs = {name for name in vars(getattr(_core, node.name)) if not name.startswith("_")}
                 self.assertEqual(names(node.body) - {"__init__"}, theirs, node.name)
 
+    def test_the_observers_take_the_keys_of_the_bindings(self):
+        table = {name: [key for key, *_ in keys] for name, _, keys in _core.observers()}
+        stub = ast.parse((FOLDER / "named_observers.pyi").read_text())
+        classes = [node for node in stub.body if isinstance(node, ast.ClassDef)]
+        self.assertEqual(len(classes), 7)
+        for node in classes:
+            observer = getattr(bw, node.name)
+            takes = {argument.arg.rstrip("_") for argument in node.body[-1].args.kwonlyargs}
+            self.assertLessEqual(set(table[observer.name]), takes, node.name)
+            self.assertTrue(all(f"\n{key}: " in observer.__doc__ for key in table[observer.name]))
+
     def test_every_function_is_annotated(self):
         for file in FOLDER.glob("*.py"):
             for node in ast.walk(ast.parse(file.read_text())):
