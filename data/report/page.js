@@ -34,11 +34,17 @@
     };
   }
 
-  function rowsOf(series) {
+  // The values where a series has marks and no line.
+  function marked(t, v) {
+    const values = new Map(Array.from(t, (time, i) => [time, v[i]]));
+    return (time) => values.get(time) ?? null;
+  }
+
+  function rowsOf(series, x) {
     const times = new Set();
-    const all = series.map((s) => ({t: numbers(s.t, 0, 1e-6), v: numbers(s.v, s.from, s.step)}));
+    const all = series.map((s) => ({t: numbers(s.t, x.from, x.step), v: numbers(s.v, s.from, s.step)}));
     for (const s of all) for (const t of s.t) times.add(t);
-    const samplers = all.map((s) => sampler(s.t, s.v));
+    const samplers = all.map((s, i) => (series[i].line === false ? marked : sampler)(s.t, s.v));
     return Array.from(times).sort((a, b) => a - b).map((t) => [t, ...samplers.map((f) => f(t))]);
   }
 
@@ -75,6 +81,36 @@
     });
   }
 
+  // Ticks of decimal logarithms: as many a decade as there is room for.
+  function logTicks(low, high, pixels) {
+    const ticks = [], room = pixels / 25, stride = Math.max(1, Math.ceil((high - low) / room));
+    const factors = [[1, 2, 5], [1, 3]].find((some) => some.length * (high - low) <= room + 1) || [1];
+    for (let n = Math.floor(low / stride) * stride; n <= high; n += stride) {
+      for (const f of factors) {
+        const v = n + Math.log10(f);
+        if (v >= low - 1e-9 && v <= high + 1e-9) ticks.push({v, label: shown(f * 10 ** n)});
+      }
+    }
+    return ticks.length > 1 ? ticks : fourTicks(low, high).map((tick) => ({v: tick.v, label: shown(10 ** tick.v)}));
+  }
+
+  const MARKS = {
+    dot: (context, x, y) => context.arc(x, y, 3, 0, 7),
+    cross: (context, x, y) => { context.moveTo(x - 3, y - 3); context.lineTo(x + 3, y + 3); context.moveTo(x - 3, y + 3); context.lineTo(x + 3, y - 3); },
+    ring: (context, x, y) => context.arc(x, y, 8, 0, 7),
+  };
+  // At the series' own places: between them its line has values too.
+  function drawMark(kind, own, rows) {
+    return (graph, name, context, x, y, colour, size, row) => {
+      if (!own.has(rows[row][0])) return;
+      context.beginPath();
+      context.setLineDash([]);
+      context.strokeStyle = context.fillStyle = colour;
+      MARKS[kind](context, x, y);
+      if (kind === "dot") context.fill(); else context.stroke();
+    };
+  }
+
   function element(kind, className, parent) {
     const made = document.createElement(kind);
     made.className = className;
@@ -92,15 +128,17 @@
       this.axis = axisOf(box.dataset.axis);
       const data = pageData[box.dataset.chart];
       if (this.axis.charts.length === 0 && data.window) this.axis.window = data.window;
+      this.data = data;
+      this.x = data.x || {from: 0, step: 1e-6};
       this.series = data.series;
       this.colours = coloursOf(data.series);
-      this.rows = rowsOf(data.series);
+      this.rows = rowsOf(data.series, this.x);
       this.makeKeys(box.querySelector(".keys"));
       this.graph = new Dygraph(this.plot, this.rows, {
         labels: ["time", ...data.series.map((s, i) => i + " " + s.label)],
         colors: this.colours,
         visibility: data.series.map((s) => !s.off),
-        series: Object.fromEntries(data.series.map((s, i) => [i + " " + s.label, {strokePattern: dashOf(s)}])),
+        series: Object.fromEntries(data.series.map((s, i) => [i + " " + s.label, {strokePattern: dashOf(s), ...this.marksOf(s)}])),
         legend: "never",
         connectSeparatedPoints: false,
         strokeWidth: 1.4,
@@ -112,8 +150,11 @@
         maxNumberWidth: 7,
         includeZero: false,
         dateWindow: this.axis.window,
-        axes: {y: {axisLabelWidth: 54, ticker: fourTicks}, x: {drawGrid: true}},
-        underlayCallback: (context, area, graph) => this.underlay(context, area, graph, data.lines),
+        valueRange: this.wholeRange(),
+        xRangePad: data.x ? 6 : 0,
+        axes: {y: {axisLabelWidth: 54, ticker: data.log ? logTicks : fourTicks},
+               x: {drawGrid: true, ...(data.x ? {ticker: data.x.log ? logTicks : fourTicks} : {})}},
+        underlayCallback: (context, area, graph) => this.underlay(context, area, graph),
         highlightCallback: (event, time) => this.isPlayed ? this.showValues(time) : setTime(this.group, time),
         unhighlightCallback: () => this.isPlayed ? this.showValues(this.group.time) : setTime(this.group, null),
         drawCallback: (graph, isFirst) => { if (!isFirst) this.drawn(); },
@@ -128,6 +169,17 @@
       this.placeCursor();
       if (this.isPlayed) this.showValues(this.group.time);
       box.dataset.drawn = "yes";
+    }
+
+    // Over another quantity than time all values are in sight, those of lines and brackets too.
+    wholeRange() {
+      if (!this.data.x) return null;
+      const all = this.data.lines.concat(...this.data.brackets.map((b) => b.ends), ...this.rows.map((row) => row.slice(1)))
+        .filter((value) => value !== null && Number.isFinite(value));
+      if (all.length === 0) return null;
+      const low = all.reduce((a, b) => Math.min(a, b)), high = all.reduce((a, b) => Math.max(a, b));
+      const margin = 0.04 * (high - low) || 0.05 * Math.abs(high) || 0.5;
+      return [low - margin, high + margin];
     }
 
     get isPlayed() { return this.group.players.length > 0; }
@@ -147,7 +199,7 @@
         key.type = "button";
         key.title = series.about;
         key.setAttribute("aria-pressed", String(!series.off));
-        key.className += ` c${series.colour} d${series.dash}`;
+        key.className += ` c${series.colour} d${series.dash}` + (series.line === false ? " mark" : "");
         element("i", "", key);
         element("span", "", key).textContent = series.label;
         key.addEventListener("click", () => {
@@ -159,17 +211,25 @@
       });
     }
 
-    underlay(context, area, graph, lines) {
+    underlay(context, area, graph) {
       context.save();
+      const stroke = (...points) => {
+        context.beginPath();
+        points.forEach(([x, y], i) => (i % 2 ? context.lineTo(x, y) : context.moveTo(x, y)));
+        context.stroke();
+      };
+      for (const {x, ends, colour} of this.data.brackets || []) {
+        context.strokeStyle = cssValue("--c" + colour);
+        context.lineWidth = 2;
+        const at = graph.toDomXCoord(x), [from, to] = ends.map((end) => graph.toDomYCoord(end));
+        stroke([at, from], [at, to], [at - 4, from], [at + 4, from], [at - 4, to], [at + 4, to]);
+      }
+      context.lineWidth = 1;
       context.strokeStyle = cssValue("--soft");
       context.setLineDash([5, 4]);
-      for (const value of lines) {
+      for (const value of this.data.lines) {
         const y = graph.toDomYCoord(value);
-        if (y < area.y || y > area.y + area.h) continue;
-        context.beginPath();
-        context.moveTo(area.x, y);
-        context.lineTo(area.x + area.w, y);
-        context.stroke();
+        if (y >= area.y && y <= area.y + area.h) stroke([area.x, y], [area.x + area.w, y]);
       }
       context.restore();
     }
@@ -188,10 +248,26 @@
     setWindow(range) { this.graph.updateOptions({dateWindow: range}); }
 
     showValues(time) {
-      this.clock.textContent = time === null ? "" : "t = " + Number(time.toPrecision(6)) + " s";
+      const {title, log} = this.x;
+      this.clock.textContent = time === null ? ""
+        : title ? title + ": " + shown(log ? 10 ** time : time) : "t = " + Number(time.toPrecision(6)) + " s";
       this.series.forEach((series, i) => {
-        this.values[i].textContent = time === null ? "" : shown(this.at(time, i + 1));
+        const value = time === null ? null : this.at(time, i + 1);
+        this.values[i].textContent = shown(value !== null && this.data.log ? 10 ** value : value);
+        const place = value === null || !series.names?.length ? -1 : this.placeOf(series, time);
+        if (place >= 0) this.values[i].textContent += " " + series.names[place];
       });
+    }
+
+    xOf(series) { return numbers(series.t, this.x.from, this.x.step); }
+
+    placeOf(series, x) { return this.xOf(series).indexOf(x); }
+
+    marksOf(series) {
+      if (!series.marks) return {};
+      const draw = drawMark(series.marks, new Set(this.xOf(series)), this.rows);
+      return {drawPoints: true, drawPointCallback: draw, drawHighlightPointCallback: draw,
+              ...(series.line === false ? {strokeWidth: 0} : {})};
     }
 
     at(time, column) {

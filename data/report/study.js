@@ -1,7 +1,7 @@
 // A study's report: selection of the metric, tips of the marks, and commands of the runs.
 "use strict";
 (() => {
-  const data = JSON.parse(document.getElementById("study-runs").textContent);
+  const data = pageData["study-runs"];
   const tip = document.getElementById("tip");
   const panel = document.getElementById("chosen");
   const command = document.getElementById("this-machine").dataset.command + " --replay ";

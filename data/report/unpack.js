@@ -6,7 +6,14 @@
     const bytes = Uint8Array.from(atob(document.getElementById("packed").textContent), (c) => c.charCodeAt(0));
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
     const page = JSON.parse(await new Response(stream).text());
-    window.pageData = page.data;
+    // The data of each drawing, by its id.
+    window.pageData = {};
+    const find = (part) => {
+      if (part === null || typeof part !== "object") return;
+      if (part.data) pageData[part.id] = part.data;
+      Object.values(part).forEach(find);
+    };
+    find(page.result);
     for (const text of page.scripts) {
       const script = document.createElement("script");
       script.textContent = text;

@@ -6,20 +6,15 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <kainjow/mustache.hpp>
 #include <numbers>
 #include <utility>
 
 #include <breakwater/analysis/bode_chart.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/svg_plot.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/shell/digits.h>
-#include <breakwater/shell/table.h>
 
 namespace breakwater {
-namespace mustache = kainjow::mustache;
 namespace fs = std::filesystem;
 namespace {
 
@@ -113,10 +108,6 @@ const std::vector<Quantity>& quantities() {
       {"complementary_peak_1", "M_t, largest complementary sensitivity",
        [](const LoopCurve& c) { return c.margins.complementary_peak; }}};
   return all;
-}
-
-std::string shown(double value) {
-  return std::isfinite(value) ? in_digits(value) : "-";
 }
 
 std::string digits(double value) {
@@ -223,34 +214,79 @@ BodeCurve curve_of(const LoopAnalysis& loop, const LoopCurve& curve, const Respo
   return result;
 }
 
-mustache::data named(const std::string& key, const std::string& value) {
-  mustache::data data;
-  data.set(key, value);
-  return data;
-}
-
-void add_margins(mustache::data& page, const std::vector<LoopAnalysis>& loops) {
-  mustache::data columns(mustache::data::type::list), rows(mustache::data::type::list);
+// One column per loop and way. Numbers beside a grey dot are marked.
+PageData margins_of(const std::vector<LoopAnalysis>& loops) {
   const std::vector<NamedCurve> curves = curves_of(loops);
-  bool any_unsure = false;
+  PageData table = {
+      {"label", "Margins"}, {"columns", PageData::array({""})}, {"rows", PageData::array()}};
   for (const NamedCurve& one : curves) {
-    columns << named("label", one.loop.name.label() + ", " + one.way.name);
+    table["columns"].push_back(one.loop.name.label() +
+                               (one.way.curve == &LoopAnalysis::measured ? " measured" : ""));
   }
   for (const Quantity& quantity : quantities()) {
-    mustache::data row, cells(mustache::data::type::list);
-    row.set("name", quantity.words);
+    PageData row = {quantity.words};
     for (const NamedCurve& one : curves) {
-      mustache::data cell = named("value", shown(quantity.of(one.curve)));
-      cell.set("is_unsure", is_unsure(one, quantity));
-      any_unsure |= is_unsure(one, quantity);
-      cells << cell;
+      const double value = quantity.of(one.curve);
+      row.push_back(is_unsure(one, quantity)
+                        ? PageData{{"value", value},
+                                   {"tone", "unsure"},
+                                   {"tip", "not reliable: measured beside a grey dot"}}
+                        : PageData(value));
     }
-    row.set("cells", cells);
-    rows << row;
+    table["rows"].push_back(row);
   }
-  page.set("columns", columns);
-  page.set("rows", rows);
-  page.set("any_unsure", any_unsure);
+  return table;
+}
+
+// The result of the command: what its page shows.
+PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& scenario,
+                   const std::vector<std::string>& cases, const std::string& command,
+                   const AxisUnits& units) {
+  std::vector<std::string> names;
+  for (const LoopAnalysis& loop : loops) names.push_back(loop.name.label());
+  const std::vector<Identity> looks = candidate_identities(names, cases);
+  auto lead = PageData::array();
+  lead.push_back({{"text",
+                   "Lines are designed: the controller and its estimator with the linear plant. "
+                   "Dots are measured: one sine after another in the simulation, with encoder, "
+                   "drive and friction. Grey dots are not reliable."}});
+  auto legend = PageData::array();
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    legend.push_back({{"entry", names[i]}, {"look", series_class(looks[i])}});
+    for (const std::string& note : notes(loops[i])) {
+      lead.push_back({{"text", fmt::format("{}: {}.", names[i], note)}});
+    }
+    lead.push_back({{"text", reason_of_difference(loops[i])}});
+  }
+  lead.push_back({{"command", command}});
+  lead.push_back({{"legend", {{"entries", legend}}}});
+  auto sections = PageData::array();
+  sections.push_back(
+      {{"id", "margins"},
+       {"heading", "Margins"},
+       {"blocks",
+        {{{"table", margins_of(loops)}},
+         {{"text",
+           "The loop is opened at the plant’s input. The gain may fall by the reduction margin. "
+           "Grey numbers are not reliable: they are measured beside a grey dot."}}}}});
+  auto figures = PageData::array();
+  for (const Response& response : responses(units)) {
+    std::vector<BodeLoop> drawn;
+    for (const LoopAnalysis& loop : loops) {
+      drawn.push_back({loop.name.label(), looks[drawn.size()],
+                       curve_of(loop, loop.designed, response),
+                       curve_of(loop, loop.measured, response)});
+      if (response.value == &LoopPoint::loop_gain && !loop.designed.points.empty()) {
+        drawn.back().margins = loop.designed.margins;
+      }
+    }
+    const PageData charts = bode_charts(anchor(response.name), response.unit, drawn);
+    if (charts.empty()) continue;
+    figures.push_back({{"caption", response.title}, {"charts", charts}, {"note", response.about}});
+  }
+  sections.push_back(
+      {{"id", "responses"}, {"heading", "Responses"}, {"blocks", {{{"figures", figures}}}}});
+  return {{"title", "Frequency response of " + scenario}, {"lead", lead}, {"sections", sections}};
 }
 
 }  // namespace
@@ -268,77 +304,15 @@ std::vector<std::string> notes(const LoopAnalysis& loop) {
 }
 
 std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width) {
-  std::vector<std::string> header = {""};
-  const std::vector<NamedCurve> curves = curves_of(loops);
-  for (const NamedCurve& one : curves) {
-    header.push_back(one.loop.name.label() + (&one.way == kWays.data() ? "" : " measured"));
-  }
-  Table table(header);
-  for (const Quantity& quantity : quantities()) {
-    std::vector<std::string> row = {quantity.words};
-    for (const NamedCurve& one : curves) row.push_back(shown(quantity.of(one.curve)));
-    table.add(row);
-  }
-  return table.print(width);
+  return printed_table(margins_of(loops), width);
 }
 
 void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& scenario,
                     const std::vector<std::string>& cases, const std::string& command,
                     const AxisUnits& units, const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const LoopAnalysis& loop : loops) names.push_back(loop.name.label());
-  const std::vector<Identity> looks = candidate_identities(names, cases);
-  const std::vector<Response> all = responses(units);
-  mustache::data page;
-  page.set("title", "Frequency response of " + scenario);
-  page.set("command", command);
-  mustache::data toc(mustache::data::type::list), legend(mustache::data::type::list);
-  mustache::data charts(mustache::data::type::list), texts(mustache::data::type::list);
-  const auto contents = [&](const std::string& href, const std::string& label) {
-    mustache::data entry;
-    entry.set("href", href);
-    entry.set("label", label);
-    toc << entry;
-  };
-  contents("margins", "Margins");
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    mustache::data one = named("label", loops[i].name.label());
-    one.set("colour", series_class(looks[i]));
-    legend << one;
-    for (const std::string& note : notes(loops[i])) {
-      texts << named("text", fmt::format("{}: {}.", loops[i].name.label(), note));
-    }
-    const std::string why = reason_of_difference(loops[i]);
-    if (!why.empty()) texts << named("text", why);
-  }
-  for (const Response& response : all) {
-    std::vector<BodeLoop> drawn;
-    for (const LoopAnalysis& loop : loops) {
-      drawn.push_back({loop.name.label(), looks[drawn.size()],
-                       curve_of(loop, loop.designed, response),
-                       curve_of(loop, loop.measured, response)});
-      if (response.value == &LoopPoint::loop_gain && !loop.designed.points.empty()) {
-        drawn.back().margins = loop.designed.margins;
-      }
-    }
-    const std::string svg = draw_bode(response.title, response.unit, drawn);
-    if (svg.empty()) continue;
-    mustache::data chart;
-    chart.set("id", anchor(response.name));
-    chart.set("title", response.title);
-    chart.set("about", response.about);
-    chart.set("svg", svg);
-    charts << chart;
-    contents(anchor(response.name), response.title);
-  }
-  add_margins(page, loops);
-  page.set("legend", legend);
-  page.set("notes", texts);
-  page.set("charts", charts);
-  page.set("toc", toc);
-  const std::string html = html_page("analysis", page, PageCharts::drawn);
+  const std::string html = html_page("analysis", result_of(loops, scenario, cases, command, units));
   fs::create_directories(folder);
-  replace_file(folder / "analysis.csv", points_csv(loops, all));
+  replace_file(folder / "analysis.csv", points_csv(loops, responses(units)));
   replace_file(folder / "margins.csv", margins_csv(loops));
   replace_file(folder / "report.html", html);
 }

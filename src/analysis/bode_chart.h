@@ -1,4 +1,4 @@
-// Gain and phase over frequency, as a chart in a page.
+// Gain and phase over frequency, as charts of a page.
 #pragma once
 
 #include <complex>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <breakwater/analysis/loop_margins.h>
-#include <breakwater/render/identity.h>
+#include <breakwater/pages/html_page.h>
 
 namespace breakwater {
 
@@ -26,9 +26,9 @@ struct BodeLoop {
   std::optional<LoopMargins> margins = {};  ///< drawn on the line
 };
 
-/// SVG with two panels, in dB and degrees, without a script. The loops have the page's colours c0,
-/// c1, …. `unit` is the unit of the gain, "" for a number.
-std::string draw_bode(const std::string& title, const std::string& unit,
-                      const std::vector<BodeLoop>& loops);
+/// Two charts, in dB and degrees. `unit` is the unit of the gain, "" for a number. None if no loop
+/// has a curve.
+PageData bode_charts(const std::string& id, const std::string& unit,
+                     const std::vector<BodeLoop>& loops);
 
 }  // namespace breakwater

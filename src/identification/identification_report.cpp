@@ -2,132 +2,57 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <kainjow/mustache.hpp>
 
 #include <breakwater/identification/axis_intervals.h>
 #include <breakwater/identification/axis_parameters.h>
 #include <breakwater/identification/identification_outputs.h>
-#include <breakwater/pages/decimation.h>
-#include <breakwater/pages/html_page.h>
-#include <breakwater/pages/svg_plot.h>
+#include <breakwater/pages/page_chart.h>
 
 namespace breakwater {
-namespace mustache = kainjow::mustache;
 namespace {
 
-constexpr PlotArea kArea{58.0, 408.0, 12.0, 210.0};
-constexpr double kWidth = 420.0, kHeight = 250.0;
-constexpr std::size_t kBuckets = 400;
 constexpr double kNormal99 = 2.5758293035489;
 
-struct Line {
-  Identity look;
-  std::vector<PlotPoint> points;
-  bool has_dots = false;
-};
-
-// Lines, and horizontal lines at `levels`.
-std::string draw_lines(const std::string& x_title, const std::string& y_title,
-                       const std::vector<Line>& lines, const std::vector<double>& levels) {
-  PlotRange across, up;
-  for (const Line& line : lines) {
-    for (const auto& [x, y] : line.points) {
-      across.add(x);
-      up.add(y);
-    }
-  }
-  for (const double level : levels) up.add(level);
-  if (across.is_empty() || up.is_empty()) return "";
-  const ChartScale x(across.low, across.high, false, kArea.left + 6.0, kArea.right - 6.0);
-  const ChartScale y(up.low, up.high, false, kArea.bottom - 5.0, kArea.top + 5.0);
-  SvgPlot plot("lines", kWidth, kHeight, y_title + " over " + x_title);
-  plot.y_grid(kArea, y);
-  plot.frame(kArea);
-  plot.x_ticks(kArea, x, 4);
-  plot.x_title(kArea, x_title);
-  plot.y_title(kArea, y_title);
-  for (const double level : levels) {
-    plot.path("line " + series_class(kReferenceIdentity),
-              line_path({{kArea.left, y(level)}, {kArea.right, y(level)}}));
-  }
-  for (const Line& line : lines) {
-    std::vector<PlotPoint> points;
-    std::string dots;
-    for (const auto& [a, b] : line.points) {
-      points.emplace_back(x(a), y(b));
-      if (line.has_dots) dots += svg_dot(x(a), y(b));
-    }
-    plot.path("line " + series_class(line.look), line_path(points));
-    if (line.has_dots) {
-      plot.add(fmt::format("<g class=\"m {}\">{}</g>", series_class(line.look), dots));
-    }
-  }
-  return plot.svg();
+PageData figure(const std::string& caption, const std::string& note, const PageChart& chart) {
+  PageData figure = {{"caption", caption}, {"note", note}, {"charts", PageData::array()}};
+  figure["charts"].push_back(chart.json());
+  return figure;
 }
 
-std::vector<PlotPoint> points_of(const std::vector<double>& times, std::vector<double> values) {
-  const Series few = decimate({times, std::move(values)}, kBuckets);
-  std::vector<PlotPoint> points;
-  for (std::size_t k = 0; k < few.times_s.size(); ++k) {
-    points.emplace_back(few.times_s[k], few.values[k]);
-  }
-  return points;
-}
-
-std::string number(double value) {
-  return fmt::format("{:.6g}", value);
-}
-
-mustache::data parameter_rows(const Identification& identification) {
-  mustache::data rows(mustache::data::type::list);
+PageData parameters(const Identification& identification) {
+  auto rows = PageData::array();
   for (const ParameterEstimate& estimate : identification.parameters) {
-    mustache::data row;
     const auto shown = [&estimate](double value) {
-      return estimate.is_identifiable ? number(value) : std::string("–");
+      return estimate.is_identifiable ? PageData(value) : PageData();
     };
-    row.set("name", parameter_key(estimate.parameter));
-    row.set("value", shown(estimate.value));
-    row.set("low", shown(estimate.low));
-    row.set("high", shown(estimate.high));
-    row.set("unit", parameter_unit(estimate.parameter));
-    row.set("identifiable",
-            estimate.is_identifiable
-                ? identifiable_text(identification, estimate)
-                : fmt::format("no: {}. This would help: {}", estimate.reason, estimate.excitation));
-    rows << row;
+    rows.push_back(PageData::array(
+        {parameter_key(estimate.parameter), shown(estimate.value), shown(estimate.low),
+         shown(estimate.high), parameter_unit(estimate.parameter),
+         estimate.is_identifiable
+             ? identifiable_text(identification, estimate)
+             : fmt::format("no: {}. This would help: {}", estimate.reason, estimate.excitation)}));
   }
-  return rows;
+  return {{"label", "Parameters"},
+          {"columns", PageData::array({"", "value", "95 % from", "to", "unit", "identifiable"})},
+          {"rows", rows}};
 }
 
-mustache::data error_rows(const Identification& identification) {
-  mustache::data rows(mustache::data::type::list);
-  const auto add = [&](const char* name, const FitErrors& errors) {
-    mustache::data row;
-    row.set("name", name);
-    row.set("rms", number(errors.rms));
-    row.set("plain", number(errors.plain_rms));
-    row.set("normalised", fmt::format("{:.3g}", errors.normalised));
-    rows << row;
+PageData errors(const Identification& identification) {
+  auto rows = PageData::array();
+  const auto add = [&](const char* name, const FitErrors& of) {
+    rows.push_back(PageData::array({name, of.rms, of.plain_rms, of.normalised}));
   };
   add("records of the fit", identification.errors);
   if (identification.held_out) add("held-out records", *identification.held_out);
-  return rows;
+  return {{"label", "Errors"},
+          {"columns", PageData::array({"", "RMS error [rad]", "of a plain model [rad]",
+                                       "relative to what is explained"})},
+          {"rows", rows}};
 }
 
-void chart(mustache::data& list, const std::string& title, const std::string& about,
-           const std::string& svg) {
-  if (svg.empty()) return;
-  mustache::data one;
-  one.set("title", title);
-  one.set("about", about);
-  one.set("svg", svg);
-  list << one;
-}
-
-mustache::data fit_charts(const Identification& identification) {
-  mustache::data charts(mustache::data::type::list);
+PageData fit_figures(const Identification& identification) {
+  auto figures = PageData::array();
   const std::vector<double> positions = fitted_positions(identification.data, identification.fit);
   std::size_t from = 0;
   std::size_t count = 0;
@@ -140,94 +65,107 @@ mustache::data fit_charts(const Identification& identification) {
       residuals.push_back(stretch.positions[k] - fitted[k]);
     }
     from += fitted.size();
-    const std::string which = identification.data.stretches.size() > 1
-                                  ? fmt::format(", stretch {}", ++count)
-                                  : std::string();
-    chart(charts, "Position" + which, "Measured, and the fit above it.",
-          draw_lines("t [s]", "position [rad]",
-                     {{0, points_of(stretch.times_s, stretch.positions)},
-                      {1, points_of(stretch.times_s, fitted)}},
-                     {}));
-    chart(charts, "Residuals" + which, "Measured minus fitted. The dashed lines are one count.",
-          draw_lines("t [s]", "residual [rad]", {{0, points_of(stretch.times_s, residuals)}},
-                     {-identification.data.quantum, identification.data.quantum}));
-  }
-  std::vector<PlotPoint> correlations;
-  for (const double r : identification.whiteness.correlations) {
-    correlations.emplace_back(static_cast<double>(correlations.size() + 1), r);
+    const std::string number = std::to_string(++count);
+    const std::string which =
+        identification.data.stretches.size() > 1 ? ", stretch " + number : std::string();
+    PageChart position{.id = "position-" + number, .group = "stretch-" + number};
+    position.title = "position";
+    position.series = {
+        {.label = "measured",
+         .unit = "rad",
+         .values = {stretch.times_s, stretch.positions},
+         .identity = 0},
+        {.label = "fitted", .unit = "rad", .values = {stretch.times_s, fitted}, .identity = 1}};
+    PageChart residual{.id = "residuals-" + number, .group = position.group, .title = "residual"};
+    residual.series = {{.label = "residual",
+                        .unit = "rad",
+                        .values = {stretch.times_s, residuals},
+                        .identity = 0}};
+    residual.lines = {-identification.data.quantum, identification.data.quantum};
+    figures.push_back(figure("Position" + which, "Measured, and the fit above it.", position));
+    figures.push_back(figure("Residuals" + which,
+                             "Measured minus fitted. The dashed lines are one count.", residual));
   }
   const double band = kNormal99 / std::sqrt(static_cast<double>(positions.size()));
-  chart(
-      charts, "Correlation of the residuals",
+  PageChart chart{.id = "correlation", .group = "correlation", .title = "correlation"};
+  chart.x_title = "lag [rows]";
+  chart.lines = {-band, 0.0, band};
+  chart.series = {{.label = "correlation", .identity = 0, .marks = "dot"}};
+  for (const double r : identification.whiteness.correlations) {
+    Series& values = chart.series[0].values;
+    values.times_s.push_back(static_cast<double>(values.times_s.size() + 1));
+    values.values.push_back(r);
+  }
+  figures.push_back(figure(
+      "Correlation of the residuals",
       fmt::format("Scores of the likelihood. White ones stay between the dashed lines (99 % each). "
                   "Ljung and Box: {:.4g}, limit {:.4g}: {}.",
                   identification.whiteness.statistic, identification.whiteness.limit,
                   identification.whiteness.is_white() ? "white" : "not white"),
-      draw_lines("lag [rows]", "correlation", {{0, correlations, true}}, {-band, 0.0, band}));
-  return charts;
+      chart));
+  return figures;
 }
 
-mustache::data profile_charts(const Identification& identification) {
-  mustache::data charts(mustache::data::type::list);
+PageData profile_figures(const Identification& identification) {
+  auto figures = PageData::array();
   for (const ParameterEstimate& estimate : identification.parameters) {
     if (estimate.profile.size() < 3 || !estimate.is_identifiable) continue;
+    const std::string name = parameter_key(estimate.parameter);
+    PageChart chart{.id = "profile-" + name, .group = "profile-" + name};
+    chart.title = "rise of −2 ln L";
+    chart.x_title = fmt::format("change [{}]", parameter_unit(estimate.parameter));
+    chart.lines = {kChiSquare95};
+    chart.series = {{.label = name, .identity = 0, .marks = "dot"}};
     // The differences fit the axis better than many equal digits.
-    std::vector<PlotPoint> points;
     for (const auto& [value, rise] : estimate.profile) {
-      points.emplace_back(value - estimate.value, rise);
+      chart.series[0].values.times_s.push_back(value - estimate.value);
+      chart.series[0].values.values.push_back(rise);
     }
-    chart(charts, parameter_key(estimate.parameter),
-          fmt::format("Estimate {}. The interval ends at the dashed line.", number(estimate.value)),
-          draw_lines(fmt::format("change [{}]", parameter_unit(estimate.parameter)),
-                     "rise of −2 ln L", {{0, points, true}}, {kChiSquare95}));
+    figures.push_back(figure(
+        name,
+        fmt::format("Estimate {}. The interval ends at the dashed line.", text_of(estimate.value)),
+        chart));
   }
-  return charts;
+  return figures;
 }
 
 }  // namespace
 
-std::string identification_report(const Identification& identification,
-                                  const std::string& command) {
-  mustache::data page;
+PageData identification_result(const Identification& identification, const std::string& command) {
   const bool is_axis = identification.data.model == &friction_axis();
-  page.set("title", is_axis ? "Identification of an axis" : "Identification of a motor and a load");
-  page.set("command", command);
-  page.set("method",
-           identification.is_bootstrapped ? "parametric bootstrap" : "profile likelihood");
-  page.set("quantum", number(identification.data.quantum));
-  page.set("noise", number(identification.fit.noise_std));
-  page.set("rows", std::to_string(identification.data.rows()));
-  mustache::data notes(mustache::data::type::list);
-  const auto note = [&](const std::string& text) {
-    mustache::data entry;
-    entry.set("text", text);
-    notes << entry;
+  PageData lead = {
+      {{"text", fmt::format("Inertia, friction and delay of one axis from recorded data. {} rows; "
+                            "one count is {:.6g} rad, and the noise before the encoder is {:.6g} "
+                            "rad.",
+                            identification.data.rows(), identification.data.quantum,
+                            identification.fit.noise_std)}}};
+  const auto find = [&](const std::string& text) { lead.push_back(PageData{{"finding", text}}); };
+  if (!identification.is_converged) find("The fit did not converge.");
+  if (!identification.holds()) find("The held-out records disagree with the fit.");
+  for (const std::string& text : identification.notes) find(text);
+  lead.push_back(PageData{{"command", command}});
+  auto sections = PageData::array();
+  const auto add = [&](const char* id, const char* heading, const PageData& blocks) {
+    sections.push_back({{"id", id}, {"heading", heading}, {"blocks", blocks}});
   };
-  if (!identification.is_converged) note("The fit did not converge.");
-  if (!identification.holds()) note("The held-out records disagree with the fit.");
-  for (const std::string& text : identification.notes) note(text);
-  page.set("notes", notes);
-  mustache::data toc(mustache::data::type::list);
-  const auto contents = [&](const char* href, const char* label) {
-    mustache::data entry;
-    entry.set("href", href);
-    entry.set("label", label);
-    toc << entry;
-  };
-  contents("parameters", "Parameters");
-  contents("errors", "Errors");
-  contents("fit", "Fit and residuals");
-  page.set("parameters", parameter_rows(identification));
-  page.set("errors", error_rows(identification));
-  page.set("charts", fit_charts(identification));
-  const bool has_profiles =
-      std::any_of(identification.parameters.begin(), identification.parameters.end(),
-                  [](const ParameterEstimate& estimate) { return estimate.profile.size() >= 3; });
-  if (has_profiles) contents("profiles", "Profiles of the likelihood");
-  page.set("has_profiles", has_profiles);
-  page.set("profiles", profile_charts(identification));
-  page.set("toc", toc);
-  return html_page("identified", page, PageCharts::drawn);
+  add("parameters", "Parameters",
+      {{{"table", parameters(identification)}},
+       {{"text",
+         fmt::format("Intervals by {}.", identification.is_bootstrapped ? "parametric bootstrap"
+                                                                        : "profile likelihood")}}});
+  add("errors", "Errors",
+      {{{"table", errors(identification)}},
+       {{"text",
+         "The plain model has inertia and viscous friction alone. Noise, encoder and the "
+         "intervals explain an error of 1; above 2 the held-out records disagree."}}});
+  add("fit", "Fit and residuals", {{{"figures", fit_figures(identification)}}});
+  const PageData profiles = profile_figures(identification);
+  if (!profiles.empty()) {
+    add("profiles", "Profiles of the likelihood", {{{"figures", profiles}}});
+  }
+  return {{"title", is_axis ? "Identification of an axis" : "Identification of a motor and a load"},
+          {"lead", lead},
+          {"sections", sections}};
 }
 
 }  // namespace breakwater

@@ -147,7 +147,8 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
     write_text_file(out / "sweep.toml", identified_sweep(result, scenarios.front()));
     write_text_file(out / "tune.toml", identified_tuning(result, scenarios.front()));
   }
-  write_text_file(out / "report.html", identification_report(result, command));
+  write_text_file(out / "report.html",
+                  html_page("identification", identification_result(result, command)));
   folder.commit();
   std::vector<std::string> notes = result.notes;
   for (const ParameterEstimate& estimate : result.parameters) {

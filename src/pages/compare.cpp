@@ -18,7 +18,6 @@
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/run_report.h>
 #include <breakwater/pages/signal_charts.h>
-#include <breakwater/pages/svg_plot.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/did_you_mean.h>
@@ -26,7 +25,6 @@
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
-namespace mustache = kainjow::mustache;
 namespace {
 
 constexpr std::size_t kFewestRuns = 2;
@@ -323,28 +321,28 @@ PageChart Comparison::chart_of(const std::string& signal) const {
   return chart;
 }
 
-mustache::data Comparison::cells_of(const std::string& metric) const {
+PageData Comparison::cells_of(const std::string& metric) const {
   const std::vector<std::string> words = differences_in_words(values_of(metric));
-  mustache::data cells(mustache::data::type::list);
+  auto cells = PageData::array();
   for (std::size_t i = 0; i < runs_.size(); ++i) {
-    mustache::data cell;
+    PageData cell;
     const auto value = runs_[i].metric(metric);
-    cell.set("value", value ? format_number(*value) : "–");
+    cell["value"] = value ? format_number(*value) : "–";
     if (i > 0 && value && words[i] != "-") {
-      cell.set("difference", fmt::format("{} {} {}", words[i], words[i] == "same" ? "as" : "vs",
-                                         labels_.front()));
+      cell["difference"] =
+          fmt::format("{} {} {}", words[i], words[i] == "same" ? "as" : "vs", labels_.front());
     }
     const auto reference = printed_[i].find(metric);
     if (value && reference != printed_[i].end()) {
       const Agreement agreement = reference->second.agrees(*value);
-      mustache::data printed;
-      printed.set("number", reference->second.text);
-      printed.set("verdict", agreement.text);
-      printed.set("verdict_class", agreement.tone);
-      printed.set("rule", agreement.rule);
-      cell.set("printed", printed);
+      PageData printed;
+      printed["number"] = reference->second.text;
+      printed["verdict"] = agreement.text;
+      printed["verdict_class"] = agreement.tone;
+      printed["rule"] = agreement.rule;
+      cell["printed"] = printed;
     }
-    cells << cell;
+    cells.push_back(cell);
   }
   return cells;
 }
@@ -396,7 +394,7 @@ std::vector<std::string> Comparison::findings(const std::vector<ShownMetric>& ke
 }
 
 std::string Comparison::html(std::vector<std::string>& notes) const {
-  mustache::data page;
+  PageData page;
   std::optional<ReplayPart> replay;
   if (choice_.with_replay && runs_.size() <= kMostRuns) {
     std::vector<std::filesystem::path> folders;
@@ -418,80 +416,71 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
     }
     from_s = window.from_s;
     to_s = window.to_s;
-    page.set("window", window_data(window, "compare"));
+    page["window"] = window_data(window, "compare");
   }
   if (replay) {
-    page.set("replay", replay->box);
-    page.set("has_replays", true);
+    page["replay"] = replay->box;
   }
-  mustache::data columns(mustache::data::type::list);
+  auto columns = PageData::array();
   for (std::size_t i = 0; i < runs_.size(); ++i) {
-    mustache::data column;
-    column.set("name", labels_[i]);
-    column.set("colour", series_class(identities_[i]));
-    column.set("folder", runs_[i].folder().string());
-    columns << column;
+    columns.push_back({{"name", labels_[i]},
+                       {"colour", series_class(identities_[i])},
+                       {"folder", runs_[i].folder().string()}});
   }
-  mustache::data keys(mustache::data::type::list);
+  auto keys = PageData::array();
   const std::vector<DifferingKey> differing = differing_keys(runs_);
   for (const DifferingKey& key : differing) {
-    mustache::data row;
-    row.set("key", key.key);
-    mustache::data values(mustache::data::type::list);
+    PageData row;
+    row["key"] = key.key;
+    auto values = PageData::array();
     for (const std::string& value : key.values) {
-      mustache::data cell;
-      cell.set("value", value);
-      values << cell;
+      values.push_back({{"value", value}});
     }
-    row.set("values", values);
-    keys << row;
+    row["values"] = values;
+    keys.push_back(row);
   }
-  page.set("keys", keys);
-  page.set("key_count", std::to_string(differing.size()));
-  page.set("has_keys", !differing.empty());
-  page.set("has_many_keys", differing.size() > kManyKeys);
-  mustache::data rows(mustache::data::type::list);
-  mustache::data others(mustache::data::type::list);
+  page["keys"] = keys;
+  page["key_count"] = std::to_string(differing.size());
+  page["has_many_keys"] = differing.size() > kManyKeys;
+  auto rows = PageData::array();
+  auto others = PageData::array();
   std::vector<ShownMetric> key_metrics;
   for (const ShownMetric& shown :
        shown_metrics(catalogue_, runs_.front().scenario(), shots_, metrics_)) {
     if (shown.is_key) key_metrics.push_back(shown);
-    mustache::data row;
+    PageData row;
     set_name(shown, row);
-    row.set("cells", cells_of(shown.metric.name));
-    (shown.is_key ? rows : others) << row;
+    row["cells"] = cells_of(shown.metric.name);
+    (shown.is_key ? rows : others).push_back(row);
   }
-  mustache::data sentences(mustache::data::type::list);
-  for (const std::string& text : findings(key_metrics)) sentences << mustache::data("text", text);
-  page.set("findings", sentences);
-  mustache::data charts(mustache::data::type::list), other_charts(mustache::data::type::list);
+  auto sentences = PageData::array();
+  for (const std::string& text : findings(key_metrics))
+    sentences.push_back(PageData{{"text", text}});
+  page["findings"] = sentences;
+  auto charts = PageData::array();
+  auto other_charts = PageData::array();
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     PageChart chart = chart_of(signals_[i]);
     chart.id = fmt::format("signal-{}", i + 1);
     chart.from_s = from_s;
     chart.to_s = to_s;
-    (i < keys_ ? charts : other_charts) << chart_data(chart);
+    (i < keys_ ? charts : other_charts).push_back(chart.json());
   }
-  mustache::data toc(mustache::data::type::list);
+  auto toc = PageData::array();
   for (const auto& [href, label] :
        {std::pair("metrics", "Metrics"), std::pair("keys", "Settings that differ"),
         std::pair("signals", "Signals")}) {
-    mustache::data entry;
-    entry.set("href", href);
-    entry.set("label", label);
-    toc << entry;
+    toc.push_back({{"href", href}, {"label", label}});
   }
-  page.set("title", fmt::format("{} compared", fmt::join(labels_, ", ")));
-  page.set("scenario", runs_.front().scenario());
-  page.set("toc", toc);
-  page.set("columns", columns);
-  page.set("rows", rows);
-  page.set("has_others", !others.is_empty_list());
-  page.set("others", others);
-  page.set("charts", charts);
-  page.set("other_charts", other_charts);
-  page.set("other_count", std::to_string(signals_.size() - keys_));
-  page.set("has_other_charts", keys_ < signals_.size());
+  page["title"] = fmt::format("{} compared", fmt::join(labels_, ", "));
+  page["scenario"] = runs_.front().scenario();
+  page["toc"] = toc;
+  page["columns"] = columns;
+  page["rows"] = rows;
+  page["others"] = others;
+  page["charts"] = charts;
+  page["other_charts"] = other_charts;
+  page["other_count"] = std::to_string(signals_.size() - keys_);
   return html_page("compare", page);
 }
 

@@ -1,7 +1,6 @@
 // breakwater compare: runs of one scenario side by side.
 #pragma once
 
-#include <kainjow/mustache.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -60,7 +59,7 @@ class Comparison {
   // The runs with the least and the most of the first key metrics, and metrics whose printed values
   // have another order.
   std::vector<std::string> findings(const std::vector<ShownMetric>& keys) const;
-  kainjow::mustache::data cells_of(const std::string& metric) const;
+  PageData cells_of(const std::string& metric) const;
   void choose_signals();
   PageChart chart_of(const std::string& signal) const;
 

@@ -2,16 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cctype>
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <kainjow/mustache.hpp>
 #include <stdexcept>
 
 #include <breakwater/experiment/version.h>
 #include <breakwater/pictures/page_data.h>
 #include <breakwater/record/file_bytes.h>
 #include <breakwater/render/identity.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>
+#include <breakwater/shell/table.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -63,28 +66,90 @@ std::string identity_style() {
       classes);
 }
 
-// Takes the data of charts and replays out of a page, as one JSON object by their ids.
-std::string taken_data(std::string& content) {
-  const std::string begin = "<script type=\"application/json\" id=\"", end = "</script>";
-  std::string all;
-  for (std::size_t at = content.find(begin); at != std::string::npos;
-       at = content.find(begin, at)) {
-    const std::size_t id = at + begin.size();
-    const std::size_t quote = content.find('"', id);
-    const std::size_t stop = content.find(end, quote);
-    all += fmt::format("{}\"{}\":{}", all.empty() ? "" : ",", content.substr(id, quote - id),
-                       content.substr(quote + 2, stop - quote - 2));
-    content.erase(at, stop + end.size() - at);
+// The kinds of blocks. A block has none but its own, not even from the block around it.
+constexpr std::array kBlocks = {"about",  "command", "figures", "finding",
+                                "legend", "table",   "text"};
+
+mustache::data for_templates(const PageData& value);
+
+// A row of a table: the first cell is its head.
+mustache::data cells_of(const PageData& row) {
+  mustache::data cells(mustache::data::type::list);
+  for (const PageData& value : row) {
+    mustache::data cell = value.is_object() ? for_templates(value) : mustache::data();
+    if (!value.is_object()) cell.set("value", text_of(value));
+    cell.set("is_head", &value == &row.front());
+    cells << cell;
   }
-  return "{" + all + "}";
+  return cells;
+}
+
+mustache::data for_templates(const PageData& value) {
+  if (value.is_boolean()) return value.get<bool>();
+  if (value.is_object()) {
+    mustache::data object;
+    for (const auto& [name, member] : value.items()) {
+      if (name == "data") continue;
+      object.set(name, name == "columns" ? cells_of(member) : for_templates(member));
+      if (member.is_array() && !value.contains("has_" + name)) {
+        object.set("has_" + name, !member.empty());
+      }
+    }
+    for (const char* name : {"blocks", "lead"}) {
+      if (!value.contains(name) || !value[name].is_array()) continue;
+      mustache::data blocks(mustache::data::type::list);
+      for (const PageData& block : value[name]) {
+        mustache::data one = for_templates(block);
+        for (const char* kind : kBlocks) {
+          if (!block.contains(kind)) one.set(kind, false);
+        }
+        blocks << one;
+      }
+      object.set(name, blocks);
+    }
+    return object;
+  }
+  if (value.is_array()) {
+    mustache::data list(mustache::data::type::list);
+    for (const PageData& member : value) {
+      list << (member.is_array() ? mustache::data("cells", cells_of(member))
+                                 : for_templates(member));
+    }
+    return list;
+  }
+  const std::string text = text_of(value);
+  return value.is_null() || text.empty() ? mustache::data(false) : mustache::data(text);
+}
+
+// Takes what the scripts do not need out of a page's data, and sees what it has.
+void take_apart(PageData& data, bool& has_charts, bool& has_replays) {
+  if (data.is_string() && data.get_ref<const std::string&>().starts_with("data:")) data = nullptr;
+  if (!data.is_structured()) return;
+  if (data.is_object()) {
+    for (const char* name : {"machine", "pages"}) data.erase(name);
+    has_charts |= data.contains("over");
+    has_replays |= data.contains("time") && data.contains("strip");
+  }
+  for (const auto& [name, member] : data.items()) {
+    if (name != "data") take_apart(member, has_charts, has_replays);
+  }
 }
 
 // The scripts of a page in their order, and its data: its loader unpacks them.
-std::string packed_page(const nlohmann::json& scripts, const std::string& data) {
-  const std::string json =
-      fmt::format("{{\"scripts\":{},\"data\":{}}}",
-                  scripts.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), data);
+std::string packed_page(const std::vector<std::string>& scripts, const PageData& data) {
+  const std::string json = PageData{{"scripts", scripts}, {"result", data}}.dump(
+      -1, ' ', false, PageData::error_handler_t::replace);
   return packed_bytes({reinterpret_cast<const std::uint8_t*>(json.data()), json.size()});
+}
+
+// The entries of the contents, unless the page has its own.
+PageData contents_of(const PageData& data) {
+  if (data.contains("toc")) return data["toc"];
+  auto toc = PageData::array();
+  for (const PageData& section : data.value("sections", PageData::array())) {
+    toc.push_back({{"href", section["id"]}, {"label", section["heading"]}});
+  }
+  return toc;
 }
 
 }  // namespace
@@ -93,53 +158,51 @@ std::vector<fs::path> page_libraries() {
   return {kCharts, kChartStyle, kThree, kOrbit};
 }
 
-std::string html_page(const std::string& name, mustache::data& data, PageCharts charts) {
-  for (const std::string partial :
-       {"chart", "study_metric", "replay_box", "changed_keys", "window_button"}) {
-    data.set(partial, mustache::data(mustache::partial(
+std::string html_page(const std::string& name, PageData data) {
+  mustache::data page = for_templates(data);
+  for (const std::string partial : {"block", "chart", "study_metric", "replay_box", "result_table",
+                                    "changed_keys", "window_button"}) {
+    page.set(partial, mustache::data(mustache::partial(
                           [text = bytes_of(part(partial + ".mustache"))] { return text; })));
   }
-  mustache::data page = data;
-  std::string content = fill_in(part(name + ".mustache"), data);
-  const std::string own = identity_style() + bytes_of(part("page.css"));
-  const bool has_replays = data.get("has_replays") != nullptr;
-  if (charts == PageCharts::over_time) {
-    page.set("has_charts", true);
-    page.set("style", bytes_of(kChartStyle) + own);
-    nlohmann::json scripts = {bytes_of(kCharts), bytes_of(part("page.js"))};
-    if (has_replays) {
-      scripts.insert(scripts.begin(), {bytes_of(kThree), bytes_of(kOrbit)});
-      for (const char* script : {"data", "shapes", "shading", "scene", "view"}) {
-        scripts.push_back(bytes_of(part(std::string("replay/") + script + ".js")));
-      }
-      page.set("replay_style", bytes_of(part("replay/replay.css")));
-    }
-    page.set("packed", packed_page(scripts, taken_data(content)));
-    page.set("script", bytes_of(part("unpack.js")));
-  } else {
-    page.set("style", own + bytes_of(part("drawn.css")) + bytes_of(part(name + ".css")));
-    const fs::path shared = part("drawn.js"), of_page = shared.parent_path() / (name + ".js");
-    page.set("script", bytes_of(shared) + (fs::exists(of_page) ? bytes_of(of_page) : ""));
+  const auto own = [&](const char* kind) { return part("page.css").parent_path() / (name + kind); };
+  const bool has_own = fs::exists(own(".mustache"));
+  page.set("content", fill_in(part((has_own ? name : "result") + ".mustache"), page));
+  page.set("toc", for_templates(contents_of(data)));
+
+  bool has_charts = false;
+  bool has_replays = false;
+  take_apart(data, has_charts, has_replays);
+  std::vector<std::string> scripts;
+  std::string style = identity_style() + bytes_of(part("page.css"));
+  const auto add = [&scripts](const fs::path& file) { scripts.push_back(bytes_of(file)); };
+  if (has_replays) {
+    add(kThree);
+    add(kOrbit);
+    style += bytes_of(part("replay/replay.css"));
   }
-  page.set("content", content);
+  if (has_charts) {
+    add(kCharts);
+    style = bytes_of(kChartStyle) + style;
+  }
+  add(part("page.js"));
+  if (has_replays) {
+    for (const char* script : {"data", "shapes", "shading", "scene", "view"}) {
+      add(part(std::string("replay/") + script + ".js"));
+    }
+  }
+  if (fs::exists(own(".js"))) add(own(".js"));
+  if (fs::exists(own(".css"))) style += bytes_of(own(".css"));
+  page.set("has_charts", has_charts);
+  page.set("has_replays", has_replays);
+  page.set("style", style);
+  PageData result = {{"page", name}, {"version", 1}};
+  result.update(data);
+  page.set("packed", packed_page(scripts, result));
+  page.set("script", bytes_of(part("unpack.js")));
   page.set("contents_script", bytes_of(part("contents.js")));
   page.set("version", std::string(kVersion) + " (" + kGitCommit + ")");
   return fill_in(part("page.mustache"), page);
-}
-
-mustache::data chart_data(const PageChart& chart) {
-  mustache::data data;
-  data.set("id", chart.id);
-  data.set("group", chart.group);
-  data.set("axis", chart.axis.empty() ? chart.group : chart.axis);
-  data.set("heading", chart.axis_title());
-  data.set("alt", chart.alternative_text());
-  data.set("json", chart.json());
-  return data;
-}
-
-std::string script_json(const nlohmann::ordered_json& json) {
-  return script_safe(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 std::string data_address(const fs::path& file, const std::string& type) {
@@ -158,12 +221,36 @@ std::string format_number(double value) {
   return size < 1e3 ? fmt::format("{:.3g}", value) : fmt::format("{:.0f}", value);
 }
 
+std::string text_of(const PageData& value) {
+  if (value.is_object()) return text_of(value["value"]);
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_number_float()) return value.is_null() ? "-" : value.dump();
+  const double number = value.get<double>();
+  return std::isfinite(number) ? in_digits(number) : "-";
+}
+
+std::string printed_table(const PageData& table, std::size_t width) {
+  const auto texts = [](const PageData& cells) {
+    std::vector<std::string> all;
+    for (const PageData& cell : cells) all.push_back(text_of(cell));
+    return all;
+  };
+  Table printed(texts(table["columns"]));
+  for (const PageData& row : table["rows"]) printed.add(texts(row));
+  return printed.print(width);
+}
+
 std::string anchor(const std::string& text) {
   std::string clean = text;
   for (char& c : clean) {
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '-';
   }
   return clean;
+}
+
+std::string series_class(Identity identity) {
+  return fmt::format("c{} d{}", identity < 0 ? kIdentityColours : identity % kIdentityColours,
+                     dash_number(identity));
 }
 
 }  // namespace breakwater

@@ -2,33 +2,28 @@
 #pragma once
 
 #include <filesystem>
-#include <kainjow/mustache.hpp>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include <breakwater/pages/page_chart.h>
+#include <breakwater/render/identity.h>
 
 namespace breakwater {
 
-/// Kind of the charts of a page. `over_time`: signals that dygraphs draws when they scroll into
-/// view. `drawn`: SVG in the page, with a style data/report/NAME.css and possibly a script NAME.js.
-enum class PageCharts { over_time, drawn };
+/// The content of a page, as one JSON (docs/explanation/decisions/0023-a-page-is-data.md). The page
+/// has it, packed, and shows it without scripts too, its charts apart.
+using PageData = nlohmann::ordered_json;
 
-/// Renders `data` with the template data/report/NAME.mustache into the common page. The common page
-/// needs "title", "toc" (a list of "href" and "label") and "lead" in `data`. The page allows no
+/// Draws `data` with data/report/NAME.mustache, or result.mustache if that is not there, in the
+/// common page. `data` has "title" and either "sections", each with "id" and "heading", or "toc", a
+/// list of "href" and "label". A template gets a value as text_of() it, and has_NAME of a list. A
+/// list in a list is a row of cells for it, and an empty text is not there. The scripts get no
+/// picture, no video, and no "machine" or "pages"; the templates get no "data". The page allows no
 /// network request. Throws std::runtime_error if a template is missing or damaged.
-std::string html_page(const std::string& name, kainjow::mustache::data& data,
-                      PageCharts charts = PageCharts::over_time);
+std::string html_page(const std::string& name, PageData data);
 
 /// The files of other projects that go into the pages, each one as a whole.
 std::vector<std::filesystem::path> page_libraries();
-
-/// The data of a chart for the templates.
-kainjow::mustache::data chart_data(const PageChart& chart);
-
-/// JSON that is safe inside <script>. Invalid UTF-8 is replaced.
-std::string script_json(const nlohmann::ordered_json& json);
 
 /// The bytes of a file as a data: address. Empty if there is no such file.
 std::string data_address(const std::filesystem::path& file, const std::string& type);
@@ -36,7 +31,16 @@ std::string data_address(const std::filesystem::path& file, const std::string& t
 /// A number as text: "5.02", "1.1e-13"; "never" if infinite, "not measured" if NaN.
 std::string format_number(double value);
 
+/// A value of the data as text: a number in digits (shell/digits.h), "-" where there is none.
+std::string text_of(const PageData& value);
+
+/// A table of the data for the terminal.
+std::string printed_table(const PageData& table, std::size_t width);
+
 /// A text as part of an address: '-' replaces all characters except letters, digits and '-'.
 std::string anchor(const std::string& text);
+
+/// The classes of an identity's colour and dash.
+std::string series_class(Identity identity);
 
 }  // namespace breakwater

@@ -39,10 +39,10 @@ std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::st
   return all;
 }
 
-void set_name(const ShownMetric& shown, kainjow::mustache::data& row) {
-  row.set("name", shown.label);
-  if (!shown.metric.unit.empty() && shown.metric.unit != "1") row.set("unit", shown.metric.unit);
-  row.set("about", shown.about);
+void set_name(const ShownMetric& shown, PageData& row) {
+  row["name"] = shown.label;
+  if (!shown.metric.unit.empty() && shown.metric.unit != "1") row["unit"] = shown.metric.unit;
+  row["about"] = shown.about;
 }
 
 ShotList shots_of(const Catalogue& catalogue, const std::string& scenario) {

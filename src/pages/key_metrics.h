@@ -1,11 +1,11 @@
 // Metrics as pages show them: the few that say most apart, each with a name for people.
 #pragma once
 
-#include <kainjow/mustache.hpp>
 #include <string>
 #include <vector>
 
 #include <breakwater/experiment/catalogue.h>
+#include <breakwater/pages/html_page.h>
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/record/recording.h>
 
@@ -24,7 +24,7 @@ std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::st
                                        const ShotList& shots, const std::vector<Metric>& metrics);
 
 /// Sets `name`, `unit` (not for a plain number) and `about` for a template.
-void set_name(const ShownMetric& shown, kainjow::mustache::data& row);
+void set_name(const ShownMetric& shown, PageData& row);
 
 /// A scenario's shot list; an empty one where there is none that can be read.
 ShotList shots_of(const Catalogue& catalogue, const std::string& scenario);

@@ -14,7 +14,6 @@
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
-namespace mustache = kainjow::mustache;
 namespace {
 
 ImpactPulse pulse_of(const Series& force, const std::string& whose,
@@ -49,25 +48,6 @@ std::optional<double> contact_s(const SavedRun& run) {
     return force.times_s[static_cast<std::size_t>(first - force.values.begin()) - 1];
   }
   return {};
-}
-
-// A page and a terminal have their own forms of a number.
-std::string in_words(const std::optional<double>& value, std::string (*form)(double)) {
-  return value ? form(*value) : "does not end";
-}
-
-struct Row {
-  const char* name;
-  const char* unit;
-  std::optional<double> simulated;
-  std::optional<double> measured;
-};
-
-std::array<Row, 3> rows_of(const ImpactComparison& comparison) {
-  const ImpactPulse& s = comparison.simulated();
-  const ImpactPulse& m = comparison.measured();
-  return {Row{"peak", "N", s.peak_N, m.peak_N}, Row{"duration", "s", s.duration_s, m.duration_s},
-          Row{"impulse", "N s", s.impulse_Ns, m.impulse_Ns}};
 }
 
 }  // namespace
@@ -111,15 +91,29 @@ ImpactComparison::ImpactComparison(const SavedRun& run, const std::string& signa
   rmse_N_ = std::sqrt(sum / static_cast<double>(count));
 }
 
+PageData ImpactComparison::table() const {
+  const ImpactPulse &s = simulated_pulse_, &m = measured_pulse_;
+  auto rows = PageData::array();
+  const auto add = [&rows](const char* name, const char* unit, const std::optional<double>& one,
+                           const std::optional<double>& other) {
+    const auto shown = [](const std::optional<double>& value) {
+      return value ? PageData(*value) : PageData("does not end");
+    };
+    rows.push_back(PageData::array(
+        {name, unit, shown(one), shown(other), differences_in_words({one, other}).back()}));
+  };
+  add("peak", "N", s.peak_N, m.peak_N);
+  add("duration", "s", s.duration_s, m.duration_s);
+  add("impulse", "N s", s.impulse_Ns, m.impulse_Ns);
+  rows.push_back(PageData::array({"RMSE", "N", rmse_N_, "", ""}));
+  return {{"label", "First contact"},
+          {"columns",
+           PageData::array({"first contact", "unit", "simulated", "measured", "difference"})},
+          {"rows", rows}};
+}
+
 std::string ImpactComparison::text(std::size_t width) const {
-  Table table({"first contact", "unit", "simulated", "measured", "difference"});
-  for (const Row& row : rows_of(*this)) {
-    table.add({row.name, row.unit, in_words(row.simulated, in_digits),
-               in_words(row.measured, in_digits),
-               differences_in_words({row.simulated, row.measured}).back()});
-  }
-  table.add({"RMSE", "N", in_digits(rmse_N_), "", ""});
-  return table.print(width);
+  return printed_table(table(), width);
 }
 
 std::string ImpactComparison::json() const {
@@ -135,17 +129,6 @@ std::string ImpactComparison::json() const {
 }
 
 std::string ImpactComparison::html() const {
-  mustache::data page;
-  mustache::data rows(mustache::data::type::list);
-  for (const Row& row : rows_of(*this)) {
-    mustache::data entry;
-    entry.set("name", row.name);
-    entry.set("unit", row.unit);
-    entry.set("simulated", in_words(row.simulated, format_number));
-    entry.set("measured", in_words(row.measured, format_number));
-    entry.set("difference", differences_in_words({row.simulated, row.measured}).back());
-    rows << entry;
-  }
   PageChart chart;
   chart.id = "forces";
   chart.group = chart.axis = "measured";
@@ -154,17 +137,19 @@ std::string ImpactComparison::html() const {
   chart.to_s = 1.5 * window_s_;
   chart.series = {{.label = "simulated", .unit = "N", .description = signal_, .values = simulated_},
                   {.label = "measured", .unit = "N", .description = file_, .values = measured_}};
-  mustache::data charts(mustache::data::type::list);
-  charts << chart_data(chart);
-  page.set("title", "measured and simulated impact");
-  page.set("run", run_);
-  page.set("file", file_);
-  page.set("signal", signal_);
-  page.set("rmse", format_number(rmse_N_));
-  page.set("toc", mustache::data(mustache::data::type::list));
-  page.set("rows", rows);
-  page.set("charts", charts);
-  return html_page("measured", page);
+  PageData figure = {{"charts", PageData::array({chart.json()})}};
+  auto sections = PageData::array();
+  sections.push_back({{"id", "signals"},
+                      {"heading", "Force"},
+                      {"blocks", {{{"figures", PageData::array({figure})}}}}});
+  sections.push_back(
+      {{"id", "numbers"}, {"heading", "First contact"}, {"blocks", {{{"table", table()}}}}});
+  return html_page("measured", {{"title", "measured and simulated impact"},
+                                {"lead",
+                                 {{{"about", fmt::format("Run {}, signal {}, and {}, aligned at "
+                                                         "the first contact.",
+                                                         run_, signal_, file_)}}}},
+                                {"sections", sections}});
 }
 
 }  // namespace breakwater

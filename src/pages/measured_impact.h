@@ -4,6 +4,7 @@
 #include <string>
 
 #include <breakwater/experiment/saved_run.h>
+#include <breakwater/pages/html_page.h>
 #include <breakwater/pages/impact_pulse.h>
 
 namespace breakwater {
@@ -30,6 +31,8 @@ class ImpactComparison {
   std::string html() const;
 
  private:
+  PageData table() const;
+
   std::string run_;
   std::string signal_;
   std::string file_;

@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include <breakwater/pages/decimation.h>
-#include <breakwater/pages/html_page.h>
 
 namespace breakwater {
 namespace {
@@ -32,8 +30,8 @@ Series thinned(const Series& series, const std::optional<double>& from_s,
 }
 
 // Differences of whole multiples of a unit; null where there is no number.
-nlohmann::json differences(const std::vector<double>& values, double first, double unit) {
-  nlohmann::json all = nlohmann::json::array();
+PageData differences(const std::vector<double>& values, double first, double unit) {
+  auto all = PageData::array();
   long long last = 0;
   for (const double value : values) {
     if (!std::isfinite(value)) {
@@ -47,27 +45,15 @@ nlohmann::json differences(const std::vector<double>& values, double first, doub
   return all;
 }
 
-nlohmann::ordered_json series_json(const ChartSeries& series, Identity identity,
-                                   const Series& thin) {
-  constexpr double kMicrosecond = 1e-6, kSteps = 1e5;
+// Where the values begin, and the unit that divides their range into `steps`.
+std::pair<double, double> packing(const std::vector<double>& values, double steps) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const double value : thin.values) {
+  for (const double value : values) {
     if (!std::isfinite(value)) continue;
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  const double unit = high > low ? (high - low) / kSteps : 1.0;
-  const double first = low <= high ? low : 0.0;
-  return {{"label", series.label},
-          {"unit", series.unit == "1" ? "" : series.unit},
-          {"about", series.description},
-          {"colour", identity < 0 ? kIdentityColours : identity % kIdentityColours},
-          {"dash", dash_number(identity)},
-          {"off", series.is_off},
-          {"t", differences(thin.times_s, 0.0, kMicrosecond)},
-          {"from", first},
-          {"step", unit},
-          {"v", differences(thin.values, first, unit)}};
+  return {low <= high ? low : 0.0, high > low ? (high - low) / steps : 1.0};
 }
 
 }  // namespace
@@ -81,7 +67,8 @@ std::string PageChart::axis_title() const {
 }
 
 std::string PageChart::alternative_text() const {
-  std::string text = fmt::format("Chart of {} over time", axis_title());
+  std::string text =
+      fmt::format("Chart of {} over {}", axis_title(), x_title.empty() ? "time" : x_title);
   for (const ChartSeries& one : series) {
     if (one.values.values.empty()) {
       text += "; " + one.label;
@@ -95,20 +82,62 @@ std::string PageChart::alternative_text() const {
   return text;
 }
 
-std::string PageChart::json() const {
-  nlohmann::ordered_json json;
-  json["title"] = axis_title();
-  json["lines"] = lines;
-  if (from_s && to_s) json["window"] = {*from_s, *to_s};
-  json["series"] = nlohmann::json::array();
+PageData PageChart::json() const {
+  constexpr double kMicrosecond = 1e-6, kSteps = 1e5;
+  const bool is_over_time = x_title.empty();
   std::vector<std::optional<Identity>> preferred;
   for (const ChartSeries& one : series) preferred.push_back(one.identity);
-  const std::vector<Identity> identities = distinct_identities(preferred);
-  for (std::size_t i = 0; i < series.size(); ++i) {
-    json["series"].push_back(
-        series_json(series[i], identities[i], thinned(series[i].values, from_s, to_s)));
+  const std::vector<Identity> distinct = distinct_identities(preferred);
+  std::vector<double> all_x;
+  for (const ChartSeries& one : series) {
+    all_x.insert(all_x.end(), one.values.times_s.begin(), one.values.times_s.end());
   }
-  return script_json(json);
+  // All series have one unit of x, so that equal ones stay equal.
+  const auto [x_first, x_unit] =
+      is_over_time ? std::pair(0.0, kMicrosecond) : packing(all_x, 10.0 * kSteps);
+  const auto look = [](Identity identity) -> PageData {
+    return {{"colour", identity < 0 ? kIdentityColours : identity % kIdentityColours},
+            {"dash", dash_number(identity)}};
+  };
+  auto list = PageData::array();
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    const ChartSeries& one = series[i];
+    const Series thin = one.marks.empty() ? thinned(one.values, from_s, to_s) : one.values;
+    const auto [first, unit] = packing(thin.values, kSteps);
+    PageData entry = {{"label", one.label},
+                      {"unit", one.unit == "1" ? "" : one.unit},
+                      {"about", one.description}};
+    // Over time two series differ in their looks. A mark has the look of its line.
+    entry.update(look(is_over_time ? distinct[i] : one.identity.value_or(distinct[i])));
+    entry.update({{"off", one.is_off},
+                  {"t", differences(thin.times_s, x_first, x_unit)},
+                  {"from", first},
+                  {"step", unit},
+                  {"v", differences(thin.values, first, unit)}});
+    if (!one.marks.empty()) {
+      entry.update({{"marks", one.marks}, {"line", one.has_line}, {"names", one.names}});
+    }
+    list.push_back(std::move(entry));
+  }
+  PageData data = {{"title", axis_title()}, {"lines", lines}, {"series", list}};
+  if (from_s && to_s) data["window"] = {*from_s, *to_s};
+  if (!is_over_time) {
+    data["x"] = {{"title", x_title}, {"from", x_first}, {"step", x_unit}, {"log", is_log_x}};
+    data["log"] = is_log_y;
+    data["brackets"] = PageData::array();
+    for (const Bracket& bracket : brackets) {
+      data["brackets"].push_back(look(bracket.identity));
+      data["brackets"].back().update(
+          {{"x", bracket.x}, {"ends", {bracket.from, bracket.to}}, {"text", bracket.text}});
+    }
+  }
+  return {{"id", id},
+          {"group", group},
+          {"axis", axis.empty() ? group : axis},
+          {"heading", axis_title() + (is_over_time ? "" : " over " + x_title)},
+          {"alt", alternative_text()},
+          {"over", is_over_time ? "t [s]" : ""},
+          {"data", data}};
 }
 
 }  // namespace breakwater

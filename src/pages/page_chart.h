@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/pages/html_page.h>
 #include <breakwater/record/series.h>
-#include <breakwater/render/identity.h>
 
 namespace breakwater {
 
@@ -15,11 +15,14 @@ struct ChartSeries {
   std::string unit;
   std::string description;
   Series values;
-  bool is_off = false;               ///< hidden at first
-  std::optional<Identity> identity;  ///< its look, if it is the first here with that
+  bool is_off = false;                  ///< hidden at first
+  std::optional<Identity> identity;     ///< its look, if it is the first here with that
+  bool has_line = true;                 ///< between the values
+  std::string marks;                    ///< at the values: "", "dot", "cross" or "ring"
+  std::vector<std::string> names = {};  ///< one for each mark, or none
 };
 
-/// Time series over one time axis.
+/// Series over one axis: time, or another quantity.
 struct PageChart {
   std::string id;
   std::string group;  ///< charts of one group mark the same moment
@@ -29,15 +32,23 @@ struct PageChart {
   std::vector<double> lines;     ///< horizontal, dashed
   std::optional<double> from_s;  ///< first time window of its axis; default: all
   std::optional<double> to_s;
+  std::string x_title;  ///< for a quantity that is not time; then all values are in sight
+  bool is_log_x = false, is_log_y = false;  ///< the series have decimal logarithms of x, of y
+  /// Vertical, with a tick at each end: the x, both ends, a text and the look.
+  struct Bracket {
+    double x, from, to;
+    std::string text;
+    Identity identity;
+  };
+  std::vector<Bracket> brackets;
 
   /// "title [unit]", if all series have one.
   std::string axis_title() const;
   /// A description in words.
   std::string alternative_text() const;
-  /// The chart for the page's script: decimated; times [µs] and values, in hundred-thousandths of
-  /// their range, as differences, so that they can be compressed. Safe inside
-  /// <script>.
-  std::string json() const;
+  /// The chart for the templates, and in "data" for the script
+  /// (docs/explanation/decisions/0023-a-page-is-data.md).
+  PageData json() const;
 };
 
 }  // namespace breakwater

@@ -11,82 +11,77 @@
 #include <breakwater/study/comparison_table.h>
 
 namespace breakwater {
-namespace mustache = kainjow::mustache;
 namespace {
 
-void set(mustache::data& row, const std::string& name, const EstimatedMedian& median) {
-  row.set(name, format_number(median.value));
+void set(PageData& row, const std::string& name, const EstimatedMedian& median) {
+  row[name] = format_number(median.value);
   if (!median.interval) return;
-  row.set(name + "_interval", fmt::format("{} to {}", format_number(median.interval->lower),
-                                          format_number(median.interval->upper)));
+  row[name + "_interval"] = fmt::format("{} to {}", format_number(median.interval->lower),
+                                        format_number(median.interval->upper));
 }
 
 // A verdict in the page's colours.
-void set(mustache::data& row, ComparisonVerdict verdict) {
-  row.set("verdict", name_of(verdict));
-  row.set("kind", verdict == ComparisonVerdict::better  ? "good"
-                  : verdict == ComparisonVerdict::worse ? "off"
-                  : verdict == ComparisonVerdict::no_difference_shown ||
-                          verdict == ComparisonVerdict::too_few_blocks
-                      ? "unknown"
-                      : "");
+void set(PageData& row, ComparisonVerdict verdict) {
+  row["verdict"] = name_of(verdict);
+  row["kind"] = verdict == ComparisonVerdict::better  ? "good"
+                : verdict == ComparisonVerdict::worse ? "off"
+                : verdict == ComparisonVerdict::no_difference_shown ||
+                        verdict == ComparisonVerdict::too_few_blocks
+                    ? "unknown"
+                    : "";
 }
 
 template <typename Comparison>
-mustache::data begun_row(const CandidateComparison& comparison, const Comparison& one) {
-  mustache::data row;
-  row.set("candidate", comparison.candidates[one.candidate]);
-  row.set("reference", comparison.candidates[one.reference]);
-  row.set("blocks", std::to_string(one.blocks));
-  row.set("is_fewer", one.blocks < comparison.blocks);
-  row.set("count", std::to_string(one.pairs));
-  row.set("p", p_text(one.p_holm));
+PageData begun_row(const CandidateComparison& comparison, const Comparison& one) {
+  PageData row;
+  row["candidate"] = comparison.candidates[one.candidate];
+  row["reference"] = comparison.candidates[one.reference];
+  row["blocks"] = one.blocks;
+  row["is_fewer"] = one.blocks < comparison.blocks;
+  row["count"] = one.pairs;
+  row["p"] = p_text(one.p_holm);
   set(row, one.verdict);
   return row;
 }
 
-void set_pairs(mustache::data& section, const CandidateComparison& comparison,
-               const mustache::data& pairs) {
-  section.set("has_pairs", !pairs.is_empty_list());
-  section.set("pairs", pairs);
-  section.set("all_blocks", std::to_string(comparison.blocks));
-  section.set("has_repeats", comparison.has_repeats());
-  section.set("repeated", repeated_text(comparison));
-  const std::string few = few_text(comparison);
-  if (!few.empty()) section.set("few", few);  // an empty text counts as there
-  section.set("never", never_text(comparison));
+void set_pairs(PageData& section, const CandidateComparison& comparison, const PageData& pairs) {
+  section["pairs"] = pairs;
+  section["all_blocks"] = comparison.blocks;
+  section["has_repeats"] = comparison.has_repeats();
+  section["repeated"] = repeated_text(comparison);
+  section["few"] = few_text(comparison);
+  section["never"] = never_text(comparison);
 }
 
 }  // namespace
 
 void add_paired_metric(const CandidateComparison& comparison, const std::string& metric,
-                       mustache::data& section) {
-  mustache::data pairs(mustache::data::type::list);
+                       PageData& section) {
+  auto pairs = PageData::array();
   for (const MetricComparison& one : comparison.metrics) {
     if (one.metric != metric) continue;
-    mustache::data row = begun_row(comparison, one);
+    PageData row = begun_row(comparison, one);
     set(row, "median", one.median);
     set(row, "reference_median", one.reference_median);
     set(row, "difference", one.difference);
     const double share = one.probability_better.value_or(one.probability_smaller);
-    row.set("share", fmt::format("{:.0f} %", 100.0 * share));
-    row.set("between", one.between ? fmt::format("{:.3g} %", 100.0 * *one.between) : "–");
-    row.set("turns_with", fmt::format("{}", fmt::join(one.turns_with, ", ")));
-    row.set("turns", !one.turns_with.empty());
-    section.set("share_is", one.probability_better ? "better in" : "smaller in");
-    pairs << row;
+    row["share"] = fmt::format("{:.0f} %", 100.0 * share);
+    row["between"] = one.between ? fmt::format("{:.3g} %", 100.0 * *one.between) : "–";
+    row["turns_with"] = fmt::format("{}", fmt::join(one.turns_with, ", "));
+    row["turns"] = !one.turns_with.empty();
+    section["share_is"] = one.probability_better ? "better in" : "smaller in";
+    pairs.push_back(row);
   }
   set_pairs(section, comparison, pairs);
 }
 
-mustache::data turn_of(const CandidateComparison& comparison, const KeyInteraction& one,
-                       Identity look) {
-  mustache::data turn;
-  turn.set("key", one.key);
-  turn.set("candidate", comparison.candidates[one.candidate]);
-  turn.set("reference", comparison.candidates[one.reference]);
-  turn.set("p", p_text(one.p_holm));
-  turn.set("repeats_are", one.is_of_worlds ? "seeds of the value’s one block" : "blocks");
+PageData turn_of(const CandidateComparison& comparison, const KeyInteraction& one, Identity look) {
+  PageData turn;
+  turn["key"] = one.key;
+  turn["candidate"] = comparison.candidates[one.candidate];
+  turn["reference"] = comparison.candidates[one.reference];
+  turn["p"] = p_text(one.p_holm);
+  turn["repeats_are"] = one.is_of_worlds ? "seeds of the value’s one block" : "blocks";
   LineChart chart;
   chart.x_title = key_label_with_unit(one.key, unit_of(one.key));
   chart.y_title =
@@ -95,15 +90,15 @@ mustache::data turn_of(const CandidateComparison& comparison, const KeyInteracti
   chart.is_log_x = one.is_log;
   chart.lines.resize(1);
   chart.looks = {look};
-  mustache::data rows(mustache::data::type::list);
+  auto rows = PageData::array();
   for (const KeyInteraction::Value& value : one.values) {
-    mustache::data row;
-    row.set("value", value.label);
-    row.set("repeats", std::to_string(value.repeats));
-    row.set("difference", format_number(value.median));
-    row.set("tenths", format_number(value.q10) + " to " + format_number(value.q90));
-    row.set("sign", value.median < 0.0 ? "smaller" : value.median > 0.0 ? "larger" : "the same");
-    rows << row;
+    rows.push_back({{"value", value.label},
+                    {"repeats", std::to_string(value.repeats)},
+                    {"difference", format_number(value.median)},
+                    {"tenths", format_number(value.q10) + " to " + format_number(value.q90)},
+                    {"sign", value.median < 0.0   ? "smaller"
+                             : value.median > 0.0 ? "larger"
+                                                  : "the same"}});
     LineMark mark;
     mark.x = value.x;
     mark.y = value.median;
@@ -116,20 +111,20 @@ mustache::data turn_of(const CandidateComparison& comparison, const KeyInteracti
     chart.x_labels.push_back(value.label);
     chart.lines.back().push_back(std::move(mark));
   }
-  turn.set("values", rows);
-  turn.set("svg", draw(chart));
+  turn["values"] = rows;
+  turn["svg"] = draw(chart);
   return turn;
 }
 
-void add_paired_failures(const CandidateComparison& comparison, mustache::data& section) {
-  mustache::data pairs(mustache::data::type::list);
+void add_paired_failures(const CandidateComparison& comparison, PageData& section) {
+  auto pairs = PageData::array();
   for (const FailureComparison& one : comparison.failures) {
-    mustache::data row = begun_row(comparison, one);
-    row.set("failed", std::to_string(one.failures));
-    row.set("reference_failed", std::to_string(one.reference_failures));
-    row.set("alone", std::to_string(one.alone));
-    row.set("reference_alone", std::to_string(one.reference_alone));
-    pairs << row;
+    PageData row = begun_row(comparison, one);
+    row["failed"] = one.failures;
+    row["reference_failed"] = one.reference_failures;
+    row["alone"] = one.alone;
+    row["reference_alone"] = one.reference_alone;
+    pairs.push_back(row);
   }
   set_pairs(section, comparison, pairs);
 }

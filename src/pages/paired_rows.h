@@ -2,22 +2,21 @@
 #pragma once
 
 #include <cstddef>
-#include <kainjow/mustache.hpp>
 #include <string>
 
+#include <breakwater/pages/html_page.h>
 #include <breakwater/statistics/paired_comparison.h>
 
 namespace breakwater {
 
 /// Adds the pairs of one metric to its section: `pairs` and `has_pairs`.
 void add_paired_metric(const CandidateComparison& comparison, const std::string& metric,
-                       kainjow::mustache::data& section);
+                       PageData& section);
 
 /// A key whose values change the sign of a difference, for the section.
-kainjow::mustache::data turn_of(const CandidateComparison& comparison, const KeyInteraction& one,
-                                Identity look);
+PageData turn_of(const CandidateComparison& comparison, const KeyInteraction& one, Identity look);
 
 /// Adds the pairs of the failures, as add_paired_metric() does.
-void add_paired_failures(const CandidateComparison& comparison, kainjow::mustache::data& section);
+void add_paired_failures(const CandidateComparison& comparison, PageData& section);
 
 }  // namespace breakwater

@@ -12,7 +12,6 @@
 
 namespace breakwater {
 namespace fs = std::filesystem;
-namespace mustache = kainjow::mustache;
 namespace {
 
 // The shot list with moments inside the run: its own ones, or the beginning, middle and end.
@@ -116,22 +115,20 @@ ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<st
   const std::string about =
       fmt::format("{} in three dimensions: {}", fmt::join(labels, ", "),
                   part.shots.title.empty() ? runs.front().scenario().summary() : part.shots.title);
-  part.box.set("id", options.id);
-  part.box.set("group", options.group);
-  part.box.set("time", fmt::format("{:.6g}", begin_of(part.shots, runs.front(), part.window)));
-  part.box.set("alt", about);
-  part.box.set("json", data.json);
-  mustache::data strips(mustache::data::type::list);
+  part.box["id"] = options.id;
+  part.box["group"] = options.group;
+  part.box["time"] = fmt::format("{:.6g}", begin_of(part.shots, runs.front(), part.window));
+  part.box["alt"] = about;
+  part.box["data"] = data.json;
+  auto strips = PageData::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const std::string strip = strip_address(runs[i], part.shots, options.camera, part.notes);
     if (strip.empty()) break;  // the others have none either
-    mustache::data picture;
-    picture.set("address", strip);
-    picture.set("alt", "Pictures of the run " + labels[i] + " in a row");
-    picture.set("label", runs.size() > 1 ? mustache::data(labels[i]) : mustache::data(false));
-    strips << picture;
+    strips.push_back({{"address", strip},
+                      {"alt", "Pictures of the run " + labels[i] + " in a row"},
+                      {"label", runs.size() > 1 ? PageData(labels[i]) : PageData()}});
   }
-  part.box.set("strip", strips);
+  part.box["strip"] = strips;
   return part;
 }
 
@@ -155,11 +152,11 @@ std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
   return std::nullopt;
 }
 
-mustache::data window_data(const Window& window, const std::string& axis) {
-  mustache::data data;
-  data.set("axis", axis);
-  data.set("from_s", fmt::format("{:g}", window.from_s));
-  data.set("to_s", fmt::format("{:g}", window.to_s));
+PageData window_data(const Window& window, const std::string& axis) {
+  PageData data;
+  data["axis"] = axis;
+  data["from_s"] = fmt::format("{:g}", window.from_s);
+  data["to_s"] = fmt::format("{:g}", window.to_s);
   return data;
 }
 
@@ -167,34 +164,32 @@ std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<s
                         const std::string& camera, std::vector<std::string>& notes) {
   const ReplayPart part = replay_part(runs, labels, {"replay", "replay", camera});
   notes.insert(notes.end(), part.notes.begin(), part.notes.end());
-  mustache::data page;
-  page.set("title", fmt::format("{}: {}", runs.front().scenario().name(), fmt::join(labels, ", ")));
-  page.set("scenario", runs.front().scenario().name());
-  page.set("summary", runs.front().scenario().summary());
-  page.set("is_bare", true);
-  page.set("has_replays", true);
-  page.set("replay", part.box);
-  if (part.chart) page.set("shots", chart_data(*part.chart));
+  PageData page;
+  page["title"] = fmt::format("{}: {}", runs.front().scenario().name(), fmt::join(labels, ", "));
+  page["scenario"] = runs.front().scenario().name();
+  page["summary"] = runs.front().scenario().summary();
+  page["is_bare"] = true;
+  page["replay"] = part.box;
+  if (part.chart) page["shots"] = part.chart->json();
   return html_page("replay", page);
 }
 
-std::optional<mustache::data> video_data(const Catalogue& catalogue, const SavedRun& run,
-                                         const std::string& group) {
+std::optional<PageData> video_data(const Catalogue& catalogue, const SavedRun& run,
+                                   const std::string& group) {
   const fs::path file = run.folder() / "video.mp4";
   if (!fs::exists(file)) return std::nullopt;
   std::deque<FinishedRun> finished;
   finished.emplace_back(catalogue, run.folder());
   const ShotList shots = shot_list(finished.front().shots_file());
   const Window window = choose_window(pointers_to(finished), shots, {});
-  mustache::data data;
-  data.set("address", data_address(file, "video/mp4"));
-  data.set("group", group);
-  data.set("from_s", fmt::format("{:g}", window.from_s));
-  data.set("speed", fmt::format("{:g}", window.speed));
-  data.set("length_s",
-           fmt::format("{:g}", static_cast<double>(window.frames(shots.fps)) / shots.fps));
-  data.set("alt", fmt::format("Video of the run {}: {}, {:g} times slower than life",
-                              run.folder().filename().string(), shots.title, 1.0 / window.speed));
+  PageData data;
+  data["address"] = data_address(file, "video/mp4");
+  data["group"] = group;
+  data["from_s"] = fmt::format("{:g}", window.from_s);
+  data["speed"] = fmt::format("{:g}", window.speed);
+  data["length_s"] = fmt::format("{:g}", static_cast<double>(window.frames(shots.fps)) / shots.fps);
+  data["alt"] = fmt::format("Video of the run {}: {}, {:g} times slower than life",
+                            run.folder().filename().string(), shots.title, 1.0 / window.speed);
   return data;
 }
 

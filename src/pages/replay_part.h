@@ -2,7 +2,6 @@
 #pragma once
 
 #include <deque>
-#include <kainjow/mustache.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +15,7 @@ namespace breakwater {
 
 /// The runs of a page in three dimensions, with the data of the scenario's shot list.
 struct ReplayPart {
-  kainjow::mustache::data box;     ///< for the template replay_box.mustache
+  PageData box;                    ///< for the template replay_box.mustache
   std::optional<PageChart> chart;  ///< the lines of the shot list
   ShotList shots;
   std::vector<Identity> identities;  ///< one for each run
@@ -45,7 +44,7 @@ std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
                                     const ReplayOptions& options, std::vector<std::string>& notes);
 
 /// Data of the button that switches between the whole time axis and the window.
-kainjow::mustache::data window_data(const Window& window, const std::string& axis);
+PageData window_data(const Window& window, const std::string& axis);
 
 /// The page of `breakwater replay`.
 std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
@@ -53,7 +52,7 @@ std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<s
 
 /// The video in the folder of a run, for the templates, if there is one. The charts of `group`
 /// follow it. It is assumed to show the time window of the shot list.
-std::optional<kainjow::mustache::data> video_data(const Catalogue& catalogue, const SavedRun& run,
-                                                  const std::string& group);
+std::optional<PageData> video_data(const Catalogue& catalogue, const SavedRun& run,
+                                   const std::string& group);
 
 }  // namespace breakwater

@@ -15,34 +15,34 @@
 #include <breakwater/shell/child_program.h>
 
 namespace breakwater {
-namespace mustache = kainjow::mustache;
 namespace {
 
 void add_metrics(const Catalogue& catalogue, const SavedRun& run, const ShotList& shots,
-                 mustache::data& section) {
+                 PageData& section) {
   const auto printed = printed_of(catalogue, run);
-  mustache::data rows(mustache::data::type::list), keys(mustache::data::type::list);
+  auto rows = PageData::array();
+  auto keys = PageData::array();
   for (const ShownMetric& shown : shown_metrics(catalogue, run.scenario(), shots, run.metrics())) {
-    mustache::data row;
+    PageData row;
     set_name(shown, row);
-    row.set("value", format_number(shown.metric.value));
+    row["value"] = format_number(shown.metric.value);
     const auto found = printed.find(shown.metric.name);
     if (found != printed.end()) {
-      mustache::data filled;
-      filled.set("value", found->second.text);
+      PageData filled;
+      filled["value"] = found->second.text;
       const Agreement agreement = found->second.agrees(shown.metric.value);
-      filled.set("verdict", agreement.text);
-      filled.set("verdict_class", agreement.tone);
-      filled.set("rule", agreement.rule);
-      row.set("printed", filled);
+      filled["verdict"] = agreement.text;
+      filled["verdict_class"] = agreement.tone;
+      filled["rule"] = agreement.rule;
+      row["printed"] = filled;
     }
-    rows << row;
-    if (shown.is_key) keys << row;
+    rows.push_back(row);
+    if (shown.is_key) keys.push_back(row);
   }
-  section.set("metrics", rows);
-  section.set("key_metrics", keys);
-  section.set("has_metrics", true);
-  section.set("has_printed", !printed.empty());
+  section["metrics"] = rows;
+  section["key_metrics"] = keys;
+  section["has_metrics"] = true;
+  section["has_printed"] = !printed.empty();
 }
 
 // Adds a reference that is a key of the run and no signal: the shot list's lines have it.
@@ -57,14 +57,14 @@ void add_reference(const PageChart& shown, std::vector<PageChart>& charts) {
   }
 }
 
-mustache::data chart_list(std::vector<PageChart>& charts, const std::optional<Window>& window) {
-  mustache::data list(mustache::data::type::list);
+PageData chart_list(std::vector<PageChart>& charts, const std::optional<Window>& window) {
+  auto list = PageData::array();
   for (PageChart& chart : charts) {
     if (window) {
       chart.from_s = window->from_s;
       chart.to_s = window->to_s;
     }
-    list << chart_data(chart);
+    list.push_back(chart.json());
   }
   return list;
 }
@@ -86,34 +86,27 @@ std::map<std::string, ReferenceValue> printed_of(const Catalogue& catalogue, con
   return printed;
 }
 
-void set_changed_keys(const Catalogue& catalogue, const SavedRun& run, mustache::data& section) {
-  mustache::data rows(mustache::data::type::list);
+void set_changed_keys(const Catalogue& catalogue, const SavedRun& run, PageData& section) {
+  auto rows = PageData::array();
   const std::vector<ChangedKey> changed = changed_keys(catalogue, run);
   for (const ChangedKey& key : changed) {
-    mustache::data row;
-    row.set("key", key.key);
-    row.set("value", key.value);
-    row.set("shipped", key.shipped);
-    rows << row;
+    rows.push_back({{"key", key.key}, {"value", key.value}, {"shipped", key.shipped}});
   }
-  section.set("keys", rows);
-  section.set("has_keys", !changed.empty());
+  section["keys"] = rows;
+  section["has_keys"] = !changed.empty();
 }
 
 std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs,
                        const RunReportOptions& options, std::vector<std::string>& notes) {
   const std::vector<std::string> labels = labels_of(catalogue, runs);
-  mustache::data page;
-  mustache::data toc(mustache::data::type::list);
-  mustache::data sections(mustache::data::type::list);
+  PageData page;
+  auto toc = PageData::array();
+  auto sections = PageData::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const SavedRun& run = runs[i];
     const std::string id = fmt::format("run-{}", i + 1);
     const auto contents = [&](const std::string& part, const std::string& label) {
-      mustache::data entry;
-      entry.set("href", id + part);
-      entry.set("label", label);
-      toc << entry;
+      toc.push_back({{"href", id + part}, {"label", label}});
     };
     if (runs.size() > 1) {
       contents("", labels[i]);
@@ -124,26 +117,26 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     }
 
     const ShotList shots = shots_of(catalogue, run.scenario());
-    mustache::data section;
-    section.set("anchor", id);
-    if (runs.size() > 1) section.set("label", labels[i]);
-    section.set("scenario", run.scenario());
+    PageData section;
+    section["anchor"] = id;
+    if (runs.size() > 1) section["label"] = labels[i];
+    section["scenario"] = run.scenario();
     if (catalogue.has<ScenarioKind>(run.scenario())) {
-      section.set("about", make_scenario(catalogue, run.scenario())->summary());
+      section["about"] = make_scenario(catalogue, run.scenario())->summary();
     }
-    section.set("seed", run.seed());
-    section.set("folder", run.folder().string());
+    section["seed"] = run.seed();
+    section["folder"] = run.folder().string();
     // A run that a command made is repeated with that command.
     const bool has_command = catalogue.has<CommandKind>(run.scenario());
-    section.set("command", fmt::format("{} {}{} --config {} --out again", own_program_name(),
-                                       has_command ? "" : "run ", run.scenario(),
-                                       (run.folder() / "config.toml").string()));
-    section.set("config", run.config_text());
+    section["command"] = fmt::format("{} {}{} --config {} --out again", own_program_name(),
+                                     has_command ? "" : "run ", run.scenario(),
+                                     (run.folder() / "config.toml").string());
+    section["config"] = run.config_text();
     set_changed_keys(catalogue, run, section);
     if (run.failure()) {
-      section.set("failure",
-                  fmt::format("This run {} at {:.6g} s: {}. It has no metrics.",
-                              run.failure()->verb(), run.failure()->time_s, run.failure()->reason));
+      section["failure"] =
+          fmt::format("This run {} at {:.6g} s: {}. It has no metrics.", run.failure()->verb(),
+                      run.failure()->time_s, run.failure()->reason);
     } else {
       add_metrics(catalogue, run, shots, section);
     }
@@ -153,28 +146,27 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     }
     std::optional<Window> window;
     if (replay) {
-      section.set("replay", replay->box);
-      page.set("has_replays", true);
+      section["replay"] = replay->box;
       window = replay->window;
     } else if (catalogue.has<ScenarioKind>(run.scenario())) {
-      if (const auto video = video_data(catalogue, run, id)) section.set("video", *video);
+      if (const auto video = video_data(catalogue, run, id)) section["video"] = *video;
     }
     SignalCharts charts = signal_charts(run, id, shots);
     if (replay && replay->chart) add_reference(*replay->chart, charts.key);
-    if (replay && !replay->is_whole) section.set("window", window_data(replay->window, id));
-    section.set("charts", chart_list(charts.key, window));
-    mustache::data others = chart_list(charts.others, window);
-    section.set("other_count", std::to_string(charts.others.size()));
-    section.set("has_others", !charts.others.empty());
-    section.set("others", others);
-    section.set("constants", fmt::format("{}", fmt::join(charts.constants, ", ")));
-    section.set("has_constants", !charts.constants.empty());
-    sections << section;
+    if (replay && !replay->is_whole) section["window"] = window_data(replay->window, id);
+    section["charts"] = chart_list(charts.key, window);
+    PageData others = chart_list(charts.others, window);
+    section["other_count"] = std::to_string(charts.others.size());
+    section["has_others"] = !charts.others.empty();
+    section["others"] = others;
+    section["constants"] = fmt::format("{}", fmt::join(charts.constants, ", "));
+    section["has_constants"] = !charts.constants.empty();
+    sections.push_back(section);
   }
-  page.set("title", runs.size() == 1 ? labels[0] : fmt::format("{} runs", runs.size()));
-  if (runs.size() == 1) page.set("of_scenario", runs.front().scenario());
-  page.set("toc", toc);
-  page.set("sections", sections);
+  page["title"] = runs.size() == 1 ? labels[0] : fmt::format("{} runs", runs.size());
+  if (runs.size() == 1) page["of_scenario"] = runs.front().scenario();
+  page["toc"] = toc;
+  page["sections"] = sections;
   return html_page("runs", page);
 }
 

@@ -1,13 +1,13 @@
 // breakwater report: pages about a user's own runs.
 #pragma once
 
-#include <kainjow/mustache.hpp>
 #include <map>
 #include <string>
 #include <vector>
 
 #include <breakwater/experiment/references.h>
 #include <breakwater/experiment/saved_run.h>
+#include <breakwater/pages/html_page.h>
 
 namespace breakwater {
 
@@ -27,7 +27,6 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
 
 /// Adds "keys", the keys in which a run differs from its case, and "has_keys" to the data of a
 /// template.
-void set_changed_keys(const Catalogue& catalogue, const SavedRun& run,
-                      kainjow::mustache::data& section);
+void set_changed_keys(const Catalogue& catalogue, const SavedRun& run, PageData& section);
 
 }  // namespace breakwater

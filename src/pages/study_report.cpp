@@ -15,7 +15,6 @@
 #include <breakwater/pages/labels.h>
 #include <breakwater/pages/paired_rows.h>
 #include <breakwater/pages/study_sections.h>
-#include <breakwater/pages/svg_plot.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
@@ -24,7 +23,6 @@
 #include <breakwater/study/ranking_text.h>
 
 namespace breakwater {
-namespace mustache = kainjow::mustache;
 namespace {
 
 constexpr std::size_t kMostColumns = 6;       // in the table of all metrics
@@ -73,71 +71,66 @@ std::string seeds_in_words(const Study& study) {
   return cut_to(fmt::format("{}", fmt::join(study.seeds, ", ")), kMostOfText);
 }
 
-mustache::data row_of(const std::string& name, const std::string& value) {
-  mustache::data row;
-  row.set("name", name);
-  row.set("value", value);
+PageData row_of(const std::string& name, const std::string& value) {
+  PageData row;
+  row["name"] = name;
+  row["value"] = value;
   return row;
 }
 
 // The facts of the study, one per line.
-mustache::data facts(const Plan& plan, const ShardIndex& index,
-                     const std::vector<std::string>& labels) {
+PageData facts(const Plan& plan, const ShardIndex& index, const std::vector<std::string>& labels) {
   const Study& study = plan.study();
-  mustache::data rows(mustache::data::type::list);
-  rows << row_of("scenario", study.scenario);
-  if (!study.config.empty()) rows << row_of("scenario file", study.config);
+  auto rows = PageData::array();
+  rows.push_back(row_of("scenario", study.scenario));
+  if (!study.config.empty()) rows.push_back(row_of("scenario file", study.config));
   std::vector<std::string> some(
       labels.begin(),
       labels.begin() + static_cast<std::ptrdiff_t>(std::min(labels.size(), kMostNamed)));
   if (labels.size() > kMostNamed) some.push_back(fmt::format("… ({} in all)", labels.size()));
-  rows << row_of(labels.size() == 1 ? "candidate" : "candidates",
-                 fmt::format("{}", fmt::join(some, "; ")));
+  rows.push_back(row_of(labels.size() == 1 ? "candidate" : "candidates",
+                        fmt::format("{}", fmt::join(some, "; "))));
   for (std::size_t k = 0; k < study.vary.size(); ++k) {
     if (k == kMostNamed) {
-      rows << row_of("varied", fmt::format("… ({} keys in all)", study.vary.size()));
+      rows.push_back(row_of("varied", fmt::format("… ({} keys in all)", study.vary.size())));
       break;
     }
     const VariedKey& key = study.vary[k];
     std::string values = cut_to(plain_text(key.written), kMostOfText);
     if (key.values.size() > 3) values += fmt::format(" ({} values)", key.values.size());
-    rows << row_of("varied " + key.key, values);
+    rows.push_back(row_of("varied " + key.key, values));
   }
   for (const KeyEffect& effect : key_effects(study)) {
     if (effect.with.empty()) continue;
-    rows << row_of("varied together",
-                   effect.name + ": their effects cannot be told apart, and are shown as one");
+    rows.push_back(
+        row_of("varied together",
+               effect.name + ": their effects cannot be told apart, and are shown as one"));
   }
-  for (const std::string& set : study.sets) rows << row_of("set", cut_to(set, kMostOfText));
-  rows << row_of("samples", method_in_words(study, plan.samples()));
-  rows << row_of("seeds", seeds_in_words(study));
-  rows << row_of("runs", fmt::format("{} of {}", index.done(), plan.size()));
+  for (const std::string& set : study.sets) rows.push_back(row_of("set", cut_to(set, kMostOfText)));
+  rows.push_back(row_of("samples", method_in_words(study, plan.samples())));
+  rows.push_back(row_of("seeds", seeds_in_words(study)));
+  rows.push_back(row_of("runs", fmt::format("{} of {}", index.done(), plan.size())));
   return rows;
 }
 
 // The parts of the page that depend on the machine or the folder. They stand in one place. The
 // page's script reads the command from there.
-mustache::data this_machine(const ShardIndex& index, const std::string& go_on) {
-  mustache::data machine;
-  machine.set("go_on", go_on);
-  machine.set("is_unfinished", index.done() < index.points());
+PageData this_machine(const ShardIndex& index, const std::string& go_on) {
+  PageData machine;
+  machine["go_on"] = go_on;
+  machine["is_unfinished"] = index.done() < index.points();
   if (index.done() == 0) return machine;
   const double cost_s = index.cost_s();
-  machine.set("time",
-              fmt::format("{:.1f} {} of processor time, {} s a run",
-                          cost_s < 7200.0 ? cost_s : cost_s / 3600.0, cost_s < 7200.0 ? "s" : "h",
-                          format_number(cost_s / static_cast<double>(index.done()))));
+  machine["time"] = fmt::format(
+      "{:.1f} {} of processor time, {} s a run", cost_s < 7200.0 ? cost_s : cost_s / 3600.0,
+      cost_s < 7200.0 ? "s" : "h", format_number(cost_s / static_cast<double>(index.done())));
   return machine;
 }
 
-mustache::data score(const ShardIndex& index) {
-  mustache::data tallies(mustache::data::type::list);
+PageData score(const ShardIndex& index) {
+  auto tallies = PageData::array();
   const auto add = [&](const std::string& kind, std::size_t count, const std::string& word) {
-    mustache::data tally;
-    tally.set("kind", kind);
-    tally.set("count", std::to_string(count));
-    tally.set("word", word);
-    tallies << tally;
+    tallies.push_back({{"kind", kind}, {"count", std::to_string(count)}, {"word", word}});
   };
   add("good", index.count(PointStatus::complete),
       fmt::format("of {} {}", number_of(index.points(), "run"), name_of(PointStatus::complete)));
@@ -148,37 +141,32 @@ mustache::data score(const ShardIndex& index) {
   return tallies;
 }
 
-mustache::data failure_rows(const StudyNumbers& numbers, const ShardIndex& index,
-                            const std::vector<std::string>& labels, RunList& runs) {
-  mustache::data rows(mustache::data::type::list);
+PageData failure_rows(const StudyNumbers& numbers, const ShardIndex& index,
+                      const std::vector<std::string>& labels, RunList& runs) {
+  auto rows = PageData::array();
   for (std::size_t i = 0; i < std::min(numbers.failures.size(), kMostListedKinds); ++i) {
     const FailureKind& kind = numbers.failures[i];
-    mustache::data row;
-    row.set("count", std::to_string(kind.runs));
-    row.set("status", name_of(kind.status));
-    row.set("reason", cut_to(kind.reason, 2 * kMostOfText));
+    PageData row;
+    row["count"] = std::to_string(kind.runs);
+    row["status"] = name_of(kind.status);
+    row["reason"] = cut_to(kind.reason, 2 * kMostOfText);
     std::vector<std::string> of;
     for (std::size_t c = 0; c < labels.size() && of.size() < kMostColumns; ++c) {
       if (kind.of_candidate[c] > 0)
         of.push_back(fmt::format("{}: {}", labels[c], kind.of_candidate[c]));
     }
-    row.set("candidates", fmt::format("{}", fmt::join(of, "; ")));
-    mustache::data where(mustache::data::type::list);
+    row["candidates"] = fmt::format("{}", fmt::join(of, "; "));
+    auto where = PageData::array();
     for (const std::string& text : kind.where) {
-      mustache::data one;
-      one.set("text", text);
-      where << one;
+      where.push_back({{"text", text}});
     }
-    row.set("where", where);
-    mustache::data points(mustache::data::type::list);
+    row["where"] = where;
+    auto points = PageData::array();
     for (const std::size_t point : kind.first) {
-      mustache::data one;
-      one.set("key", index.read(point).key);
-      one.set("run", std::to_string(runs.add(point)));
-      points << one;
+      points.push_back({{"key", index.read(point).key}, {"run", std::to_string(runs.add(point))}});
     }
-    row.set("points", points);
-    rows << row;
+    row["points"] = points;
+    rows.push_back(row);
   }
   return rows;
 }
@@ -215,68 +203,64 @@ void begin_with_varying(StudyNumbers& numbers, const std::vector<std::string>& k
 // Adds the keys that change the sign of a difference. `left` is the number of figures that the page
 // may still have.
 void add_turns(const CandidateComparison& comparison, const std::string& metric,
-               const StudySections& sections, std::size_t& left, mustache::data& section) {
-  mustache::data turns(mustache::data::type::list);
+               const StudySections& sections, std::size_t& left, PageData& section) {
+  auto turns = PageData::array();
   for (const KeyInteraction& one : comparison.interactions) {
     if (one.metric != metric || !one.turns || left == 0) continue;
-    turns << turn_of(comparison, one, sections.look(one.candidate));
+    turns.push_back(turn_of(comparison, one, sections.look(one.candidate)));
     --left;
   }
-  section.set("turns", turns);
+  section["turns"] = turns;
 }
 
 std::string label_of(const std::string& metric) {
   return metric_label_with_unit(metric, unit_of(metric));
 }
 
-mustache::data cells_of(const std::vector<std::string>& texts) {
-  mustache::data cells(mustache::data::type::list);
-  for (const std::string& text : texts) cells << mustache::data("text", text);
+PageData cells_of(const std::vector<std::string>& texts) {
+  auto cells = PageData::array();
+  for (const std::string& text : texts) cells.push_back(PageData{{"text", text}});
   return cells;
 }
 
 // The sentence and the table that the page begins with.
-mustache::data answer(const Ranking& ranking) {
+PageData answer(const Ranking& ranking) {
   const auto table = ranking_table(ranking);
-  mustache::data answer("sentence", ranking_sentence(ranking));
-  answer.set("header", cells_of(table.front()));
-  mustache::data rows(mustache::data::type::list);
+  PageData answer = {{"sentence", ranking_sentence(ranking)}};
+  answer["header"] = cells_of(table.front());
+  auto rows = PageData::array();
   for (std::size_t i = 1; i < table.size(); ++i) {
-    rows << mustache::data("cells", cells_of(table[i]));
+    rows.push_back(PageData{{"cells", cells_of(table[i])}});
   }
-  answer.set("rows", rows);
+  answer["rows"] = rows;
   return answer;
 }
 
 // The table of all metrics: the median for each of the first candidates.
-void add_overview(mustache::data& page, const StudySections& sections, const StudyNumbers& numbers,
+void add_overview(PageData& page, const StudySections& sections, const StudyNumbers& numbers,
                   const std::vector<std::string>& labels) {
-  mustache::data columns(mustache::data::type::list);
+  auto columns = PageData::array();
   const std::size_t shown = std::min(labels.size(), kMostColumns);
   for (std::size_t c = 0; c < shown; ++c) {
-    mustache::data column;
-    column.set("label", labels[c]);
-    columns << column;
+    columns.push_back({{"label", labels[c]}});
   }
-  mustache::data rows(mustache::data::type::list);
+  auto rows = PageData::array();
   for (std::size_t m = 0; m < numbers.metrics.size(); ++m) {
     const std::vector<QuantileBand> all = sections.by_candidate(m);
-    mustache::data row;
-    row.set("name", label_of(numbers.metrics[m]));
-    row.set("about", numbers.metrics[m]);
-    if (m < sections.detail().metrics) row.set("href", fmt::format("metric-{}", m + 1));
-    mustache::data cells(mustache::data::type::list);
+    PageData row;
+    row["name"] = label_of(numbers.metrics[m]);
+    row["about"] = numbers.metrics[m];
+    if (m < sections.detail().metrics) row["href"] = fmt::format("metric-{}", m + 1);
+    auto cells = PageData::array();
     for (std::size_t c = 0; c < shown; ++c) {
-      mustache::data cell;
-      cell.set("value", format_number(all[c].median));
-      cells << cell;
+      cells.push_back({{"value", format_number(all[c].median)}});
     }
-    row.set("cells", cells);
-    rows << row;
+    row["cells"] = cells;
+    rows.push_back(row);
   }
-  page.set("columns", columns);
-  page.set("overview", rows);
-  page.set("has_overview", !numbers.metrics.empty());
+  page["columns"] = columns;
+  page["overview"] = rows;
+  page["has_overview"] = !numbers.metrics.empty();
   std::string note;
   if (labels.size() > shown) {
     note += fmt::format(" The first {} of {} candidates; each metric’s table has more.", shown,
@@ -286,7 +270,7 @@ void add_overview(mustache::data& page, const StudySections& sections, const Stu
     note += fmt::format(" The first {} of {} metrics have charts; results.csv has all.",
                         sections.detail().metrics, numbers.metrics.size());
   }
-  page.set("overview_note", note);
+  page["overview_note"] = note;
 }
 
 }  // namespace
@@ -314,78 +298,72 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
       candidate_identities(labels, cases_of(catalogue, study.scenario));
   const StudySections sections(plan, index, numbers, indices, labels, looks, runs);
 
-  mustache::data page;
-  mustache::data toc(mustache::data::type::list);
+  PageData page;
+  auto toc = PageData::array();
   const auto contents = [&](const std::string& href, const std::string& label) {
-    mustache::data entry;
-    entry.set("href", href);
-    entry.set("label", label);
-    toc << entry;
+    toc.push_back({{"href", href}, {"label", label}});
   };
   const std::string go_on = fmt::format("{} {} {}", own_program_name(), kSweep.command,
                                         shell_word(folder.path().string()));
-  page.set("title", "Study of " + study.scenario);
-  page.set("about", scenario->summary());
-  page.set("score", score(index));
-  page.set("facts", facts(plan, index, labels));
-  page.set("machine", this_machine(index, go_on));
-  page.set("study", study.print());
+  page["title"] = "Study of " + study.scenario;
+  page["about"] = scenario->summary();
+  page["score"] = score(index);
+  page["facts"] = facts(plan, index, labels);
+  page["machine"] = this_machine(index, go_on);
+  page["study"] = study.print();
   if (numbers.is_sample) {
-    page.set("sampled",
-             fmt::format("Charts and tables are of {} runs, chosen evenly among the "
-                         "study’s samples and seeds; failures are counted over all runs.",
-                         numbers.runs.size()));
+    page["sampled"] = fmt::format(
+        "Charts and tables are of {} runs, chosen evenly among the "
+        "study’s samples and seeds; failures are counted over all runs.",
+        numbers.runs.size());
   }
   contents("study", "Finding");
 
-  mustache::data legend(mustache::data::type::list);
+  auto legend = PageData::array();
   for (std::size_t i = 0; i < sections.drawn().size(); ++i) {
     const std::string& label = labels[sections.drawn()[i]];
-    mustache::data one;
-    one.set("label", label == study.baseline ? label + " (baseline)" : label);
-    one.set("colour", series_class(sections.look(sections.drawn()[i])));
-    legend << one;
+    legend.push_back({{"label", label == study.baseline ? label + " (baseline)" : label},
+                      {"colour", series_class(sections.look(sections.drawn()[i]))}});
   }
-  page.set("legend", legend);
-  page.set("has_legend", labels.size() > 1);
+  page["legend"] = legend;
+  page["has_legend"] = labels.size() > 1;
   if (labels.size() > sections.drawn().size()) {
-    page.set("not_drawn", fmt::format("Charts have {} of {} candidates; tables have more.",
-                                      sections.drawn().size(), labels.size()));
+    page["not_drawn"] = fmt::format("Charts have {} of {} candidates; tables have more.",
+                                    sections.drawn().size(), labels.size());
   }
 
-  mustache::data metrics(mustache::data::type::list);
+  auto metrics = PageData::array();
   std::size_t turns_left = kMostTurns;
   for (std::size_t m = 0; m < sections.detail().metrics; ++m) {
-    mustache::data section = sections.section(m);
+    PageData section = sections.section(m);
     if (comparison) {
       add_paired_metric(*comparison, numbers.metrics[m], section);
       add_turns(*comparison, numbers.metrics[m], sections, turns_left, section);
     }
-    metrics << section;
+    metrics.push_back(section);
     contents(fmt::format("metric-{}", m + 1), label_of(numbers.metrics[m]));
   }
-  page.set("metrics", metrics);
-  page.set("has_metrics", sections.detail().metrics > 0);
+  page["metrics"] = metrics;
   const bool has_failures = !numbers.failures.empty();
   if (has_failures || study.method == Method::saltelli) {
-    mustache::data failures = sections.section(std::nullopt);
+    PageData failures = sections.section(std::nullopt);
     if (comparison) add_paired_failures(*comparison, failures);
-    failures.set("kinds", failure_rows(numbers, index, labels, runs));
-    failures.set("has_kinds", has_failures);
+    failures["kinds"] = failure_rows(numbers, index, labels, runs);
+    failures["has_kinds"] = has_failures;
     if (numbers.failures.size() > kMostListedKinds) {
-      failures.set("more_kinds", fmt::format("{} further kinds, of fewer runs, are not listed.",
-                                             numbers.failures.size() - kMostListedKinds));
+      failures["more_kinds"] = fmt::format("{} further kinds, of fewer runs, are not listed.",
+                                           numbers.failures.size() - kMostListedKinds);
     }
-    page.set("failures", failures);
+    page["failures"] = failures;
     contents(kFailuresId, "Failed runs");
   }
   if (!numbers.metrics.empty()) contents("metrics", "All metrics");
   contents("set-up", "Set-up");
-  if (ranking) page.set("answer", answer(*ranking));
+  if (ranking) page["answer"] = answer(*ranking);
   add_overview(page, sections, numbers, labels);
-  page.set("toc", toc);
-  page.set("runs", runs.json(plan, index));
-  replace_file(folder.path() / "report.html", html_page("study", page, PageCharts::drawn));
+  page["toc"] = toc;
+  page["runs"] = runs.json(plan, index);
+  replace_file(folder.path() / "report.html", html_page("study", page));
 }
 
 }  // namespace breakwater

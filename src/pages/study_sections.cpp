@@ -15,7 +15,6 @@
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
-namespace mustache = kainjow::mustache;
 namespace {
 
 constexpr std::size_t kMostDrawn = 12;      // candidates, each with a colour or a dash pattern
@@ -96,25 +95,25 @@ std::size_t RunList::add(std::size_t point) {
   return place->second;
 }
 
-std::string RunList::json(const Plan& plan, const ShardIndex& index) const {
-  nlohmann::ordered_json json;
-  json["candidates"] = nlohmann::json::array();
+PageData RunList::json(const Plan& plan, const ShardIndex& index) const {
+  PageData json;
+  json["candidates"] = PageData::array();
   for (const Candidate& candidate : plan.candidates())
     json["candidates"].push_back(candidate.label);
-  json["keys"] = nlohmann::json::array();
+  json["keys"] = PageData::array();
   for (const VariedKey& key : plan.study().vary) json["keys"].push_back(key.key);
-  json["runs"] = nlohmann::json::array();
+  json["runs"] = PageData::array();
   for (const std::size_t number : points_) {
     const StudyPoint point = plan.point(number);
-    nlohmann::ordered_json run = {index.read(number).key, point.candidate,
-                                  point.seed ? std::to_string(*point.seed) : ""};
+    PageData run = {index.read(number).key, point.candidate,
+                    point.seed ? std::to_string(*point.seed) : ""};
     for (const std::string& value : point.values) {
       const auto number_of_value = number_in(value);
       run.push_back(number_of_value ? fmt::format("{:.6g}", *number_of_value) : plain_text(value));
     }
     json["runs"].push_back(std::move(run));
   }
-  return script_json(json);
+  return {{"id", "study-runs"}, {"data", json}};
 }
 
 struct StudySections::Output {
@@ -233,8 +232,8 @@ LineChart StudySections::line_chart(const Output& output, const KeyGroups& key) 
   return chart;
 }
 
-void StudySections::add_line_charts(const Output& output, mustache::data& section) const {
-  mustache::data charts(mustache::data::type::list);
+void StudySections::add_line_charts(const Output& output, PageData& section) const {
+  auto charts = PageData::array();
   bool has_bands = false, has_crosses = false;
   for (const KeyEffect& effect : effects_) {
     const LineChart line = line_chart(output, keys_[effect.key]);
@@ -244,17 +243,15 @@ void StudySections::add_line_charts(const Output& output, mustache::data& sectio
         has_crosses |= mark.has_failures;
       }
     }
-    mustache::data chart;
-    chart.set("svg", draw(line));
-    charts << chart;
+    charts.push_back({{"svg", draw(line)}});
   }
-  section.set("has_lines", !keys_.empty());
-  section.set("has_bands", has_bands);
-  section.set("has_crosses", has_crosses);
-  section.set("lines", charts);
+  section["has_lines"] = !keys_.empty();
+  section["has_bands"] = has_bands;
+  section["has_crosses"] = has_crosses;
+  section["lines"] = charts;
 }
 
-void StudySections::add_heat_maps(const Output& output, mustache::data& section) const {
+void StudySections::add_heat_maps(const Output& output, PageData& section) const {
   const KeyGroups &x = sides_[0], &y = sides_[1];
   const std::size_t cells = x.size() * y.size();
   const std::vector<QuantileBand> all = bands(
@@ -273,7 +270,7 @@ void StudySections::add_heat_maps(const Output& output, mustache::data& section)
     high = std::max(high, value);
   }
   if (output.is_failures) low = 0.0, high = 1.0;
-  mustache::data maps(mustache::data::type::list);
+  auto maps = PageData::array();
   for (std::size_t i = 0; i < drawn_.size(); ++i) {
     HeatMap map;
     map.x_title = x.name;
@@ -292,17 +289,13 @@ void StudySections::add_heat_maps(const Output& output, mustache::data& section)
       map.cells.push_back({value_of_cell(band), band.runs, band.failed, measured,
                            has_run ? std::optional(runs_.add(point)) : std::nullopt});
     }
-    mustache::data one;
-    one.set("label", labels_[drawn_[i]]);
-    one.set("svg", draw(map));
-    maps << one;
+    maps.push_back({{"label", labels_[drawn_[i]]}, {"svg", draw(map)}});
   }
-  section.set("heat", maps);
-  section.set("has_heat", true);
-  if (low <= high) section.set("bar", draw_colour_bar(low, high));
+  section["heat"] = maps;
+  if (low <= high) section["bar"] = draw_colour_bar(low, high);
 }
 
-void StudySections::add_parallel(const Output& output, mustache::data& section) const {
+void StudySections::add_parallel(const Output& output, PageData& section) const {
   ParallelChart chart;
   const bool has_candidates = labels_.size() > 1;
   if (has_candidates) {
@@ -349,36 +342,33 @@ void StudySections::add_parallel(const Output& output, mustache::data& section) 
     values.push_back(std::numeric_limits<double>::quiet_NaN());
     add(run.number, run.candidate, std::move(values), true);
   }
-  section.set("parallel", draw(chart));
-  if (!output.is_failures) section.set("bar", draw_colour_bar(last.low, last.high));
+  section["parallel"] = draw(chart);
+  if (!output.is_failures) section["bar"] = draw_colour_bar(last.low, last.high);
   const std::size_t failed = index_.done() - index_.count(PointStatus::complete);
-  section.set("chosen",
-              fmt::format("{} of {} runs that ended well, chosen evenly{}.", lines_.size(),
-                          index_.count(PointStatus::complete),
-                          failed == 0 ? ""
-                                      : fmt::format(", and {} of {} that did not (dashed)",
-                                                    failed_.size(), failed)));
+  section["chosen"] = fmt::format(
+      "{} of {} runs that ended well, chosen evenly{}.", lines_.size(),
+      index_.count(PointStatus::complete),
+      failed == 0 ? ""
+                  : fmt::format(", and {} of {} that did not (dashed)", failed_.size(), failed));
 }
 
-mustache::data StudySections::index_rows(const Output& output) const {
-  mustache::data rows(mustache::data::type::list);
+PageData StudySections::index_rows(const Output& output) const {
+  auto rows = PageData::array();
   for (std::size_t k = 0; k < numbers_.keys.size(); ++k) {
     for (const OutputIndices& one : indices_) {
       if (one.output != output.name || one.indices.total.empty()) continue;
-      mustache::data row;
-      row.set("key", numbers_.keys[k].name);
-      row.set("candidate", labels_[one.candidate]);
-      row.set("first", index_text(one.indices.first_order[k]));
-      row.set("total", index_text(one.indices.total[k]));
-      row.set("svg", draw_indices(one.indices.first_order[k], one.indices.total[k],
-                                  looks_[one.candidate]));
-      rows << row;
+      rows.push_back({{"key", numbers_.keys[k].name},
+                      {"candidate", labels_[one.candidate]},
+                      {"first", index_text(one.indices.first_order[k])},
+                      {"total", index_text(one.indices.total[k])},
+                      {"svg", draw_indices(one.indices.first_order[k], one.indices.total[k],
+                                           looks_[one.candidate])}});
     }
   }
   return rows;
 }
 
-mustache::data StudySections::comparison(const Output& output) const {
+PageData StudySections::comparison(const Output& output) const {
   const std::vector<QuantileBand> all = bands_of(output);
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const QuantileBand& band : all) {
@@ -386,53 +376,49 @@ mustache::data StudySections::comparison(const Output& output) const {
     low = std::min(low, band.q10);
     high = std::max(high, band.q90);
   }
-  mustache::data rows(mustache::data::type::list);
+  auto rows = PageData::array();
   for (std::size_t c = 0; c < std::min(all.size(), kMostCompared); ++c) {
     const QuantileBand& band = all[c];
-    mustache::data row;
-    row.set("label", labels_[c]);
-    row.set("colour", series_class(looks_[c]));
-    row.set("runs", std::to_string(band.runs));
-    row.set("failed", std::to_string(band.failed));
-    row.set("any_failed", band.failed > 0);
-    row.set("share", fmt::format("{:.3g} %", 100.0 * band.failed_share()));
-    row.set("absent", std::to_string(band.runs - band.failed - band.measured));
+    PageData row;
+    row["label"] = labels_[c];
+    row["colour"] = series_class(looks_[c]);
+    row["runs"] = band.runs;
+    row["failed"] = band.failed;
+    row["any_failed"] = band.failed > 0;
+    row["share"] = fmt::format("{:.3g} %", 100.0 * band.failed_share());
+    row["absent"] = band.runs - band.failed - band.measured;
     if (band.measured > 0) {
-      row.set("has_values", true);
-      row.set("quartiles", format_number(band.q25) + " to " + format_number(band.q75));
-      row.set("tenths", format_number(band.q10) + " to " + format_number(band.q90));
-      row.set("svg", draw_box(band, looks_[c], low, high));
+      row["has_values"] = true;
+      row["quartiles"] = format_number(band.q25) + " to " + format_number(band.q75);
+      row["tenths"] = format_number(band.q10) + " to " + format_number(band.q90);
+      row["svg"] = draw_box(band, looks_[c], low, high);
       const auto run = [&](const char* name, double value, std::size_t point) {
-        mustache::data one;
-        one.set("value", format_number(value));
-        one.set("key", index_.read(point).key);
-        one.set("run", std::to_string(runs_.add(point)));
-        row.set(name, one);
+        row[name] = {{"value", value}, {"key", index_.read(point).key}, {"run", runs_.add(point)}};
       };
       run("smallest", band.smallest, band.at_smallest);
       run("median", band.median, band.at_middle);
       run("largest", band.largest, band.at_largest);
     }
-    rows << row;
+    rows.push_back(row);
   }
   return rows;
 }
 
-mustache::data StudySections::section(std::optional<std::size_t> metric) const {
+PageData StudySections::section(std::optional<std::size_t> metric) const {
   static const std::vector<double> kNone;
   const std::vector<double>& column = metric ? numbers_.columns[*metric] : kNone;
   const Output output = {metric ? numbers_.metrics[*metric] : kFailedOutput, !metric, column,
                          in_order(column)};
-  mustache::data section;
-  section.set("id", metric ? fmt::format("metric-{}", *metric + 1) : kFailuresId);
-  section.set("name", metric ? title_of(output) : "Failed runs");
-  section.set("about", output.name);
-  section.set("is_failures", output.is_failures);
-  section.set("is_metric", !output.is_failures);
-  section.set("comparison", comparison(output));
+  PageData section;
+  section["id"] = metric ? fmt::format("metric-{}", *metric + 1) : kFailuresId;
+  section["name"] = metric ? title_of(output) : "Failed runs";
+  section["about"] = output.name;
+  section["is_failures"] = output.is_failures;
+  section["is_metric"] = !output.is_failures;
+  section["comparison"] = comparison(output);
   if (labels_.size() > kMostCompared) {
-    section.set("compared", fmt::format("The first {} of {} candidates; results.csv has all.",
-                                        kMostCompared, labels_.size()));
+    section["compared"] = fmt::format("The first {} of {} candidates; results.csv has all.",
+                                      kMostCompared, labels_.size());
   }
   const bool has_charts = metric || !numbers_.failures.empty();
   if (numbers_.runs.empty() || !has_charts) return section;
@@ -440,19 +426,16 @@ mustache::data StudySections::section(std::optional<std::size_t> metric) const {
   add_line_charts(output, section);
   if (keys_.size() > 1) add_parallel(output, section);
   if (plan_.study().method == Method::saltelli) {
-    section.set("is_saltelli", true);
-    mustache::data rows = index_rows(output);
-    section.set("has_indices", !rows.is_empty_list());
-    section.set("indices", rows);
+    section["is_saltelli"] = true;
+    section["indices"] = index_rows(output);
     Eigen::Index dropped = 0, counted = 0;
     for (const OutputIndices& one : indices_) {
       if (one.output != output.name) continue;
       dropped += one.indices.dropped_rows;
       counted += one.indices.rows;
     }
-    section.set("rows",
-                fmt::format("{} rows of the design count, {} have a run without it and do not.",
-                            counted, dropped));
+    section["rows"] = fmt::format(
+        "{} rows of the design count, {} have a run without it and do not.", counted, dropped);
   }
   return section;
 }

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <kainjow/mustache.hpp>
 #include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
+#include <breakwater/pages/html_page.h>
 #include <breakwater/pages/quantile_bands.h>
 #include <breakwater/pages/study_charts.h>
 #include <breakwater/pages/study_indices.h>
@@ -38,8 +38,8 @@ class RunList {
   /// Adds a point and returns its index in the list.
   std::size_t add(std::size_t point);
   /// The list for the page's script: "runs" (each with key, candidate, seed and varied values) and
-  /// the names of candidates and keys. Safe inside <script>.
-  std::string json(const Plan& plan, const ShardIndex& index) const;
+  /// the names of candidates and keys.
+  PageData json(const Plan& plan, const ShardIndex& index) const;
 
  private:
   std::vector<std::size_t> points_;
@@ -60,7 +60,7 @@ class StudySections {
   const StudyDetail& detail() const { return detail_; }
 
   /// The template's data of a metric, or of the failures without `metric`.
-  kainjow::mustache::data section(std::optional<std::size_t> metric) const;
+  PageData section(std::optional<std::size_t> metric) const;
   /// The metric over all runs of each candidate.
   std::vector<QuantileBand> by_candidate(std::size_t metric) const;
 
@@ -69,11 +69,11 @@ class StudySections {
   static std::string title_of(const Output& output);
   std::vector<QuantileBand> bands_of(const Output& output) const;
   LineChart line_chart(const Output& output, const KeyGroups& key) const;
-  void add_line_charts(const Output& output, kainjow::mustache::data& section) const;
-  void add_heat_maps(const Output& output, kainjow::mustache::data& section) const;
-  void add_parallel(const Output& output, kainjow::mustache::data& section) const;
-  kainjow::mustache::data index_rows(const Output& output) const;
-  kainjow::mustache::data comparison(const Output& output) const;
+  void add_line_charts(const Output& output, PageData& section) const;
+  void add_heat_maps(const Output& output, PageData& section) const;
+  void add_parallel(const Output& output, PageData& section) const;
+  PageData index_rows(const Output& output) const;
+  PageData comparison(const Output& output) const;
 
   const Plan& plan_;
   const ShardIndex& index_;

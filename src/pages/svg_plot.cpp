@@ -65,11 +65,6 @@ std::string shortened(const std::string& text, std::size_t most) {
   return text;
 }
 
-std::string series_class(Identity identity) {
-  return fmt::format("c{} d{}", identity < 0 ? kIdentityColours : identity % kIdentityColours,
-                     dash_number(identity));
-}
-
 std::string cross_path(double x, double y, double half) {
   return fmt::format("M{} {}l{} {}m0 {}l{} {}", px(x - half), px(y - half), px(2.0 * half),
                      px(2.0 * half), px(-2.0 * half), px(-2.0 * half), px(2.0 * half));

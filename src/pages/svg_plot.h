@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <breakwater/pages/chart_scale.h>
+#include <breakwater/pages/html_page.h>
 #include <breakwater/render/identity.h>
 
 namespace breakwater {
@@ -24,9 +25,6 @@ std::string px(double value);
 
 /// Cuts a text to at most `most` letters.
 std::string shortened(const std::string& text, std::size_t most);
-
-/// The classes of an identity's colour and dash.
-std::string series_class(Identity identity);
 
 /// SVG elements: a text, with a class unless `name` is empty; a dot.
 std::string svg_text(double x, double y, const char* anchor, const std::string& text,

@@ -6,12 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include <breakwater/config/names.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
-#include <breakwater/pages/svg_plot.h>
+#include <breakwater/pages/page_chart.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/search/tuning_outputs.h>
@@ -20,133 +21,108 @@
 #include <breakwater/study/ranking_text.h>
 
 namespace breakwater {
-namespace mustache = kainjow::mustache;
 namespace {
 
-constexpr double kFrontWidth = 480.0, kFrontHeight = 310.0;
-constexpr PlotArea kFrontArea{60.0, kFrontWidth - 12.0, 12.0, kFrontHeight - 40.0};
-constexpr int kTicks = 6;
 constexpr int kDigits = 5;  // for readers
-
-struct Mark {
-  double x, y;
-  double y_fresh, x_fresh;  // after validation; NaN: none
-  std::size_t tuned;        // index of the candidate
-  std::string text;
-};
-
-// The axis of a range, with a margin.
-ChartScale scale_of(const PlotRange& range, double a, double b) {
-  constexpr double kShare = 0.04;
-  const bool is_log = is_for_log(range.low, range.high);
-  const double margin = kShare * (range.high - range.low);
-  const double factor = is_log ? std::pow(range.high / range.low, kShare) : 1.0;
-  return is_log ? ChartScale(range.low / factor, range.high * factor, true, a, b)
-                : ChartScale(range.low - margin, range.high + margin, false, a, b);
-}
-
-ChartScale across(const PlotRange& range) {
-  return scale_of(range, kFrontArea.left, kFrontArea.right);
-}
-ChartScale upwards(const PlotRange& range) {
-  return scale_of(range, kFrontArea.bottom, kFrontArea.top);
-}
-
-SvgPlot axes(const ChartScale& x, const ChartScale& y, const std::string& x_title,
-             const std::string& y_title, const std::string& about) {
-  SvgPlot plot("front", kFrontWidth, kFrontHeight, about);
-  plot.y_grid(kFrontArea, y, kTicks);
-  plot.x_grid(kFrontArea, x, kTicks);
-  plot.frame(kFrontArea);
-  plot.x_ticks(kFrontArea, x, kTicks);
-  plot.x_title(kFrontArea, x_title);
-  plot.y_title(kFrontArea, y_title);
-  return plot;
-}
 
 double value_of(const std::optional<Evaluation>& evaluation, std::size_t objective) {
   if (!evaluation || evaluation->failures > 0) return std::nan("");
   return evaluation->objectives[objective].value;
 }
 
-std::string front_chart(const TuningPlan& plan, const TuningResult& result,
-                        const std::vector<Identity>& looks, std::size_t chosen) {
-  const Tuning& tuning = plan.tuning();
-  std::vector<Mark> marks;
-  PlotRange x_range, y_range;
-  std::size_t label = 0;
-  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    for (const FrontPoint& point : result.fronts[c].points) {
-      const Mark mark{point.tuned.objectives[0].value,
-                      point.tuned.objectives[1].value,
-                      value_of(point.fresh, 1),
-                      value_of(point.fresh, 0),
-                      c,
-                      fmt::format("{} of {}", ++label, result.fronts[c].case_name)};
-      x_range.add(mark.x), x_range.add(mark.x_fresh);
-      y_range.add(mark.y), y_range.add(mark.y_fresh);
-      marks.push_back(mark);
-    }
+// A range of positive values over decades has a logarithmic axis.
+bool is_for_log(const std::vector<double>& values) {
+  constexpr double kWide = 300.0;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double value : values) {
+    if (std::isnan(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
   }
-  const ChartScale x = across(x_range), y = upwards(y_range);
+  return low > 0.0 && high > kWide * low;
+}
+
+// Brings the values of a chart to the scale of its axes.
+PageData with_scales(PageChart chart) {
+  std::vector<double> x, y;
+  for (const ChartSeries& one : chart.series) {
+    x.insert(x.end(), one.values.times_s.begin(), one.values.times_s.end());
+    y.insert(y.end(), one.values.values.begin(), one.values.values.end());
+  }
+  chart.is_log_x = is_for_log(x);
+  chart.is_log_y = is_for_log(y);
+  for (ChartSeries& one : chart.series) {
+    for (double& value : one.values.times_s) value = chart.is_log_x ? std::log10(value) : value;
+    for (double& value : one.values.values) value = chart.is_log_y ? std::log10(value) : value;
+  }
+  return chart.json();
+}
+
+// The points of all cases as the search measured them, and on fresh worlds. `chosen` is a number.
+PageData front_chart(const Tuning& tuning, const TuningResult& result,
+                     const std::vector<Identity>& looks, std::size_t chosen) {
   const auto title = [&](const Objective& one) {
     return fmt::format("{}, {}", metric_label_with_unit(one.metric, unit_of(one.metric)),
                        name_of(over_names(), one.over));
   };
-  SvgPlot plot = axes(x, y, title(tuning.objectives[0]), title(tuning.objectives[1]),
-                      "The fronts of all cases; the table below has the numbers");
-  // With three objectives the front is not a line.
-  const std::size_t drawn = tuning.objectives.size() == 2 ? result.fronts.size() : 0;
-  for (std::size_t c = 0; c < drawn; ++c) {
-    std::vector<PlotPoint> points;
-    for (const Mark& mark : marks) {
-      if (mark.tuned == c) points.emplace_back(x(mark.x), y(mark.y));
+  PageChart chart{.id = "fronts", .group = "fronts", .title = title(tuning.objectives[1])};
+  chart.x_title = title(tuning.objectives[0]);
+  ChartSeries ring{.label = "best compromise",
+                   .identity = kReferenceIdentity,
+                   .has_line = false,
+                   .marks = "ring"};
+  std::size_t number = 0;
+  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
+    const TunedFront& front = result.fronts[c];
+    std::vector<std::tuple<double, double, std::string>> points, fresh;
+    for (const FrontPoint& point : front.points) {
+      const std::string name = fmt::format("(point {})", ++number);
+      points.emplace_back(point.tuned.objectives[0].value, point.tuned.objectives[1].value, name);
+      const double x = value_of(point.fresh, 0), y = value_of(point.fresh, 1);
+      if (!std::isnan(x)) fresh.emplace_back(x, y, name);
+      if (number != chosen) continue;
+      ring.values = {{std::get<0>(points.back())}, {std::get<1>(points.back())}};
+      ring.names = {name};
     }
-    std::sort(points.begin(), points.end());
-    plot.path("line faint " + series_class(looks[c]), line_path(points));
+    // With three objectives the front is not a line.
+    ChartSeries tuned{.label = front.case_name,
+                      .identity = looks[c],
+                      .has_line = tuning.objectives.size() == 2,
+                      .marks = "dot"};
+    ChartSeries again{.label = front.case_name + ", fresh",
+                      .identity = looks[c],
+                      .has_line = false,
+                      .marks = "cross"};
+    for (auto [from, to] : {std::pair(&points, &tuned), std::pair(&fresh, &again)}) {
+      std::ranges::sort(*from);
+      for (const auto& [x, y, name] : *from) {
+        to->values.times_s.push_back(x);
+        to->values.values.push_back(y);
+        to->names.push_back(name);
+      }
+      if (!from->empty()) chart.series.push_back(*to);
+    }
   }
-  for (const Mark& mark : marks) {
-    plot.add(fmt::format("<g class=\"{}\"><title>{}</title>", series_class(looks[mark.tuned]),
-                         xml_text(mark.text)));
-    if (!std::isnan(mark.x_fresh)) {
-      plot.path("x", cross_path(x(mark.x_fresh), y(mark.y_fresh), 3.0));
-    }
-    plot.path("spot", spot_path(x(mark.x), y(mark.y), looks[mark.tuned]));
-    const auto number = static_cast<std::size_t>(&mark - marks.data()) + 1;
-    if (number == chosen) {
-      plot.add(fmt::format("<circle class=\"chosen\" cx=\"{}\" cy=\"{}\" r=\"8\"/>", px(x(mark.x)),
-                           px(y(mark.y))));
-      const bool is_right = x(mark.x) > 0.5 * (kFrontArea.left + kFrontArea.right);
-      plot.text(x(mark.x) + (is_right ? -12.0 : 12.0), y(mark.y) + 3.5, is_right ? "end" : "start",
-                fmt::format("point {}", number), "title");
-    }
-    plot.add("</g>");
-  }
-  return plot.svg();
+  if (!ring.names.empty()) chart.series.push_back(ring);
+  return with_scales(chart);
 }
 
-std::string progress_chart(const Tuning& tuning, const TuningResult& result,
-                           const std::vector<Identity>& looks) {
-  PlotRange x_range, y_range;
-  for (const TunedFront& front : result.fronts) {
-    for (const auto& [evaluations, volume] : front.progress) {
-      x_range.add(static_cast<double>(evaluations));
-      y_range.add(volume);
-    }
-  }
-  const ChartScale x = across(x_range), y = upwards(y_range);
+PageData progress_chart(const Tuning& tuning, const TuningResult& result,
+                        const std::vector<Identity>& looks) {
   const std::string& metric = tuning.objectives.front().metric;
-  const std::string what =
+  PageChart chart{.id = "progress", .group = "progress"};
+  chart.title =
       tuning.has_front() ? "hypervolume" : metric_label_with_unit(metric, unit_of(metric));
-  SvgPlot plot = axes(x, y, "evaluations", what, "Progress over the evaluations: " + what);
+  chart.x_title = "evaluations";
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    std::vector<PlotPoint> points;
+    ChartSeries line{.label = result.fronts[c].case_name, .identity = looks[c]};
     for (const auto& [evaluations, volume] : result.fronts[c].progress) {
-      points.emplace_back(x(static_cast<double>(evaluations)), y(volume));
+      line.values.times_s.push_back(static_cast<double>(evaluations));
+      line.values.values.push_back(volume);
     }
-    plot.path("line " + series_class(looks[c]), line_path(points));
+    chart.series.push_back(line);
   }
-  return plot.svg();
+  return with_scales(chart);
 }
 
 // The point that is nearest to the best of all objectives, each over its range on the fronts: of
@@ -167,17 +143,20 @@ std::optional<ChosenPoint> chosen_point(const Tuning& tuning, const TuningResult
       points.push_back({f, k, label});
     }
   }
-  std::vector<PlotRange> ranges(tuning.objectives.size());
+  const double infinity = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<double, double>> ranges(tuning.objectives.size(), {infinity, -infinity});
   for (const auto& all : values) {
-    for (std::size_t i = 0; i < all.size(); ++i) ranges[i].add(all[i]);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      ranges[i] = {std::min(ranges[i].first, all[i]), std::max(ranges[i].second, all[i])};
+    }
   }
   std::optional<ChosenPoint> chosen;
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   for (std::size_t k = 0; k < points.size(); ++k) {
     double distance = 0.0;
     for (std::size_t i = 0; i < ranges.size(); ++i) {
-      const double width = ranges[i].high - ranges[i].low;
-      const double part = width > 0.0 ? (values[k][i] - ranges[i].low) / width : 0.0;
+      const auto [low, high] = ranges[i];
+      const double part = high > low ? (values[k][i] - low) / (high - low) : 0.0;
       distance += part * part;
     }
     if (distance < least) {
@@ -216,32 +195,22 @@ std::string in_words(const Tuning& tuning, const TuningResult& result, const Cho
       chosen.label, front.case_name, point.fresh ? " on fresh worlds" : "", fmt::join(parts, ", "));
 }
 
-mustache::data drawing(const std::string& svg) {
-  mustache::data data;
-  data.set("svg", svg);
-  return data;
-}
-
-mustache::data legend(const TuningResult& result, const std::vector<Identity>& looks) {
-  mustache::data list(mustache::data::type::list);
+PageData cases_table(const Tuning& tuning, const TuningResult& result,
+                     const std::vector<Identity>& looks) {
+  PageData columns = {"case", "evaluations", "feasible"};
+  if (tuning.has_front()) columns.push_back("points on the front");
+  columns.push_back(tuning.has_front() ? "hypervolume" : "best value");
+  auto rows = PageData::array();
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    mustache::data one;
-    one.set("series", series_class(looks[c]));
-    one.set("spot", spot_path(0.0, 0.0, looks[c]));
-    one.set("case", result.fronts[c].case_name);
-    one.set("size", std::to_string(result.fronts[c].points.size()));
-    one.set("evaluations", std::to_string(result.fronts[c].evaluations.size()));
-    const auto& evaluations = result.fronts[c].evaluations;
-    one.set("feasible", std::to_string(std::count_if(evaluations.begin(), evaluations.end(),
-                                                     [](const Evaluation& evaluation) {
-                                                       return evaluation.is_feasible();
-                                                     })));
-    one.set("reached", result.fronts[c].progress.empty()
-                           ? "-"
-                           : fmt::format("{:.5g}", result.fronts[c].progress.back().second));
-    list << one;
+    const TunedFront& front = result.fronts[c];
+    PageData row = {{{"value", front.case_name}, {"look", series_class(looks[c])}},
+                    front.evaluations.size(),
+                    std::ranges::count_if(front.evaluations, &Evaluation::is_feasible)};
+    if (tuning.has_front()) row.push_back(front.points.size());
+    row.push_back(front.progress.empty() ? PageData() : PageData(front.progress.back().second));
+    rows.push_back(row);
   }
-  return list;
+  return {{"label", "Cases"}, {"columns", columns}, {"rows", rows}};
 }
 
 // The reference point of the hypervolume: "peak_N = 12, free_motion_s = 1.5".
@@ -260,32 +229,16 @@ std::string readable(const std::string& cell) {
   return cell.find('.') == std::string::npos ? cell : in_short(cell, kDigits);
 }
 
-mustache::data front_rows(const FrontTable& table, const std::string& chosen) {
-  mustache::data rows(mustache::data::type::list);
+PageData points_table(const FrontTable& table, const std::string& chosen) {
+  auto rows = PageData::array();
   for (const FrontRow& row : table.rows) {
-    mustache::data cells(mustache::data::type::list);
-    for (const std::string& cell : row.cells) {
-      mustache::data one;
-      one.set("text", readable(cell));
-      cells << one;
-    }
-    mustache::data line;
-    line.set("cells", cells);
-    line.set("is_chosen", row.label == chosen);
-    rows << line;
+    auto cells = PageData::array();
+    for (const std::string& cell : row.cells) cells.push_back(readable(cell));
+    rows.push_back(cells);
+    if (row.label != chosen) continue;
+    for (PageData& cell : rows.back()) cell = {{"value", cell}, {"tone", "chosen"}};
   }
-  return rows;
-}
-
-// The header and the rows of a table.
-mustache::data ranking_rows(const std::vector<std::vector<std::string>>& table) {
-  mustache::data rows(mustache::data::type::list);
-  for (const std::vector<std::string>& texts : table) {
-    mustache::data cells(mustache::data::type::list);
-    for (const std::string& text : texts) cells << mustache::data("text", text);
-    rows << mustache::data("cells", cells);
-  }
-  return rows;
+  return {{"label", "What was found"}, {"columns", table.columns}, {"rows", rows}};
 }
 
 }  // namespace
@@ -299,63 +252,79 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   for (const TunedFront& front : result.fronts) names.push_back(front.case_name);
   const std::vector<Identity> looks =
       candidate_identities(names, cases_of(catalogue, tuning.scenario));
-  mustache::data data;
-  data.set("title", "Tuning of " + tuning.scenario);
-  mustache::data toc(mustache::data::type::list);
   const bool has_front = tuning.has_front();
-  for (const auto& [href, label] :
-       {std::pair("front", has_front ? "Pareto front" : "Tuned cases"),
-        {"budget", "Progress over the budget"},
-        {"points", has_front ? "Points of the front" : "Tuned values"}}) {
-    mustache::data entry;
-    entry.set("href", href);
-    entry.set("label", label);
-    toc << entry;
-  }
-  data.set("toc", toc);
-  data.set("scenario", tuning.scenario);
-  data.set("algorithm", name_of(search_algorithms(), tuning.algorithm));
-  data.set("budget", std::to_string(tuning.budget));
-  data.set("worlds", number_of(tuning.worlds.size(), "world"));
-  if (tuning.validation) {
-    mustache::data fresh;
-    fresh.set("worlds", number_of(tuning.validation->size(), "world"));
-    data.set("validation", fresh);
-  }
   const auto chosen = has_front ? chosen_point(tuning, result) : std::nullopt;
   std::string label = chosen ? std::to_string(chosen->label) : "";
   if (!has_front && !table.rows.empty()) label = table.rows.front().label;
+  const std::string kind = has_front ? "front" : "tuned";
+  const std::string run = "breakwater run " + tuning.scenario + " --config " + kind + "/";
+  auto lead = PageData::array();
   if (!label.empty()) {
-    mustache::data lead;
-    lead.set("text",
-             chosen ? in_words(tuning, result, *chosen) : tuned_sentence(plan, result, ranking));
-    lead.set("label", label);
-    data.set("chosen", lead);
+    lead = {{{"finding",
+              chosen ? in_words(tuning, result, *chosen) : tuned_sentence(plan, result, ranking)}},
+            {{"command", run + label + ".toml"}}};
   }
-  data.set("has_front", has_front);
-  data.set("kind", has_front ? "front" : "tuned");
-  data.set("progress", has_front ? "hypervolume" : "best value");
-  data.set("is_ranked", ranking.has_value());
-  if (ranking) data.set("ranking", ranking_rows(ranking_table(*ranking)));
-  data.set("cases", legend(result, looks));
-  if (has_front && !table.rows.empty()) {
-    mustache::data reference;
-    reference.set("text", reference_text(tuning, result));
-    data.set("reference", reference);
+  auto blocks = PageData::array();
+  const auto add = [&blocks](const char* name, const PageData& value) {
+    blocks.push_back(PageData{{name, value}});
+  };
+  const auto figure = [](const PageData& chart, const std::string& note) {
+    PageData one = {{"charts", PageData::array({chart})}, {"note", note}};
+    return PageData::array({one});
+  };
+  if (ranking) {
+    const auto texts = ranking_table(*ranking);
+    add("table", {{"label", "Ranking"},
+                  {"columns", texts.front()},
+                  {"rows", std::vector(texts.begin() + 1, texts.end())}});
   }
   if (tuning.objectives.size() > 1 && !table.rows.empty()) {
-    data.set("front", drawing(front_chart(plan, result, looks, chosen ? chosen->label : 0)));
+    add("figures",
+        figure(front_chart(tuning, result, looks, chosen ? chosen->label : 0),
+               "The ring marks the best compromise. A dot is a point as the search measured it; a "
+               "cross is the same point on fresh worlds."));
   }
-  if (!table.rows.empty()) data.set("volumes", drawing(progress_chart(tuning, result, looks)));
-  mustache::data columns(mustache::data::type::list);
-  for (const std::string& name : table.columns) {
-    mustache::data one;
-    one.set("name", name);
-    columns << one;
+  add("table", cases_table(tuning, result, looks));
+  if (has_front && !table.rows.empty()) {
+    add("text", "Hypervolumes have the reference point " + reference_text(tuning, result) + ".");
   }
-  data.set("columns", columns);
-  data.set("rows", front_rows(table, label));
-  replace_file(folder / "report.html", html_page("tuning", data, PageCharts::drawn));
+  add("text",
+      fmt::format(
+          "{}, {} evaluations of each case, each evaluation in {} (seeds included). {}",
+          name_of(search_algorithms(), tuning.algorithm), tuning.budget,
+          number_of(tuning.worlds.size(), "world"),
+          tuning.validation
+              ? fmt::format("{} were run again in {} that the search did not have: “fresh”.",
+                            has_front ? "Points of the front" : "The best candidates",
+                            number_of(tuning.validation->size(), "world"))
+              : "Nothing was validated: the numbers are those that were tuned on, and so too "
+                "good."));
+  auto sections = PageData::array();
+  sections.push_back({{"id", "front"},
+                      {"heading", has_front ? "Pareto front" : "Tuned cases"},
+                      {"blocks", std::exchange(blocks, PageData::array())}});
+  if (!table.rows.empty()) {
+    add("figures", figure(progress_chart(tuning, result, looks),
+                          fmt::format("A line that still {} at its end says that the budget was "
+                                      "small.",
+                                      has_front ? "climbs" : "changes")));
+  }
+  sections.push_back({{"id", "budget"},
+                      {"heading", "Progress over the budget"},
+                      {"blocks", std::exchange(blocks, PageData::array())}});
+  add("text", has_front
+                  ? fmt::format("front/N.toml is point N: {}N.toml. front.csv has all digits.", run)
+                  : "tuned/CASE.toml is a tuned case. A key in at_bound has its best value "
+                    "at a bound of its range: a better one may lie beyond. tuned.csv has all "
+                    "digits.");
+  add("table", points_table(table, label));
+  sections.push_back({{"id", "points"},
+                      {"heading", has_front ? "Points of the front" : "Tuned values"},
+                      {"blocks", blocks}});
+  replace_file(folder / "report.html",
+               html_page("tuning", {{"title", "Tuning of " + tuning.scenario},
+                                    {"lead", lead},
+                                    {"sections", sections}}));
 }
 
 }  // namespace breakwater

@@ -34,11 +34,4 @@ std::string packed_bytes(std::span<const std::uint8_t> bytes) {
   return base64(packed.data(), size);
 }
 
-std::string script_safe(std::string json) {
-  for (std::size_t at = json.find('<'); at != std::string::npos; at = json.find('<', at)) {
-    json.replace(at, 1, "\\u003c");
-  }
-  return json;
-}
-
 }  // namespace breakwater

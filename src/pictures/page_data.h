@@ -14,7 +14,4 @@ std::string base64(const void* bytes, std::size_t size);
 /// Bytes as base64 of a zlib stream (RFC 1950), the format "deflate" of browsers.
 std::string packed_bytes(std::span<const std::uint8_t> bytes);
 
-/// JSON text that is safe within <script>: it has no '<'.
-std::string script_safe(std::string json);
-
 }  // namespace breakwater

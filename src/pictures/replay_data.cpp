@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include <breakwater/pictures/page_data.h>
 #include <breakwater/pictures/replay_motion.h>
@@ -394,7 +393,7 @@ ReplayData replay_data(const std::vector<LabelledRun>& runs, const ShotList& sho
   json["moments"] = moments;
   json["assets"] = assets.all();
   json["runs"] = all;
-  data.json = script_safe(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  data.json = std::move(json);
   return data;
 }
 

@@ -1,6 +1,7 @@
 // The data with which a page replays runs in three dimensions.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,7 @@ struct LabelledRun {
 };
 
 struct ReplayData {
-  std::string json;                  ///< for data/report/replay.js; safe within <script>
+  nlohmann::ordered_json json;       ///< for data/report/replay
   std::vector<PictureRun> staged;    ///< the runs prepared for pictures, for charts
   std::vector<Identity> identities;  ///< one for each run
   Window window;                     ///< the shot list's window for these runs

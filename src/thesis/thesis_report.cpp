@@ -22,7 +22,6 @@
 
 namespace breakwater {
 namespace fs = std::filesystem;
-namespace mustache = kainjow::mustache;
 namespace {
 
 // Reads the logs of one section at a time, each log once.
@@ -132,14 +131,11 @@ void count(const Judged& judged, const CellSpec& cell, const std::string& sectio
   }
 }
 
-mustache::data tallies_data(const Score& score) {
-  mustache::data list(mustache::data::type::list);
+PageData tallies_data(const Score& score) {
+  auto list = PageData::array();
   for (const Score::Tally& tally : score.tallies()) {
-    mustache::data entry;
-    entry.set("kind", css_class(tally.verdict));
-    entry.set("count", std::to_string(tally.count));
-    entry.set("word", tally.word);
-    list << entry;
+    list.push_back(
+        {{"kind", css_class(tally.verdict)}, {"count", tally.count}, {"word", tally.word}});
   }
   return list;
 }
@@ -155,130 +151,119 @@ std::string missing_text(const CellSpec& cell, std::size_t missing, std::size_t 
   return values == 1 ? "no " + what : fmt::format("no {} in {} of {} runs", what, missing, values);
 }
 
-mustache::data table_data(const TableSpec& table, const std::string& section,
-                          const Measured& measured, bool is_own, Score& score,
-                          std::map<std::string, mustache::data>& failures) {
+PageData table_data(const TableSpec& table, const std::string& section, const Measured& measured,
+                    bool is_own, Score& score, std::map<std::string, PageData>& failures) {
   const PrintedResults& printed = printed_results();
-  mustache::data data;
-  data.set("table_title", table.title);
-  if (!table.unit.empty()) data.set("unit", table.unit);
-  if (!table.note.empty()) data.set("table_note", table.note);
-  mustache::data columns(mustache::data::type::list);
+  PageData data;
+  data["table_title"] = table.title;
+  if (!table.unit.empty()) data["unit"] = table.unit;
+  if (!table.note.empty()) data["table_note"] = table.note;
+  auto columns = PageData::array();
   for (const std::string& column : table.columns) {
-    mustache::data head;
-    head.set("name", column);
-    columns << head;
+    columns.push_back({{"name", column}});
   }
-  data.set("columns", columns);
+  data["columns"] = columns;
 
   std::vector<std::string> notes;
   std::vector<std::string> classes;
-  mustache::data rows(mustache::data::type::list);
+  auto rows = PageData::array();
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
-    mustache::data row;
-    row.set("name", table.rows[r]);
-    mustache::data cells(mustache::data::type::list);
+    PageData row;
+    row["name"] = table.rows[r];
+    auto cells = PageData::array();
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const auto& spec = table.cells[r][c];
-      mustache::data cell;
+      PageData cell;
       if (spec) {
         const Judged judged = judge_cell(*spec, measured, printed);
         const bool is_judged = spec->shows.empty();
         if (is_judged) count(judged, *spec, section, is_own, score);
-        mustache::data filled;
-        filled.set("measured", judged.measured);
+        PageData filled;
+        filled["measured"] = judged.measured;
         const std::size_t missing = judged.values - judged.numbers;
         if (missing > 0 && judged.verdict == Verdict::not_measured) {
-          filled.set("spread", missing_text(*spec, missing, judged.values));
+          filled["spread"] = missing_text(*spec, missing, judged.values);
         } else if (judged.values > 1 && missing == 0) {
-          filled.set("spread",
-                     judged.smallest < judged.largest
-                         ? fmt::format("{} to {} in {} runs", format_number(judged.smallest),
-                                       format_number(judged.largest), judged.values)
-                         : fmt::format("the same in {} runs", judged.values));
+          filled["spread"] =
+              judged.smallest < judged.largest
+                  ? fmt::format("{} to {} in {} runs", format_number(judged.smallest),
+                                format_number(judged.largest), judged.values)
+                  : fmt::format("the same in {} runs", judged.values);
         }
-        if (!spec->printed.empty()) filled.set("printed", judged.printed);
-        if (!spec->says.empty()) filled.set("says", judged.printed);
+        if (!spec->printed.empty()) filled["printed"] = judged.printed;
+        if (!spec->says.empty()) filled["says"] = judged.printed;
         if (is_judged) {
-          mustache::data verdict;
-          verdict.set("word", verdict_word(judged, *spec, is_own));
-          verdict.set("kind",
-                      css_class(judged.is_vacuous ? Verdict::not_measured : judged.verdict));
-          verdict.set("class_text", judged.class_text);
-          filled.set("verdict", verdict);
+          filled["verdict"] = {
+              {"word", verdict_word(judged, *spec, is_own)},
+              {"kind", css_class(judged.is_vacuous ? Verdict::not_measured : judged.verdict)},
+              {"class_text", judged.class_text}};
           if (!spec->says.empty()) {
-            filled.set("limit", judged.class_text);
+            filled["limit"] = judged.class_text;
           } else if (std::find(classes.begin(), classes.end(), judged.class_text) ==
                      classes.end()) {
             classes.push_back(judged.class_text);
           }
         } else {
-          filled.set("shows", judged.printed);
+          filled["shows"] = judged.printed;
         }
         const std::string why = reason_of(judged, *spec);
         if (is_judged && spec->reading.empty() && judged.verdict == Verdict::not_reproduced) {
-          mustache::data failure;
-          failure.set("section", section);
-          failure.set("section_anchor", "section-" + anchor(section));
-          failure.set("what", table.columns.size() == 1 ? table.rows[r]
-                                                        : table.rows[r] + ", " + table.columns[c]);
-          failure.set("says", judged.printed);
-          failure.set("measured", judged.measured);
-          failure.set("why", why);
-          failures.try_emplace(spec->cause, mustache::data::type::list).first->second << failure;
+          failures[spec->cause].push_back(
+              {{"section", section},
+               {"section_anchor", "section-" + anchor(section)},
+               {"what", table.rows[r] + (table.columns.size() == 1 ? "" : ", " + table.columns[c])},
+               {"says", judged.printed},
+               {"measured", judged.measured},
+               {"why", why}});
         }
         if (!why.empty()) {
           auto place = std::find(notes.begin(), notes.end(), why);
           if (place == notes.end()) place = notes.insert(notes.end(), why);
-          filled.set("note", std::to_string(place - notes.begin() + 1));
+          filled["note"] = std::to_string(place - notes.begin() + 1);
         }
-        cell.set("filled", filled);
+        cell["filled"] = filled;
       }
-      cells << cell;
+      cells.push_back(cell);
     }
-    row.set("cells", cells);
-    rows << row;
+    row["cells"] = cells;
+    rows.push_back(row);
   }
-  data.set("rows", rows);
-  if (!classes.empty()) data.set("classes", fmt::format("{}", fmt::join(classes, " · ")));
+  data["rows"] = rows;
+  if (!classes.empty()) data["classes"] = fmt::format("{}", fmt::join(classes, " · "));
   if (!notes.empty()) {
-    mustache::data list(mustache::data::type::list);
+    auto list = PageData::array();
     for (std::size_t i = 0; i < notes.size(); ++i) {
-      mustache::data note;
-      note.set("number", std::to_string(i + 1));
-      note.set("why", notes[i]);
-      list << note;
+      list.push_back({{"number", i + 1}, {"why", notes[i]}});
     }
-    data.set("notes", list);
-    data.set("has_notes", true);
+    data["notes"] = list;
   }
   return data;
 }
 
-mustache::data figure_data(const FigureSpec& figure, const SectionSpec& section,
-                           const Experiments& experiments, Logs& logs) {
-  mustache::data data;
-  data.set("number", figure.number);
-  data.set("anchor", "figure-" + anchor(figure.number));
-  data.set("figure_title", figure.title);
-  if (!figure.note.empty()) data.set("note", figure.note);
-  mustache::data charts(mustache::data::type::list);
+PageData figure_data(const FigureSpec& figure, const SectionSpec& section,
+                     const Experiments& experiments, Logs& logs) {
+  PageData data;
+  data["number"] = figure.number;
+  data["anchor"] = "figure-" + anchor(figure.number);
+  data["figure_title"] = figure.title;
+  if (!figure.note.empty()) data["note"] = figure.note;
+  auto charts = PageData::array();
   for (const PageChart& chart : charts_of(figure, "section-" + anchor(section.id), logs)) {
-    charts << chart_data(chart);
+    charts.push_back(chart.json());
   }
-  data.set("charts", charts);
-  mustache::data commands(mustache::data::type::list);
+  data["charts"] = charts;
+  auto commands = PageData::array();
   for (const FigureRun& run : figure.runs) {
-    mustache::data command;
-    command.set("command", command_of(experiments.runs.at(run.run)));
+    PageData command;
+    command["command"] = command_of(experiments.runs.at(run.run));
     const auto& failure = logs.of(run.run).failure();
     if (failure) {
-      command.set("failure", fmt::format("{} fails at {:.4g} s: {}", run.run, failure->time_s,
-                                         failure->reason));
+      command["failure"] =
+          fmt::format("{} fails at {:.4g} s: {}", run.run, failure->time_s, failure->reason);
     }
-    commands << command;
+    commands.push_back(command);
   }
-  data.set("commands", commands);
+  data["commands"] = commands;
   return data;
 }
 
@@ -486,64 +471,62 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
                            Effort effort) {
   const Experiments& experiments = reproduction.experiments;
   ThesisReport report;
-  std::map<std::string, PageChart> hero_charts;    // by figure and panel
-  std::map<std::string, mustache::data> failures;  // by cause
+  std::map<std::string, PageChart> hero_charts;  // by figure and panel
+  std::map<std::string, PageData> failures;      // by cause
   std::set<std::string> docs;
   std::set<std::string> numbers;  // "4.32 (10 ms)" is a part of Fig. 4.32
-  mustache::data toc(mustache::data::type::list);
-  mustache::data sections(mustache::data::type::list);
-  mustache::data page;
+  auto toc = PageData::array();
+  auto sections = PageData::array();
+  PageData page;
   for (const SectionSpec* spec : reproduction.sections) {
     const std::string id = "section-" + anchor(spec->id);
     Logs logs(reproduction.out);
     Score score;
-    mustache::data section;
-    section.set("anchor", id);
-    section.set("id", spec->id);
-    section.set("section_title", spec->title);
-    section.set("text", spec->text);
+    PageData section;
+    section["anchor"] = id;
+    section["id"] = spec->id;
+    section["section_title"] = spec->title;
+    section["text"] = spec->text;
     if (!spec->docs.empty()) {
-      section.set("docs", spec->docs);
-      section.set("docs_anchor", anchor(spec->docs));
+      section["docs"] = spec->docs;
+      section["docs_anchor"] = anchor(spec->docs);
       docs.insert(spec->docs);
     }
-    mustache::data tables(mustache::data::type::list);
+    auto tables = PageData::array();
     for (const TableSpec& table : spec->tables) {
-      tables << table_data(table, spec->id, measured, experiments.is_own, score, failures);
+      tables.push_back(table_data(table, spec->id, measured, experiments.is_own, score, failures));
     }
-    section.set("tables", tables);
+    section["tables"] = tables;
     if (!spec->video.empty() && reproduction.with_replay) {
       const SavedRun& shown = logs.of(spec->video);
       const auto replay = replay_of(reproduction.catalogue, {shown.folder()}, {spec->video},
                                     {"replay-" + anchor(spec->id), id, ""}, report.notes);
       if (replay) {
-        section.set("replay", replay->box);
-        page.set("has_replays", true);
+        section["replay"] = replay->box;
       }
     }
     if (!spec->video.empty()) {
       if (auto video = video_data(reproduction.catalogue, logs.of(spec->video), id)) {
         if (spec->id == experiments.video) {
-          video->set("address",
-                     mustache::data(mustache::data::type::bool_false));  // already shown above
+          (*video)["address"] = PageData();  // already shown above
         }
-        section.set("video", *video);
+        section["video"] = *video;
       }
     }
     const fs::path strip = run_folder(reproduction.out, spec->strip) / "strip.png";
     if (!spec->strip.empty() && fs::exists(strip)) {
-      mustache::data picture;
-      picture.set("address", data_address(strip, "image/png"));
-      picture.set("number", spec->strip_number);
-      picture.set("anchor", "figure-" + anchor(spec->strip_number));
-      picture.set("alt", "Pictures of the run " + spec->strip + " in a row");
-      section.set("strip", picture);
+      PageData picture;
+      picture["address"] = data_address(strip, "image/png");
+      picture["number"] = spec->strip_number;
+      picture["anchor"] = "figure-" + anchor(spec->strip_number);
+      picture["alt"] = "Pictures of the run " + spec->strip + " in a row";
+      section["strip"] = picture;
       numbers.insert(spec->strip_number);
-      if (spec->id == experiments.video) page.set("lead_strip", picture);
+      if (spec->id == experiments.video) page["lead_strip"] = picture;
     }
-    mustache::data figures(mustache::data::type::list);
+    auto figures = PageData::array();
     for (const FigureSpec& figure : spec->figures) {
-      figures << figure_data(figure, *spec, experiments, logs);
+      figures.push_back(figure_data(figure, *spec, experiments, logs));
       numbers.insert(figure.number.substr(0, figure.number.find(' ')));
       for (const HeroSpec& hero : experiments.heroes) {
         if (hero.figure != figure.number) continue;
@@ -551,63 +534,54 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
             charts_of(figure, "lead-" + anchor(figure.number), logs).at(hero.panel);
       }
     }
-    section.set("figures", figures);
-    mustache::data missing(mustache::data::type::list);
+    section["figures"] = figures;
+    auto missing = PageData::array();
     for (const MissingSpec& what : spec->missing) {
-      mustache::data entry;
-      entry.set("what", what.what);
-      entry.set("why", what.why);
-      missing << entry;
+      missing.push_back({{"what", what.what}, {"why", what.why}});
     }
     if (!spec->missing.empty()) {
-      section.set("missing", missing);
-      section.set("has_missing", true);
+      section["missing"] = missing;
     }
-    sections << section;
+    sections.push_back(section);
 
-    mustache::data entry;
-    entry.set("href", id);
-    entry.set("number", spec->id);
-    entry.set("label", spec->title);
+    PageData entry;
+    entry["href"] = id;
+    entry["number"] = spec->id;
+    entry["label"] = spec->title;
     if (!spec->tables.empty()) {
-      mustache::data small;
-      small.set("words", score.text());
-      small.set("tallies", tallies_data(score));
-      entry.set("score", small);
+      entry["score"] = {{"words", score.text()}, {"tallies", tallies_data(score)}};
     }
-    toc << entry;
+    toc.push_back(entry);
     report.score += score;
   }
 
   report.figures = numbers.size();
-  mustache::data heroes(mustache::data::type::list);
+  auto heroes = PageData::array();
   for (const HeroSpec& hero : experiments.heroes) {
     const auto found = hero_charts.find(hero.figure);
     if (found == hero_charts.end()) continue;
     PageChart chart = found->second;
     chart.id = "lead-" + chart.id;
-    mustache::data entry = chart_data(chart);
-    entry.set("caption", hero.caption);
-    entry.set("number", hero.figure.substr(0, hero.figure.find(' ')));
-    entry.set("href", "figure-" + anchor(hero.figure));
-    heroes << entry;
+    PageData entry = chart.json();
+    entry["caption"] = hero.caption;
+    entry["number"] = hero.figure.substr(0, hero.figure.find(' '));
+    entry["href"] = "figure-" + anchor(hero.figure);
+    heroes.push_back(entry);
   }
-  mustache::data pages(mustache::data::type::list);
+  auto pages = PageData::array();
   for (const std::string& name : docs) {
-    mustache::data entry;
-    entry.set("name", "docs/" + name);
-    entry.set("anchor", anchor(name));
-    entry.set("text", bytes_of(data_file("docs/" + name)));
-    pages << entry;
+    pages.push_back({{"name", "docs/" + name},
+                     {"anchor", anchor(name)},
+                     {"text", bytes_of(data_file("docs/" + name))}});
   }
 
   const std::string title = experiments.title.empty() ? "Experiments" : experiments.title;
-  page.set("title", experiments.is_own ? title : "Breakwater: the thesis, reproduced");
-  page.set("is_own", experiments.is_own);
-  page.set("toc", toc);
-  page.set("sections", sections);
-  page.set("heroes", heroes);
-  page.set("pages", pages);
+  page["title"] = experiments.is_own ? title : "Breakwater: the thesis, reproduced";
+  page["is_own"] = experiments.is_own;
+  page["toc"] = toc;
+  page["sections"] = sections;
+  page["heroes"] = heroes;
+  page["pages"] = pages;
   std::string extent =
       effort == Effort::quick
           ? "This is the quick version: fewer seeds and encoder phases than the full one."
@@ -620,29 +594,27 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     extent += fmt::format(" Other reading {}: {} with {}. {}", reading.name, reading.runs,
                           fmt::join(reading.sets, " "), reading.why);
   }
-  page.set("extent", extent);
+  page["extent"] = extent;
   int all = 0;
   for (const Score::Tally& tally : report.score.tallies()) all += tally.count;
-  page.set("tallies", tallies_data(report.score));
-  page.set("all", std::to_string(all));
-  if (report.score.vacuous > 0) page.set("vacuous", std::to_string(report.score.vacuous));
-  mustache::data headline(mustache::data::type::list);
+  page["tallies"] = tallies_data(report.score);
+  page["all"] = all;
+  if (report.score.vacuous > 0) page["vacuous"] = report.score.vacuous;
+  auto headline = PageData::array();
   const bool has_causes = !experiments.is_own && !failures.empty();
   for (const std::string& line :
        experiments.is_own ? std::vector<std::string>{} : report.score.headline())
-    headline << mustache::data("line", line);
-  page.set("headline", headline);
-  page.set("has_headline", !experiments.is_own);
-  mustache::data causes(mustache::data::type::list);
+    headline.push_back(PageData{{"line", line}});
+  page["headline"] = headline;
+  auto causes = PageData::array();
   for (const auto& [cause, list] : failures) {
-    mustache::data entry("failures", list);
-    entry.set("cause", cause.empty() ? "not said" : cause);
-    entry.set("count", std::to_string(report.score.causes[cause]));
-    causes << entry;
+    causes.push_back({{"failures", list},
+                      {"cause", cause.empty() ? "not said" : cause},
+                      {"count", report.score.causes[cause]}});
   }
-  page.set("causes", causes);
-  page.set("has_causes", has_causes);
-  page.set("figure_count", std::to_string(report.figures));
+  page["causes"] = causes;
+  page["has_causes"] = has_causes;
+  page["figure_count"] = report.figures;
   for (const SectionSpec* spec : reproduction.sections) {
     if (spec->id != experiments.video || spec->video.empty()) continue;
     Logs logs(reproduction.out);
@@ -650,7 +622,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     const std::string group =
         experiments.heroes.empty() ? "lead" : "lead-" + anchor(experiments.heroes.front().figure);
     const auto video = video_data(reproduction.catalogue, logs.of(spec->video), group);
-    if (video) page.set("lead_video", *video);
+    if (video) page["lead_video"] = *video;
   }
   report.html = html_page("thesis", page);
   return report;

@@ -196,7 +196,7 @@ TEST(House, FileFormatsStayInTheirRooms) {
   expect_only_in(std::regex("nlohmann"), {"record", "experiment", "study", "search", "pictures",
                                           "pages", "thesis", "identification", "program"});
   expect_only_in(std::regex("^ceres/"), {"identification"});
-  expect_only_in(std::regex("mustache"), {"pages", "thesis", "analysis", "identification"});
+  expect_only_in(std::regex("mustache"), {"pages"});
   expect_only_in(std::regex("^boost/"), {"study"});
   expect_only_in(std::regex("^sqlite3"), {"study"});
 }

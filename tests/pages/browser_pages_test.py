@@ -22,7 +22,7 @@ FIRST = {
     "run": [".card div:nth-child(4)", ".replay .picture"],
     "compare": ["#metrics tbody tr:nth-child(4)", "#keys"],
     "study": [".finding", "svg.lines"],
-    "tune": [".finding", "svg.front .chosen"],
+    "tune": [".finding", "#front .chart canvas"],
     "analysis": ["#margins tbody tr:last-child", ".legend"],
 }
 TUNE = f"""
@@ -57,8 +57,7 @@ async function look(name) {
   await new Promise((done) => frame.addEventListener("load", done, {once: true}));
   const page = frame.contentWindow, dom = frame.contentDocument;
   page.addEventListener("error", (e) => seen.errors.push(e.message));
-  const isOverTime = Boolean(dom.getElementById("packed"));
-  while (isOverTime && !dom.querySelector(".chart[data-drawn]")) await wait(25);
+  while (!page.pageData || (dom.querySelector(".chart") && !dom.querySelector(".chart[data-drawn]"))) await wait(25);
   const found = seen.pages[name] = {};
   // The head of each is in sight, if not all of it.
   found.below = FIRST[name].filter((what) => {
@@ -82,7 +81,7 @@ async function look(name) {
     const colour = own && page.getComputedStyle(own).getPropertyValue("--c").trim();
     if (CASES.includes(text) && colour) found.colours[text] = colour;
   }
-  if (isOverTime && name === "compare") {
+  if (name === "compare") {
     charts[0].series.forEach((s) => { found.colours[s.label + ", line"] = style.getPropertyValue("--c" + s.colour).trim(); });
   }
   frame.style.width = "390px";

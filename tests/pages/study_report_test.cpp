@@ -394,7 +394,7 @@ TEST(StudyReport, HostileNamesStayText) {
     for (const char* tag : {"<img", "<b>idob", "<i>\"", "<script>alert", "a<b>"}) {
       EXPECT_TRUE(lacks(page, tag)) << tag;
     }
-    // Scripts of the page: the list of runs and two more.
+    // The page's data with its scripts, and two more.
     const std::regex script("</script>");
     EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), script), {}), 3);
     EXPECT_TRUE(has(page, "&lt;img src"));

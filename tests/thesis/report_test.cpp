@@ -695,17 +695,15 @@ TEST(Base64, MatchesRfc4648) {
 }
 
 TEST(Page, EscapesTextsOfRuns) {
-  kainjow::mustache::data page;
-  page.set("title", "<script>alert(1)</script> & co");
-  page.set("scenario", "\"quoted\" <b>");
+  PageData page;
+  page["title"] = "<script>alert(1)</script> & co";
+  page["scenario"] = "\"quoted\" <b>";
   PageChart chart;
   chart.id = "one";
   chart.group = "all";
   chart.title = "x</script><script>alert(2)</script>";
   chart.series.push_back({"a<b", "N", "\"", {{0.0, 1.0}, {1.0, 2.0}}});
-  kainjow::mustache::data charts(kainjow::mustache::data::type::list);
-  charts << chart_data(chart);
-  page.set("charts", charts);
+  page["charts"] = {chart.json()};
   const std::string html = html_page("compare", page);
   EXPECT_TRUE(lacks(html, "<script>alert"));
   EXPECT_TRUE(has(html, "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co", "default-src 'none'"));

@@ -1,0 +1,114 @@
+"""A page is one JSON: Python reads it, its tables are the printed ones, its series those of the CSV.
+
+No text in it ends the script that it is in.
+
+Usage: page_result_test.py BUILD_BIN_FOLDER
+"""
+
+import base64
+import csv
+import itertools
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import zlib
+
+BLOCKS = {"about", "command", "figures", "finding", "legend", "table", "text"}
+
+
+def result_of(page):
+    """The data of a page."""
+    packed = re.findall(r'<script type="text/plain" id="packed">([A-Za-z0-9+/=]*)</script>', page)
+    assert len(packed) == 1, "there is one result"
+    return json.loads(zlib.decompress(base64.b64decode(packed[0])))["result"]
+
+
+def values_of(differences, first, step):
+    """The numbers of a packed series; None is a gap."""
+    sums = itertools.accumulate(d for d in differences if d is not None)
+    return [math.nan if d is None else first + step * next(sums) for d in differences]
+
+
+def check_schema(result, name):
+    assert result["page"] == name and result["version"] == 1 and result["title"], result
+    ids = [section["id"] for section in result["sections"]]
+    assert len(set(ids)) == len(ids), ids
+    blocks = result["lead"] + [block for section in result["sections"] for block in section["blocks"]]
+    for block in blocks:
+        assert len(block) == 1 and set(block) <= BLOCKS, block
+        table = block.get("table", {"columns": [], "rows": []})
+        assert all(len(row) == len(table["columns"]) for row in table["rows"]), table
+        for figure in block.get("figures", []):
+            for chart in figure["charts"]:
+                for series in chart["data"]["series"]:
+                    assert len(series["t"]) == len(series["v"]) > 0, chart["id"]
+
+
+def tables(result):
+    return {block["table"]["label"]: block["table"] for section in result["sections"]
+            for block in section["blocks"] if "table" in block}
+
+
+def cell(value):
+    value = value["value"] if isinstance(value, dict) else value
+    return "-" if value is None else value if isinstance(value, str) else f"{value:.4g}"
+
+
+def check_analysis(call, folder):
+    printed = call("analyze", "motor_estimation", "--case", "idob,vfakfd", "--points", "3", "--from", "5",
+                   "--to", "50", "--settle", "1", "--out", "analysis").splitlines()
+    result = result_of((folder / "analysis/report.html").read_text())
+    check_schema(result, "analysis")
+    table = tables(result)["Margins"]
+    assert "phase margin [deg]</th><td" in (folder / "analysis/report.html").read_text(), "without scripts too"
+    for row in table["rows"]:
+        line = next(line for line in printed if line.startswith(row[0]["value"] if isinstance(row[0], dict) else row[0]))
+        assert line.split()[-len(row) + 1:] == [cell(value) for value in row[1:]], (line, row)
+    # Gain of the loop: the designed line and the dots are those of the table.
+    figures = result["sections"][1]["blocks"][0]["figures"]
+    chart = next(c for f in figures for c in f["charts"] if c["id"] == "loop-gain-gain")["data"]
+    rows = list(csv.DictReader((folder / "analysis/analysis.csv").open()))
+    for series in chart["series"]:
+        name = series["label"].split(",")[0]
+        way = "designed" if series["label"] == name else "measured"
+        gains = {float(r["omega_rad_s"]): float(r["loop_gain_gain"]) for r in rows if (r["case"], r["way"]) == (name, way)}
+        assert chart["x"]["log"]
+        for x, y in zip(values_of(series["t"], chart["x"]["from"], chart["x"]["step"]),
+                        values_of(series["v"], series["from"], series["step"])):
+            nearest = min(gains, key=lambda omega: abs(math.log10(omega) - x))
+            assert abs(math.log10(nearest) - x) < 1e-4, (nearest, x)
+            assert abs(20 * math.log10(gains[nearest]) - y) < 0.01, (name, nearest, y)
+
+
+def check_hostile(call, folder, force):
+    bad = "'\"<i>{{title}}&<!--.csv"
+    (folder / bad).write_text(force.read_text())
+    call("run", "impact_test", "--quiet", "--out", "run")
+    call("compare", "run", "--measured", bad, "--out", "impact")
+    page = next((folder / "impact").glob("*.html")).read_text()
+    result = result_of(page)
+    check_schema(result, "measured")
+    assert bad in json.dumps(result, ensure_ascii=False).replace('\\"', '"'), "it is in the data"
+    assert "<i>" not in page and "<!--.csv" not in page and "&lt;i&gt;{{title}}&amp;" in page, "and only as text"
+    assert page.count("</script>") == 3
+
+
+def main():
+    bin_folder = pathlib.Path(sys.argv[1]).resolve()
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+
+        def call(*words):
+            return subprocess.run([bin_folder / "breakwater", *words], cwd=folder, check=True, text=True,
+                                  stdout=subprocess.PIPE).stdout
+
+        check_analysis(call, folder)
+        check_hostile(call, folder, pathlib.Path(__file__).resolve().parents[2] / "data/impacts/rubber-ball.csv")
+
+
+if __name__ == "__main__":
+    main()
