@@ -733,9 +733,9 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
   // Each table with its lines, in the order of their first keys. The root's keys come first.
   std::vector<std::pair<std::string, std::string>> tables = {{"", ""}};
   for (const auto& [field, shown, line] : lines) {
-    // A key without a name means all axes.
+    // A key without a name means all axes. The printed file has no aliases of its own.
     const bool is_as_given =
-        !field->given.empty() && (shown != field->key || without_name(shown).empty());
+        aliases_.contains(field->given) && (shown != field->key || without_name(shown).empty());
     const std::string& key = is_as_given ? field->given : shown;
     const std::string name = table_of(key);
     auto table = std::find_if(tables.begin(), tables.end(),
