@@ -20,6 +20,9 @@ constexpr int kMostRefinements = 3;
 // Share of a row's squared length, in the metric of H⁻¹, that is orthogonal to the working set:
 constexpr double kDoubtfulPivot = 1e-6;    // below: computed again, with less cancellation
 constexpr double kDependentPivot = 1e-10;  // below: the row depends on the working set
+// In the careful attempt:
+constexpr double kDoubtfulSign = 1e-10;    // multiplier with the wrong sign, relative to g
+constexpr int kCorrections = 2;            // after each change of the working set
 constexpr Eigen::Index kLongHorizon = 24;  // from this number of variables on, sweeps are faster
 
 bool is_finite(const Eigen::VectorXd& x) {
@@ -85,7 +88,7 @@ ActiveSetQp::ActiveSetQp(const QpModel& model, int max_changes)
       small_(Small::of(factors_.variables())),
       max_changes_(max_changes),
       factor_(factors_.rows()),
-      second_(factors_, max_changes) {
+      orthogonal_(factors_) {
   if (max_changes < 1) {
     throw std::invalid_argument("active set: needs a cap of at least 1 change");
   }
@@ -146,6 +149,7 @@ void ActiveSetQp::weigh_all() {
 void ActiveSetQp::reset() {
   for (const Active& row : active_) weight_(row.row) = free_weight_(row.row);
   active_.clear();
+  active_count_ = 0;
   factor_.clear();
 }
 
@@ -169,18 +173,24 @@ void ActiveSetQp::solve(const QpInput& input, QpSolution& solution) {
     attempt(input, solution);
   }
   if (solution.status == QpStatus::solved) return;
-  reset();
-  if (empty) {
-    solution.mu.setZero();
-  } else if (solution.status == QpStatus::infeasible &&
-             infeasibility_margin(factors_.model, input, proof_) >= kInfeasibleFrom) {
-    solution.mu = proof_;
-  } else {
-    second_.solve(input, solution);
+  if (!empty && !(solution.status == QpStatus::infeasible && is_proven(input))) {
+    reset();
+    is_careful_ = true;
+    orthogonal_.clear(softness_);
+    attempt(input, solution);
+    is_careful_ = false;
   }
+  reset();
+  if (empty) solution.mu.setZero();
+  if (solution.status == QpStatus::infeasible && !empty) solution.mu = proof_;
   if (!(solution.z.allFinite() && solution.mu.allFinite())) {
     solution.set_overflowed(solution.status);
   }
+}
+
+// Whether proof_ is a certificate.
+bool ActiveSetQp::is_proven(const QpInput& input) const {
+  return infeasibility_margin(factors_.model, input, proof_) >= kInfeasibleFrom;
 }
 
 // Like QpFactors::examine(), which only runs if this finds a possible error.
@@ -237,19 +247,20 @@ void ActiveSetQp::refactor() {
 
 QpStatus ActiveSetQp::search(const QpInput& input, QpSolution& solution) {
   make_dual_feasible(input);
+  if (is_careful_) place(input, solution);
   for (;;) {
-    place(input, solution);
+    is_careful_ ? settle(input, solution) : place(input, solution);
     Violation violation = worst_violation(input);
     // The violation may be an error of the active rows.
-    if (violation.row >= 0 &&
+    if (violation.row >= 0 && !is_careful_ &&
         active_error(input) > kActiveShare * share_(violation.row) * violation.amount) {
       hold_bounds(input, solution);
       violation = worst_violation(input);
     }
     if (violation.row < 0) return QpStatus::solved;
-    const QpStatus status = drive_to_bound(violation, solution);
+    const QpStatus status = drive_to_bound(input, violation, solution);
     if (status != QpStatus::solved) {
-      place(input, solution);
+      if (!is_careful_) place(input, solution);
       return status;
     }
   }
@@ -322,7 +333,7 @@ void ActiveSetQp::multiply(const Eigen::MatrixXd& M, const Eigen::VectorXd& x,
 
 // values = Ω z.
 void ActiveSetQp::rows_of(const Eigen::VectorXd& z, Eigen::VectorXd& values) {
-  if (sweeps_) {
+  if (sweeps_ && !is_careful_) {
     sweeps_->rows(z, values);
   } else {
     values.noalias() = factors_.columns * z;
@@ -342,13 +353,13 @@ ActiveSetQp::Violation ActiveSetQp::worst_violation(const QpInput& input) const 
 double ActiveSetQp::active_error(const QpInput& input) const {
   double error = 0.0;
   for (Eigen::Index j = 0; j < active_count(); ++j) {
-    const double value = values_(active(j).row) - softness(active(j).row) * mu_(j);
-    error = std::max(error, share_(active(j).row) * std::abs(value - bound(input, active(j))));
+    error = std::max(error, share_(active(j).row) * std::abs(error_at(input, j)));
   }
   return error;
 }
 
-QpStatus ActiveSetQp::drive_to_bound(Violation violation, QpSolution& solution) {
+QpStatus ActiveSetQp::drive_to_bound(const QpInput& input, Violation violation,
+                                     QpSolution& solution) {
   const double sign = violation.upper ? 1.0 : -1.0;
   double multiplier = 0.0;  // multiplier of the violated row, times its sign
   for (;;) {
@@ -369,28 +380,54 @@ QpStatus ActiveSetQp::drive_to_bound(Violation violation, QpSolution& solution) 
         blocking = j;
       }
     }
-    if (std::isinf(step)) {
-      proof_.setZero();
-      proof_(violation.row) = sign;
-      for (Eigen::Index j = 0; j < k; ++j) proof_(active(j).row) = -sign * direction_(j);
-      return QpStatus::infeasible;
+    if (pivot <= 0.0 && (is_careful_ || blocking < 0)) {
+      set_proof(violation.row, sign);
+      if (!is_careful_ || is_proven(input)) return QpStatus::infeasible;
+      if (blocking < 0) return QpStatus::inaccurate;
     }
     for (Eigen::Index j = 0; j < k; ++j) mu_(j) -= sign * step * direction_(j);
     multiplier += step;
     if (blocking < 0) {
       mu_(k) = sign * multiplier;
       add(violation.row, sign, pivot);
+      if (is_careful_ && input.lower(violation.row) == input.upper(violation.row)) {
+        active_.back().side = 0.0;
+      }
       return QpStatus::solved;
     }
     violation.amount -= step * pivot;
-    for (Eigen::Index j = blocking; j + 1 < k; ++j) mu_(j) = mu_(j + 1);
-    remove(blocking);
+    leave(blocking);
+    if (is_careful_) violation.amount = what_is_left(input, violation, multiplier, solution);
   }
+}
+
+// Sets proof_ to the violated row and its combination of active rows with the right signs.
+void ActiveSetQp::set_proof(Eigen::Index row, double sign) {
+  proof_.setZero();
+  proof_(row) = sign;
+  for (Eigen::Index j = 0; j < active_count(); ++j) {
+    const double y = -sign * direction_(j);
+    if (active(j).side * y >= 0.0) proof_(active(j).row) = y;
+  }
+}
+
+// Corrects z and the multipliers on the way of a row to its bound. Returns its violation.
+double ActiveSetQp::what_is_left(const QpInput& input, const Violation& violation,
+                                 double multiplier, QpSolution& solution) {
+  const double sign = violation.upper ? 1.0 : -1.0;
+  entering_ = violation.row;
+  entering_mu_ = sign * multiplier;
+  correct(input, solution);
+  entering_ = -1;
+  const double value = values_(violation.row) - softness(violation.row) * entering_mu_;
+  const double bound = (violation.upper ? input.upper : input.lower)(violation.row);
+  return std::max(0.0, sign * (value - bound));
 }
 
 // Computes half_ and direction_ for an inactive row. Returns its squared length orthogonal to the
 // working set; 0: the row depends on the working set.
 double ActiveSetQp::pivot_towards(Eigen::Index row) {
+  if (is_careful_) return orthogonal_.compare(row, direction_);
   const Eigen::Index k = active_count();
   const double own = length_(row) + softness(row);
   if (small_ != nullptr) {
@@ -441,9 +478,48 @@ double ActiveSetQp::pivot_with_less_cancellation(Eigen::Index row, double own) {
   return pivot > kDependentPivot * own ? pivot : 0.0;
 }
 
+// Removes rows while a multiplier has the wrong sign after a correction.
+void ActiveSetQp::settle(const QpInput& input, QpSolution& solution) {
+  for (;;) {
+    correct(input, solution);
+    Eigen::Index wrong = active_count() - 1;
+    for (; wrong >= 0; --wrong) {
+      const Active& row = active(wrong);
+      if (row.side * mu_(wrong) * size_(row.row) < -kDoubtfulSign * slope_) break;
+    }
+    if (wrong < 0 || changes_left_ == 0) return;
+    --changes_left_;
+    ++solution.iterations;
+    leave(wrong);
+  }
+}
+
+// Corrects z and the multipliers by true residuals.
+void ActiveSetQp::correct(const QpInput& input, QpSolution& solution) {
+  for (int pass = 0; pass < kCorrections; ++pass) {
+    solution.mu.setZero();
+    for (Eigen::Index j = 0; j < active_count(); ++j) solution.mu(active(j).row) = mu_(j);
+    set_gradient(input, solution);
+    if (entering_ >= 0) {
+      gradient_ += entering_mu_ * factors_.model.Omega.row(entering_).transpose();
+    }
+    for (Eigen::Index j = 0; j < active_count(); ++j) correction_(j) = -error_at(input, j);
+    orthogonal_.correct(gradient_, correction_);
+    solution.z -= gradient_;
+    mu_.head(active_count()) -= correction_.head(active_count());
+    scan(input, solution);
+  }
+}
+
 void ActiveSetQp::finish(const QpInput& input, QpSolution& solution) {
+  if (is_careful_) {
+    for (Eigen::Index j = 0; j < active_count(); ++j) {
+      Active& row = active_[static_cast<std::size_t>(j)];
+      if (row.side == 0.0) row.side = mu_(j) < 0.0 ? -1.0 : 1.0;
+    }
+  }
   measure(input, solution);
-  if (solution.status != QpStatus::solved) return;
+  if (solution.status != QpStatus::solved || is_careful_) return;
   // Refinement does not change the violation of inactive rows.
   for (int i = 0; i < kMostRefinements && solution.kkt_residual > kRefineAbove &&
                   (is_tilted_ || active_error(input) > kRefineAbove * zeta_);
@@ -467,7 +543,7 @@ void ActiveSetQp::measure(const QpInput& input, QpSolution& solution) {
   }
   zeta_ = std::max(reach_, kQpGradientShare * gamma);
   const double largest_value = largest_row_ * solution.z.lpNorm<Eigen::Infinity>();
-  if (has_soft_ || !is_finite(gradient_) || !(largest_value < kNoBound)) {
+  if (has_soft_ || is_careful_ || !is_finite(gradient_) || !(largest_value < kNoBound)) {
     solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, room_);
     is_tilted_ = true;
     return;
@@ -488,7 +564,7 @@ void ActiveSetQp::set_multipliers(QpSolution& solution) const {
 
 // H z + g + Ωᵀ μ.
 void ActiveSetQp::set_gradient(const QpInput& input, const QpSolution& solution) {
-  if (sweeps_) {
+  if (sweeps_ && !is_careful_) {
     sweeps_->gradient(solution.z, solution.mu, gradient_);
     gradient_ += input.g;
     return;
@@ -505,10 +581,7 @@ void ActiveSetQp::set_gradient(const QpInput& input, const QpSolution& solution)
 // Corrects the multipliers, and z with them, by the errors of the active rows. This leaves the
 // gradient as it is.
 void ActiveSetQp::hold_bounds(const QpInput& input, QpSolution& solution) {
-  for (Eigen::Index j = 0; j < active_count(); ++j) {
-    const Eigen::Index row = active(j).row;
-    correction_(j) = values_(row) - softness(row) * mu_(j) - bound(input, active(j));
-  }
+  for (Eigen::Index j = 0; j < active_count(); ++j) correction_(j) = error_at(input, j);
   factor_.solve(correction_.data());
   mu_.head(active_count()) += correction_.head(active_count());
   move(solution.z, correction_, solution.z);
@@ -527,7 +600,12 @@ void ActiveSetQp::refine(const QpInput& input, QpSolution& solution) {
 
 // Adds the row of the last pivot_towards() to the working set.
 void ActiveSetQp::add(Eigen::Index row, double side, double pivot) {
-  factor_.add(half_.data(), pivot);
+  if (is_careful_) {
+    orthogonal_.add(row);
+  } else {
+    factor_.add(half_.data(), pivot);
+  }
+  ++active_count_;
   active_.push_back({row, side, length_(row) + softness(row)});
   weight_(row) = 0.0;
 }
@@ -535,7 +613,18 @@ void ActiveSetQp::add(Eigen::Index row, double side, double pivot) {
 void ActiveSetQp::remove(Eigen::Index position) {
   weight_(active(position).row) = free_weight_(active(position).row);
   active_.erase(active_.begin() + position);
-  factor_.remove(position);
+  --active_count_;
+  if (is_careful_) {
+    orthogonal_.remove(position);
+  } else {
+    factor_.remove(position);
+  }
+}
+
+// Removes a row with its multiplier.
+void ActiveSetQp::leave(Eigen::Index position) {
+  for (Eigen::Index j = position; j + 1 < active_count(); ++j) mu_(j) = mu_(j + 1);
+  remove(position);
 }
 
 }  // namespace breakwater

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <breakwater/linear/ldl_factor.h>
-#include <breakwater/linear/orthogonal_active_set.h>
+#include <breakwater/linear/orthogonal_factor.h>
 #include <breakwater/linear/qp.h>
 
 namespace breakwater {
@@ -101,7 +101,9 @@ inline double largest_bound(const Eigen::VectorXd& lower, const Eigen::VectorXd&
 /// S is stored as its factor L D Lᵀ, which rows join and leave. This squares the condition number
 /// of the working set. The true residual therefore refines multipliers if it is above 1e-10. A
 /// solved problem has a KKT residual of at most 1e-8. Otherwise the solver starts again without the
-/// last working set, and then calls OrthogonalActiveSet. The last resort is status `inaccurate`.
+/// last working set. Its last attempt stores the working set as an OrthogonalFactor, which is
+/// slower. True residuals then correct z and the multipliers after each change, and rows with two
+/// equal bounds never leave. If this fails, the status is `inaccurate`.
 ///
 /// Source: D. Goldfarb, A. Idnani, Math. Program. 27 (1983) 1–33, in the dual's variables as in
 /// D. Arnström, A. Bemporad, D. Axehill, IEEE Trans. Autom. Control 67 (2022) 4362–4369.
@@ -132,16 +134,21 @@ class ActiveSetQp final : public QpSolver {
   // A row of the working set.
   struct Active {
     Eigen::Index row;
-    double side;    // 1: at its upper bound, −1: at its lower
+    double side;    // 1: at its upper bound, −1: at its lower, 0: at both
     double length;  // squared, in the metric of H⁻¹
   };
 
-  Eigen::Index active_count() const { return factor_.size(); }
+  Eigen::Index active_count() const { return active_count_; }
   const Active& active(Eigen::Index j) const { return active_[static_cast<std::size_t>(j)]; }
   static double bound(const QpInput& input, const Active& row) {
     return row.side > 0.0 ? input.upper(row.row) : input.lower(row.row);
   }
   double softness(Eigen::Index row) const { return has_soft_ ? softness_(row) : 0.0; }
+  // The error of the j-th active row at its bound.
+  double error_at(const QpInput& input, Eigen::Index j) const {
+    const Eigen::Index row = active(j).row;
+    return values_(row) - softness(row) * mu_(j) - bound(input, active(j));
+  }
   const double* row_data(Eigen::Index row) const {
     return factors_.model.Omega.data() + row * factors_.variables();
   }
@@ -160,7 +167,13 @@ class ActiveSetQp final : public QpSolver {
   void multiply(const Eigen::MatrixXd& M, const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
   void rows_of(const Eigen::VectorXd& z, Eigen::VectorXd& values);
   Violation worst_violation(const QpInput& input) const;
-  QpStatus drive_to_bound(Violation violation, QpSolution& solution);
+  QpStatus drive_to_bound(const QpInput& input, Violation violation, QpSolution& solution);
+  void set_proof(Eigen::Index row, double sign);
+  double what_is_left(const QpInput& input, const Violation& violation, double multiplier,
+                      QpSolution& solution);
+  void settle(const QpInput& input, QpSolution& solution);
+  void correct(const QpInput& input, QpSolution& solution);
+  bool is_proven(const QpInput& input) const;
   double active_error(const QpInput& input) const;
   double tolerance() const { return kQpViolation * std::max(reach_, kQpGradientShare * slope_); }
   double pivot_towards(Eigen::Index row);
@@ -173,6 +186,7 @@ class ActiveSetQp final : public QpSolver {
   void set_gradient(const QpInput& input, const QpSolution& solution);
   void add(Eigen::Index row, double side, double pivot);
   void remove(Eigen::Index position);
+  void leave(Eigen::Index position);
 
   QpFactors factors_;
   const Small* small_;        // products for this number of variables; nullptr: it is not small
@@ -185,7 +199,14 @@ class ActiveSetQp final : public QpSolver {
   std::unique_ptr<HorizonSweeps> sweeps_;
 
   LdlFactor factor_;  // factor of S
+  // In the last attempt, instead of factor_:
+  bool is_careful_ = false;
+  OrthogonalFactor orthogonal_;
+  Eigen::Index entering_ = -1;  // a row on its way to its bound, or none
+  double entering_mu_ = 0.0;    // its multiplier
+
   std::vector<Active> active_;
+  Eigen::Index active_count_ = 0;
   std::vector<Active> previous_;   // work space of refactor()
   Eigen::VectorXd size_;           // the rows' sizes (kkt_residual())
   Eigen::VectorXd share_;          // 1/size
@@ -218,7 +239,6 @@ class ActiveSetQp final : public QpSolver {
   Eigen::VectorXd residual_;
   Eigen::VectorXd room_;   // n
   Eigen::VectorXd proof_;  // m: certificate of infeasibility
-  OrthogonalActiveSet second_;
 };
 
 }  // namespace breakwater
