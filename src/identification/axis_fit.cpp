@@ -12,13 +12,15 @@
 namespace breakwater {
 namespace {
 
-constexpr double kStep = 1e-6;          // step of the differences, in the scales
+constexpr double kStep = 1e-6;          // step of the search's differences, in the scales
+constexpr double kFineStep = 2e-5;      // and of those of second order
 constexpr std::size_t kPlainStart = 2;  // position and velocity have no prior
 constexpr int kMostIterations = 60;
 constexpr int kMostTurns = 8;
-constexpr double kNoiseChange = 0.01;  // relative, at which the turns end
-constexpr std::size_t kBins = 2000;    // bins of the errors, for the most likely noise
-constexpr double kLeastShare = 1e-3;   // least noise without an encoder, in RMS errors
+constexpr double kNoiseChange = 0.01;   // relative, at which the turns end
+constexpr std::size_t kBins = 2000;     // bins of the errors, for the most likely noise
+constexpr double kLeastShare = 1e-3;    // least noise without an encoder, in RMS errors
+constexpr double kLeastOfRange = 1e-9;  // below it the differences are no derivatives
 
 // The positions with the code y: [y - below, y + above].
 struct Code {
@@ -69,8 +71,12 @@ class Problem {
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
 
   Problem(const AxisData& data, const FreeParameters& free, const AxisFit& fit,
-          double prior_std = kPriorStd)
-      : data_(data), base_(fit), prior_std_(prior_std), scales_(parameter_scales(data)) {
+          double prior_std = kPriorStd, bool has_fine_differences = false)
+      : data_(data),
+        base_(fit),
+        prior_std_(prior_std),
+        has_fine_differences_(has_fine_differences),
+        scales_(parameter_scales(data)) {
     for (std::size_t i = 0; i < kAxisParameters; ++i) {
       if (free[i]) free_.push_back(static_cast<AxisParameter>(i));
     }
@@ -165,18 +171,15 @@ class Problem {
     J.block(static_cast<Eigen::Index>(rows), 0, parameters, parameters)
         .diagonal()
         .setConstant(1.0 / prior_std_);
-    std::vector<double> moved(x, x + unknowns);
-    const auto fill = [&](const std::vector<double>& shifted, std::size_t column, std::size_t from,
-                          std::size_t to) {
+    const auto fill = [&](const std::vector<double>& derivatives, std::size_t column,
+                          std::size_t from, std::size_t to) {
       for (std::size_t i = from; i < to; ++i) {
         J(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(column)) =
-            slopes[i] * (shifted[i] - positions[i]) / kStep;
+            slopes[i] * derivatives[i];
       }
     };
     for (std::size_t column = 0; column < free_.size(); ++column) {
-      moved[column] = x[column] + kStep;
-      fill(fitted_positions(data_, fit_of(moved.data())), column, 0, rows);
-      moved[column] = x[column];
+      fill(derivatives(x, positions, column, column + 1), column, 0, rows);
     }
     // A start acts on its stretch alone. The motion does not depend on the position.
     std::size_t from = 0;
@@ -193,14 +196,12 @@ class Problem {
     row = rows + free_.size();
     for (std::size_t part = 1; part < start_values(); ++part) {
       const std::size_t first = free_.size() + part;
-      for (std::size_t s = first; s < first_drift; s += start_values()) moved[s] = x[s] + kStep;
-      const std::vector<double> shifted = fitted_positions(data_, fit_of(moved.data()));
+      const std::vector<double> all = derivatives(x, positions, first, first_drift);
       from = 0;
       column = first;
       for (const AxisStretch& stretch : data_.stretches) {
         const std::size_t to = from + stretch.positions.size();
-        fill(shifted, column, from, to);
-        moved[column] = x[column];
+        fill(all, column, from, to);
         from = to;
         column += start_values();
       }
@@ -232,9 +233,32 @@ class Problem {
   std::size_t start_values() const { return data_.model->start_values; }
   std::size_t first_drift() const { return free_.size() + start_values() * data_.stretches.size(); }
 
+  // Derivatives of the positions by one unknown, or by one of each start. Differences look to one
+  // side, since friction ends at 0.
+  std::vector<double> derivatives(const double* x, const std::vector<double>& positions,
+                                  std::size_t first, std::size_t end) const {
+    const auto moved = [&](double step) {
+      std::vector<double> to(x, x + NumParameters());
+      for (std::size_t s = first; s < end; s += start_values()) to[s] += step;
+      return fitted_positions(data_, fit_of(to.data()));
+    };
+    std::vector<double> result = moved(has_fine_differences_ ? kFineStep : kStep);
+    if (!has_fine_differences_) {
+      for (std::size_t i = 0; i < result.size(); ++i)
+        result[i] = (result[i] - positions[i]) / kStep;
+      return result;
+    }
+    const std::vector<double> twice = moved(2.0 * kFineStep);
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      result[i] = (4.0 * result[i] - twice[i] - 3.0 * positions[i]) / (2.0 * kFineStep);
+    }
+    return result;
+  }
+
   const AxisData& data_;
   AxisFit base_;
   double prior_std_;  // for the parameters
+  bool has_fine_differences_;
   AxisValues scales_;
   std::vector<AxisParameter> free_;
   Eigen::Index drifts_ = 0;                         // number in all stretches
@@ -302,8 +326,10 @@ double likely_noise(const AxisData& data, const AxisFit& fit) {
     has_time_noise = has_time_noise || !stretch.time_noise.empty();
   }
   const double rms = std::sqrt(squares / static_cast<double>(errors.size()));
-  if (data.quantum == 0.0 && !has_time_noise) return rms;
-  const double least = data.quantum == 0.0 ? kLeastShare * rms : kLeastNoise * data.quantum;
+  const double number = kLeastOfRange * range_of(data);
+  if (data.quantum == 0.0 && !has_time_noise) return std::max(rms, number);
+  const double least =
+      std::max(number, data.quantum == 0.0 ? kLeastShare * rms : kLeastNoise * data.quantum);
   if (rms < 2.0 * least) return least;
   if (has_time_noise) {
     return least_over_logarithm(least, 2.0 * rms,
@@ -396,6 +422,16 @@ AxisFit fit_starts(const AxisData& data, const AxisFit& model) {
   return best;
 }
 
+double range_of(const AxisData& data) {
+  double range = 0.0;
+  for (const AxisStretch& stretch : data.stretches) {
+    const auto [low, high] =
+        std::minmax_element(stretch.positions.begin(), stretch.positions.end());
+    range = std::max(range, *high - *low);
+  }
+  return range;
+}
+
 double rms_twist(const AxisData& data, const AxisFit& fit) {
   return fit.values[kTorqueConstant] * parameter_scales(data)[kOffset] / fit.values[kStiffness];
 }
@@ -443,7 +479,8 @@ AxisValues parameter_scales(const AxisData& data) {
 
 Eigen::MatrixXd covariance_of(const AxisData& data, const FreeParameters& free, const AxisFit& fit,
                               double prior_std) {
-  const Problem problem(data, free, fit, prior_std);
+  // Differences of first order make a direction that the records do not show look known.
+  const Problem problem(data, free, fit, prior_std, true);
   Eigen::VectorXd residuals(problem.NumResiduals());
   Eigen::MatrixXd J(problem.NumResiduals(), problem.NumParameters());
   const Eigen::VectorXd x = problem.unknowns();

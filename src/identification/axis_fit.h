@@ -43,6 +43,9 @@ AxisFit fit_axis_and_noise(const AxisData& data, const FreeParameters& free, Axi
 /// best one.
 AxisFit fit_starts(const AxisData& data, const AxisFit& model);
 
+/// The largest motion of a stretch.
+double range_of(const AxisData& data);
+
 /// The RMS torque of the drive by the stiffness: about the twist of the spring.
 double rms_twist(const AxisData& data, const AxisFit& fit);
 

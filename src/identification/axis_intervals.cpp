@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <breakwater/identification/axis_parameters.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/world/noise.h>
 
@@ -12,6 +13,7 @@ namespace {
 constexpr double kClose = 0.05;     // in standard deviations
 constexpr int kMostPoints = 6;      // on each side
 constexpr double kFarthest = 20.0;  // in first guesses
+constexpr double kFlat = 0.2;       // root of a rise that says that the guess is wrong
 constexpr int kIterations = 20;
 constexpr double kSuspicious = 1.5;  // rise, relative to that of a parabola
 constexpr int kReplicates = 100;
@@ -51,6 +53,10 @@ ParameterInterval profile_interval(const AxisData& data, const FreeParameters& f
   ParameterInterval interval;
   interval.better = fit;
   interval.profile.emplace_back(fit.values[parameter], 0.0);
+  // The curvature at the fit may be that of a point. The search goes on to where a parameter counts
+  // as unknown.
+  const double known = kRoot95 * known_parameter(parameter).largest_std;
+  const double farthest = std::max(kFarthest * std_scaled, std::isfinite(known) ? known : 0.0);
   const auto side = [&](double sign) {
     double reach = kRoot95 * std_scaled;
     double value = fit.values[parameter];
@@ -81,15 +87,20 @@ ParameterInterval profile_interval(const AxisData& data, const FreeParameters& f
       if (nearest.deviance < interval.better.deviance) interval.better = nearest;
       if (rise <= kChiSquare95 && sign * (value - inside) > 0.0) inside = value;
       interval.profile.emplace_back(value, rise);
-      const bool is_at_end = sign < 0.0 && value == 0.0 && is_positive(parameter);
+      const bool is_at_end =
+          value == moved_parameter(data, parameter, fit.values[parameter], sign * 2.0 * reach);
       if (is_at_end && rise <= kChiSquare95) return value;
       const double root = std::max(std::sqrt(rise), 0.3);
       // The root of the rise is almost linear.
-      const double next = std::min(reach * kRoot95 / root, kFarthest * std_scaled);
+      const double next =
+          rise < kFlat * kFlat ? farthest : std::min(reach * kRoot95 / root, farthest);
       if (std::abs(root - kRoot95) < kClose) {
         return moved_parameter(data, parameter, fit.values[parameter], sign * next);
       }
-      if (next == reach) return value;
+      if (next == reach) {
+        interval.is_known = false;
+        return value;
+      }
       reach = next;
     }
     interval.is_closed = false;

@@ -16,14 +16,16 @@ struct ParameterInterval {
   double high = 0.0;
   std::vector<std::pair<double, double>> profile;  ///< (value, rise of −2 ln L), ascending
   bool is_closed = true;                           ///< both ends were found
-  AxisFit better;  ///< the most likely fit of all, which may be above the given one
+  bool is_known = true;  ///< the rise is large enough where the parameter counts as unknown
+  AxisFit better;        ///< the most likely fit of all, which may be above the given one
 };
 
 /// The values of a parameter at which −2 ln L, minimised over the other free ones, has risen by
 /// kChiSquare95. If the search does not converge, an end is the farthest value with a smaller rise.
-/// A value that cannot be negative ends at 0. `std_scaled` is the standard deviation in its scale,
-/// the first guess. `slopes` has the changes of the free parameters, in their scales and order, for
-/// one of this parameter: where the search for the others begins.
+/// A value that cannot be negative ends at 0. If hardly anything rises at the first guess, the
+/// search goes on to where the parameter counts as unknown. `std_scaled` is the standard deviation
+/// in its scale, the first guess. `slopes` has the changes of the free parameters, in their scales
+/// and order, for one of this parameter: where the search for the others begins.
 ParameterInterval profile_interval(const AxisData& data, const FreeParameters& free,
                                    const AxisFit& fit, AxisParameter parameter, double std_scaled,
                                    const Eigen::VectorXd& slopes);

@@ -55,16 +55,6 @@ double rms_error(const AxisData& data, const AxisFit& fit) {
   return std::sqrt(squares / static_cast<double>(k));
 }
 
-double range_of(const AxisData& data) {
-  double range = 0.0;
-  for (const AxisStretch& stretch : data.stretches) {
-    const auto [low, high] =
-        std::minmax_element(stretch.positions.begin(), stretch.positions.end());
-    range = std::max(range, *high - *low);
-  }
-  return range;
-}
-
 // The best of the candidates after a few iterations each, then to the end. `starts` may be given,
 // too.
 AxisFit best_fit(const AxisData& data, const FreeParameters& free,
@@ -435,7 +425,7 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
     const double shown_std = std::sqrt(shown(i, i));
     estimate.is_identifiable =
         shown_std <= known_parameter(order[n]).largest_std && (shows_spring || !is_of_spring);
-    if (!estimate.is_identifiable) {
+    const auto explain_it = [&] {
       std::vector<std::string> tied;
       for (std::size_t m = 0; m < order.size(); ++m) {
         const auto j = static_cast<Eigen::Index>(m);
@@ -444,7 +434,12 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
         }
       }
       explain(estimate, motion, tied);
-    }
+    };
+    const auto set_interval = [&](double its_std) {
+      estimate.low = moved_parameter(data, order[n], estimate.value, -kRoot95 * its_std);
+      estimate.high = moved_parameter(data, order[n], estimate.value, kRoot95 * its_std);
+    };
+    if (!estimate.is_identifiable) explain_it();
     if (estimate.is_identifiable && !result.is_bootstrapped) {
       ParameterInterval interval =
           profile_interval(data, free, fit, order[n], std, covariance.col(i) / covariance(i, i));
@@ -461,10 +456,15 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
       estimate.low = interval.low;
       estimate.high = interval.high;
       estimate.profile = std::move(interval.profile);
+      if (!interval.is_known) {
+        estimate.is_identifiable = false;
+        explain_it();
+        set_interval(kPriorStd);
+      }
     } else {
-      const double reach = kRoot95 * (estimate.is_identifiable ? boots[n] : std);
-      estimate.low = moved_parameter(data, order[n], estimate.value, -reach);
-      estimate.high = moved_parameter(data, order[n], estimate.value, reach);
+      // The far end of the set that fits is not seen from the fit.
+      const double unknown = is_logarithmic(order[n]) ? std::max(std, kPriorStd) : std;
+      set_interval(estimate.is_identifiable ? boots[n] : unknown);
     }
     result.parameters.push_back(std::move(estimate));
   }

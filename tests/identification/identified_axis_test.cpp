@@ -182,26 +182,35 @@ TEST(Identification, UnitsChangeNothing) {
   };
   Bench bench;
   bench.duration_s = 1.0;
-  const Identification plain = identify_axis({bench.record(3)}, {}, {});
-  for (const Units& s : {Units{0x1p-20, 1.0, 1.0},
-                         {0x1p20, 1.0, 1.0},
-                         {1.0, 0x1p-12, 1.0},
-                         {1.0, 1.0, 0x1p-6},
-                         {1.0, 1.0, 0x1p6}}) {
-    RecordedAxis record = bench.record(3);
-    for (double& u : record.inputs) u *= s.input;
-    for (double& q : record.positions) q *= s.position;
-    for (double& t : record.times_s) t *= s.time;
-    const Identification found = identify_axis({record}, {}, {});
-    const double force = s.input / s.position;
-    for (const auto& [parameter, unit] : {std::pair{kInertia, force * s.time * s.time},
-                                          {kViscous, force * s.time},
-                                          {kCoulomb, s.input}}) {
-      const ParameterEstimate& expected = of(plain, parameter);
-      EXPECT_NEAR(of(found, parameter).value / unit, expected.value, 1e-6 * expected.value)
-          << parameter_key(parameter) << ", input × " << s.input << ", position × " << s.position
-          << ", time × " << s.time;
-      EXPECT_EQ(of(found, parameter).is_identifiable, expected.is_identifiable);
+  for (const bool has_stribeck : {false, true}) {
+    bench.breakaway = has_stribeck ? 0.06 : 0.0;
+    bench.stribeck_speed = 2.0;
+    IdentificationSettings settings;
+    settings.has_stribeck = has_stribeck;
+    const Identification plain = identify_axis({bench.record(3)}, {}, settings);
+    for (const Units& s : {Units{0x1p-20, 1.0, 1.0},
+                           {0x1p20, 1.0, 1.0},
+                           {1.0, 0x1p-12, 1.0},
+                           {1.0, 1.0, 0x1p-6},
+                           {1.0, 1.0, 0x1p6}}) {
+      RecordedAxis record = bench.record(3);
+      for (double& u : record.inputs) u *= s.input;
+      for (double& q : record.positions) q *= s.position;
+      for (double& t : record.times_s) t *= s.time;
+      const Identification found = identify_axis({record}, {}, settings);
+      const double force = s.input / s.position;
+      for (const auto& [parameter, unit] : {std::pair{kInertia, force * s.time * s.time},
+                                            {kViscous, force * s.time},
+                                            {kCoulomb, s.input},
+                                            {kBreakaway, s.input},
+                                            {kStribeckSpeed, s.position / s.time}}) {
+        if (!plain.free[parameter]) continue;
+        const ParameterEstimate& expected = of(plain, parameter);
+        EXPECT_NEAR(of(found, parameter).value / unit, expected.value, 1e-6 * expected.value)
+            << parameter_key(parameter) << ", input × " << s.input << ", position × " << s.position
+            << ", time × " << s.time;
+        EXPECT_EQ(of(found, parameter).is_identifiable, expected.is_identifiable);
+      }
     }
   }
 }
@@ -231,6 +240,29 @@ TEST(Identification, AConstantTorqueShowsNoInertia) {
       EXPECT_FALSE(inertia.is_identifiable) << torque << ", " << inertia_kgm2;
       EXPECT_LE(inertia.low, inertia_kgm2) << torque;
       EXPECT_GE(inertia.high, inertia_kgm2) << torque;
+    }
+  }
+}
+
+// The same without an encoder, and hardly any noise: the curvature at the fit must not look like
+// knowledge.
+TEST(Identification, AnExactRecordOfAConstantTorqueShowsNoInertia) {
+  constexpr double kTorque = 1.0, kTrueInertia = 1e-3;
+  for (const double viscous : {1e-4, 4e-3}) {
+    for (const double noise : {0.0, 1e-6}) {
+      testing::Random random(1);
+      RecordedAxis record;
+      for (int k = 0; k < 1000; ++k) {
+        const double t = 1e-3 * k, rate = viscous / kTrueInertia;
+        record.times_s.push_back(t);
+        record.inputs.push_back(kTorque);
+        record.positions.push_back(kTorque / viscous * (t + std::expm1(-rate * t) / rate) +
+                                   noise * normal(random));
+      }
+      const ParameterEstimate inertia = of(identify_axis({record}, {}, {}), kInertia);
+      EXPECT_FALSE(inertia.is_identifiable) << viscous << ", " << noise << ": " << inertia.value;
+      EXPECT_LE(inertia.low, kTrueInertia) << viscous << ", " << noise;
+      EXPECT_GE(inertia.high, kTrueInertia) << viscous << ", " << noise;
     }
   }
 }

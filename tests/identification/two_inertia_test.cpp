@@ -193,6 +193,21 @@ TEST(TwoInertiaIdentification, FindsInertiasStiffnessAndBacklash) {
   EXPECT_GT(found.held_out->plain_rms, 10.0 * found.held_out->rms);
 }
 
+// The motion has a part that no model explains.
+TEST(TwoInertiaIdentification, SaysThatABadFitIsBad) {
+  Bench bench;
+  bench.backlash = 0.0;
+  bench.duration_s = 0.4;
+  RecordedAxis record = bench.record(1);
+  for (std::size_t i = 0; i < record.positions.size(); ++i) {
+    record.positions[i] += 0.5 * std::sin(40.0 * record.times_s[i]);
+  }
+  const Identification found = identify_axis({record}, {}, settings_of(bench));
+  EXPECT_GT(found.errors.rms, 0.02);
+  EXPECT_GT(found.errors.normalised, 20.0);
+  EXPECT_FALSE(found.whiteness.is_white());
+}
+
 TEST(TwoInertiaIdentification, AConstantSpeedShowsNoInertiaNoSpringAndNoBacklash) {
   Bench bench;
   bench.mean_input = 0.5;
