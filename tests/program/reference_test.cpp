@@ -39,6 +39,10 @@ std::string on_page(const std::string& name) {
   return std::regex_replace(std::regex_replace(name, table, "$1.NAME."), axis, "NAME_");
 }
 
+bool has_row(const std::string& text, const std::string& name) {
+  return text.find("\n| `" + name + "` |") != std::string::npos;
+}
+
 class Reference : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -74,7 +78,8 @@ TEST_F(Reference, HasEveryKeyAndCaseOfEveryScenario) {
       const std::vector<std::string> keys = keys_of(testing::prepare(scenario, name).config_text);
       EXPECT_GT(keys.size(), 10u);
       for (const std::string& key : keys) {
-        EXPECT_NE(text.find("\n| `" + on_page(key) + "` |"), std::string::npos)
+        // A key of all axes may be without their names.
+        EXPECT_TRUE(has_row(text, on_page(key)) || has_row(text, "axis.NAME." + key))
             << scenario << " " << key;
       }
     }
