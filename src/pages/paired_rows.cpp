@@ -7,7 +7,6 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
-#include <breakwater/pages/study_charts.h>
 #include <breakwater/study/comparison_table.h>
 
 namespace breakwater {
@@ -75,45 +74,51 @@ void add_paired_metric(const CandidateComparison& comparison, const std::string&
   set_pairs(section, comparison, pairs);
 }
 
-PageData turn_of(const CandidateComparison& comparison, const KeyInteraction& one, Identity look) {
-  PageData turn;
-  turn["key"] = one.key;
-  turn["candidate"] = comparison.candidates[one.candidate];
-  turn["reference"] = comparison.candidates[one.reference];
-  turn["p"] = p_text(one.p_holm);
-  turn["repeats_are"] = one.is_of_worlds ? "seeds of the value’s one block" : "blocks";
-  LineChart chart;
-  chart.x_title = key_label_with_unit(one.key, unit_of(one.key));
-  chart.y_title =
-      fmt::format("{}, {} less {}", metric_label_with_unit(one.metric, unit_of(one.metric)),
-                  comparison.candidates[one.candidate], comparison.candidates[one.reference]);
-  chart.is_log_x = one.is_log;
-  chart.lines.resize(1);
-  chart.looks = {look};
+PageData turn_of(const CandidateComparison& comparison, const KeyInteraction& one, Identity look,
+                 RunList& runs) {
+  const std::string& candidate = comparison.candidates[one.candidate];
+  const std::string& reference = comparison.candidates[one.reference];
   auto rows = PageData::array();
+  auto marks = PageData::array();
+  auto at = PageData::array();
+  auto labels = PageData::array();
   for (const KeyInteraction::Value& value : one.values) {
     rows.push_back({{"value", value.label},
-                    {"repeats", std::to_string(value.repeats)},
+                    {"repeats", value.repeats},
                     {"difference", format_number(value.median)},
                     {"tenths", format_number(value.q10) + " to " + format_number(value.q90)},
                     {"sign", value.median < 0.0   ? "smaller"
                              : value.median > 0.0 ? "larger"
                                                   : "the same"}});
-    LineMark mark;
-    mark.x = value.x;
-    mark.y = value.median;
-    mark.lower = value.q10;
-    mark.upper = value.q90;
-    mark.text = fmt::format("{} = {}: {} ({} to {}), {} repeats", one.key, value.label,
-                            format_number(value.median), format_number(value.q10),
-                            format_number(value.q90), value.repeats);
-    chart.x.push_back(value.x);
-    chart.x_labels.push_back(value.label);
-    chart.lines.back().push_back(std::move(mark));
+    marks.push_back(
+        {{"y", value.median},
+         {"low", value.q10},
+         {"high", value.q90},
+         {"runs", PageData::array()},
+         {"text", fmt::format("{} = {}: {} ({} to {}), {} repeats", one.key, value.label,
+                              format_number(value.median), format_number(value.q10),
+                              format_number(value.q90), value.repeats)}});
+    at.push_back(value.x);
+    labels.push_back(value.label);
   }
-  turn["values"] = rows;
-  turn["svg"] = draw(chart);
-  return turn;
+  return {{"key", one.key},
+          {"candidate", candidate},
+          {"reference", reference},
+          {"p", p_text(one.p_holm)},
+          {"repeats_are", one.is_of_worlds ? "seeds of the value’s one block" : "blocks"},
+          {"values", rows},
+          {"lines", runs.drawing({{"kind", "lines"},
+                                  {"x_title", key_label_with_unit(one.key, unit_of(one.key))},
+                                  {"y_title", fmt::format("{}, {} less {}",
+                                                          metric_label_with_unit(
+                                                              one.metric, unit_of(one.metric)),
+                                                          candidate, reference)},
+                                  {"log", one.is_log},
+                                  {"share", false},
+                                  {"at", at},
+                                  {"labels", labels},
+                                  {"looks", PageData::array({series_class(look)})},
+                                  {"lines", PageData::array({marks})}})}};
 }
 
 void add_paired_failures(const CandidateComparison& comparison, PageData& section) {

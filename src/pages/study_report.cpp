@@ -203,11 +203,11 @@ void begin_with_varying(StudyNumbers& numbers, const std::vector<std::string>& k
 // Adds the keys that change the sign of a difference. `left` is the number of figures that the page
 // may still have.
 void add_turns(const CandidateComparison& comparison, const std::string& metric,
-               const StudySections& sections, std::size_t& left, PageData& section) {
+               const StudySections& sections, std::size_t& left, RunList& runs, PageData& section) {
   auto turns = PageData::array();
   for (const KeyInteraction& one : comparison.interactions) {
     if (one.metric != metric || !one.turns || left == 0) continue;
-    turns.push_back(turn_of(comparison, one, sections.look(one.candidate)));
+    turns.push_back(turn_of(comparison, one, sections.look(one.candidate), runs));
     --left;
   }
   section["turns"] = turns;
@@ -338,7 +338,7 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     PageData section = sections.section(m);
     if (comparison) {
       add_paired_metric(*comparison, numbers.metrics[m], section);
-      add_turns(*comparison, numbers.metrics[m], sections, turns_left, section);
+      add_turns(*comparison, numbers.metrics[m], sections, turns_left, runs, section);
     }
     metrics.push_back(section);
     contents(fmt::format("metric-{}", m + 1), label_of(numbers.metrics[m]));

@@ -4,14 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/pages/chart_scale.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
-#include <breakwater/pages/svg_plot.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -43,6 +40,12 @@ std::string in_words(const QuantileBand& band) {
 
 std::string share_in_words(const QuantileBand& band) {
   return fmt::format("{} of {} failed", band.failed, number_of(band.runs, "run"));
+}
+
+PageData with_interval(const SensitivityIndex& index) {
+  auto values = PageData::array({index.value});
+  if (index.interval) values.insert(values.end(), {index.interval->lower, index.interval->upper});
+  return values;
 }
 
 std::string index_text(const SensitivityIndex& index) {
@@ -87,6 +90,10 @@ StudyDetail study_detail(const Plan& plan, std::size_t metrics) {
 
 bool has_heat_maps(const Study& study) {
   return study.vary.size() == 2 && study.method == Method::grid;
+}
+
+PageData RunList::drawing(const PageData& data) {
+  return {{"id", fmt::format("drawing-{}", ++drawings_)}, {"data", data}};
 }
 
 std::size_t RunList::add(std::size_t point) {
@@ -194,61 +201,59 @@ std::vector<QuantileBand> StudySections::by_candidate(std::size_t metric) const 
   return bands_of({numbers_.metrics[metric], false, column, in_order(column)});
 }
 
-LineChart StudySections::line_chart(const Output& output, const KeyGroups& key) const {
+PageData StudySections::line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
+                                   bool& has_crosses) const {
   const std::vector<QuantileBand> all =
       bands(numbers_, output.column, output.order, (drawn_.size() + 1) * key.size(),
             [&](const StudyRun& run) {
               return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
             });
-  LineChart chart;
-  chart.x_title = key_label_with_unit(key.name, unit_of(key.name));
-  chart.y_title = title_of(output);
-  chart.is_log_x = key.is_log;
-  chart.is_share = output.is_failures;
-  chart.x = key.centre;
-  if (!key.is_number || (!key.is_binned && key.size() <= 8)) chart.x_labels = key.labels;
+  auto looks = PageData::array();
+  auto lines = PageData::array();
   for (std::size_t i = 0; i < drawn_.size(); ++i) {
-    chart.looks.push_back(looks_[drawn_[i]]);
-    std::vector<LineMark>& line = chart.lines.emplace_back();
+    looks.push_back(series_class(looks_[drawn_[i]]));
+    auto line = PageData::array();
     for (std::size_t g = 0; g < key.size(); ++g) {
       const QuantileBand& band = all[i * key.size() + g];
-      LineMark mark;
-      mark.x = key.centre[g];
+      auto runs = PageData::array();
+      if (band.measured > 0) runs.push_back(runs_.add(band.at_middle));
+      if (band.failed > 0) runs.push_back(runs_.add(band.first_failed));
+      PageData mark = {
+          {"text", fmt::format("{}, {} = {}: {}", labels_[drawn_[i]], key.name, key.labels[g],
+                               output.is_failures ? share_in_words(band) : in_words(band))},
+          {"runs", runs}};
       if (output.is_failures) {
-        mark.y = mark.lower = mark.upper = band.failed_share();
+        mark["y"] = band.failed_share();
       } else {
-        mark.y = band.median;
-        mark.lower = band.q10;
-        mark.upper = band.q90;
-        mark.has_failures = band.failed > 0;
+        mark.update({{"y", band.median}, {"low", band.q10}, {"high", band.q90}});
+        mark["failed"] = band.failed > 0;
+        has_bands |= band.q10 < band.q90;
+        has_crosses |= band.failed > 0;
       }
-      mark.text = fmt::format("{}, {} = {}: {}", labels_[drawn_[i]], key.name, key.labels[g],
-                              output.is_failures ? share_in_words(band) : in_words(band));
-      if (band.measured > 0) mark.runs.push_back(runs_.add(band.at_middle));
-      if (band.failed > 0) mark.runs.push_back(runs_.add(band.first_failed));
       line.push_back(std::move(mark));
     }
+    lines.push_back(std::move(line));
   }
-  return chart;
+  const bool has_labels = !key.is_number || (!key.is_binned && key.size() <= 8);
+  return runs_.drawing({{"kind", "lines"},
+                        {"x_title", key_label_with_unit(key.name, unit_of(key.name))},
+                        {"y_title", title_of(output)},
+                        {"log", key.is_log},
+                        {"share", output.is_failures},
+                        {"at", key.centre},
+                        {"labels", has_labels ? PageData(key.labels) : PageData::array()},
+                        {"looks", looks},
+                        {"lines", lines}});
 }
 
 void StudySections::add_line_charts(const Output& output, PageData& section) const {
-  auto charts = PageData::array();
+  section["lines"] = PageData::array();
   bool has_bands = false, has_crosses = false;
   for (const KeyEffect& effect : effects_) {
-    const LineChart line = line_chart(output, keys_[effect.key]);
-    for (const std::vector<LineMark>& marks : line.lines) {
-      for (const LineMark& mark : marks) {
-        has_bands |= mark.lower < mark.upper;
-        has_crosses |= mark.has_failures;
-      }
-    }
-    charts.push_back({{"svg", draw(line)}});
+    section["lines"].push_back(line_chart(output, keys_[effect.key], has_bands, has_crosses));
   }
-  section["has_lines"] = !keys_.empty();
   section["has_bands"] = has_bands;
   section["has_crosses"] = has_crosses;
-  section["lines"] = charts;
 }
 
 void StudySections::add_heat_maps(const Output& output, PageData& section) const {
@@ -270,37 +275,44 @@ void StudySections::add_heat_maps(const Output& output, PageData& section) const
     high = std::max(high, value);
   }
   if (output.is_failures) low = 0.0, high = 1.0;
-  auto maps = PageData::array();
+  section["heat"] = PageData::array();
   for (std::size_t i = 0; i < drawn_.size(); ++i) {
-    HeatMap map;
-    map.x_title = x.name;
-    map.y_title = y.name;
-    map.x_labels = x.labels;
-    map.y_labels = y.labels;
-    map.low = low;
-    map.high = high;
-    map.about =
-        fmt::format("{} of {} over {} and {}", output.name, labels_[drawn_[i]], x.name, y.name);
+    auto list = PageData::array();
     for (std::size_t cell = 0; cell < cells; ++cell) {
       const QuantileBand& band = all[i * cells + cell];
-      const std::size_t point = band.measured > 0 ? band.at_middle : band.first_failed;
       const bool has_run = band.measured > 0 || band.failed > 0;
-      const std::size_t measured = output.is_failures ? band.runs - band.failed : band.measured;
-      map.cells.push_back({value_of_cell(band), band.runs, band.failed, measured,
-                           has_run ? std::optional(runs_.add(point)) : std::nullopt});
+      const std::size_t point = band.measured > 0 ? band.at_middle : band.first_failed;
+      list.push_back(PageData::array({value_of_cell(band), band.runs, band.failed,
+                                      output.is_failures ? band.runs - band.failed : band.measured,
+                                      has_run ? PageData(runs_.add(point)) : PageData()}));
     }
-    maps.push_back({{"label", labels_[drawn_[i]]}, {"svg", draw(map)}});
+    PageData map = runs_.drawing({{"kind", "heat"},
+                                  {"x_title", x.name},
+                                  {"y_title", y.name},
+                                  {"x", x.labels},
+                                  {"y", y.labels},
+                                  {"cells", list},
+                                  {"low", low},
+                                  {"high", high},
+                                  {"about", fmt::format("{} of {} over {} and {}", output.name,
+                                                        labels_[drawn_[i]], x.name, y.name)}});
+    map["label"] = labels_[drawn_[i]];
+    section["heat"].push_back(std::move(map));
   }
-  section["heat"] = maps;
-  if (low <= high) section["bar"] = draw_colour_bar(low, high);
+  if (low <= high) section["bar"] = runs_.drawing({{"kind", "bar"}, {"low", low}, {"high", high}});
 }
 
 void StudySections::add_parallel(const Output& output, PageData& section) const {
-  ParallelChart chart;
+  auto axes = PageData::array();
+  auto lines = PageData::array();
+  const auto add_axis = [&axes](const std::string& title, bool is_log, double low, double high,
+                                const std::vector<std::string>& texts) {
+    axes.push_back(
+        {{"title", title}, {"log", is_log}, {"low", low}, {"high", high}, {"texts", texts}});
+  };
   const bool has_candidates = labels_.size() > 1;
   if (has_candidates) {
-    chart.axes.push_back(
-        {"candidate", false, 0.0, static_cast<double>(labels_.size() - 1), labels_});
+    add_axis("candidate", false, 0.0, static_cast<double>(labels_.size() - 1), labels_);
   }
   for (std::size_t k = 0; k < numbers_.keys.size(); ++k) {
     const StudyKey& key = numbers_.keys[k];
@@ -309,41 +321,39 @@ void StudySections::add_parallel(const Output& output, PageData& section) const 
       low = std::min(low, run.values[k]);
       high = std::max(high, run.values[k]);
     }
-    chart.axes.push_back({key.name, keys_[k].is_log, low, high, key.texts});
+    add_axis(key.name, keys_[k].is_log, low, high, key.texts);
   }
   const auto add = [&](std::size_t number, std::size_t candidate, std::vector<double> values,
                        bool failed) {
     if (has_candidates) values.insert(values.begin(), static_cast<double>(candidate));
-    chart.lines.push_back({std::move(values), failed, runs_.add(number)});
+    lines.push_back(PageData::array({values, failed, runs_.add(number)}));
   };
-  ParallelAxis last = {output.name, false, 0.0, 1.0, {}};
-  if (output.is_failures) {
-    last.texts = {"to the end"};
-  } else {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const std::uint32_t i : lines_) {
-      if (!std::isfinite(output.column[i])) continue;
-      low = std::min(low, output.column[i]);
-      high = std::max(high, output.column[i]);
-    }
-    if (low <= high) last.low = low, last.high = high;
-    last.is_log = is_for_log(last.low, last.high);
-  }
-  chart.axes.push_back(last);
+  double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const std::uint32_t i : lines_) {
     const StudyRun& run = numbers_.runs[i];
     std::vector<double> values;
     for (const StudyKey& key : numbers_.keys) values.push_back(key.values[run.sample]);
     values.push_back(output.is_failures ? 0.0 : output.column[i]);
+    if (std::isfinite(values.back())) {
+      low = std::min(low, values.back());
+      high = std::max(high, values.back());
+    }
     add(run.number, run.candidate, std::move(values), false);
   }
+  if (output.is_failures || !(low <= high)) low = 0.0, high = 1.0;
+  constexpr double kWide = 300.0;  // from the smallest value to the largest
+  add_axis(
+      output.name, low > 0.0 && high > kWide * low, low, high,
+      output.is_failures ? std::vector<std::string>{"to the end"} : std::vector<std::string>{});
   for (const FailedRun& run : failed_) {
     std::vector<double> values = run.values;
     values.push_back(std::numeric_limits<double>::quiet_NaN());
     add(run.number, run.candidate, std::move(values), true);
   }
-  section["parallel"] = draw(chart);
-  if (!output.is_failures) section["bar"] = draw_colour_bar(last.low, last.high);
+  section["parallel"] = runs_.drawing({{"kind", "parallel"}, {"axes", axes}, {"lines", lines}});
+  if (!output.is_failures) {
+    section["bar"] = runs_.drawing({{"kind", "bar"}, {"low", low}, {"high", high}});
+  }
   const std::size_t failed = index_.done() - index_.count(PointStatus::complete);
   section["chosen"] = fmt::format(
       "{} of {} runs that ended well, chosen evenly{}.", lines_.size(),
@@ -361,8 +371,11 @@ PageData StudySections::index_rows(const Output& output) const {
                       {"candidate", labels_[one.candidate]},
                       {"first", index_text(one.indices.first_order[k])},
                       {"total", index_text(one.indices.total[k])},
-                      {"svg", draw_indices(one.indices.first_order[k], one.indices.total[k],
-                                           looks_[one.candidate])}});
+                      {"bars", runs_.drawing({{"kind", "indices"},
+                                              {"look", series_class(looks_[one.candidate])},
+                                              {"values",
+                                               {with_interval(one.indices.first_order[k]),
+                                                with_interval(one.indices.total[k])}}})}});
     }
   }
   return rows;
@@ -391,7 +404,12 @@ PageData StudySections::comparison(const Output& output) const {
       row["has_values"] = true;
       row["quartiles"] = format_number(band.q25) + " to " + format_number(band.q75);
       row["tenths"] = format_number(band.q10) + " to " + format_number(band.q90);
-      row["svg"] = draw_box(band, looks_[c], low, high);
+      row["box"] =
+          runs_.drawing({{"kind", "box"},
+                         {"look", series_class(looks_[c])},
+                         {"low", low},
+                         {"high", high},
+                         {"values", {band.q10, band.q25, band.median, band.q75, band.q90}}});
       const auto run = [&](const char* name, double value, std::size_t point) {
         row[name] = {{"value", value}, {"key", index_.read(point).key}, {"run", runs_.add(point)}};
       };

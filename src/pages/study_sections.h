@@ -10,7 +10,6 @@
 
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/quantile_bands.h>
-#include <breakwater/pages/study_charts.h>
 #include <breakwater/pages/study_indices.h>
 #include <breakwater/pages/study_numbers.h>
 
@@ -40,10 +39,13 @@ class RunList {
   /// The list for the page's script: "runs" (each with key, candidate, seed and varied values) and
   /// the names of candidates and keys.
   PageData json(const Plan& plan, const ShardIndex& index) const;
+  /// A drawing with these marks: "id" for the template and "data" for data/report/study.js.
+  PageData drawing(const PageData& data);
 
  private:
   std::vector<std::size_t> points_;
   std::unordered_map<std::size_t, std::size_t> places_;
+  std::size_t drawings_ = 0;
 };
 
 /// Makes the sections of one study's metrics.
@@ -68,7 +70,8 @@ class StudySections {
   struct Output;  // a metric or the failures
   static std::string title_of(const Output& output);
   std::vector<QuantileBand> bands_of(const Output& output) const;
-  LineChart line_chart(const Output& output, const KeyGroups& key) const;
+  PageData line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
+                      bool& has_crosses) const;
   void add_line_charts(const Output& output, PageData& section) const;
   void add_heat_maps(const Output& output, PageData& section) const;
   void add_parallel(const Output& output, PageData& section) const;

@@ -29,11 +29,35 @@ async function look() {
   const panel = dom.getElementById("chosen"), tip = dom.getElementById("tip");
   seen.metrics = dom.querySelectorAll(".metric").length;
   seen.first = shown();
+  // Drawings of our own, in a section that is not drawn yet: round ticks inside, labels, missing values.
+  const mine = {};
+  const draw = (name, data) => {
+    page.pageData["mine-" + name] = data;
+    mine[name] = dom.createElement("div");
+    mine[name].dataset.drawing = "mine-" + name;
+    dom.querySelectorAll(".metric")[1].append(mine[name]);
+  };
+  const range = (low, high, log) => draw([low, high, log].join(" "), {kind: "lines", x_title: "x", y_title: "y", log, share: false,
+    at: [low, high], labels: [], looks: ["c0"], lines: [[{y: 1, low: 1, high: 1, runs: [], text: ""}, {y: null, failed: true, runs: [], text: ""}]]});
+  range(-0.31, 0.52, false); range(0.7, 90, true); range(9, 75, true); range(1e-9, 1e9, true);
+  const heatOf = (name, last) => draw(name, {kind: "heat", x_title: "x", y_title: "y", x: ["a word of twenty-six letters", "b"],
+    y: ["joint-space-position"], cells: [[1, 4, 0, 4, 0], last], low: 1, high: 2, about: "one"});
+  heatOf("failed", [2, 4, 1, 3, 1]); heatOf("absent", [2, 4, 0, 2, 1]); heatOf("dead", [null, 4, 4, 0, 1]);
   const select = dom.querySelector(".chooser select");
   select.value = select.options[1].value;
   select.dispatchEvent(new page.Event("change"));
   seen.second = shown();
   seen.hash = page.location.hash;
+  seen.ticks = {};
+  seen.heat = {};
+  for (const [name, place] of Object.entries(mine)) {
+    const texts = Array.from(place.querySelectorAll("text"), (text) => text.textContent);
+    const bottom = Math.max(...Array.from(place.querySelectorAll("text:not(.title)"), (text) => +text.getAttribute("y")));
+    if (name.includes(" ")) seen.ticks[name] = Array.from(place.querySelectorAll(`text[y="${bottom}"]`), (text) => text.textContent);
+    else seen.heat[name] = [texts.includes("joint-space-position"), ...["absent", "dead", "some"].map((kind) => place.querySelectorAll("path." + kind).length)];
+    seen.crosses = place.querySelectorAll(".m .x").length || seen.crosses;
+    place.remove();
+  }
   const followed = new Promise((done) => page.addEventListener("hashchange", done, {once: true}));
   page.location.hash = dom.querySelector("#metrics tbody a").getAttribute("href");
   await followed;
@@ -105,6 +129,11 @@ def check(seen, study, words):
     assert seen["metrics"] > 1 and len(seen["first"]) == 1 and len(seen["second"]) == 1, seen
     assert seen["first"] == seen["linked"] != seen["second"] and seen["hash"] == "#metric-2", seen
     assert all(word in seen["tip"] for word in words), seen["tip"]
+    assert seen["ticks"] == {"-0.31 0.52 false": ["-0.2", "0", "0.2", "0.4"], "0.7 90 true": ["1", "10"],
+                             "9 75 true": ["10", "20", "50"],
+                             "1e-9 1000000000 true": ["1e-8", "0.0001", "1", "10000", "100000000"]}, seen["ticks"]
+    assert seen["heat"] == {"failed": [True, 0, 0, 1], "absent": [True, 1, 0, 0], "dead": [True, 0, 1, 0]}, seen["heat"]
+    assert seen["crosses"] == 1, seen
     assert seen["tip"] in seen["panel"] and seen["closed"], seen
     assert seen["command"].startswith(f"breakwater sweep {study} --replay "), seen["command"]
     assert "--replay" in seen["byKey"], seen["byKey"]

@@ -8,10 +8,8 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/pages/chart_scale.h>
 #include <breakwater/pages/labels.h>
 #include <breakwater/pages/quantile_bands.h>
-#include <breakwater/pages/study_charts.h>
 #include <breakwater/pages/study_indices.h>
 #include <breakwater/pages/study_numbers.h>
 #include <breakwater/pages/study_report.h>
@@ -287,27 +285,6 @@ TEST(StudyIndices, MatchALinearOutputAndItsFailures) {
   EXPECT_TRUE(has(text, "\nidob,failed,x.b,0,"));
 }
 
-TEST(ChartScale, TicksAreRoundAndInside) {
-  const auto labels = [](double low, double high, bool is_log) {
-    std::vector<std::string> all;
-    for (const ChartScale::Tick& tick : ChartScale(low, high, is_log, 0, 1).ticks(5)) {
-      EXPECT_GE(tick.value, low);
-      EXPECT_LE(tick.value, high);
-      all.push_back(tick.label);
-    }
-    return all;
-  };
-  using Labels = std::vector<std::string>;
-  EXPECT_EQ(labels(-0.31, 0.52, false), (Labels{"-0.2", "0", "0.2", "0.4"}));
-  EXPECT_EQ(labels(0.7, 90.0, true), (Labels{"1", "10"}));
-  EXPECT_EQ(labels(9.0, 75.0, true), (Labels{"10", "20", "50"}));
-  EXPECT_EQ(labels(1e-9, 1e9, true), (Labels{"1e-08", "0.0001", "1", "10000", "1e+08"}));
-  const ChartScale scale(1.0, 100.0, true, 10.0, 30.0);
-  EXPECT_DOUBLE_EQ(scale(10.0), 20.0);
-  EXPECT_DOUBLE_EQ(scale.share(1000.0), 1.0);
-  EXPECT_NEAR(ChartScale(2.0, 2.0, false, 0.0, 1.0)(2.0), 0.5, 1e-12);
-}
-
 // log(0.1,1000,n) has values of ten digits. They stay if fewer digits would make them equal.
 TEST(StudyGroups, LabelsAreAsShortAsTheirValuesAllow) {
   StudyKey key;
@@ -361,18 +338,6 @@ TEST_P(LargeStudy, HasAPageOfLessThan2MB) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, LargeStudy, ::testing::Values("grid", "lhs", "saltelli"),
                          [](const auto& shape) { return std::string(shape.param); });
-
-TEST(HeatMaps, HaveCompleteRowLabels) {
-  HeatMap map;
-  map.x_labels = {"a word of twenty-six letters", "b"};
-  map.y_labels = {"joint-space-position"};
-  map.cells = {{1.0, 4, 0, 4, 0}, {2.0, 4, 1, 3, 1}};
-  const std::string whole = draw(map);
-  EXPECT_TRUE(has(whole, ">joint-space-position<"));
-  EXPECT_TRUE(lacks(whole, "class=\"absent\""));
-  map.cells[1] = {2.0, 4, 0, 2, 1};  // two runs without the metric
-  EXPECT_TRUE(has(draw(map), "class=\"absent\""));
-}
 
 TEST(StudyReport, HostileNamesStayText) {
   const std::string bad = "\"'></script><script>alert(1)</script><img src=x>{{title}}";
