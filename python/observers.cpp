@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <numbers>
@@ -63,6 +64,40 @@ class Arguments {
   py::dict arguments_;
 };
 
+// Values of keys that a scenario's file must give: "NAME.KEY" of one estimator, or "KEY" of all.
+std::optional<std::string> default_of(const std::string& name, const std::string& key) {
+  static const std::map<std::string, std::string> values = {{"disturbance_order", "0"},
+                                                            {"process_noise_on", "\"input\""},
+                                                            {"observation_noise", "1.0"},
+                                                            {"initial_covariance", "[1.0]"},
+                                                            {"lambda_min", "0.8"},
+                                                            {"lambda_max", "1.0"},
+                                                            {"derivative_cutoff_rad_s", "0.0"},
+                                                            {"vfakfd.process_noise", "0.0"}};
+  for (const std::string& known : {name + "." + key, key}) {
+    if (const auto found = values.find(known); found != values.end()) return found->second;
+  }
+  return std::nullopt;
+}
+
+// The keys of an estimator, without "observer.", with their default values.
+std::vector<KeyHelp> keys_of(const AxisEstimatorKind& kind) {
+  Catalogue one;
+  one.add(kind);
+  PartChoice<AxisEstimatorKind> choice(one, "observer.name");
+  Fields fields;
+  choice.bind(fields);
+  fields.read_incomplete(Config("Observer", {}));  // the default values
+  std::vector<KeyHelp> keys;
+  for (KeyHelp& key : fields.help()) {
+    if (key.parts.empty()) continue;  // observer.name
+    key.key.erase(0, std::string("observer.").size());
+    if (key.value.empty()) key.value = default_of(kind.name, key.key).value_or("");
+    keys.push_back(std::move(key));
+  }
+  return keys;
+}
+
 // An estimator of the catalogue, with its own keys.
 Estimator make(const std::string& name, const NominalAxis& axis,
                const std::vector<std::string>& sets) {
@@ -71,6 +106,13 @@ Estimator make(const std::string& name, const NominalAxis& axis,
   choice.bind(fields);
   Config config("Observer", {});
   config.set("observer.name=" + toml_string(name));
+  for (const AxisEstimatorKind& kind : shipped_parts().all<AxisEstimatorKind>()) {
+    if (kind.name != name) continue;
+    for (const KeyHelp& key : keys_of(kind)) {
+      const auto value = default_of(name, key.key);
+      if (value) config.set("observer." + key.key + "=" + *value);
+    }
+  }
   for (const std::string& assignment : sets) config.set(assignment);
   fields.read(config);
   for (const UnusedKey& unused : fields.unused()) config.fail(unused.key, unused.reason);
@@ -82,17 +124,9 @@ Estimator make(const std::string& name, const NominalAxis& axis,
 py::list table_of_observers() {
   py::list table;
   for (const AxisEstimatorKind& kind : shipped_parts().all<AxisEstimatorKind>()) {
-    Catalogue one;
-    one.add(kind);
-    PartChoice<AxisEstimatorKind> choice(one, "observer.name");
-    Fields fields;
-    choice.bind(fields);
-    fields.read_incomplete(Config("Observer", {}));  // the default values
     py::list keys;
-    for (const KeyHelp& key : fields.help()) {
-      if (key.parts.empty()) continue;  // observer.name
-      const std::string prefix = "observer.";
-      keys.append(py::make_tuple(key.key.substr(prefix.size()), key.text, key.takes, key.value));
+    for (const KeyHelp& key : keys_of(kind)) {
+      keys.append(py::make_tuple(key.key, key.text, key.takes, key.value));
     }
     table.append(py::make_tuple(kind.name, kind.help, keys));
   }

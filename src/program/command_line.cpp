@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <ranges>
 #include <stdexcept>
 
 #include <breakwater/experiment/differing_keys.h>
@@ -29,7 +30,7 @@ namespace {
 constexpr const char* kAll = "all";
 
 struct Arguments {
-  std::vector<std::string> cases;
+  std::string cases;  // separated by commas
   RunChanges run;
   std::string seed;
   std::string out;
@@ -46,10 +47,7 @@ struct Arguments {
 void describe(CLI::App& app, const std::string& video_program, Arguments& arguments) {
   app.add_option("--case", arguments.cases,
                  "which case to run (--list-cases); several, or all, run on all cores")
-      ->type_name("NAME[,NAME...]")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+      ->type_name("NAME[,NAME...]");
   add_run_changes(app, arguments.run, "another scenario file, such as a run's own config.toml",
                   "override keys of the scenario file (--print-config shows them all)");
   app.add_option("--seed", arguments.seed, "the same as --set run.seed=N")
@@ -265,13 +263,18 @@ int run_batch(const Call& call, const Batch& batch,
 
 int run_cases(const Call& call) {
   const Arguments& arguments = call.arguments;
-  std::vector<std::string> cases = arguments.cases;
+  std::vector<std::string> cases;
+  for (const auto part : std::views::split(arguments.cases, ',')) {
+    cases.emplace_back(part.begin(), part.end());
+  }
   if (cases.empty()) cases = {call.file.default_case()};
   const bool several = cases.size() > 1 || cases.front() == kAll;
   if (cases == std::vector<std::string>{kAll}) cases = call.file.cases();
   check_video(cases.size() > 1, arguments);
   Batch batch = {several ? kAll : cases.front()};
   for (const std::string& name : cases) {
+    if (name == kAll) throw std::invalid_argument("--case: all stands alone");
+    if (name.empty()) throw std::invalid_argument("--case: a name is missing");
     if (std::ranges::count(cases, name) > 1) {
       throw std::invalid_argument("--case: " + name + " is there twice");
     }

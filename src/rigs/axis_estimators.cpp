@@ -68,7 +68,6 @@ struct MdobCutoffs {
 void bind_mdob(Fields& fields, MdobCutoffs& settings) {
   fields.number("observer.derivative_cutoff_rad_s", settings.derivative_rad_s, not_negative(),
                 "g_d: cut-off of the pseudo-derivative; 0: the raw difference [rad/s]");
-  fields.standard("observer.derivative_cutoff_rad_s", {0.0});
   bind_low_pass(fields, settings.observer_rad_s);
 }
 
@@ -102,13 +101,11 @@ struct KalmanNoise {
                    {"disturbance", ProcessNoise::disturbance}},
                   "place of the process noise: input (B Q B^T, the KFD), all states (Q I) or "
                   "disturbance (the DKF)");
-    fields.standard("observer.process_noise_on", {std::string("input")});
     bind_process_noise(fields, process_noise);
     bind_initial_covariance(fields, initial_covariance);
   }
   void bind_observation(Fields& fields) {
     fields.number("observer.observation_noise", observation_noise, positive(), "R");
-    fields.standard("observer.observation_noise", {1.0});
   }
 
   KalmanDesign design(const NominalAxis& axis) const {
@@ -194,8 +191,6 @@ struct ForgettingLimits {
                   "lower bound of the forgetting factor");
     fields.number("observer.lambda_max", lambda_max, between(0, 1),
                   "upper bound of the forgetting factor");
-    fields.standard("observer.lambda_min", {0.8});
-    fields.standard("observer.lambda_max", {1.0});
   }
   void apply(VfakfdDesign& design) const {
     design.lambda_min = lambda_min;
@@ -214,7 +209,6 @@ void bind_vfakfd(Fields& fields, VfakfdSettings& settings) {
   settings.noise.bind(fields);
   fields.number("observer.alpha", settings.alpha, not_negative(),
                 "alpha of Eq. 4.20; 0: 1/(b_reso T_s), Eq. 4.26");
-  fields.standard("observer.process_noise", {0.0});
   fields.optional_number("observer.dead_zone", settings.dead_zone, not_negative(),
                          "size by which the innovation is reduced first [rad or m]");
   settings.limits.bind(fields);

@@ -47,7 +47,6 @@ struct DisturbanceModel {
   void bind(Fields& fields) {
     fields.count("observer.disturbance_order", order, between(0, 2),
                  "disturbance model: step (0), ramp (1) or parabola (2)");
-    fields.standard("observer.disturbance_order", {std::int64_t{0}});
   }
   ExtendedPlant extend(const NominalAxis& axis) const {
     return axis.extended(order, axis.period_s);
@@ -62,7 +61,6 @@ inline void bind_initial_covariance(Fields& fields, std::vector<double>& initial
   fields.numbers("observer.initial_covariance", initial_covariance, positive(),
                  "diagonal of the initial covariance P0 of position, velocity, d, ...; one number: "
                  "of all");
-  fields.standard("observer.initial_covariance", {ConfigValue::Array{{1.0}}});
 }
 
 inline Eigen::VectorXd diagonal_of(const std::vector<double>& P0, const ExtendedPlant& plant) {
