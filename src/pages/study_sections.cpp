@@ -93,7 +93,11 @@ bool has_heat_maps(const Study& study) {
 }
 
 PageData RunList::drawing(const PageData& data) {
-  return {{"id", fmt::format("drawing-{}", ++drawings_)}, {"data", data}};
+  PageData made = {{"id", fmt::format("drawing-{}", ++drawings_)}, {"data", data}};
+  if (data.contains("x_title")) {
+    made["about"] = text_of(data["y_title"]) + " over " + text_of(data["x_title"]);
+  }
+  return made;
 }
 
 std::size_t RunList::add(std::size_t point) {
