@@ -80,19 +80,13 @@ std::optional<std::string> default_of(const std::string& name, const std::string
   return std::nullopt;
 }
 
-// The keys of an estimator, without "observer.", with their default values.
-std::vector<KeyHelp> keys_of(const AxisEstimatorKind& kind) {
-  Catalogue one;
-  one.add(kind);
-  PartChoice<AxisEstimatorKind> choice(one, "observer.name");
-  Fields fields;
-  choice.bind(fields);
-  fields.read_incomplete(Config("Observer", {}));  // the default values
+// The keys of an estimator among those of all, without "observer.", with their default values.
+std::vector<KeyHelp> keys_of(const std::string& name, const std::vector<KeyHelp>& all) {
   std::vector<KeyHelp> keys;
-  for (KeyHelp& key : fields.help()) {
-    if (key.parts.empty()) continue;  // observer.name
+  for (KeyHelp key : all) {
+    if (std::ranges::find(key.parts, name) == key.parts.end()) continue;
     key.key.erase(0, std::string("observer.").size());
-    if (key.value.empty()) key.value = default_of(kind.name, key.key).value_or("");
+    if (key.value.empty()) key.value = default_of(name, key.key).value_or("");
     keys.push_back(std::move(key));
   }
   return keys;
@@ -106,12 +100,9 @@ Estimator make(const std::string& name, const NominalAxis& axis,
   choice.bind(fields);
   Config config("Observer", {});
   config.set("observer.name=" + toml_string(name));
-  for (const AxisEstimatorKind& kind : shipped_parts().all<AxisEstimatorKind>()) {
-    if (kind.name != name) continue;
-    for (const KeyHelp& key : keys_of(kind)) {
-      const auto value = default_of(name, key.key);
-      if (value) config.set("observer." + key.key + "=" + *value);
-    }
+  for (const KeyHelp& key : keys_of(name, fields.help())) {
+    const auto value = default_of(name, key.key);
+    if (value) config.set("observer." + key.key + "=" + *value);
   }
   for (const std::string& assignment : sets) config.set(assignment);
   fields.read(config);
@@ -122,10 +113,15 @@ Estimator make(const std::string& name, const NominalAxis& axis,
 // The estimators of an axis: name, one line of help, and the keys. A key has its meaning, what it
 // takes, and its default value in TOML, which may be missing.
 py::list table_of_observers() {
+  PartChoice<AxisEstimatorKind> choice(shipped_parts(), "observer.name");
+  Fields fields;
+  choice.bind(fields);
+  fields.read_incomplete(Config("Observer", {}));  // the default values
+  const std::vector<KeyHelp> all = fields.help();
   py::list table;
   for (const AxisEstimatorKind& kind : shipped_parts().all<AxisEstimatorKind>()) {
     py::list keys;
-    for (const KeyHelp& key : keys_of(kind)) {
+    for (const KeyHelp& key : keys_of(kind.name, all)) {
       keys.append(py::make_tuple(key.key, key.text, key.takes, key.value));
     }
     table.append(py::make_tuple(kind.name, kind.help, keys));

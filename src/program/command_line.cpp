@@ -269,11 +269,13 @@ int run_cases(const Call& call) {
   }
   if (cases.empty()) cases = {call.file.default_case()};
   const bool several = cases.size() > 1 || cases.front() == kAll;
-  if (cases == std::vector<std::string>{kAll}) cases = call.file.cases();
+  if (cases.size() > 1 && std::ranges::count(cases, kAll) > 0) {
+    throw std::invalid_argument("--case: all stands alone");
+  }
+  if (cases.front() == kAll) cases = call.file.cases();
   check_video(cases.size() > 1, arguments);
   Batch batch = {several ? kAll : cases.front()};
   for (const std::string& name : cases) {
-    if (name == kAll) throw std::invalid_argument("--case: all stands alone");
     if (name.empty()) throw std::invalid_argument("--case: a name is missing");
     if (std::ranges::count(cases, name) > 1) {
       throw std::invalid_argument("--case: " + name + " is there twice");
