@@ -21,7 +21,7 @@ namespace breakwater {
   X(H5Fget_file_image) X(H5Fget_filesize) X(H5Fopen) X(H5Gclose) X(H5Gcreate2) X(H5Gget_info)     \
   X(H5Gopen2) X(H5Iget_file_id) X(H5Lexists) X(H5Lget_info) X(H5Lget_name_by_idx) X(H5Pclose)     \
   X(H5Pcreate) X(H5Pget_chunk) X(H5Pget_external_count) X(H5Pget_filter2) X(H5Pget_layout)        \
-  X(H5Pget_nfilters) X(H5Pset_chunk) X(H5Pset_deflate) X(H5Pset_fapl_core)                        \
+  X(H5Pget_nfilters) X(H5Pset_chunk) X(H5Pset_deflate) X(H5Pset_fapl_core) X(H5Pset_fapl_stdio)   \
   X(H5Pset_obj_track_times) X(H5Pset_shuffle) X(H5Sclose) X(H5Screate) X(H5Screate_simple)        \
   X(H5Sget_simple_extent_dims) X(H5Sget_simple_extent_ndims) X(H5Sget_simple_extent_type)         \
   X(H5Sselect_hyperslab) X(H5Tclose) X(H5Tcopy) X(H5Tequal) X(H5Tget_class) X(H5Tget_size)        \

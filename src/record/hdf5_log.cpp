@@ -318,11 +318,19 @@ void reserve_headers(const std::string& file, const std::vector<LogEntry>& datas
   }
 }
 
+// HDF5's usual driver asks for the path of a symbolic link. path_of() has none if another run has
+// replaced the log. The driver of stdio does not ask.
+hid_t open_to_read(const std::string& file) {
+  const Handle stdio(hdf5().H5Pcreate(hdf5().FILE_ACCESS), hdf5().H5Pclose);
+  require(hdf5().H5Pset_fapl_stdio(stdio));
+  return hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, stdio);
+}
+
 // All datasets except indices. The caller holds hdf5_in_use.
 std::vector<LogEntry> list_datasets(const std::string& file) {
   hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
-    const Handle handle(hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), hdf5().H5Fclose);
+    const Handle handle(open_to_read(file), hdf5().H5Fclose);
     std::vector<LogEntry> entries;
     for (const std::string& track : object_names(handle)) {
       const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
@@ -345,7 +353,7 @@ template <typename Use>
 auto with_dataset(const std::string& file, const std::string& dataset, Use&& use) {
   hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
-    const Handle handle(hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), hdf5().H5Fclose);
+    const Handle handle(open_to_read(file), hdf5().H5Fclose);
     const std::size_t slash = dataset.find('/');
     const std::string track = dataset.substr(0, slash);
     const std::string name = slash == std::string::npos ? "" : dataset.substr(slash + 1);

@@ -660,6 +660,15 @@ TEST_F(DamagedRun, HandlesEveryWrongValueOfTheMetrics) {
   EXPECT_TRUE(has(complaints()[0], "it has no metrics.json"));
 }
 
+TEST_F(DamagedRun, IsReadToItsEndIfAnotherRunReplacesIt) {
+  const SavedRun run(folder_);
+  const std::size_t rows = run.signals().front().rows;
+  std::filesystem::remove_all(folder_);
+  for (const LogEntry& entry : run.signals()) {
+    EXPECT_EQ(run.dataset(entry.group + "/" + entry.name).rows, rows) << entry.name;
+  }
+}
+
 TEST(SavedRun, UnitsComeFromTheEndsOfNames) {
   EXPECT_EQ(unit_of("rmse_velocity_rad_s"), "rad/s");
   EXPECT_EQ(unit_of("max_speed_m_s"), "m/s");
