@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -39,10 +40,10 @@ class Arguments {
     NominalAxis axis{.plant = {matrix(at("A"), "A"), matrix(at("B"), "B"), matrix(at("C"), "C")},
                      .period_s = 1.0,
                      .is_sampled = at("period_s").is_none(),
-                     .pulses_per_revolution = number_at("pulses_per_revolution")};
+                     .pulses_per_revolution = not_negative("pulses_per_revolution")};
     check(axis.plant);
     if (!axis.is_sampled) axis.period_s = number_at("period_s");
-    if (const double largest = number_at("largest_input"); largest > 0.0) {
+    if (const double largest = not_negative("largest_input"); largest > 0.0) {
       axis.force_limit = largest;
     }
     const Eigen::Index outputs = axis.plant.outputs();
@@ -60,6 +61,11 @@ class Arguments {
  private:
   py::object at(const char* name) const { return arguments_[name]; }
   double number_at(const char* name) const { return python::number(at(name), name); }
+  double not_negative(const char* name) const {
+    const double value = number_at(name);
+    if (value >= 0.0) return value;
+    throw std::invalid_argument(std::string(name) + ": must be 0 or more");
+  }
 
   py::dict arguments_;
 };
@@ -104,10 +110,19 @@ Estimator make(const std::string& name, const NominalAxis& axis,
     const auto value = default_of(name, key.key);
     if (value) config.set("observer." + key.key + "=" + *value);
   }
-  for (const std::string& assignment : sets) config.set(assignment);
-  fields.read(config);
-  for (const UnusedKey& unused : fields.unused()) config.fail(unused.key, unused.reason);
-  return choice.check(config, axis);
+  try {
+    for (const std::string& assignment : sets) config.set(assignment);
+    fields.read(config);
+    for (const UnusedKey& unused : fields.unused()) config.fail(unused.key, unused.reason);
+    return choice.check(config, axis);
+  } catch (const std::invalid_argument& error) {
+    // Python has arguments, and not the keys of a file or of --set.
+    std::string text = error.what();
+    for (const char* const begin : {"--set: ", "Observer: ", "observer."}) {
+      if (text.starts_with(begin)) text.erase(0, std::strlen(begin));
+    }
+    throw std::invalid_argument(text);
+  }
 }
 
 // The estimators of an axis: name, one line of help, and the keys. A key has its meaning, what it

@@ -167,6 +167,10 @@ Aliases read_aliases(const toml::node& node, const std::string& file) {
     if (key == nullptr || *key == name) {
       throw std::invalid_argument(entry.origin + ": alias." + name + ": must be another key");
     }
+    if (named.contains(*key)) {
+      throw std::invalid_argument(entry.origin + ": alias." + name + ": " + *key +
+                                  " is another name itself: give the key");
+    }
     aliases[name] = *key;
   }
   return aliases;

@@ -465,8 +465,11 @@ Config Fields::without_aliases(const Config& config) const {
   aliases.insert(aliases_.begin(), aliases_.end());
   Config whole = config;
   for (const auto& [alias, key] : aliases) {
+    if (find(alias) != nullptr) {
+      config.fail("alias." + alias, "is a key, and no other name of one");
+    }
     const ConfigEntry* entry = config.find(alias);
-    if (entry == nullptr || find(alias) != nullptr) continue;
+    if (entry == nullptr) continue;
     const ConfigEntry* other = whole.find(key);
     const int rank = other != nullptr ? other->rank() : -1;
     if (rank == entry->rank()) {
