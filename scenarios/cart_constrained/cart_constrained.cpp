@@ -1,70 +1,105 @@
-#include "cart_constrained/cart_constrained.h"
+// Scenario cart_constrained: constraints under disturbance and mass error (thesis 2.3.7, 3.3.4).
+#include "on_axes.h"
 
 namespace breakwater {
+namespace {
 
-Fields CartConstrained::fields() {
-  Fields fields;
-  fields.choice("condition", condition_,
-                {{"A", CartCondition::A},
-                 {"B", CartCondition::B},
-                 {"C", CartCondition::C},
-                 {"D", CartCondition::D},
-                 {"E", CartCondition::E}},
-                "A: nominal. B, C: a force of 1 N or 2 N. D, E: half or one and a half times the "
-                "nominal mass");
-  plant_.bind(fields);
-  fields.number("start.position_m", start_position_m_, any(),
-                "position of the cart at the start [m]");
-  fields.number("start.velocity_m_s", start_velocity_m_s_, any(),
-                "velocity of the cart at the start [m/s]");
-  parts_.bind(fields);
-  fields.number("observer.start_position_m", estimated_start_position_m_, any(),
-                "position with which the estimator starts [m]");
-  fields.number("observer.start_velocity_m_s", estimated_start_velocity_m_s_, any(),
-                "velocity with which the estimator starts [m/s]");
-  fields.number("constraint.velocity_m_s", velocity_m_s_, positive(), "bound on |v| [m/s]");
-  fields.number("constraint.input_lower_N", input_lower_N_, any(), "lower bound on the input [N]");
-  fields.number("constraint.input_upper_N", input_upper_N_, any(), "upper bound on the input [N]");
-  fields.number("disturbance.start_s", disturbance_start_s_, not_negative(),
-                "in conditions B and C, the time at which the force begins [s]");
-  fields.only_for({"disturbance.start_s"}, "condition", {"B", "C"});
-  fields.number("metrics.violation_slack", violation_slack_, not_negative(),
-                "excess over a limit above which the limit counts as violated [N, m/s]");
-  fields.number("metrics.settled_within_m", settled_within_m_, positive(),
-                "distance from 0 within which the position counts as settled [m]");
-  rows_.bind(fields);
-  return fields;
-}
+// The conditions of the table in 2.3.7.
+struct Condition {
+  double force_N;  // half of the input's limit or the limit
+  double mass_ratio;
+};
 
-AxisPlant CartConstrained::plant() const {
-  AxisPlant plant = plant_;
-  plant.axis().start_position = start_position_m_;
-  plant.axis().start_velocity = start_velocity_m_s_;
-  plant.axis().force = disturbance();
-  plant.senses_true_state = true;
-  if (condition_ == CartCondition::D) plant.inertia_ratio *= 0.5;
-  if (condition_ == CartCondition::E) plant.inertia_ratio *= 1.5;
-  return plant;
-}
+// The cart starts displaced and moving, and must come to rest at 0. The question is whether the
+// controller keeps its limits of input and velocity under a force or a mass error.
+class CartConstrained final : public AxisScenario {
+ public:
+  explicit CartConstrained(const Catalogue& catalogue)
+      : AxisScenario(catalogue, {.name = "cart_constrained",
+                                 .summary = "limits of a cart's input and velocity under "
+                                            "disturbance and mass error",
+                                 .axis = cart_axis(),
+                                 .optimises = true}) {
+    plant_.senses_true_state = true;
+  }
 
-Disturbance CartConstrained::disturbance() const {
-  Disturbance force{DisturbanceKind::step, 0.0, 0.0, disturbance_start_s_};
-  if (condition_ == CartCondition::B) force.amplitude = 1.0;
-  if (condition_ == CartCondition::C) force.amplitude = 2.0;
-  return force;
-}
+  Matrix matrix() const override {
+    return {"condition",
+            {"A", "B", "C", "D", "E"},
+            {"max_input_N", "max_speed_m_s", "final_position_m", "input_violation_time_s",
+             "speed_violation_time_s"}};
+  }
 
-AxisTask CartConstrained::task() const {
-  return {.axis = plant_.nominal(),
-          .start_state = {estimated_start_position_m_, estimated_start_velocity_m_s_},
-          .senses_true_state = true};
-}
+  AxisPlant plant() const override {
+    AxisPlant plant = plant_;
+    plant.axis().force = {DisturbanceKind::step, condition().force_N, 0.0, disturbance_start_s_};
+    plant.inertia_ratio *= condition().mass_ratio;
+    return plant;
+  }
 
-void CartConstrained::check(const Config& config) {
-  check_plant(plant_, config);
-  parts_.check(config, task());
-  const bool is_pushed = condition_ == CartCondition::B || condition_ == CartCondition::C;
-  check_metrics(config, {.known = {{"push_s", is_pushed ? disturbance_start_s_ : 0.0}}});
+  AxisTask task() const override {
+    return {.axis = plant_.nominal(),
+            .start_state = {estimated_start_position_m_, estimated_start_velocity_m_s_},
+            .senses_true_state = true};
+  }
+
+ private:
+  enum class Name { A, B, C, D, E };
+
+  Condition condition() const {
+    static constexpr Condition kConditions[] = {
+        {0.0, 1.0}, {1.0, 1.0}, {2.0, 1.0}, {0.0, 0.5}, {0.0, 1.5}};
+    return kConditions[static_cast<int>(condition_)];
+  }
+
+  void bind(Fields& fields) override {
+    fields.choice("condition", condition_,
+                  {{"A", Name::A}, {"B", Name::B}, {"C", Name::C}, {"D", Name::D}, {"E", Name::E}},
+                  "A: nominal. B, C: a force of 1 N or 2 N. D, E: half or one and a half times the "
+                  "nominal mass");
+    fields.number("start.position_m", plant_.axis().start_position, any(),
+                  "position of the cart at the start [m]");
+    fields.number("start.velocity_m_s", plant_.axis().start_velocity, any(),
+                  "velocity of the cart at the start [m/s]");
+    fields.number("observer.start_position_m", estimated_start_position_m_, any(),
+                  "position with which the estimator starts [m]");
+    fields.number("observer.start_velocity_m_s", estimated_start_velocity_m_s_, any(),
+                  "velocity with which the estimator starts [m/s]");
+    fields.number("constraint.velocity_m_s", velocity_m_s_, positive(), "bound on |v| [m/s]");
+    fields.number("constraint.input_lower_N", input_lower_N_, any(),
+                  "lower bound on the input [N]");
+    fields.number("constraint.input_upper_N", input_upper_N_, any(),
+                  "upper bound on the input [N]");
+    fields.number("disturbance.start_s", disturbance_start_s_, not_negative(),
+                  "in conditions B and C, the time at which the force begins [s]");
+    fields.only_for({"disturbance.start_s"}, "condition", {"B", "C"});
+    fields.number("metrics.violation_slack", violation_slack_, not_negative(),
+                  "excess over a limit above which the limit counts as violated [N, m/s]");
+    fields.number("metrics.settled_within_m", settled_within_m_, positive(),
+                  "distance from 0 within which the position counts as settled [m]");
+  }
+
+  MetricContext complete(const Config& /*config*/) override {
+    const bool is_pushed = condition().force_N > 0.0;
+    return {.known = {{"push_s", is_pushed ? disturbance_start_s_ : 0.0}}};
+  }
+
+  Name condition_ = Name::A;
+  double estimated_start_position_m_ = 0.0;
+  double estimated_start_velocity_m_s_ = 0.0;
+  double disturbance_start_s_ = 0.0;
+  // The limits for the metrics, for any controller.
+  double input_lower_N_ = 0.0;
+  double input_upper_N_ = 0.0;
+  double velocity_m_s_ = 0.0;
+  double violation_slack_ = 0.0;
+  double settled_within_m_ = 0.0;
+};
+
+}  // namespace
+
+ScenarioKind cart_constrained() {
+  return scenario_kind<CartConstrained>("cart_constrained");
 }
 
 }  // namespace breakwater

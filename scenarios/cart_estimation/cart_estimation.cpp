@@ -1,4 +1,7 @@
-#include "cart_estimation/cart_estimation.h"
+// Scenario cart_estimation: disturbance models and forgetting factors (thesis 4.2.4).
+#include <breakwater/world/disturbance.h>
+
+#include "on_axes.h"
 
 namespace breakwater {
 namespace {
@@ -55,117 +58,108 @@ std::vector<MetricKind> lags() {
            .takes_all = true}};
 }
 
+// A disturbance of Table 4.3 and the end of its keys: "" or "_s" of a slope.
+struct Shape {
+  std::string name;
+  std::string per;
+  Disturbance disturbance;
+};
+
+// A cart under PD control with disturbance cancellation (Eq. 4.10), with system and observation
+// noise. The question is which disturbance model and forgetting factor follow which disturbance,
+// how fast, and with how much noise.
+class CartEstimation final : public AxisScenario {
+ public:
+  explicit CartEstimation(const Catalogue& catalogue)
+      : AxisScenario(catalogue, {.name = "cart_estimation",
+                                 .summary = "disturbance models and forgetting factors of Kalman "
+                                            "filters on a cart",
+                                 .axis = cart_axis(),
+                                 .controller = "pd",
+                                 .reductions = lags()}) {}
+
+  AxisPlant plant() const override {
+    AxisPlant plant = plant_;
+    plant.axis().force = shapes_[shape_].disturbance;
+    return plant;
+  }
+
+ private:
+  void bind(Fields& fields) override {
+    bind_step(fields, plant_.axis().reference);
+    std::vector<std::pair<std::string, std::size_t>> kinds;
+    for (Shape& shape : shapes_) kinds.emplace_back(shape.name, kinds.size());
+    fields.choice("disturbance.kind", shape_, kinds,
+                  "shape of the disturbance, (a) to (d) of Table 4.3");
+    for (Shape& shape : shapes_) {
+      const std::string key = "disturbance." + shape.name;
+      Disturbance& d = shape.disturbance;
+      std::vector<std::string> keys = {key + "_N" + shape.per, key + "_start_s"};
+      fields.number(keys.front(), d.amplitude, any(),
+                    shape.per.empty() ? "amplitude of this disturbance [N]"
+                                      : "slope of this disturbance [N/s]");
+      if (d.kind == DisturbanceKind::sine) {
+        keys.push_back(key + "_rad_s");
+        fields.number(keys.back(), d.frequency_rad_s, positive(),
+                      "frequency of this disturbance [rad/s]");
+      }
+      fields.number(keys[1], d.start_s, not_negative(),
+                    "time at which this disturbance begins [s]");
+      fields.only_for(keys, "disturbance.kind", {shape.name});
+    }
+    bind_window(fields, "the errors");
+    fields.number("metrics.noise_from_s", noise_from_s_, not_negative(),
+                  "start of the window of the noise [s]");
+    fields.number("metrics.noise_to_s", noise_to_s_, not_negative(),
+                  "end of the window of the noise [s]");
+  }
+
+  MetricContext complete(const Config& config) override {
+    if (noise_to_s_ <= noise_from_s_) {
+      config.fail("metrics.noise_to_s", "must be later than metrics.noise_from_s");
+    }
+    return {};
+  }
+
+  AxisAdditions additions(const AxisRig& /*rig*/, const AxisLoop& loop) const override {
+    // Also simulate the loop without noise: the difference is the effect of the noise.
+    struct Quiet {
+      Quiet(const AxisParts& parts, const AxisTask& task, const AxisPlant& plant)
+          : loop(parts.make(task)), rig(plant, *loop.controller) {}
+
+      AxisLoop loop;
+      AxisRig rig;
+      double noise_N = 0.0;
+      double rate_N_s = 0.0;
+    };
+    const auto quiet = std::make_shared<Quiet>(parts_, task(), without_noise(plant()));
+    quiet->loop.controller->set_watched(false);
+    AxisAdditions own;
+    own.logged = {{"d_hat_noise_N", "N", "part of the estimated disturbance that the noise causes",
+                   view(quiet->noise_N)}};
+    own.unlogged = {{"d_rate_N_s", "N/s", "rate of the disturbance", view(quiet->rate_N_s)}};
+    own.step = [quiet] { quiet->rig.step(); };
+    own.sample = [quiet, &loop, force = plant().axis().force](double time_s) {
+      quiet->rate_N_s = force.rate(time_s);
+      if (!loop.estimates()) return;
+      quiet->noise_N = loop.estimator->disturbance()(0) - quiet->loop.estimator->disturbance()(0);
+    };
+    return own;
+  }
+
+  std::size_t shape_ = 0;
+  std::vector<Shape> shapes_ = {{"step", "", {.kind = DisturbanceKind::step}},
+                                {"ramp", "_s", {.kind = DisturbanceKind::ramp}},
+                                {"sine", "", {.kind = DisturbanceKind::sine}},
+                                {"high_sine", "", {.kind = DisturbanceKind::sine}}};
+  double noise_from_s_ = 0.0;
+  double noise_to_s_ = 0.0;
+};
+
 }  // namespace
 
-CartEstimation::CartEstimation(const Catalogue& catalogue)
-    : AxisScenario(MetricRows(catalogue, "cart_estimation", lags()), Optimises::no),
-      plant_(cart_axis(), catalogue),
-      parts_(catalogue, "pd") {}
-
-Fields CartEstimation::fields() {
-  Fields fields;
-  plant_.bind(fields);
-  parts_.bind(fields);
-  fields.number("task.reference_m", plant_.axis().reference.value, any(),
-                "y_ref: reference of the position [m]");
-  fields.number("task.reference_from_s", plant_.axis().reference.from_s, not_negative(),
-                "time of the step to the reference [s]");
-  fields.choice("disturbance.kind", kind_,
-                {{"step", Kind::step},
-                 {"ramp", Kind::ramp},
-                 {"sine", Kind::sine},
-                 {"high_sine", Kind::high_sine}},
-                "shape of the disturbance, (a) to (d) of Table 4.3");
-  const auto bind = [&fields](const std::string& name, Disturbance& d, const std::string& unit) {
-    fields.number(
-        "disturbance." + name + "_N" + unit, d.amplitude, any(),
-        unit.empty() ? "amplitude of this disturbance [N]" : "slope of this disturbance [N/s]");
-    if (d.kind == DisturbanceKind::sine) {
-      fields.number("disturbance." + name + "_rad_s", d.frequency_rad_s, positive(),
-                    "frequency of this disturbance [rad/s]");
-    }
-    fields.number("disturbance." + name + "_start_s", d.start_s, not_negative(),
-                  "time at which this disturbance begins [s]");
-  };
-  bind("step", step_, "");
-  bind("ramp", ramp_, "_s");
-  bind("sine", sine_, "");
-  bind("high_sine", high_sine_, "");
-  const auto only_for = [&fields](const std::string& kind, const std::vector<std::string>& keys) {
-    for (const std::string& key : keys) {
-      fields.only_for({"disturbance." + kind + key}, "disturbance.kind", {kind});
-    }
-  };
-  only_for("step", {"_N", "_start_s"});
-  only_for("ramp", {"_N_s", "_start_s"});
-  only_for("sine", {"_N", "_rad_s", "_start_s"});
-  only_for("high_sine", {"_N", "_rad_s", "_start_s"});
-  fields.number("metrics.from_s", from_s_, not_negative(), "start of the window of the errors [s]");
-  fields.number("metrics.to_s", plant_.judged_to_s, not_negative(),
-                "end of the window of the errors [s]");
-  fields.number("metrics.noise_from_s", noise_from_s_, not_negative(),
-                "start of the window of the noise [s]");
-  fields.number("metrics.noise_to_s", noise_to_s_, not_negative(),
-                "end of the window of the noise [s]");
-  rows_.bind(fields);
-  return fields;
-}
-
-Disturbance CartEstimation::disturbance() const {
-  switch (kind_) {
-    case Kind::step:
-      return step_;
-    case Kind::ramp:
-      return ramp_;
-    case Kind::sine:
-      return sine_;
-    case Kind::high_sine:
-      return high_sine_;
-  }
-  return {};
-}
-
-AxisPlant CartEstimation::plant() const {
-  AxisPlant plant = plant_;
-  plant.axis().force = disturbance();
-  return plant;
-}
-
-void CartEstimation::check(const Config& config) {
-  check_plant(plant_, config);
-  parts_.check(config, task());
-  if (plant_.judged_to_s <= from_s_)
-    config.fail("metrics.to_s", "must be later than metrics.from_s");
-  if (noise_to_s_ <= noise_from_s_) {
-    config.fail("metrics.noise_to_s", "must be later than metrics.noise_from_s");
-  }
-  check_metrics(config);
-}
-
-AxisAdditions CartEstimation::additions(const AxisRig& /*rig*/, const AxisLoop& loop) const {
-  // Also simulate the loop without noise: the difference is the effect of the noise.
-  struct Quiet {
-    Quiet(const AxisParts& parts, const AxisTask& task, const AxisPlant& plant)
-        : loop(parts.make(task)), rig(plant, *loop.controller) {}
-
-    AxisLoop loop;
-    AxisRig rig;
-    double noise_N = 0.0;
-    double rate_N_s = 0.0;
-  };
-  const auto quiet = std::make_shared<Quiet>(parts_, task(), without_noise(plant()));
-  quiet->loop.controller->set_watched(false);
-  AxisAdditions own;
-  own.logged = {{"d_hat_noise_N", "N", "part of the estimated disturbance that the noise causes",
-                 view(quiet->noise_N)}};
-  own.unlogged = {{"d_rate_N_s", "N/s", "rate of the disturbance", view(quiet->rate_N_s)}};
-  own.step = [quiet] { quiet->rig.step(); };
-  own.sample = [quiet, &loop, force = disturbance()](double time_s) {
-    quiet->rate_N_s = force.rate(time_s);
-    if (!loop.estimates()) return;
-    quiet->noise_N = loop.estimator->disturbance()(0) - quiet->loop.estimator->disturbance()(0);
-  };
-  return own;
+ScenarioKind cart_estimation() {
+  return scenario_kind<CartEstimation>("cart_estimation");
 }
 
 }  // namespace breakwater

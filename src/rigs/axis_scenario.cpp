@@ -27,22 +27,56 @@ std::vector<Signal> metric_signals(const AxisAdditions& own, const AxisRig& rig,
 
 }  // namespace
 
-std::vector<MetricDefinition> AxisScenario::metric_definitions() const {
-  return optimises_ == Optimises::yes ? with_qp_metrics(rows_.definitions()) : rows_.definitions();
+AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design)
+    : LoopScenario(MetricRows(catalogue, design.name, design.reductions)),
+      plant_(design.axis, catalogue),
+      parts_(catalogue, design.controller),
+      design_(std::move(design)) {}
+
+Fields AxisScenario::fields() {
+  Fields fields;
+  plant_.bind(fields);
+  parts_.bind(fields);
+  bind(fields);
+  rows_.bind(fields);
+  return fields;
 }
 
-void AxisScenario::check_metrics(const Config& config, const MetricContext& context) {
+void AxisScenario::bind_window(Fields& fields, const std::string& what) {
+  has_window_ = true;
+  fields.number("metrics.from_s", from_s_, not_negative(),
+                "start of the window of " + what + " [s]");
+  fields.number("metrics.to_s", plant_.judged_to_s, not_negative(),
+                "end of the window of " + what + " [s]");
+}
+
+void AxisScenario::check(const Config& config) {
+  check_plant(plant_, config);
+  const MetricContext context = complete(config);
+  parts_.check(config, task());
+  if (has_window_ && plant_.judged_to_s <= from_s_) {
+    config.fail("metrics.to_s", "must be later than metrics.from_s");
+  }
   rows_.check(
       config, [this] { return fields(); }, plant().physics, context);
+}
+
+AxisTask AxisScenario::task() const {
+  const AxisPlant plant = this->plant();
+  return {.axis = plant.nominal(), .reference = plant.axis().reference};
+}
+
+std::vector<MetricDefinition> AxisScenario::metric_definitions() const {
+  return design_.optimises ? with_qp_metrics(rows_.definitions()) : rows_.definitions();
 }
 
 Recording AxisScenario::run(const RunControl& control) const {
   const math::FloatEnvironment floats;
   const AxisPlant plant = this->plant();
   const AxisTask task = this->task();
-  const AxisLoop loop = parts().make(task);
+  const AxisLoop loop = parts_.make(task);
   AxisRig rig(plant, *loop.controller);
-  rig.know_loop(parts(), task);
+  rig.know_loop(parts_, task);
   const AxisAdditions own = additions(rig, loop);
   std::vector<Signal> logged = rig.signals();
   logged.insert(logged.end(), own.logged.begin(), own.logged.end());
@@ -58,7 +92,7 @@ Recording AxisScenario::run(const RunControl& control) const {
     if (own.sample) own.sample(time_s);
   };
   Recording recording = rig.run(control, std::move(logged), step, sample, &values);
-  if (optimises_ == Optimises::yes && !recording.failure) {
+  if (design_.optimises && !recording.failure) {
     add_qp_metrics(*loop.controller, recording);
   }
   return recording;

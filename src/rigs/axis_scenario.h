@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/axis_rig.h>
 
@@ -45,43 +46,69 @@ struct AxisAdditions {
   std::function<void(double time_s)> sample = {};  ///< is called after each sample
 };
 
-/// A scenario of one axis. Valid after its settings are read and checked.
+/// A scenario of one axis: its name, its axis and its standard controller.
+struct AxisScenarioDesign {
+  std::string name;
+  std::string summary;
+  Axis axis;
+  std::string controller = {};  ///< the default one; empty: the file names it
+  bool optimises = false;       ///< the metrics of predictive control's optimisations belong to it
+  std::vector<MetricKind> reductions = {};  ///< its own
+};
+
+/// A scenario of one axis. Its members are valid after its settings are read and checked.
 ///
 /// Its metrics may be of every signal of the log, and of `reference_…` of the load. The estimates
 /// position_hat_…, velocity_hat_… and d_hat_… are there for each controller with an estimator.
 class AxisScenario : public LoopScenario {
  public:
-  /// The plant of this case.
-  virtual AxisPlant plant() const = 0;
-  /// The task of its controller.
-  virtual AxisTask task() const = 0;
-  /// The choice of its estimator and controller.
-  virtual const AxisParts& parts() const = 0;
-
+  std::string name() const override { return design_.name; }
+  std::string summary() const override { return design_.summary; }
+  /// Binds the keys of the plant, of its controller and its estimator, then bind(), then the rows
+  /// of the metrics.
+  Fields fields() override;
+  /// Also calls complete().
+  void check(const Config& config) override;
+  const RunSettings& run_settings() const override { return plant_.run; }
   std::vector<MetricDefinition> metric_definitions() const override;
   std::vector<std::string> warnings() const override { return plant().warnings(); }
-  std::vector<AxisOfPlant> loops() const final { return {{plant(), task(), &parts()}}; }
+  std::vector<AxisOfPlant> loops() const final { return {{plant(), task(), &parts_}}; }
   Recording run(const RunControl& control) const override;
 
+  /// The plant of this case.
+  virtual AxisPlant plant() const { return plant_; }
+  /// The task of its controller: the axis follows its reference.
+  virtual AxisTask task() const;
+
  protected:
-  enum class Optimises { no, yes };
+  AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design);
 
-  AxisScenario() = default;
-
-  /// With Optimises::yes the metrics of predictive control's optimisations belong to it.
-  AxisScenario(const Catalogue& catalogue, const std::string& name,
-               Optimises optimises = Optimises::no)
-      : LoopScenario(MetricRows(catalogue, name)), optimises_(optimises) {}
-  AxisScenario(MetricRows rows, Optimises optimises)
-      : LoopScenario(std::move(rows)), optimises_(optimises) {}
-
-  void check_metrics(const Config& config, const MetricContext& context = {});
+  /// Binds the scenario's own keys.
+  virtual void bind(Fields& fields) = 0;
+  /// Reads and checks what only this scenario has, after the plant's settings. Returns the names
+  /// for the rows of its metrics. Throws as check().
+  virtual MetricContext complete(const Config& /*config*/) { return {}; }
   virtual AxisAdditions additions(const AxisRig& /*rig*/, const AxisLoop& /*loop*/) const {
     return {};
   }
+  /// Binds metrics.from_s and metrics.to_s, the window of `what`. A shorter run has no metrics.
+  void bind_window(Fields& fields, const std::string& what);
+
+  AxisPlant plant_;
+  AxisParts parts_;
 
  private:
-  Optimises optimises_ = Optimises::no;
+  AxisScenarioDesign design_;
+  bool has_window_ = false;
+  double from_s_ = 0.0;
 };
+
+/// The kind of a scenario with a constructor that takes the catalogue.
+template <typename OneScenario>
+ScenarioKind scenario_kind(const char* name) {
+  return {name, [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+            return std::make_unique<OneScenario>(catalogue);
+          }};
+}
 
 }  // namespace breakwater
