@@ -336,13 +336,20 @@ py::object setup_of(const NominalAxis& axis) {
 template <typename Function>
 py::cpp_function function_of_time(const Function& function) {
   return [function](const py::args& given, const py::kwargs& named) -> py::object {
-    if (given.size() != 1 || !named.empty()) throw py::type_error("reference() takes t");
+    if (given.size() != 1 || !named.empty()) throw py::type_error("a reference takes t");
     return function(number(given[0], "t"));
   };
 }
 
+void add_force(const py::object& setup, const ForceTask& force) {
+  if (!force.is_there()) return;
+  setup.attr("force_reference") = function_of_time(
+      [reference = force.reference](double t) { return py::float_(reference.at(t)); });
+}
+
 py::object setup_of(const AxisTask& task) {
   py::object setup = setup_of(task.axis);
+  add_force(setup, task.force);
   setup.attr("start_state") = array(Input(task.start_state));
   setup.attr("reference") = function_of_time(
       [reference = task.modelled_reference()](double t) { return py::float_(reference.at(t)); });
@@ -351,6 +358,7 @@ py::object setup_of(const AxisTask& task) {
 
 py::object setup_of(const PlantTask& task) {
   py::object setup = setup_of(task.whole);
+  add_force(setup, task.force);
   setup.attr("names") = task.names;
   setup.attr("pose") = array(Input(task.pose));
   setup.attr("to_states") = matrix_array(task.to_states);
@@ -429,8 +437,9 @@ AxisControllerKind axis_controller(const std::string& name, const SharedObject& 
   return kind_of<AxisControllerKind>(
       name,
       [part](const AxisTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
-        return std::make_unique<PythonController>(object_of(part), "AxisSample", setup_of(task),
-                                                  kForce);
+        return std::make_unique<PythonController>(
+            object_of(part), task.force.is_there() ? "AxisForceSample" : "AxisSample",
+            setup_of(task), kForce);
       },
       asked);
 }
@@ -477,8 +486,9 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
     catalogue_.add(kind_of<PlantControllerKind>(
         controller_,
         [part](const PlantTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
-          return std::make_unique<PythonController>(object_of(part), "PlantSample", setup_of(task),
-                                                    kForces);
+          return std::make_unique<PythonController>(
+              object_of(part), task.force.is_there() ? "PlantForceSample" : "PlantSample",
+              setup_of(task), kForces);
         },
         asked));
     catalogue_.add(kind_of<QuadrotorControllerKind>(
