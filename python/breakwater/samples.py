@@ -76,7 +76,7 @@ class PlantForceSample(_WithForce):
 
     @property
     def positions(self) -> np.ndarray:
-        """What PlantSample has [rad or m]."""
+        """Measured positions of all axes; with sensor.true_state then the true ones and the true velocities [rad or m]."""
         return self[:-2].view(np.ndarray)
 
 

@@ -157,7 +157,7 @@ class AxisRig {
   std::vector<DrivenAxis> axes_;
   std::vector<Push> pushes_;
   std::vector<Contact> contacts_;
-  const double* contact_force_ = nullptr;  // of the tip; null: not known
+  const double* contact_force_ = nullptr;  // the tip's; null: not known
   double force_reference_ = 0.0;
   std::unique_ptr<Simulation> simulation_;
   std::size_t positions_of_file_;  // added rotors come behind them; pictures do not have them

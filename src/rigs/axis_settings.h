@@ -140,9 +140,9 @@ struct AxisPlant {
   std::vector<ContactSettings> contacts;
   std::optional<TipSettings> tip;
 
-  /// Takes the names of axes, pushes and contacts and the tip from the tables of a file, and the
-  /// kind of each axis from its joint. The axes have the order of their joints in the model. Throws
-  /// std::invalid_argument `ORIGIN: KEY: reason`.
+  /// Takes the names of axes, pushes and contacts from the tables of a file, and the kind of each
+  /// axis from its joint. Finds whether there is a tip. The axes have the order of their joints in
+  /// the model. Throws std::invalid_argument `ORIGIN: KEY: reason`.
   void learn(const Config& config);
 
   /// The first axis.
@@ -177,7 +177,7 @@ struct AxisPlant {
   /// The same with the axes' distances of the start.
   std::vector<double> start_pose(const Model& model) const;
   /// The measured positions of all axes; then, with senses_true_state, all true positions and all
-  /// true velocities; then, with a tip, its force behind the low-pass and before it.
+  /// true velocities. With a tip, its force behind the low-pass and before it follow.
   /// `contact_force_N`, which the run computes, is that of the tip's contact.
   SensingSetup sensing(const double* contact_force_N) const;
 

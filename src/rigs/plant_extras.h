@@ -53,7 +53,7 @@ struct ContactSettings {
 struct TipSettings {
   static constexpr const char* kNone = "none";
 
-  std::string contact = kNone;  ///< whose force is the true one
+  std::string contact = kNone;  ///< its force is the true one
   std::string sensor = kNone;   ///< kNone: the force of the contact is measured itself
   int component = 0;
   ForceSensorSettings chain;

@@ -59,8 +59,8 @@ class WallSettings {
   std::unique_ptr<ContactForceLaw> make_law() const;  // null: that of the model file
   WallMotion motion() const;
 
-  std::string wall_;     // what the keys wall.… begin with
-  std::string contact_;  // and those of the law
+  std::string wall_;     // prefix of the keys wall.…
+  std::string contact_;  // prefix of those of the law
   // Shared by copies of the settings, which are equal once they are read.
   std::shared_ptr<PartChoice<ContactLawKind>> law_;
   double angle_rad_ = 0.0;
