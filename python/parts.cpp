@@ -334,9 +334,9 @@ py::object setup_of(const NominalAxis& axis) {
 }
 
 template <typename Function>
-py::cpp_function function_of_time(const Function& function) {
-  return [function](const py::args& given, const py::kwargs& named) -> py::object {
-    if (given.size() != 1 || !named.empty()) throw py::type_error("a reference takes t");
+py::cpp_function function_of_time(const char* name, const Function& function) {
+  return [name, function](const py::args& given, const py::kwargs& named) -> py::object {
+    if (given.size() != 1 || !named.empty()) throw py::type_error(std::string(name) + "() takes t");
     return function(number(given[0], "t"));
   };
 }
@@ -344,6 +344,7 @@ py::cpp_function function_of_time(const Function& function) {
 void add_force(const py::object& setup, const ForceTask& force) {
   if (!force.is_there()) return;
   setup.attr("force_reference") = function_of_time(
+      "force_reference",
       [reference = force.reference](double t) { return py::float_(reference.at(t)); });
 }
 
@@ -352,6 +353,7 @@ py::object setup_of(const AxisTask& task) {
   add_force(setup, task.force);
   setup.attr("start_state") = array(Input(task.start_state));
   setup.attr("reference") = function_of_time(
+      "reference",
       [reference = task.modelled_reference()](double t) { return py::float_(reference.at(t)); });
   return setup;
 }
@@ -366,7 +368,7 @@ py::object setup_of(const PlantTask& task) {
   setup.attr("force_limit") = array(Input(task.limit));
   std::vector<Reference> references;
   for (const AxisTask& axis : task.axes) references.push_back(axis.measured_reference());
-  setup.attr("reference") = function_of_time([references](double t) {
+  setup.attr("reference") = function_of_time("reference", [references](double t) {
     Eigen::VectorXd values(static_cast<Eigen::Index>(references.size()));
     for (std::size_t i = 0; i < references.size(); ++i) {
       values(static_cast<Eigen::Index>(i)) = references[i].at(t);

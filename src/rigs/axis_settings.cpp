@@ -11,7 +11,6 @@
 #include <utility>
 
 #include <breakwater/config/column_table.h>
-#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/linear_model.h>
 
@@ -549,10 +548,10 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
 }
 
 void AxisPlant::check_tip(const Model& model, const Config& config) const {
-  std::vector<std::string> names = {TipSettings::kNone};
-  for (const ContactSettings& one : contacts) names.push_back(one.name);
-  if (std::find(names.begin(), names.end(), tip->contact) == names.end()) {
-    config.fail("tip.contact", must_be_one_of(names, tip->contact));
+  const bool is_known = std::any_of(contacts.begin(), contacts.end(),
+                                    [this](const auto& one) { return one.name == tip->contact; });
+  if (!is_known && tip->contact != TipSettings::kNone) {
+    config.fail("tip.contact", "there is no table [contact." + tip->contact + "]");
   }
   for (const AxisSettings& one : axes) {
     if (one.axis.channel == "force" || one.axis.channel == "force_raw") {
