@@ -334,23 +334,33 @@ py::object setup_of(const NominalAxis& axis) {
 }
 
 template <typename Function>
-py::cpp_function function_of_time(const Function& function) {
-  return [function](const py::args& given, const py::kwargs& named) -> py::object {
-    if (given.size() != 1 || !named.empty()) throw py::type_error("reference() takes t");
+py::cpp_function function_of_time(const char* name, const Function& function) {
+  return [name, function](const py::args& given, const py::kwargs& named) -> py::object {
+    if (given.size() != 1 || !named.empty()) throw py::type_error(std::string(name) + "() takes t");
     return function(number(given[0], "t"));
   };
 }
 
+void add_force(const py::object& setup, const ForceTask& force) {
+  if (!force.is_there()) return;
+  setup.attr("force_reference") = function_of_time(
+      "force_reference",
+      [reference = force.reference](double t) { return py::float_(reference.at(t)); });
+}
+
 py::object setup_of(const AxisTask& task) {
   py::object setup = setup_of(task.axis);
+  add_force(setup, task.force);
   setup.attr("start_state") = array(Input(task.start_state));
   setup.attr("reference") = function_of_time(
+      "reference",
       [reference = task.modelled_reference()](double t) { return py::float_(reference.at(t)); });
   return setup;
 }
 
 py::object setup_of(const PlantTask& task) {
   py::object setup = setup_of(task.whole);
+  add_force(setup, task.force);
   setup.attr("names") = task.names;
   setup.attr("pose") = array(Input(task.pose));
   setup.attr("to_states") = matrix_array(task.to_states);
@@ -358,7 +368,7 @@ py::object setup_of(const PlantTask& task) {
   setup.attr("force_limit") = array(Input(task.limit));
   std::vector<Reference> references;
   for (const AxisTask& axis : task.axes) references.push_back(axis.measured_reference());
-  setup.attr("reference") = function_of_time([references](double t) {
+  setup.attr("reference") = function_of_time("reference", [references](double t) {
     Eigen::VectorXd values(static_cast<Eigen::Index>(references.size()));
     for (std::size_t i = 0; i < references.size(); ++i) {
       values(static_cast<Eigen::Index>(i)) = references[i].at(t);
@@ -429,8 +439,9 @@ AxisControllerKind axis_controller(const std::string& name, const SharedObject& 
   return kind_of<AxisControllerKind>(
       name,
       [part](const AxisTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
-        return std::make_unique<PythonController>(object_of(part), "AxisSample", setup_of(task),
-                                                  kForce);
+        return std::make_unique<PythonController>(
+            object_of(part), task.force.is_there() ? "AxisForceSample" : "AxisSample",
+            setup_of(task), kForce);
       },
       asked);
 }
@@ -477,8 +488,9 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
     catalogue_.add(kind_of<PlantControllerKind>(
         controller_,
         [part](const PlantTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
-          return std::make_unique<PythonController>(object_of(part), "PlantSample", setup_of(task),
-                                                    kForces);
+          return std::make_unique<PythonController>(
+              object_of(part), task.force.is_there() ? "PlantForceSample" : "PlantSample",
+              setup_of(task), kForces);
         },
         asked));
     catalogue_.add(kind_of<QuadrotorControllerKind>(

@@ -21,7 +21,8 @@ class Controller:
     arm        torques, one a joint [N m]      ArmSample: q_rad (n), force_N, raw_force_N
     motor      one torque [N m]                AxisSample: position; maybe true_position, true_velocity
     cart       one force [N]                   the same
-    plant      one force a driven axis         PlantSample: positions; maybe true ones, true velocities
+    plant      one force a driven axis         PlantSample: positions; maybe true ones, true velocities;
+                                               with a [tip] also force_N, raw_force_N
     quadrotor  four thrusts [N]                QuadrotorSample: position_m (3), attitude_rad (3)
     ========== =============================== ==================================================
 
@@ -37,6 +38,7 @@ class Controller:
     deviations of all joints, then their rates. to_states @ (y - pose) is the state at rest at y. reference(t) has
     the sides of y, as pose. pose includes the twist of loaded springs, and reference(t) does not. So the wanted
     deviations are reference(t) - reference(0), if no reference steps at 0. The forces held_input hold the pose. For
+    a plant with a [tip], force_reference(t) [N]. For
     the quadrotor: period_s, reference_m, mass_kg (with the added mass), inertia_kgm2, net_weight_N, thrust_limit_N, thruster_matrix,
     position_std_m, angle_std_rad.
 

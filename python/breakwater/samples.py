@@ -5,23 +5,25 @@ from __future__ import annotations
 import numpy as np
 
 
-class ArmSample(np.ndarray):
-    """y of the arm: [q (n); F_x; F_x before its low-pass], angles [rad] and the tip's force [N]."""
-
-    @property
-    def q_rad(self) -> np.ndarray:
-        """Joint angles from the encoders, n [rad]."""
-        return self[:-2].view(np.ndarray)
-
+class _WithForce(np.ndarray):
     @property
     def force_N(self) -> float:
-        """Low-pass filtered force at the tip [N], positive towards +x."""
+        """Low-pass filtered force at the tip [N]. That of the arm is positive towards +x."""
         return self.item(-2)
 
     @property
     def raw_force_N(self) -> float:
         """Force at the tip before the low-pass filter [N]."""
         return self.item(-1)
+
+
+class ArmSample(_WithForce):
+    """y of the arm: [q (n); F_x; F_x before its low-pass], angles [rad] and the tip's force [N]."""
+
+    @property
+    def q_rad(self) -> np.ndarray:
+        """Joint angles from the encoders, n [rad]."""
+        return self[:-2].view(np.ndarray)
 
 
 class AxisSample(np.ndarray):
@@ -51,6 +53,31 @@ class PlantSample(np.ndarray):
 
     With sensor.true_state it has all true positions after them, then all true velocities: y.reshape(3, -1).
     """
+
+
+class AxisForceSample(_WithForce):
+    """y of an axis of a plant with a [tip]: AxisSample, then its force and that before the low-pass [N]."""
+
+    position = AxisSample.position
+
+    @property
+    def true_position(self) -> float:
+        """True position [rad or m]. IndexError if the scenario does not provide it."""
+        return self[:-2].item(1)
+
+    @property
+    def true_velocity(self) -> float:
+        """True velocity [rad/s or m/s]. IndexError if the scenario does not provide it."""
+        return self[:-2].item(2)
+
+
+class PlantForceSample(_WithForce):
+    """y of a plant with a [tip]: PlantSample, then its force and that before the low-pass [N]."""
+
+    @property
+    def positions(self) -> np.ndarray:
+        """Measured positions of all axes; with sensor.true_state then the true ones and the true velocities [rad or m]."""
+        return self[:-2].view(np.ndarray)
 
 
 class QuadrotorSample(np.ndarray):

@@ -21,21 +21,19 @@ constexpr const char* kTip = "tip";
 Fields ArmWallContact::fields() {
   Fields fields;
   arm_.bind(fields);
-  force_sensor_.bind(fields);
+  arm_.force_sensor.bind(fields);
   fields.number("wall.distance_m", wall_distance_m_, positive(),
                 "distance from the tip at the start pose to the wall's face [m]");
   fields.number("wall.solid_from_s", wall_solid_from_s_, not_negative(),
                 "time at which the wall becomes solid: the stretched arm starts inside it [s]");
-  wall_.bind_wall(fields);
-  wall_.bind_law(fields);
+  wall_.bind(fields);
   fields.number("force.reference_N", force_reference_N_, positive(),
                 "F_x^ref: reference of the contact force [N]");
   fields.number("force.from_s", force_from_s_, not_negative(),
                 "time of the switch from position control to force control [s]");
   fields.number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
                 "factor of the force gain: K_f is this value times F_x^ref [1/m]");
-  fields.number("force.filter_time_constant_s", filter_time_constant_s_, not_negative(),
-                "time constant of the force sensor's low-pass; 0: none [s]");
+  arm_.force_sensor.bind_filter(fields);
   fields.number("metrics.from_s", metrics_from_s_, not_negative(),
                 "start of the window of the force error [s]");
   fields.number("metrics.to_s", metrics_to_s_, positive(),
@@ -57,20 +55,18 @@ ArmRole ArmWallContact::role() const {
   role.force_control_from_s = force_from_s_;
   role.force_reference_N = force_reference_N_;
   role.convert_gain_N_m = convert_gain_per_m_ * force_reference_N_;
-  role.force_filter_time_constant_s = filter_time_constant_s_;
   role.wall_x_m = wall_x_m();
   role.geoms = {kTip, kWall};
   role.prepare_model = [this](Model& model) { wall_.prepare(model, kTip, kWall, wall_x_m()); };
   role.make_contact = [this](const Model& model) {
     return wall_.is_of_engine() ? nullptr : wall_.make(model, kTip, kWall);
   };
-  role.force_sensor = force_sensor_;
   return role;
 }
 
 void ArmWallContact::check(const Config& config) {
   wall_.check(config, arm_.physics);
-  force_sensor_.check(config, arm_.physics.timestep_s);
+  arm_.force_sensor.check(config, arm_.physics.timestep_s);
   check_arm(arm_, role(), config);
   if (wall_solid_from_s_ > force_from_s_) {
     config.fail("wall.solid_from_s", "must not be after force.from_s");

@@ -37,11 +37,9 @@ class ArmWallContact final : public Scenario {
   double wall_distance_m_ = 0.0;
   double wall_solid_from_s_ = 0.0;
   WallSettings wall_;
-  ForceSensorSettings force_sensor_;
   double force_from_s_ = 0.0;
   double force_reference_N_ = 0.0;
   double convert_gain_per_m_ = 0.0;
-  double filter_time_constant_s_ = 0.0;
   double metrics_from_s_ = 0.0;
   double metrics_to_s_ = 0.0;
   double fine_from_s_ = 0.0;

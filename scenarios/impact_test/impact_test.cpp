@@ -39,12 +39,9 @@ Fields ImpactTest::fields() {
   fields.number("impact.distance_m", distance_m_, not_negative(),
                 "distance from the tip to the wall at the start [m]");
   fields.number("impact.push_N", push_N_, not_negative(), "constant force towards the wall [N]");
-  wall_.bind_wall(fields);
-  wall_.bind_law(fields);
-  fields.number("force.filter_time_constant_s", filter_time_constant_s_, not_negative(),
-                "time constant of the force sensor's low-pass; 0: none [s]");
-  fields.number("sensor.force_noise_N", force_noise_N_, not_negative(),
-                "standard deviation of white noise on each force sample [N]");
+  wall_.bind(fields);
+  force_sensor_.bind_filter(fields);
+  force_sensor_.bind_noise(fields);
   force_sensor_.bind(fields);
   fields.number("record.fine_from_s", fine_from_s_, not_negative(),
                 "time from which on forces are logged at the physics rate [s]");
@@ -89,12 +86,9 @@ Model ImpactTest::plant() const {
 
 SensingSetup ImpactTest::sensing() const {
   SensingSetup setup;
-  setup.channels = {{.name = "force",
-                     .sensor = "tip_force",
-                     .low_pass_s = filter_time_constant_s_,
-                     .noise_std = force_noise_N_},
-                    {.name = "force_raw", .sensor = "tip_force", .noise_std = force_noise_N_}};
-  for (SensorChannel& channel : setup.channels) force_sensor_.apply(channel);
+  for (SensorChannel& channel : force_sensor_.channels({.sensor = "tip_force"})) {
+    setup.channels.push_back(std::move(channel));
+  }
   setup.seed = run_.seed;
   return setup;
 }

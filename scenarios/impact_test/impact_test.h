@@ -39,8 +39,6 @@ class ImpactTest final : public Scenario {
   double speed_m_s_ = 0.0;
   double distance_m_ = 0.0;
   double push_N_ = 0.0;
-  double filter_time_constant_s_ = 0.0;
-  double force_noise_N_ = 0.0;
   double fine_from_s_ = 0.0;
   double fine_to_s_ = 0.0;
 };

@@ -94,7 +94,7 @@ void Plant::check(const Config& config) {
   const AxisRig rig(plant_, *loop.controller);
   const std::vector<Signal> signals = rig.signals();
   // A contact is shorter than a sample.
-  MetricContext context;
+  MetricContext context{.fast_signals = {"force_true_N", "force_sensor_N", "force_filtered_N"}};
   for (const ContactSettings& one : plant_.contacts) context.fast_signals.push_back(one.signal());
   rows_.check(
       config, [this] { return fields(); }, plant_.physics, context);

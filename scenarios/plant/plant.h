@@ -11,9 +11,9 @@
 
 namespace breakwater {
 
-/// The file names the axes ([axis.NAME]), the forces on bodies ([push.NAME]), the contacts to watch
-/// ([contact.NAME]) and the metrics ([metric.NAME]). Each axis has its own reference, disturbance,
-/// estimator and controller, or one controller drives all axes.
+/// The file names the axes ([axis.NAME]), the forces on bodies ([push.NAME]), the contacts
+/// ([contact.NAME]), the force sensor ([tip]) and the metrics ([metric.NAME]). Each axis has its
+/// own reference, disturbance, estimator and controller, or one controller drives all axes.
 class Plant final : public LoopScenario {
  public:
   explicit Plant(const Catalogue& catalogue)

@@ -57,12 +57,13 @@ class Remembered {
 };
 
 // The key without the name of its table: "observer.alpha" for "axis.NAME.observer.alpha",
-// "contact.stiffness_N_m" for "contact.NAME.stiffness_N_m". Empty for another key, and for those
-// that say what an axis is.
+// "contact.stiffness_N_m" for "contact.NAME.stiffness_N_m", "wall.motion" for
+// "contact.NAME.wall.motion". Empty for another key, and for those that say what an axis is.
 std::string without_name(const std::string& key) {
   const std::size_t table = key.find('.'), name = key.find('.', table + 1);
   if (name == std::string::npos) return "";
   const std::string of = key.substr(0, table), rest = key.substr(name + 1);
+  if (of == "contact" && rest.starts_with("wall.")) return rest;
   if (of == "contact" || of == "push") return of + "." + rest;
   const bool is_own = rest == "joint" || rest == "actuator" || rest == "position_sensor";
   return of == "axis" && !is_own ? rest : "";

@@ -176,12 +176,12 @@ class Fields {
   void alias(const Aliases& aliases) { aliases_.insert(aliases.begin(), aliases.end()); }
 
   /// Reads every key and makes file names absolute. A key of a table with names (axis.NAME.KEY,
-  /// contact.NAME.KEY, push.NAME.KEY) may be given without the name: KEY, contact.KEY. It then
-  /// counts for each name that has such a key and no value of its own. An array with an entry for
-  /// each of them, in their order, has one for each. Throws std::invalid_argument `ORIGIN: KEY:
-  /// reason` for the first wrong key. It is unknown, missing, of the wrong type, out of range,
-  /// without its file, or given by two names. Returns the keys as they were given, and those with
-  /// the name of each table for which they count.
+  /// contact.NAME.KEY, push.NAME.KEY) may be given without the name: KEY, contact.KEY, and wall.KEY
+  /// for contact.NAME.wall.KEY. It then counts for each name that has such a key and no value of
+  /// its own. An array with an entry for each of them, in their order, has one for each. Throws
+  /// std::invalid_argument `ORIGIN: KEY: reason` for the first wrong key. It is unknown, missing,
+  /// of the wrong type, out of range, without its file, or given by two names. Returns the keys as
+  /// they were given, and those with the name of each table for which they count.
   Config read(const Config& config);
   /// The same, but keys may be missing: print() then asks for them.
   void read_incomplete(const Config& config);

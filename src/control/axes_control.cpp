@@ -5,8 +5,7 @@
 namespace breakwater {
 
 AxesControl::AxesControl(std::vector<AxisControl> axes, Eigen::Index entries)
-    : axes_(std::move(axes)), ignored_(Eigen::VectorXd::Zero(1)) {
-  own_.y.setZero(entries);
+    : axes_(std::move(axes)), entries_(entries), ignored_(Eigen::VectorXd::Zero(1)) {
   for (const AxisControl& axis : axes_) {
     for (Signal signal : axis.controller->signals()) {
       signal.name = axis.name + "_" + signal.name;
@@ -17,13 +16,17 @@ AxesControl::AxesControl(std::vector<AxisControl> axes, Eigen::Index entries)
 
 const Sample& AxesControl::part(const Sample& y, Eigen::Index axis) {
   own_.time_s = y.time_s;
-  for (Eigen::Index i = 0; i < own_.y.size(); ++i) {
+  for (Eigen::Index i = 0; i < entries_; ++i) {
     own_.y(i) = y.y(i * static_cast<Eigen::Index>(axes_.size()) + axis);
   }
+  const Eigen::Index shared = own_.y.size() - entries_;
+  own_.y.tail(shared) = y.y.tail(shared);
   return own_;
 }
 
 void AxesControl::reset(const Sample& first) {
+  const Eigen::Index shared = first.y.size() - entries_ * static_cast<Eigen::Index>(axes_.size());
+  own_.y.setZero(entries_ + shared);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i].controller->reset(part(first, static_cast<Eigen::Index>(i)));
   }

@@ -17,8 +17,8 @@ struct AxisControl {
 };
 
 /// Gives each axis its own part of a sample. A sample has one or three entries for each axis: the
-/// measured positions of all axes, then all true positions, then all true velocities. The command
-/// has an entry for each driven axis.
+/// measured positions of all axes, then all true positions, then all true velocities. Entries
+/// behind them, such as a force, go to each axis. The command has an entry for each driven axis.
 class AxesControl final : public Controller {
  public:
   /// `entries` of a sample for each axis: 1 or 3.
@@ -33,6 +33,7 @@ class AxesControl final : public Controller {
   const Sample& part(const Sample& y, Eigen::Index axis);
 
   std::vector<AxisControl> axes_;
+  Eigen::Index entries_;
   Sample own_;
   Eigen::VectorXd ignored_;  // the command of an axis that is not driven
   std::vector<Signal> signals_;

@@ -64,7 +64,7 @@ ArmTask arm_task(const ArmSettings& settings, const ArmRole& role, const PlanarC
   task.force_control_from_s = role.force_control_from_s;
   task.force_reference_N = role.force_reference_N;
   task.convert_gain_N_m = role.convert_gain_N_m;
-  task.force_lag_s = role.force_filter_time_constant_s;
+  task.force_lag_s = settings.force_sensor.low_pass_s;
   task.wall_x_m = role.wall_x_m;
   return task;
 }
@@ -74,8 +74,7 @@ ArmSetup arm_setup(const ArmSettings& settings, const ArmRole& role, const Plana
           settings.physics.control_period_s};
 }
 
-SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
-                           const PlanarChain& chain) {
+SensingSetup sensing_setup(const ArmSettings& settings, const PlanarChain& chain) {
   SensingSetup setup;
   for (Eigen::Index i = 0; i < chain.joints(); ++i) {
     Encoder encoder = {.quantum = quantum_rad(settings), .rounding = settings.encoder_rounding};
@@ -90,14 +89,8 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
                               .encoder = encoder,
                               .noise_std = settings.angle_noise_rad});
   }
-  setup.channels.push_back({.name = "force",
-                            .sensor = "tip_force",
-                            .low_pass_s = role.force_filter_time_constant_s,
-                            .noise_std = settings.force_noise_N});
-  setup.channels.push_back(
-      {.name = "force_raw", .sensor = "tip_force", .noise_std = settings.force_noise_N});
-  for (std::size_t i = setup.channels.size() - 2; i < setup.channels.size(); ++i) {
-    role.force_sensor.apply(setup.channels[i]);
+  for (SensorChannel& channel : settings.force_sensor.channels({.sensor = "tip_force"})) {
+    setup.channels.push_back(std::move(channel));
   }
   settings.faults.apply(setup);
   setup.seed = settings.run.seed;
@@ -207,8 +200,7 @@ void ArmSettings::bind(Fields& fields) {
                     [this] { return encoder_counts_per_turn != 0.0; });
   fields.number("sensor.angle_noise_rad", angle_noise_rad, not_negative(),
                 "standard deviation of white noise on each angle sample [rad]");
-  fields.number("sensor.force_noise_N", force_noise_N, not_negative(),
-                "standard deviation of white noise on each force sample [N]");
+  force_sensor.bind_noise(fields);
   faults.bind(fields, "q1, q2, ..., force, force_raw", run.duration_s);
 }
 
@@ -246,7 +238,7 @@ void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& c
     }
     settings.joint(i).drive.check(own, coulomb_Nm(settings, model, chain, i));
   }
-  const std::vector<SensorChannel> channels = sensing_setup(settings, role, chain).channels;
+  const std::vector<SensorChannel> channels = sensing_setup(settings, chain).channels;
   settings.faults.check(config, channels);
   ArmRig rig(settings, role);  // throws if the model lacks something
 }
@@ -298,9 +290,8 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
     frictions_.push_back(std::make_unique<JointFriction>(
         model, rubs, std::move(law), rubs == name ? transmissions_.back().get() : nullptr));
   }
-  if (role.force_sensor.tool_mass_kg > 0.0) {
-    model.add_mass("tip", role.force_sensor.tool_mass_kg);
-  }
+  const double tool_kg = settings.force_sensor.tool_mass_kg;
+  if (tool_kg > 0.0) model.add_mass("tip", tool_kg);
   if (role.prepare_model) role.prepare_model(model);
   if (role.make_contact) contact_ = role.make_contact(model);
   const int home = model.id(mjOBJ_KEY, "home");
@@ -314,9 +305,9 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
           settings.start_angles_rad[at];
     }
   }
-  simulation_ = std::make_unique<Simulation>(std::move(model), *controller_,
-                                             sensing_setup(settings, role, chain_),
-                                             settings.physics.steps_per_sample());
+  simulation_ =
+      std::make_unique<Simulation>(std::move(model), *controller_, sensing_setup(settings, chain_),
+                                   settings.physics.steps_per_sample());
   const CommandDelays delays = settings.timing.delays();
   if (delays.is_on()) simulation_->set_timing(delays, settings.run.seed);
   for (int i = 0; has_motors_ && i < chain_.joints(); ++i) {
@@ -333,7 +324,7 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
     simulation_->add(*contact_);
     contact_force_ = &contact_->force_N();
   }
-  if (role.force_sensor.has_body()) {
+  if (settings.force_sensor.has_body()) {
     force_sensor_ = &simulation_->sensing().filtered(static_cast<std::size_t>(chain_.joints()) + 1);
   }
   tip_speed_x_ = &simulation_->sensor("tip_vel");

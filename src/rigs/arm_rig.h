@@ -67,7 +67,7 @@ struct ArmSettings {
   double encoder_counts_per_turn = 0.0;
   EncoderRounding encoder_rounding = EncoderRounding::nearest;
   double angle_noise_rad = 0.0;
-  double force_noise_N = 0.0;
+  ForceSensorSettings force_sensor;
   FaultSettings faults;
 
   /// Takes the joints from the URDF. A file that is missing or wrong is left to read()
@@ -83,8 +83,7 @@ struct ArmSettings {
 struct ArmRole {
   double force_control_from_s = std::numeric_limits<double>::infinity();
   double force_reference_N = 0.0;
-  double convert_gain_N_m = 1.0;  ///< K_f
-  double force_filter_time_constant_s = 0.0;
+  double convert_gain_N_m = 1.0;                              ///< K_f
   double wall_x_m = std::numeric_limits<double>::infinity();  ///< as in ArmTask
   bool starts_at_reference = false;  ///< at q_0^ref instead of keyframe "home"
   /// Geoms that the run looks up or makes collide; see Model::load_physics().
@@ -93,7 +92,6 @@ struct ArmRole {
       prepare_model;  ///< may be empty; called before the simulation is made
   /// Makes a contact that is applied as a force; may be empty, or give null.
   std::function<std::unique_ptr<WallContact>(const Model&)> make_contact;
-  ForceSensorSettings force_sensor;
 };
 
 /// Checks what the single fields cannot: sizes, periods, the design of controller and observer.

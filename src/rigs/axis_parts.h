@@ -51,12 +51,23 @@ struct NominalAxis {
   }
 };
 
+/// The force of the tip in the samples of a controller.
+struct ForceTask {
+  /// The entry of the measured force [N], behind the sensor's low-pass. The one before the low-pass
+  /// follows it. -1: the plant has no tip.
+  Eigen::Index entry = -1;
+  Reference reference;  ///< [N]
+
+  bool is_there() const { return entry >= 0; }
+};
+
 /// The task of a controller of an axis.
 struct AxisTask {
   NominalAxis axis;
   Reference reference;                                    ///< reference of the position
   Eigen::Vector2d start_state = Eigen::Vector2d::Zero();  ///< initial state of the estimator
   bool senses_true_state = false;  ///< samples are [measured position; position; velocity]
+  ForceTask force = {};            ///< is behind them
 
   /// The reference of the measured side.
   Reference measured_reference() const {

@@ -94,16 +94,23 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
                            model, one.body, Eigen::Map<const Eigen::Vector3d>(one.along.data()))});
   }
   for (const ContactSettings& one : plant.contacts) {
-    contacts_.emplace_back(model, one.geom_1, one.geom_2);
+    if (std::unique_ptr<WallContact> wall = one.make(model)) {
+      const WallContact* known = wall.get();
+      contacts_.push_back({std::move(wall), &known->force_N(), known});
+    } else {
+      auto geoms = std::make_unique<GeomContact>(model, one.geom_1, one.geom_2);
+      const double* force_N = &geoms->force_N();
+      contacts_.push_back({std::move(geoms), force_N, nullptr});
+    }
+    if (plant.tip && plant.tip->contact == one.name) contact_force_ = contacts_.back().force_N;
   }
-  contact_forces_.assign(contacts_.size(), 0.0);
   std::vector<Eigen::Index> driven;
   for (const DrivenAxis& axis : axes_) {
     if (axis.actuator != kNoActuator) driven.push_back(axis.actuator);
   }
   drives_.drive(std::move(driven));
-  simulation_ =
-      std::make_unique<Simulation>(std::move(model), drives_, plant.sensing(), steps_per_sample_);
+  simulation_ = std::make_unique<Simulation>(std::move(model), drives_,
+                                             plant.sensing(contact_force_), steps_per_sample_);
   const CommandDelays delays = plant.timing.delays();
   if (delays.is_on()) simulation_->set_timing(delays, plant.run.seed);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
@@ -117,6 +124,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     if (axes_[i].transmission) simulation_->add(*axes_[i].transmission);
   }
   for (const Push& push : pushes_) simulation_->add(*push.force);
+  for (const Contact& contact : contacts_) simulation_->add(*contact.part);
   simulation_->set_position(qpos);
   simulation_->set_velocity(qvel);
 }
@@ -146,6 +154,7 @@ void AxisRig::step() {
     push.value = push.disturbance.value(simulation_->time_of(k));
     push.force->hold(push.value);
   }
+  if (plant_.tip) force_reference_ = plant_.tip->reference.at(simulation_->time_of(k));
   simulation_->step();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     DrivenAxis& axis = axes_[i];
@@ -153,9 +162,6 @@ void AxisRig::step() {
     if (!axis.transmission) continue;
     axis.torque =
         axis.transmission->torque(motor_position(i), motor_velocity(i), position(i), velocity(i));
-  }
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    contact_forces_[i] = contacts_[i].force_N(simulation_->model(), simulation_->data());
   }
   saturated_ = simulation_->saturated() ? 1.0 : 0.0;
 }
@@ -233,6 +239,23 @@ void AxisRig::warn_of_saturation(std::int64_t saturated, std::int64_t samples,
       100.0 * static_cast<double>(saturated) / static_cast<double>(samples)));
 }
 
+void AxisRig::add_tip_signals(std::vector<Signal>& signals) const {
+  const Sensing& sensing = simulation_->sensing();
+  const std::size_t behind = sensing.size() - 2, before = sensing.size() - 1;
+  const std::span<const double> measured = view(simulation_->sample().y);
+  const auto add = [&](const char* name, const char* what, std::span<const double> value) {
+    signals.push_back({name, "N", what, value});
+  };
+  if (contact_force_ != nullptr) {
+    add("force_true_N", "true normal contact force", view(*contact_force_));
+  }
+  add("force_sensor_N", "force sensor, before its low-pass", view(sensing.filtered(before)));
+  add("force_filtered_N", "force sensor, behind its low-pass", view(sensing.filtered(behind)));
+  add("force_measured_N", "sampled force behind the low-pass", measured.subspan(behind, 1));
+  add("force_raw_measured_N", "sampled force before the low-pass", measured.subspan(before, 1));
+  add("force_reference_N", "reference of the force", view(force_reference_));
+}
+
 std::vector<Signal> AxisRig::signals() const {
   const Simulation& sim = *simulation_;
   std::vector<Signal> signals = {{"qpos", qpos_units_, "the engine's generalised positions",
@@ -281,11 +304,18 @@ std::vector<Signal> AxisRig::signals() const {
                        "force on body " + plant_.pushes[i].body, view(pushes_[i].value)});
   }
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    signals.push_back({plant_.contacts[i].signal(), "N",
-                       "normal force between the geoms " + plant_.contacts[i].geom_1 + " and " +
-                           plant_.contacts[i].geom_2,
-                       view(contact_forces_[i])});
+    const ContactSettings& one = plant_.contacts[i];
+    signals.push_back({one.signal(), "N",
+                       "normal force between the geoms " + one.geom_1 + " and " + one.geom_2,
+                       view(*contacts_[i].force_N)});
+    const WallContact* wall = contacts_[i].wall;
+    if (wall == nullptr) continue;
+    signals.push_back({one.signal("penetration_m"), "m", "penetration; negative: the gap",
+                       view(wall->penetration_m())});
+    signals.push_back(
+        {one.signal("wall_m"), "m", "how far the wall has moved", view(wall->wall_m())});
   }
+  if (plant_.tip) add_tip_signals(signals);
   // A controller may publish the reference too.
   for (const Signal& signal : drives_.signals()) {
     const bool is_there = std::any_of(signals.begin(), signals.end(), [&](const Signal& other) {

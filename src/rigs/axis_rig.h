@@ -53,8 +53,6 @@ class AxisRig {
   /// tell the two apart.
   const double& disturbance(std::size_t axis = 0) const { return axes_[axis].disturbance; }
   const double& reference(std::size_t axis = 0) const { return axes_[axis].reference; }
-  /// The force between the geoms of a contact [N].
-  const double& contact_force(std::size_t contact) const { return contact_forces_[contact]; }
 
   /// The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const;
@@ -122,6 +120,12 @@ class AxisRig {
     double value = 0.0;
   };
 
+  struct Contact {
+    std::unique_ptr<StagedForce> part;
+    const double* force_N;
+    const WallContact* wall;  // null: the contact is the engine's
+  };
+
   // Passes the commands of the driven axes on to the model's actuators.
   class Drives final : public Controller {
    public:
@@ -142,6 +146,7 @@ class AxisRig {
 
   std::vector<HeldReference> held_references() const;
   void warn(const std::vector<HeldReference>& held, std::vector<std::string>& warnings) const;
+  void add_tip_signals(std::vector<Signal>& signals) const;
   static void warn_of_saturation(std::int64_t saturated, std::int64_t samples,
                                  std::vector<std::string>& warnings);
 
@@ -151,8 +156,9 @@ class AxisRig {
   Drives drives_;
   std::vector<DrivenAxis> axes_;
   std::vector<Push> pushes_;
-  std::vector<GeomContact> contacts_;
-  std::vector<double> contact_forces_;
+  std::vector<Contact> contacts_;
+  const double* contact_force_ = nullptr;  // the tip's; null: not known
+  double force_reference_ = 0.0;
   std::unique_ptr<Simulation> simulation_;
   std::size_t positions_of_file_;  // added rotors come behind them; pictures do not have them
   std::string qpos_units_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -312,7 +313,10 @@ void AxisPlant::learn(const Config& config) {
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   for (auto& [joint, axis] : found) axes.emplace_back(std::move(axis), *catalogue_);
   for (const std::string& name : config.names_in("push")) pushes.emplace_back().name = name;
-  for (const std::string& name : config.names_in("contact")) contacts.emplace_back().name = name;
+  for (const std::string& name : config.names_in("contact")) {
+    contacts.emplace_back(name, *catalogue_);
+  }
+  if (config.find("tip.contact") != nullptr || config.find("tip.sensor") != nullptr) tip.emplace();
 }
 
 void AxisPlant::bind(Fields& fields) {
@@ -333,6 +337,7 @@ void AxisPlant::bind_whole(Fields& fields) {
 void AxisPlant::bind_faults(Fields& fields) {
   std::vector<std::string> channels;
   for (const AxisSettings& one : axes) channels.push_back(one.axis.channel);
+  if (tip) channels.insert(channels.end(), {"force", "force_raw"});
   faults.bind(fields, fmt::format("{}", fmt::join(channels, ", ")), run.duration_s);
 }
 
@@ -350,6 +355,7 @@ void AxisPlant::bind_named(Fields& fields) {
   for (AxisSettings& one : axes) one.bind_named(fields);
   for (PushSettings& one : pushes) one.bind(fields);
   for (ContactSettings& one : contacts) one.bind(fields);
+  if (tip) tip->bind(fields);
   bind_faults(fields);
   fields.standard("sensor.nan_policy", {std::string("stop")});
   fields.standard("fault.sensor", {std::string(Axis::kNone)});
@@ -371,11 +377,6 @@ void AxisPlant::complete(const Config& config) {
       own.fail("along", "must be three numbers that are not all 0");
     }
     one.disturbance.load(own);
-  }
-  for (const ContactSettings& one : contacts) {
-    const Config own = config.under(one.prefix());
-    id_of(own, "geom_1", model, mjOBJ_GEOM, one.geom_1);
-    id_of(own, "geom_2", model, mjOBJ_GEOM, one.geom_2);
   }
   for (AxisSettings& one : axes) {
     const Config own = config.under(one.axis.prefix());
@@ -496,10 +497,15 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
 Model AxisPlant::load_model(const Config* config) const {
   Model model = Model::load_physics(mjcf);
   model.set_physics(physics.timestep_s, physics.integrator);
-  if (config != nullptr) check_names(model, *config);
+  if (config != nullptr) {
+    check_names(model, *config);
+    check_contacts(model, *config);
+    if (tip) check_tip(model, *config);
+  }
   std::vector<int> joints;
   for (const AxisSettings& one : axes) joints.push_back(model.id(mjOBJ_JOINT, one.axis.joint));
   model.scale_inertia(inertia_ratio);
+  if (tip) tip->add_tool(model);
   author_friction(model);  // also of joints that are no axis
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const AxisSettings& one = axes[i];
@@ -516,7 +522,55 @@ Model AxisPlant::load_model(const Config* config) const {
       one.transmission.author(model, one.axis.joint, actuator);
     }
   }
+  for (const ContactSettings& one : contacts) {
+    const auto prepare = [&] { one.prepare(model); };
+    config != nullptr ? config->under(one.prefix()).blame("law", prepare) : prepare();
+  }
   return model;
+}
+
+void AxisPlant::check_contacts(const Model& model, const Config& config) const {
+  std::map<std::string, std::string> authored;  // the geoms whose parameters a law sets
+  for (const ContactSettings& one : contacts) {
+    const Config own = config.under(one.prefix());
+    one.wall.check(config, physics);
+    for (const auto& [key, geom] :
+         {std::pair("geom_1", one.geom_1), std::pair("geom_2", one.geom_2)}) {
+      id_of(own, key, model, mjOBJ_GEOM, geom);
+      if (one.wall.is_of_file() || !one.wall.is_of_engine()) continue;
+      const auto [other, is_first] = authored.emplace(geom, one.name);
+      if (is_first) continue;
+      own.fail("law", fmt::format("kelvin_voigt: geom \"{}\" has it in contact \"{}\" too; "
+                                  "kelvin_voigt_clipped has a value for each contact",
+                                  geom, other->second));
+    }
+  }
+}
+
+void AxisPlant::check_tip(const Model& model, const Config& config) const {
+  const bool is_known = std::any_of(contacts.begin(), contacts.end(),
+                                    [this](const auto& one) { return one.name == tip->contact; });
+  if (!is_known && tip->contact != TipSettings::kNone) {
+    config.fail("tip.contact", "there is no table [contact." + tip->contact + "]");
+  }
+  for (const AxisSettings& one : axes) {
+    if (one.axis.channel == "force" || one.axis.channel == "force_raw") {
+      config.under(one.axis.prefix()).fail("joint", "a sensor of the tip has this axis' name");
+    }
+  }
+  tip->chain.check(config, physics.timestep_s);
+  if (tip->sensor == TipSettings::kNone) {
+    if (tip->contact != TipSettings::kNone) return;
+    config.fail("tip.contact", "must name a contact, or tip.sensor a sensor");
+  }
+  const int sensor = id_of(config, "tip.sensor", model, mjOBJ_SENSOR, tip->sensor);
+  const int type = model->sensor_type[sensor];
+  if (type != mjSENS_FORCE && type != mjSENS_TOUCH) {
+    config.fail("tip.sensor", "must be a <force> or a <touch>");
+  }
+  if (tip->component >= model->sensor_dim[sensor]) {
+    config.fail("tip.component", "must be 0: a <touch> has one value");
+  }
 }
 
 double AxisPlant::coulomb_friction_at_drive(std::size_t i) const {
@@ -533,6 +587,7 @@ double AxisPlant::coulomb_friction_at_drive(std::size_t i) const {
 Model AxisPlant::model_of_file() const {
   AxisPlant plant = *this;
   plant.inertia_ratio = 1.0;
+  if (plant.tip) plant.tip->chain.tool_mass_kg = 0.0;
   for (AxisSettings& one : plant.axes) one.viscous_friction = one.coulomb_friction = -1.0;
   return plant.load_model();
 }
@@ -593,7 +648,7 @@ std::vector<double> AxisPlant::start_pose(const Model& model) const {
   return qpos;
 }
 
-SensingSetup AxisPlant::sensing() const {
+SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
   SensingSetup setup;
   for (const AxisSettings& one : axes) {
     const std::string joint = one.measured_joint();
@@ -617,6 +672,14 @@ SensingSetup AxisPlant::sensing() const {
     add_true("true position", Reading::joint_position);
     add_true("true velocity", Reading::joint_velocity);
   }
+  if (tip) {
+    const bool has_sensor = tip->sensor != TipSettings::kNone;
+    for (SensorChannel& channel : tip->chain.channels({.sensor = tip->sensor,
+                                  .source = has_sensor ? nullptr : contact_force_N,
+                                  .component = tip->component})) {
+      setup.channels.push_back(std::move(channel));
+    }
+  }
   faults.apply(setup);
   setup.seed = run.seed;
   return setup;
@@ -636,7 +699,8 @@ void check_plant(AxisPlant& plant, const Config& config) {
     }
   }
   plant.complete(config);
-  const SensingSetup sensing = plant.sensing();
+  const double no_force_N = 0.0;
+  const SensingSetup sensing = plant.sensing(&no_force_N);
   plant.faults.check(config, sensing.channels);
   for (std::size_t i = 0; i < plant.axes.size(); ++i) {
     try {

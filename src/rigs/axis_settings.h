@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -137,10 +138,11 @@ struct AxisPlant {
   // Only for a plant with named axes.
   std::vector<PushSettings> pushes;
   std::vector<ContactSettings> contacts;
+  std::optional<TipSettings> tip;
 
   /// Takes the names of axes, pushes and contacts from the tables of a file, and the kind of each
-  /// axis from its joint. The axes have the order of their joints in the model. Throws
-  /// std::invalid_argument `ORIGIN: KEY: reason`.
+  /// axis from its joint. Finds whether there is a tip. The axes have the order of their joints in
+  /// the model. Throws std::invalid_argument `ORIGIN: KEY: reason`.
   void learn(const Config& config);
 
   /// The first axis.
@@ -175,8 +177,9 @@ struct AxisPlant {
   /// The same with the axes' distances of the start.
   std::vector<double> start_pose(const Model& model) const;
   /// The measured positions of all axes; then, with senses_true_state, all true positions and all
-  /// true velocities.
-  SensingSetup sensing() const;
+  /// true velocities. With a tip, its force behind the low-pass and before it follow.
+  /// `contact_force_N`, which the run computes, is that of the tip's contact.
+  SensingSetup sensing(const double* contact_force_N) const;
 
  private:
   void bind_whole(Fields& fields);
@@ -184,6 +187,8 @@ struct AxisPlant {
   Model load_model(const Config* config) const;  // checks the names of the keys, if it is there
   Model model_of_file() const;                   // load_model() without the keys plant.…
   void check_names(const Model& model, const Config& config) const;
+  void check_contacts(const Model& model, const Config& config) const;
+  void check_tip(const Model& model, const Config& config) const;
 
   const Catalogue* catalogue_;
 };

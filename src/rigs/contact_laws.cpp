@@ -7,15 +7,15 @@ namespace {
 using Law = std::unique_ptr<ContactForceLaw>;
 
 void bind_stiffness(Fields& fields, double& stiffness) {
-  fields.number("contact.stiffness_N_m", stiffness, positive(),
+  fields.number("stiffness_N_m", stiffness, positive(),
                 "K: stiffness of the contact as a whole, not of its steel; "
                 "of hertz in N/m^1.5, of hunt_crossley in N/m^n [N/m]");
 }
 
 void bind_dissipation(Fields& fields, double& dissipation) {
-  fields.number("contact.dissipation_s_m", dissipation, not_negative(),
+  fields.number("dissipation_s_m", dissipation, not_negative(),
                 "alpha: the force is that at rest times 1 + alpha times the speed [s/m]");
-  fields.standard("contact.dissipation_s_m", {0.0});
+  fields.standard("dissipation_s_m", {0.0});
 }
 
 struct SpringAndDamper {
@@ -25,7 +25,7 @@ struct SpringAndDamper {
 
 void bind_spring_and_damper(Fields& fields, SpringAndDamper& settings) {
   bind_stiffness(fields, settings.stiffness_N_m);
-  fields.number("contact.damping_Ns_m", settings.damping_Ns_m, not_negative(),
+  fields.number("damping_Ns_m", settings.damping_Ns_m, not_negative(),
                 "B: damping of the same chain [N s/m]");
 }
 
@@ -56,30 +56,30 @@ struct HuntCrossleySettings {
 
 void bind_hunt_crossley(Fields& fields, HuntCrossleySettings& settings) {
   bind_stiffness(fields, settings.stiffness);
-  fields.number("contact.exponent", settings.exponent, between(1.0, 10.0),
+  fields.number("exponent", settings.exponent, between(1.0, 10.0),
                 "n: the force at rest is the stiffness times the penetration to this power");
-  fields.standard("contact.exponent", {1.5});
+  fields.standard("exponent", {1.5});
   bind_dissipation(fields, settings.dissipation_s_m);
   fields.number(
-      "contact.restitution", settings.restitution, between(0.0, 1.0),
+      "restitution", settings.restitution, between(0.0, 1.0),
       "measured restitution, from which alpha follows; 1: contact.dissipation_s_m is alpha");
-  fields.standard("contact.restitution", {1.0});
-  fields.number("contact.restitution_speed_m_s", settings.restitution_speed_m_s, positive(),
+  fields.standard("restitution", {1.0});
+  fields.number("restitution_speed_m_s", settings.restitution_speed_m_s, positive(),
                 "impact speed at which the restitution was measured [m/s]");
-  fields.standard("contact.restitution_speed_m_s", {0.1});
-  fields.only_where({"contact.restitution_speed_m_s"}, "contact.restitution is below 1",
+  fields.standard("restitution_speed_m_s", {0.1});
+  fields.only_where({"restitution_speed_m_s"}, "contact.restitution is below 1",
                     [&settings] { return settings.restitution < 1.0; });
 }
 
 Law make_hunt_crossley(const HuntCrossleySettings& settings) {
   double dissipation_s_m = settings.dissipation_s_m;
   if (settings.restitution == 0.0) {
-    throw WrongKey("contact.restitution",
+    throw WrongKey("restitution",
                    "must be above 0: no finite contact.dissipation_s_m has a restitution of 0");
   }
   if (settings.restitution < 1.0) {
     if (dissipation_s_m > 0.0) {
-      throw WrongKey("contact.restitution", "give this or contact.dissipation_s_m, not both");
+      throw WrongKey("restitution", "give this or contact.dissipation_s_m, not both");
     }
     dissipation_s_m =
         dissipation_of_restitution(settings.restitution, settings.restitution_speed_m_s);
@@ -93,14 +93,14 @@ struct Layers {
 };
 
 void bind_layers(Fields& fields, Layers& settings) {
-  fields.number_groups("contact.layers", settings.points, positive(),
+  fields.number_groups("layers", settings.points, positive(),
                        "points [depth in m, force in N] of the force at rest, which is linear "
                        "between them");
   bind_dissipation(fields, settings.dissipation_s_m);
 }
 
 Law make_layers(const Layers& settings) {
-  return blame("contact.layers", [&] {
+  return blame("layers", [&] {
     std::vector<LayeredContact::Point> points;
     for (const std::vector<double>& point : settings.points) {
       if (point.size() != 2) throw std::invalid_argument("each point must be [depth_m, force_N]");
@@ -118,10 +118,10 @@ struct Solid {
 
 void bind_solid(Fields& fields, Solid& settings) {
   bind_stiffness(fields, settings.stiffness_N_m);
-  fields.number("contact.maxwell_stiffness_N_m", settings.maxwell_stiffness_N_m, positive(),
+  fields.number("maxwell_stiffness_N_m", settings.maxwell_stiffness_N_m, positive(),
                 "K_1: stiffness of the spring in series with the damper, which is in parallel "
                 "with contact.stiffness_N_m [N/m]");
-  fields.number("contact.relaxation_s", settings.relaxation_s, positive(),
+  fields.number("relaxation_s", settings.relaxation_s, positive(),
                 "tau: relaxation time of that spring and damper [s]");
 }
 

@@ -1,10 +1,21 @@
 #include <breakwater/rigs/force_sensor_settings.h>
 
 #include <numbers>
+#include <utility>
 
 #include <breakwater/experiment/settings.h>
 
 namespace breakwater {
+
+void ForceSensorSettings::bind_filter(Fields& fields) {
+  fields.number("force.filter_time_constant_s", low_pass_s, not_negative(),
+                "time constant of the force sensor's low-pass; 0: none [s]");
+}
+
+void ForceSensorSettings::bind_noise(Fields& fields) {
+  fields.number("sensor.force_noise_N", noise_N, not_negative(),
+                "standard deviation of white noise on each force sample [N]");
+}
 
 void ForceSensorSettings::bind(Fields& fields) {
   const auto number = [&](const std::string& key, double& target, const Range& range,
@@ -40,9 +51,16 @@ void ForceSensorSettings::check(const Config& config, double timestep_s) const {
                  "physics.timestep_s");
 }
 
-void ForceSensorSettings::apply(SensorChannel& channel) const {
-  channel.body = {2.0 * std::numbers::pi * resonance_Hz, damping_ratio};
-  channel.electronics = electronics;
+std::array<SensorChannel, 2> ForceSensorSettings::channels(const SensorChannel& measured) const {
+  SensorChannel raw = measured;
+  raw.name = "force_raw";
+  raw.body = {2.0 * std::numbers::pi * resonance_Hz, damping_ratio};
+  raw.electronics = electronics;
+  raw.noise_std = noise_N;
+  SensorChannel filtered = raw;
+  filtered.name = "force";
+  filtered.low_pass_s = low_pass_s;
+  return {std::move(filtered), std::move(raw)};
 }
 
 }  // namespace breakwater

@@ -40,12 +40,13 @@ PulseResponse run(const AxisLoopDesign& design, const ProbeSequence& probe, std:
   DelayLine measured(design.delay_samples), command(design.command_delay_samples);
   command.update(0.0);  // the drive's force before the first command
   const bool has_full_state = design.task.senses_true_state;
-  Sample sample{0.0, Eigen::VectorXd::Zero(has_full_state ? 3 : 1)};
+  const Eigen::Index entries = has_full_state ? 3 : 1;
+  Sample sample{0.0, Eigen::VectorXd::Zero(entries + (design.task.force.is_there() ? 2 : 0))};
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
   const auto sense = [&](std::size_t k) {
     sample.time_s = static_cast<double>(k) * design.task.axis.period_s;
     sample.y(0) = measured.update((design.plant.C * x)(0) + probe.at(Probe::noise, k));
-    if (has_full_state) sample.y.tail<2>() = x.head<2>();
+    if (has_full_state) sample.y.segment<2>(1) = x.head<2>();
   };
   PulseResponse out;
   out.command.reserve(samples);

@@ -1,10 +1,15 @@
-// Parts of a plant with named axes besides the axes: forces on bodies, and contacts to watch.
+// Parts of a plant with named axes besides the axes: forces on bodies, contacts, the tip's sensor.
 #pragma once
 
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <breakwater/control/reference.h>
 #include <breakwater/rigs/disturbance_settings.h>
+#include <breakwater/rigs/force_sensor_settings.h>
+#include <breakwater/rigs/wall_settings.h>
 
 namespace breakwater {
 
@@ -19,16 +24,44 @@ struct PushSettings {
   void bind(Fields& fields);
 };
 
-/// Two geoms whose contact force is logged: keys contact.NAME.….
+/// Two geoms whose contact force is logged: keys contact.NAME.…. Without a law they touch as in the
+/// model file. A law that is a force needs a sphere and a plane of the world.
 struct ContactSettings {
+  ContactSettings(std::string its_name, const Catalogue& catalogue)
+      : name(std::move(its_name)), wall(catalogue, prefix()) {}
+
   std::string name;
   std::string geom_1;
   std::string geom_2;
+  WallSettings wall;
 
   std::string prefix() const { return "contact." + name + "."; }
-  /// The name of its signal.
-  std::string signal() const { return "contact_" + name + "_N"; }
+  /// The name of its signal `what`.
+  std::string signal(const std::string& what = "N") const { return "contact_" + name + "_" + what; }
   void bind(Fields& fields);
+  /// Makes the model's contact that of the law. Throws std::invalid_argument if it cannot.
+  void prepare(Model& model) const;
+  /// The contact as a force; null: it is the engine's.
+  std::unique_ptr<WallContact> make(const Model& model) const;
+
+ private:
+  // The plane comes last, if there is one.
+  std::pair<std::string, std::string> geoms(const Model& model) const;
+};
+
+/// The force sensor of the tip and the reference of its force: keys tip.…, sensor.force_…, force.….
+struct TipSettings {
+  static constexpr const char* kNone = "none";
+
+  std::string contact = kNone;  ///< its force is the true one
+  std::string sensor = kNone;   ///< kNone: the force of the contact is measured itself
+  int component = 0;
+  ForceSensorSettings chain;
+  Reference reference;  ///< 0 until it begins
+
+  void bind(Fields& fields);
+  /// Puts the tool's mass before the sensor.
+  void add_tool(Model& model) const;
 };
 
 }  // namespace breakwater

@@ -104,11 +104,21 @@ std::unique_ptr<Controller> make_no_control(const NoKeys&, const AxisTask&, Shar
   return std::make_unique<NoControl>();
 }
 
+std::unique_ptr<ContactForceLaw> make_no_law(const NoKeys&) {
+  return nullptr;
+}
+
 }  // namespace
 
 PlantTask plant_task(const AxisPlant& plant) {
   PlantTask task;
   task.senses_true_state = plant.senses_true_state;
+  const Eigen::Index entries = plant.senses_true_state ? 3 : 1;
+  const auto force_behind = [&](std::size_t axes) {
+    if (!plant.tip) return ForceTask();
+    return ForceTask{entries * static_cast<Eigen::Index>(axes), plant.tip->reference};
+  };
+  task.force = force_behind(plant.axes.size());
   const Model model = plant.load_model();
   std::vector<int> joints, actuators;
   std::vector<std::unique_ptr<Transmission>> transmissions;
@@ -122,7 +132,8 @@ PlantTask plant_task(const AxisPlant& plant) {
                          .reference = one.reference,
                          .start_state = Eigen::Vector2d(one.reference.before, one.start_velocity) *
                                         one.transmission.measured_ratio(),
-                         .senses_true_state = plant.senses_true_state});
+                         .senses_true_state = plant.senses_true_state,
+                         .force = force_behind(1)});
     task.pose(static_cast<Eigen::Index>(i)) = one.reference.before;
     joints.push_back(model.id(mjOBJ_JOINT, one.measured_joint()));
     if (!one.axis.is_driven()) continue;
@@ -190,6 +201,8 @@ Catalogue with_none(Catalogue catalogue) {
       "none", "no estimator: the measured position, its difference over a sample, no disturbance",
       bind_nothing, make_raw_difference));
   catalogue.add(AxisControllerKind("none", "no control", bind_nothing, make_no_control));
+  catalogue.add(ContactLawKind(WallSettings::kOfModel, "the contact as the model file has it",
+                               bind_nothing, make_no_law));
   return catalogue;
 }
 

@@ -28,6 +28,7 @@ struct PlantTask {
   Eigen::VectorXd held_input;  ///< the forces that hold it there
   Eigen::VectorXd limit;       ///< force limits of the driven axes
   bool senses_true_state = false;
+  ForceTask force;
   /// Makes the controllers that the axes have chosen, as one.
   std::function<std::unique_ptr<Controller>()> own_controllers;
 };
@@ -58,7 +59,8 @@ class PlantParts
 /// Breakwater's controllers of a plant.
 std::vector<PlantControllerKind> plant_controllers();
 
-/// The catalogue with "none" among the estimators and the controllers of an axis.
+/// The catalogue with "none" among the estimators and the controllers of an axis, and "model" among
+/// the contact laws.
 Catalogue with_none(Catalogue catalogue);
 
 }  // namespace breakwater

@@ -42,7 +42,14 @@ void check_stability(const Config& config, const PhysicsSettings& physics,
 
 }  // namespace
 
+void WallSettings::bind(Fields& fields) {
+  bind_wall(fields);
+  const Fields::Under under(fields, contact_);
+  law_->bind(fields);
+}
+
 void WallSettings::bind_wall(Fields& fields) {
+  const Fields::Under under(fields, wall_);
   fields.number("wall.angle_rad", angle_rad_, between(-kLargestTilt_rad, kLargestTilt_rad),
                 "tilt of the wall about the vertical, counter-clockwise seen from above [rad]");
   fields.standard("wall.angle_rad", {0.0});
@@ -90,8 +97,13 @@ void WallSettings::bind_wall(Fields& fields) {
 }
 
 void WallSettings::check(const Config& config, const PhysicsSettings& physics) const {
-  law_.check(config);
-  config.blame("wall.file", [&] { motion(); });
+  law_->check(config.under(contact_));
+  const Config own = config.under(wall_);
+  own.blame("wall.file", [&] { motion(); });
+  if (make_law() == nullptr && (motion_.kind != WallMotionKind::fixed || angle_rad_ != 0.0)) {
+    own.fail(motion_.kind != WallMotionKind::fixed ? kMotion : "wall.angle_rad",
+             "needs a law: the contact of the model file knows no such wall");
+  }
   if (motion_.kind != WallMotionKind::free) return;
   // At the beginning of a contact with a body that is much heavier than the wall.
   check_stability(config, physics,
@@ -106,8 +118,8 @@ WallMotion WallSettings::motion() const {
 }
 
 std::unique_ptr<ContactForceLaw> WallSettings::make_law() const {
-  std::unique_ptr<ContactForceLaw> law = law_.make();
-  const KelvinVoigt* engine = law->for_engine();
+  std::unique_ptr<ContactForceLaw> law = law_->make();
+  const KelvinVoigt* engine = law ? law->for_engine() : nullptr;
   if (engine == nullptr || motion_.kind == WallMotionKind::fixed) return law;
   // MuJoCo's contact does not know the speed of a wall that moves.
   return std::make_unique<KelvinVoigt>(engine->stiffness_N_m(), engine->damping_Ns_m(),
@@ -115,7 +127,8 @@ std::unique_ptr<ContactForceLaw> WallSettings::make_law() const {
 }
 
 bool WallSettings::is_of_engine() const {
-  return make_law()->for_engine() != nullptr;
+  const std::unique_ptr<ContactForceLaw> law = make_law();
+  return !law || law->for_engine() != nullptr;
 }
 
 void WallSettings::check_impact(const Config& config, const PhysicsSettings& physics,
@@ -136,10 +149,14 @@ void WallSettings::check_impact(const Config& config, const PhysicsSettings& phy
 void WallSettings::prepare(Model& model, const std::string& sphere, const std::string& wall,
                            double x_m) const {
   place_wall(model, wall, x_m);
-  tilt_wall(model, wall, angle_rad_);
+  prepare(model, sphere, wall);
+}
+
+void WallSettings::prepare(Model& model, const std::string& geom, const std::string& wall) const {
+  if (angle_rad_ != 0.0) tilt_wall(model, wall, angle_rad_);
   const std::unique_ptr<ContactForceLaw> law = make_law();
-  if (const KelvinVoigt* engine = law->for_engine()) {
-    author_contact(model, geom_id(model, sphere), geom_id(model, wall),
+  if (const KelvinVoigt* engine = law ? law->for_engine() : nullptr) {
+    author_contact(model, geom_id(model, geom), geom_id(model, wall),
                    {engine->stiffness_N_m(), engine->damping_Ns_m()});
   }
 }

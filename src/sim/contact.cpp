@@ -99,7 +99,7 @@ void tilt_wall(Model& model, const std::string& wall, double angle_rad) {
 GeomContact::GeomContact(const Model& model, const std::string& geom_1, const std::string& geom_2)
     : geom_1_(model.id(mjOBJ_GEOM, geom_1)), geom_2_(model.id(mjOBJ_GEOM, geom_2)) {}
 
-double GeomContact::force_N(const Model& model, const mjData& data) const {
+double GeomContact::force_N(const mjModel& model, const mjData& data) const {
   double sum = 0.0;
   for (int i = 0; i < data.ncon; ++i) {
     const mjContact& contact = data.contact[i];
@@ -107,7 +107,7 @@ double GeomContact::force_N(const Model& model, const mjData& data) const {
                            (contact.geom1 == geom_2_ && contact.geom2 == geom_1_);
     if (!is_theirs) continue;
     mjtNum force[6];
-    mj_contactForce(model.get(), &data, i, force);
+    mj_contactForce(&model, &data, i, force);
     sum += force[0];
   }
   return sum;

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include <breakwater/sim/external_force.h>
 #include <breakwater/sim/model.h>
 
 namespace breakwater {
@@ -34,18 +35,26 @@ void place_wall(Model& model, const std::string& wall, double x_m);
 /// counter-clockwise seen from above. Throws as place_wall().
 void tilt_wall(Model& model, const std::string& wall, double angle_rad);
 
-/// Two geoms that may touch.
-class GeomContact {
+/// Two geoms that may touch by the engine's contact, which is measured in each step.
+class GeomContact final : public StagedForce {
  public:
   /// Throws std::invalid_argument if the model lacks one of them.
   GeomContact(const Model& model, const std::string& geom_1, const std::string& geom_2);
 
   /// The sum of the normal forces of all their contacts [N], as the engine computed it last.
-  double force_N(const Model& model, const mjData& data) const;
+  double force_N(const mjModel& model, const mjData& data) const;
+  /// The same of the last step.
+  const double& force_N() const { return force_N_; }
+
+  void begin_step() override {}
+  void apply(double, const mjModel& model, mjData&) override { model_ = &model; }
+  void end_step(const mjData& data) override { force_N_ = force_N(*model_, data); }
 
  private:
   int geom_1_;
   int geom_2_;
+  const mjModel* model_ = nullptr;
+  double force_N_ = 0.0;
 };
 
 }  // namespace breakwater

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -310,14 +312,13 @@ void Model::scale_inertia(double ratio) {
   derive_constants();
 }
 
-void Model::add_mass(const std::string& body, double mass_kg) {
-  const int number = id(mjOBJ_BODY, body);
+void Model::add_mass(int body, double mass_kg) {
   mjModel& m = *model_;
-  const double mass = m.body_mass[number] + mass_kg;
+  const double mass = m.body_mass[body] + mass_kg;
   if (!(mass >= 0.0 && mass <= kLargestMass_kg)) {
-    refuse(file_, "body " + name_of(m, mjOBJ_BODY, number) + ": mass is out of range");
+    refuse(file_, "body " + name_of(m, mjOBJ_BODY, body) + ": mass is out of range");
   }
-  m.body_mass[number] = mass;
+  m.body_mass[body] = mass;
   derive_constants();
 }
 
@@ -366,6 +367,29 @@ void Model::set_collidable(int geom, bool collidable) {
   model_->geom_contype[geom] = collidable ? 1 : 0;
   model_->geom_conaffinity[geom] = collidable ? 1 : 0;
   if (lists_contacts_) switch_contact_pairs(*model_);
+}
+
+void Model::separate(int geom, int plane) {
+  mjModel& m = *model_;
+  for (int i = 0; i < m.npair; ++i) {
+    if (std::minmax(m.pair_geom1[i], m.pair_geom2[i]) == std::minmax(geom, plane)) {
+      refuse(file_, "has a <pair> of two geoms whose contact is a force");
+    }
+  }
+  std::uint32_t taken = 0;
+  for (int i = 0; i < m.ngeom; ++i) {
+    taken |= static_cast<std::uint32_t>(m.geom_contype[i] | m.geom_conaffinity[i]);
+  }
+  if (taken == ~0U) refuse(file_, "needs a free bit of contype for a contact that is a force");
+  // The plane then touches the geoms with this bit alone: all that it could touch but the one.
+  const int bit = static_cast<int>(1U << static_cast<unsigned>(std::countr_one(taken)));
+  for (int i = 0; i < m.ngeom; ++i) {
+    const bool touches = (m.geom_contype[i] & m.geom_conaffinity[plane]) != 0 ||
+                         (m.geom_contype[plane] & m.geom_conaffinity[i]) != 0;
+    if (touches && i != geom && i != plane) m.geom_contype[i] |= bit;
+  }
+  m.geom_contype[plane] = 0;
+  m.geom_conaffinity[plane] = bit;
 }
 
 void Model::limit_actuator(int actuator, double limit) {

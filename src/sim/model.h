@@ -85,7 +85,10 @@ class Model {
   /// Adds a point mass at a body's centre of mass, or removes one. Throws std::invalid_argument if
   /// there is no such body, the resulting mass is negative, or the engine cannot compute the
   /// derived constants.
-  void add_mass(const std::string& body, double mass_kg);
+  void add_mass(const std::string& body, double mass_kg) {
+    add_mass(id(mjOBJ_BODY, body), mass_kg);
+  }
+  void add_mass(int body, double mass_kg);
 
   /// Puts a rigid gear between an actuator and its hinge or slide: the actuator's force counts
   /// `ratio` times, and its motor adds ratio² · `motor_inertia`. Throws std::invalid_argument if
@@ -106,6 +109,10 @@ class Model {
 
   /// Lets a geom collide with the geoms whose contype has bit 1, or with nothing.
   void set_collidable(int geom, bool collidable);
+
+  /// Ends the contact of a geom and a plane, and no other contact. Call it before list_contacts().
+  /// Throws std::invalid_argument if a <pair> makes the contact, or if no bit of contype is free.
+  void separate(int geom, int plane);
 
   /// Limits an actuator's command to ±limit; infinity: no limit. Throws std::invalid_argument
   /// unless the limit is positive.

@@ -32,6 +32,7 @@ bool is_of_joint(Reading reading) {
 // The place of a channel's value in the engine's data, and whether it is computed only at the end
 // of a step. Throws if the model does not have it.
 std::pair<int, bool> place(const Model& model, const SensorChannel& channel) {
+  if (channel.source != nullptr) return {0, true};
   if (is_of_joint(channel.reading)) {
     const int joint = model.id(mjOBJ_JOINT, channel.sensor);
     if (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE) {
@@ -81,6 +82,7 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
 }
 
 double Sensing::Channel::read(const mjData& data) const {
+  if (setup.source != nullptr) return *setup.source;
   if (setup.reading == Reading::joint_position) return data.qpos[address];
   if (setup.reading == Reading::joint_velocity) return data.qvel[address];
   const mjtNum* values = data.sensordata + address;

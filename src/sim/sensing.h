@@ -37,9 +37,10 @@ enum class Reading {
 /// touch and acceleration sensors, and all sensors with a low-pass, have the value of the last
 /// physics step. The engine computes them only at the end of a step.
 struct SensorChannel {
-  std::string name;    ///< name for the user: "q1", "force"
-  std::string sensor;  ///< name of the MJCF sensor, or of the joint
-  int component = 0;   ///< index in the sensor's values
+  std::string name;                ///< name for the user: "q1", "force"
+  std::string sensor;              ///< name of the MJCF sensor, or of the joint
+  const double* source = nullptr;  ///< in place of a sensor: a value that each step computes
+  int component = 0;               ///< index in the sensor's values
   Reading reading = Reading::component;
   SensorBody body;          ///< body of a force sensor; default: no resonance
   double low_pass_s = 0.0;  ///< time constant [s]; 0: none

@@ -201,14 +201,14 @@ TEST(AxesControl, GivesEachAxisItsPartAndItsCommand) {
   };
   Sample sample;
   sample.time_s = 0.5;
-  sample.y.resize(9);
-  sample.y << 1, 2, 3, 10, 20, 30, 100, 200, 300;
+  sample.y.resize(10);  // the last one is shared
+  sample.y << 1, 2, 3, 10, 20, 30, 100, 200, 300, 4000;
   control.reset(sample);
-  expect_sums(111.0, 222.0, 333.0);
+  expect_sums(4111.0, 4222.0, 4333.0);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(2);
   control.update(sample, u);
-  expect_sums(111.5, 222.5, 333.5);
-  EXPECT_EQ(u, Eigen::Vector2d(111.5, 333.5));
+  expect_sums(4111.5, 4222.5, 4333.5);
+  EXPECT_EQ(u, Eigen::Vector2d(4111.5, 4333.5));
   control.set_watched(false);
   expect_sums(-1.0, -1.0, -1.0);
 }

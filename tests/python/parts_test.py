@@ -7,6 +7,7 @@ import unittest
 import numpy as np
 
 import breakwater as bw
+from admittance import Admittance
 from support import Returns
 
 CASES = {
@@ -164,6 +165,40 @@ class OfOneAxis(unittest.TestCase):
     def test_a_controller_of_an_axis_without_effect_is_warned_of(self):
         lqr = bw.run("plant", case="lqr", duration=0.1, controllers={"elbow": RepeatAxis([])})
         self.assertRegex(lqr.warnings[0], "axis.elbow.controller.name: has an effect only where controller.name is axes")
+
+
+class Force(unittest.TestCase):
+    PLANT = pathlib.Path(__file__).parents[1] / "regression/press.toml"
+
+    def test_an_admittance_settles_at_its_force(self):
+        run = bw.run(str(self.PLANT), controller=Admittance())
+        np.testing.assert_array_equal(run["force_reference_N"], 5.0 * (run.time_s >= 0.5))
+        last = run["force_true_N"][run.time_s >= 2.5]
+        self.assertLess(np.abs(last - 5.0).max(), 0.05)  # 1 %
+        self.assertLess(run.metrics["error_N"], 0.05)
+        # The wall is a spring, and its metric has the physics steps.
+        depth = run["contact_wall_penetration_m"][run.time_s >= 2.5]
+        np.testing.assert_allclose(last, 2000 * depth, rtol=5e-3)
+        self.assertGreaterEqual(run.metrics["peak_N"], run["force_true_N"].max())
+
+    def test_an_axis_has_the_force_too(self):
+        class Look(bw.Controller):
+            def reset(self, t, y):
+                self.seen = []
+
+            def update(self, t, y):
+                self.seen.append((y.position, y.true_position, y.force_N, y.raw_force_N))
+                return 0.2
+
+        look = Look()
+        run = bw.run(str(self.PLANT), duration=0.3, controllers={"shoulder": look}, set={"sensor.true_state": True})
+        names = ("shoulder_position_measured_rad", "shoulder_position_true_rad", "force_measured_N",
+                 "force_raw_measured_N")
+        np.testing.assert_array_equal(look.seen, np.column_stack([run[name] for name in names]))
+        self.assertEqual(look.setup.force_reference(0.5), 5.0)
+        without = Look()
+        with self.assertRaises(IndexError):
+            bw.run(str(self.PLANT), duration=0.1, controllers={"elbow": without})
 
 
 class Told(unittest.TestCase):

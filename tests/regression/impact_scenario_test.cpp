@@ -262,7 +262,7 @@ TEST(ContactLawKinds, AUserAddsOneWithAFunction) {
   own.add(ContactLawKind(
       "cubic", "k x^3",
       +[](Fields& fields, Settings& settings) {
-        fields.number("contact.cubic_N_m3", settings.stiffness, positive(), "k [N/m^3]");
+        fields.number("cubic_N_m3", settings.stiffness, positive(), "k [N/m^3]");
       },
       +[](const Settings& settings) -> std::unique_ptr<ContactForceLaw> {
         return std::make_unique<Cubic>(settings.stiffness);

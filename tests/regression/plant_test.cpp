@@ -21,6 +21,8 @@ const std::string kMotor = file_text("motor_as_plant.toml"),
                   kCart = file_text("cart_as_plant.toml"), kFall = file_text("falling_ball.toml"),
                   kBall = file_text("falling_ball.xml");
 
+using Sets = std::vector<std::string>;
+
 PreparedRun prepare_text(const std::string& text, const std::string& case_name,
                          const std::vector<std::string>& sets = {}) {
   const testing::TemporaryPath file("plant.toml", text);
@@ -332,9 +334,136 @@ TEST(PlantTest, PushMovesAMassByForceOverMass) {
   EXPECT_NEAR(metrics.at("fall_m"), -10.0 * 0.15 * 0.15 / 2.0, 1e-12);
 }
 
-// An inverted pendulum on a cart as a plant: the template of `breakwater new plant`.
+std::map<std::string, double> metrics_of_ball(const std::string& model_text,
+                                              const std::string& rows,
+                                              std::vector<std::string> sets) {
+  const testing::TemporaryPath model("ball.xml", model_text);
+  sets.push_back("model.mjcf=\"" + model.string() + "\"");
+  return metrics_of(prepare_text(rows + kFall, "own", sets));
+}
 
-using Sets = std::vector<std::string>;
+std::string metric_row(const std::string& name, const std::string& of, const std::string& kind,
+                       const std::string& more = "") {
+  return "metric." + name + " = { of = \"" + of + "\", kind = \"" + kind + "\"" + more + " }\n";
+}
+
+const std::string kAtRest = metric_row("rest", "contact_floor_N", "last") +
+                            metric_row("speed", "height_velocity_true_m_s", "last");
+const std::string kDepth = metric_row("depth", "contact_floor_penetration_m", "last");
+const std::vector<std::string> kClipped = {"contact.law=kelvin_voigt_clipped",
+                                           "contact.stiffness_N_m=1e4", "contact.damping_Ns_m=200",
+                                           "physics.timestep_s=1e-4"};
+
+// The weight of 20 N presses the ball K⁻¹ F into the floor.
+TEST(PlantContactTest, RestingForceIsStiffnessTimesPenetration) {
+  const auto metrics = metrics_of_ball(kBall, kAtRest + kDepth, kClipped);
+  EXPECT_NEAR(metrics.at("rest_N"), 20.0, 1e-6);
+  EXPECT_NEAR(metrics.at("depth_m"), 20.0 / 1e4, 1e-9);
+}
+
+// m v over the fall and the impact is the impulse of the contact less that of the weight. The
+// engine's Euler takes each step's force at its beginning.
+TEST(PlantContactTest, ImpulseIsTheChangeOfMomentum) {
+  const std::string rows = metric_row("impulse", "contact_floor_N", "integral", ", to_s = 0.3") +
+                           metric_row("v", "height_velocity_true_m_s", "last", ", to_s = 0.3");
+  for (const Sets& law : {Sets{"contact.law=hertz", "contact.stiffness_N_m=1e6"},
+                          Sets{"contact.law=hunt_crossley", "contact.stiffness_N_m=1e6",
+                               "contact.dissipation_s_m=0.3"}}) {
+    const auto metrics = metrics_of_ball(kBall, rows, law);
+    const double v_m_s = metrics.at("v_m_s");
+    EXPECT_GT(v_m_s, 0.2) << law.front();  // it has bounced
+    EXPECT_NEAR(metrics.at("impulse_Ns"), 2.0 * (v_m_s + 10.0 * 0.3), 1e-9) << law.front();
+  }
+}
+
+// The floor rises by 0.05 m/s: the ball rests on it and rises with it. Keys at the root count for
+// each contact.
+TEST(PlantContactTest, BallRisesWithAFloorThatMoves) {
+  Sets sets = kClipped;
+  sets.insert(sets.end(), {"wall.motion=ramp", "wall.speed_m_s=-0.05"});
+  const auto metrics =
+      metrics_of_ball(kBall, kAtRest + metric_row("wall", "contact_floor_wall_m", "last"), sets);
+  EXPECT_NEAR(metrics.at("rest_N"), 20.0, 1e-6);
+  EXPECT_NEAR(metrics.at("speed_m_s"), 0.05, 1e-9);
+  EXPECT_NEAR(metrics.at("wall_m"), -0.05, 1e-9);
+}
+
+// MuJoCo's solver adds 0.1 % of mass to its own contact, and no force to one at rest.
+TEST(PlantContactTest, EngineTakesStiffnessAndDampingOfAnyGeoms) {
+  const std::string box = testing::replaced(kBall, "<geom name=\"ball\" size=\"0.1\"",
+                                            "<geom name=\"ball\" type=\"box\" size=\"1 1 1\"");
+  Sets sets = kClipped;
+  sets[0] = "contact.law=kelvin_voigt";
+  const std::string height = metric_row("height", "height_position_true_m", "last");
+  const auto ball = metrics_of_ball(kBall, kAtRest + height, sets);
+  EXPECT_NEAR(ball.at("rest_N"), 20.0, 1e-3);
+  EXPECT_NEAR(ball.at("height_m"), -0.2 - 20.0 / 1e4, 1e-5);
+  // The box begins 0.7 m deep: four corners share its weight.
+  sets.push_back("axis.height.start.position_m=0.71");
+  const auto with_corners = metrics_of_ball(box, kAtRest + height, sets);
+  EXPECT_NEAR(with_corners.at("rest_N"), 20.0, 1e-3);
+  EXPECT_NEAR(with_corners.at("height_m"), 0.7 - 5.0 / 1e4, 1e-5);
+}
+
+// A second ball rests on the floor by the engine.
+TEST(PlantContactTest, OtherGeomsStillTouchThePlane) {
+  const std::string two =
+      testing::replaced(kBall, "</worldbody>", R"(<body name="block" pos="5 0 0.1">
+      <joint name="lift" type="slide" axis="0 0 1"/>
+      <geom name="block" size="0.1" mass="3" solref="-1e4 -200"/>
+    </body></worldbody>)");
+  Sets sets = kClipped;
+  sets[0] = "contact.floor.law=kelvin_voigt_clipped";
+  sets.insert(sets.end(), {"contact.block.geom_1=floor", "contact.block.geom_2=block"});
+  const auto metrics =
+      metrics_of_ball(two, metric_row("block", "contact_block_N", "last") + kAtRest, sets);
+  EXPECT_NEAR(metrics.at("rest_N"), 20.0, 1e-6);
+  EXPECT_NEAR(metrics.at("block_N"), 30.0, 0.01);
+}
+
+// A hand with the ball carries 2 kg, whose weight its sensor has, whatever is before it. The hand
+// presses down, against the axis.
+TEST(PlantTipTest, SensorOfTheModelHasWhatIsBehindIt) {
+  const std::string carried = testing::replaced(
+      testing::replaced(kBall, "<geom name=\"ball\" size=\"0.1\" mass=\"0\"/>",
+                        R"(<body name="hand"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+                        <site name="wrist"/><geom name="ball" size="0.1" mass="0"/></body>)"),
+      "</mujoco>", "<sensor><force name=\"wrist\" site=\"wrist\"/></sensor></mujoco>");
+  const std::string rows = kAtRest + metric_row("true", "force_true_N", "last") +
+                           metric_row("measured", "force_measured_N", "last") +
+                           metric_row("filtered", "force_filtered_N", "last");
+  Sets sets = kClipped;
+  sets.insert(sets.end(), {"tip.contact=floor", "tip.sensor=wrist", "tip.component=2",
+                           "sensor.force_bias_N=0.25", "force.filter_time_constant_s=0.01"});
+  for (const double tool_kg : {0.0, 0.5}) {
+    Sets with_tool = sets;
+    with_tool.push_back("sensor.force_tool_mass_kg=" + std::to_string(tool_kg));
+    const auto metrics = metrics_of_ball(carried, rows, with_tool);
+    EXPECT_NEAR(metrics.at("rest_N"), 30.0 + 10.0 * tool_kg, 1e-5);
+    EXPECT_EQ(metrics.at("true_N"), metrics.at("rest_N"));
+    EXPECT_NEAR(metrics.at("filtered_N"), -20.0, 1e-5);
+    EXPECT_NEAR(metrics.at("measured_N"), -19.75, 1e-5);
+  }
+}
+
+// The peak of the true force is that at the physics rate. A fault is of one channel.
+TEST(PlantTipTest, MeasuresTheContact) {
+  const std::string rows = metric_row("peak", "force_true_N", "peak") +
+                           metric_row("broken", "force_measured_N", "last") +
+                           metric_row("raw", "force_raw_measured_N", "last") +
+                           metric_row("aim", "force_reference_N", "last");
+  Sets sets = kClipped;
+  sets.insert(sets.end(),
+              {"tip.contact=floor", "fault.sensor=force", "fault.at_s=0.5", "fault.samples=1000",
+               "fault.kind=bias", "fault.size=3", "force.reference_N=7", "force.from_s=0.9"});
+  const auto metrics = metrics_of_ball(kBall, rows, sets);
+  EXPECT_EQ(metrics.at("peak_N"), metrics.at("peak_force_N"));
+  EXPECT_NEAR(metrics.at("raw_N"), 20.0, 1e-6);
+  EXPECT_NEAR(metrics.at("broken_N"), 23.0, 1e-6);
+  EXPECT_EQ(metrics.at("aim_N"), 7.0);
+}
+
+// An inverted pendulum on a cart as a plant: the template of `breakwater new plant`.
 
 PreparedRun prepare_pendulum(const std::string& case_name, const Sets& sets = {}) {
   static const ScenarioFile file(testing::source_file("templates/plant/my_plant.toml"), "plant");

@@ -251,7 +251,7 @@ TEST(GeomContact, IsTheWeightOfTheBallThatRests) {
   const DataPointer data = model.make_data();
   for (int k = 0; k < 2000; ++k) mj_step(model.get(), data.get());
   const auto force_N = [&](const char* one, const char* other) {
-    return GeomContact(model, one, other).force_N(model, *data);
+    return GeomContact(model, one, other).force_N(*model.get(), *data);
   };
   EXPECT_NEAR(force_N("light", "floor"), 9.81, 1e-3);
   EXPECT_NEAR(force_N("floor", "light"), 9.81, 1e-3);
