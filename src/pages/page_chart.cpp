@@ -96,8 +96,7 @@ PageData PageChart::json() const {
   const auto [x_first, x_unit] =
       is_over_time ? std::pair(0.0, kMicrosecond) : packing(all_x, 10.0 * kSteps);
   const auto look = [](Identity identity) -> PageData {
-    return {{"colour", identity < 0 ? kIdentityColours : identity % kIdentityColours},
-            {"dash", dash_number(identity)}};
+    return {{"colour", colour_number(identity)}, {"dash", dash_number(identity)}};
   };
   auto list = PageData::array();
   for (std::size_t i = 0; i < series.size(); ++i) {

@@ -51,4 +51,9 @@ struct PageChart {
   PageData json() const;
 };
 
+/// A figure with one chart.
+inline PageData figure_of(const PageChart& chart) {
+  return {{"charts", PageData::array({chart.json()})}};
+}
+
 }  // namespace breakwater

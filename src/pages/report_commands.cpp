@@ -95,14 +95,10 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
   if (arguments.csv) write("compare.csv", comparison.csv());
   if (arguments.latex) write("compare.tex", comparison.latex());
   int status = kSuccess;
-  const std::vector<fs::path> folders(arguments.runs.begin(), arguments.runs.end());
   for (const char* kind : {"svg", "pdf"}) {
     if (!(kind[0] == 's' ? arguments.svg : arguments.pdf)) continue;
     const fs::path file = out / (std::string("compare.") + kind);
-    const int made =
-        draw_figure({folders, comparison.labels(), comparison.looks(), comparison.signals(),
-                     arguments.choice.from_s, arguments.choice.to_s},
-                    file);
+    const int made = draw_figure(written[0], file);
     if (made != kSuccess) status = made;
     if (made == kSuccess) written.push_back(file);
   }
@@ -255,7 +251,7 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
         ->needs("--paired");
     app.add_option("--measured", arguments.measured,
                    "instead: a recorded impact, a table with time_s and force_N, over that of one\n"
-                   "run (its signal physics/force_sensor_N, or --signal); writes measured.html")
+                   "run (its signal physics/force_sensor_N, or --signal); writes RUN/measured.html")
         ->type_name("FILE")
         ->check(CLI::ExistingFile)
         ->excludes("--paired");
@@ -275,11 +271,14 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
   app.add_flag("--quiet", arguments.quiet, "print errors only");
   app.footer(is_comparison
                  ? "It writes compare.html, a page that needs no network. Figures are drawn by\n"
-                   "scripts/figures.py (python3-h5py, python3-matplotlib), which you may copy."
+                   "scripts/figures.py (python3-matplotlib), which you may copy."
                  : "It writes report.html, a page that needs no network.");
   if (const auto status = parse(app, argc, argv)) return *status;
   if (arguments.paired) return compare_paired(catalogue, arguments);
-  if (!arguments.measured.empty()) return compare_measured(arguments);
+  if (!arguments.measured.empty()) {
+    if (app.count("--out") == 0) arguments.out = arguments.runs.front();
+    return compare_measured(arguments);
+  }
   return is_comparison ? compare(catalogue, arguments) : report(catalogue, arguments);
 }
 

@@ -272,12 +272,7 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
     PageData one = {{"charts", PageData::array({chart})}, {"note", note}};
     return PageData::array({one});
   };
-  if (ranking) {
-    const auto texts = ranking_table(*ranking);
-    add("table", {{"label", "Ranking"},
-                  {"columns", texts.front()},
-                  {"rows", std::vector(texts.begin() + 1, texts.end())}});
-  }
+  if (ranking) add("table", text_table("Ranking", ranking_table(*ranking)));
   if (tuning.objectives.size() > 1 && !table.rows.empty()) {
     add("figures",
         figure(front_chart(tuning, result, looks, chosen ? chosen->label : 0),
