@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/study_indices.h>
 #include <breakwater/pages/study_numbers.h>
 
 namespace breakwater {

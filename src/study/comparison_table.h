@@ -31,8 +31,8 @@ std::string p_text(double p, const std::string& equals = "");
 /// significant.
 std::size_t blocks_for_verdict(std::size_t blocks, std::size_t tests);
 
-/// The reason for the verdict "too few blocks", from the numbers of blocks, pairs of runs and tests.
-/// `least_p` is the smallest p that these can give, and `fewer` a way to have fewer tests.
+/// The reason for the verdict "too few blocks", from the numbers of blocks, pairs of runs and
+/// tests. `least_p` is the smallest p that these can give, and `fewer` a way to have fewer tests.
 inline constexpr const char* kFewerMetrics = "fewer metrics (compare.metrics)";
 std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, double least_p,
                      const std::string& fewer = kFewerMetrics);

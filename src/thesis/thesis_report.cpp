@@ -10,7 +10,6 @@
 #include <set>
 
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/pages/decimation.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
 #include <breakwater/pages/replay_part.h>

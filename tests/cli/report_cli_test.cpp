@@ -185,9 +185,8 @@ TEST_F(Reports, AnUnknownMetricIsAnErrorOfTheList) {
   const std::string misspelt =
       "metric: no run of motor_estimation has rmse_velocty_rad_s (did you mean "
       "rmse_velocity_rad_s?)";
-  for (const auto& [metric, line] : Refusals{
-           {"rmse_velocty_rad_s", misspelt},
-           {"|rmse_velocty_rad_s|", misspelt}}) {
+  for (const auto& [metric, line] :
+       Refusals{{"rmse_velocty_rad_s", misspelt}, {"|rmse_velocty_rad_s|", misspelt}}) {
     write("tiny.toml", statements({"metric = \"rmse_velocity_rad_s\", below = 1e3",
                                    "metric = \"" + metric + "\", above = 0.0"}));
     const ProgramResult result = reproduce("out --quiet");

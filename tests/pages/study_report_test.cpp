@@ -9,7 +9,6 @@
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/labels.h>
-#include <breakwater/pages/study_indices.h>
 #include <breakwater/pages/study_numbers.h>
 #include <breakwater/pages/study_report.h>
 #include <breakwater/study/study_comparison.h>

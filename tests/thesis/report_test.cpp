@@ -9,7 +9,6 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/compare.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/latex.h>
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/pictures/finished_run.h>
 #include <breakwater/pictures/page_data.h>
