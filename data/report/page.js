@@ -54,6 +54,7 @@
     return size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(2)
                                                       : String(Number(value.toPrecision(4)));
   };
+  window.shownNumber = shown;
 
   const dark = matchMedia("(prefers-color-scheme: dark)");
 
@@ -82,8 +83,8 @@
   }
 
   // Ticks of decimal logarithms: as many a decade as there is room for.
-  function logTicks(low, high, pixels) {
-    const ticks = [], room = pixels / 25, stride = Math.max(1, Math.ceil((high - low) / room));
+  const logTicks = (spacing) => (low, high, pixels) => {
+    const ticks = [], room = pixels / spacing, stride = Math.max(1, Math.ceil((high - low) / room));
     const factors = [[1, 2, 5], [1, 3]].find((some) => some.length * (high - low) <= room + 1) || [1];
     for (let n = Math.floor(low / stride) * stride; n <= high; n += stride) {
       for (const f of factors) {
@@ -92,7 +93,7 @@
       }
     }
     return ticks.length > 1 ? ticks : fourTicks(low, high).map((tick) => ({v: tick.v, label: shown(10 ** tick.v)}));
-  }
+  };
 
   const MARKS = {
     dot: (context, x, y) => context.arc(x, y, 3, 0, 7),
@@ -109,6 +110,13 @@
       MARKS[kind](context, x, y);
       if (kind === "dot") context.fill(); else context.stroke();
     };
+  }
+
+  // The range of values and a margin.
+  function padded(all) {
+    const low = all.reduce((a, b) => Math.min(a, b)), high = all.reduce((a, b) => Math.max(a, b));
+    const margin = 0.04 * (high - low) || 0.05 * Math.abs(high) || 0.5;
+    return [low - margin, high + margin];
   }
 
   function element(kind, className, parent) {
@@ -149,11 +157,11 @@
         digitsAfterDecimal: 4,
         maxNumberWidth: 7,
         includeZero: false,
-        dateWindow: this.axis.window,
+        dateWindow: this.axis.window || this.wholeWindow(),
         valueRange: this.wholeRange(),
-        xRangePad: data.x ? 6 : 0,
-        axes: {y: {axisLabelWidth: 54, ticker: data.log ? logTicks : fourTicks},
-               x: {drawGrid: true, ...(data.x ? {ticker: data.x.log ? logTicks : fourTicks} : {})}},
+        xRangePad: data.x ? 12 : 0,  // a ring is whole
+        axes: {y: {axisLabelWidth: 54, ticker: data.log ? logTicks(25) : fourTicks},
+               x: {drawGrid: true, ...(data.x ? {ticker: data.x.log ? logTicks(50) : fourTicks} : {})}},
         underlayCallback: (context, area, graph) => this.underlay(context, area, graph),
         highlightCallback: (event, time) => this.isPlayed ? this.showValues(time) : setTime(this.group, time),
         unhighlightCallback: () => this.isPlayed ? this.showValues(this.group.time) : setTime(this.group, null),
@@ -176,10 +184,12 @@
       if (!this.data.x) return null;
       const all = this.data.lines.concat(...this.data.brackets.map((b) => b.ends), ...this.rows.map((row) => row.slice(1)))
         .filter((value) => value !== null && Number.isFinite(value));
-      if (all.length === 0) return null;
-      const low = all.reduce((a, b) => Math.min(a, b)), high = all.reduce((a, b) => Math.max(a, b));
-      const margin = 0.04 * (high - low) || 0.05 * Math.abs(high) || 0.5;
-      return [low - margin, high + margin];
+      return all.length === 0 ? null : padded(all);
+    }
+
+    // One value of another quantity has no range of its own.
+    wholeWindow() {
+      return this.data.x && this.rows.length === 1 ? padded([this.rows[0][0]]) : null;
     }
 
     get isPlayed() { return this.group.players.length > 0; }

@@ -4,11 +4,7 @@
 const drawStudy = (() => {
   const WIDTH = 360, LEVELS = 24, LETTER = 6.2;
   const log = Math.log;
-  const shown = (value) => {
-    const size = Math.abs(value);
-    if (value === Math.round(value) && size < 1e7) return String(value);
-    return size < 1e-3 || size >= 1e5 ? value.toExponential(2) : size < 1e3 ? String(Number(value.toPrecision(3))) : value.toFixed(0);
-  };
+  const shown = shownNumber;
 
   // p(x) = a + (b - a) (s(x) - s(low))/(s(high) - s(low)), s(x) = x or ln x. A range of zero width is
   // widened around its value.
@@ -257,16 +253,23 @@ const drawStudy = (() => {
 
 (() => {
   const data = pageData["study-runs"];
-  const tip = document.getElementById("tip");
-  const panel = document.getElementById("chosen");
+  const tip = element("div", document.body);
+  const panel = element("aside", document.body);
+  tip.id = "tip";
+  panel.id = "chosen";
+  tip.hidden = panel.hidden = true;
+  panel.setAttribute("aria-live", "polite");
+  panel.setAttribute("aria-label", "Chosen runs");
   const command = document.getElementById("this-machine").dataset.command + " --replay ";
   const sections = Array.from(document.querySelectorAll(".metric"));
 
   // Shows one metric at a time. Without a script all are visible.
-  const chooser = document.querySelector(".chooser");
-  if (chooser && sections.length > 1) {
-    const select = chooser.querySelector("select");
-    for (const section of sections) select.add(new Option(section.dataset.name, section.id));
+  if (sections.length > 1) {
+    const chooser = document.createElement("div"), label = element("label", chooser, "Metric ");
+    const select = element("select", label);
+    chooser.className = "chooser";
+    sections[0].before(chooser);
+    for (const section of sections) select.add(new Option(section.querySelector("h2").textContent, section.id));
     const show = (id) => {
       if (!sections.some((section) => section.id === id)) return;
       for (const section of sections) {
@@ -285,7 +288,6 @@ const drawStudy = (() => {
       if (target) target.scrollIntoView();
     };
     window.addEventListener("hashchange", follow);
-    chooser.hidden = false;
     document.body.classList.add("chosen-by-script");
     show(sections[0].id);
     if (location.hash) follow();
@@ -294,7 +296,7 @@ const drawStudy = (() => {
   // Draws a section, and makes its marks reachable by keyboard.
   function draw(section) {
     drawStudy(section);
-    section.querySelectorAll("td [data-r], .m, .p").forEach((mark) => {
+    section.querySelectorAll("td[data-r], td [data-r], .m, .p").forEach((mark) => {
       mark.tabIndex = 0;
       mark.setAttribute("role", "button");
       if (mark.classList.contains("p")) mark.setAttribute("aria-label", "run " + inWords(data.runs[Number(mark.dataset.r)]));
@@ -392,7 +394,7 @@ const drawStudy = (() => {
     if (last) last.classList.remove("is-chosen");
     last = mark;
     mark.classList.add("is-chosen");
-    choose(mark.tagName === "CODE" || mark.classList.contains("p") ? "" : textOf(mark),
+    choose(mark.classList.contains("code") || mark.classList.contains("p") ? "" : textOf(mark),
            mark.dataset.r === "" ? [] : mark.dataset.r.split(",").map(Number));
   }
   addEventListener("click", (event) => {

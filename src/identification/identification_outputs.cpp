@@ -12,7 +12,6 @@
 #include <breakwater/identification/identified_study.h>
 #include <breakwater/recorded/record_keys.h>
 #include <breakwater/recorded/recorded_estimation.h>
-#include <breakwater/shell/table.h>
 
 namespace breakwater {
 namespace {
@@ -117,19 +116,6 @@ std::string identifiable_text(const Identification& identification,
                               const ParameterEstimate& estimate) {
   if (!estimate.is_identifiable) return "no";
   return identification.whiteness.is_white() ? "yes" : "yes, interval too narrow";
-}
-
-std::string parameter_table(const Identification& identification, std::size_t width) {
-  Table table({"parameter", "value", "low", "high", "unit", "identifiable"});
-  for (const ParameterEstimate& estimate : identification.parameters) {
-    const auto number = [&](double value) {
-      return estimate.is_identifiable ? fmt::format("{:.7g}", value) : std::string("-");
-    };
-    table.add({parameter_key(estimate.parameter), number(estimate.value), number(estimate.low),
-               number(estimate.high), parameter_unit(estimate.parameter),
-               identifiable_text(identification, estimate)});
-  }
-  return table.print(width);
 }
 
 }  // namespace breakwater

@@ -35,7 +35,4 @@ std::string estimate_toml(const Catalogue& catalogue, const Identification& iden
 std::string identifiable_text(const Identification& identification,
                               const ParameterEstimate& estimate);
 
-/// A table of the parameters, for the terminal.
-std::string parameter_table(const Identification& identification, std::size_t width);
-
 }  // namespace breakwater

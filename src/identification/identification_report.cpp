@@ -23,18 +23,22 @@ PageData figure(const std::string& caption, const std::string& note, const PageC
 PageData parameters(const Identification& identification) {
   auto rows = PageData::array();
   for (const ParameterEstimate& estimate : identification.parameters) {
+    // The ends of a narrow interval differ in their last digits.
     const auto shown = [&estimate](double value) {
-      return estimate.is_identifiable ? PageData(value) : PageData();
+      return estimate.is_identifiable ? fmt::format("{:.7g}", value) : "-";
     };
-    rows.push_back(PageData::array(
-        {parameter_key(estimate.parameter), shown(estimate.value), shown(estimate.low),
-         shown(estimate.high), parameter_unit(estimate.parameter),
-         estimate.is_identifiable
-             ? identifiable_text(identification, estimate)
-             : fmt::format("no: {}. This would help: {}", estimate.reason, estimate.excitation)}));
+    PageData answer = {{"value", identifiable_text(identification, estimate)}};
+    if (!estimate.is_identifiable) {
+      answer["lines"].push_back(
+          {{"text", fmt::format("{}. This would help: {}", estimate.reason, estimate.excitation)},
+           {"kind", "spread"}});
+    }
+    rows.push_back(PageData::array({parameter_key(estimate.parameter), shown(estimate.value),
+                                    shown(estimate.low), shown(estimate.high),
+                                    parameter_unit(estimate.parameter), answer}));
   }
   return {{"label", "Parameters"},
-          {"columns", PageData::array({"", "value", "95 % from", "to", "unit", "identifiable"})},
+          {"columns", {"parameter", "value", "low", "high", "unit", "identifiable"}},
           {"rows", rows}};
 }
 
@@ -131,7 +135,13 @@ PageData profile_figures(const Identification& identification) {
 
 }  // namespace
 
-PageData identification_result(const Identification& identification, const std::string& command) {
+std::string parameter_table(const Identification& identification, std::size_t width) {
+  return printed_table(parameters(identification), width);
+}
+
+PageData identification_result(const Identification& identification,
+                               const std::vector<std::string>& warnings,
+                               const std::string& command) {
   const bool is_axis = identification.data.model == &friction_axis();
   PageData lead = {
       {{"text", fmt::format("Inertia, friction and delay of one axis from recorded data. {} rows; "
@@ -143,6 +153,7 @@ PageData identification_result(const Identification& identification, const std::
   if (!identification.is_converged) find("The fit did not converge.");
   if (!identification.holds()) find("The held-out records disagree with the fit.");
   for (const std::string& text : identification.notes) find(text);
+  for (const std::string& text : warnings) find(text);
   lead.push_back(PageData{{"command", command}});
   auto sections = PageData::array();
   const auto add = [&](const char* id, const char* heading, const PageData& blocks) {
@@ -150,9 +161,9 @@ PageData identification_result(const Identification& identification, const std::
   };
   add("parameters", "Parameters",
       {{{"table", parameters(identification)}},
-       {{"text",
-         fmt::format("Intervals by {}.", identification.is_bootstrapped ? "parametric bootstrap"
-                                                                        : "profile likelihood")}}});
+       {{"text", fmt::format("From low to high: 95 %, by {}.", identification.is_bootstrapped
+                                                                   ? "parametric bootstrap"
+                                                                   : "profile likelihood")}}});
   add("errors", "Errors",
       {{{"table", errors(identification)}},
        {{"text",

@@ -97,16 +97,17 @@ Keys keys_of(const IdentifyArguments& arguments) {
   return keys;
 }
 
-std::vector<RecordedAxis> records_of(const std::vector<std::string>& files, const Keys& keys) {
+std::vector<RecordedAxis> records_of(const std::vector<std::string>& files, const Keys& keys,
+                                     std::vector<std::string>& warnings) {
   std::vector<RecordedAxis> records;
   for (const std::string& file : files) {
     records.push_back(read_recorded_axis(file, keys.format));
-    if (!records.back().repairs.empty()) {
-      warn(kIdentify,
-           {fmt::format("{}: repaired: {}", file, fmt::join(records.back().repairs, "; "))});
+    const RecordedAxis& record = records.back();
+    if (!record.repairs.empty()) {
+      warnings.push_back(fmt::format("{}: repaired: {}", file, fmt::join(record.repairs, "; ")));
     }
-    for (const std::string& doubt : records.back().doubts) {
-      warn(kIdentify, {fmt::format("{}: {}", file, doubt)});
+    for (const std::string& doubt : record.doubts) {
+      warnings.push_back(fmt::format("{}: {}", file, doubt));
     }
   }
   return records;
@@ -118,8 +119,10 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   const Keys keys = keys_of(arguments);
   const bool has_two = arguments.model == kTwoInertia;
   if (!has_two && keys.side == Side::load) refuse("encoder.side: load needs --model two_inertia");
-  const std::vector<RecordedAxis> records = records_of(arguments.files, keys);
-  const std::vector<RecordedAxis> held_out = records_of(arguments.held_out, keys);
+  std::vector<std::string> warnings;
+  const std::vector<RecordedAxis> records = records_of(arguments.files, keys, warnings);
+  const std::vector<RecordedAxis> held_out = records_of(arguments.held_out, keys, warnings);
+  warn(kIdentify, warnings);
   IdentificationSettings settings;
   settings.has_stribeck = arguments.friction == "stribeck";
   settings.inputs_act_before = keys.input_acts == InputActs::before;
@@ -148,7 +151,7 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
     write_text_file(out / "tune.toml", identified_tuning(result, scenarios.front()));
   }
   write_text_file(out / "report.html",
-                  html_page("identification", identification_result(result, command)));
+                  html_page("identification", identification_result(result, warnings, command)));
   folder.commit();
   std::vector<std::string> notes = result.notes;
   for (const ParameterEstimate& estimate : result.parameters) {

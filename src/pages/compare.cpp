@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,11 +13,8 @@
 #include <breakwater/config/config.h>
 #include <breakwater/experiment/differing_keys.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/key_metrics.h>
 #include <breakwater/pages/labels.h>
-#include <breakwater/pages/latex.h>
 #include <breakwater/pages/replay_part.h>
-#include <breakwater/pages/run_report.h>
 #include <breakwater/pages/signal_charts.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/shell/child_program.h>
@@ -130,10 +128,58 @@ Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
   }
   labels_ = labels_of(catalogue, runs_);
   identities_ = identities_of(catalogue, runs_);
-  for (const SavedRun& run : runs_) printed_.push_back(printed_of(catalogue, run));
-  metrics_ = choose_metrics(runs_, choice.metrics);
   shots_ = shots_of(catalogue, runs_.front().scenario());
+  const std::vector<Metric> metrics = choose_metrics(runs_, choice.metrics);
+  shown_ = shown_metrics(catalogue, runs_.front().scenario(), shots_, metrics);
+  std::vector<std::map<std::string, ReferenceValue>> printed;
+  for (const SavedRun& run : runs_) printed.push_back(printed_of(catalogue, run));
+  for (const Metric& metric : metrics) {
+    const auto shown = std::find_if(shown_.begin(), shown_.end(), [&](const ShownMetric& one) {
+      return one.metric.name == metric.name;
+    });
+    rows_[metric.name] = row_of(*shown, printed);
+  }
   choose_signals();
+}
+
+// The metric's name, and a cell for each run.
+PageData Comparison::row_of(
+    const ShownMetric& shown,
+    const std::vector<std::map<std::string, ReferenceValue>>& printed) const {
+  const Metric& metric = shown.metric;
+  PageData row = PageData::array({{{"value", metric_label_with_unit(metric.name, metric.unit)},
+                                   {"unit", metric.unit},
+                                   {"tip", shown.about}}});
+  std::vector<std::optional<double>> values;
+  for (const SavedRun& run : runs_) values.push_back(run.metric(metric.name));
+  const std::vector<std::string> words = differences_in_words(values);
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    PageData cell = {{"value", nullptr}, {"difference", nullptr}, {"printed", nullptr}};
+    cell["in_words"] = words[i];
+    auto lines = PageData::array();
+    if (values[i]) cell["value"] = *values[i];
+    if (values[i] && values[0]) {
+      cell["difference"] = *values[i] - *values[0];
+      if (i > 0) {
+        lines.push_back({{"text", fmt::format("{} {} {}", words[i],
+                                              words[i] == "same" ? "as" : "vs", labels_.front())},
+                         {"kind", "spread"}});
+      }
+    }
+    const auto reference = printed[i].find(metric.name);
+    if (reference != printed[i].end()) {
+      cell["printed"] = reference->second.number;
+      cell["printed_text"] = reference->second.text;
+      if (values[i]) {
+        for (const PageData& line : printed_lines(reference->second, *values[i])) {
+          lines.push_back(line);
+        }
+      }
+    }
+    cell["lines"] = lines;
+    row.push_back(cell);
+  }
+  return row;
 }
 
 // The chosen signals, or the signals that all runs have, the most important first.
@@ -198,37 +244,20 @@ bool Comparison::differs(const std::string& signal) const {
                      [&](const SavedRun& run) { return run.signal(signal).values != first; });
 }
 
-std::optional<double> Comparison::difference(std::size_t run, const std::string& metric) const {
-  const auto first = runs_.front().metric(metric);
-  const auto value = runs_[run].metric(metric);
-  if (!first || !value) return std::nullopt;
-  return *value - *first;
-}
-
-std::vector<std::optional<double>> Comparison::values_of(const std::string& metric) const {
-  std::vector<std::optional<double>> values;
-  for (const SavedRun& run : runs_) values.push_back(run.metric(metric));
-  return values;
-}
-
 std::string Comparison::text(std::size_t width) const {
   std::vector<std::string> header = {"metric", "unit"};
   header.insert(header.end(), labels_.begin(), labels_.end());
   Table table(header);
-  for (const Metric& metric : metrics_) {
-    std::vector<std::string> values = {metric.name, metric.unit};
-    std::vector<std::string> differences = {"  difference", "", ""};
-    std::vector<std::string> printed = {"  printed", metric.unit};
+  for (const auto& [name, row] : rows_.items()) {
+    const std::string unit = row[0]["unit"];
+    std::vector<std::string> values = {name, unit}, differences = {"  difference", "", ""},
+                             printed = {"  printed", unit};
     bool is_printed = false;
-    const std::vector<std::string> words = differences_in_words(values_of(metric.name));
-    for (std::size_t i = 0; i < runs_.size(); ++i) {
-      const auto value = runs_[i].metric(metric.name);
-      values.push_back(value ? in_digits(*value) : "-");
-      const auto reference = printed_[i].find(metric.name);
-      is_printed = is_printed || reference != printed_[i].end();
-      printed.push_back(reference == printed_[i].end() ? "-" : reference->second.text);
-      if (i == 0) continue;
-      differences.push_back(words[i]);
+    for (std::size_t i = 1; i < row.size(); ++i) {
+      values.push_back(text_of(row[i]));
+      if (i > 1) differences.push_back(text_of(row[i]["in_words"]));
+      is_printed |= row[i].contains("printed_text");
+      printed.push_back(row[i].value("printed_text", "-"));
     }
     table.add(values);
     table.add(differences);
@@ -238,27 +267,22 @@ std::string Comparison::text(std::size_t width) const {
 }
 
 std::string Comparison::json() const {
-  nlohmann::ordered_json all = {{"scenario", runs_.front().scenario()},
-                                {"runs", nlohmann::ordered_json::array()},
-                                {"metrics", nlohmann::ordered_json::array()}};
+  PageData all = {{"scenario", runs_.front().scenario()},
+                  {"runs", PageData::array()},
+                  {"metrics", PageData::array()}};
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     all["runs"].push_back({{"label", labels_[i]}, {"folder", runs_[i].folder().string()}});
   }
-  const auto number = [](const std::optional<double>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-  };
-  for (const Metric& metric : metrics_) {
-    nlohmann::ordered_json row = {{"name", metric.name}, {"unit", metric.unit}};
-    for (std::size_t i = 0; i < runs_.size(); ++i) {
-      row["values"].push_back(number(runs_[i].metric(metric.name)));
-      row["differences"].push_back(number(difference(i, metric.name)));
-      const auto reference = printed_[i].find(metric.name);
-      row["printed"].push_back(number(
-          reference == printed_[i].end() ? std::nullopt : std::optional(reference->second.number)));
+  for (const auto& [name, row] : rows_.items()) {
+    PageData metric = {{"name", name}, {"unit", row[0]["unit"]}};
+    for (std::size_t i = 1; i < row.size(); ++i) {
+      metric["values"].push_back(row[i]["value"]);
+      metric["differences"].push_back(row[i]["difference"]);
+      metric["printed"].push_back(row[i]["printed"]);
     }
-    all["metrics"].push_back(row);
+    all["metrics"].push_back(metric);
   }
-  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return all.dump(2, ' ', false, PageData::error_handler_t::replace) + "\n";
 }
 
 std::string Comparison::csv() const {
@@ -268,15 +292,17 @@ std::string Comparison::csv() const {
     header.push_back(csv_text(labels_[i] + " minus " + labels_[0]));
   }
   std::string text = csv_line(header);
-  const auto number = [](const std::optional<double>& value) {
-    return value ? fmt::format("{}", *value) : "";
-  };
-  for (const Metric& metric : metrics_) {
-    std::vector<std::string> row = {metric.name, metric.unit};
-    for (const SavedRun& run : runs_) row.push_back(number(run.metric(metric.name)));
-    for (std::size_t i = 1; i < runs_.size(); ++i)
-      row.push_back(number(difference(i, metric.name)));
-    text += csv_line(row);
+  for (const auto& [name, row] : rows_.items()) {
+    std::vector<std::string> line = {name, row[0]["unit"].get<std::string>()};
+    const auto add = [&](std::size_t from, const char* what) {
+      for (std::size_t i = from; i < row.size(); ++i) {
+        const PageData& number = row[i][what];
+        line.push_back(number.is_null() ? "" : fmt::format("{}", number.get<double>()));
+      }
+    };
+    add(1, "value");
+    add(2, "difference");
+    text += csv_line(line);
   }
   return text;
 }
@@ -284,11 +310,11 @@ std::string Comparison::csv() const {
 std::string Comparison::latex() const {
   std::vector<std::vector<std::string>> rows = {{"Metric"}};
   for (const std::string& label : labels_) rows[0].push_back(latex_escaped(label));
-  for (const Metric& metric : metrics_) {
-    rows.push_back({latex_name(metric.name, metric.unit)});
-    for (const SavedRun& run : runs_) {
-      const auto value = run.metric(metric.name);
-      rows.back().push_back(value ? latex_number(*value) : "--");
+  for (const auto& [name, row] : rows_.items()) {
+    rows.push_back({latex_name(name, row[0]["unit"])});
+    for (std::size_t i = 1; i < row.size(); ++i) {
+      const PageData& value = row[i]["value"];
+      rows.back().push_back(value.is_null() ? "--" : latex_number(value.get<double>()));
     }
   }
   return latex_table(rows);
@@ -321,41 +347,17 @@ PageChart Comparison::chart_of(const std::string& signal) const {
   return chart;
 }
 
-PageData Comparison::cells_of(const std::string& metric) const {
-  const std::vector<std::string> words = differences_in_words(values_of(metric));
-  auto cells = PageData::array();
-  for (std::size_t i = 0; i < runs_.size(); ++i) {
-    PageData cell;
-    const auto value = runs_[i].metric(metric);
-    cell["value"] = value ? format_number(*value) : "–";
-    if (i > 0 && value && words[i] != "-") {
-      cell["difference"] =
-          fmt::format("{} {} {}", words[i], words[i] == "same" ? "as" : "vs", labels_.front());
-    }
-    const auto reference = printed_[i].find(metric);
-    if (value && reference != printed_[i].end()) {
-      const Agreement agreement = reference->second.agrees(*value);
-      PageData printed;
-      printed["number"] = reference->second.text;
-      printed["verdict"] = agreement.text;
-      printed["verdict_class"] = agreement.tone;
-      printed["rule"] = agreement.rule;
-      cell["printed"] = printed;
-    }
-    cells.push_back(cell);
-  }
-  return cells;
-}
-
-std::vector<std::string> Comparison::findings(const std::vector<ShownMetric>& keys) const {
+std::vector<std::string> Comparison::findings() const {
   constexpr std::size_t kMostFindings = 2;
   std::vector<std::string> sentences, orders;
-  for (const ShownMetric& key : keys) {
+  for (const ShownMetric& key : shown_) {
+    if (!key.is_key) continue;
+    const PageData& row = rows_[key.metric.name];
     std::vector<std::pair<double, std::size_t>> here, there;
     for (std::size_t i = 0; i < runs_.size(); ++i) {
-      if (const auto value = runs_[i].metric(key.metric.name)) here.emplace_back(*value, i);
-      const auto printed = printed_[i].find(key.metric.name);
-      if (printed != printed_[i].end()) there.emplace_back(printed->second.number, i);
+      const PageData &value = row[i + 1]["value"], &printed = row[i + 1]["printed"];
+      if (!value.is_null()) here.emplace_back(value.get<double>(), i);
+      if (!printed.is_null()) there.emplace_back(printed.get<double>(), i);
     }
     if (here.size() != runs_.size()) continue;
     std::sort(here.begin(), here.end());
@@ -363,7 +365,7 @@ std::vector<std::string> Comparison::findings(const std::vector<ShownMetric>& ke
     const std::string unit = unit_after(key.metric.unit);
     if (sentences.size() < kMostFindings && here.front().first != here.back().first) {
       const auto one = [&](const auto& entry) {
-        return fmt::format("{} ({}{})", labels_[entry.second], format_number(entry.first), unit);
+        return fmt::format("{} ({}{})", labels_[entry.second], in_digits(entry.first), unit);
       };
       sentences.push_back(fmt::format("{} is smallest for {} and largest for {}.", key.label,
                                       one(here.front()), one(here.back())));
@@ -377,7 +379,7 @@ std::vector<std::string> Comparison::findings(const std::vector<ShownMetric>& ke
     bool is_other_order = false;
     for (std::size_t i = 1; i < here.size() && there.size() == here.size(); ++i) {
       const auto printed = [&](std::size_t place) {
-        return printed_[here[place].second].at(key.metric.name).number;
+        return row[here[place].second + 1]["printed"].get<double>();
       };
       is_other_order |= here[i - 1].first < here[i].first && printed(i - 1) > printed(i);
     }
@@ -394,94 +396,162 @@ std::vector<std::string> Comparison::findings(const std::vector<ShownMetric>& ke
 }
 
 std::string Comparison::html(std::vector<std::string>& notes) const {
-  PageData page;
   std::optional<ReplayPart> replay;
   if (choice_.with_replay && runs_.size() <= kMostRuns) {
     std::vector<std::filesystem::path> folders;
     for (const SavedRun& run : runs_) folders.push_back(run.folder());
     replay = replay_of(catalogue_, folders, labels_, {"replay", "compare", ""}, notes);
   }
-  std::optional<double> from_s = choice_.from_s;
-  std::optional<double> to_s = choice_.to_s;
-  if (replay && !from_s && !to_s) {
-    from_s = replay->window.from_s;
-    to_s = replay->window.to_s;
-  }
-  if (from_s || to_s) {
-    Window window{from_s.value_or(0.0), to_s.value_or(0.0), 1.0};
-    if (!to_s) {
-      for (const SavedRun& run : runs_) {
-        window.to_s = std::max(window.to_s, run.signal(signals_.front()).times_s.back());
-      }
+  std::optional<Window> window;
+  if (choice_.from_s || choice_.to_s) {
+    window = Window{choice_.from_s.value_or(0.0), choice_.to_s.value_or(0.0), 1.0};
+    for (const SavedRun& run : runs_) {
+      if (choice_.to_s) break;
+      window->to_s = std::max(window->to_s, run.signal(signals_.front()).times_s.back());
     }
-    from_s = window.from_s;
-    to_s = window.to_s;
-    page["window"] = window_data(window, "compare");
+  } else if (replay) {
+    window = replay->window;
   }
-  if (replay) {
-    page["replay"] = replay->box;
-  }
-  auto columns = PageData::array();
+  PageData columns = {"metric"}, key_columns = {"key"};
   for (std::size_t i = 0; i < runs_.size(); ++i) {
-    columns.push_back({{"name", labels_[i]},
-                       {"colour", series_class(identities_[i])},
-                       {"folder", runs_[i].folder().string()}});
+    columns.push_back({{"value", labels_[i]},
+                       {"look", series_class(identities_[i])},
+                       {"tip", runs_[i].folder().string()}});
+    key_columns.push_back({{"value", labels_[i]}, {"tip", runs_[i].folder().string()}});
   }
-  auto keys = PageData::array();
-  const std::vector<DifferingKey> differing = differing_keys(runs_);
-  for (const DifferingKey& key : differing) {
-    PageData row;
-    row["key"] = key.key;
-    auto values = PageData::array();
-    for (const std::string& value : key.values) {
-      values.push_back({{"value", value}});
-    }
-    row["values"] = values;
-    keys.push_back(row);
+  auto rows = PageData::array(), other_rows = PageData::array();
+  for (const ShownMetric& shown : shown_) {
+    (shown.is_key ? rows : other_rows).push_back(rows_[shown.metric.name]);
   }
-  page["keys"] = keys;
-  page["key_count"] = std::to_string(differing.size());
-  page["has_many_keys"] = differing.size() > kManyKeys;
-  auto rows = PageData::array();
-  auto others = PageData::array();
-  std::vector<ShownMetric> key_metrics;
-  for (const ShownMetric& shown :
-       shown_metrics(catalogue_, runs_.front().scenario(), shots_, metrics_)) {
-    if (shown.is_key) key_metrics.push_back(shown);
-    PageData row;
-    set_name(shown, row);
-    row["cells"] = cells_of(shown.metric.name);
-    (shown.is_key ? rows : others).push_back(row);
+  const auto table = [](const char* label, const PageData& heads, const PageData& cells) {
+    return PageData{
+        {"label", label}, {"kind", "numbers measured"}, {"columns", heads}, {"rows", cells}};
+  };
+  const auto folded = [](const std::string& summary, bool is_open, const char* kind,
+                         const PageData& value) {
+    auto blocks = PageData::array();
+    add_block(blocks, kind, value);
+    return PageData{{"summary", summary}, {"is_open", is_open}, {"blocks", blocks}};
+  };
+  auto lead = PageData::array(), metrics = PageData::array(), keys = PageData::array(),
+       signals = PageData::array(), sections = PageData::array();
+  add_block(lead, "about", fmt::format("Runs of {}.", runs_.front().scenario()));
+  for (const std::string& text : findings()) add_block(lead, "finding", text);
+  add_block(metrics, "table", table("Metrics", columns, rows));
+  if (!other_rows.empty()) {
+    add_block(
+        metrics, "fold",
+        folded("All metrics", false, "table", table("All other metrics", columns, other_rows)));
   }
-  auto sentences = PageData::array();
-  for (const std::string& text : findings(key_metrics))
-    sentences.push_back(PageData{{"text", text}});
-  page["findings"] = sentences;
-  auto charts = PageData::array();
-  auto other_charts = PageData::array();
+  auto key_rows = PageData::array();
+  for (const DifferingKey& key : differing_keys(runs_)) {
+    key_rows.push_back({key.key});
+    for (const std::string& value : key.values) key_rows.back().push_back(value);
+  }
+  if (key_rows.empty()) {
+    add_block(keys, "text", "The runs have the same settings.");
+  } else {
+    PageData differing = table("Settings that differ", key_columns, key_rows);
+    differing["kind"] = "numbers keys-table";
+    add_block(keys, "fold",
+              folded(fmt::format("Settings that differ: {}", key_rows.size()),
+                     key_rows.size() <= kManyKeys, "table", differing));
+  }
+  if (replay) add_block(keys, "replay", replay->box);
+  auto figures = PageData::array(), other_figures = PageData::array();
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     PageChart chart = chart_of(signals_[i]);
     chart.id = fmt::format("signal-{}", i + 1);
-    chart.from_s = from_s;
-    chart.to_s = to_s;
-    (i < keys_ ? charts : other_charts).push_back(chart.json());
+    if (window) {
+      chart.from_s = window->from_s;
+      chart.to_s = window->to_s;
+    }
+    (i < keys_ ? figures : other_figures).push_back(figure_of(chart));
   }
+  add_block(signals, "text",
+            "Drag to zoom in all charts at once, double-click to see all again; keys + − 0 and the "
+            "arrows do the same. A signal's button switches it off and on. t = 0 is the start of "
+            "each run.");
+  if (window) signals.back()["window"] = window_data(*window, "compare");
+  add_block(signals, "figures", figures);
+  if (!other_figures.empty()) {
+    add_block(signals, "fold",
+              folded(fmt::format("All signals: {} more charts", other_figures.size()), false,
+                     "figures", other_figures));
+  }
+  sections.push_back({{"id", "metrics"}, {"blocks", metrics}});
+  sections.push_back({{"id", "keys"}, {"blocks", keys}});
+  sections.push_back({{"id", "signals"}, {"heading", "Signals"}, {"blocks", signals}});
   auto toc = PageData::array();
   for (const auto& [href, label] :
        {std::pair("metrics", "Metrics"), std::pair("keys", "Settings that differ"),
         std::pair("signals", "Signals")}) {
     toc.push_back({{"href", href}, {"label", label}});
   }
-  page["title"] = fmt::format("{} compared", fmt::join(labels_, ", "));
-  page["scenario"] = runs_.front().scenario();
-  page["toc"] = toc;
-  page["columns"] = columns;
-  page["rows"] = rows;
-  page["others"] = others;
-  page["charts"] = charts;
-  page["other_charts"] = other_charts;
-  page["other_count"] = std::to_string(signals_.size() - keys_);
-  return html_page("compare", page);
+  return html_page("compare", {{"title", fmt::format("{} compared", fmt::join(labels_, ", "))},
+                               {"lead", lead},
+                               {"sections", sections},
+                               {"toc", toc}});
+}
+
+std::string latex_escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '\\':
+        escaped += "\\textbackslash{}";
+        break;
+      case '~':
+        escaped += "\\textasciitilde{}";
+        break;
+      case '^':
+        escaped += "\\textasciicircum{}";
+        break;
+      case '&':
+      case '%':
+      case '$':
+      case '#':
+      case '_':
+      case '{':
+      case '}':
+        escaped += '\\';
+        escaped += c;
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string latex_number(double value) {
+  const std::string text = fmt::format("{:.4g}", value);
+  const std::size_t e = text.find('e');
+  if (e == std::string::npos) return text[0] == '-' ? "$" + text + "$" : text;
+  return fmt::format("${} \\times 10^{{{}}}$", text.substr(0, e),
+                     std::atoi(text.c_str() + e + 1));  // NOLINT(cert-err34-c): our own digits
+}
+
+std::string latex_name(const std::string& metric, const std::string& unit) {
+  std::string text = latex_escaped(metric_label(metric, unit));
+  if (unit.empty() || unit == "1") return text;
+  std::string plain = latex_escaped(unit);
+  for (const auto& [sign, code] : {std::pair("²", "$^2$"), std::pair("³", "$^3$")}) {
+    for (std::size_t at = plain.find(sign); at != std::string::npos; at = plain.find(sign)) {
+      plain.replace(at, std::string(sign).size(), code);
+    }
+  }
+  return fmt::format("{} [{}]", text, plain);
+}
+
+std::string latex_table(const std::vector<std::vector<std::string>>& rows) {
+  std::string text = "% needs \\usepackage{booktabs}\n\\begin{tabular}{l" +
+                     std::string(rows.front().size() - 1, 'r') + "}\n\\toprule\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    text += fmt::format("{} \\\\\n", fmt::join(rows[i], " & "));
+    if (i == 0) text += "\\midrule\n";
+  }
+  return text + "\\bottomrule\n\\end{tabular}\n";
 }
 
 }  // namespace breakwater

@@ -8,8 +8,8 @@
 
 #include <breakwater/experiment/references.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/pages/key_metrics.h>
 #include <breakwater/pages/page_chart.h>
+#include <breakwater/pages/run_report.h>
 #include <breakwater/pictures/shot_list.h>
 
 namespace breakwater {
@@ -46,20 +46,16 @@ class Comparison {
   std::string latex() const;
   /// Appends to `notes` one line for each part of the replay that is missing.
   std::string html(std::vector<std::string>& notes) const;
-  const std::vector<std::string>& labels() const { return labels_; }
-  const std::vector<Identity>& looks() const { return identities_; }
-  const std::vector<std::string>& signals() const { return signals_; }
 
  private:
-  std::optional<double> difference(std::size_t run, const std::string& metric) const;
-  std::vector<std::optional<double>> values_of(const std::string& metric) const;
+  PageData row_of(const ShownMetric& shown,
+                  const std::vector<std::map<std::string, ReferenceValue>>& printed) const;
   bool is_common(const std::string& signal) const;
   bool changes(const std::string& signal) const;  // in one of the runs, or between them
   bool differs(const std::string& signal) const;  // between the runs
   // The runs with the least and the most of the first key metrics, and metrics whose printed values
   // have another order.
-  std::vector<std::string> findings(const std::vector<ShownMetric>& keys) const;
-  PageData cells_of(const std::string& metric) const;
+  std::vector<std::string> findings() const;
   void choose_signals();
   PageChart chart_of(const std::string& signal) const;
 
@@ -67,12 +63,25 @@ class Comparison {
   CompareChoice choice_;
   std::vector<SavedRun> runs_;
   std::vector<std::string> labels_;
-  std::vector<std::map<std::string, ReferenceValue>> printed_;  // for each run, by metric
-  std::vector<Metric> metrics_;  // only their names and units are used
+  std::vector<ShownMetric> shown_;      // in the order of the page
+  PageData rows_ = PageData::object();  // each metric's row of the table
   ShotList shots_;
   std::vector<Identity> identities_;
   std::vector<std::string> signals_;
   std::size_t keys_ = 0;  // number of signals_ that are shown at first
 };
+
+/// Escapes the characters that LaTeX interprets.
+std::string latex_escaped(const std::string& text);
+
+/// "$1.1 \times 10^{-13}$", "6.046".
+std::string latex_number(double value);
+
+/// The name and unit of a metric for readers: "Peak force raw [N]", "RMSE velocity [rad/s$^2$]".
+std::string latex_name(const std::string& metric, const std::string& unit);
+
+/// A booktabs table: the first column is left-aligned, the others right-aligned. The cells are
+/// LaTeX.
+std::string latex_table(const std::vector<std::vector<std::string>>& rows);
 
 }  // namespace breakwater

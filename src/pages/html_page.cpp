@@ -6,6 +6,8 @@
 #include <cctype>
 #include <cstdint>
 #include <kainjow/mustache.hpp>
+#include <regex>
+#include <set>
 #include <stdexcept>
 
 #include <breakwater/experiment/version.h>
@@ -29,12 +31,6 @@ constexpr const char* kCharts = BREAKWATER_DYGRAPHS "/dygraph.min.js";
 constexpr const char* kChartStyle = BREAKWATER_DYGRAPHS "/dygraph.min.css";
 constexpr const char* kThree = BREAKWATER_THREE "/three.min.js";
 constexpr const char* kOrbit = BREAKWATER_THREE "/examples/js/controls/OrbitControls.js";
-
-std::string fill_in(const fs::path& file, const mustache::data& data) {
-  mustache::mustache sheet(bytes_of(file));
-  if (!sheet.is_valid()) throw std::runtime_error(file.string() + ": " + sheet.error_message());
-  return sheet.render(data);
-}
 
 // The identities' colours and dashes as a style: c0 …, d0 …, and the same as --c0 …, --d0 … for
 // scripts. The last of each are references'.
@@ -66,19 +62,38 @@ std::string identity_style() {
       classes);
 }
 
-// The kinds of blocks. A block has none but its own, not even from the block around it.
-constexpr std::array kBlocks = {"about",  "command", "figures", "finding",
-                                "legend", "table",   "text"};
+constexpr std::array kTemplates = {"page", "block", "cell"};
+
+// The names of the templates' sections.
+const std::set<std::string>& section_names() {
+  static const std::set<std::string> names = [] {
+    const std::regex section("\\{\\{[#^](\\w+)");
+    std::set<std::string> all;
+    for (const char* name : kTemplates) {
+      const std::string text = bytes_of(part(name + std::string(".mustache")));
+      for (std::sregex_iterator found(text.begin(), text.end(), section), end; found != end;
+           ++found) {
+        all.insert((*found)[1]);
+      }
+    }
+    return all;
+  }();
+  return names;
+}
 
 mustache::data for_templates(const PageData& value);
 
-// A row of a table: the first cell is its head.
-mustache::data cells_of(const PageData& row) {
+// A row of a table: the first cell is its head, as all of the columns are.
+mustache::data cells_of(const PageData& row, bool is_head) {
   mustache::data cells(mustache::data::type::list);
   for (const PageData& value : row) {
+    const bool is_first = &value == &row.front();
     mustache::data cell = value.is_object() ? for_templates(value) : mustache::data();
     if (!value.is_object()) cell.set("value", text_of(value));
-    cell.set("is_head", &value == &row.front());
+    cell.set("is_rich", value.is_object());
+    cell.set("letter", is_head || is_first ? "h" : "d");
+    cell.set("scope", false);
+    if (is_head || is_first) cell.set("scope", is_head ? "col" : "row");
     cells << cell;
   }
   return cells;
@@ -88,31 +103,21 @@ mustache::data for_templates(const PageData& value) {
   if (value.is_boolean()) return value.get<bool>();
   if (value.is_object()) {
     mustache::data object;
+    // An object has nothing from one around it.
+    for (const std::string& name : section_names()) object.set(name, false);
     for (const auto& [name, member] : value.items()) {
       if (name == "data") continue;
-      object.set(name, name == "columns" ? cells_of(member) : for_templates(member));
+      object.set(name, name == "columns" ? cells_of(member, true) : for_templates(member));
       if (member.is_array() && !value.contains("has_" + name)) {
         object.set("has_" + name, !member.empty());
       }
-    }
-    for (const char* name : {"blocks", "lead"}) {
-      if (!value.contains(name) || !value[name].is_array()) continue;
-      mustache::data blocks(mustache::data::type::list);
-      for (const PageData& block : value[name]) {
-        mustache::data one = for_templates(block);
-        for (const char* kind : kBlocks) {
-          if (!block.contains(kind)) one.set(kind, false);
-        }
-        blocks << one;
-      }
-      object.set(name, blocks);
     }
     return object;
   }
   if (value.is_array()) {
     mustache::data list(mustache::data::type::list);
     for (const PageData& member : value) {
-      list << (member.is_array() ? mustache::data("cells", cells_of(member))
+      list << (member.is_array() ? mustache::data("cells", cells_of(member, false))
                                  : for_templates(member));
     }
     return list;
@@ -126,7 +131,7 @@ void take_apart(PageData& data, bool& has_charts, bool& has_replays) {
   if (data.is_string() && data.get_ref<const std::string&>().starts_with("data:")) data = nullptr;
   if (!data.is_structured()) return;
   if (data.is_object()) {
-    for (const char* name : {"machine", "pages"}) data.erase(name);
+    for (const char* name : {"copy", "machine"}) data.erase(name);
     has_charts |= data.contains("over");
     has_replays |= data.contains("time") && data.contains("strip");
   }
@@ -147,7 +152,7 @@ PageData contents_of(const PageData& data) {
   if (data.contains("toc")) return data["toc"];
   auto toc = PageData::array();
   for (const PageData& section : data.value("sections", PageData::array())) {
-    toc.push_back({{"href", section["id"]}, {"label", section["heading"]}});
+    toc.push_back({{"href", section["id"]}, {"label", section.value("heading", "")}});
   }
   return toc;
 }
@@ -160,14 +165,11 @@ std::vector<fs::path> page_libraries() {
 
 std::string html_page(const std::string& name, PageData data) {
   mustache::data page = for_templates(data);
-  for (const std::string partial : {"block", "chart", "study_metric", "replay_box", "result_table",
-                                    "changed_keys", "window_button"}) {
-    page.set(partial, mustache::data(mustache::partial(
-                          [text = bytes_of(part(partial + ".mustache"))] { return text; })));
+  for (const char* name_of_part : {"block", "cell"}) {
+    const std::string text = bytes_of(part(name_of_part + std::string(".mustache")));
+    page.set(name_of_part, mustache::data(mustache::partial([text] { return text; })));
   }
   const auto own = [&](const char* kind) { return part("page.css").parent_path() / (name + kind); };
-  const bool has_own = fs::exists(own(".mustache"));
-  page.set("content", fill_in(part((has_own ? name : "result") + ".mustache"), page));
   page.set("toc", for_templates(contents_of(data)));
 
   bool has_charts = false;
@@ -202,23 +204,16 @@ std::string html_page(const std::string& name, PageData data) {
   page.set("script", bytes_of(part("unpack.js")));
   page.set("contents_script", bytes_of(part("contents.js")));
   page.set("version", std::string(kVersion) + " (" + kGitCommit + ")");
-  return fill_in(part("page.mustache"), page);
+  const fs::path file = part("page.mustache");
+  mustache::mustache sheet(bytes_of(file));
+  if (!sheet.is_valid()) throw std::runtime_error(file.string() + ": " + sheet.error_message());
+  return sheet.render(page);
 }
 
 std::string data_address(const fs::path& file, const std::string& type) {
   if (!fs::exists(file)) return "";
   const std::string bytes = bytes_of(file);
   return "data:" + type + ";base64," + base64(bytes.data(), bytes.size());
-}
-
-std::string format_number(double value) {
-  if (std::isnan(value)) return "not measured";
-  if (std::isinf(value)) return "never";
-  const double size = std::abs(value);
-  constexpr double kLongestCount = 1e7;
-  if (value == std::round(value) && size < kLongestCount) return fmt::format("{:.0f}", value);
-  if (size < 1e-3 || size >= 1e5) return fmt::format("{:.2e}", value);
-  return size < 1e3 ? fmt::format("{:.3g}", value) : fmt::format("{:.0f}", value);
 }
 
 std::string text_of(const PageData& value) {
@@ -248,9 +243,12 @@ std::string anchor(const std::string& text) {
   return clean;
 }
 
+int colour_number(Identity identity) {
+  return identity < 0 ? kIdentityColours : identity % kIdentityColours;
+}
+
 std::string series_class(Identity identity) {
-  return fmt::format("c{} d{}", identity < 0 ? kIdentityColours : identity % kIdentityColours,
-                     dash_number(identity));
+  return fmt::format("c{} d{}", colour_number(identity), dash_number(identity));
 }
 
 }  // namespace breakwater

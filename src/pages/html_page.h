@@ -14,12 +14,17 @@ namespace breakwater {
 /// has it, packed, and shows it without scripts too, its charts apart.
 using PageData = nlohmann::ordered_json;
 
-/// Draws `data` with data/report/NAME.mustache, or result.mustache if that is not there, in the
-/// common page. `data` has "title" and either "sections", each with "id" and "heading", or "toc", a
-/// list of "href" and "label". A template gets a value as text_of() it, and has_NAME of a list. A
-/// list in a list is a row of cells for it, and an empty text is not there. The scripts get no
-/// picture, no video, and no "machine" or "pages"; the templates get no "data". The page allows no
-/// network request. Throws std::runtime_error if a template is missing or damaged.
+/// Appends a block to a list of them: {KIND: value}.
+inline void add_block(PageData& blocks, const char* kind, PageData value) {
+  blocks.push_back(PageData{{kind, std::move(value)}});
+}
+
+/// Draws `data`, the page of the command `name`, with data/report/page.mustache. It has "title" and
+/// "sections", and may have "toc", a list of "href" and "label", if the contents are not the
+/// sections' headings. The templates get a value as text_of() it, and has_NAME of a list. A list in
+/// a list is a row of cells for them; "data" and empty texts are not there. The scripts get no
+/// picture, no video, and no "copy" or "machine". The page allows no network request. Throws
+/// std::runtime_error if a template is missing or damaged.
 std::string html_page(const std::string& name, PageData data);
 
 /// The files of other projects that go into the pages, each one as a whole.
@@ -28,11 +33,15 @@ std::vector<std::filesystem::path> page_libraries();
 /// The bytes of a file as a data: address. Empty if there is no such file.
 std::string data_address(const std::filesystem::path& file, const std::string& type);
 
-/// A number as text: "5.02", "1.1e-13"; "never" if infinite, "not measured" if NaN.
-std::string format_number(double value);
-
 /// A value of the data as text: a number in digits (shell/digits.h), "-" where there is none.
 std::string text_of(const PageData& value);
+
+/// A table of texts. The first row has the columns.
+inline PageData text_table(const char* label, const std::vector<std::vector<std::string>>& rows) {
+  return {{"label", label},
+          {"columns", rows.front()},
+          {"rows", std::vector(rows.begin() + 1, rows.end())}};
+}
 
 /// A table of the data for the terminal.
 std::string printed_table(const PageData& table, std::size_t width);
@@ -40,7 +49,8 @@ std::string printed_table(const PageData& table, std::size_t width);
 /// A text as part of an address: '-' replaces all characters except letters, digits and '-'.
 std::string anchor(const std::string& text);
 
-/// The classes of an identity's colour and dash.
+/// The number of an identity's colour, and the classes of its colour and dash.
+int colour_number(Identity identity);
 std::string series_class(Identity identity);
 
 }  // namespace breakwater

@@ -1,6 +1,7 @@
 // The charts of pages.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,5 +51,18 @@ struct PageChart {
   /// (docs/explanation/decisions/0023-a-page-is-data.md).
   PageData json() const;
 };
+
+/// A figure with one chart.
+inline PageData figure_of(const PageChart& chart) {
+  return {{"charts", PageData::array({chart.json()})}};
+}
+
+/// The part of a series from `from_s` to `to_s`, both included.
+Series cut(const Series& series, double from_s, double to_s);
+
+/// Reduces a series for drawing. Each of `buckets` equal parts keeps its smallest and largest value
+/// with their times, so no peak moves or disappears. The first and last sample stay. A constant
+/// stretch keeps only its ends.
+Series decimate(const Series& series, std::size_t buckets);
 
 }  // namespace breakwater

@@ -164,14 +164,15 @@ std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<s
                         const std::string& camera, std::vector<std::string>& notes) {
   const ReplayPart part = replay_part(runs, labels, {"replay", "replay", camera});
   notes.insert(notes.end(), part.notes.begin(), part.notes.end());
-  PageData page;
-  page["title"] = fmt::format("{}: {}", runs.front().scenario().name(), fmt::join(labels, ", "));
-  page["scenario"] = runs.front().scenario().name();
-  page["summary"] = runs.front().scenario().summary();
-  page["is_bare"] = true;
-  page["replay"] = part.box;
-  if (part.chart) page["shots"] = part.chart->json();
-  return html_page("replay", page);
+  auto blocks = PageData::array();
+  add_block(blocks, "replay", part.box);
+  if (part.chart) add_block(blocks, "figures", PageData::array({figure_of(*part.chart)}));
+  const Scenario& scenario = runs.front().scenario();
+  return html_page("replay",
+                   {{"title", fmt::format("{}: {}", scenario.name(), fmt::join(labels, ", "))},
+                    {"is_bare", true},
+                    {"lead", PageData::array({PageData{{"text", scenario.summary()}}})},
+                    {"sections", PageData::array({PageData{{"id", "run"}, {"blocks", blocks}}})}});
 }
 
 std::optional<PageData> video_data(const Catalogue& catalogue, const SavedRun& run,

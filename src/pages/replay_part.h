@@ -15,7 +15,7 @@ namespace breakwater {
 
 /// The runs of a page in three dimensions, with the data of the scenario's shot list.
 struct ReplayPart {
-  PageData box;                    ///< for the template replay_box.mustache
+  PageData box;                    ///< a block
   std::optional<PageChart> chart;  ///< the lines of the shot list
   ShotList shots;
   std::vector<Identity> identities;  ///< one for each run

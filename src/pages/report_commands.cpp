@@ -4,30 +4,41 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <limits>
+#include <map>
 #include <set>
 #include <stdexcept>
 
+#include <breakwater/config/config.h>
 #include <breakwater/experiment/differing_keys.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/compare.h>
-#include <breakwater/pages/figure_script.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/measured_impact.h>
-#include <breakwater/pages/paired_runs.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/run_report.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
+#include <breakwater/signals/environment.h>
+#include <breakwater/statistics/paired_comparison.h>
 #include <breakwater/study/comparison_table.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
+
+// Calls the script that draws the charts of a page.
+int call_figures(const char* name, const std::vector<std::string>& words) {
+  std::vector<std::string> all = {figure_python(), data_file("scripts/figures.py").string()};
+  all.insert(all.end(), words.begin(), words.end());
+  return call_program(name, all);
+}
 
 struct RunsArguments {
   std::vector<std::string> runs;
@@ -82,7 +93,9 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
   if (has_figures && arguments.choice.signals.empty()) {
     throw std::invalid_argument("--svg and --pdf: say which signals with --signal");
   }
-  if (has_figures && !can_draw_figures()) return kUsage;
+  if (has_figures && call_figures("figures (python3-matplotlib)", {"--check"}) != kSuccess) {
+    return kUsage;
+  }
   std::vector<fs::path> written = {made_place(arguments.out, "compare.html")};
   const fs::path out = written.front().parent_path();
   std::vector<std::string> notes;
@@ -95,16 +108,14 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
   if (arguments.csv) write("compare.csv", comparison.csv());
   if (arguments.latex) write("compare.tex", comparison.latex());
   int status = kSuccess;
-  const std::vector<fs::path> folders(arguments.runs.begin(), arguments.runs.end());
   for (const char* kind : {"svg", "pdf"}) {
     if (!(kind[0] == 's' ? arguments.svg : arguments.pdf)) continue;
     const fs::path file = out / (std::string("compare.") + kind);
-    const int made =
-        draw_figure({folders, comparison.labels(), comparison.looks(), comparison.signals(),
-                     arguments.choice.from_s, arguments.choice.to_s},
-                    file);
-    if (made != kSuccess) status = made;
-    if (made == kSuccess) written.push_back(file);
+    if (call_figures("figures", {written[0].string(), "--out", file.string()}) == kSuccess) {
+      written.push_back(file);
+    } else {
+      status = kLaterOutputFailed;
+    }
   }
   if (arguments.json) {
     fmt::print("{}", comparison.json());
@@ -148,6 +159,126 @@ std::map<std::string, Goal> read_goals(const std::vector<std::string>& texts) {
     goals[text.substr(0, equals)] = goal->second;
   }
   return goals;
+}
+
+std::vector<std::string> metrics_of_runs(const std::vector<SavedRun>& runs) {
+  std::vector<std::string> names;
+  for (const SavedRun& run : runs) {
+    for (const Metric& metric : run.metrics()) {
+      if (std::find(names.begin(), names.end(), metric.name) == names.end()) {
+        names.push_back(metric.name);
+      }
+    }
+  }
+  return names;
+}
+
+void check_known(const char* option, const std::string& name,
+                 const std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) != names.end()) return;
+  throw std::invalid_argument(
+      fmt::format("{}: {}: no run has it{}", option, name, did_you_mean(name, names)));
+}
+
+// Pairs runs of one scenario. The cases are the candidates, in the order of their first run. The
+// seeds that all cases have are the test conditions. `metrics` selects the metrics; empty means
+// all. `baseline` is a case or empty. Throws std::invalid_argument if there is only one case, a
+// case has a seed twice, the cases have no common seed, or a name is unknown.
+PairedResults paired_runs(const std::vector<SavedRun>& runs,
+                          const std::vector<std::string>& metrics, const std::string& baseline,
+                          const std::map<std::string, Goal>& goals) {
+  PairedResults results;
+  std::vector<std::string> seeds;
+  std::map<std::pair<std::string, std::string>, const SavedRun*> found;  // by case and seed
+  for (const SavedRun& run : runs) {
+    if (run.scenario() != runs.front().scenario()) {
+      throw std::invalid_argument(
+          fmt::format("{}: is of {}, {} of {}: compare runs of one scenario", run.folder().string(),
+                      run.scenario(), runs.front().folder().string(), runs.front().scenario()));
+    }
+    if (run.failure() && run.failure()->is_cut) {
+      throw std::invalid_argument(run.folder().string() +
+                                  ": was cut and has no metrics: leave it out");
+    }
+    if (!found.emplace(std::pair(run.case_name(), run.seed()), &run).second) {
+      throw std::invalid_argument(fmt::format("{}: {} with seed {} is there twice",
+                                              run.folder().string(), run.case_name(), run.seed()));
+    }
+    const auto add = [](std::vector<std::string>& to, const std::string& name) {
+      if (std::find(to.begin(), to.end(), name) == to.end()) to.push_back(name);
+    };
+    add(results.candidates, run.case_name());
+    add(seeds, run.seed());
+  }
+  if (results.candidates.size() < 2) {
+    throw std::invalid_argument("--paired: all runs are of one case: there is nothing to compare");
+  }
+  std::erase_if(seeds, [&](const std::string& seed) {
+    return !std::all_of(results.candidates.begin(), results.candidates.end(),
+                        [&](const std::string& name) {
+                          return found.contains({name, seed});
+                        });
+  });
+  if (seeds.empty()) throw std::invalid_argument("--paired: no seed is common to all cases");
+  const std::vector<std::string> all = metrics_of_runs(runs);
+  for (const std::string& metric : metrics) check_known("--metric", metric, all);
+  for (const auto& [metric, goal] : goals) check_known("--goal", metric, all);
+  if (!baseline.empty()) {
+    check_known("--baseline", baseline, results.candidates);
+    results.baseline = static_cast<std::size_t>(
+        std::find(results.candidates.begin(), results.candidates.end(), baseline) -
+        results.candidates.begin());
+  }
+  results.metrics = metrics.empty() ? all : metrics;
+  results.goals = goals;
+  const auto rows = static_cast<Eigen::Index>(seeds.size());
+  const auto columns = static_cast<Eigen::Index>(results.candidates.size());
+  results.failed = Eigen::MatrixXd::Zero(rows, columns);
+  results.values.assign(
+      results.metrics.size(),
+      Eigen::MatrixXd::Constant(rows, columns, std::numeric_limits<double>::quiet_NaN()));
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    for (Eigen::Index k = 0; k < columns; ++k) {
+      const SavedRun& run = *found.at(
+          {results.candidates[static_cast<std::size_t>(k)], seeds[static_cast<std::size_t>(i)]});
+      if (run.failure()) results.failed(i, k) = 1.0;
+      for (std::size_t m = 0; m < results.metrics.size(); ++m) {
+        if (const auto value = run.metric(results.metrics[m])) results.values[m](i, k) = *value;
+      }
+    }
+  }
+  return results;
+}
+
+// One line if the runs differ in more than their cases and seeds do; else nothing. It names the
+// keys and their values: paired by the seed alone, such runs may have other test conditions.
+std::vector<std::string> other_differences(const Catalogue& catalogue,
+                                           const std::vector<SavedRun>& runs) {
+  std::map<std::string, std::set<std::string>> differing;  // the values of a key
+  const auto note = [&](const std::vector<SavedRun>& some, const std::set<std::string>* only) {
+    for (const DifferingKey& key : differing_keys(some)) {
+      if (key.key == "run.seed" || key.key.starts_with("record.")) continue;
+      if (only != nullptr && !only->contains(key.key)) continue;
+      differing[key.key].insert(key.values.begin(), key.values.end());
+    }
+  };
+  std::map<std::string, std::vector<SavedRun>> of_case;
+  for (const SavedRun& run : runs) of_case[run.case_name()].push_back(run);
+  std::vector<SavedRun> one_of_each;
+  std::set<std::string> changed;  // cases differ, but not in what a user changed
+  for (const auto& [name, same] : of_case) {
+    note(same, nullptr);
+    one_of_each.push_back(same.front());
+    for (const ChangedKey& key : changed_keys(catalogue, same.front())) changed.insert(key.key);
+  }
+  note(one_of_each, &changed);
+  if (differing.empty()) return {};
+  std::vector<std::string> texts;
+  for (const auto& [key, values] : differing) {
+    texts.push_back(fmt::format("{} ({})", key, fmt::join(values, "; ")));
+  }
+  return {fmt::format("--paired: the runs differ in more than case and seed: {}",
+                      fmt::join(texts, ", "))};
 }
 
 int compare_paired(const Catalogue& catalogue, const RunsArguments& arguments) {
@@ -255,7 +386,7 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
         ->needs("--paired");
     app.add_option("--measured", arguments.measured,
                    "instead: a recorded impact, a table with time_s and force_N, over that of one\n"
-                   "run (its signal physics/force_sensor_N, or --signal); writes measured.html")
+                   "run (its signal physics/force_sensor_N, or --signal); writes RUN/measured.html")
         ->type_name("FILE")
         ->check(CLI::ExistingFile)
         ->excludes("--paired");
@@ -275,11 +406,14 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
   app.add_flag("--quiet", arguments.quiet, "print errors only");
   app.footer(is_comparison
                  ? "It writes compare.html, a page that needs no network. Figures are drawn by\n"
-                   "scripts/figures.py (python3-h5py, python3-matplotlib), which you may copy."
+                   "scripts/figures.py (python3-matplotlib), which you may copy."
                  : "It writes report.html, a page that needs no network.");
   if (const auto status = parse(app, argc, argv)) return *status;
   if (arguments.paired) return compare_paired(catalogue, arguments);
-  if (!arguments.measured.empty()) return compare_measured(arguments);
+  if (!arguments.measured.empty()) {
+    if (app.count("--out") == 0) arguments.out = arguments.runs.front();
+    return compare_measured(arguments);
+  }
   return is_comparison ? compare(catalogue, arguments) : report(catalogue, arguments);
 }
 
@@ -297,6 +431,10 @@ std::vector<CommandKind> report_commands() {
   return {{"report", "write one page about finished runs: report RUN...", report_main},
           {"compare", "compare finished runs side by side: compare RUN RUN...", report_main},
           {"replay", "replay finished runs in 3-D in a browser: replay RUN...", report_main}};
+}
+
+std::string figure_python() {
+  return environment("BREAKWATER_PYTHON").value_or("/usr/bin/python3");
 }
 
 }  // namespace breakwater

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <tuple>
 
 #include <breakwater/experiment/command_kind.h>
 #include <breakwater/experiment/differing_keys.h>
+#include <breakwater/experiment/main_metrics.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/key_metrics.h>
+#include <breakwater/pages/labels.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/signal_charts.h>
 #include <breakwater/shell/child_program.h>
@@ -17,32 +19,37 @@
 namespace breakwater {
 namespace {
 
-void add_metrics(const Catalogue& catalogue, const SavedRun& run, const ShotList& shots,
-                 PageData& section) {
+constexpr std::size_t kFewestKeys = 4;
+
+// The key metrics as a card, and all as a table.
+std::pair<PageData, PageData> metrics_of(const Catalogue& catalogue, const SavedRun& run,
+                                         const ShotList& shots) {
   const auto printed = printed_of(catalogue, run);
   auto rows = PageData::array();
-  auto keys = PageData::array();
+  auto card = PageData::array();
   for (const ShownMetric& shown : shown_metrics(catalogue, run.scenario(), shots, run.metrics())) {
-    PageData row;
-    set_name(shown, row);
-    row["value"] = format_number(shown.metric.value);
+    const double value = shown.metric.value;
+    const std::string unit = shown.metric.unit == "1" ? "" : shown.metric.unit;
+    PageData cell = {{"value", value}};
     const auto found = printed.find(shown.metric.name);
-    if (found != printed.end()) {
-      PageData filled;
-      filled["value"] = found->second.text;
-      const Agreement agreement = found->second.agrees(shown.metric.value);
-      filled["verdict"] = agreement.text;
-      filled["verdict_class"] = agreement.tone;
-      filled["rule"] = agreement.rule;
-      row["printed"] = filled;
-    }
-    rows.push_back(row);
-    if (shown.is_key) keys.push_back(row);
+    if (found != printed.end()) cell["lines"] = printed_lines(found->second, value);
+    rows.push_back(PageData::array({{{"value", shown.label}, {"tip", shown.about}}, cell, unit}));
+    cell.update({{"name", shown.label}, {"tip", shown.about}, {"unit", unit}});
+    if (shown.is_key) card.push_back(cell);
   }
-  section["metrics"] = rows;
-  section["key_metrics"] = keys;
-  section["has_metrics"] = true;
-  section["has_printed"] = !printed.empty();
+  return {card, {{"label", "Metrics"}, {"columns", {"metric", "value", "unit"}}, {"rows", rows}}};
+}
+
+// The keys in which a run differs from its case.
+PageData changed_table(const Catalogue& catalogue, const SavedRun& run) {
+  auto rows = PageData::array();
+  for (const ChangedKey& key : changed_keys(catalogue, run)) {
+    rows.push_back(PageData::array({key.key, key.value, key.shipped}));
+  }
+  return {{"label", "Keys that differ from the case"},
+          {"kind", "numbers keys-table"},
+          {"columns", {"differs from the case", "here", "as shipped"}},
+          {"rows", rows}};
 }
 
 // Adds a reference that is a key of the run and no signal: the shot list's lines have it.
@@ -57,16 +64,16 @@ void add_reference(const PageChart& shown, std::vector<PageChart>& charts) {
   }
 }
 
-PageData chart_list(std::vector<PageChart>& charts, const std::optional<Window>& window) {
-  auto list = PageData::array();
+PageData figures_of(std::vector<PageChart>& charts, const std::optional<Window>& window) {
+  auto figures = PageData::array();
   for (PageChart& chart : charts) {
     if (window) {
       chart.from_s = window->from_s;
       chart.to_s = window->to_s;
     }
-    list.push_back(chart.json());
+    figures.push_back(figure_of(chart));
   }
-  return list;
+  return figures;
 }
 
 }  // namespace
@@ -86,88 +93,130 @@ std::map<std::string, ReferenceValue> printed_of(const Catalogue& catalogue, con
   return printed;
 }
 
-void set_changed_keys(const Catalogue& catalogue, const SavedRun& run, PageData& section) {
-  auto rows = PageData::array();
-  const std::vector<ChangedKey> changed = changed_keys(catalogue, run);
-  for (const ChangedKey& key : changed) {
-    rows.push_back({{"key", key.key}, {"value", key.value}, {"shipped", key.shipped}});
-  }
-  section["keys"] = rows;
-  section["has_keys"] = !changed.empty();
-}
-
 std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs,
                        const RunReportOptions& options, std::vector<std::string>& notes) {
   const std::vector<std::string> labels = labels_of(catalogue, runs);
-  PageData page;
+  const bool is_one = runs.size() == 1;
   auto toc = PageData::array();
   auto sections = PageData::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const SavedRun& run = runs[i];
     const std::string id = fmt::format("run-{}", i + 1);
-    const auto contents = [&](const std::string& part, const std::string& label) {
-      toc.push_back({{"href", id + part}, {"label", label}});
-    };
-    if (runs.size() > 1) {
-      contents("", labels[i]);
-    } else {
-      contents("-signals", "Key signals");
-      if (!run.failure()) contents("-metrics", "All metrics");
-      contents("-all", "All signals");
-    }
-
+    const bool has_scenario = catalogue.has<ScenarioKind>(run.scenario());
     const ShotList shots = shots_of(catalogue, run.scenario());
-    PageData section;
-    section["anchor"] = id;
-    if (runs.size() > 1) section["label"] = labels[i];
-    section["scenario"] = run.scenario();
-    if (catalogue.has<ScenarioKind>(run.scenario())) {
-      section["about"] = make_scenario(catalogue, run.scenario())->summary();
-    }
-    section["seed"] = run.seed();
-    section["folder"] = run.folder().string();
-    // A run that a command made is repeated with that command.
-    const bool has_command = catalogue.has<CommandKind>(run.scenario());
-    section["command"] = fmt::format("{} {}{} --config {} --out again", own_program_name(),
-                                     has_command ? "" : "run ", run.scenario(),
-                                     (run.folder() / "config.toml").string());
-    section["config"] = run.config_text();
-    set_changed_keys(catalogue, run, section);
+    auto blocks = PageData::array();
+    const auto titled = [&](const std::string& part, const std::string& heading) {
+      blocks.push_back({{"subheading", heading}, {"id", id + part}});
+      if (is_one) toc.push_back({{"href", id + part}, {"label", heading}});
+    };
+    const std::string about =
+        has_scenario ? make_scenario(catalogue, run.scenario())->summary() + " · " : "";
+    blocks.push_back(
+        {{"about", fmt::format("{}seed {}", about, run.seed())}, {"tip", run.folder().string()}});
+    PageData table;
     if (run.failure()) {
-      section["failure"] =
-          fmt::format("This run {} at {:.6g} s: {}. It has no metrics.", run.failure()->verb(),
-                      run.failure()->time_s, run.failure()->reason);
+      add_block(blocks, "failure",
+                fmt::format("This run {} at {:.6g} s: {}. It has no metrics.",
+                            run.failure()->verb(), run.failure()->time_s, run.failure()->reason));
     } else {
-      add_metrics(catalogue, run, shots, section);
+      PageData card;
+      std::tie(card, table) = metrics_of(catalogue, run, shots);
+      add_block(blocks, "card", card);
     }
+    const PageData changed = changed_table(catalogue, run);
+    if (!changed["rows"].empty()) add_block(blocks, "table", changed);
     std::optional<ReplayPart> replay;
     if (options.with_replay) {
       replay = replay_of(catalogue, {run.folder()}, {labels[i]}, {id + "-replay", id, ""}, notes);
     }
     std::optional<Window> window;
     if (replay) {
-      section["replay"] = replay->box;
+      add_block(blocks, "replay", replay->box);
       window = replay->window;
-    } else if (catalogue.has<ScenarioKind>(run.scenario())) {
-      if (const auto video = video_data(catalogue, run, id)) section["video"] = *video;
+    } else if (has_scenario) {
+      if (const auto video = video_data(catalogue, run, id)) add_block(blocks, "video", *video);
     }
     SignalCharts charts = signal_charts(run, id, shots);
     if (replay && replay->chart) add_reference(*replay->chart, charts.key);
-    if (replay && !replay->is_whole) section["window"] = window_data(replay->window, id);
-    section["charts"] = chart_list(charts.key, window);
-    PageData others = chart_list(charts.others, window);
-    section["other_count"] = std::to_string(charts.others.size());
-    section["has_others"] = !charts.others.empty();
-    section["others"] = others;
-    section["constants"] = fmt::format("{}", fmt::join(charts.constants, ", "));
-    section["has_constants"] = !charts.constants.empty();
+    titled("-signals", "Key signals");
+    add_block(blocks, "text", "t = 0 is the start of the run.");
+    if (replay && !replay->is_whole) blocks.back()["window"] = window_data(replay->window, id);
+    add_block(blocks, "figures", figures_of(charts.key, window));
+    if (!run.failure()) {
+      titled("-metrics", "All metrics");
+      add_block(blocks, "table", table);
+    }
+    if (!charts.others.empty()) {
+      auto others = PageData::array();
+      add_block(others, "figures", figures_of(charts.others, window));
+      if (!charts.constants.empty()) {
+        add_block(others, "text",
+                  fmt::format("Constant, and not drawn: {}.", fmt::join(charts.constants, ", ")));
+      }
+      add_block(blocks, "fold",
+                {{"id", id + "-all"},
+                 {"summary", fmt::format("All signals: {} more charts", charts.others.size())},
+                 {"blocks", others}});
+      if (is_one) toc.push_back({{"href", id + "-all"}, {"label", "All signals"}});
+    }
+    // A run that a command made is repeated with that command.
+    const bool has_command = catalogue.has<CommandKind>(run.scenario());
+    add_block(blocks, "code",
+              {{"summary", "Command"},
+               {"text", fmt::format("{} {}{} --config {} --out again", own_program_name(),
+                                    has_command ? "" : "run ", run.scenario(),
+                                    (run.folder() / "config.toml").string())}});
+    add_block(blocks, "code", {{"summary", "Configuration"}, {"text", run.config_text()}});
+    PageData section = {{"id", id}, {"kind", "run"}, {"blocks", blocks}};
+    if (!is_one) section.update({{"heading", labels[i]}, {"scenario", run.scenario()}});
     sections.push_back(section);
   }
-  page["title"] = runs.size() == 1 ? labels[0] : fmt::format("{} runs", runs.size());
-  if (runs.size() == 1) page["of_scenario"] = runs.front().scenario();
-  page["toc"] = toc;
-  page["sections"] = sections;
+  PageData page = {{"title", is_one ? labels[0] : fmt::format("{} runs", runs.size())},
+                   {"sections", sections}};
+  if (is_one) page.update({{"scenario", runs.front().scenario()}, {"toc", toc}});
   return html_page("runs", page);
+}
+
+std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::string& scenario,
+                                       const ShotList& shots, const std::vector<Metric>& metrics) {
+  std::vector<std::string> names = shots.page.metrics;
+  std::vector<MetricDefinition> definitions;
+  if (catalogue.has<ScenarioKind>(scenario)) {
+    const auto made = make_scenario(catalogue, scenario);
+    definitions = made->metric_definitions();
+    if (names.empty()) names = made->main_metrics();
+  }
+  std::vector<ShownMetric> all;
+  const auto add = [&](const Metric& metric, bool is_key) {
+    const auto is_same = [&](const auto& one) { return one.name == metric.name; };
+    if (std::any_of(all.begin(), all.end(),
+                    [&](const ShownMetric& one) { return is_same(one.metric); }))
+      return;
+    const auto found = std::find_if(definitions.begin(), definitions.end(), is_same);
+    all.push_back({metric, metric_label(metric.name, metric.unit),
+                   metric.name + (found == definitions.end() ? "" : ": " + found->text), is_key});
+  };
+  for (const Metric& metric : main_metrics(names, metrics)) add(metric, true);
+  for (const Metric& metric : metrics) {
+    add(metric, shots.page.metrics.empty() && all.size() < kFewestKeys);
+  }
+  return all;
+}
+
+PageData printed_lines(const ReferenceValue& reference, double measured) {
+  const Agreement agreement = reference.agrees(measured);
+  return {
+      {{"text", "thesis " + reference.text}, {"kind", "printed"}},
+      {{"text", agreement.text}, {"kind", "verdict " + agreement.tone}, {"tip", agreement.rule}}};
+}
+
+ShotList shots_of(const Catalogue& catalogue, const std::string& scenario) {
+  if (!catalogue.has<ScenarioKind>(scenario)) return {};
+  try {
+    return shot_list(catalogue.get<ScenarioKind>(scenario).shots());
+  } catch (const std::invalid_argument&) {
+    return {};  // the order is then that of the log
+  }
 }
 
 }  // namespace breakwater

@@ -5,9 +5,12 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/references.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pictures/shot_list.h>
+#include <breakwater/record/recording.h>
 
 namespace breakwater {
 
@@ -25,8 +28,22 @@ struct RunReportOptions {
 std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs,
                        const RunReportOptions& options, std::vector<std::string>& notes);
 
-/// Adds "keys", the keys in which a run differs from its case, and "has_keys" to the data of a
-/// template.
-void set_changed_keys(const Catalogue& catalogue, const SavedRun& run, PageData& section);
+struct ShownMetric {
+  Metric metric;
+  std::string label;    ///< "Peak force, filtered"
+  std::string about;    ///< its key and its definition, for a tooltip
+  bool is_key = false;  ///< one of the four to six that say most
+};
+
+/// The key ones first: those of the shot list's page, else the scenario's main metrics and those
+/// after them.
+std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::string& scenario,
+                                       const ShotList& shots, const std::vector<Metric>& metrics);
+
+/// The lines of a metric's cell: "thesis 2.83", and whether the measured value agrees.
+PageData printed_lines(const ReferenceValue& reference, double measured);
+
+/// A scenario's shot list; an empty one where there is none that can be read.
+ShotList shots_of(const Catalogue& catalogue, const std::string& scenario);
 
 }  // namespace breakwater

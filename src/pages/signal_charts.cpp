@@ -7,6 +7,7 @@
 
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
+#include <breakwater/shell/digits.h>
 
 namespace breakwater {
 namespace {
@@ -115,8 +116,7 @@ class Charts {
       if (is_reference && chart != made.end()) {
         chart->series.push_back(std::move(series));
       } else if (!series.values.values.empty()) {
-        constants_.push_back(
-            fmt::format("{} = {}", name, format_number(series.values.values.front())));
+        constants_.push_back(fmt::format("{} = {}", name, in_digits(series.values.values.front())));
       }
     }
     waiting_.clear();

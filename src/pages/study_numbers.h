@@ -3,11 +3,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <breakwater/statistics/sensitivity.h>
 #include <breakwater/study/key_effects.h>
 #include <breakwater/study/plan.h>
 #include <breakwater/study/shards.h>
@@ -64,5 +68,55 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
 /// Maps a number to its place in a pseudo-random order: SplitMix64's output function (G. L. Steele,
 /// D. Lea, C. H. Flood, OOPSLA 2014).
 std::uint64_t scattered(std::uint64_t number);
+
+/// Statistics of a metric over the runs of one group. Quantiles are NaN if no run has the metric.
+struct QuantileBand {
+  std::size_t runs = 0;
+  std::size_t failed = 0;
+  std::size_t measured = 0;  ///< runs that have the metric
+  double q10 = std::numeric_limits<double>::quiet_NaN();
+  double q25 = q10, median = q10, q75 = q10, q90 = q10;
+  double smallest = q10, largest = q10;
+  /// Numbers of points: at the smallest value, at the median (the lower one of two), at the
+  /// largest, and of the first failed run.
+  std::size_t at_smallest = 0, at_middle = 0, at_largest = 0, first_failed = 0;
+
+  double failed_share() const {
+    return runs == 0 ? q10 : static_cast<double>(failed) / static_cast<double>(runs);
+  }
+};
+
+/// The runs with a finite value in a column, in the order of the values. Equal values keep the
+/// order of the runs.
+std::vector<std::uint32_t> in_order(const std::vector<double>& column);
+
+/// Medians and quantiles (quantile(), with interpolation) of `groups` groups of runs. `column` is
+/// empty if no run has the metric. `order` is in_order(column). group_of(run) < groups.
+std::vector<QuantileBand> bands(const StudyNumbers& numbers, const std::vector<double>& column,
+                                const std::vector<std::uint32_t>& order, std::size_t groups,
+                                const std::function<std::size_t(const StudyRun&)>& group_of);
+
+/// The indices of one output under one candidate.
+struct OutputIndices {
+  std::size_t candidate = 0;
+  std::string output;  ///< a metric or kFailedOutput
+  SensitivityIndices indices;
+};
+
+/// The output 1 for a failed run and 0 for another one.
+inline constexpr const char* kFailedOutput = "failed";
+
+/// sensitivity_indices() for each output and candidate, with the outputs in the order of the
+/// metrics and the failures last. An output is the mean over the seeds of a metric, or the share of
+/// failed seeds. It is missing for a sample if a seed has no value. There are 1000 replicates, or
+/// fewer for a very large study, but at least 200.
+std::vector<OutputIndices> study_indices(const StudyNumbers& numbers, std::size_t candidates);
+
+/// Writes indices.csv with a line for each output, candidate and key. Columns: `candidate`,
+/// `output`, `key`, `first_order`, `first_order_lower`, `first_order_upper`, `total`,
+/// `total_lower`, `total_upper`, `rows`, `dropped_rows`. A missing value is empty. Throws
+/// OutputError.
+void write_indices(const std::vector<OutputIndices>& all, const StudyNumbers& numbers,
+                   const std::vector<std::string>& labels, const std::filesystem::path& file);
 
 }  // namespace breakwater

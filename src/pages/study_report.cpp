@@ -9,17 +9,17 @@
 #include <utility>
 #include <vector>
 
-#include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
-#include <breakwater/pages/paired_rows.h>
 #include <breakwater/pages/study_sections.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
+#include <breakwater/study/comparison_table.h>
 #include <breakwater/study/ranking_text.h>
 
 namespace breakwater {
@@ -28,103 +28,35 @@ namespace {
 constexpr std::size_t kMostColumns = 6;       // in the table of all metrics
 constexpr std::size_t kMostListedKinds = 30;  // kinds of failures in their table
 constexpr std::size_t kMostTurns = 40;        // changes of sign, each with a figure
-constexpr std::size_t kMostNamed = 40;        // candidates and keys in the head
-constexpr std::size_t kMostOfText = 160;      // letters of a key's values; half of a reason's
+constexpr std::size_t kMostOfReason = 320;    // letters
 
-std::string cut_to(const std::string& text, std::size_t most) {
-  if (text.size() <= most) return text;
-  std::size_t end = most;
+std::string shortened(const std::string& text) {
+  if (text.size() <= kMostOfReason) return text;
+  std::size_t end = kMostOfReason;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
   return text.substr(0, end) + " …";
-}
-
-std::string method_in_words(const Study& study, std::size_t samples) {
-  const std::string drawn = fmt::format(", sampling seed {}", study.sampling_seed);
-  switch (study.method) {
-    case Method::grid:
-      return study.vary.empty()
-                 ? "nothing is varied"
-                 : number_of(samples, "sample") + ", every combination of the values";
-    case Method::list:
-      return number_of(samples, "sample") + ", a list";
-    case Method::random:
-      return number_of(samples, "sample") + ", drawn independently" + drawn;
-    case Method::latin_hypercube:
-      return number_of(samples, "sample") + ", a Latin hypercube" + drawn;
-    case Method::sobol:
-      return number_of(samples, "sample") + ", Sobol’ points" + drawn;
-    case Method::saltelli:
-      return fmt::format("{}, a Saltelli design of {} rows{}", number_of(samples, "sample"),
-                         study.samples, drawn);
-  }
-  return "";
-}
-
-std::string seeds_in_words(const Study& study) {
-  if (study.seeds.empty()) return "the scenario file’s";
-  const bool is_range = study.seeds.back() - study.seeds.front() + 1 == study.seeds.size() &&
-                        std::is_sorted(study.seeds.begin(), study.seeds.end());
-  if (is_range && study.seeds.size() > 1) {
-    return fmt::format("{} to {}, the same for each sample and candidate", study.seeds.front(),
-                       study.seeds.back());
-  }
-  return cut_to(fmt::format("{}", fmt::join(study.seeds, ", ")), kMostOfText);
-}
-
-PageData row_of(const std::string& name, const std::string& value) {
-  PageData row;
-  row["name"] = name;
-  row["value"] = value;
-  return row;
-}
-
-// The facts of the study, one per line.
-PageData facts(const Plan& plan, const ShardIndex& index, const std::vector<std::string>& labels) {
-  const Study& study = plan.study();
-  auto rows = PageData::array();
-  rows.push_back(row_of("scenario", study.scenario));
-  if (!study.config.empty()) rows.push_back(row_of("scenario file", study.config));
-  std::vector<std::string> some(
-      labels.begin(),
-      labels.begin() + static_cast<std::ptrdiff_t>(std::min(labels.size(), kMostNamed)));
-  if (labels.size() > kMostNamed) some.push_back(fmt::format("… ({} in all)", labels.size()));
-  rows.push_back(row_of(labels.size() == 1 ? "candidate" : "candidates",
-                        fmt::format("{}", fmt::join(some, "; "))));
-  for (std::size_t k = 0; k < study.vary.size(); ++k) {
-    if (k == kMostNamed) {
-      rows.push_back(row_of("varied", fmt::format("… ({} keys in all)", study.vary.size())));
-      break;
-    }
-    const VariedKey& key = study.vary[k];
-    std::string values = cut_to(plain_text(key.written), kMostOfText);
-    if (key.values.size() > 3) values += fmt::format(" ({} values)", key.values.size());
-    rows.push_back(row_of("varied " + key.key, values));
-  }
-  for (const KeyEffect& effect : key_effects(study)) {
-    if (effect.with.empty()) continue;
-    rows.push_back(
-        row_of("varied together",
-               effect.name + ": their effects cannot be told apart, and are shown as one"));
-  }
-  for (const std::string& set : study.sets) rows.push_back(row_of("set", cut_to(set, kMostOfText)));
-  rows.push_back(row_of("samples", method_in_words(study, plan.samples())));
-  rows.push_back(row_of("seeds", seeds_in_words(study)));
-  rows.push_back(row_of("runs", fmt::format("{} of {}", index.done(), plan.size())));
-  return rows;
 }
 
 // The parts of the page that depend on the machine or the folder. They stand in one place. The
 // page's script reads the command from there.
 PageData this_machine(const ShardIndex& index, const std::string& go_on) {
-  PageData machine;
-  machine["go_on"] = go_on;
-  machine["is_unfinished"] = index.done() < index.points();
-  if (index.done() == 0) return machine;
-  const double cost_s = index.cost_s();
-  machine["time"] = fmt::format(
-      "{:.1f} {} of processor time, {} s a run", cost_s < 7200.0 ? cost_s : cost_s / 3600.0,
-      cost_s < 7200.0 ? "s" : "h", format_number(cost_s / static_cast<double>(index.done())));
-  return machine;
+  auto blocks = PageData::array();
+  if (index.done() > 0) {
+    const double cost_s = index.cost_s();
+    add_block(blocks, "text",
+              fmt::format("{:.1f} {} of processor time, {} s a run.",
+                          cost_s < 7200.0 ? cost_s : cost_s / 3600.0, cost_s < 7200.0 ? "s" : "h",
+                          in_digits(cost_s / static_cast<double>(index.done()))));
+  }
+  if (index.done() < index.points()) {
+    add_block(blocks, "paragraph", "Not all runs are done. This goes on:");
+    add_block(blocks, "command", go_on);
+  }
+  add_block(blocks, "paragraph",
+            "One run again, with its log, in a folder of its own; POINT is what the charts and "
+            "tables name:");
+  add_block(blocks, "command", go_on + " --replay POINT");
+  return {{"go_on", go_on}, {"blocks", blocks}};
 }
 
 PageData score(const ShardIndex& index) {
@@ -141,34 +73,48 @@ PageData score(const ShardIndex& index) {
   return tallies;
 }
 
-PageData failure_rows(const StudyNumbers& numbers, const ShardIndex& index,
-                      const std::vector<std::string>& labels, RunList& runs) {
+// The kinds of failures, before the section's charts.
+PageData failure_blocks(const StudyNumbers& numbers, const ShardIndex& index,
+                        const std::vector<std::string>& labels, RunList& runs) {
+  auto blocks = PageData::array();
+  if (numbers.failures.empty()) {
+    add_block(blocks, "paragraph", "No run failed.");
+    return blocks;
+  }
   auto rows = PageData::array();
   for (std::size_t i = 0; i < std::min(numbers.failures.size(), kMostListedKinds); ++i) {
     const FailureKind& kind = numbers.failures[i];
-    PageData row;
-    row["count"] = std::to_string(kind.runs);
-    row["status"] = name_of(kind.status);
-    row["reason"] = cut_to(kind.reason, 2 * kMostOfText);
     std::vector<std::string> of;
     for (std::size_t c = 0; c < labels.size() && of.size() < kMostColumns; ++c) {
       if (kind.of_candidate[c] > 0)
         of.push_back(fmt::format("{}: {}", labels[c], kind.of_candidate[c]));
     }
-    row["candidates"] = fmt::format("{}", fmt::join(of, "; "));
-    auto where = PageData::array();
-    for (const std::string& text : kind.where) {
-      where.push_back({{"text", text}});
-    }
-    row["where"] = where;
-    auto points = PageData::array();
+    auto points = PageData::array(), where = PageData::array(), what = PageData::array();
+    what.push_back({{"text", shortened(kind.reason)}, {"kind", ""}});
+    what.push_back({{"text", fmt::format("{}", fmt::join(of, "; "))}, {"kind", "spread"}});
+    for (const std::string& text : kind.where) where.push_back({{"text", text}, {"kind", ""}});
     for (const std::size_t point : kind.first) {
-      points.push_back({{"key", index.read(point).key}, {"run", std::to_string(runs.add(point))}});
+      points.push_back(
+          {{"text", index.read(point).key}, {"kind", "code"}, {"run", runs.add(point)}});
     }
-    row["points"] = points;
-    rows.push_back(row);
+    const auto lines = [](const std::string& value, const PageData& list) {
+      return PageData{{"value", value}, {"lines", list}};
+    };
+    rows.push_back(PageData::array({std::to_string(kind.runs), lines(name_of(kind.status), what),
+                                    lines("", where), lines("", points)}));
   }
-  return rows;
+  add_block(blocks, "table",
+            {{"label", "Kinds of failures"},
+             {"kind", "kinds"},
+             {"columns", {"runs", "what", "where", "points"}},
+             {"rows", rows}});
+  if (numbers.failures.size() > kMostListedKinds) {
+    add_block(blocks, "text",
+              fmt::format("{} further kinds, of fewer runs, are not listed.",
+                          numbers.failures.size() - kMostListedKinds));
+  }
+  add_block(blocks, "subheading", "Share of runs that failed");
+  return blocks;
 }
 
 // Whether a varied key changes a metric of any candidate, with the same seed. Less than this part
@@ -200,68 +146,110 @@ void begin_with_varying(StudyNumbers& numbers, const std::vector<std::string>& k
   }
 }
 
-// Adds the keys that change the sign of a difference. `left` is the number of figures that the page
-// may still have.
-void add_turns(const CandidateComparison& comparison, const std::string& metric,
-               const StudySections& sections, std::size_t& left, RunList& runs, PageData& section) {
-  auto turns = PageData::array();
-  for (const KeyInteraction& one : comparison.interactions) {
-    if (one.metric != metric || !one.turns || left == 0) continue;
-    turns.push_back(turn_of(comparison, one, sections.look(one.candidate), runs));
-    --left;
-  }
-  section["turns"] = turns;
-}
-
 std::string label_of(const std::string& metric) {
   return metric_label_with_unit(metric, unit_of(metric));
 }
 
-PageData cells_of(const std::vector<std::string>& texts) {
-  auto cells = PageData::array();
-  for (const std::string& text : texts) cells.push_back(PageData{{"text", text}});
-  return cells;
+// A key whose values change the sign of a difference.
+void add_turn(const CandidateComparison& comparison, const KeyInteraction& one, Identity look,
+              RunList& runs, PageData& blocks) {
+  const std::string& candidate = comparison.candidates[one.candidate];
+  const std::string& reference = comparison.candidates[one.reference];
+  auto rows = PageData::array(), marks = PageData::array(), at = PageData::array(),
+       labels = PageData::array();
+  for (const KeyInteraction::Value& value : one.values) {
+    const std::string tenths = in_digits(value.q10) + " to " + in_digits(value.q90);
+    rows.push_back(PageData::array({value.label, value.median, tenths,
+                                    value.median < 0.0   ? "smaller"
+                                    : value.median > 0.0 ? "larger"
+                                                         : "the same",
+                                    value.repeats}));
+    marks.push_back({{"y", value.median},
+                     {"low", value.q10},
+                     {"high", value.q90},
+                     {"runs", PageData::array()},
+                     {"text", fmt::format("{} = {}: {} ({}), {} repeats", one.key, value.label,
+                                          in_digits(value.median), tenths, value.repeats)}});
+    at.push_back(value.x);
+    labels.push_back(value.label);
+  }
+  add_block(blocks, "subheading",
+            fmt::format("Its sign turns with {}: {} beside {}", one.key, candidate, reference));
+  blocks.push_back(drawings(
+      "charts",
+      PageData::array({runs.drawing(
+          {{"kind", "lines"},
+           {"x_title", key_label_with_unit(one.key, unit_of(one.key))},
+           {"y_title", fmt::format("{}, {} less {}", label_of(one.metric), candidate, reference)},
+           {"log", one.is_log},
+           {"share", false},
+           {"at", at},
+           {"labels", labels},
+           {"looks", PageData::array({series_class(look)})},
+           {"lines", PageData::array({marks})}})})));
+  add_block(blocks, "table",
+            {{"label", "The difference by the values of " + one.key},
+             {"columns", PageData::array({one.key, "median difference", "10 to 90 %",
+                                          candidate + " is", "repeats"})},
+             {"rows", rows}});
+  add_block(blocks, "text",
+            fmt::format("That all its means have one sign: p {}, after Holm’s correction. Repeats "
+                        "are {}. comparison_by_key.csv has every key.",
+                        p_text(one.p_holm),
+                        one.is_of_worlds ? "seeds of the value’s one block" : "blocks"));
 }
 
-// The sentence and the table that the page begins with.
-PageData answer(const Ranking& ranking) {
-  const auto table = ranking_table(ranking);
-  PageData answer = {{"sentence", ranking_sentence(ranking)}};
-  answer["header"] = cells_of(table.front());
-  auto rows = PageData::array();
-  for (std::size_t i = 1; i < table.size(); ++i) {
-    rows.push_back(PageData{{"cells", cells_of(table[i])}});
+// The pairs of one metric, or of the failures.
+void add_pairs(const CandidateComparison& comparison, const PageData& pairs,
+               const std::string& metric, PageData& blocks) {
+  const bool is_failure = metric == kFailure;
+  // The verdict comes first, and the metric is that of the section.
+  const auto arranged = [](PageData row) {
+    std::rotate(row.begin() + 3, row.end() - 1, row.end());
+    row.erase(0);
+    return row;
+  };
+  PageData table = {{"label", pairs["label"]},
+                    {"columns", arranged(pairs["columns"])},
+                    {"rows", PageData::array()}};
+  if (is_failure) std::ranges::replace(table["columns"], PageData("median"), PageData("failed"));
+  for (const PageData& row : pairs["rows"]) {
+    if (row[0] == metric) table["rows"].push_back(arranged(row));
   }
-  answer["rows"] = rows;
-  return answer;
+  if (table["rows"].empty()) return;
+  add_block(blocks, "subheading", "Paired, in the same worlds");
+  add_block(blocks, "table", table);
+  add_block(
+      blocks, "text",
+      fmt::format(
+          "{} “No difference shown” is not “equal”. comparison.csv has all digits. {}.",
+          is_failure
+              ? "Alone: blocks in which more of its runs failed than of the other’s. p: McNemar’s "
+                "exact test of these blocks, with Holm’s correction over all pairs."
+              : "A block is one combination of the varied keys, and its seeds repeat it. The "
+                "median over the seeds of a block counts; medians, 95 % intervals and tests are "
+                "over blocks. p: Wilcoxon’s signed-rank test of the differences. Holm’s correction "
+                "is over all metrics and pairs of this study; the ranking above corrects over its "
+                "own pairs. The difference is the pseudo-median, and its interval belongs to the "
+                "test: it excludes 0 where p ≤ 0.05.",
+          fmt::join(comparison_notes(comparison), ". ")));
 }
 
 // The table of all metrics: the median for each of the first candidates.
-void add_overview(PageData& page, const StudySections& sections, const StudyNumbers& numbers,
+PageData overview(const StudySections& sections, const StudyNumbers& numbers,
                   const std::vector<std::string>& labels) {
-  auto columns = PageData::array();
   const std::size_t shown = std::min(labels.size(), kMostColumns);
-  for (std::size_t c = 0; c < shown; ++c) {
-    columns.push_back({{"label", labels[c]}});
-  }
+  PageData columns = {"metric"};
+  for (std::size_t c = 0; c < shown; ++c) columns.push_back(labels[c]);
   auto rows = PageData::array();
   for (std::size_t m = 0; m < numbers.metrics.size(); ++m) {
     const std::vector<QuantileBand> all = sections.by_candidate(m);
-    PageData row;
-    row["name"] = label_of(numbers.metrics[m]);
-    row["about"] = numbers.metrics[m];
-    if (m < sections.detail().metrics) row["href"] = fmt::format("metric-{}", m + 1);
-    auto cells = PageData::array();
-    for (std::size_t c = 0; c < shown; ++c) {
-      cells.push_back({{"value", format_number(all[c].median)}});
-    }
-    row["cells"] = cells;
-    rows.push_back(row);
+    PageData name = {{"value", label_of(numbers.metrics[m])}, {"tip", numbers.metrics[m]}};
+    if (m < sections.detail().metrics) name["href"] = fmt::format("metric-{}", m + 1);
+    rows.push_back(PageData::array({name}));
+    for (std::size_t c = 0; c < shown; ++c) rows.back().push_back(all[c].median);
   }
-  page["columns"] = columns;
-  page["overview"] = rows;
-  page["has_overview"] = !numbers.metrics.empty();
-  std::string note;
+  std::string note = "Medians over all runs of a candidate.";
   if (labels.size() > shown) {
     note += fmt::format(" The first {} of {} candidates; each metric’s table has more.", shown,
                         labels.size());
@@ -270,7 +258,10 @@ void add_overview(PageData& page, const StudySections& sections, const StudyNumb
     note += fmt::format(" The first {} of {} metrics have charts; results.csv has all.",
                         sections.detail().metrics, numbers.metrics.size());
   }
-  page["overview_note"] = note;
+  auto blocks = PageData::array();
+  add_block(blocks, "text", note);
+  add_block(blocks, "table", {{"label", "All metrics"}, {"columns", columns}, {"rows", rows}});
+  return {{"id", "metrics"}, {"heading", "All metrics"}, {"blocks", blocks}};
 }
 
 }  // namespace
@@ -298,72 +289,77 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
       candidate_identities(labels, cases_of(catalogue, study.scenario));
   const StudySections sections(plan, index, numbers, indices, labels, looks, runs);
 
-  PageData page;
-  auto toc = PageData::array();
+  auto toc = PageData::array(), lead = PageData::array(), all = PageData::array();
   const auto contents = [&](const std::string& href, const std::string& label) {
     toc.push_back({{"href", href}, {"label", label}});
   };
-  const std::string go_on = fmt::format("{} {} {}", own_program_name(), kSweep.command,
-                                        shell_word(folder.path().string()));
-  page["title"] = "Study of " + study.scenario;
-  page["about"] = scenario->summary();
-  page["score"] = score(index);
-  page["facts"] = facts(plan, index, labels);
-  page["machine"] = this_machine(index, go_on);
-  page["study"] = study.print();
-  if (numbers.is_sample) {
-    page["sampled"] = fmt::format(
-        "Charts and tables are of {} runs, chosen evenly among the "
-        "study’s samples and seeds; failures are counted over all runs.",
-        numbers.runs.size());
+  contents("content", "Finding");
+  add_block(lead, "about", scenario->summary());
+  if (ranking) {
+    add_block(lead, "finding", ranking_sentence(*ranking));
+    add_block(lead, "table", text_table("Ranking", ranking_table(*ranking)));
+    add_block(lead, "text",
+              "Behind: how much worse than the first, the pseudo-median over the conditions that "
+              "both have, with the interval of its signed-rank test. p and interval: with Holm’s "
+              "correction over all pairs of ranked candidates. Equal places: no difference is "
+              "shown. “-”: not ranked. ranking.json has every pair.");
   }
-  contents("study", "Finding");
+  add_block(lead, "score", score(index));
 
-  auto legend = PageData::array();
-  for (std::size_t i = 0; i < sections.drawn().size(); ++i) {
-    const std::string& label = labels[sections.drawn()[i]];
-    legend.push_back({{"label", label == study.baseline ? label + " (baseline)" : label},
-                      {"colour", series_class(sections.look(sections.drawn()[i]))}});
-  }
-  page["legend"] = legend;
-  page["has_legend"] = labels.size() > 1;
-  if (labels.size() > sections.drawn().size()) {
-    page["not_drawn"] = fmt::format("Charts have {} of {} candidates; tables have more.",
-                                    sections.drawn().size(), labels.size());
-  }
-
-  auto metrics = PageData::array();
+  const PageData pairs = comparison ? comparison_pairs(*comparison) : PageData();
   std::size_t turns_left = kMostTurns;
   for (std::size_t m = 0; m < sections.detail().metrics; ++m) {
+    const std::string& metric = numbers.metrics[m];
     PageData section = sections.section(m);
     if (comparison) {
-      add_paired_metric(*comparison, numbers.metrics[m], section);
-      add_turns(*comparison, numbers.metrics[m], sections, turns_left, runs, section);
+      add_pairs(*comparison, pairs, metric, section["blocks"]);
+      for (const KeyInteraction& one : comparison->interactions) {
+        if (one.metric != metric || !one.turns || turns_left == 0) continue;
+        add_turn(*comparison, one, sections.look(one.candidate), runs, section["blocks"]);
+        --turns_left;
+      }
     }
-    metrics.push_back(section);
-    contents(fmt::format("metric-{}", m + 1), label_of(numbers.metrics[m]));
+    contents(section["id"], section["heading"]);
+    all.push_back(std::move(section));
   }
-  page["metrics"] = metrics;
-  const bool has_failures = !numbers.failures.empty();
-  if (has_failures || study.method == Method::saltelli) {
-    PageData failures = sections.section(std::nullopt);
-    if (comparison) add_paired_failures(*comparison, failures);
-    failures["kinds"] = failure_rows(numbers, index, labels, runs);
-    failures["has_kinds"] = has_failures;
-    if (numbers.failures.size() > kMostListedKinds) {
-      failures["more_kinds"] = fmt::format("{} further kinds, of fewer runs, are not listed.",
-                                           numbers.failures.size() - kMostListedKinds);
-    }
-    page["failures"] = failures;
-    contents(kFailuresId, "Failed runs");
+  if (!numbers.failures.empty() || study.method == Method::saltelli) {
+    PageData section = sections.section(std::nullopt);
+    PageData blocks = failure_blocks(numbers, index, labels, runs);
+    blocks.insert(blocks.end(), section["blocks"].begin(), section["blocks"].end());
+    if (comparison) add_pairs(*comparison, pairs, kFailure, blocks);
+    section["blocks"] = blocks;
+    contents(section["id"], section["heading"]);
+    all.push_back(std::move(section));
   }
-  if (!numbers.metrics.empty()) contents("metrics", "All metrics");
+  if (!numbers.metrics.empty()) {
+    contents("metrics", "All metrics");
+    all.push_back(overview(sections, numbers, labels));
+  }
   contents("set-up", "Set-up");
-  if (ranking) page["answer"] = answer(*ranking);
-  add_overview(page, sections, numbers, labels);
-  page["toc"] = toc;
-  page["runs"] = runs.json(plan, index);
-  replace_file(folder.path() / "report.html", html_page("study", page));
+  auto set_up = PageData::array(), last = PageData::array();
+  for (const KeyEffect& effect : key_effects(study)) {
+    if (effect.with.empty()) continue;
+    add_block(set_up, "text",
+              effect.name + ": their effects cannot be told apart, and are shown as one.");
+  }
+  if (numbers.is_sample) {
+    add_block(set_up, "text",
+              fmt::format("Charts and tables are of {} runs, chosen evenly among the study’s "
+                          "samples and seeds; failures are counted over all runs.",
+                          numbers.runs.size()));
+  }
+  add_block(set_up, "machine",
+            this_machine(index, fmt::format("{} {} {}", own_program_name(), kSweep.command,
+                                            shell_word(folder.path().string()))));
+  add_block(set_up, "code", {{"summary", "Study file"}, {"text", study.print()}});
+  add_block(last, "fold", {{"id", "set-up"}, {"summary", "Set-up"}, {"blocks", set_up}});
+  all.push_back({{"id", "study"}, {"blocks", last}});
+  replace_file(folder.path() / "report.html",
+               html_page("study", {{"title", "Study of " + study.scenario},
+                                   {"lead", lead},
+                                   {"sections", all},
+                                   {"toc", toc},
+                                   {"runs", runs.json(plan, index)}}));
 }
 
 }  // namespace breakwater

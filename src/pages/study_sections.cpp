@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -16,21 +18,15 @@ namespace {
 
 constexpr std::size_t kMostDrawn = 12;      // candidates, each with a colour or a dash pattern
 constexpr std::size_t kMostCompared = 100;  // candidates in a table
-// Bytes of the page for a mark, a cell of a heat map and the line of a run. They include the
-// run numbers. Next line: bytes for a row of a table and for a section.
-constexpr double kMark = 310.0, kMarkOfKey = 20.0, kCell = 110.0, kLine = 45.0, kLineOfAxis = 8.0;
-constexpr double kRow = 900.0, kIndexRow = 520.0, kSection = 3000.0;
-constexpr double kMost = 1.6e6;
-constexpr double kFewestGroups = 5.0, kFewestCells = 64.0, kFewestLines = 60.0;
-constexpr std::size_t kOfAGroup = 8;  // smallest number of samples in a group of a drawn key
+constexpr std::size_t kMostMetrics = 60;    // with charts
+constexpr std::size_t kOfAGroup = 8;        // smallest number of samples in a group of a drawn key
 
 // A summary such as "median 0.12 (0.1 to 0.2), 20 runs, 1 failed", with the 10 and 90 % quantiles
 // in parentheses.
 std::string in_words(const QuantileBand& band) {
-  std::string text = band.measured > 0
-                         ? fmt::format("median {} ({} to {})", format_number(band.median),
-                                       format_number(band.q10), format_number(band.q90))
-                         : "not measured";
+  std::string text = band.measured > 0 ? fmt::format("median {} ({} to {})", in_digits(band.median),
+                                                     in_digits(band.q10), in_digits(band.q90))
+                                       : "not measured";
   text += ", " + number_of(band.runs, "run");
   if (band.failed > 0) text += fmt::format(", {} failed", band.failed);
   const std::size_t absent = band.runs - band.failed - band.measured;
@@ -55,36 +51,31 @@ std::string index_text(const SensitivityIndex& index) {
                      two(index.interval->upper));
 }
 
+// The colours of heat maps and lines with their values.
+void add_bar(RunList& runs, double low, double high, PageData& blocks) {
+  blocks.push_back(drawings(
+      "key-bar", PageData::array({runs.drawing({{"kind", "bar"}, {"low", low}, {"high", high}})})));
+}
+
 }  // namespace
 
+PageData drawings(const char* kind, const PageData& all) {
+  return {{"drawings", all}, {"kind", kind}};
+}
+
 StudyDetail study_detail(const Plan& plan, std::size_t metrics) {
-  const auto keys = static_cast<double>(plan.study().vary.size());
-  const auto candidates = static_cast<double>(std::min(plan.candidates().size(), kMostDrawn));
-  const auto rows = static_cast<double>(std::min(plan.candidates().size(), kMostCompared));
-  const bool is_saltelli = plan.study().method == Method::saltelli;
-  const double fixed = kSection + kRow * rows + (is_saltelli ? kIndexRow * rows * keys : 0.0);
-  const double marks = (kMark + kMarkOfKey * keys) * keys * candidates;  // bytes per group
-  const double line = kLine + kLineOfAxis * (keys + 2.0);
+  // A page of 1 MB has about so many cells, marks and lines in all, and rows of a table.
+  constexpr std::size_t kCells = 40'000, kMarks = 6'000, kLines = 8'000, kRows = 2'000;
+  const std::size_t keys = std::max<std::size_t>(1, plan.study().vary.size());
+  const std::size_t candidates = std::min(plan.candidates().size(), kMostDrawn);
   StudyDetail detail;
-  double fewest = fixed;
-  if (has_heat_maps(plan.study())) {
-    fewest += kFewestCells * kCell * candidates;
-  } else if (keys > 0.0) {
-    fewest += kFewestGroups * marks + (keys > 1.0 ? kFewestLines * line : 0.0);
-  }
-  detail.metrics = static_cast<std::size_t>(
-      std::clamp(kMost / fewest, 1.0, std::max(1.0, static_cast<double>(metrics))));
-  const double each = kMost / static_cast<double>(detail.metrics) - fixed;
-  const auto part = [](double most, double fewest_of_it, double usual) {
-    return static_cast<std::size_t>(std::clamp(most, fewest_of_it, usual));
-  };
-  detail.cells = part(each / (kCell * candidates), kFewestCells, 900.0);
-  if (keys > 0.0) {
-    const double share = keys > 1.0 ? 0.75 : 1.0;
-    detail.groups = part(share * each / marks, kFewestGroups, keys > 1.0 ? 16.0 : 40.0);
-    detail.lines = part(0.25 * each / line, kFewestLines, 240.0);
-  }
-  detail.metrics = std::min(detail.metrics, metrics);
+  detail.metrics =
+      std::min({metrics, kMostMetrics, kRows / std::min(plan.candidates().size(), kMostCompared)});
+  const std::size_t all = std::max<std::size_t>(1, detail.metrics);
+  detail.cells = std::clamp<std::size_t>(kCells / (all * candidates), 64, 900);
+  detail.groups =
+      std::clamp<std::size_t>(kMarks / (all * candidates * keys), 5, keys > 1 ? 16 : 40);
+  detail.lines = std::clamp<std::size_t>(kLines / all, 60, 240);
   return detail;
 }
 
@@ -250,17 +241,38 @@ PageData StudySections::line_chart(const Output& output, const KeyGroups& key, b
                         {"lines", lines}});
 }
 
-void StudySections::add_line_charts(const Output& output, PageData& section) const {
-  section["lines"] = PageData::array();
-  bool has_bands = false, has_crosses = false;
-  for (const KeyEffect& effect : effects_) {
-    section["lines"].push_back(line_chart(output, keys_[effect.key], has_bands, has_crosses));
+void StudySections::add_legend(PageData& blocks) const {
+  auto entries = PageData::array();
+  for (const std::size_t c : drawn_) {
+    const bool is_baseline = labels_[c] == plan_.study().baseline;
+    entries.push_back({{"entry", labels_[c] + (is_baseline ? " (baseline)" : "")},
+                       {"look", series_class(looks_[c])}});
   }
-  section["has_bands"] = has_bands;
-  section["has_crosses"] = has_crosses;
+  if (entries.size() > 1) add_block(blocks, "legend", {{"entries", entries}});
+  if (labels_.size() > drawn_.size()) {
+    add_block(blocks, "text",
+              fmt::format("Charts have {} of {} candidates; tables have more.", drawn_.size(),
+                          labels_.size()));
+  }
 }
 
-void StudySections::add_heat_maps(const Output& output, PageData& section) const {
+void StudySections::add_line_charts(const Output& output, PageData& blocks) const {
+  auto lines = PageData::array();
+  bool has_bands = false, has_crosses = false;
+  for (const KeyEffect& effect : effects_) {
+    lines.push_back(line_chart(output, keys_[effect.key], has_bands, has_crosses));
+  }
+  if (lines.empty()) return;
+  blocks.push_back(drawings("charts", lines));
+  add_block(blocks, "text",
+            fmt::format("{}{}{} Point at a mark to see its numbers.",
+                        output.is_failures ? "The share of the runs with this value."
+                                           : "A mark is the median of the runs with this value.",
+                        has_bands ? " The band has the runs from 10 to 90 %." : "",
+                        has_crosses ? " A cross: some of the runs failed." : ""));
+}
+
+void StudySections::add_heat_maps(const Output& output, PageData& blocks) const {
   const KeyGroups &x = sides_[0], &y = sides_[1];
   const std::size_t cells = x.size() * y.size();
   const std::vector<QuantileBand> all = bands(
@@ -279,7 +291,7 @@ void StudySections::add_heat_maps(const Output& output, PageData& section) const
     high = std::max(high, value);
   }
   if (output.is_failures) low = 0.0, high = 1.0;
-  section["heat"] = PageData::array();
+  auto maps = PageData::array();
   for (std::size_t i = 0; i < drawn_.size(); ++i) {
     auto list = PageData::array();
     for (std::size_t cell = 0; cell < cells; ++cell) {
@@ -300,13 +312,19 @@ void StudySections::add_heat_maps(const Output& output, PageData& section) const
                                   {"high", high},
                                   {"about", fmt::format("{} of {} over {} and {}", output.name,
                                                         labels_[drawn_[i]], x.name, y.name)}});
-    map["label"] = labels_[drawn_[i]];
-    section["heat"].push_back(std::move(map));
+    map["caption"] = labels_[drawn_[i]];
+    maps.push_back(std::move(map));
   }
-  if (low <= high) section["bar"] = runs_.drawing({{"kind", "bar"}, {"low", low}, {"high", high}});
+  blocks.push_back(drawings("charts", maps));
+  if (low <= high) add_bar(runs_, low, high, blocks);
+  add_block(blocks, "text",
+            output.is_failures ? "The share of a cell’s runs that failed; a cross: all of them."
+                               : "Medians over the runs of a cell. A cross: all of them failed. A "
+                                 "corner: some did. A dash: no run has it. A dash at the lower "
+                                 "edge: only some have it, and the median is of them.");
 }
 
-void StudySections::add_parallel(const Output& output, PageData& section) const {
+void StudySections::add_parallel(const Output& output, PageData& blocks) const {
   auto axes = PageData::array();
   auto lines = PageData::array();
   const auto add_axis = [&axes](const std::string& title, bool is_log, double low, double high,
@@ -354,38 +372,64 @@ void StudySections::add_parallel(const Output& output, PageData& section) const 
     values.push_back(std::numeric_limits<double>::quiet_NaN());
     add(run.number, run.candidate, std::move(values), true);
   }
-  section["parallel"] = runs_.drawing({{"kind", "parallel"}, {"axes", axes}, {"lines", lines}});
-  if (!output.is_failures) {
-    section["bar"] = runs_.drawing({{"kind", "bar"}, {"low", low}, {"high", high}});
-  }
+  add_block(blocks, "subheading", "Single runs");
+  blocks.push_back(drawings(
+      "scroll",
+      PageData::array({runs_.drawing({{"kind", "parallel"}, {"axes", axes}, {"lines", lines}})})));
+  blocks.back()["label"] = "Single runs";
+  if (!output.is_failures) add_bar(runs_, low, high, blocks);
   const std::size_t failed = index_.done() - index_.count(PointStatus::complete);
-  section["chosen"] = fmt::format(
-      "{} of {} runs that ended well, chosen evenly{}.", lines_.size(),
-      index_.count(PointStatus::complete),
-      failed == 0 ? ""
-                  : fmt::format(", and {} of {} that did not (dashed)", failed_.size(), failed));
+  add_block(blocks, "text",
+            fmt::format("{} of {} runs that ended well, chosen evenly{}.", lines_.size(),
+                        index_.count(PointStatus::complete),
+                        failed == 0 ? ""
+                                    : fmt::format(", and {} of {} that did not (dashed)",
+                                                  failed_.size(), failed)));
 }
 
-PageData StudySections::index_rows(const Output& output) const {
+void StudySections::add_indices(const Output& output, PageData& blocks) const {
   auto rows = PageData::array();
+  Eigen::Index dropped = 0, counted = 0;
+  for (const OutputIndices& one : indices_) {
+    if (one.output != output.name) continue;
+    dropped += one.indices.dropped_rows;
+    counted += one.indices.rows;
+  }
   for (std::size_t k = 0; k < numbers_.keys.size(); ++k) {
     for (const OutputIndices& one : indices_) {
       if (one.output != output.name || one.indices.total.empty()) continue;
-      rows.push_back({{"key", numbers_.keys[k].name},
-                      {"candidate", labels_[one.candidate]},
-                      {"first", index_text(one.indices.first_order[k])},
-                      {"total", index_text(one.indices.total[k])},
-                      {"bars", runs_.drawing({{"kind", "indices"},
-                                              {"look", series_class(looks_[one.candidate])},
-                                              {"values",
-                                               {with_interval(one.indices.first_order[k]),
-                                                with_interval(one.indices.total[k])}}})}});
+      const auto& [first, total] = std::tie(one.indices.first_order[k], one.indices.total[k]);
+      const PageData bars =
+          runs_.drawing({{"kind", "indices"},
+                         {"look", series_class(looks_[one.candidate])},
+                         {"values", {with_interval(first), with_interval(total)}}});
+      rows.push_back({numbers_.keys[k].name,
+                      labels_[one.candidate],
+                      index_text(first),
+                      index_text(total),
+                      {{"value", ""}, {"drawing", bars}}});
     }
   }
-  return rows;
+  add_block(blocks, "subheading", "Sensitivity");
+  if (rows.empty()) {
+    add_block(blocks, "text",
+              "There are no indices: it does not vary, or fewer than two rows of the design are "
+              "there.");
+    return;
+  }
+  add_block(blocks, "table",
+            {{"label", "Sensitivity indices"},
+             {"columns", {"key", "candidate", "first order", "total", "from 0 to 1"}},
+             {"rows", rows}});
+  add_block(blocks, "text",
+            fmt::format("The share of variance that a key makes alone (full bar), and with all its "
+                        "interactions (hollow bar), with 95 % intervals; of means over seeds. {} "
+                        "rows of the design count, {} have a run without it and do not. "
+                        "indices.csv has all digits.",
+                        counted, dropped));
 }
 
-PageData StudySections::comparison(const Output& output) const {
+void StudySections::add_candidates(const Output& output, PageData& blocks) const {
   const std::vector<QuantileBand> all = bands_of(output);
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const QuantileBand& band : all) {
@@ -393,37 +437,53 @@ PageData StudySections::comparison(const Output& output) const {
     low = std::min(low, band.q10);
     high = std::max(high, band.q90);
   }
+  PageData columns = {"candidate", "runs", "failed"};
+  if (!output.is_failures) {
+    columns.insert(columns.end(),
+                   {"without it", "median", "quartiles", "10 to 90 %", "", "smallest", "largest"});
+  }
   auto rows = PageData::array();
   for (std::size_t c = 0; c < std::min(all.size(), kMostCompared); ++c) {
     const QuantileBand& band = all[c];
-    PageData row;
-    row["label"] = labels_[c];
-    row["colour"] = series_class(looks_[c]);
-    row["runs"] = band.runs;
-    row["failed"] = band.failed;
-    row["any_failed"] = band.failed > 0;
-    row["share"] = fmt::format("{:.3g} %", 100.0 * band.failed_share());
-    row["absent"] = band.runs - band.failed - band.measured;
+    const std::string share =
+        output.is_failures ? fmt::format(" ({:.3g} %)", 100.0 * band.failed_share()) : "";
+    PageData row = {
+        labels_[c],
+        band.runs,
+        {{"value", std::to_string(band.failed) + share}, {"tone", band.failed > 0 ? "off" : ""}}};
+    if (!output.is_failures) row.push_back(band.runs - band.failed - band.measured);
     if (band.measured > 0) {
-      row["has_values"] = true;
-      row["quartiles"] = format_number(band.q25) + " to " + format_number(band.q75);
-      row["tenths"] = format_number(band.q10) + " to " + format_number(band.q90);
-      row["box"] =
+      const auto run = [&](double value, std::size_t point) {
+        row.push_back(
+            {{"value", value}, {"tip", index_.read(point).key}, {"run", runs_.add(point)}});
+      };
+      run(band.median, band.at_middle);
+      row.push_back(in_digits(band.q25) + " to " + in_digits(band.q75));
+      row.push_back(in_digits(band.q10) + " to " + in_digits(band.q90));
+      const PageData box =
           runs_.drawing({{"kind", "box"},
                          {"look", series_class(looks_[c])},
                          {"low", low},
                          {"high", high},
                          {"values", {band.q10, band.q25, band.median, band.q75, band.q90}}});
-      const auto run = [&](const char* name, double value, std::size_t point) {
-        row[name] = {{"value", value}, {"key", index_.read(point).key}, {"run", runs_.add(point)}};
-      };
-      run("smallest", band.smallest, band.at_smallest);
-      run("median", band.median, band.at_middle);
-      run("largest", band.largest, band.at_largest);
+      row.push_back({{"value", ""}, {"drawing", box}});
+      run(band.smallest, band.at_smallest);
+      run(band.largest, band.at_largest);
     }
+    while (row.size() < columns.size()) row.push_back(nullptr);
     rows.push_back(row);
   }
-  return rows;
+  add_block(blocks, "subheading", "Candidates");
+  add_block(blocks, "table",
+            {{"label", "Candidates"},
+             {"kind", "numbers candidates"},
+             {"columns", columns},
+             {"rows", rows}});
+  if (labels_.size() > kMostCompared) {
+    add_block(blocks, "text",
+              fmt::format("The first {} of {} candidates; results.csv has all.", kMostCompared,
+                          labels_.size()));
+  }
 }
 
 PageData StudySections::section(std::optional<std::size_t> metric) const {
@@ -431,35 +491,20 @@ PageData StudySections::section(std::optional<std::size_t> metric) const {
   const std::vector<double>& column = metric ? numbers_.columns[*metric] : kNone;
   const Output output = {metric ? numbers_.metrics[*metric] : kFailedOutput, !metric, column,
                          in_order(column)};
-  PageData section;
-  section["id"] = metric ? fmt::format("metric-{}", *metric + 1) : kFailuresId;
-  section["name"] = metric ? title_of(output) : "Failed runs";
-  section["about"] = output.name;
-  section["is_failures"] = output.is_failures;
-  section["is_metric"] = !output.is_failures;
-  section["comparison"] = comparison(output);
-  if (labels_.size() > kMostCompared) {
-    section["compared"] = fmt::format("The first {} of {} candidates; results.csv has all.",
-                                      kMostCompared, labels_.size());
+  auto blocks = PageData::array();
+  add_legend(blocks);
+  if (!numbers_.runs.empty() && (metric || !numbers_.failures.empty())) {
+    if (!sides_.empty()) add_heat_maps(output, blocks);
+    add_line_charts(output, blocks);
+    if (keys_.size() > 1) add_parallel(output, blocks);
+    if (plan_.study().method == Method::saltelli) add_indices(output, blocks);
   }
-  const bool has_charts = metric || !numbers_.failures.empty();
-  if (numbers_.runs.empty() || !has_charts) return section;
-  if (!sides_.empty()) add_heat_maps(output, section);
-  add_line_charts(output, section);
-  if (keys_.size() > 1) add_parallel(output, section);
-  if (plan_.study().method == Method::saltelli) {
-    section["is_saltelli"] = true;
-    section["indices"] = index_rows(output);
-    Eigen::Index dropped = 0, counted = 0;
-    for (const OutputIndices& one : indices_) {
-      if (one.output != output.name) continue;
-      dropped += one.indices.dropped_rows;
-      counted += one.indices.rows;
-    }
-    section["rows"] = fmt::format(
-        "{} rows of the design count, {} have a run without it and do not.", counted, dropped);
-  }
-  return section;
+  add_candidates(output, blocks);
+  return {{"id", metric ? fmt::format("metric-{}", *metric + 1) : kFailuresId},
+          {"heading", metric ? title_of(output) : "Failed runs"},
+          {"tip", metric ? output.name : ""},
+          {"kind", metric ? "metric" : "metric-free"},
+          {"blocks", blocks}};
 }
 
 }  // namespace breakwater

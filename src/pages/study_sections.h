@@ -9,8 +9,6 @@
 #include <vector>
 
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/quantile_bands.h>
-#include <breakwater/pages/study_indices.h>
 #include <breakwater/pages/study_numbers.h>
 
 namespace breakwater {
@@ -39,7 +37,7 @@ class RunList {
   /// The list for the page's script: "runs" (each with key, candidate, seed and varied values) and
   /// the names of candidates and keys.
   PageData json(const Plan& plan, const ShardIndex& index) const;
-  /// A drawing with these marks: "id" for the template and "data" for data/report/study.js.
+  /// A drawing with these marks: "id", and "data" for data/report/study.js.
   PageData drawing(const PageData& data);
 
  private:
@@ -47,6 +45,9 @@ class RunList {
   std::unordered_map<std::size_t, std::size_t> places_;
   std::size_t drawings_ = 0;
 };
+
+/// A block with drawings. `kind` is the class of their place: charts, key-bar or scroll.
+PageData drawings(const char* kind, const PageData& all);
 
 /// Makes the sections of one study's metrics.
 class StudySections {
@@ -61,7 +62,7 @@ class StudySections {
   Identity look(std::size_t candidate) const { return looks_[candidate]; }
   const StudyDetail& detail() const { return detail_; }
 
-  /// The template's data of a metric, or of the failures without `metric`.
+  /// The section of a metric, or of the failures without `metric`.
   PageData section(std::optional<std::size_t> metric) const;
   /// The metric over all runs of each candidate.
   std::vector<QuantileBand> by_candidate(std::size_t metric) const;
@@ -72,11 +73,12 @@ class StudySections {
   std::vector<QuantileBand> bands_of(const Output& output) const;
   PageData line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
                       bool& has_crosses) const;
-  void add_line_charts(const Output& output, PageData& section) const;
-  void add_heat_maps(const Output& output, PageData& section) const;
-  void add_parallel(const Output& output, PageData& section) const;
-  PageData index_rows(const Output& output) const;
-  PageData comparison(const Output& output) const;
+  void add_legend(PageData& blocks) const;
+  void add_line_charts(const Output& output, PageData& blocks) const;
+  void add_heat_maps(const Output& output, PageData& blocks) const;
+  void add_parallel(const Output& output, PageData& blocks) const;
+  void add_indices(const Output& output, PageData& blocks) const;
+  void add_candidates(const Output& output, PageData& blocks) const;
 
   const Plan& plan_;
   const ShardIndex& index_;

@@ -128,9 +128,10 @@ PageData progress_chart(const Tuning& tuning, const TuningResult& result,
 // The point that is nearest to the best of all objectives, each over its range on the fronts: of
 // fresh worlds where they were met.
 struct ChosenPoint {
-  std::size_t front = 0, point = 0, label = 0;
+  std::size_t front = 0, point = 0;
+  std::size_t label = 0;  // from 1; 0: there is none
 };
-std::optional<ChosenPoint> chosen_point(const Tuning& tuning, const TuningResult& result) {
+ChosenPoint chosen_point(const Tuning& tuning, const TuningResult& result) {
   std::vector<std::vector<double>> values;
   std::vector<ChosenPoint> points;
   std::size_t label = 0;
@@ -150,7 +151,7 @@ std::optional<ChosenPoint> chosen_point(const Tuning& tuning, const TuningResult
       ranges[i] = {std::min(ranges[i].first, all[i]), std::max(ranges[i].second, all[i])};
     }
   }
-  std::optional<ChosenPoint> chosen;
+  ChosenPoint chosen;
   double least = infinity;
   for (std::size_t k = 0; k < points.size(); ++k) {
     double distance = 0.0;
@@ -253,15 +254,15 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   const std::vector<Identity> looks =
       candidate_identities(names, cases_of(catalogue, tuning.scenario));
   const bool has_front = tuning.has_front();
-  const auto chosen = has_front ? chosen_point(tuning, result) : std::nullopt;
-  std::string label = chosen ? std::to_string(chosen->label) : "";
+  const ChosenPoint chosen = has_front ? chosen_point(tuning, result) : ChosenPoint{};
+  std::string label = chosen.label > 0 ? std::to_string(chosen.label) : "";
   if (!has_front && !table.rows.empty()) label = table.rows.front().label;
   const std::string kind = has_front ? "front" : "tuned";
   const std::string run = "breakwater run " + tuning.scenario + " --config " + kind + "/";
   auto lead = PageData::array();
   if (!label.empty()) {
-    lead = {{{"finding",
-              chosen ? in_words(tuning, result, *chosen) : tuned_sentence(plan, result, ranking)}},
+    lead = {{{"finding", chosen.label > 0 ? in_words(tuning, result, chosen)
+                                          : tuned_sentence(plan, result, ranking)}},
             {{"command", run + label + ".toml"}}};
   }
   auto blocks = PageData::array();
@@ -272,15 +273,10 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
     PageData one = {{"charts", PageData::array({chart})}, {"note", note}};
     return PageData::array({one});
   };
-  if (ranking) {
-    const auto texts = ranking_table(*ranking);
-    add("table", {{"label", "Ranking"},
-                  {"columns", texts.front()},
-                  {"rows", std::vector(texts.begin() + 1, texts.end())}});
-  }
+  if (ranking) add("table", text_table("Ranking", ranking_table(*ranking)));
   if (tuning.objectives.size() > 1 && !table.rows.empty()) {
     add("figures",
-        figure(front_chart(tuning, result, looks, chosen ? chosen->label : 0),
+        figure(front_chart(tuning, result, looks, chosen.label),
                "The ring marks the best compromise. A dot is a point as the search measured it; a "
                "cross is the same point on fresh worlds."));
   }

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include <breakwater/experiment/runner.h>
-#include <breakwater/pages/figure_script.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pages/report_commands.h>
 #include <breakwater/render/canvas.h>
 #include <breakwater/render/frame_farm.h>
 #include <breakwater/render/offscreen.h>

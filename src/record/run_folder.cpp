@@ -84,8 +84,8 @@ std::set<fs::path> written_here;
 bool is_of_a_run(const std::string& name) {
   static const std::set<std::string> names = {
       "config.toml", "log.csv", "log.h5", "manifest.json", "metrics.json", "strip.png", "still.png",
-      "video.mp4", "replay.html", "report.html", "compare.html", "compare.csv", "compare.tex",
-      "compare.svg", "compare.pdf", kKept,
+      "video.mp4", "replay.html", "report.html", "measured.html", "compare.html", "compare.csv",
+      "compare.tex", "compare.svg", "compare.pdf", kKept,
       // an identification's
       kIdentified, "identified.toml", "estimate.toml", "sweep.toml", "tune.toml"};
   return names.contains(name) ||

@@ -16,7 +16,7 @@
 namespace breakwater {
 namespace {
 
-constexpr const char* kFailure = "failure";
+constexpr const char* kOfTheOther = "of the other";  // a column that a terminal has no room for
 
 std::string digits(double value) {
   return fmt::format("{:.17g}", value);
@@ -151,6 +151,31 @@ std::string by_key_csv(const CandidateComparison& comparison) {
   return text;
 }
 
+std::size_t blocks_for_verdict(std::size_t blocks, std::size_t tests) {
+  const double alpha = ComparisonSettings{}.alpha;
+  while (least_p(blocks, std::max<std::size_t>(1, tests)) > alpha) ++blocks;
+  return blocks;
+}
+
+std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, double least_p_holm,
+                     const std::string& fewer) {
+  const double alpha = ComparisonSettings{}.alpha;
+  std::string text = fmt::format(
+      "Too few blocks: with {} blocks{} p cannot be below {:.4g}, and a verdict needs "
+      "at least {}{}",
+      blocks, tests > 1 ? fmt::format(" and {} tests (Holm's correction)", tests) : "",
+      least_p_holm, blocks_for_verdict(blocks, tests),
+      least_p(blocks) > alpha ? "" : ", or " + fewer);
+  if (pairs > blocks) {
+    text +=
+        ". Random seeds repeat a block and do not count as blocks (worlds = \"seeds\" changes "
+        "this)";
+  }
+  return text;
+}
+
+namespace {
+
 std::string turns_text(const CandidateComparison& comparison, const KeyInteraction& one) {
   std::vector<std::string> values;
   for (const KeyInteraction::Value& value : one.values) {
@@ -174,36 +199,14 @@ std::string repeated_text(const CandidateComparison& comparison) {
       comparison.blocks, fmt::join(repeated, ", "));
 }
 
-std::size_t blocks_for_verdict(std::size_t blocks, std::size_t tests) {
-  const double alpha = ComparisonSettings{}.alpha;
-  while (least_p(blocks, std::max<std::size_t>(1, tests)) > alpha) ++blocks;
-  return blocks;
-}
-
 std::string few_text(const CandidateComparison& comparison) {
   const auto is_few = [](const auto& one) {
     return one.verdict == ComparisonVerdict::too_few_blocks;
   };
   const auto metric = std::find_if(comparison.metrics.begin(), comparison.metrics.end(), is_few);
   if (metric == comparison.metrics.end()) return "";
-  return few_text(metric->blocks, metric->pairs, comparison.tests, metric->least_p_holm);
-}
-
-std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, double least_p_holm,
-                     const std::string& fewer) {
-  const double alpha = ComparisonSettings{}.alpha;
-  std::string text = fmt::format(
-      "Too few blocks: with {} blocks{} p cannot be below {:.4g}, and a verdict needs "
-      "at least {}{}",
-      blocks, tests > 1 ? fmt::format(" and {} tests (Holm's correction)", tests) : "",
-      least_p_holm, blocks_for_verdict(blocks, tests),
-      least_p(blocks) > alpha ? "" : ", or " + fewer);
-  if (pairs > blocks) {
-    text +=
-        ". Random seeds repeat a block and do not count as blocks (worlds = \"seeds\" changes "
-        "this)";
-  }
-  return text;
+  return breakwater::few_text(metric->blocks, metric->pairs, comparison.tests,
+                              metric->least_p_holm);
 }
 
 std::string never_text(const CandidateComparison& comparison) {
@@ -231,64 +234,105 @@ std::string signed_text(const CandidateComparison& comparison) {
       fmt::join(metrics, ", "));
 }
 
-std::string comparison_text(const CandidateComparison& comparison, std::size_t width) {
+}  // namespace
+
+nlohmann::ordered_json comparison_pairs(const CandidateComparison& comparison) {
+  using Json = nlohmann::ordered_json;
   const bool has_repeats = comparison.has_repeats();
-  std::vector<std::string> header = {"metric", "candidate", "reference",
-                                     "blocks", "median",    "difference (95 %)",
-                                     "p",      "better in", "verdict"};
-  if (has_repeats) header.insert(header.begin() + 4, {"pairs", "between"});
-  constexpr std::size_t kLabels = 3;
-  Table table(header, kLabels);
-  bool has_mark = false;
-  const auto begun = [&](const std::string& metric, const auto& one, const std::string& between) {
-    const bool is_marked = one.blocks < comparison.blocks;
-    has_mark = has_mark || is_marked;
-    std::vector<std::string> row = {metric, comparison.candidates[one.candidate],
-                                    comparison.candidates[one.reference],
-                                    std::to_string(one.blocks) + (is_marked ? " *" : "")};
-    if (has_repeats) row.insert(row.end(), {std::to_string(one.pairs), between});
-    return row;
+  Json columns = {"metric", "candidate", "reference", "blocks"};
+  if (has_repeats) columns.insert(columns.end(), {"pairs", "between"});
+  columns.insert(columns.end(),
+                 {"median", kOfTheOther, "difference (95 %)", "p", "better in", "verdict"});
+  auto rows = Json::array();
+  const auto with_line = [](const std::string& value, const std::string& line) {
+    Json cell = {{"value", value}, {"lines", Json::array()}};
+    if (!line.empty()) cell["lines"].push_back({{"text", line}, {"kind", "spread"}});
+    return cell;
   };
-  const auto add = [&](std::vector<std::string> row, const std::vector<std::string>& rest) {
-    row.insert(row.end(), rest.begin(), rest.end());
-    table.add(std::move(row));
+  const auto median = [&](const EstimatedMedian& one) {
+    return with_line(in_digits(one.value),
+                     one.interval ? fmt::format("{} to {}", in_digits(one.interval->lower),
+                                                in_digits(one.interval->upper))
+                                  : "");
+  };
+  const auto add = [&](const std::string& metric, const auto& one, const std::string& between,
+                       const std::vector<Json>& numbers, const Json& share, Json verdict) {
+    Json row = {metric, comparison.candidates[one.candidate], comparison.candidates[one.reference],
+                fmt::format("{}{}", one.blocks, one.blocks < comparison.blocks ? " *" : "")};
+    if (has_repeats) row.insert(row.end(), {std::to_string(one.pairs), between});
+    for (const Json& number : numbers) row.push_back(number);
+    verdict["tone"] = one.verdict == ComparisonVerdict::better  ? "good"
+                      : one.verdict == ComparisonVerdict::worse ? "off"
+                      : one.verdict == ComparisonVerdict::no_difference_shown ||
+                              one.verdict == ComparisonVerdict::too_few_blocks
+                          ? "unknown"
+                          : "";
+    row.insert(row.end(), {p_text(one.p_holm), share, verdict});
+    rows.push_back(row);
   };
   for (const MetricComparison& one : comparison.metrics) {
-    const bool has_goal = one.probability_better.has_value();
-    add(begun(one.metric, one, one.between ? fmt::format("{:.3g} %", 100.0 * *one.between) : "-"),
-        {in_digits(one.median.value), brief(one.difference), p_text(one.p_holm),
-         has_goal ? percent(*one.probability_better) : "-",
-         name_of(one.verdict) + (one.turns_with.empty() ? "" : " †")});
+    const bool turns = !one.turns_with.empty();
+    add(one.metric, one, one.between ? fmt::format("{:.3g} %", 100.0 * *one.between) : "-",
+        {median(one.median), median(one.reference_median), brief(one.difference)},
+        one.probability_better ? Json(percent(*one.probability_better))
+                               : with_line("-", "smaller in " + percent(one.probability_smaller)),
+        with_line(
+            name_of(one.verdict) + (turns ? " †" : ""),
+            turns ? fmt::format("its sign turns with {}", fmt::join(one.turns_with, ", ")) : ""));
   }
   for (const FailureComparison& one : comparison.failures) {
-    add(begun(kFailure, one, "-"),
-        {std::to_string(one.failures),
-         fmt::format("{:+d}",
-                     static_cast<long>(one.failures) - static_cast<long>(one.reference_failures)),
-         p_text(one.p_holm), "-", name_of(one.verdict)});
+    const auto difference = static_cast<long>(one.failures - one.reference_failures);
+    add(kFailure, one, "-",
+        {std::to_string(one.failures), std::to_string(one.reference_failures),
+         with_line(fmt::format("{:+d}", difference),
+                   fmt::format("{} alone, the other {}", one.alone, one.reference_alone))},
+        "-", with_line(name_of(one.verdict), ""));
   }
-  std::string text = table.print(width);
-  const auto add_line = [&](const std::string& line) {
-    if (!line.empty()) text += fmt::format("{}\n", fmt::join(wrapped(line, width), "\n"));
-  };
-  if (has_mark) {
-    add_line(fmt::format(
+  return {{"label", "Paired comparison"}, {"columns", columns}, {"rows", rows}};
+}
+
+std::vector<std::string> comparison_notes(const CandidateComparison& comparison) {
+  std::vector<std::string> notes;
+  const auto is_fewer = [&](const auto& one) { return one.blocks < comparison.blocks; };
+  if (std::ranges::any_of(comparison.metrics, is_fewer) ||
+      std::ranges::any_of(comparison.failures, is_fewer)) {
+    notes.push_back(fmt::format(
         "* fewer than {} blocks: in the others a run failed or lacks the metric, or both "
         "runs equal those of another block",
         comparison.blocks));
   }
-  if (has_repeats) {
-    add_line(
+  if (comparison.has_repeats()) {
+    notes.emplace_back(
         "between: share of the variance of the differences that is between blocks, not within "
         "them");
   }
-  for (const KeyInteraction& one : comparison.interactions) {
-    if (one.turns) add_line("† " + turns_text(comparison, one));
+  for (const std::string& note : {few_text(comparison), repeated_text(comparison),
+                                  never_text(comparison), signed_text(comparison)}) {
+    if (!note.empty()) notes.push_back(note);
   }
-  add_line(few_text(comparison));
-  add_line(repeated_text(comparison));
-  add_line(never_text(comparison));
-  add_line(signed_text(comparison));
+  return notes;
+}
+
+std::string comparison_text(const CandidateComparison& comparison, std::size_t width) {
+  const nlohmann::ordered_json pairs = comparison_pairs(comparison);
+  const auto place = std::ranges::find(pairs["columns"], kOfTheOther);
+  const auto texts = [&](const nlohmann::ordered_json& cells) {
+    std::vector<std::string> all;
+    for (const auto& cell : cells) all.push_back(cell.is_object() ? cell["value"] : cell);
+    all.erase(all.begin() + (place - pairs["columns"].begin()));
+    return all;
+  };
+  constexpr std::size_t kLabels = 3;
+  Table table(texts(pairs["columns"]), kLabels);
+  for (const auto& row : pairs["rows"]) table.add(texts(row));
+  std::string text = table.print(width);
+  std::vector<std::string> notes = comparison_notes(comparison);
+  for (const KeyInteraction& one : comparison.interactions) {
+    if (one.turns) notes.push_back("† " + turns_text(comparison, one));
+  }
+  for (const std::string& note : notes) {
+    text += fmt::format("{}\n", fmt::join(wrapped(note, width), "\n"));
+  }
   return text;
 }
 

@@ -95,7 +95,6 @@ void fill(PointResult& result, RunControl control, Common& common) {
   }
   for (const Metric& metric : recording.metrics)
     result.metrics.emplace_back(metric.name, metric.value);
-  source.derive(number, recording, result);
   const std::filesystem::path folder =
       source.folder(number, result.key, recording.failure.has_value());
   if (!folder.empty() && common.begin(folder)) {

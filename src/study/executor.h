@@ -35,14 +35,12 @@ class PointSource {
   /// failed points are kept, such a point runs again with its log.
   virtual std::filesystem::path folder(std::size_t point, const std::string& key,
                                        bool failed) const = 0;
-  /// Whether the run needs a log, for its folder or for derive().
+  /// Whether the run needs a log for its folder.
   virtual bool logs(std::size_t point) const = 0;
   /// Additional command-line words for a child process that runs these points.
   virtual std::vector<std::string> task_words(const std::vector<std::size_t>& /*points*/) const {
     return {};
   }
-  /// Adds numbers computed from the signals to the result of a run. The run may have failed.
-  virtual void derive(std::size_t /*point*/, const Recording&, PointResult&) const {}
 };
 
 struct ExecutorOptions {

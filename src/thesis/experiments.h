@@ -28,9 +28,7 @@ struct RunSpec {
 /// A metric of a run.
 struct Quantity {
   std::string run;
-  /// NAME; |NAME|; or "max SIGNAL", the signal's largest value. "step SIGNAL" is the root mean
-  /// square of its changes from sample to sample, from metrics.from_s to metrics.to_s.
-  std::string metric;
+  std::string metric;  ///< NAME, or |NAME|
 
   /// The name of the metric, without the bars of a magnitude.
   std::string name() const;

@@ -16,7 +16,6 @@
 #include <breakwater/shell/table.h>
 #include <breakwater/thesis/reproduction.h>
 #include <breakwater/thesis/thesis_report.h>
-#include <breakwater/thesis/verdict_list.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -164,7 +163,7 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   const fs::path page = reproduction.out / "report.html";
   replace_file(page, report.html);
   const fs::path verdicts = reproduction.out / "verdicts.csv";
-  replace_file(verdicts, verdict_list(reproduction, measured));
+  replace_file(verdicts, report.verdicts);
   if (!experiments.is_own) {
     for (const std::string& line : report.score.headline()) fmt::print("{}\n", line);
   }
@@ -172,7 +171,7 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
     fmt::print("other readings: {}; a reason is that of the shipped one unless it names another\n",
                fmt::join(arguments.readings, ", "));
   }
-  fmt::print("{}", failure_list(reproduction, measured));
+  fmt::print("{}", report.failures);
   fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", report.score.text(), report.figures,
              page.string(), verdicts.string());
   return status;

@@ -20,12 +20,7 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kLargest = "max ";
-constexpr const char* kStep = "step ";
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-// Metrics computed from signals ("max SIGNAL", "step SIGNAL"), with the line that needs each.
-using Derived = std::map<std::string, std::size_t>;
 
 struct Job {
   std::string name;
@@ -33,12 +28,9 @@ struct Job {
   std::size_t repetition = 0;
   std::string config_text;
   ModelHashes models;
-  Derived derived;
   bool is_logged = false;
   std::string key;
-  double cost = 0.0;    // number of physics steps
-  double from_s = 0.0;  // the window of the run's metrics
-  double to_s = std::numeric_limits<double>::infinity();
+  double cost = 0.0;  // number of physics steps
 };
 
 // Calls `body` for each cell of the sections.
@@ -59,21 +51,6 @@ void each_cell(const Sections& sections, Body&& body) {
   throw std::invalid_argument(fmt::format("{}:{}: {}", experiments.file, line, what));
 }
 
-// The metrics from signals that cells need, by run.
-std::map<std::string, Derived> derived_metrics(const Experiments& experiments) {
-  std::vector<const SectionSpec*> sections;
-  for (const SectionSpec& section : experiments.sections) sections.push_back(&section);
-  std::map<std::string, Derived> derived;
-  each_cell(sections, [&](const CellSpec& cell) {
-    for (const Quantity& quantity : cell.quantities()) {
-      const std::string name = quantity.name();
-      if (name.starts_with(kLargest) || name.starts_with(kStep))
-        derived[quantity.run].emplace(name, cell.line);
-    }
-  });
-  return derived;
-}
-
 // The runs of a reproduction: each point is a job.
 class Jobs : public PointSource {
  public:
@@ -92,10 +69,7 @@ class Jobs : public PointSource {
     const Job& job = jobs_[point];
     return job.is_logged ? run_folder(reproduction_.out, job.name) : fs::path();
   }
-  bool logs(std::size_t point) const override {
-    return jobs_[point].is_logged || !jobs_[point].derived.empty();
-  }
-  void derive(std::size_t point, const Recording& recording, PointResult& result) const override;
+  bool logs(std::size_t point) const override { return jobs_[point].is_logged; }
 
  private:
   Job make_job(const std::string& name, const RunSpec& spec, std::size_t repetition);
@@ -115,7 +89,6 @@ std::vector<std::string> sets_of(const RunSpec& spec, std::size_t repetition) {
 
 Jobs::Jobs(const Reproduction& reproduction) : reproduction_(reproduction) {
   const Experiments& experiments = reproduction.experiments;
-  const auto derived = derived_metrics(experiments);
   std::set<std::string> names;
   std::set<std::string> logged;
   for (const SectionSpec* section : reproduction.sections) {
@@ -131,11 +104,9 @@ Jobs::Jobs(const Reproduction& reproduction) : reproduction_(reproduction) {
         fail(experiments, spec.line, fmt::format("run {}: {}", name, error.what()));
       }
       Job& job = jobs_.back();
-      if (derived.contains(name)) job.derived = derived.at(name);
       job.is_logged = i == 0 && logged.contains(name);
       std::vector<std::string> parts = {spec.scenario, job.config_text, program_hash()};
       for (const auto& [file, hash] : job.models) parts.insert(parts.end(), {file, hash});
-      for (const auto& [metric, line] : job.derived) parts.push_back(metric);
       job.key = fingerprint(parts);
     }
   }
@@ -164,8 +135,6 @@ Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t rep
   job.models = models_.of(run.model_files);
   job.cost = config.number("run.duration_s").value_or(1.0) /
              config.number("physics.timestep_s").value_or(1e-3);
-  job.from_s = config.number("metrics.from_s").value_or(job.from_s);
-  job.to_s = config.number("metrics.to_s").value_or(job.to_s);
   return job;
 }
 
@@ -187,55 +156,9 @@ bool is_kept(const fs::path& folder, const Job& job) {
   }
 }
 
-double largest(const std::vector<double>& values) {
-  const auto is_finite = [](double value) { return std::isfinite(value); };
-  if (values.empty() || !std::all_of(values.begin(), values.end(), is_finite)) return kNaN;
-  return *std::max_element(values.begin(), values.end());
-}
-
-// Root mean square of the changes from sample to sample in the window of the job's metrics.
-double step_of(const std::vector<double>& values, const std::vector<double>& times,
-               const Job& job) {
-  constexpr double kHalfStep_s = 1e-9;
-  double sum = 0.0;
-  std::size_t count = 0;
-  for (std::size_t i = 1; i < times.size(); ++i) {
-    if (times[i] < job.from_s - kHalfStep_s || times[i] > job.to_s + kHalfStep_s) continue;
-    const double change = values.at(i) - values.at(i - 1);
-    sum += change * change;
-    ++count;
-  }
-  return count == 0 ? kNaN : std::sqrt(sum / static_cast<double>(count));
-}
-
-// All values of the signal that `metric` ("max SIGNAL", "step SIGNAL") refers to.
-std::vector<double> values_for(const std::string& metric, std::size_t line, const Job& job,
-                               const Experiments& experiments, const Track& track) {
-  const std::string signal = metric.substr(metric.find(' ') + 1);
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < track.signals(); ++i) {
-    names.push_back(track.signal(i).name);
-    if (names.back() == signal) return track.values(i);
-  }
-  fail(experiments, line,
-       fmt::format("metric: run {} has no signal {}{}", job.name, signal,
-                   did_you_mean(signal, names)));
-}
-
 // The other results mean that the run could not be made.
 bool has_run(const PointResult& result) {
   return result.status == PointStatus::complete || result.status == PointStatus::failed;
-}
-
-void Jobs::derive(std::size_t point, const Recording& recording, PointResult& result) const {
-  if (recording.failure) return;
-  const Job& job = jobs_[point];
-  for (const auto& [metric, line] : job.derived) {
-    const Track& track = recording.track("control");
-    const auto values = values_for(metric, line, job, reproduction_.experiments, track);
-    result.metrics.emplace_back(
-        metric, metric.starts_with(kStep) ? step_of(values, track.times(), job) : largest(values));
-  }
 }
 
 // Runs the points and saves the results.

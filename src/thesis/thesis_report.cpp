@@ -10,14 +10,15 @@
 #include <set>
 
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/pages/decimation.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/pictures/staging.h>
+#include <breakwater/record/csv.h>
 #include <breakwater/record/file_bytes.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>
 
 namespace breakwater {
@@ -94,9 +95,41 @@ double deviation(const Judged& judged, const PrintedResult& printed) {
   return std::isfinite(off) ? off : std::numeric_limits<double>::infinity();
 }
 
-void count(const Judged& judged, const CellSpec& cell, const std::string& section, bool is_own,
-           Score& score) {
-  if (!cell.reading.empty()) return;
+// A judged cell and its place.
+struct Entry {
+  const SectionSpec& section;
+  const TableSpec& table;
+  std::size_t row, column;
+  const CellSpec& cell;
+  Judged judged;
+
+  bool is_counted() const { return cell.shows.empty() && cell.reading.empty(); }
+  bool is_failure() const { return is_counted() && judged.verdict == Verdict::not_reproduced; }
+  std::string what() const {
+    return table.rows[row] + (table.columns.size() > 1 ? ", " + table.columns[column] : "");
+  }
+};
+
+std::vector<Entry> entries_of(const Reproduction& reproduction, const Measured& measured) {
+  std::vector<Entry> all;
+  for (const SectionSpec* section : reproduction.sections) {
+    for (const TableSpec& table : section->tables) {
+      for (std::size_t r = 0; r < table.rows.size(); ++r) {
+        for (std::size_t c = 0; c < table.columns.size(); ++c) {
+          const auto& cell = table.cells[r][c];
+          if (!cell) continue;
+          all.push_back(
+              {*section, table, r, c, *cell, judge_cell(*cell, measured, printed_results())});
+        }
+      }
+    }
+  }
+  return all;
+}
+
+void count(const Entry& entry, bool is_own, Score& score) {
+  if (!entry.is_counted()) return;
+  const auto& [section, table, row, column, cell, judged] = entry;
   const auto printed = printed_results().find(cell.printed);
   if (printed && printed->number) {
     const double off = deviation(judged, *printed);
@@ -104,25 +137,25 @@ void count(const Judged& judged, const CellSpec& cell, const std::string& sectio
     score.numbers_near += off <= 0.05 ? 1 : 0;
     score.numbers_off += off > 0.25 ? 1 : 0;
   }
-  const auto one_if = [&](Verdict verdict) {
-    return judged.verdict == verdict && !judged.is_vacuous ? 1 : 0;
-  };
-  (printed ? score.printed : score.statements[section + ": " + cell.says]) +=
-      {one_if(Verdict::reproduced), one_if(Verdict::within_class), judged.is_vacuous ? 1 : 0, 1};
+  Score::Share& share = printed ? score.printed : score.statements[section.id + ": " + cell.says];
+  ++share.all;
   if (judged.is_vacuous) {
+    ++share.vacuous;
     ++score.vacuous;
     return;
   }
-  if (judged.verdict == Verdict::not_reproduced) ++score.causes[cell.cause];
   const bool is_own_statement = is_own && !cell.says.empty();
   switch (judged.verdict) {
     case Verdict::reproduced:
+      ++share.reproduced;
       ++(is_own_statement ? score.holds : score.reproduced);
       break;
     case Verdict::within_class:
+      ++share.within_class;
       ++score.within_class;
       break;
     case Verdict::not_reproduced:
+      ++score.causes[cell.cause];
       ++(is_own_statement ? score.does_not_hold : score.not_reproduced);
       break;
     case Verdict::not_measured:
@@ -151,120 +184,199 @@ std::string missing_text(const CellSpec& cell, std::size_t missing, std::size_t 
   return values == 1 ? "no " + what : fmt::format("no {} in {} of {} runs", what, missing, values);
 }
 
-PageData table_data(const TableSpec& table, const std::string& section, const Measured& measured,
-                    bool is_own, Score& score, std::map<std::string, PageData>& failures) {
-  const PrintedResults& printed = printed_results();
-  PageData data;
-  data["table_title"] = table.title;
-  if (!table.unit.empty()) data["unit"] = table.unit;
-  if (!table.note.empty()) data["table_note"] = table.note;
-  auto columns = PageData::array();
-  for (const std::string& column : table.columns) {
-    columns.push_back({{"name", column}});
+// How the values of several runs differ.
+std::string spread_text(const CellSpec& cell, const Judged& judged) {
+  const std::size_t missing = judged.values - judged.numbers;
+  if (missing > 0) {
+    return judged.verdict == Verdict::not_measured ? missing_text(cell, missing, judged.values)
+                                                   : "";
   }
-  data["columns"] = columns;
+  if (judged.values < 2) return "";
+  return judged.smallest < judged.largest
+             ? fmt::format("{} to {} in {} runs", in_digits(judged.smallest),
+                           in_digits(judged.largest), judged.values)
+             : fmt::format("the same in {} runs", judged.values);
+}
 
-  std::vector<std::string> notes;
-  std::vector<std::string> classes;
+// The place of a text in a list, counted from one; a new one goes to its end.
+std::size_t number_in(std::vector<std::string>& list, const std::string& text) {
+  auto place = std::find(list.begin(), list.end(), text);
+  if (place == list.end()) place = list.insert(list.end(), text);
+  return static_cast<std::size_t>(place - list.begin()) + 1;
+}
+
+void add_table(const TableSpec& table, const std::vector<Entry>& entries, bool is_own,
+               PageData& blocks) {
+  std::vector<std::string> notes, classes;
+  PageData columns = PageData::array({table.unit.empty() ? "" : "[" + table.unit + "]"});
+  for (const std::string& column : table.columns) columns.push_back(column);
   auto rows = PageData::array();
-  for (std::size_t r = 0; r < table.rows.size(); ++r) {
-    PageData row;
-    row["name"] = table.rows[r];
-    auto cells = PageData::array();
-    for (std::size_t c = 0; c < table.columns.size(); ++c) {
-      const auto& spec = table.cells[r][c];
-      PageData cell;
-      if (spec) {
-        const Judged judged = judge_cell(*spec, measured, printed);
-        const bool is_judged = spec->shows.empty();
-        if (is_judged) count(judged, *spec, section, is_own, score);
-        PageData filled;
-        filled["measured"] = judged.measured;
-        const std::size_t missing = judged.values - judged.numbers;
-        if (missing > 0 && judged.verdict == Verdict::not_measured) {
-          filled["spread"] = missing_text(*spec, missing, judged.values);
-        } else if (judged.values > 1 && missing == 0) {
-          filled["spread"] =
-              judged.smallest < judged.largest
-                  ? fmt::format("{} to {} in {} runs", format_number(judged.smallest),
-                                format_number(judged.largest), judged.values)
-                  : fmt::format("the same in {} runs", judged.values);
-        }
-        if (!spec->printed.empty()) filled["printed"] = judged.printed;
-        if (!spec->says.empty()) filled["says"] = judged.printed;
-        if (is_judged) {
-          filled["verdict"] = {
-              {"word", verdict_word(judged, *spec, is_own)},
-              {"kind", css_class(judged.is_vacuous ? Verdict::not_measured : judged.verdict)},
-              {"class_text", judged.class_text}};
-          if (!spec->says.empty()) {
-            filled["limit"] = judged.class_text;
-          } else if (std::find(classes.begin(), classes.end(), judged.class_text) ==
-                     classes.end()) {
-            classes.push_back(judged.class_text);
-          }
-        } else {
-          filled["shows"] = judged.printed;
-        }
-        const std::string why = reason_of(judged, *spec);
-        if (is_judged && spec->reading.empty() && judged.verdict == Verdict::not_reproduced) {
-          failures[spec->cause].push_back(
-              {{"section", section},
-               {"section_anchor", "section-" + anchor(section)},
-               {"what", table.rows[r] + (table.columns.size() == 1 ? "" : ", " + table.columns[c])},
-               {"says", judged.printed},
-               {"measured", judged.measured},
-               {"why", why}});
-        }
-        if (!why.empty()) {
-          auto place = std::find(notes.begin(), notes.end(), why);
-          if (place == notes.end()) place = notes.insert(notes.end(), why);
-          filled["note"] = std::to_string(place - notes.begin() + 1);
-        }
-        cell["filled"] = filled;
+  for (const std::string& row : table.rows) {
+    rows.push_back(PageData::array({row}));
+    for (std::size_t c = 0; c < table.columns.size(); ++c) rows.back().push_back("");
+  }
+  for (const Entry& entry : entries) {
+    if (&entry.table != &table) continue;
+    const auto& [section, of, r, c, cell, judged] = entry;
+    auto lines = PageData::array();
+    const auto add = [&](const std::string& kind, const std::string& text) {
+      if (!text.empty()) lines.push_back({{"text", text}, {"kind", kind}});
+    };
+    const bool is_judged = cell.shows.empty();
+    if (!cell.printed.empty()) add("printed", "thesis " + judged.printed);
+    add("spread", spread_text(cell, judged));
+    if (is_judged) {
+      if (!cell.says.empty()) {
+        add("printed", judged.class_text);
+      } else {
+        number_in(classes, judged.class_text);
       }
-      cells.push_back(cell);
+      add("verdict " + css_class(judged.is_vacuous ? Verdict::not_measured : judged.verdict),
+          verdict_word(judged, cell, is_own));
+      lines.back()["tip"] = judged.class_text;
+    } else {
+      add("printed", "beside the rest, not judged");
     }
-    row["cells"] = cells;
-    rows.push_back(row);
+    const std::string why = reason_of(judged, cell);
+    if (!why.empty()) add("note", std::to_string(number_in(notes, why)));
+    rows[r][c + 1] = {
+        {"says", cell.says + cell.shows}, {"value", judged.measured}, {"lines", lines}};
   }
-  data["rows"] = rows;
-  if (!classes.empty()) data["classes"] = fmt::format("{}", fmt::join(classes, " · "));
-  if (!notes.empty()) {
-    auto list = PageData::array();
-    for (std::size_t i = 0; i < notes.size(); ++i) {
-      list.push_back({{"number", i + 1}, {"why", notes[i]}});
-    }
-    data["notes"] = list;
+  add_block(blocks, "subheading", table.title);
+  add_block(blocks, "table",
+            {{"label", table.title}, {"kind", "measured"}, {"columns", columns}, {"rows", rows}});
+  add_block(blocks, "text", table.note);
+  if (!classes.empty()) {
+    add_block(blocks, "text", fmt::format("Judged by: {}", fmt::join(classes, " · ")));
   }
-  return data;
+  auto list = PageData::array();
+  for (const std::string& why : notes) list.push_back(PageData{{"text", why}});
+  blocks.push_back({{"list", list}, {"kind", "notes"}});
 }
 
 PageData figure_data(const FigureSpec& figure, const SectionSpec& section,
                      const Experiments& experiments, Logs& logs) {
-  PageData data;
-  data["number"] = figure.number;
-  data["anchor"] = "figure-" + anchor(figure.number);
-  data["figure_title"] = figure.title;
-  if (!figure.note.empty()) data["note"] = figure.note;
   auto charts = PageData::array();
   for (const PageChart& chart : charts_of(figure, "section-" + anchor(section.id), logs)) {
     charts.push_back(chart.json());
   }
-  data["charts"] = charts;
-  auto commands = PageData::array();
+  std::string commands;
   for (const FigureRun& run : figure.runs) {
-    PageData command;
-    command["command"] = command_of(experiments.runs.at(run.run));
-    const auto& failure = logs.of(run.run).failure();
-    if (failure) {
-      command["failure"] =
-          fmt::format("{} fails at {:.4g} s: {}", run.run, failure->time_s, failure->reason);
+    commands += command_of(experiments.runs.at(run.run)) + "\n";
+    if (const auto& failure = logs.of(run.run).failure()) {
+      commands +=
+          fmt::format("{} fails at {:.4g} s: {}\n", run.run, failure->time_s, failure->reason);
     }
-    commands.push_back(command);
   }
-  data["commands"] = commands;
-  return data;
+  auto blocks = PageData::array();
+  add_block(blocks, "code", {{"summary", "Command"}, {"text", commands}});
+  return {{"id", "figure-" + anchor(figure.number)},
+          {"number", figure.number},
+          {"caption", figure.title},
+          {"charts", charts},
+          {"note", figure.note},
+          {"blocks", blocks}};
+}
+
+// The charts at the top of the page.
+PageData hero_figures(const Reproduction& reproduction, Logs& logs) {
+  auto figures = PageData::array();
+  for (const HeroSpec& hero : reproduction.experiments.heroes) {
+    for (const SectionSpec* section : reproduction.sections) {
+      for (const FigureSpec& figure : section->figures) {
+        if (figure.number != hero.figure) continue;
+        PageChart chart = charts_of(figure, "lead-" + anchor(figure.number), logs).at(hero.panel);
+        chart.id = "lead-" + chart.id;
+        figures.push_back(figure_of(chart));
+        figures.back().update({{"caption", hero.caption},
+                               {"link", "Fig. " + hero.figure.substr(0, hero.figure.find(' '))},
+                               {"href", "figure-" + anchor(hero.figure)}});
+      }
+    }
+  }
+  return figures;
+}
+
+// The results that are not reproduced, by cause.
+PageData causes_section(const std::vector<Entry>& entries) {
+  std::map<std::string, PageData> lists;
+  for (const Entry& entry : entries) {
+    const Judged& judged = entry.judged;
+    if (!entry.is_failure()) continue;
+    lists[entry.cell.cause].push_back(
+        {{"href", "section-" + anchor(entry.section.id)},
+         {"link", entry.section.id},
+         {"text", fmt::format("{}: {}, thesis: {}. {}", entry.what(), judged.measured,
+                              judged.printed, reason_of(judged, entry.cell))}});
+  }
+  if (lists.empty()) return {};
+  auto blocks = PageData::array();
+  add_block(blocks, "text",
+            "thesis: the text contradicts itself or its numbers. hardware: it is about the "
+            "laboratory's arm or cart. ours: a reading, a metric or a limit of this project is in "
+            "doubt.");
+  for (const auto& [cause, list] : lists) {
+    add_block(blocks, "subheading",
+              fmt::format("{}: {}", cause.empty() ? "not said" : cause, list.size()));
+    blocks.push_back({{"list", list}, {"kind", "missing"}});
+  }
+  return {{"id", "causes"}, {"heading", "Not reproduced, by cause"}, {"blocks", blocks}};
+}
+
+std::string verdict_list(const std::vector<Entry>& entries, bool is_own) {
+  const auto exact = [](double value) { return std::isnan(value) ? "" : fmt::format("{}", value); };
+  std::string text = csv_line({"section",  "table",    "row",         "column",  "run",
+                               "metric",   "over_run", "over_metric", "divisor", "statistic",
+                               "measured", "smallest", "largest",     "runs",    "printed",
+                               "says",     "holds_if", "verdict",     "cause",   "why"});
+  for (const Entry& entry : entries) {
+    const auto& [section, table, row, column, cell, judged] = entry;
+    const Quantity over = cell.over.value_or(Quantity{});
+    const bool has_numbers = judged.numbers > 0;
+    text += csv_line({section.id,
+                      table.title,
+                      table.rows[row],
+                      table.columns[column],
+                      cell.quantity.run,
+                      cell.quantity.metric,
+                      over.run,
+                      over.metric,
+                      exact(cell.divisor),
+                      cell.is_share ? "share" : "median",
+                      exact(judged.median),
+                      has_numbers ? exact(judged.smallest) : "",
+                      has_numbers ? exact(judged.largest) : "",
+                      std::to_string(judged.values),
+                      cell.printed.empty() ? "" : judged.printed,
+                      cell.says + cell.shows,
+                      judged.class_text,
+                      verdict_word(judged, cell, is_own),
+                      judged.verdict == Verdict::not_reproduced ? cell.cause : "",
+                      reason_of(judged, cell)});
+  }
+  return text;
+}
+
+std::string failure_list(const std::vector<Entry>& entries, bool is_own) {
+  constexpr std::size_t kFew = 15;
+  std::vector<std::string> failures, counts;
+  std::vector<std::pair<std::string, std::size_t>> by_section;
+  for (const Entry& entry : entries) {
+    if (!entry.is_failure()) continue;
+    const std::string& id = entry.section.id;
+    if (by_section.empty() || by_section.back().first != id) by_section.emplace_back(id, 0);
+    ++by_section.back().second;
+    failures.push_back(fmt::format("  {}, {}: {}, {} ({})\n", id, entry.what(),
+                                   entry.judged.measured, entry.judged.printed,
+                                   entry.judged.class_text));
+  }
+  if (failures.empty()) return "";
+  const std::string verdict = is_own ? "did not hold" : "not reproduced";
+  if (failures.size() <= kFew) return fmt::format("{}:\n{}", verdict, fmt::join(failures, ""));
+  for (const auto& [section, number] : by_section) {
+    counts.push_back(fmt::format("{}: {}", section, number));
+  }
+  return fmt::format("{}, by section: {}\n", verdict, fmt::join(counts, ", "));
 }
 
 }  // namespace
@@ -286,31 +398,6 @@ std::string reason_of(const Judged& judged, const CellSpec& cell) {
   if (judged.is_vacuous) return cell.vacuous;
   if (!cell.shows.empty() || judged.verdict == Verdict::reproduced) return "";
   return cell.why;
-}
-
-Score::Share& Score::Share::operator+=(const Share& other) {
-  reproduced += other.reproduced;
-  within_class += other.within_class;
-  vacuous += other.vacuous;
-  all += other.all;
-  return *this;
-}
-
-Score& Score::operator+=(const Score& other) {
-  reproduced += other.reproduced;
-  within_class += other.within_class;
-  not_reproduced += other.not_reproduced;
-  not_measured += other.not_measured;
-  holds += other.holds;
-  does_not_hold += other.does_not_hold;
-  vacuous += other.vacuous;
-  printed += other.printed;
-  for (const auto& [statement, share] : other.statements) statements[statement] += share;
-  numbers += other.numbers;
-  numbers_near += other.numbers_near;
-  numbers_off += other.numbers_off;
-  for (const auto& [cause, number] : other.causes) causes[cause] += number;
-  return *this;
 }
 
 std::vector<Score::Tally> Score::tallies() const {
@@ -411,7 +498,9 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
   } else if (has_failed) {
     judged.measured = fmt::format("{} of {} runs fail", failed, runs);
   } else {
-    judged.measured = format_number(judged.median);
+    judged.measured = std::isnan(judged.median)   ? "not measured"
+                      : std::isinf(judged.median) ? "never"
+                                                  : in_digits(judged.median);
   }
   const auto final_verdict = [&](Verdict verdict) {
     return has_failed ? Verdict::not_reproduced : verdict;
@@ -470,118 +559,96 @@ std::string command_of(const RunSpec& run, std::size_t repetition) {
 ThesisReport thesis_report(const Reproduction& reproduction, const Measured& measured,
                            Effort effort) {
   const Experiments& experiments = reproduction.experiments;
+  const bool is_own = experiments.is_own;
+  const std::vector<Entry> entries = entries_of(reproduction, measured);
   ThesisReport report;
-  std::map<std::string, PageChart> hero_charts;  // by figure and panel
-  std::map<std::string, PageData> failures;      // by cause
   std::set<std::string> docs;
   std::set<std::string> numbers;  // "4.32 (10 ms)" is a part of Fig. 4.32
-  auto toc = PageData::array();
-  auto sections = PageData::array();
-  PageData page;
+  auto toc = PageData::array(), sections = PageData::array(), lead_video = PageData::array();
   for (const SectionSpec* spec : reproduction.sections) {
     const std::string id = "section-" + anchor(spec->id);
     Logs logs(reproduction.out);
-    Score score;
-    PageData section;
-    section["anchor"] = id;
-    section["id"] = spec->id;
-    section["section_title"] = spec->title;
-    section["text"] = spec->text;
+    auto blocks = PageData::array();
+    add_block(blocks, "paragraph", spec->text);
     if (!spec->docs.empty()) {
-      section["docs"] = spec->docs;
-      section["docs_anchor"] = anchor(spec->docs);
       docs.insert(spec->docs);
+      blocks.back().update({{"link", "docs/" + spec->docs}, {"href", anchor(spec->docs)}});
     }
-    auto tables = PageData::array();
-    for (const TableSpec& table : spec->tables) {
-      tables.push_back(table_data(table, spec->id, measured, experiments.is_own, score, failures));
-    }
-    section["tables"] = tables;
+    add_block(blocks, "text", "This section alone: breakwater reproduce --only " + spec->id);
+    for (const TableSpec& table : spec->tables) add_table(table, entries, is_own, blocks);
     if (!spec->video.empty() && reproduction.with_replay) {
       const SavedRun& shown = logs.of(spec->video);
       const auto replay = replay_of(reproduction.catalogue, {shown.folder()}, {spec->video},
                                     {"replay-" + anchor(spec->id), id, ""}, report.notes);
-      if (replay) {
-        section["replay"] = replay->box;
-      }
+      if (replay) add_block(blocks, "replay", replay->box);
     }
     if (!spec->video.empty()) {
       if (auto video = video_data(reproduction.catalogue, logs.of(spec->video), id)) {
         if (spec->id == experiments.video) {
-          (*video)["address"] = PageData();  // already shown above
+          add_block(lead_video, "video", *video);
+          // It moves with the first picture beside it.
+          lead_video[0]["video"]["group"] =
+              experiments.heroes.empty() ? "lead"
+                                         : "lead-" + anchor(experiments.heroes.front().figure);
+          video->erase("address");  // it is the same
         }
-        section["video"] = *video;
+        add_block(blocks, "video", *video);
       }
     }
     const fs::path strip = run_folder(reproduction.out, spec->strip) / "strip.png";
     if (!spec->strip.empty() && fs::exists(strip)) {
-      PageData picture;
-      picture["address"] = data_address(strip, "image/png");
-      picture["number"] = spec->strip_number;
-      picture["anchor"] = "figure-" + anchor(spec->strip_number);
-      picture["alt"] = "Pictures of the run " + spec->strip + " in a row";
-      section["strip"] = picture;
+      add_block(blocks, "picture",
+                {{"address", data_address(strip, "image/png")},
+                 {"number", spec->strip_number},
+                 {"caption", "Moments of the experiment."},
+                 {"id", "figure-" + anchor(spec->strip_number)},
+                 {"alt", "Pictures of the run " + spec->strip + " in a row"}});
       numbers.insert(spec->strip_number);
-      if (spec->id == experiments.video) page["lead_strip"] = picture;
     }
     auto figures = PageData::array();
     for (const FigureSpec& figure : spec->figures) {
       figures.push_back(figure_data(figure, *spec, experiments, logs));
       numbers.insert(figure.number.substr(0, figure.number.find(' ')));
-      for (const HeroSpec& hero : experiments.heroes) {
-        if (hero.figure != figure.number) continue;
-        hero_charts[hero.figure] =
-            charts_of(figure, "lead-" + anchor(figure.number), logs).at(hero.panel);
-      }
     }
-    section["figures"] = figures;
-    auto missing = PageData::array();
-    for (const MissingSpec& what : spec->missing) {
-      missing.push_back({{"what", what.what}, {"why", what.why}});
-    }
+    add_block(blocks, "figures", figures);
     if (!spec->missing.empty()) {
-      section["missing"] = missing;
+      auto missing = PageData::array();
+      for (const auto& [what, why] : spec->missing) {
+        missing.push_back({{"what", what}, {"text", why}});
+      }
+      add_block(blocks, "subheading", "Not shown");
+      blocks.push_back({{"list", missing}, {"kind", "missing"}});
     }
-    sections.push_back(section);
-
-    PageData entry;
-    entry["href"] = id;
-    entry["number"] = spec->id;
-    entry["label"] = spec->title;
+    sections.push_back(
+        {{"id", id}, {"number", spec->id}, {"heading", spec->title}, {"blocks", blocks}});
+    toc.push_back({{"href", id}, {"number", spec->id}, {"label", spec->title}});
+    Score score;
+    for (const Entry& entry : entries) {
+      if (&entry.section != spec) continue;
+      count(entry, is_own, score);
+      count(entry, is_own, report.score);
+    }
     if (!spec->tables.empty()) {
-      entry["score"] = {{"words", score.text()}, {"tallies", tallies_data(score)}};
+      toc.back()["score"] = {{"words", score.text()}, {"tallies", tallies_data(score)}};
     }
-    toc.push_back(entry);
-    report.score += score;
   }
-
   report.figures = numbers.size();
-  auto heroes = PageData::array();
-  for (const HeroSpec& hero : experiments.heroes) {
-    const auto found = hero_charts.find(hero.figure);
-    if (found == hero_charts.end()) continue;
-    PageChart chart = found->second;
-    chart.id = "lead-" + chart.id;
-    PageData entry = chart.json();
-    entry["caption"] = hero.caption;
-    entry["number"] = hero.figure.substr(0, hero.figure.find(' '));
-    entry["href"] = "figure-" + anchor(hero.figure);
-    heroes.push_back(entry);
+  report.verdicts = verdict_list(entries, is_own);
+  report.failures = failure_list(entries, is_own);
+  if (PageData causes = is_own ? PageData() : causes_section(entries); !causes.is_null()) {
+    sections.push_back(std::move(causes));
   }
   auto pages = PageData::array();
+  add_block(pages, "text", "As they stood when this report was made.");
   for (const std::string& name : docs) {
-    pages.push_back({{"name", "docs/" + name},
-                     {"anchor", anchor(name)},
-                     {"text", bytes_of(data_file("docs/" + name))}});
+    add_block(pages, "code",
+              {{"id", anchor(name)},
+               {"summary", "docs/" + name},
+               {"copy", bytes_of(data_file("docs/" + name))}});
   }
+  sections.push_back(
+      {{"id", "pages"}, {"heading", "Pages of the documentation"}, {"blocks", pages}});
 
-  const std::string title = experiments.title.empty() ? "Experiments" : experiments.title;
-  page["title"] = experiments.is_own ? title : "Breakwater: the thesis, reproduced";
-  page["is_own"] = experiments.is_own;
-  page["toc"] = toc;
-  page["sections"] = sections;
-  page["heroes"] = heroes;
-  page["pages"] = pages;
   std::string extent =
       effort == Effort::quick
           ? "This is the quick version: fewer seeds and encoder phases than the full one."
@@ -594,37 +661,52 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     extent += fmt::format(" Other reading {}: {} with {}. {}", reading.name, reading.runs,
                           fmt::join(reading.sets, " "), reading.why);
   }
-  page["extent"] = extent;
   int all = 0;
   for (const Score::Tally& tally : report.score.tallies()) all += tally.count;
-  page["tallies"] = tallies_data(report.score);
-  page["all"] = all;
-  if (report.score.vacuous > 0) page["vacuous"] = report.score.vacuous;
-  auto headline = PageData::array();
-  const bool has_causes = !experiments.is_own && !failures.empty();
-  for (const std::string& line :
-       experiments.is_own ? std::vector<std::string>{} : report.score.headline())
-    headline.push_back(PageData{{"line", line}});
-  page["headline"] = headline;
-  auto causes = PageData::array();
-  for (const auto& [cause, list] : failures) {
-    causes.push_back({{"failures", list},
-                      {"cause", cause.empty() ? "not said" : cause},
-                      {"count", report.score.causes[cause]}});
+  auto lead = PageData::array(), headline = PageData::array();
+  add_block(lead, "about",
+            is_own ? extent
+                   : "Every experiment of the thesis “Robust Model-based Control in Motion Control "
+                     "Systems”, run in MuJoCo. Each printed number, verdict and figure stands "
+                     "beside the one measured here. " +
+                         extent);
+  if (!is_own) {
+    for (const std::string& line : report.score.headline()) {
+      headline.push_back(PageData{{"text", line}});
+    }
   }
-  page["causes"] = causes;
-  page["has_causes"] = has_causes;
-  page["figure_count"] = report.figures;
-  for (const SectionSpec* spec : reproduction.sections) {
-    if (spec->id != experiments.video || spec->video.empty()) continue;
-    Logs logs(reproduction.out);
-    // It moves with the first picture beside it.
-    const std::string group =
-        experiments.heroes.empty() ? "lead" : "lead-" + anchor(experiments.heroes.front().figure);
-    const auto video = video_data(reproduction.catalogue, logs.of(spec->video), group);
-    if (video) page["lead_video"] = *video;
+  add_block(lead, "list", headline);
+  add_block(lead, "score", tallies_data(report.score));
+  if (report.score.vacuous > 0) {
+    add_block(lead, "text",
+              fmt::format("Beside these, and not counted among them: {} vacuous, which hold by "
+                          "construction. Other readings than a section's stand in its tables; "
+                          "their notes say which, and no count has them.",
+                          report.score.vacuous));
   }
-  report.html = html_page("thesis", page);
+  add_block(
+      lead, "text",
+      is_own
+          ? fmt::format(
+                "{} results. A statement holds or does not, as its list says. \"Reproduced\" is "
+                "said of numbers that the thesis prints, by the classes of data/reproduced.toml. "
+                "The criterion stands below each table, and at each verdict. A result that is not "
+                "measured counts as neither. A random result is the median of its runs.",
+                all)
+          : fmt::format(
+                "{} printed numbers, verdicts and statements. data/reproduced.toml has the "
+                "criterion of each. docs/how-to/reproducing-the-thesis.md says which were chosen "
+                "with the results known. They stand below each table, and at each verdict. A "
+                "random result is the median of its runs. {} figures carry the thesis' numbers.",
+                all, report.figures));
+  lead.insert(lead.end(), lead_video.begin(), lead_video.end());
+  Logs logs(reproduction.out);
+  add_block(lead, "figures", hero_figures(reproduction, logs));
+  const std::string title = experiments.title.empty() ? "Experiments" : experiments.title;
+  report.html = html_page("thesis", {{"title", is_own ? title : "The thesis, reproduced"},
+                                     {"lead", lead},
+                                     {"sections", sections},
+                                     {"toc", toc}});
   return report;
 }
 

@@ -27,8 +27,6 @@ struct Score {
     int within_class = 0;
     int vacuous = 0;
     int all = 0;
-
-    Share& operator+=(const Share& other);
   };
   Share printed;                            ///< printed numbers and words
   std::map<std::string, Share> statements;  ///< cells of each statement of each section
@@ -37,7 +35,6 @@ struct Score {
   int numbers_off = 0;                      ///< not within 25 %
   std::map<std::string, int> causes;        ///< number of cells not reproduced by cause
 
-  Score& operator+=(const Score& other);
   /// The counts in the order of the text. A count that cannot occur in the list is left out.
   struct Tally {
     int count;
@@ -80,6 +77,14 @@ std::string command_of(const RunSpec& run, std::size_t repetition = 0);
 
 struct ThesisReport {
   std::string html;
+  /// verdicts.csv: a line for each entry of the page's tables, in their order. Columns: the place;
+  /// the measured median or share over `runs`; the smallest and largest value (all digits, or
+  /// empty); the printed result or statement. The verdict (or "shown") and the reason for a result
+  /// that is not reproduced follow.
+  std::string verdicts;
+  /// The entries that are not reproduced, for a terminal: each if they are few, else their number
+  /// by section. Empty if there are none.
+  std::string failures;
   Score score;
   std::size_t figures = 0;
   std::vector<std::string> notes;  ///< missing parts of a replay, one line each

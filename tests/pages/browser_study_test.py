@@ -24,8 +24,8 @@ const drawn = (page) => new Promise((done) => page.requestAnimationFrame(() => p
 async function look() {
   const page = frame.contentWindow, dom = page.document;
   page.addEventListener("error", (e) => seen.errors.push(e.message));
-  while (dom.querySelector(".chooser").hidden) await drawn(page);
-  const shown = () => Array.from(dom.querySelectorAll(".metric")).filter((s) => s.offsetParent).map((s) => s.dataset.name);
+  while (!dom.querySelector(".chooser")) await drawn(page);
+  const shown = () => Array.from(dom.querySelectorAll(".metric")).filter((s) => s.offsetParent).map((s) => s.querySelector("h2").textContent);
   const panel = dom.getElementById("chosen"), tip = dom.getElementById("tip");
   seen.metrics = dom.querySelectorAll(".metric").length;
   seen.first = shown();

@@ -1,4 +1,4 @@
-#include <breakwater/pages/decimation.h>
+#include <breakwater/pages/page_chart.h>
 
 #include <cmath>
 #include <limits>

@@ -86,7 +86,7 @@ TEST_F(MeasuredImpacts, AreComparedWithARunAlignedAtTheFirstContact) {
     if (value > 0.0) ++count;
   }
   EXPECT_NEAR(json["rmse_N"], 0.1 * std::sqrt(sum / count), 0.003 * peak_N);
-  EXPECT_TRUE(has(read("measured.html"), "measured", "RMSE", "lab.csv"));
+  EXPECT_TRUE(has(read("run/measured.html"), "measured", "RMSE", "lab.csv"));
   // The table has as many digits as the user asks for.
   for (const int digits : {3, 9}) {
     const std::string shown =

@@ -17,7 +17,8 @@ import sys
 import tempfile
 import zlib
 
-BLOCKS = {"about", "command", "figures", "finding", "legend", "table", "text"}
+BLOCKS = {"about", "card", "code", "command", "drawings", "failure", "figures", "finding", "fold", "legend", "list", "machine",
+          "paragraph", "picture", "replay", "score", "subheading", "table", "text", "video"}
 
 
 def result_of(page):
@@ -37,20 +38,26 @@ def check_schema(result, name):
     assert result["page"] == name and result["version"] == 1 and result["title"], result
     ids = [section["id"] for section in result["sections"]]
     assert len(set(ids)) == len(ids), ids
-    blocks = result["lead"] + [block for section in result["sections"] for block in section["blocks"]]
-    for block in blocks:
-        assert len(block) == 1 and set(block) <= BLOCKS, block
+    for block in blocks_of(result):
+        assert len(set(block) & BLOCKS) <= 1, block  # without a part that depends on the machine
         table = block.get("table", {"columns": [], "rows": []})
-        assert all(len(row) == len(table["columns"]) for row in table["rows"]), table
+        assert all(len(row) == len(table.get("columns", row)) for row in table["rows"]), table
         for figure in block.get("figures", []):
             for chart in figure["charts"]:
                 for series in chart["data"]["series"]:
                     assert len(series["t"]) == len(series["v"]) > 0, chart["id"]
 
 
+def blocks_of(part):
+    """All blocks of a page, those in folded parts too."""
+    for block in itertools.chain(part.get("lead", []), part.get("blocks", []),
+                                 *(section["blocks"] for section in part.get("sections", []))):
+        yield block
+        yield from blocks_of(block.get("fold", {}))
+
+
 def tables(result):
-    return {block["table"]["label"]: block["table"] for section in result["sections"]
-            for block in section["blocks"] if "table" in block}
+    return {block["table"]["label"]: block["table"] for block in blocks_of(result) if "table" in block}
 
 
 def cell(value):
@@ -84,6 +91,26 @@ def check_analysis(call, folder):
             assert abs(20 * math.log10(gains[nearest]) - y) < 0.01, (name, nearest, y)
 
 
+def check_runs(call, folder):
+    for case in ("idob", "kfd"):
+        call("run", "motor_estimation", "--case", case, "--seed", "3", "--duration", "11", "--quiet", "--out", case)
+    call("report", "idob", "--out", "report")
+    run = result_of((folder / "report/report.html").read_text())
+    check_schema(run, "runs")
+    measured = json.loads((folder / "idob/metrics.json").read_text())
+    values = [row[1]["value"] for row in tables(run)["Metrics"]["rows"]]
+    assert sorted(values) == sorted(measured.values()), "all digits"
+    printed = call("compare", "idob", "kfd", "--out", "compare").splitlines()
+    both = result_of((folder / "compare/compare.html").read_text())
+    check_schema(both, "compare")
+    for row in tables(both)["Metrics"]["rows"]:
+        name = row[0]["tip"].split(":")[0]
+        line = next(line for line in printed if line.startswith(name + " "))
+        assert line.split()[-2:] == [cell(value) for value in row[1:]], (line, row)
+    call("sweep", "motor_estimation", "--case", "idob,kfd", "--vary", "encoder.bits=6,8", "--duration", "0.2", "--quiet", "--out", "study")
+    check_schema(result_of((folder / "study/report.html").read_text()), "study")
+
+
 def check_hostile(call, folder, force):
     bad = "'\"<i>{{title}}&<!--.csv"
     (folder / bad).write_text(force.read_text())
@@ -107,6 +134,7 @@ def main():
                                   stdout=subprocess.PIPE).stdout
 
         check_analysis(call, folder)
+        check_runs(call, folder)
         check_hostile(call, folder, pathlib.Path(__file__).resolve().parents[2] / "data/impacts/rubber-ball.csv")
 
 

@@ -9,8 +9,6 @@
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/labels.h>
-#include <breakwater/pages/quantile_bands.h>
-#include <breakwater/pages/study_indices.h>
 #include <breakwater/pages/study_numbers.h>
 #include <breakwater/pages/study_report.h>
 #include <breakwater/study/study_comparison.h>
@@ -165,8 +163,8 @@ TEST(StudyReport, BeginsWithAMetricThatTheKeyChanges) {
     });
     const std::string page = folder.page();
     const std::string first = is_named ? names[0] : names[1];
-    EXPECT_TRUE(has(page, fmt::format("data-name=\"{}\">\n<h2 title=\"{}\"",
-                                      metric_label_with_unit(first, unit_of(first)), first)));
+    EXPECT_TRUE(has(page, fmt::format("<h2 title=\"{}\">{}<", first,
+                                      metric_label_with_unit(first, unit_of(first)))));
     EXPECT_LT(page.find("<h2 title=\"" + first), page.find("<h2 title=\"" + names[is_named]));
     EXPECT_EQ(bool(has(page, "The band has the runs", "A cross: ")), !is_named);
     EXPECT_EQ(bool(lacks(page, "The band has the runs", "A cross: ")), is_named);
@@ -191,15 +189,15 @@ TEST(StudyReport, NamesTheBetterCandidate) {
   EXPECT_TRUE(has(page, "Paired, in the same worlds"));
   for (const MetricComparison& one : comparison->metrics) {
     const std::string begin =
-        fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td><b",
+        fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td ",
                     comparison->candidates[one.candidate], comparison->candidates[one.reference]);
     const std::size_t at = page.find(begin);
     ASSERT_NE(at, std::string::npos) << begin;
     const std::string row = page.substr(at, page.find("</tr>", at) - at);
-    EXPECT_TRUE(has(row, fmt::format(">{}</b></td><td>{}", name_of(one.verdict), one.blocks)));
+    EXPECT_TRUE(has(row, fmt::format(">{}</td><td>{}", name_of(one.verdict), one.blocks)));
   }
   EXPECT_EQ(comparison->metrics[0].verdict, ComparisonVerdict::worse);  // stf compared with idob
-  EXPECT_TRUE(has(page, "<td>11 of 12</td>"));                          // kfd failed in one
+  EXPECT_TRUE(has(page, "<td>11 *</td>"));                              // kfd failed in one
   EXPECT_TRUE(has(page, "McNemar", "<p class=\"finding\">No difference in y_m is shown between "));
 }
 

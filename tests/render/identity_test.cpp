@@ -104,8 +104,9 @@ TEST(Identity, TheScriptOfFiguresHasTheSame) {
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   std::string colours;
   for (Identity i = 0; i < kIdentityColours; ++i) {
-    colours += (i == 0 ? "\"" : ", \"") + std::string(light_colour(i)) + "\"";
+    colours += "\"" + std::string(light_colour(i)) + "\", ";
   }
+  colours += "\"" + std::string(light_colour(kReferenceIdentity)) + "\"";
   EXPECT_NE(text.find("COLOURS = [" + colours + "]"), std::string::npos) << colours;
 }
 

@@ -356,10 +356,10 @@ class Recomputed:
 
     @staticmethod
     def value(run, scenario, metric):
-        if metric.startswith("max "):
-            return np.max(run[metric.removeprefix("max ")])
-        if metric.startswith("step "):
-            return rms(np.diff(run[metric.removeprefix("step ")], prepend=0.0)[run.window()])
+        if metric.startswith("largest_"):
+            return np.max(run[metric.removeprefix("largest_")])
+        if metric.startswith("change_"):
+            return rms(np.diff(run[metric.removeprefix("change_")], prepend=0.0)[run.window()])
         size = re.fullmatch(r"\|(.*)\|", metric)
         value = METRICS[scenario][size[1] if size else metric](run)
         return abs(value) if size else value
