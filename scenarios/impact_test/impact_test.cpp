@@ -86,9 +86,7 @@ Model ImpactTest::plant() const {
 
 SensingSetup ImpactTest::sensing() const {
   SensingSetup setup;
-  for (SensorChannel& channel : force_sensor_.channels({.sensor = "tip_force"})) {
-    setup.channels.push_back(std::move(channel));
-  }
+  force_sensor_.add_channels(setup, {.sensor = "tip_force"});
   setup.seed = run_.seed;
   return setup;
 }

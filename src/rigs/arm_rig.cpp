@@ -89,9 +89,7 @@ SensingSetup sensing_setup(const ArmSettings& settings, const PlanarChain& chain
                               .encoder = encoder,
                               .noise_std = settings.angle_noise_rad});
   }
-  for (SensorChannel& channel : settings.force_sensor.channels({.sensor = "tip_force"})) {
-    setup.channels.push_back(std::move(channel));
-  }
+  settings.force_sensor.add_channels(setup, {.sensor = "tip_force"});
   settings.faults.apply(setup);
   setup.seed = settings.run.seed;
   return setup;

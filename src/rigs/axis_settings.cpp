@@ -674,11 +674,9 @@ SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
   }
   if (tip) {
     const bool has_sensor = tip->sensor != TipSettings::kNone;
-    for (SensorChannel& channel : tip->chain.channels({.sensor = tip->sensor,
-                                  .source = has_sensor ? nullptr : contact_force_N,
-                                  .component = tip->component})) {
-      setup.channels.push_back(std::move(channel));
-    }
+    tip->chain.add_channels(setup, {.sensor = tip->sensor,
+                                    .source = has_sensor ? nullptr : contact_force_N,
+                                    .component = tip->component});
   }
   faults.apply(setup);
   setup.seed = run.seed;

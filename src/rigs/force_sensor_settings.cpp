@@ -51,8 +51,7 @@ void ForceSensorSettings::check(const Config& config, double timestep_s) const {
                  "physics.timestep_s");
 }
 
-std::array<SensorChannel, 2> ForceSensorSettings::channels(const SensorChannel& measured) const {
-  SensorChannel raw = measured;
+void ForceSensorSettings::add_channels(SensingSetup& setup, SensorChannel raw) const {
   raw.name = "force_raw";
   raw.body = {2.0 * std::numbers::pi * resonance_Hz, damping_ratio};
   raw.electronics = electronics;
@@ -60,7 +59,7 @@ std::array<SensorChannel, 2> ForceSensorSettings::channels(const SensorChannel& 
   SensorChannel filtered = raw;
   filtered.name = "force";
   filtered.low_pass_s = low_pass_s;
-  return {std::move(filtered), std::move(raw)};
+  setup.channels.insert(setup.channels.end(), {std::move(filtered), std::move(raw)});
 }
 
 }  // namespace breakwater

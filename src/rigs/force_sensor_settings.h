@@ -1,7 +1,6 @@
 // The chain of a force sensor, from the tool before it to its samples.
 #pragma once
 
-#include <array>
 #include <string>
 
 #include <breakwater/config/fields.h>
@@ -25,9 +24,9 @@ struct ForceSensorSettings {
   /// Throws std::invalid_argument, blaming a key, if a time is no multiple of the timestep.
   void check(const Config& config, double timestep_s) const;
   bool has_body() const { return resonance_Hz > 0.0; }
-  /// The channels "force", behind the low-pass, and "force_raw", before it, of what `measured`
-  /// says.
-  std::array<SensorChannel, 2> channels(const SensorChannel& measured) const;
+  /// Adds the channels "force", behind the low-pass, and "force_raw", before it, of a channel that
+  /// says what is measured.
+  void add_channels(SensingSetup& setup, SensorChannel raw) const;
 };
 
 }  // namespace breakwater

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include <breakwater/math/functions.h>
 #include <breakwater/sim/named_elements.h>
@@ -19,6 +20,14 @@ int world_plane(const Model& model, const std::string& wall) {
                                 "\" must be a plane of the world body");
   }
   return plane;
+}
+
+std::vector<int> parts_of(const Model& model, const std::string& wall) {
+  std::vector<int> parts = {geom_id(model, wall)};
+  for (const int geom : model.geoms_named(wall + "_")) {
+    if (model->geom_bodyid[geom] == 0) parts.push_back(geom);
+  }
+  return parts;
 }
 
 }  // namespace
@@ -70,7 +79,7 @@ void place_wall(Model& model, const std::string& wall, double x_m) {
   const int plane = world_plane(model, wall);
   mjModel& m = *model.get();
   const double moved_m = x_m - m.geom_pos[3 * plane];
-  for (const int part : model.geoms_named(wall)) m.geom_pos[3 * part] += moved_m;
+  for (const int part : parts_of(model, wall)) m.geom_pos[3 * part] += moved_m;
   m.geom_pos[3 * plane] = x_m;
 }
 
@@ -83,7 +92,7 @@ void tilt_wall(Model& model, const std::string& wall, double angle_rad) {
   const mjtNum rotation[4] = {half.cosine, 0.0, 0.0, half.sine};
   const mjtNum pivot_x = m.geom_pos[3 * plane];
   const mjtNum pivot_y = m.geom_pos[3 * plane + 1];
-  for (const int part : model.geoms_named(wall)) {
+  for (const int part : parts_of(model, wall)) {
     mjtNum* position = m.geom_pos + static_cast<ptrdiff_t>(3) * part;
     const mjtNum x = position[0] - pivot_x;
     const mjtNum y = position[1] - pivot_y;

@@ -27,8 +27,8 @@ struct ContactLaw {
 /// condim 1, no margin, no gap, the same priority and no <pair>.
 void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law);
 
-/// Moves the geom `wall`, a plane of the world body, to x. All geoms with a name that begins with
-/// `wall` move too. Throws std::invalid_argument if there is no such plane.
+/// Moves the geom `wall`, a plane of the world body, to x. All geoms of that body with a name that
+/// begins with `wall_` move too. Throws std::invalid_argument if there is no such plane.
 void place_wall(Model& model, const std::string& wall, double x_m);
 
 /// Turns that plane, together with the same geoms, about the vertical through its own position,

@@ -405,6 +405,25 @@ TEST(PlantContactTest, EngineTakesStiffnessAndDampingOfAnyGeoms) {
   EXPECT_NEAR(with_corners.at("height_m"), 0.7 - 5.0 / 1e4, 1e-5);
 }
 
+// The normal of a wall that is turned by an angle from −x is −(cos, sin) of it. Only the wall of
+// the contact turns.
+TEST(PlantContactTest, WallTurnsByItsAngle) {
+  const std::string walls = testing::replaced(kBall, "</worldbody>", R"(
+    <geom name="wall" type="plane" pos="0.5 0 0" zaxis="-1 0 0" size="1 1 1"/>
+    <geom name="wall2" type="plane" pos="0.5 0 0" zaxis="-1 0 0" size="1 1 1"/></worldbody>)");
+  const std::string rows = metric_row("turned", "contact_turned_penetration_m", "last") +
+                           metric_row("still", "contact_still_penetration_m", "last");
+  Sets sets = kClipped;
+  for (const std::string name : {"turned", "still"}) {
+    sets.push_back("contact." + name + ".geom_1=ball");
+    sets.push_back("contact." + name + ".geom_2=" + (name == "turned" ? "wall" : "wall2"));
+  }
+  sets.push_back("contact.turned.wall.angle_rad=0.3");
+  const auto metrics = metrics_of_ball(walls, rows, sets);
+  EXPECT_NEAR(metrics.at("turned_m"), 0.1 - 0.5 * std::cos(0.3), 1e-12);
+  EXPECT_NEAR(metrics.at("still_m"), 0.1 - 0.5, 1e-12);
+}
+
 // A second ball rests on the floor by the engine.
 TEST(PlantContactTest, OtherGeomsStillTouchThePlane) {
   const std::string two =
