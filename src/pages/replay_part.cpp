@@ -96,33 +96,32 @@ double begin_of(const ShotList& shots, const FinishedRun& run, const Window& win
 ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
                        const ReplayOptions& options) {
   ReplayPart part;
-  part.shots = shot_list(runs.front().shots_file());
+  const ShotList shots = shot_list(runs.front().shots_file());
   std::vector<LabelledRun> labelled;
   for (std::size_t i = 0; i < runs.size(); ++i) labelled.push_back({runs[i], labels[i]});
-  const ReplayData data = replay_data(
-      labelled, part.shots, options.camera.empty() ? part.shots.page.camera : options.camera);
-  part.identities = data.identities;
+  const ReplayData data =
+      replay_data(labelled, shots, options.camera.empty() ? shots.page.camera : options.camera);
   part.window = data.window;
   part.is_whole =
       data.window.to_s - data.window.from_s > 0.98 * (data.whole.to_s - data.whole.from_s);
   part.notes = data.notes;
-  if (!part.shots.lines.empty()) {
-    part.chart = chart_of(part.shots, data, labels, options);
+  if (!shots.lines.empty()) {
+    part.chart = chart_of(shots, data, labels, options);
     part.chart->from_s = part.window.from_s;
     part.chart->to_s = part.window.to_s;
     if (part.chart->series.empty()) part.chart.reset();
   }
   const std::string about =
       fmt::format("{} in three dimensions: {}", fmt::join(labels, ", "),
-                  part.shots.title.empty() ? runs.front().scenario().summary() : part.shots.title);
+                  shots.title.empty() ? runs.front().scenario().summary() : shots.title);
   part.box["id"] = options.id;
   part.box["group"] = options.group;
-  part.box["time"] = fmt::format("{:.6g}", begin_of(part.shots, runs.front(), part.window));
+  part.box["time"] = fmt::format("{:.6g}", begin_of(shots, runs.front(), part.window));
   part.box["alt"] = about;
   part.box["data"] = data.json;
   auto strips = PageData::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const std::string strip = strip_address(runs[i], part.shots, options.camera, part.notes);
+    const std::string strip = strip_address(runs[i], shots, options.camera, part.notes);
     if (strip.empty()) break;  // the others have none either
     strips.push_back({{"address", strip},
                       {"alt", "Pictures of the run " + labels[i] + " in a row"},

@@ -17,11 +17,9 @@ namespace breakwater {
 struct ReplayPart {
   PageData box;                    ///< a block
   std::optional<PageChart> chart;  ///< the lines of the shot list
-  ShotList shots;
-  std::vector<Identity> identities;  ///< one for each run
-  Window window;                     ///< the time window of the shot list for these runs
-  bool is_whole = false;             ///< the window covers nearly the whole run
-  std::vector<std::string> notes;    ///< one line for each missing part
+  Window window;                   ///< the time window of the shot list for these runs
+  bool is_whole = false;           ///< the window covers nearly the whole run
+  std::vector<std::string> notes;  ///< one line for each missing part
 };
 
 struct ReplayOptions {

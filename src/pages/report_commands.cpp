@@ -298,7 +298,7 @@ int report(const Catalogue& catalogue, const RunsArguments& arguments) {
   const std::vector<SavedRun> runs = open_all(arguments.runs);
   const fs::path file = made_place(arguments.out, "report.html");
   std::vector<std::string> notes;
-  replace_file(file, run_report(catalogue, runs, {arguments.choice.with_replay}, notes));
+  replace_file(file, run_report(catalogue, runs, arguments.choice.with_replay, notes));
   say("report", notes, runs);
   if (!arguments.quiet) fmt::print("report: {}\n", file.string());
   return kSuccess;

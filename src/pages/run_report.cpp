@@ -94,7 +94,7 @@ std::map<std::string, ReferenceValue> printed_of(const Catalogue& catalogue, con
 }
 
 std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs,
-                       const RunReportOptions& options, std::vector<std::string>& notes) {
+                       bool with_replay, std::vector<std::string>& notes) {
   const std::vector<std::string> labels = labels_of(catalogue, runs);
   const bool is_one = runs.size() == 1;
   auto toc = PageData::array();
@@ -126,7 +126,7 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     const PageData changed = changed_table(catalogue, run);
     if (!changed["rows"].empty()) add_block(blocks, "table", changed);
     std::optional<ReplayPart> replay;
-    if (options.with_replay) {
+    if (with_replay) {
       replay = replay_of(catalogue, {run.folder()}, {labels[i]}, {id + "-replay", id, ""}, notes);
     }
     std::optional<Window> window;

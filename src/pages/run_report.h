@@ -18,15 +18,11 @@ namespace breakwater {
 /// project's own cases: other settings make the comparison meaningless.
 std::map<std::string, ReferenceValue> printed_of(const Catalogue& catalogue, const SavedRun& run);
 
-struct RunReportOptions {
-  bool with_replay = true;
-};
-
 /// One page about some runs: replay, changed keys, signals of the shot list in its time window,
 /// other signals, metrics and printed values. Appends to `notes` one line for each missing part of
 /// a replay.
 std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs,
-                       const RunReportOptions& options, std::vector<std::string>& notes);
+                       bool with_replay, std::vector<std::string>& notes);
 
 struct ShownMetric {
   Metric metric;

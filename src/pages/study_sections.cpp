@@ -57,12 +57,6 @@ void add_bar(RunList& runs, double low, double high, PageData& blocks) {
       "key-bar", PageData::array({runs.drawing({{"kind", "bar"}, {"low", low}, {"high", high}})})));
 }
 
-}  // namespace
-
-PageData drawings(const char* kind, const PageData& all) {
-  return {{"drawings", all}, {"kind", kind}};
-}
-
 StudyDetail study_detail(const Plan& plan, std::size_t metrics) {
   // A page of 1 MB has about so many cells, marks and lines in all, and rows of a table.
   constexpr std::size_t kCells = 40'000, kMarks = 6'000, kLines = 8'000, kRows = 2'000;
@@ -79,8 +73,15 @@ StudyDetail study_detail(const Plan& plan, std::size_t metrics) {
   return detail;
 }
 
+// Whether two keys are crossed, so that heat maps exist.
 bool has_heat_maps(const Study& study) {
   return study.vary.size() == 2 && study.method == Method::grid;
+}
+
+}  // namespace
+
+PageData drawings(const char* kind, const PageData& all) {
+  return {{"drawings", all}, {"kind", kind}};
 }
 
 PageData RunList::drawing(const PageData& data) {

@@ -21,13 +21,8 @@ struct StudyDetail {
   std::size_t lines = 240;  ///< single runs; at most half of them failed
 };
 
-StudyDetail study_detail(const Plan& plan, std::size_t metrics);
-
 /// The id of the failures' section.
 inline constexpr const char* kFailuresId = "failures";
-
-/// Whether two keys are crossed, so that heat maps exist.
-bool has_heat_maps(const Study& study);
 
 /// The runs that the marks of a page refer to, each one once.
 class RunList {

@@ -254,6 +254,18 @@ void add_table(const TableSpec& table, const std::vector<Entry>& entries, bool i
   blocks.push_back({{"list", list}, {"kind", "notes"}});
 }
 
+// The command for a run, with its log in a folder of the run's name.
+std::string command_of(const RunSpec& run) {
+  std::string command =
+      fmt::format("{} run {} --case {}", own_program_name(), run.scenario, run.case_name);
+  std::vector<std::string> sets = run.sets;
+  const std::vector<std::string>& more = run.repetitions.front();
+  sets.insert(sets.end(), more.begin(), more.end());
+  if (!sets.empty()) command += " --set";
+  for (const std::string& set : sets) command += " " + shell_word(set);
+  return command + " --out " + run.name;
+}
+
 PageData figure_data(const FigureSpec& figure, const SectionSpec& section,
                      const Experiments& experiments, Logs& logs) {
   auto charts = PageData::array();
@@ -543,17 +555,6 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
     }
   }
   return judged;
-}
-
-std::string command_of(const RunSpec& run, std::size_t repetition) {
-  std::string command =
-      fmt::format("{} run {} --case {}", own_program_name(), run.scenario, run.case_name);
-  std::vector<std::string> sets = run.sets;
-  const std::vector<std::string>& more = run.repetitions.at(repetition);
-  sets.insert(sets.end(), more.begin(), more.end());
-  if (!sets.empty()) command += " --set";
-  for (const std::string& set : sets) command += " " + shell_word(set);
-  return command + " --out " + run.name;
 }
 
 ThesisReport thesis_report(const Reproduction& reproduction, const Measured& measured,

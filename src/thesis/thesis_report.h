@@ -72,9 +72,6 @@ std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own
 /// no reason or nothing is judged.
 std::string reason_of(const Judged& judged, const CellSpec& cell);
 
-/// The command for one repetition of a run, with its log in a folder of the run's name.
-std::string command_of(const RunSpec& run, std::size_t repetition = 0);
-
 struct ThesisReport {
   std::string html;
   /// verdicts.csv: a line for each entry of the page's tables, in their order. Columns: the place;
