@@ -20,7 +20,11 @@ class CartOffsetFree final : public AxisScenario {
     AxisPlant plant = plant_;
     AxisSettings& axis = plant.axis();
     if (!noise_) axis.noise_std = axis.input_noise_std = 0.0;
-    axis.force.start_s = axis.output.start_s = disturbance_start_s_;
+    const auto step = [&](double amplitude) {
+      return Disturbance{DisturbanceKind::step, amplitude, 0.0, disturbance_start_s_};
+    };
+    axis.force = step(disturbance_N_);
+    axis.output = step(output_disturbance_m_);
     return plant;
   }
 
@@ -34,10 +38,9 @@ class CartOffsetFree final : public AxisScenario {
                   "r: reference of the position [m]");
     fields.number("reference.start_s", axis.reference.from_s, not_negative(),
                   "time of the step of the reference from 0 to r [s]");
-    axis.force.kind = axis.output.kind = DisturbanceKind::step;
-    fields.number("disturbance.input_N", axis.force.amplitude, any(),
+    fields.number("disturbance.input_N", disturbance_N_, any(),
                   "d_i: input disturbance, which opposes the drive [N]");
-    fields.number("disturbance.output_m", axis.output.amplitude, any(),
+    fields.number("disturbance.output_m", output_disturbance_m_, any(),
                   "d_o: output disturbance, added to the measured position [m]");
     fields.number("disturbance.start_s", disturbance_start_s_, not_negative(),
                   "time at which both disturbances begin [s]");
@@ -47,6 +50,8 @@ class CartOffsetFree final : public AxisScenario {
         "relative distance from r within which y counts as settled before the disturbance");
   }
 
+  double disturbance_N_ = 0.0;
+  double output_disturbance_m_ = 0.0;
   double disturbance_start_s_ = 0.0;
   bool noise_ = false;
   double settled_within_ = 0.0;

@@ -52,8 +52,8 @@ void AxisScenario::bind_window(Fields& fields, const std::string& what) {
 
 void AxisScenario::check(const Config& config) {
   check_plant(plant_, config);
-  const MetricContext context = complete(config);
   parts_.check(config, task());
+  const MetricContext context = complete(config);
   if (has_window_ && plant_.judged_to_s <= from_s_) {
     config.fail("metrics.to_s", "must be later than metrics.from_s");
   }
