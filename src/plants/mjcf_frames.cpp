@@ -360,8 +360,8 @@ class FlatMjcf {
     parent.children = std::move(out);
   }
 
-  // The poses are those of MuJoCo 3: each copy turns about all axes by its own multiple of euler,
-  // and is shifted by the offset in the frame of the copy before it.
+  // The poses are those of MuJoCo 3: each copy turns about all axes by its own multiple of euler.
+  // It is shifted by the offset in the frame of the copy before it.
   void replicate(const MjcfElement& element, const std::string& inside,
                  std::vector<MjcfElement>& out) {
     const double asked = mjcf_numbers(element, element.text("count"), 1, 1)[0];
@@ -397,7 +397,7 @@ class FlatMjcf {
     });
   }
 
-  // What refers to replicated elements is replicated too. The copies stand behind all others.
+  // Elements that refer to replicated ones are replicated too. The copies stand behind all others.
   void replicate_references(Names names, const std::vector<std::string>& suffixes) {
     for (const std::string kind : kSectionsThatRefer) {
       std::vector<MjcfElement> originals;

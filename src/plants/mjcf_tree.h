@@ -31,7 +31,7 @@ struct MjcfElement {
   [[noreturn]] void fail(const std::string& what) const;
 };
 
-/// What a conversion changed, once for all its places.
+/// A change by a conversion, once for all its places.
 struct MjcfChange {
   /// `dropped`: the model has lost something. `approximated`: something is only nearly the same.
   enum class Loss { none, approximated, dropped };
@@ -92,9 +92,8 @@ void for_each_in_body(MjcfElement& body, const std::string& inherited, Visit&& v
   }
 }
 
-/// A file in the form of MuJoCo 2.2, as far as the places of elements go: with its <include>s and
-/// the <attach>ed models, and without <frame> and <replicate>, whose poses and copies are written
-/// out. The names of all files of assets are absolute. Throws std::invalid_argument
+/// A file in the form of MuJoCo 2.2, as far as the places of elements go. It has its <include>s and
+/// the <attach>ed models. Poses of <frame> and copies of <replicate> are written out. The names of all files of assets are absolute. Throws std::invalid_argument
 /// `FILE[:LINE]: reason`, also if a file is missing or the copies have more than `most_elements`.
 MjcfElement flat_mjcf(const std::filesystem::path& file, std::uint64_t most_elements,
                       MjcfChanges& changes);
@@ -102,8 +101,7 @@ MjcfElement flat_mjcf(const std::filesystem::path& file, std::uint64_t most_elem
 /// The text of an MJCF file.
 std::string mjcf_text(const MjcfElement& root);
 
-/// Position and rotation (w x y z) of a site, body or geom in its body, from pos and any of quat,
-/// euler, axisangle, xyaxes and zaxis.
+/// Position and rotation (w x y z) of an element in its body.
 struct MjcfPose {
   std::array<double, 3> position;
   std::array<double, 4> rotation;

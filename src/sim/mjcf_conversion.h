@@ -22,8 +22,8 @@ struct ConvertedMjcf {
 /// Throws std::invalid_argument `FILE:LINE: reason` for what cannot be converted, and as
 /// flat_mjcf() and load_mjcf().
 ///
-/// Forces that the engine lacks are written into <custom> and user data, and added at each stage of
-/// the integrator by add_missing_forces(): gravity compensation of bodies, and springs of tendons
+/// Forces that the engine lacks are written into <custom> and user data. add_missing_forces()
+/// adds them at each stage of the integrator: gravity compensation of bodies, and springs of tendons
 /// with a slack.
 ConvertedMjcf convert_mjcf(const std::string& file, std::uint64_t most_elements);
 

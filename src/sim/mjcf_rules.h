@@ -1,4 +1,4 @@
-// What MJCF of MuJoCo 3 has beyond MuJoCo 2.2, and what becomes of it.
+// Words of MJCF that MuJoCo 3 has beyond MuJoCo 2.2, and their fate.
 #pragma once
 
 #include <array>
