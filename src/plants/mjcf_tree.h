@@ -93,8 +93,9 @@ void for_each_in_body(MjcfElement& body, const std::string& inherited, Visit&& v
 }
 
 /// A file in the form of MuJoCo 2.2, as far as the places of elements go. It has its <include>s and
-/// the <attach>ed models. Poses of <frame> and copies of <replicate> are written out. The names of all files of assets are absolute. Throws std::invalid_argument
-/// `FILE[:LINE]: reason`, also if a file is missing or the copies have more than `most_elements`.
+/// the <attach>ed models. Poses of <frame> and copies of <replicate> are written out. The names of
+/// all files of assets are absolute. Throws std::invalid_argument `FILE[:LINE]: reason`, also if a
+/// file is missing or the copies have more than `most_elements`.
 MjcfElement flat_mjcf(const std::filesystem::path& file, std::uint64_t most_elements,
                       MjcfChanges& changes);
 
