@@ -70,9 +70,8 @@ inline constexpr std::array kStatusMeanings = {
         kRunFailed, "the run failed",
         "A run failed. Its `manifest.json` has the time and the reason, and `metrics.json` is "
         "absent. `sweep` ends with this status only with `--on-failure stop`, or when `--replay` "
-        "gives another run. `tune` does so when no candidate met the constraints, and `convert` "
-        "when "
-        "the model lost something."},
+        "gives another run. `tune` does so when no candidate met the constraints, and "
+        "`convert` when the model lost something."},
     StatusMeaning{kLaterOutputFailed, "only a later output failed",
                   "The run is complete. A later output, such as its video or the printed table, "
                   "could not be made."},

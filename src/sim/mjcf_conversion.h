@@ -23,8 +23,8 @@ struct ConvertedMjcf {
 /// flat_mjcf() and load_mjcf().
 ///
 /// Forces that the engine lacks are written into <custom> and user data. add_missing_forces()
-/// adds them at each stage of the integrator: gravity compensation of bodies, and springs of tendons
-/// with a slack.
+/// adds them at each stage of the integrator: gravity compensation of bodies, and springs of
+/// tendons with a slack.
 ConvertedMjcf convert_mjcf(const std::string& file, std::uint64_t most_elements);
 
 /// One line `FILE: …` that names the changes; none if there are none, or for another kind of file.
