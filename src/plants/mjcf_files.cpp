@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <breakwater/plants/xml_file.h>
@@ -27,7 +28,8 @@ using tinyxml2::XMLElement;
 // folders are relative to the folder of the main file, also in an included file.
 class MjcfFiles {
  public:
-  explicit MjcfFiles(const fs::path& mjcf) : folder_(mjcf.parent_path()) {
+  explicit MjcfFiles(const fs::path& mjcf, std::vector<fs::path> known = {})
+      : files(std::move(known)), folder_(mjcf.parent_path()) {
     read(mjcf);
     for (const Asset& asset : assets_) {
       const fs::path name(strips_ ? asset.name.filename() : asset.name);
@@ -65,11 +67,17 @@ class MjcfFiles {
     for (; element != nullptr; element = element->NextSiblingElement()) {
       const std::string kind = element->Name();
       if (kind == "compiler") {
+        if (const char* folder = element->Attribute("assetdir")) {
+          mesh_folder_ = texture_folder_ = folder;
+        }
         if (const char* folder = element->Attribute("meshdir")) mesh_folder_ = folder;
         if (const char* folder = element->Attribute("texturedir")) texture_folder_ = folder;
         element->QueryBoolAttribute("strippath", &strips_);
       } else if (kind == "include") {
         if (const char* name = element->Attribute("file")) read(folder_ / name);
+      } else if (kind == "model") {
+        const char* name = element->Attribute("file");
+        if (name != nullptr) files = MjcfFiles(folder_ / name, std::move(files)).files;
       } else if (kind == "mesh" || kind == "hfield" || kind == "skin" || kind == "texture") {
         constexpr std::array<const char*, 7> kFiles = {
             "file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback"};
@@ -235,9 +243,13 @@ class MjcfCheck {
       if (const std::string complaint = too_large(bytes_); !complaint.empty()) {
         xml.fail(element->GetLineNum(), std::string("<") + element->Name() + ">" + complaint);
       }
-      const char* included = element->Attribute("file");
-      if (included != nullptr && std::string_view(element->Name()) == "include") {
-        check(folder_ / included);
+      const char* other = element->Attribute("file");
+      const std::string_view kind = element->Name();
+      if (other != nullptr && kind == "include") check(folder_ / other);
+      if (other != nullptr && kind == "model") {  // a model for <attach>, with its own folder
+        const std::filesystem::path own = std::exchange(folder_, (folder_ / other).parent_path());
+        check(own / other);
+        folder_ = own;
       }
       for (const auto* child = element->FirstChildElement(); child != nullptr;
            child = child->NextSiblingElement()) {

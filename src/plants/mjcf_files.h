@@ -8,9 +8,10 @@
 
 namespace breakwater {
 
-/// An MJCF file, its includes, and the meshes, height fields, skins and textures of all of them.
-/// Each existing file occurs once, the main file first. A file that is not XML gives only itself,
-/// and Model::load() reports its error. Throws as check_ends() does for each file.
+/// An MJCF file, its includes, the models that it attaches, and the meshes, height fields, skins
+/// and textures of all of them. Each existing file occurs once, the main file first. A file that is
+/// not XML gives only itself, and Model::load() reports its error. Throws as check_ends() does for
+/// each file.
 std::vector<std::filesystem::path> mjcf_files(const std::filesystem::path& mjcf);
 
 /// Throws std::invalid_argument `FILE[:LINE]: reason` if an MJCF file or one of its includes cannot

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <ranges>
+#include <set>
 #include <stdexcept>
 
 #include <breakwater/experiment/differing_keys.h>
@@ -21,6 +22,7 @@
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/terminal.h>
+#include <breakwater/sim/mjcf_conversion.h>
 #include <breakwater/sim/opengl_asked.h>
 
 namespace breakwater {
@@ -193,6 +195,9 @@ void print_ineffective_sets(const std::string& scenario, const std::vector<Prepa
 
 void print_warnings(const std::string& scenario, const std::vector<PreparedRun>& runs) {
   print_ineffective_sets(scenario, runs);
+  std::set<std::string> models;
+  for (const PreparedRun& run : runs) models.insert(run.model_files.begin(), run.model_files.end());
+  for (const std::string& model : models) warn(scenario, conversion_warnings(model));
   for (const PreparedRun& run : runs) {
     const std::string which = fmt::format("{} {}", scenario, run.case_name);
     for (const IneffectiveKey& ineffective : run.ineffective) {

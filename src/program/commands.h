@@ -14,6 +14,10 @@ namespace breakwater {
 /// All commands of a complete program.
 std::vector<CommandKind> all_commands(const Catalogue& catalogue);
 
+/// `convert`: writes a model file of MuJoCo 3 for MuJoCo 2.2. Exit status 3 if something was
+/// dropped.
+int convert_main(const Catalogue& catalogue, int argc, const char* const* argv);
+
 /// `diff`: prints the first sample in which two runs differ. Exit status 1 if they differ.
 int diff_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
@@ -66,7 +70,8 @@ inline constexpr std::array kStatusMeanings = {
         kRunFailed, "the run failed",
         "A run failed. Its `manifest.json` has the time and the reason, and `metrics.json` is "
         "absent. `sweep` ends with this status only with `--on-failure stop`, or when `--replay` "
-        "gives another run. `tune` does so when no candidate met the constraints."},
+        "gives another run. `tune` does so when no candidate met the constraints, and "
+        "`convert` when the model lost something."},
     StatusMeaning{kLaterOutputFailed, "only a later output failed",
                   "The run is complete. A later output, such as its video or the printed table, "
                   "could not be made."},

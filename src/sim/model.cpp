@@ -15,6 +15,7 @@
 
 #include <breakwater/plants/mjcf_files.h>
 #include <breakwater/sim/engine_guard.h>
+#include <breakwater/sim/mjcf_conversion.h>
 #include <breakwater/sim/model_draft.h>
 #include <breakwater/sim/physics_part.h>
 
@@ -135,21 +136,18 @@ Model Model::compile(const ModelFile& mjcf) {
   const std::string& mjcf_file = mjcf.path;
   const Compiling compiling;
   check_mjcf(mjcf_file, mjcf.most_elements);
-  char error[1000] = "";
-  mjModel* loaded = nullptr;
+  const ConvertedMjcf converted = convert_mjcf(mjcf_file, mjcf.most_elements);
+  const bool is_converted = !converted.changes.empty();
   std::string fatal;
-  {
-    // The engine's XML reader changes the locale of the process, so it must not run twice at once.
-    static std::mutex loading;
-    const std::lock_guard lock(loading);
-    fatal =
-        call_engine([&] { loaded = mj_loadXML(mjcf_file.c_str(), nullptr, error, sizeof(error)); });
-  }
+  mjModel* loaded =
+      load_mjcf(mjcf_file, is_converted ? mjcf_text(converted.root) : std::string(), fatal);
   if (loaded == nullptr) {
-    if (fatal.empty()) fatal = error;
     check_memory(mjcf_file, fatal);
-    throw std::invalid_argument(located(mjcf_file, fatal));
+    // The engine counts the lines of the text that it was given.
+    throw std::invalid_argument(
+        located(is_converted ? mjcf_file + " (converted)" : mjcf_file, fatal));
   }
+  add_missing_forces(*loaded);
 
   Model model(loaded, mjcf_file);
   check_timestep(model->opt.timestep, mjcf_file);

@@ -1,0 +1,152 @@
+#include <breakwater/plants/mjcf_tree.h>
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+#include <stdexcept>
+
+#include <breakwater/plants/xml_file.h>
+
+namespace breakwater {
+namespace {
+
+const std::set<std::string_view>& actuator_kinds() {
+  static const std::set<std::string_view> kinds = {
+      "general",  "motor",  "position", "velocity", "intvelocity", "damper",
+      "cylinder", "muscle", "adhesion", "pid",      "dcmotor",     "orientation"};
+  return kinds;
+}
+
+// The name of an element's kind in a <default>.
+std::string_view kind_in_default(std::string_view name) {
+  if (name == "spatial" || name == "fixed") return "tendon";
+  return actuator_kinds().contains(name) ? "general" : name;
+}
+
+void append(const MjcfElement& element, int depth, std::string& text) {
+  text.append(static_cast<std::size_t>(2 * depth), ' ').append("<" + element.name);
+  for (const auto& [name, value] : element.attributes) {
+    text += " " + name + "=\"";
+    for (const char c : value) {
+      text += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+    }
+    text += '"';
+  }
+  text += element.children.empty() ? "/>\n" : ">\n";
+  for (const MjcfElement& child : element.children) append(child, depth + 1, text);
+  if (element.children.empty()) return;
+  text.append(static_cast<std::size_t>(2 * depth), ' ').append("</" + element.name + ">\n");
+}
+
+}  // namespace
+
+const std::string* MjcfElement::find(std::string_view attribute) const {
+  for (const auto& [own, value] : attributes) {
+    if (own == attribute) return &value;
+  }
+  return nullptr;
+}
+
+std::string MjcfElement::text(std::string_view attribute, const std::string& otherwise) const {
+  const std::string* value = find(attribute);
+  return value != nullptr ? *value : otherwise;
+}
+
+void MjcfElement::set(const std::string& attribute, const std::string& value) {
+  for (auto& [own, old] : attributes) {
+    if (own != attribute) continue;
+    old = value;
+    return;
+  }
+  attributes.emplace_back(attribute, value);
+}
+
+void MjcfElement::set(const std::string& attribute, std::span<const double> numbers) {
+  std::string value;
+  for (const double number : numbers) {
+    std::array<char, 32> digits;
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+    value.append(value.empty() ? "" : " ").append(digits.data(), end);
+  }
+  set(attribute, value);
+}
+
+void MjcfElement::erase(std::string_view attribute) {
+  std::erase_if(attributes, [&](const auto& own) { return own.first == attribute; });
+}
+
+void MjcfElement::fail(const std::string& what) const {
+  throw std::invalid_argument(place + ": <" + name + ">: " + what);
+}
+
+void MjcfChanges::add(MjcfChange::Loss loss, const std::string& what, const std::string& place) {
+  for (MjcfChange& change : all_) {
+    if (change.loss != loss || change.what != what) continue;
+    ++change.count;
+    return;
+  }
+  all_.push_back({loss, what, place});
+}
+
+std::vector<double> mjcf_numbers(const MjcfElement& element, const std::string& text,
+                                 std::size_t least, std::size_t most) {
+  const auto numbers = read_numbers(text);
+  if (!numbers || numbers->size() < least || numbers->size() > most) {
+    element.fail("\"" + text + "\": needs " + std::to_string(least) +
+                 (most > least ? " numbers or more"
+                  : most > 1   ? " numbers"
+                               : " number"));
+  }
+  return *numbers;
+}
+
+MjcfClasses::MjcfClasses(const MjcfElement& root) {
+  MjcfElement main;  // all sections of the file are one
+  for_each_section(root, "default", [&](const MjcfElement& section) {
+    for (const MjcfElement& child : section.children) main.children.push_back(child);
+    if (section.has("class")) main.set("class", section.text("class"));
+  });
+  add(main, {});
+  classes_[""] = classes_[main.text("class", "main")];
+}
+
+void MjcfClasses::add(const MjcfElement& section, std::vector<MjcfElement> above) {
+  for (const MjcfElement& child : section.children) {
+    if (child.name != "default") above.push_back(child);
+  }
+  classes_[section.text("class", "main")] = above;
+  for (const MjcfElement& child : section.children) {
+    if (child.name == "default") add(child, above);
+  }
+}
+
+std::vector<const MjcfElement*> MjcfClasses::defaults(const std::string& kind,
+                                                      const std::string& name) const {
+  std::vector<const MjcfElement*> found;
+  const auto elements = classes_.find(name);
+  if (elements == classes_.end()) return found;
+  for (const MjcfElement& one : elements->second) {
+    if (kind_in_default(one.name) == kind_in_default(kind)) found.push_back(&one);
+  }
+  return found;
+}
+
+const std::string* MjcfClasses::find(const MjcfElement& element, std::string_view attribute,
+                                     const std::string& inherited) const {
+  if (const std::string* own = element.find(attribute)) return own;
+  const auto above = defaults(element.name, element.text("class", inherited));
+  for (auto one = above.rbegin(); one != above.rend(); ++one) {
+    if (const std::string* value = (*one)->find(attribute)) return value;
+  }
+  return nullptr;
+}
+
+std::string mjcf_text(const MjcfElement& root) {
+  std::string text;
+  append(root, 0, text);
+  return text;
+}
+
+}  // namespace breakwater

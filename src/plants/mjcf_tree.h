@@ -1,0 +1,118 @@
+// MJCF as a tree of elements that can be changed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace breakwater {
+
+struct MjcfElement {
+  std::string name;
+  std::string place;  ///< FILE:LINE
+  std::vector<std::pair<std::string, std::string>> attributes;
+  std::vector<MjcfElement> children;
+
+  /// The value of an attribute; null if the element does not have it.
+  const std::string* find(std::string_view attribute) const;
+  bool has(std::string_view attribute) const { return find(attribute) != nullptr; }
+  std::string text(std::string_view attribute, const std::string& otherwise = "") const;
+  void set(const std::string& attribute, const std::string& value);
+  void set(const std::string& attribute, std::span<const double> numbers);
+  void erase(std::string_view attribute);
+
+  /// Throws std::invalid_argument `FILE:LINE: <NAME>: WHAT`.
+  [[noreturn]] void fail(const std::string& what) const;
+};
+
+/// A change by a conversion, once for all its places.
+struct MjcfChange {
+  /// `dropped`: the model has lost something. `approximated`: something is only nearly the same.
+  enum class Loss { none, approximated, dropped };
+  Loss loss;
+  std::string what;
+  std::string place;  ///< FILE:LINE of the first one
+  int count = 1;
+};
+
+class MjcfChanges {
+ public:
+  void add(MjcfChange::Loss loss, const std::string& what, const std::string& place);
+  const std::vector<MjcfChange>& all() const { return all_; }
+
+ private:
+  std::vector<MjcfChange> all_;
+};
+
+/// The numbers of a text. Throws as MjcfElement::fail() if it has others than `least` to `most`.
+std::vector<double> mjcf_numbers(const MjcfElement& element, const std::string& text,
+                                 std::size_t least, std::size_t most);
+
+/// The values that default classes give.
+class MjcfClasses {
+ public:
+  MjcfClasses() = default;
+  explicit MjcfClasses(const MjcfElement& root);
+
+  /// The elements of a class that apply to a kind of element, those of the outermost class first.
+  /// All kinds of actuators share their defaults.
+  std::vector<const MjcfElement*> defaults(const std::string& kind, const std::string& name) const;
+  /// The value of an attribute: the element's own, or that of its class; null if there is none.
+  /// `inherited` is the class of an element that names none.
+  const std::string* find(const MjcfElement& element, std::string_view attribute,
+                          const std::string& inherited = "") const;
+
+ private:
+  void add(const MjcfElement& section, std::vector<MjcfElement> above);
+  std::map<std::string, std::vector<MjcfElement>> classes_;
+};
+
+/// Calls visit(section) for each section of this name.
+template <typename Root, typename Visit>
+void for_each_section(Root& root, std::string_view name, Visit&& visit) {
+  for (auto& section : root.children) {
+    if (section.name == name) visit(section);
+  }
+}
+
+/// Calls visit(element, parent, class that it inherits) for all that a body or the world contains.
+template <typename Visit>
+void for_each_in_body(MjcfElement& body, const std::string& inherited, Visit&& visit) {
+  for (MjcfElement& child : body.children) {
+    visit(child, body, inherited);
+    if (child.name == "body") {
+      for_each_in_body(child, child.text("childclass", inherited), visit);
+    }
+  }
+}
+
+/// A file in the form of MuJoCo 2.2, as far as the places of elements go. It has its <include>s and
+/// the <attach>ed models. Poses of <frame> and copies of <replicate> are written out. The names of
+/// all files of assets are absolute. Throws std::invalid_argument `FILE[:LINE]: reason`, also if a
+/// file is missing or the copies have more than `most_elements`.
+MjcfElement flat_mjcf(const std::filesystem::path& file, std::uint64_t most_elements,
+                      MjcfChanges& changes);
+
+/// The text of an MJCF file.
+std::string mjcf_text(const MjcfElement& root);
+
+/// Position and rotation (w x y z) of an element in its body.
+struct MjcfPose {
+  std::array<double, 3> position;
+  std::array<double, 4> rotation;
+};
+/// `first` and then, in its frame, `second`.
+MjcfPose operator*(const MjcfPose& first, const MjcfPose& second);
+MjcfPose inverse(const MjcfPose& pose);
+MjcfPose mjcf_pose(const MjcfElement& root, const MjcfClasses& classes, const MjcfElement& element,
+                   const std::string& inherited);
+/// Whether angles of the file are in degrees.
+bool has_degrees(const MjcfElement& root);
+
+}  // namespace breakwater

@@ -1,0 +1,331 @@
+// Model files of MuJoCo 3: what becomes of each word, and the forces of MuJoCo 3 itself.
+#include <mujoco/mujoco.h>
+
+#include <breakwater/plants/mjcf_files.h>
+#include <breakwater/sim/mjcf_conversion.h>
+#include <breakwater/sim/model.h>
+#include "shell.h"
+#include "support.h"
+
+namespace breakwater::mjcf_conversion_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class MjcfConversion : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+
+  const testing::TemporaryPath folder_{"mjcf_conversion"};
+};
+
+// An arm of two links. The rows of a table add to its sections.
+std::string arm(const std::string& body, const std::string& other,
+                const std::string& first_joint = "") {
+  return R"(<mujoco><compiler angle="radian"/><worldbody><body name="upper">
+<inertial mass="2" pos="0.1 0 0.2" diaginertia="0.1 0.2 0.3"/><joint name="a" axis="0 1 0" )" +
+         first_joint + R"(/>
+<site name="mount" pos="0.1 0.2 0.3" euler="0.1 0.2 0.3"/>
+<body name="lower" pos="0 0 0.5"><inertial mass="1" pos="0.1 0.1 0" diaginertia="0.02 0.03 0.04"/>
+<joint name="b" axis="1 0 0"/><site name="tip" pos="0 0.1 0.4" zaxis="1 1 1"/></body></body>)" +
+         body + "</worldbody>" + other + "</mujoco>";
+}
+
+struct Row {
+  std::string file;
+  std::string expected;  // a part of the converted text
+  std::string change;    // LOSS and what; empty: none
+};
+
+TEST_F(MjcfConversion, GivesTheEnginesWords) {
+  const std::string position = R"(<actuator><position name="p" joint="a" kp="10" )";
+  const std::vector<Row> rows = {
+      {arm("", ""), "<mujoco>", ""},
+      {"<robot name=\"r\"><link name=\"l\"/></robot>", "<robot", ""},
+      {arm("", R"(<option integrator="implicitfast"/>)"), R"(integrator="implicit")",
+       "1option integrator implicitfast (is implicit)"},
+      {arm("", R"(<option><flag eulerdamp="enable"/></option>)"), "<flag/>", "0flag eulerdamp"},
+      {arm("", R"(<option><flag eulerdamp="disable"/></option>)"), "<flag/>",
+       "1flag eulerdamp (Euler damps implicitly)"},
+      {arm("", R"(<option ccd_iterations="9"/>)"), R"(mpr_iterations="9")",
+       "0option ccd_iterations"},
+      {arm("", R"(<size memory="1M"/>)"), R"(<size nstack="131072"/>)", "0size memory"},
+      {arm(R"(<geom size="1" surfacevel="1 0 0 0 0 0"/>)", ""), R"(<geom size="1"/>)",
+       "2geom surfacevel (the surface stands still)"},
+      {arm(R"(<geom size="1" surfacevel="0 0 0 0 0 0"/>)", ""), R"(<geom size="1"/>)",
+       "0geom surfacevel"},
+      {arm("", R"(<sensor><e_kinetic/></sensor>)"), "<sensor/>", "2e_kinetic"},
+      {arm("", "", R"(range="-1 1")"), R"(<compiler autolimits="true"/>)", "0compiler autolimits"},
+      {arm("", "", R"(range="-1 1" limited="true")"), "<mujoco>", ""},
+      {arm("", position + R"(kv="2"/></actuator>)"), R"(biasprm="0 -10 -2")", "0position kv"},
+      {arm("", R"(<default><position kp="7"/><default class="c"><position kv="3"/></default>
+</default><actuator><position class="c" joint="a"/></actuator>)"),
+       R"(<general class="c" joint="a" gaintype="fixed" biastype="affine" gainprm="7" biasprm="0 -7 -3")",
+       "0position kv"},
+      {arm("", position + R"(timeconst="0.1"/></actuator>)"), R"(dyntype="filter" dynprm="0.1")",
+       "0position timeconst"},
+      {arm("", position + R"(inheritrange="0.5"/></actuator>)", R"(range="-1 3")"),
+       R"(ctrlrange="0 2")", "0position inheritrange"},
+      // M of joint a at the reference pose is 0.6 + 2·0.05 + 1·0.26 + …; the oracle checks it
+      {arm("", position + R"(dampratio="1"/></actuator>)"), R"(biasprm="0 -10 -)",
+       "0position dampratio"},
+      {arm("", R"(<actuator><motor joint="a" gear="-2"/></actuator>)",
+           R"(actuatorfrcrange="-4 6")"),
+       R"(forcerange="-3 2" forcelimited="true")", "0joint actuatorfrcrange"},
+      {arm("", R"(<actuator><motor joint="a"/><motor joint="a"/></actuator>)",
+           R"(actuatorfrcrange="-4 6")"),
+       R"(<motor joint="a"/>)", "2joint actuatorfrcrange"},
+      {arm(R"(<frame pos="1 0 0" quat="0 0 0 2"><geom size="1" pos="1 2 3"/></frame>)", ""),
+       R"(<geom size="1" pos="0 -2 3" quat="0 0 0 1"/>)", "0frame"},
+      {arm(R"(<replicate count="11" offset="0 0 1" sep="-"><site name="s"/></replicate>)", ""),
+       R"(<site name="s-10" pos="0 0 10" quat="1 0 0 0"/>)", "0replicate"},
+      {arm("", R"(<equality><weld site1="mount" site2="tip"/></equality>)"),
+       R"(body1="upper" body2="lower")",
+       "1weld of sites (the engine weighs its rotation otherwise)"},
+  };
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.file);
+    const ConvertedMjcf converted =
+        convert_mjcf(write("model.xml", row.file), ModelFile::kMostElements);
+    EXPECT_NE(mjcf_text(converted.root).find(row.expected), std::string::npos)
+        << mjcf_text(converted.root);
+    std::set<std::string> changes = {""};
+    for (const MjcfChange& one : converted.changes) {
+      changes.insert(std::to_string(static_cast<int>(one.loss)) + one.what);
+    }
+    EXPECT_EQ(converted.changes.empty(), row.change.empty());
+    EXPECT_TRUE(changes.contains(row.change)) << *changes.rbegin();
+    if (!row.file.starts_with("<mujoco")) continue;
+    EXPECT_NO_THROW(Model::load((folder_ / "model.xml").string()));
+  }
+}
+
+TEST_F(MjcfConversion, RefusesByName) {
+  const std::string motor = R"(<actuator><motor joint="a" )";
+  const std::vector<std::pair<std::string, std::string>> rows = {
+      {arm(R"(<flexcomp name="f"/>)", ""),
+       ":5: <flexcomp>: MuJoCo 2.2 does not have it; the engine "
+       "has no flexible bodies"},
+      {arm(R"(<geom type="sdf"/>)", ""), "sdf: the engine has no signed distance fields"},
+      {arm(R"(<composite type="cable" prefix="c" count="3 1 1"/>)", ""), "has no cables"},
+      {arm("", R"(<actuator><dcmotor joint="a"/></actuator>)"), "use a <motor> and the keys drive"},
+      {arm("", R"(<actuator><pid joint="a"/></actuator>)"), "use a <motor> and a controller"},
+      {arm("", R"(<extension><plugin plugin="mujoco.pid"/></extension>)"), "has no plugins"},
+      {arm("", motor + R"(delay="0.1"/></actuator>)"), "use control.delay_s"},
+      {arm("", motor + R"(delya="0.1"/></actuator>)"),
+       "delya: neither MuJoCo 2.2 nor the conversion knows it"},
+      {arm("<goem/>", ""), "<goem>: neither MuJoCo 2.2 nor the conversion knows it"},
+      {arm("", R"(<asset><mesh name="m" file="absent.stl"/></asset>)"), "there is no file /"},
+      {arm(R"(<attach model="m" prefix="p"/>)", ""), "there is no <model> \"m\""},
+      {arm(R"(<attach body="upper" prefix="p"/>)", ""), "a part of the file itself"},
+      {arm(R"(<replicate count="0"/>)", ""), "count is out of range"},
+      {arm(R"(<replicate count="9999999"><site/></replicate>)", ""), "out of range"},
+      {arm(R"(<replicate count="300"><replicate count="300"><site/></replicate></replicate>)", ""),
+       "that model.most_elements allows"},
+      {arm(R"(<frame pos="1 2"><site/></frame>)", ""), "<frame>: \"1 2\": needs 3 numbers"},
+      {arm("", R"(<equality><weld site1="mount" site2="nowhere"/></equality>)"),
+       "there is no site \"nowhere\""},
+      {arm("", R"(<actuator><position joint="a" inheritrange="1"/></actuator>)"), "has no range"},
+  };
+  for (const auto& [text, reason] : rows) {
+    SCOPED_TRACE(text);
+    try {
+      Model::load(write("model.xml", text));
+      ADD_FAILURE() << "was loaded";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    }
+  }
+}
+
+TEST_F(MjcfConversion, TheModelsOfTheProjectNeedNone) {
+  for (const auto& entry : fs::recursive_directory_iterator(testing::source_file("models"))) {
+    if (entry.path().extension() != ".xml") continue;
+    EXPECT_TRUE(convert_mjcf(entry.path().string(), ModelFile::kMostElements).changes.empty())
+        << entry.path();
+  }
+}
+
+// An attached model has its names with a prefix, its own defaults, and what refers to it alone.
+TEST_F(MjcfConversion, AttachesAModel) {
+  fs::create_directories(folder_ / "parts");
+  write("parts/hand.xml", R"(<mujoco><default><geom size="0.1" mass="3"/></default><worldbody>
+<body name="hand" pos="0 0 1"><joint name="j" axis="0 0 1"/><geom name="palm"/></body>
+<body name="other"><joint name="k"/><geom/></body></worldbody>
+<actuator><motor name="m" joint="j"/><motor joint="k"/></actuator></mujoco>)");
+  const std::string file =
+      write("model.xml", R"(<mujoco><asset><model name="h" file="parts/hand.xml"/>
+</asset><worldbody><body name="arm" pos="1 0 0"><joint/><geom size="0.2"/>
+<frame pos="0 2 0"><attach model="h" body="hand" prefix="left_"/></frame>
+<frame pos="0 -2 0"><attach model="h" body="hand" prefix="right_"/></frame></body></worldbody>
+</mujoco>)");
+  const Model model = Model::load(file);
+  ASSERT_EQ(model->nbody, 4);
+  ASSERT_EQ(model->nu, 2);
+  const int hand = model.id(mjOBJ_BODY, "right_hand");
+  EXPECT_EQ(model->body_parentid[hand], model.id(mjOBJ_BODY, "arm"));
+  EXPECT_EQ(model->body_pos[3 * hand + 1], -2.0);
+  EXPECT_EQ(model->body_pos[3 * hand + 2], 1.0);
+  EXPECT_EQ(model->body_mass[hand], 3.0);
+  EXPECT_EQ(model->actuator_trnid[2 * model.id(mjOBJ_ACTUATOR, "left_m")],
+            model.id(mjOBJ_JOINT, "left_j"));
+  EXPECT_EQ(mjcf_files(file).size(), 2U);
+}
+
+// Random states: qpos near the reference pose, and velocities, activations and commands.
+std::vector<std::vector<double>> random_states(const mjModel& m, int count, double speed) {
+  testing::Random random;
+  std::vector<std::vector<double>> states;
+  for (int i = 0; i < count; ++i) {
+    std::vector<double> state(m.qpos0, m.qpos0 + m.nq);
+    const Eigen::VectorXd moved = random.vector(m.nv, 0.5);
+    mj_integratePos(&m, state.data(), moved.data(), 1.0);
+    for (int k = 0; k < m.nv; ++k) state.push_back(speed * random.uniform(-1.0, 1.0));
+    for (int k = 0; k < m.na + m.nu; ++k) state.push_back(random.uniform(-1.0, 1.0));
+    states.push_back(state);
+  }
+  return states;
+}
+
+// The largest difference of accelerations and actuators' forces over the largest of them.
+double difference_to_mujoco3(const std::string& file, const fs::path& folder, double speed = 1.0) {
+  const Model model = Model::load(file);
+  mjModel& m = *const_cast<mjModel*>(model.get());
+  m.opt.disableflags |= mjDSBL_CONTACT;  // the search for contacts is another one in MuJoCo 3
+  m.opt.tolerance = 0.0;
+  m.opt.iterations = 200;
+  const auto states = random_states(m, 50, speed);
+  {
+    std::ofstream stream(folder / "states.txt");
+    stream.precision(17);
+    for (const auto& state : states) {
+      for (std::size_t i = 0; i < state.size(); ++i) stream << (i > 0 ? " " : "") << state[i];
+      stream << '\n';
+    }
+  }
+  std::istringstream theirs(testing::output_of("node " +
+                                               testing::source_file("tests/sim/mujoco3.mjs") + " " +
+                                               file + " " + (folder / "states.txt").string()));
+  const DataPointer data = model.make_data();
+  double largest = 0.0, difference = 0.0;
+  for (const auto& state : states) {
+    const double* from = state.data();
+    for (const auto& [to, size] :
+         {std::pair(data->qpos, m.nq), {data->qvel, m.nv}, {data->act, m.na}, {data->ctrl, m.nu}}) {
+      std::copy_n(from, size, to);
+      from += size;
+    }
+    mj_forward(&m, data.get());
+    // The forces as the joints get them: MuJoCo 3 limits those of a joint behind the actuator's.
+    std::vector<double> ours(data->qacc, data->qacc + m.nv);
+    ours.insert(ours.end(), data->qfrc_actuator, data->qfrc_actuator + m.nv);
+    for (const double own : ours) {
+      double other = 0.0;
+      theirs >> other;
+      largest = std::max(largest, std::abs(other));
+      difference = std::max(difference, std::abs(own - other));
+    }
+  }
+  double more = 0.0;
+  EXPECT_FALSE(!theirs || theirs >> more) << file << ": another number of values";
+  std::cout << fs::path(file).filename().string() << ": " << difference << " of " << largest
+            << '\n';
+  return largest > 0.0 ? difference / largest : difference;
+}
+
+// Whether the npm package of MuJoCo 3 can be called.
+bool has_mujoco3() {
+  return testing::output_of(
+             "node -e \"import(process.env.BREAKWATER_MUJOCO3 ?? '@mujoco/mujoco')"
+             ".then(() => console.log('there'), () => {})\" 2>/dev/null; true") == "there\n";
+}
+
+constexpr const char* kNoMujoco3 =
+    "no node, or no npm package @mujoco/mujoco (BREAKWATER_MUJOCO3 names its mujoco.js)";
+
+TEST_F(MjcfConversion, HasTheForcesOfMuJoCo3) {
+  if (!has_mujoco3()) GTEST_SKIP() << kNoMujoco3;
+  const std::string position = R"(<actuator><position joint="a" kp="10" )";
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"kv", arm("", position + R"(kv="2" forcerange="-1 1"/></actuator>)")},
+      {"ratio", arm("", position + R"(dampratio="0.7" gear="3"/></actuator>)")},
+      {"class", arm("", R"(<default><position kp="20" dampratio="1" inheritrange="0.9"/></default>
+<actuator><position joint="a"/></actuator>)",
+                    R"(range="-0.3 0.4")")},
+      {"filter", arm("", position + R"(timeconst="0.1" kv="1"/></actuator>)")},
+      {"integrated", arm("", R"(<actuator><intvelocity joint="a" kp="10" kv="2" actrange="-1 1"/>
+</actuator>)")},
+      {"limit", arm("", R"(<actuator><motor joint="a" gear="-20"/></actuator>)",
+                    R"(actuatorfrcrange="-4 6")")},
+      {"connect", arm("", R"(<equality><connect site1="mount" site2="tip"/></equality>)")},
+      {"world", arm(R"(<site name="here" pos="1 2 3"/>)",
+                    R"(<equality><connect site1="here" site2="tip"/></equality>)")},
+      {"gravity", R"(<mujoco><worldbody><body gravcomp="0.5"><joint axis="0 1 0"/>
+<geom size="0.1" pos="1 0 0"/><body pos="1 0 1" gravcomp="1" user="4"><joint axis="1 1 0"/>
+<geom size="0.2" pos="1 0 0"/></body></body></worldbody></mujoco>)"},
+      {"slack", R"(<mujoco><worldbody><site name="s" pos="1 0 1"/><body><joint axis="0 1 0"/>
+<geom size="0.1" pos="1 0 0"/><site name="t" pos="1 0 0"/></body></worldbody><tendon>
+<spatial springlength="0.7 0.9" stiffness="100"><site site="s"/><site site="t"/></spatial></tendon>
+</mujoco>)"},
+      {"euler", R"(<mujoco><compiler eulerseq="xYz"/><worldbody><frame euler="10 20 30" pos="1 2 3">
+<body axisangle="1 2 3 40"><joint axis="0 1 0"/><geom size="0.1" fromto="1 2 3 4 5 7"
+type="capsule"/><frame xyaxes="1 1 0 0 1 1"><body name="b" zaxis="0 1 2"><joint axis="1 2 3" pos="1 1 1"/>
+<geom type="box" size="1 2 3" pos="1 2 0" euler="50 60 70"/></body></frame></body></frame></worldbody>
+</mujoco>)"},
+      {"copies", R"(<mujoco><default><default class="c"><joint damping="2"/></default></default>
+<worldbody><replicate count="3" offset="1 2 3" euler="10 20 30"><frame pos="1 0 0" childclass="c">
+<body name="b"><joint name="j" axis="0 1 0"/><geom type="box" size="1 2 3" pos="1 2 0"/>
+<replicate count="2" euler="0 0 40" sep="_"><body name="d"><joint name="e" axis="1 0 0"/>
+<geom type="box" size="1 2 1" pos="1 0 0"/></body></replicate></body></frame></replicate></worldbody>
+<tendon><fixed name="f"><joint joint="j" coef="1"/><joint joint="e" coef="2"/></fixed></tendon>
+<actuator><motor joint="j" name="first"/><position tendon="f" kp="100" kv="3"/></actuator></mujoco>)"},
+  };
+  for (const auto& [name, text] : files) {
+    // The engine's constraints between sites agree at rest alone.
+    const double speed = text.find("site1=") != std::string::npos ? 0.0 : 1.0;
+    EXPECT_LE(difference_to_mujoco3(write(name + ".xml", text), folder_, speed), 1e-6) << name;
+  }
+}
+
+// The public files and what becomes of them.
+TEST_F(MjcfConversion, LoadsPublicFiles) {
+  const fs::path robots = testing::source_file("../shared/robots");
+  if (!fs::is_directory(robots)) GTEST_SKIP() << robots << ": no public model files here";
+  const std::map<std::string, std::string> refused = {
+      {"flag.xml", ":33: <flexcomp>: MuJoCo 2.2 does not have it"},
+      {"pid.xml", ":10: <extension>: MuJoCo 2.2 does not have it"},
+      {"treadmill.xml", "humanoid.xml: cannot be read"}};
+  const bool has_oracle = has_mujoco3();
+  int loaded = 0;
+  for (const auto& entry : fs::directory_iterator(robots)) {
+    if (entry.path().extension() != ".xml") continue;
+    const std::string file = entry.path().string();
+    const auto reason = refused.find(entry.path().filename().string());
+    try {
+      Model::load(file);
+      ++loaded;
+      EXPECT_EQ(reason, refused.end()) << file;
+      EXPECT_LE(conversion_warnings(file).size(), 1U);
+      if (has_oracle) {
+        // leaves.xml differs by 1.3 % (ellipsoids in air): the known gap is printed, not bounded.
+        const bool is_known_gap = file.ends_with("leaves.xml");
+        const double difference = difference_to_mujoco3(file, folder_);
+        EXPECT_TRUE(is_known_gap || difference <= 1e-6) << file;
+      }
+    } catch (const std::invalid_argument& error) {
+      ASSERT_NE(reason, refused.end()) << error.what();
+      EXPECT_NE(std::string(error.what()).find(reason->second), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_GE(loaded, 14);
+  if (!has_oracle) GTEST_SKIP() << kNoMujoco3;
+}
+
+}  // namespace
+}  // namespace breakwater::mjcf_conversion_test
