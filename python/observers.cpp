@@ -116,7 +116,7 @@ Estimator make(const std::string& name, const NominalAxis& axis,
     for (const UnusedKey& unused : fields.unused()) config.fail(unused.key, unused.reason);
     return choice.check(config, axis);
   } catch (const std::invalid_argument& error) {
-    // Python has arguments, and not the keys of a file or of --set.
+    // Python has the keys as arguments, without the place of a file or of --set.
     std::string text = error.what();
     for (const char* const begin : {"--set: ", "Observer: ", "observer."}) {
       if (text.starts_with(begin)) text.erase(0, std::strlen(begin));

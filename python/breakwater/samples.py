@@ -54,6 +54,11 @@ class PlantSample(np.ndarray):
     With sensor.true_state it has all true positions after them, then all true velocities: y.reshape(3, -1).
     """
 
+    @property
+    def positions(self) -> np.ndarray:
+        """Measured positions of all axes; with sensor.true_state then the true ones and the true velocities [rad or m]."""
+        return self.view(np.ndarray)
+
 
 class AxisForceSample(_WithForce):
     """y of an axis of a plant with a [tip]: AxisSample, then its force and that before the low-pass [N]."""

@@ -466,8 +466,11 @@ Config Fields::without_aliases(const Config& config) const {
   aliases.insert(aliases_.begin(), aliases_.end());
   Config whole = config;
   for (const auto& [alias, key] : aliases) {
-    if (find(alias) != nullptr) {
-      config.fail("alias." + alias, "is a key, and no other name of one");
+    const bool is_key = std::any_of(fields_.begin(), fields_.end(), [&](const Field& field) {
+      return field.key == alias || without_name(field.key) == alias;
+    });
+    if (is_key) {
+      config.fail("alias." + alias, "is a key itself: choose another name");
     }
     const ConfigEntry* entry = config.find(alias);
     if (entry == nullptr) continue;

@@ -89,7 +89,7 @@ mustache::data cells_of(const PageData& row, bool is_head) {
   for (const PageData& value : row) {
     const bool is_first = &value == &row.front();
     mustache::data cell = value.is_object() ? for_templates(value) : mustache::data();
-    if (!value.is_object()) cell.set("value", text_of(value));
+    if (!value.is_object() || value.contains("value")) cell.set("value", text_of(value));
     cell.set("is_rich", value.is_object());
     cell.set("letter", is_head || is_first ? "h" : "d");
     cell.set("scope", false);
@@ -165,9 +165,12 @@ std::vector<fs::path> page_libraries() {
 
 std::string html_page(const std::string& name, PageData data) {
   mustache::data page = for_templates(data);
-  for (const char* name_of_part : {"block", "cell"}) {
-    const std::string text = bytes_of(part(name_of_part + std::string(".mustache")));
-    page.set(name_of_part, mustache::data(mustache::partial([text] { return text; })));
+  for (const char* one : kTemplates) {
+    const fs::path file = part(one + std::string(".mustache"));
+    const std::string text = bytes_of(file);
+    const mustache::mustache sheet(text);
+    if (!sheet.is_valid()) throw std::runtime_error(file.string() + ": " + sheet.error_message());
+    page.set(one, mustache::data(mustache::partial([text] { return text; })));
   }
   const auto own = [&](const char* kind) { return part("page.css").parent_path() / (name + kind); };
   page.set("toc", for_templates(contents_of(data)));
@@ -204,10 +207,7 @@ std::string html_page(const std::string& name, PageData data) {
   page.set("script", bytes_of(part("unpack.js")));
   page.set("contents_script", bytes_of(part("contents.js")));
   page.set("version", std::string(kVersion) + " (" + kGitCommit + ")");
-  const fs::path file = part("page.mustache");
-  mustache::mustache sheet(bytes_of(file));
-  if (!sheet.is_valid()) throw std::runtime_error(file.string() + ": " + sheet.error_message());
-  return sheet.render(page);
+  return mustache::mustache(bytes_of(part("page.mustache"))).render(page);
 }
 
 std::string data_address(const fs::path& file, const std::string& type) {
@@ -217,7 +217,7 @@ std::string data_address(const fs::path& file, const std::string& type) {
 }
 
 std::string text_of(const PageData& value) {
-  if (value.is_object()) return text_of(value["value"]);
+  if (value.is_object()) return text_of(value.at("value"));
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_number_float()) return value.is_null() ? "-" : value.dump();
   const double number = value.get<double>();

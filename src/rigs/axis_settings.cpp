@@ -316,7 +316,10 @@ void AxisPlant::learn(const Config& config) {
   for (const std::string& name : config.names_in("contact")) {
     contacts.emplace_back(name, *catalogue_);
   }
-  if (config.find("tip.contact") != nullptr || config.find("tip.sensor") != nullptr) tip.emplace();
+  const auto first_of_tip = config.entries().lower_bound("tip.");
+  if (first_of_tip != config.entries().end() && first_of_tip->first.starts_with("tip.")) {
+    tip.emplace();
+  }
 }
 
 void AxisPlant::bind(Fields& fields) {
@@ -529,11 +532,27 @@ Model AxisPlant::load_model(const Config* config) const {
   return model;
 }
 
+// A file with the keys of a law means to have one.
+void AxisPlant::check_law_is_chosen(const ContactSettings& contact, const Config& config) {
+  const std::string begin = contact.prefix();
+  if (config.find(begin + "law") != nullptr) return;
+  for (const auto& [key, entry] : config.entries()) {
+    if (!key.starts_with(begin) || !entry.given.empty()) continue;
+    const std::string own = key.substr(begin.size());
+    if (own.starts_with("geom_") || own.starts_with("wall.")) continue;
+    config.fail(key, "needs " + begin + "law");
+  }
+}
+
 void AxisPlant::check_contacts(const Model& model, const Config& config) const {
   std::map<std::string, std::string> authored;  // the geoms whose parameters a law sets
+  std::map<std::pair<std::string, std::string>, std::string> known;
   for (const ContactSettings& one : contacts) {
     const Config own = config.under(one.prefix());
     one.wall.check(config, physics);
+    const auto [same, is_new] = known.emplace(std::minmax(one.geom_1, one.geom_2), one.name);
+    if (!is_new) own.fail("geom_1", "contact \"" + same->second + "\" has the same two geoms");
+    check_law_is_chosen(one, config);
     for (const auto& [key, geom] :
          {std::pair("geom_1", one.geom_1), std::pair("geom_2", one.geom_2)}) {
       id_of(own, key, model, mjOBJ_GEOM, geom);

@@ -185,8 +185,9 @@ struct AxisPlant {
   void bind_whole(Fields& fields);
   void bind_faults(Fields& fields);
   Model load_model(const Config* config) const;  // checks the names of the keys, if it is there
-  Model model_of_file() const;                   // load_model() without the keys plant.…
+  Model model_of_file() const;  // load_model() without the keys plant.… and the tool
   void check_names(const Model& model, const Config& config) const;
+  static void check_law_is_chosen(const ContactSettings& contact, const Config& config);
   void check_contacts(const Model& model, const Config& config) const;
   void check_tip(const Model& model, const Config& config) const;
 

@@ -25,7 +25,8 @@ struct PushSettings {
 };
 
 /// Two geoms whose contact force is logged: keys contact.NAME.…. Without a law they touch as in the
-/// model file. A law that is a force needs a sphere and a plane of the world.
+/// model file. kelvin_voigt sets the parameters of both geoms, for their other contacts too. A law
+/// that is a force needs a sphere and a plane of the world.
 struct ContactSettings {
   ContactSettings(std::string its_name, const Catalogue& catalogue)
       : name(std::move(its_name)), wall(catalogue, prefix()) {}
