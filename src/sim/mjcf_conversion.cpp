@@ -325,7 +325,7 @@ class Conversion {
           one.set(i == 0 ? "body1" : "body2", name_of(*site->body));
         }
         const bool is_weld = one.name == "weld";
-        changes.add(Loss::approximated,
+        changes.add(is_weld ? Loss::dropped : Loss::approximated,
                     is_weld ? "weld of sites (the engine weighs its rotation otherwise)"
                             : "connect of sites (equal at rest)",
                     one.place);

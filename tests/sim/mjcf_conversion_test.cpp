@@ -86,7 +86,7 @@ TEST_F(MjcfConversion, GivesTheEnginesWords) {
        R"(<site name="s-10" pos="0 0 10" quat="1 0 0 0"/>)", "0replicate"},
       {arm("", R"(<equality><weld site1="mount" site2="tip"/></equality>)"),
        R"(body1="upper" body2="lower")",
-       "1weld of sites (the engine weighs its rotation otherwise)"},
+       "2weld of sites (the engine weighs its rotation otherwise)"},
   };
   for (const Row& row : rows) {
     SCOPED_TRACE(row.file);
