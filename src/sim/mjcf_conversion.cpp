@@ -457,7 +457,7 @@ class Conversion {
       const auto unit = std::string("KMG").find(static_cast<char>(std::toupper(memory.back())));
       if (unit != std::string::npos) memory.pop_back();
       double bytes = mjcf_numbers(size, memory, 1, 1)[0];
-      if (unit != std::string::npos) bytes *= std::pow(1024.0, static_cast<double>(unit + 1));
+      if (unit != std::string::npos) bytes *= static_cast<double>(1LL << (10 * (unit + 1)));
       if (bytes <= 0.0 || size.has("nstack")) return;
       const double numbers = std::min(kMostNumbers, std::ceil(bytes / sizeof(mjtNum)));
       size.set("nstack", std::to_string(static_cast<int>(numbers)));
