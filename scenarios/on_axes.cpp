@@ -1,4 +1,5 @@
 #include <breakwater/program/scenario_program.h>
+#include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/thesis/printed_references.h>
 
 #include "arm_push/arm_push.h"
@@ -8,12 +9,6 @@
 #include "plant/plant.h"
 
 namespace breakwater {
-
-void bind_step(Fields& fields, Reference& reference) {
-  fields.number("task.reference_m", reference.value, any(), "y_ref: reference of the position [m]");
-  fields.number("task.reference_from_s", reference.from_s, not_negative(),
-                "time of the step to the reference [s]");
-}
 
 Catalogue axes_catalogue() {
   Catalogue catalogue;

@@ -1,7 +1,7 @@
 // The scenarios of one axis.
 #pragma once
 
-#include <breakwater/rigs/axis_scenario.h>
+#include <breakwater/experiment/catalogue.h>
 
 namespace breakwater {
 
@@ -11,8 +11,5 @@ ScenarioKind cart_offset_free();
 ScenarioKind cart_position();
 ScenarioKind motor_estimation();
 ScenarioKind two_inertia();
-
-/// Keys of a reference that steps once.
-void bind_step(Fields& fields, Reference& reference);
 
 }  // namespace breakwater

@@ -1,5 +1,5 @@
 // Scenario cart_constrained: constraints under disturbance and mass error (thesis 2.3.7, 3.3.4).
-#include "on_axes.h"
+#include <breakwater/rigs/axis_scenario.h>
 
 namespace breakwater {
 namespace {

@@ -1,7 +1,6 @@
 // Scenario cart_estimation: disturbance models and forgetting factors (thesis 4.2.4).
+#include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/world/disturbance.h>
-
-#include "on_axes.h"
 
 namespace breakwater {
 namespace {
@@ -86,7 +85,7 @@ class CartEstimation final : public AxisScenario {
 
  private:
   void bind(Fields& fields) override {
-    bind_step(fields, plant_.axis().reference);
+    bind_step(fields);
     std::vector<std::pair<std::string, std::size_t>> kinds;
     for (Shape& shape : shapes_) kinds.emplace_back(shape.name, kinds.size());
     fields.choice("disturbance.kind", shape_, kinds,

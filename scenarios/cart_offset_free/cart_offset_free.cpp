@@ -1,5 +1,5 @@
 // Scenario cart_offset_free: predictive control under input and output disturbance (2.3.6, 3.3.3).
-#include "on_axes.h"
+#include <breakwater/rigs/axis_scenario.h>
 
 namespace breakwater {
 namespace {

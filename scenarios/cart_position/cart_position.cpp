@@ -1,7 +1,6 @@
 // Scenario cart_position: a cart with friction, drive and encoder (thesis 2.3.4, 4.2.5).
 #include <breakwater/linear/high_pass.h>
-
-#include "on_axes.h"
+#include <breakwater/rigs/axis_scenario.h>
 
 namespace breakwater {
 namespace {
@@ -21,7 +20,7 @@ class CartPosition final : public AxisScenario {
 
  private:
   void bind(Fields& fields) override {
-    bind_step(fields, plant_.axis().reference);
+    bind_step(fields);
     bind_window(fields, "the steady state");
     fields.number("metrics.settled_within", settled_within_, positive(),
                   "distance from the reference, relative to the step, within which the cart counts "

@@ -1,7 +1,6 @@
 // Scenario motor_estimation: disturbance estimators behind an encoder (thesis 4.3).
+#include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/rigs/disturbance_settings.h>
-
-#include "on_axes.h"
 
 namespace breakwater {
 namespace {

@@ -1,5 +1,5 @@
 // Scenario two_inertia: vibration control of a motor, a spring and a load.
-#include "on_axes.h"
+#include <breakwater/rigs/axis_scenario.h>
 
 namespace breakwater {
 namespace {

@@ -50,6 +50,15 @@ void AxisScenario::bind_window(Fields& fields, const std::string& what) {
                 "end of the window of " + what + " [s]");
 }
 
+void AxisScenario::bind_step(Fields& fields) {
+  Reference& reference = plant_.axis().reference;
+  const AxisUnits& units = plant_.axis().axis.units;
+  fields.number("task.reference_" + units.position_suffix, reference.value, any(),
+                "y_ref: reference of the position [" + units.position + "]");
+  fields.number("task.reference_from_s", reference.from_s, not_negative(),
+                "time of the step to the reference [s]");
+}
+
 void AxisScenario::check(const Config& config) {
   check_plant(plant_, config);
   parts_.check(config, task());

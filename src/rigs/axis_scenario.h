@@ -93,6 +93,8 @@ class AxisScenario : public LoopScenario {
   }
   /// Binds metrics.from_s and metrics.to_s, the window of `what`. A shorter run has no metrics.
   void bind_window(Fields& fields, const std::string& what);
+  /// Binds task.reference_… and task.reference_from_s, a step of the reference from 0.
+  void bind_step(Fields& fields);
 
   AxisPlant plant_;
   AxisParts parts_;
