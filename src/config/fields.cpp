@@ -466,8 +466,11 @@ Config Fields::without_aliases(const Config& config) const {
   aliases.insert(aliases_.begin(), aliases_.end());
   Config whole = config;
   for (const auto& [alias, key] : aliases) {
+    // Every case of a file comes here. Few keys end as the alias does, and only they are looked
+    // into.
+    const std::string end = alias.substr(alias.rfind('.') + 1);
     const bool is_key = std::any_of(fields_.begin(), fields_.end(), [&](const Field& field) {
-      return field.key == alias || without_name(field.key) == alias;
+      return field.key.ends_with(end) && (field.key == alias || without_name(field.key) == alias);
     });
     if (is_key) {
       config.fail("alias." + alias, "is a key itself: choose another name");
