@@ -160,7 +160,6 @@ class FlatMjcf {
     for (const auto* one = xml.FirstAttribute(); one != nullptr; one = one->Next()) {
       element.attributes.emplace_back(one->Name(), one->Value());
     }
-    std::vector<MjcfElement>* into = &element.children;
     if (element.name == "include") {
       const fs::path path = (folder_ / element.text("file")).lexically_normal();
       if (!included_.insert(path).second) element.fail("includes a file a second time");
@@ -168,7 +167,7 @@ class FlatMjcf {
       read_children(*included.root(), path, out);
       return;
     }
-    read_children(xml, file, *into);
+    read_children(xml, file, element.children);
     out.push_back(std::move(element));
     count(1, out.back());
   }

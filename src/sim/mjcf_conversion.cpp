@@ -36,22 +36,21 @@ const Schema& engine_schema() {
     mj_printSchema(nullptr, text.data(), static_cast<int>(text.size()), 0, 0);
     Schema found;
     std::vector<std::string> path;
-    std::istringstream lines(text.data());
-    std::string key;
-    for (std::string line; std::getline(lines, line);) {
+    std::set<std::string, std::less<>>* attributes = nullptr;
+    std::istringstream lines(text.data()), words;
+    for (std::string line, word; std::getline(lines, line);) {
       const std::size_t indent = line.find_first_not_of(' ');
       if (indent == std::string::npos) continue;
-      std::istringstream words(line);
-      std::string word;
+      words.clear();
+      words.str(line);
       if (indent < 30) {
         words >> word;
         path.resize(indent / 3);
         path.push_back(word == "(world)body" ? "body" : word);
-        key = (path.size() < 2 ? "" : path[path.size() - 2]) + "/" + path.back();
+        attributes = &found[(path.size() < 2 ? "" : path[path.size() - 2]) + "/" + path.back()];
         words >> word;  // how often it may occur
-        found[key];
       }
-      while (words >> word) found[key].insert(word);
+      while (words >> word) attributes->insert(word);
     }
     for (const std::string own : {"body", "default"}) {  // they contain themselves
       found[own + "/" + own] = found["mujoco/" + own];
