@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 
-class _WithForce(np.ndarray):
+class _Sample(np.ndarray):
+    _behind = 0  # entries that stand behind its own
+
+    def _own(self) -> np.ndarray:
+        return self[: self.size - self._behind].view(np.ndarray)
+
+
+class _WithForce(_Sample):
+    _behind = 2
+
     @property
     def force_N(self) -> float:
         """Low-pass filtered force at the tip [N]. That of the arm is positive towards +x."""
@@ -23,10 +32,10 @@ class ArmSample(_WithForce):
     @property
     def q_rad(self) -> np.ndarray:
         """Joint angles from the encoders, n [rad]."""
-        return self[:-2].view(np.ndarray)
+        return self._own()
 
 
-class AxisSample(np.ndarray):
+class AxisSample(_Sample):
     """y of one axis, a motor [rad] or a cart [m].
 
     It has the measured position and, in some scenarios, the true position and velocity.
@@ -40,15 +49,15 @@ class AxisSample(np.ndarray):
     @property
     def true_position(self) -> float:
         """True position [rad or m]. IndexError if the scenario does not provide it."""
-        return self.item(1)
+        return self._own().item(1)
 
     @property
     def true_velocity(self) -> float:
         """True velocity [rad/s or m/s]. IndexError if the scenario does not provide it."""
-        return self.item(2)
+        return self._own().item(2)
 
 
-class PlantSample(np.ndarray):
+class PlantSample(_Sample):
     """y of a plant with named axes: the measured position of each axis, in the order of setup.names [rad or m].
 
     With sensor.true_state it has all true positions after them, then all true velocities: y.reshape(3, -1).
@@ -57,32 +66,15 @@ class PlantSample(np.ndarray):
     @property
     def positions(self) -> np.ndarray:
         """Measured positions of all axes; with sensor.true_state then the true ones and the true velocities [rad or m]."""
-        return self.view(np.ndarray)
+        return self._own()
 
 
-class AxisForceSample(_WithForce):
+class AxisForceSample(_WithForce, AxisSample):
     """y of an axis of a plant with a [tip]: AxisSample, then its force and that before the low-pass [N]."""
 
-    position = AxisSample.position
 
-    @property
-    def true_position(self) -> float:
-        """True position [rad or m]. IndexError if the scenario does not provide it."""
-        return self[:-2].item(1)
-
-    @property
-    def true_velocity(self) -> float:
-        """True velocity [rad/s or m/s]. IndexError if the scenario does not provide it."""
-        return self[:-2].item(2)
-
-
-class PlantForceSample(_WithForce):
+class PlantForceSample(_WithForce, PlantSample):
     """y of a plant with a [tip]: PlantSample, then its force and that before the low-pass [N]."""
-
-    @property
-    def positions(self) -> np.ndarray:
-        """Measured positions of all axes; with sensor.true_state then the true ones and the true velocities [rad or m]."""
-        return self[:-2].view(np.ndarray)
 
 
 class QuadrotorSample(np.ndarray):
