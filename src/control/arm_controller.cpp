@@ -1,23 +1,41 @@
 #include <breakwater/control/arm_controller.h>
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/linear/pseudo_inverse.h>
+
 namespace breakwater {
-ArmController::ArmController(const PlanarChain& chain, const AccelerationControlDesign& design,
+namespace {
+
+constexpr double kSingularValueFloor = 0.02;
+
+}  // namespace
+
+ArmController::ArmController(const TipChain& chain, const AccelerationControlDesign& design,
                              ArmTask task)
     : chain_(chain),
       acceleration_control_(design),
       q_hat_(acceleration_control_.q_hat()),
       dq_hat_(acceleration_control_.dq_hat()),
       d_hat_(acceleration_control_.d_hat()),
-      J_(3, chain.joints()),
+      X_hat_(TipVector::Zero(chain.held())),
+      X_ref_(X_hat_),
+      J_(chain.held(), chain.joints()),
       task_(std::move(task)),
       half_period_s_(0.5 * design.period_s),
-      acceleration_ref_(Eigen::VectorXd::Zero(chain.joints())) {
+      acceleration_ref_(Eigen::VectorXd::Zero(chain.joints())),
+      posture_(acceleration_ref_),
+      J_damped_(Eigen::MatrixXd::Zero(chain.joints(), chain.held())) {
   if (design.nominal_inertia_kgm2.size() != chain.joints() ||
       task_.start_angles_rad.size() != chain.joints()) {
     throw std::invalid_argument("arm controller: needs one inertia and start angle per joint");
+  }
+  if (task_.start_pose.size() != chain.held() || chain.joints() < chain.held()) {
+    throw std::invalid_argument(
+        "arm controller: needs a start pose with the coordinates of the chain, and a joint for "
+        "each");
   }
   if (!(task_.convert_gain_N_m > 0.0)) {
     throw std::invalid_argument("arm controller: the convert gain K_f must be positive");
@@ -26,12 +44,14 @@ ArmController::ArmController(const PlanarChain& chain, const AccelerationControl
   publish({"dq_hat_rad_s", "rad/s", "joint velocities, estimated", view(dq_hat_)});
   publish({"d_hat_Nm", "N m", "disturbance torques, estimated, opposing motion (Eq. 2.53)",
            view(d_hat_)});
-  publish({"x_hat_m", "m", "tip x, from the estimated angles", view(X_hat_[0])});
-  publish({"y_hat_m", "m", "tip y, from the estimated angles", view(X_hat_[1])});
-  publish({"phi_hat_rad", "rad", "tip angle, from the estimated angles", view(X_hat_[2])});
-  publish({"x_ref_m", "m", "tip x reference (Eq. 2.62 in force control)", view(X_ref_[0])});
-  publish({"y_ref_m", "m", "tip y reference", view(X_ref_[1])});
-  publish({"phi_ref_rad", "rad", "tip angle reference", view(X_ref_[2])});
+  const auto publish_tip = [&](const char* kind, const char* what, const TipVector& values) {
+    for (Eigen::Index i = 0; i < chain.held(); ++i) {
+      const TipCoordinate& one = chain.coordinates()[static_cast<std::size_t>(i)];
+      publish({one.name + kind + one.unit, one.unit, one.meaning + what, view(values[i])});
+    }
+  };
+  publish_tip("_hat_", ", from the estimated angles", X_hat_);
+  publish_tip("_ref_", " reference (Eq. 2.62 along the force, in force control)", X_ref_);
   publish({"ddq_ref_rad_s2", "rad/s^2", "joint acceleration references", view(acceleration_ref_)});
   for (const Signal& signal : signals_of(joints().observer(), "rad")) publish(signal);
 }
@@ -53,7 +73,18 @@ void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   if (force_control_) X_ref_[0] = implicit_force_reference_m(task_, X_hat_[0], force_N_);
 
   decide(acceleration_ref_);
+  if (n > chain_.held()) hold_posture();
   acceleration_control_.command(acceleration_ref_, u);
+}
+
+// N (k (q_0 − q̂) − 2 √k q̇̂), N = I − J⁺ J: what the tip does not feel.
+void ArmController::hold_posture() {
+  damped_pseudo_inverse(J_, kSingularValueFloor, J_damped_);
+  posture_ = task_.k_posture * (task_.start_angles_rad - q_hat_) -
+             2.0 * std::sqrt(task_.k_posture) * dq_hat_;
+  const TipVector felt = J_ * posture_;
+  posture_ -= J_damped_ * felt;
+  acceleration_ref_ += posture_;
 }
 
 }  // namespace breakwater

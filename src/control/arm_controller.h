@@ -7,20 +7,25 @@
 
 #include <breakwater/control/acceleration_control.h>
 #include <breakwater/control/controller.h>
-#include <breakwater/plants/planar_chain.h>
+#include <breakwater/plants/tip_chain.h>
 
 namespace breakwater {
 
-/// The task of the arm: hold a pose, then push in x with a force (2.4.3.2).
+/// The task of the arm: hold a pose, then push along the first coordinate x with a force (2.4.3.2).
 struct ArmTask {
-  TipPose start_pose = TipPose::Zero();  ///< X_0^ref; force control keeps its y and φ
-  Eigen::VectorXd start_angles_rad;      ///< q_0^ref: the posture, and the start of the observer
+  TipVector start_pose;  ///< X_0^ref (c); force control keeps all coordinates but the first
+  Eigen::VectorXd start_angles_rad;  ///< q_0^ref: the posture, and the start of the observer
   double force_control_from_s = std::numeric_limits<double>::infinity();
   double force_reference_N = 0.0;  ///< F_x^ref, positive when the tip presses towards +x
   double convert_gain_N_m = 1.0;   ///< K_f of the implicit force control
   double force_lag_s = 0.0;        ///< τ_F, time constant of the force sensor's low-pass
   /// x of the wall's face, for controllers that are told it; infinite: there is none.
   double wall_x_m = std::numeric_limits<double>::infinity();
+  /// Of an arm with more joints than held coordinates: stiffness to the start angles of the motion
+  /// that the tip does not feel; its damping is critical [1/s²].
+  double k_posture = 25.0;
+  /// The joint whose torque limits the braking of the tip, and whose inertia TLSC identifies.
+  Eigen::Index elbow = 1;
 };
 
 /// Implicit force control, x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62). It converts a force
@@ -37,7 +42,7 @@ inline double implicit_force_reference_m(const ArmTask& task, double x_m, double
 /// Jacobian is singular there, and the workspace controllers would never leave this pose.
 class ArmController : public Controller {
   // Declared before the views of its estimates.
-  PlanarChain chain_;
+  TipChain chain_;
   AccelerationControl acceleration_control_;
 
  public:
@@ -47,7 +52,7 @@ class ArmController : public Controller {
 
  protected:
   /// Throws std::invalid_argument if the numbers of joints differ or K_f is not positive.
-  ArmController(const PlanarChain& chain, const AccelerationControlDesign& design, ArmTask task);
+  ArmController(const TipChain& chain, const AccelerationControlDesign& design, ArmTask task);
 
   /// Forgets the run before this one. Called by reset().
   virtual void restart() {}
@@ -58,7 +63,7 @@ class ArmController : public Controller {
 
   const ArmTask& task() const { return task_; }
   const AccelerationControl& joints() const { return acceleration_control_; }
-  const PlanarChain& chain() const { return chain_; }
+  const TipChain& chain() const { return chain_; }
 
   // The estimates and references of this sample, for decide().
   AccelerationControl::View q_hat_;
@@ -66,15 +71,19 @@ class ArmController : public Controller {
   AccelerationControl::View d_hat_;
   bool force_control_ = false;
   double force_N_ = 0.0;
-  double raw_force_N_ = 0.0;         // before the sensor's low-pass
-  TipPose X_hat_ = TipPose::Zero();  // forward kinematics of q̂
-  TipPose X_ref_ = TipPose::Zero();  // the start pose, or implicit force control
-  TipJacobian J_;                    // J_aco(q̂)
+  double raw_force_N_ = 0.0;  // before the sensor's low-pass
+  TipVector X_hat_;           // forward kinematics of q̂
+  TipVector X_ref_;           // the start pose, or implicit force control
+  TaskJacobian J_;            // J_aco(q̂)
 
  private:
+  void hold_posture();
+
   ArmTask task_;
   double half_period_s_;
   Eigen::VectorXd acceleration_ref_;
+  Eigen::VectorXd posture_;
+  Eigen::MatrixXd J_damped_;
   std::vector<Signal> signals_;
 };
 

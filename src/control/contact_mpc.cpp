@@ -39,7 +39,7 @@ LmpcDesign contact_problem(const ContactMpcDesign& design, double reference_N) {
   return problem;
 }
 
-ContactMpc::ContactMpc(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+ContactMpc::ContactMpc(const TipChain& chain, const AccelerationControlDesign& acceleration,
                        const ArmTask& task, const ContactMpcDesign& design)
     : PathControl(chain, acceleration, task, design.path),
       design_(design),

@@ -18,7 +18,7 @@ void check(const ImpactModel& impact, const Admittance& admittance) {
   }
 }
 
-EnergyAdmittance::EnergyAdmittance(const PlanarChain& chain,
+EnergyAdmittance::EnergyAdmittance(const TipChain& chain,
                                    const AccelerationControlDesign& acceleration,
                                    const ArmTask& task, const EnergyAdmittanceDesign& design)
     : PathControl(chain, acceleration, task, design.path),

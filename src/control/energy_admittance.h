@@ -45,7 +45,7 @@ class EnergyAdmittance final : public PathControl {
  public:
   /// Throws std::invalid_argument as the parts do, or if K, the margin or M is not positive or D is
   /// negative.
-  EnergyAdmittance(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+  EnergyAdmittance(const TipChain& chain, const AccelerationControlDesign& acceleration,
                    const ArmTask& task, const EnergyAdmittanceDesign& design);
 
  private:

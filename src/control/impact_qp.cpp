@@ -75,7 +75,7 @@ const Eigen::VectorXd& ImpactProgram::solve(const State& state) {
   return solution_.z;
 }
 
-ImpactQp::ImpactQp(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+ImpactQp::ImpactQp(const TipChain& chain, const AccelerationControlDesign& acceleration,
                    const ArmTask& task, const ImpactQpDesign& design)
     : PathControl(chain, acceleration, task, design.path),
       design_(design),

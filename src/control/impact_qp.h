@@ -34,9 +34,9 @@ class ImpactProgram {
   ImpactProgram(Eigen::Index joints, const ImpactQpDesign& design);
 
   struct State {
-    const TipJacobian& J;
+    const TaskJacobian& J;
     const Eigen::Ref<const Eigen::VectorXd>& dq;  ///< q̇, n
-    const TipPose& wanted;                        ///< b
+    const TipVector& wanted;                      ///< b
     const Eigen::VectorXd& inertia;               ///< diagonal of J_n, n
     const Eigen::VectorXd& velocity_limit;        ///< q̇_max, n
     const Eigen::VectorXd& torque_limit;          ///< τ_lim, n
@@ -79,7 +79,7 @@ class ImpactQp final : public PathControl {
  public:
   /// Throws std::invalid_argument as the parts do, or if the speed, T_p or ε is not positive, or e
   /// is not between 0 and 1.
-  ImpactQp(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+  ImpactQp(const TipChain& chain, const AccelerationControlDesign& acceleration,
            const ArmTask& task, const ImpactQpDesign& design);
 
  private:

@@ -5,7 +5,7 @@
 
 namespace breakwater {
 
-ImplicitForcePfc::ImplicitForcePfc(const PlanarChain& chain,
+ImplicitForcePfc::ImplicitForcePfc(const TipChain& chain,
                                    const AccelerationControlDesign& acceleration,
                                    const ArmTask& task, const ImplicitForcePfcDesign& design)
     : ArmController(chain, acceleration, task),

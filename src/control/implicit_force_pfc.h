@@ -27,7 +27,7 @@ struct ImplicitForcePfcDesign {
 class ImplicitForcePfc final : public ArmController {
  public:
   /// Throws std::invalid_argument as the parts do, or if there is not one PFC per joint.
-  ImplicitForcePfc(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+  ImplicitForcePfc(const TipChain& chain, const AccelerationControlDesign& acceleration,
                    const ArmTask& task, const ImplicitForcePfcDesign& design);
 
  private:

@@ -2,11 +2,13 @@
 
 #include <stdexcept>
 
+#include <breakwater/linear/pseudo_inverse.h>
+
 namespace breakwater {
 
 LmInverseKinematics::LmInverseKinematics(const LmDesign& design, Eigen::Index joints)
     : design_(design),
-      weighted_Jt_(joints, 3),
+      weighted_Jt_(joints, design.weights.size()),
       normal_matrix_(joints, joints),
       factor_(joints),
       step_(Eigen::VectorXd::Zero(joints)) {
@@ -15,23 +17,33 @@ LmInverseKinematics::LmInverseKinematics(const LmDesign& design, Eigen::Index jo
     throw std::invalid_argument(
         "inverse kinematics: weights, damping and step limit must be positive");
   }
-  if (design.form != LmForm::sugihara && joints != 3) {
+  if (design.form != LmForm::sugihara && joints != design.weights.size()) {
     throw std::invalid_argument(
-        "inverse kinematics: the printed M needs three joints; use \"sugihara\"");
+        "inverse kinematics: the printed M needs as many joints as coordinates; use \"sugihara\"");
   }
 }
 
-const Eigen::VectorXd& LmInverseKinematics::step(const TipJacobian& J, const TipPose& X_e) {
-  weighted_Jt_.noalias() = J.transpose() * design_.weights.asDiagonal();
-  normal_matrix_.noalias() = weighted_Jt_.lazyProduct(J);
-  step_.noalias() = weighted_Jt_ * X_e;
-  if (design_.form != LmForm::sugihara) step_ += X_e;
-  if (design_.form == LmForm::printed) {
-    normal_matrix_.diagonal().array() += X_e.array().abs() + design_.damping;
-  } else {
-    normal_matrix_.diagonal().array() +=
-        0.5 * X_e.dot(design_.weights.cwiseProduct(X_e)) + design_.damping;
-  }
+const Eigen::VectorXd& LmInverseKinematics::step(const TaskJacobian& J, const TipVector& X_e) {
+  with_size(X_e.size(), [&](auto c) {
+    constexpr int kMost = c == Eigen::Dynamic ? 6 : c;
+    using Vector = Eigen::Matrix<double, c, 1, 0, kMost, 1>;
+    const Eigen::Map<const Eigen::Matrix<double, c, Eigen::Dynamic, 0, kMost, Eigen::Dynamic>> own(
+        J.data(), J.rows(), J.cols());
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, c, 0, Eigen::Dynamic, kMost>> weighted(
+        weighted_Jt_.data(), weighted_Jt_.rows(), weighted_Jt_.cols());
+    const Vector weights = design_.weights;
+    const Vector error = X_e;
+    weighted.noalias() = own.transpose() * weights.asDiagonal();
+    normal_matrix_.noalias() = weighted.lazyProduct(own);
+    step_.noalias() = weighted * error;
+    if (design_.form != LmForm::sugihara) step_ += error;
+    if (design_.form == LmForm::printed) {
+      normal_matrix_.diagonal().array() += error.array().abs() + design_.damping;
+    } else {
+      normal_matrix_.diagonal().array() +=
+          0.5 * error.dot(weights.cwiseProduct(error)) + design_.damping;
+    }
+  });
   factor_.compute(normal_matrix_);
   factor_.solveInPlace(step_);
   step_ = step_.cwiseMax(-design_.step_limit_rad).cwiseMin(design_.step_limit_rad);

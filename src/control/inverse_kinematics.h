@@ -4,7 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include <breakwater/plants/planar_chain.h>
+#include <breakwater/plants/tip_chain.h>
 
 namespace breakwater {
 
@@ -22,9 +22,9 @@ enum class LmForm {
 };
 
 struct LmDesign {
-  Eigen::Vector3d weights = {1e2, 1e2, 1e1};    ///< diagonal of W_e, for x, y, φ (Eq. 2.67)
-  double damping = 1e-8;                        ///< λ
-  double step_limit_rad = 3.14159265358979312;  ///< bound on each |q̃|
+  Eigen::VectorXd weights = Eigen::Vector3d(1e2, 1e2, 1e1);  ///< diagonal of W_e (Eq. 2.67), c
+  double damping = 1e-8;                                     ///< λ
+  double step_limit_rad = 3.14159265358979312;               ///< bound on each |q̃|
   LmForm form = LmForm::printed;
 };
 
@@ -36,15 +36,15 @@ struct LmDesign {
 class LmInverseKinematics {
  public:
   /// Throws std::invalid_argument if a weight, λ or the limit is not positive, or if the printed
-  /// M is used with other than three joints.
+  /// M is used with other than as many joints as coordinates.
   LmInverseKinematics(const LmDesign& design, Eigen::Index joints);
 
-  /// q̃ [rad], given the tip's Jacobian and its error X_e [m, m, rad]. Allocates nothing.
-  const Eigen::VectorXd& step(const TipJacobian& J, const TipPose& X_e);
+  /// q̃ [rad], given the tip's Jacobian (c×n) and its error X_e (c). Allocates nothing.
+  const Eigen::VectorXd& step(const TaskJacobian& J, const TipVector& X_e);
 
  private:
   LmDesign design_;
-  Eigen::Matrix<double, Eigen::Dynamic, 3> weighted_Jt_;  // Jᵀ W_e
+  Eigen::MatrixXd weighted_Jt_;  // Jᵀ W_e
   Eigen::MatrixXd normal_matrix_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::VectorXd step_;

@@ -17,20 +17,22 @@ constexpr double kLost_s = 0.08;
 
 }  // namespace
 
-PathControl::PathControl(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+PathControl::PathControl(const TipChain& chain, const AccelerationControlDesign& acceleration,
                          const ArmTask& task, const PathDesign& design)
     : ArmController(chain, acceleration, task),
       inertia_(acceleration.nominal_inertia_kgm2),
       period_s_(acceleration.period_s),
       along_(Eigen::VectorXd::Zero(chain.joints())),
       otherwise_(along_),
+      wanted_(TipVector::Zero(chain.held())),
+      velocity_(wanted_),
       positioning_(design.positioning),
       joint_pfc_(design.joints.begin(), design.joints.end()),
       hold_(design.hold),
       across_(design.across),
-      J_plus_(chain.joints(), 3) {
-  if (chain.joints() < 3 || static_cast<Eigen::Index>(joint_pfc_.size()) != chain.joints()) {
-    throw std::invalid_argument("path control: needs three joints or more, and a PFC for each");
+      J_plus_(chain.joints(), chain.held()) {
+  if (static_cast<Eigen::Index>(joint_pfc_.size()) != chain.joints()) {
+    throw std::invalid_argument("path control: needs a PFC for each joint");
   }
 }
 
@@ -64,13 +66,13 @@ void PathControl::decide(Eigen::Ref<Eigen::VectorXd> a) {
 void PathControl::look_along_path() {
   damped_pseudo_inverse(J_, kSingularValueFloor, J_plus_);
   velocity_.noalias() = J_ * dq_hat_;
-  const TipPose& start = task().start_pose;
+  const TipVector& start = task().start_pose;
   wanted_ = -chain().tip_bias_acceleration(q_hat_, dq_hat_);
-  for (const int i : {1, 2}) {
+  for (Eigen::Index i = 1; i < start.size(); ++i) {
     wanted_[i] += across_.acceleration(start[i], X_hat_[i], velocity_[i]);
   }
   along_ = J_plus_.col(0);
-  otherwise_.noalias() = J_plus_ * wanted_;
+  multiply(J_plus_, wanted_, otherwise_);
 }
 
 void PathControl::measure_authority() {

@@ -1,4 +1,4 @@
-// Control of the arm along a path: the tip moves in x and holds y and φ.
+// Control of the arm along a path: the tip moves in x and holds its other coordinates.
 #pragma once
 
 #include <vector>
@@ -13,19 +13,20 @@ struct PathDesign {
   Positioning positioning = Positioning::joint;  ///< before force control
   std::vector<PfcDesign> joints;                 ///< positioning by joints
   PfcDesign hold;                                ///< x at the start pose, along the path
-  PfcDesign across;                              ///< y and φ
+  PfcDesign across;                              ///< the other coordinates
 };
 
 /// The common part of the controllers that reach the wall on a path. A path acceleration a_x needs
 /// the joint accelerations g a_x + r, with
-///     g = J⁺ e_x,   r = J⁺([0, −k_p^y y − k_d^y ẏ, −k_p^y φ − k_d^y φ̇]ᵀ − J̇ q̇).
+///     g = J⁺ e_x,   r = J⁺([0, −k_p^y y − k_d^y ẏ, −k_p^y φ − k_d^y φ̇]ᵀ − J̇ q̇)
+/// for the coordinates x, y, φ, and so on for each other coordinate.
 /// The *authority* of a_x is [lo, hi] = ∩_i ((±τ_lim,i − τ̂_d,i)/J_n,i − r_i)/g_i. Before force
 /// control the arm holds its start pose. In force control, a derived class chooses a_x. It is
-/// clipped to [lo, hi], so that y and φ keep their torques. Then each joint is clipped.
+/// clipped to [lo, hi], so that the others keep their torques. Then each joint is clipped.
 class PathControl : public ArmController {
  protected:
-  /// Throws std::invalid_argument as the parts do, or if the chain has fewer than three joints.
-  PathControl(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+  /// Throws std::invalid_argument as the parts do.
+  PathControl(const TipChain& chain, const AccelerationControlDesign& acceleration,
               const ArmTask& task, const PathDesign& design);
 
   void restart() override { touches_ = false; }
@@ -51,8 +52,8 @@ class PathControl : public ArmController {
   double period_s_;                      // T_s
   Eigen::VectorXd along_;                // g
   Eigen::VectorXd otherwise_;            // r
-  TipPose wanted_ = TipPose::Zero();     // r = J⁺ wanted
-  TipPose velocity_ = TipPose::Zero();   // J q̇
+  TipVector wanted_;                     // r = J⁺ wanted
+  TipVector velocity_;                   // J q̇
   Eigen::Vector2d authority_{0.0, 0.0};  // limits of a_x: to brake and to drive, both positive
 
  private:
@@ -63,7 +64,7 @@ class PathControl : public ArmController {
   Positioning positioning_;
   std::vector<Pfc> joint_pfc_;
   Pfc hold_, across_;
-  Eigen::Matrix<double, Eigen::Dynamic, 3> J_plus_;
+  Eigen::MatrixXd J_plus_;
   double lower_ = 0.0, upper_ = 0.0;  // lo and hi
   bool is_possible_ = false;          // lo ≤ hi
   bool touches_ = false;

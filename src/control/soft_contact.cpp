@@ -69,7 +69,6 @@ constexpr double kSlowestInContact_m_s = 0.05;
 constexpr double kFastest_m_s = 2.0;  // upper bound of contact_speed()
 constexpr int kBisections = 30;
 constexpr int kNewtonSteps = 8;
-constexpr Eigen::Index kElbow = 1;
 
 }  // namespace
 
@@ -105,13 +104,14 @@ double servo_speed(double way_m, double acceleration_m_s2, double lambda) {
   return std::sqrt(2.0 * acceleration_m_s2 * way_m) - acceleration_m_s2 / (2.0 * lambda);
 }
 
-SoftContact::SoftContact(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+SoftContact::SoftContact(const TipChain& chain, const AccelerationControlDesign& acceleration,
                          const ArmTask& task, const SoftContactDesign& design)
     : PathControl(chain, acceleration, task, design.path),
       design_(design),
       approach_(design.approach),
       contact_(design.contact),
-      elbow_inertia_(inertia_(kElbow)),
+      elbow_(task.elbow),
+      elbow_inertia_(inertia_(elbow_)),
       stiffness_(task.force_lag_s, acceleration.period_s) {
   if (!(design.wall_stiffness_N_m > 0.0) || !(design.peak_margin_N > 0.0)) {
     throw std::invalid_argument("TLSC: the wall's stiffness and the margin must be positive");
@@ -131,7 +131,7 @@ void SoftContact::decide(Eigen::Ref<Eigen::VectorXd> a) {
     phase_ = design_.path.positioning == Positioning::joint ? Phase::positioning : Phase::hold;
   }
   // The impulse of the limited torque on the elbow until the next sample.
-  elbow_impulse_ += (inertia_(kElbow) * a(kElbow) + d_hat_(kElbow)) * period_s_;
+  elbow_impulse_ += (inertia_(elbow_) * a(elbow_) + d_hat_(elbow_)) * period_s_;
   if (force_control_) X_ref_[0] = X_hat_[0] + way_to_go_m_;
   phase_number_ = static_cast<double>(phase_);
 }
@@ -146,12 +146,12 @@ double SoftContact::path_acceleration() {
 
 // The path deceleration that the elbow's torque limit allows, for this inertia of the elbow.
 double SoftContact::braking_of_elbow(double inertia_kgm2) const {
-  const double share = along_(kElbow);
+  const double share = along_(elbow_);
   if (std::abs(share) < kSmallestShare) return authority_(0);
-  const double to_joint = inertia_(kElbow) / inertia_kgm2;
-  const double one = (joints().lower_acceleration(kElbow) * to_joint - otherwise_(kElbow)) / share;
+  const double to_joint = inertia_(elbow_) / inertia_kgm2;
+  const double one = (joints().lower_acceleration(elbow_) * to_joint - otherwise_(elbow_)) / share;
   const double other =
-      (joints().upper_acceleration(kElbow) * to_joint - otherwise_(kElbow)) / share;
+      (joints().upper_acceleration(elbow_) * to_joint - otherwise_(elbow_)) / share;
   return std::max(kLeastAuthority_m_s2, -std::min(one, other));
 }
 
@@ -160,17 +160,17 @@ void SoftContact::identify_elbow() {
   if (!has_started_) {
     has_started_ = true;
     approach_s_ = elbow_impulse_ = 0.0;
-    elbow_speed_at_start_ = dq_hat_(kElbow);
-    elbow_friction_ = d_hat_(kElbow);
+    elbow_speed_at_start_ = dq_hat_(elbow_);
+    elbow_friction_ = d_hat_(elbow_);
     speed_cap_m_s_ = 0.0;
     return;
   }
   approach_s_ += period_s_;
-  elbow_friction_ += kSmoothing * (d_hat_(kElbow) - elbow_friction_);
+  elbow_friction_ += kSmoothing * (d_hat_(elbow_) - elbow_friction_);
   if (approach_s_ < kIdentifyFrom_s || velocity_[0] < kIdentifyFrom_m_s) return;
   const double found =
-      (elbow_impulse_ - elbow_friction_ * approach_s_) / (dq_hat_(kElbow) - elbow_speed_at_start_);
-  const double nominal = inertia_(kElbow);
+      (elbow_impulse_ - elbow_friction_ * approach_s_) / (dq_hat_(elbow_) - elbow_speed_at_start_);
+  const double nominal = inertia_(elbow_);
   if (!std::isfinite(found)) return;
   elbow_inertia_ += kSmoothing * (std::clamp(found, 0.5 * nominal, 2.0 * nominal) - elbow_inertia_);
 }

@@ -78,7 +78,7 @@ class SoftContact final : public PathControl {
   enum class Phase { positioning, hold, approach, contact };
 
   /// Throws std::invalid_argument as the parts do, or if K_d or the margin is not positive.
-  SoftContact(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+  SoftContact(const TipChain& chain, const AccelerationControlDesign& acceleration,
               const ArmTask& task, const SoftContactDesign& design);
 
  private:
@@ -95,6 +95,7 @@ class SoftContact final : public PathControl {
   Phase phase_ = Phase::positioning;
 
   // The elbow's inertia, from its momentum since the start of the approach.
+  Eigen::Index elbow_;
   double elbow_inertia_;
   double elbow_friction_ = 0.0;
   double elbow_impulse_ = 0.0;

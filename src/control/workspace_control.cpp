@@ -17,35 +17,37 @@ const WorkspaceControlDesign& checked(const WorkspaceControlDesign& design) {
 
 }  // namespace
 
-Hpfc::Hpfc(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+Hpfc::Hpfc(const TipChain& chain, const AccelerationControlDesign& acceleration,
            const ArmTask& task, const WorkspaceControlDesign& design)
     : ArmController(chain, acceleration, task),
       design_(checked(design)),
-      J_plus_(chain.joints(), 3) {}
+      J_plus_(chain.joints(), chain.held()) {}
 
 void Hpfc::decide(Eigen::Ref<Eigen::VectorXd> a) {
   pseudo_inverse(J_, design_.singular_value_floor, J_plus_);
-  TipPose position_error = task().start_pose - X_hat_;
+  TipVector position_error = task().start_pose - X_hat_;
   if (force_control_) position_error[0] = 0.0;
-  const TipPose velocity = J_ * dq_hat_;
-  a.noalias() = J_plus_ * (design_.k_p * position_error - 2.0 * std::sqrt(design_.k_p) * velocity);
+  const TipVector velocity = J_ * dq_hat_;
+  const TipVector wanted = design_.k_p * position_error - 2.0 * std::sqrt(design_.k_p) * velocity;
+  multiply(J_plus_, wanted, a);
   if (force_control_) {
     a += design_.k_f * (task().force_reference_N - force_N_) * J_.row(0).transpose();
   }
 }
 
-Drac::Drac(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+Drac::Drac(const TipChain& chain, const AccelerationControlDesign& acceleration,
            const ArmTask& task, const WorkspaceControlDesign& design)
     : ArmController(chain, acceleration, task),
       design_(checked(design)),
-      J_plus_(chain.joints(), 3) {}
+      J_plus_(chain.joints(), chain.held()) {}
 
 void Drac::decide(Eigen::Ref<Eigen::VectorXd> a) {
   pseudo_inverse(J_, design_.singular_value_floor, J_plus_);
-  const TipPose velocity = J_ * dq_hat_;
-  const TipPose bias = chain().tip_bias_acceleration(q_hat_, dq_hat_);
-  a.noalias() =
-      J_plus_ * (design_.k_p * (X_ref_ - X_hat_) - 2.0 * std::sqrt(design_.k_p) * velocity - bias);
+  const TipVector velocity = J_ * dq_hat_;
+  const TipVector bias = chain().tip_bias_acceleration(q_hat_, dq_hat_);
+  const TipVector wanted =
+      design_.k_p * (X_ref_ - X_hat_) - 2.0 * std::sqrt(design_.k_p) * velocity - bias;
+  multiply(J_plus_, wanted, a);
 }
 
 }  // namespace breakwater

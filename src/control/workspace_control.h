@@ -19,14 +19,14 @@ struct WorkspaceControlDesign {
 class Hpfc final : public ArmController {
  public:
   /// Throws std::invalid_argument if a gain is negative, and as ArmController does.
-  Hpfc(const PlanarChain& chain, const AccelerationControlDesign& acceleration, const ArmTask& task,
+  Hpfc(const TipChain& chain, const AccelerationControlDesign& acceleration, const ArmTask& task,
        const WorkspaceControlDesign& design);
 
  private:
   void decide(Eigen::Ref<Eigen::VectorXd> a) override;
 
   WorkspaceControlDesign design_;
-  Eigen::Matrix<double, Eigen::Dynamic, 3> J_plus_;
+  Eigen::MatrixXd J_plus_;
 };
 
 /// IDOB-based resolved acceleration control (Eqs. 2.92, 2.93) with the proposed method's reference:
@@ -35,14 +35,14 @@ class Hpfc final : public ArmController {
 class Drac final : public ArmController {
  public:
   /// Throws std::invalid_argument if a gain is negative, and as ArmController does.
-  Drac(const PlanarChain& chain, const AccelerationControlDesign& acceleration, const ArmTask& task,
+  Drac(const TipChain& chain, const AccelerationControlDesign& acceleration, const ArmTask& task,
        const WorkspaceControlDesign& design);
 
  private:
   void decide(Eigen::Ref<Eigen::VectorXd> a) override;
 
   WorkspaceControlDesign design_;
-  Eigen::Matrix<double, Eigen::Dynamic, 3> J_plus_;
+  Eigen::MatrixXd J_plus_;
 };
 
 }  // namespace breakwater

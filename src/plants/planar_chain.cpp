@@ -58,8 +58,7 @@ TipPose PlanarChain::tip_pose(const Angles& q_rad) const {
   return {position.x(), position.y(), angle + tip_yaw_};
 }
 
-void PlanarChain::tip_jacobian(const Angles& q_rad, TipJacobian& J) const {
-  J.resize(3, joints());
+void PlanarChain::tip_jacobian(const Angles& q_rad, Eigen::Ref<Eigen::MatrixXd> J) const {
   // Computes the joints' positions, then each column sense·[z × (tip − joint); 1].
   double angle = 0.0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();

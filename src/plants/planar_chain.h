@@ -46,8 +46,12 @@ class PlanarChain {
   /// X(q), as Eq. 2.51, for any chain.
   TipPose tip_pose(const Angles& q_rad) const;
 
-  /// J_aco(q), Eq. 2.52.
-  void tip_jacobian(const Angles& q_rad, TipJacobian& J) const;
+  /// J_aco(q), Eq. 2.52. J must be 3×n.
+  void tip_jacobian(const Angles& q_rad, Eigen::Ref<Eigen::MatrixXd> J) const;
+  void tip_jacobian(const Angles& q_rad, TipJacobian& J) const {
+    J.resize(3, joints());
+    tip_jacobian(q_rad, Eigen::Ref<Eigen::MatrixXd>(J));
+  }
 
   /// J̇_aco(q, q̇) q̇, the tip's acceleration at q̈ = 0 [m/s², m/s², rad/s²] (last term of Eq. 2.93).
   TipPose tip_bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const;

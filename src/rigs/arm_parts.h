@@ -10,7 +10,7 @@ namespace breakwater {
 
 /// The data for a controller of the arm, without the true properties of the arm and the wall.
 struct ArmSetup {
-  PlanarChain chain;                       ///< from the URDF
+  TipChain chain;                          ///< the nominal kinematics
   AccelerationControlDesign acceleration;  ///< for the joints, with their observer
   ArmTask task;                            ///< the task, and the time at which force control begins
   double period_s = 0.0;                   ///< sampling period T_s

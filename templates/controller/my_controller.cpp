@@ -10,7 +10,7 @@ namespace my_controller_lab {
 
 using breakwater::ArmSetup;
 using breakwater::Fields;
-using breakwater::TipPose;
+using breakwater::TipVector;
 
 MyController::MyController(const ArmSetup& arm, const MyControllerDesign& design)
     : ArmController(arm.chain, arm.acceleration, arm.task),
@@ -31,8 +31,8 @@ void MyController::decide(Eigen::Ref<Eigen::VectorXd> a) {
     a.noalias() = design_.k_p * (task().start_angles_rad - q_hat_) - k_d * dq_hat_;
     return;
   }
-  const TipPose velocity = J_ * dq_hat_;
-  TipPose acceleration = design_.k_p * (task().start_pose - X_hat_) - k_d * velocity;
+  const TipVector velocity = J_ * dq_hat_;
+  TipVector acceleration = design_.k_p * (task().start_pose - X_hat_) - k_d * velocity;
   virtual_acceleration_m_s2_ =
       (task().force_reference_N - force_N_ - design_.virtual_damping_Ns_m * velocity[0]) /
       design_.virtual_mass_kg;
