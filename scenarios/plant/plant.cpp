@@ -36,6 +36,7 @@ Fields Plant::fields() {
 
 PlantTask Plant::task() const {
   PlantTask task = plant_task(plant_);
+  task.observes_axes = parts_.moves_tip();
   task.own_controllers = [this, axes = task.axes] { return axes_control(axes); };
   return task;
 }
@@ -86,7 +87,8 @@ void Plant::check(const Config& config) {
     for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
       axis_parts_[i].check(config.under(plant_.axes[i].axis.prefix()), task.axes[i]);
     }
-  } else if (parts_.estimator_name() != "none" && !task.why_not_linear.empty()) {
+  } else if (!task.observes_axes && parts_.estimator_name() != "none" &&
+             !task.why_not_linear.empty()) {
     config.fail("controller.name", task.why_not_linear);
   }
   parts_.check(config, task);

@@ -21,7 +21,7 @@ struct AccelerationControlDesign {
   Eigen::VectorXd nominal_inertia_kgm2;  ///< diagonal of J_n, n
   Eigen::VectorXd torque_limit_Nm;       ///< τ_limit, n (Eq. 2.81)
   /// Makes an estimator of all joints: x̂ = [q; q̇] (2n), d̂ (n), from torques and measured angles.
-  std::function<std::unique_ptr<DisturbanceEstimator>()> make_observer;
+  std::function<std::shared_ptr<DisturbanceEstimator>()> make_observer;
   ObserverFeed feed = ObserverFeed::clipped;
   double period_s = 0.0;
 };
@@ -71,7 +71,7 @@ class AccelerationControl {
   Eigen::VectorXd nominal_inertia_;
   Eigen::VectorXd torque_limit_;
   ObserverFeed feed_;
-  std::unique_ptr<DisturbanceEstimator> observer_;
+  std::shared_ptr<DisturbanceEstimator> observer_;
   Eigen::VectorXd fed_torque_;
   Eigen::VectorXd start_;  // [q; 0]
 };

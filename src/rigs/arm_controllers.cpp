@@ -41,7 +41,7 @@ struct PfcSettings {
   }
   void check(const ArmSetup& arm) const {
     if (t_ref_s.size() != static_cast<std::size_t>(arm.chain.joints())) {
-      throw WrongKey("controller.t_ref_s", "must have one entry for each of the URDF's " +
+      throw WrongKey("controller.t_ref_s", "must have one entry for each of the " +
                                                std::to_string(arm.chain.joints()) + " joints");
     }
     blame("controller.t_ref_s", [&] {
@@ -58,7 +58,8 @@ struct ProposedSettings {
 
   LmDesign inverse_kinematics() const {
     LmDesign design;
-    design.weights = Eigen::Map<const Eigen::Vector3d>(ik_weights.data());
+    design.weights = Eigen::Map<const Eigen::VectorXd>(
+        ik_weights.data(), static_cast<Eigen::Index>(ik_weights.size()));
     design.damping = ik_damping;
     design.form = ik_form;
     return design;
@@ -67,8 +68,9 @@ struct ProposedSettings {
 
 void bind_proposed(Fields& fields, ProposedSettings& settings) {
   settings.pfc.bind(fields);
-  fields.numbers("controller.ik_weights", settings.ik_weights, positive(),
-                 "W_e: weights of the inverse kinematics for x, y and phi");
+  fields.numbers(
+      "controller.ik_weights", settings.ik_weights, positive(),
+      "W_e: weights of the inverse kinematics for each coordinate of the tip, as x, y and phi");
   fields.number("controller.ik_damping", settings.ik_damping, positive(),
                 "lambda: damping of the inverse kinematics");
   fields.choice("controller.ik_form", settings.ik_form,
@@ -80,8 +82,12 @@ void bind_proposed(Fields& fields, ProposedSettings& settings) {
 }
 
 void check_proposed(const ProposedSettings& settings, const ArmSetup& arm) {
-  if (settings.ik_weights.size() != 3) {
-    throw WrongKey("controller.ik_weights", "must have 3 numbers, for x, y and phi");
+  const std::vector<TipCoordinate>& held = arm.chain.coordinates();
+  if (settings.ik_weights.size() != held.size()) {
+    std::string names;
+    for (const TipCoordinate& one : held) names += (names.empty() ? "" : ", ") + one.name;
+    throw WrongKey("controller.ik_weights",
+                   "must have a number for each of " + names + ": the arm can hold these");
   }
   settings.pfc.check(arm);
   blame("controller.ik_form",
@@ -278,6 +284,13 @@ std::unique_ptr<Controller> make_contact_mpc(const ContactMpcSettings& settings,
 }
 
 }  // namespace
+
+void bind_observer_feed(Fields& fields, ObserverFeed& feed) {
+  fields.choice(
+      "observer.feed", feed,
+      {{"clipped", ObserverFeed::clipped}, {"unclipped", ObserverFeed::unclipped}},
+      "torque that the observer gets: after saturation (clipped) or before it (unclipped)");
+}
 
 std::vector<ArmControllerKind> arm_controllers() {
   return {{"proposed", "implicit force control over torque-limited PFC joints (2.4.2)",

@@ -187,10 +187,7 @@ void ArmSettings::bind(Fields& fields) {
   fields.numbers("observer.nominal_inertia_kgm2", nominal_inertia_kgm2, positive(),
                  "diagonal of J_n: nominal inertia of each joint [kg m^2]");
   observer.bind(fields);
-  fields.choice(
-      "observer.feed", observer_feed,
-      {{"clipped", ObserverFeed::clipped}, {"unclipped", ObserverFeed::unclipped}},
-      "torque that the observer gets: after saturation (clipped) or before it (unclipped)");
+  bind_observer_feed(fields, observer_feed);
   fields.number("sensor.encoder_counts_per_turn", encoder_counts_per_turn, between(0, 1e12),
                 "encoder counts per turn of each joint; 0: not quantised");
   bind_encoder_rounding(fields, encoder_rounding);

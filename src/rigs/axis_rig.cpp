@@ -79,8 +79,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
       law = std::make_unique<LoadDependentFriction>(coulomb, 0.0);
     }
     const bool rubs_load = rubs == one.axis.joint;
-    const int actuator =
-        one.axis.is_driven() ? model.id(mjOBJ_ACTUATOR, one.axis.actuator) : kNoActuator;
+    const int actuator = one.axis.is_driven() ? actuator_id(model, one.axis) : kNoActuator;
     axes_.push_back({at, rate_at, actuator, std::make_unique<JointForce>(model, one.axis.joint),
                      law ? std::make_unique<JointFriction>(model, rubs, std::move(law),
                                                            rubs_load ? transmission.get() : nullptr)

@@ -85,6 +85,16 @@ Axis cart_axis() {
           .units = translation_units()};
 }
 
+int actuator_id(const Model& model, const Axis& axis) {
+  if (axis.actuator != Axis::kJoint) return model.id(mjOBJ_ACTUATOR, axis.actuator);
+  const int joint = model.id(mjOBJ_JOINT, axis.joint);
+  for (int i = 0; i < model->nu; ++i) {
+    const bool drives = model->actuator_trntype[i] == mjTRN_JOINT;
+    if (drives && model->actuator_trnid[2 * i] == joint) return i;
+  }
+  throw std::invalid_argument(model.file() + ": no actuator drives joint \"" + axis.joint + '"');
+}
+
 Axis named_axis(const std::string& name, const std::string& joint, const std::string& actuator,
                 bool is_hinge) {
   Axis axis = is_hinge ? motor_axis() : cart_axis();
@@ -124,8 +134,9 @@ void AxisSettings::bind_named(Fields& fields) {
   const std::string unit = " [" + u.position + "]";
   fields.text("joint", axis.joint, "hinge or slide of the model");
   fields.text("actuator", axis.actuator,
-              "<motor> with gear 1 of this joint, or of transmission.motor_joint if there is a "
-              "stiffness; none: the axis is measured, but not driven");
+              "actuator of this joint, or of transmission.motor_joint if there is a stiffness; "
+              "a motor with gear 1 replaces any other; joint: the one of the joint, which has no "
+              "name; none: the axis is measured, but not driven");
   fields.standard("actuator", {axis.actuator});
   fields.text("position_sensor", axis.position_sensor,
               "sensor of the model that measures the position; joint: the joint itself");
@@ -290,6 +301,7 @@ void AxisPlant::learn(const Config& config) {
     int joint = -1;
     bool is_hinge = true;
     std::string actuator = Axis::kNone;
+    bool is_replaced = false;
     if (joint_name.empty()) own.fail("joint", "must name a hinge or a slide of the model");
     if (model) {
       const Model& m = *model;
@@ -301,13 +313,12 @@ void AxisPlant::learn(const Config& config) {
       for (int i = m->nu - 1; i >= 0; --i) {
         if (m->actuator_trntype[i] != mjTRN_JOINT || m->actuator_trnid[2 * i] != driven) continue;
         const char* const found_name = mj_id2name(m.get(), mjOBJ_ACTUATOR, i);
-        if (found_name == nullptr) {
-          own.fail("joint", "the model's actuator of this joint needs a name");
-        }
-        actuator = found_name;
+        actuator = found_name != nullptr ? found_name : Axis::kJoint;
+        is_replaced = !m.is_motor(i);
       }
     }
     found.emplace_back(joint, named_axis(name, joint_name, actuator, is_hinge));
+    found.back().second.is_replaced = is_replaced;
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -393,7 +404,7 @@ void AxisPlant::complete(const Config& config) {
     one.force = one.disturbance.make(run.seed, one.axis.own("disturbance"));
     one.model_numbers = one.transmission.true_numbers(model, inertia, one.axis.joint);
     if (!one.axis.is_driven()) continue;
-    const int actuator = model.id(mjOBJ_ACTUATOR, one.axis.actuator);
+    const int actuator = actuator_id(model, one.axis);
     if (model->actuator_ctrllimited[actuator] != 0) {
       one.model_limit = model->actuator_ctrlrange[2 * actuator + 1];
     }
@@ -419,7 +430,9 @@ NominalAxis AxisPlant::nominal(std::size_t i) const {
 
 std::vector<std::string> AxisPlant::warnings() const {
   std::vector<std::string> lines;
+  std::string replaced;
   for (const AxisSettings& one : axes) {
+    if (one.axis.is_replaced) replaced += (replaced.empty() ? "" : ", ") + one.axis.name;
     const TransmissionSettings& transmission = one.transmission;
     if (one.nominal_from == NominalFrom::keys &&
         (transmission.is_elastic() || transmission.motor_inertia > 0.0) &&
@@ -429,6 +442,10 @@ std::vector<std::string> AxisPlant::warnings() const {
                       ": is 0, so nominal.inertia_" + one.axis.inertia_suffix +
                       " must be that of load and motor");
     }
+  }
+  if (!replaced.empty()) {
+    lines.push_back("a motor with gear 1 and the same largest force replaces the actuator of " +
+                    replaced + ": a command is a force at the joint");
   }
   return lines;
 }
@@ -460,28 +477,24 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
            "has another axis: each motor may have one load");
     }
     if (one.axis.is_driven()) {
-      const int actuator = id_of(own, "actuator", model, mjOBJ_ACTUATOR, one.axis.actuator);
+      const int actuator = one.axis.actuator == Axis::kJoint
+                               ? actuator_id(model, one.axis)
+                               : id_of(own, "actuator", model, mjOBJ_ACTUATOR, one.axis.actuator);
       take(own, "actuator", actuators, actuator,
            "drives another axis: set \"none\" for an axis that is only measured");
-      const bool is_motor = model->actuator_trntype[actuator] == mjTRN_JOINT &&
-                            model->actuator_trnid[2 * actuator] == driven_joint &&
-                            model->actuator_gear[6 * actuator] == 1.0 &&
-                            model->actuator_dyntype[actuator] == mjDYN_NONE &&
-                            model->actuator_gaintype[actuator] == mjGAIN_FIXED &&
-                            model->actuator_gainprm[mjNGAIN * actuator] == 1.0 &&
-                            model->actuator_biastype[actuator] == mjBIAS_NONE;
-      if (!is_motor && !has_motor && !one.transmission.motor_joint.empty()) {
+      const bool drives = model->actuator_trntype[actuator] == mjTRN_JOINT &&
+                          model->actuator_trnid[2 * actuator] == driven_joint;
+      if (!drives && !has_motor && !one.transmission.motor_joint.empty()) {
         own.fail("transmission.motor_joint",
                  "needs a transmission with a stiffness: a rigid motor has no joint of its own");
       }
-      if (!is_motor) {
+      if (!drives) {
         own.fail("actuator",
-                 fmt::format("\"{}\" must be a <motor> of joint \"{}\" with gear 1, whose "
-                             "ctrlrange is in {}",
-                             one.axis.actuator, driven, one.axis.units.force));
+                 fmt::format("\"{}\" must drive joint \"{}\"", one.axis.actuator, driven));
       }
       const mjtNum* range = model->actuator_ctrlrange + 2 * actuator;
-      if (model->actuator_ctrllimited[actuator] != 0 && range[0] != -range[1]) {
+      const bool is_limited = model->actuator_ctrllimited[actuator] != 0;
+      if (model.is_motor(actuator) && is_limited && range[0] != -range[1]) {
         own.fail("actuator",
                  '"' + one.axis.actuator + "\" must have a ctrlrange that is symmetric about 0");
       }
@@ -498,15 +511,24 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
 }
 
 Model AxisPlant::load_model(const Config* config) const {
-  Model model = Model::load_physics(mjcf);
+  // Contacts may name what is decoration in the file.
+  std::vector<std::string> geoms;
+  for (const ContactSettings& one : contacts) geoms.insert(geoms.end(), {one.geom_1, one.geom_2});
+  if (config != nullptr) check_geoms(*config);
+  Model model = Model::load_physics(mjcf, geoms);
   model.set_physics(physics.timestep_s, physics.integrator);
   if (config != nullptr) {
     check_names(model, *config);
-    check_contacts(model, *config);
+    check_contacts(*config);
     if (tip) check_tip(model, *config);
   }
   std::vector<int> joints;
   for (const AxisSettings& one : axes) joints.push_back(model.id(mjOBJ_JOINT, one.axis.joint));
+  for (const AxisSettings& one : axes) {
+    if (!one.axis.is_driven()) continue;
+    const int actuator = actuator_id(model, one.axis);
+    if (!model.is_motor(actuator)) model.make_motor(actuator);
+  }
   model.scale_inertia(inertia_ratio);
   if (tip) tip->add_tool(model);
   author_friction(model);  // also of joints that are no axis
@@ -517,7 +539,7 @@ Model AxisPlant::load_model(const Config* config) const {
     author_friction(model, joints[i], or_file(one.viscous_friction, model->dof_damping[dof]),
                     or_file(one.coulomb_friction, model->dof_frictionloss[dof]));
     const bool is_driven = one.axis.is_driven();
-    const int actuator = is_driven ? model.id(mjOBJ_ACTUATOR, one.axis.actuator) : -1;
+    const int actuator = is_driven ? actuator_id(model, one.axis) : -1;
     if (is_driven && one.drive_limit > 0.0) {
       model.limit_actuator(actuator, one.force_limit());
     }
@@ -544,7 +566,17 @@ void AxisPlant::check_law_is_chosen(const ContactSettings& contact, const Config
   }
 }
 
-void AxisPlant::check_contacts(const Model& model, const Config& config) const {
+void AxisPlant::check_geoms(const Config& config) const {
+  if (contacts.empty()) return;
+  const Model whole = Model::load(mjcf);
+  for (const ContactSettings& one : contacts) {
+    const Config own = config.under(one.prefix());
+    id_of(own, "geom_1", whole, mjOBJ_GEOM, one.geom_1);
+    id_of(own, "geom_2", whole, mjOBJ_GEOM, one.geom_2);
+  }
+}
+
+void AxisPlant::check_contacts(const Config& config) const {
   std::map<std::string, std::string> authored;  // the geoms whose parameters a law sets
   std::map<std::pair<std::string, std::string>, std::string> known;
   for (const ContactSettings& one : contacts) {
@@ -555,7 +587,6 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
     check_law_is_chosen(one, config);
     for (const auto& [key, geom] :
          {std::pair("geom_1", one.geom_1), std::pair("geom_2", one.geom_2)}) {
-      id_of(own, key, model, mjOBJ_GEOM, geom);
       if (one.wall.is_of_file() || !one.wall.is_of_engine()) continue;
       const auto [other, is_first] = authored.emplace(geom, one.name);
       if (is_first) continue;

@@ -24,7 +24,8 @@ struct Axis {
   /// A part of its keys and signals; empty for a plant with one axis and without names.
   std::string name;
   std::string joint;
-  std::string actuator;         ///< kNone: it is measured, but not driven
+  std::string actuator;      ///< kNone: it is measured, but not driven; kJoint: that of the joint
+  bool is_replaced = false;  ///< a motor replaces the actuator of the model
   std::string position_sensor;  ///< kJoint: the joint itself
   std::string channel;          ///< name of the position's sensor channel
   bool counts_pulses;           ///< the key of its encoder is pulses per revolution
@@ -43,6 +44,9 @@ struct Axis {
   /// The name of its signal `what`: "NAME_what", or "what".
   std::string own(const std::string& what) const { return name.empty() ? what : name + "_" + what; }
 };
+
+/// The actuator of a driven axis. Throws std::invalid_argument if the model lacks it.
+int actuator_id(const Model& model, const Axis& axis);
 
 /// The axes of models/motor.xml and models/cart.xml.
 Axis motor_axis();
@@ -160,7 +164,8 @@ struct AxisPlant {
 
   /// The nominal model of an axis, for the estimator and the controller.
   NominalAxis nominal(std::size_t axis = 0) const;
-  /// A line for each axis whose nominal model of one inertia has no motor of its own.
+  /// A line for each axis whose nominal model of one inertia has no motor of its own, and one for
+  /// the actuators that motors replace.
   std::vector<std::string> warnings() const;
 
   /// The plant's model, with its physics, friction and limits. Throws std::invalid_argument if
@@ -188,7 +193,8 @@ struct AxisPlant {
   Model model_of_file() const;  // load_model() without the keys plant.… and the tool
   void check_names(const Model& model, const Config& config) const;
   static void check_law_is_chosen(const ContactSettings& contact, const Config& config);
-  void check_contacts(const Model& model, const Config& config) const;
+  void check_geoms(const Config& config) const;
+  void check_contacts(const Config& config) const;
   void check_tip(const Model& model, const Config& config) const;
 
   const Catalogue* catalogue_;

@@ -19,8 +19,14 @@ struct ControlLoop {
   bool estimates() const { return estimator != nullptr; }
 };
 
-/// The chosen estimator and controller of a loop. The estimator gets `what_is_known(task)`; the
-/// controller gets the task and the estimator.
+/// The estimator of a task by `make(MODEL)`.
+template <typename Task, typename Make>
+auto estimator_for(const Task& task, Make&& make) {
+  return make(what_is_known(task));
+}
+
+/// The chosen estimator and controller of a loop. `estimator_for(task, make)` makes the
+/// estimator; the controller gets the task and the estimator.
 template <typename Estimator, typename EstimatorKind, typename ControllerKind, typename Task>
 class LoopParts {
  public:
@@ -37,8 +43,9 @@ class LoopParts {
 
   /// Throws std::invalid_argument `ORIGIN: KEY: reason` if make() would fail.
   void check(const Config& config, const Task& task) const {
-    controller_.check(config, task,
-                      std::shared_ptr<Estimator>(estimator_.check(config, what_is_known(task))));
+    controller_.check(config, task, estimator_for(task, [&](const auto& known) {
+                        return estimator_.check(config, known);
+                      }));
   }
 
   ControlLoop<Estimator> make(const Task& task) const {
@@ -52,8 +59,8 @@ class LoopParts {
   const std::string& estimator_name() const { return estimator_.chosen(); }
 
   /// Makes another estimator of the same kind, without a controller.
-  std::unique_ptr<Estimator> make_estimator(const Task& task) const {
-    return estimator_.make(what_is_known(task));
+  std::shared_ptr<Estimator> make_estimator(const Task& task) const {
+    return estimator_for(task, [&](const auto& known) { return estimator_.make(known); });
   }
 
  private:

@@ -40,14 +40,12 @@ struct ContactSettings {
   /// The name of its signal `what`.
   std::string signal(const std::string& what = "N") const { return "contact_" + name + "_" + what; }
   void bind(Fields& fields);
+  /// The names of the geoms. The plane comes last, if there is one.
+  std::pair<std::string, std::string> geoms(const Model& model) const;
   /// Makes the model's contact that of the law. Throws std::invalid_argument if it cannot.
   void prepare(Model& model) const;
   /// The contact as a force; null: it is the engine's.
   std::unique_ptr<WallContact> make(const Model& model) const;
-
- private:
-  // The plane comes last, if there is one.
-  std::pair<std::string, std::string> geoms(const Model& model) const;
 };
 
 /// The force sensor of the tip and the reference of its force: keys tip.…, sensor.force_…, force.….

@@ -8,6 +8,7 @@
 #include <breakwater/control/pose_feedback.h>
 #include <breakwater/linear/riccati.h>
 #include <breakwater/observers/raw_difference.h>
+#include <breakwater/rigs/tip_controllers.h>
 #include <breakwater/sim/linear_model.h>
 
 namespace breakwater {
@@ -138,11 +139,12 @@ PlantTask plant_task(const AxisPlant& plant) {
     joints.push_back(model.id(mjOBJ_JOINT, one.measured_joint()));
     if (!one.axis.is_driven()) continue;
     task.driven.push_back(i);
-    actuators.push_back(model.id(mjOBJ_ACTUATOR, one.axis.actuator));
+    actuators.push_back(actuator_id(model, one.axis));
     limits.push_back(one.force_limit());
   }
   task.limit =
       Eigen::Map<const Eigen::VectorXd>(limits.data(), static_cast<Eigen::Index>(limits.size()));
+  task.tip = tip_task(plant, model);
   NominalAxis& whole = task.whole;
   whole.period_s = plant.physics.control_period_s;
   const auto count = static_cast<Eigen::Index>(plant.axes.size());
@@ -200,6 +202,7 @@ Catalogue with_none(Catalogue catalogue) {
   catalogue.add(AxisEstimatorKind(
       "none", "no estimator: the measured position, its difference over a sample, no disturbance",
       bind_nothing, make_raw_difference));
+  for (PlantControllerKind& kind : tip_controllers(catalogue)) catalogue.add(std::move(kind));
   catalogue.add(AxisControllerKind("none", "no control", bind_nothing, make_no_control));
   catalogue.add(ContactLawKind(WallSettings::kOfModel, "the contact as the model file has it",
                                bind_nothing, make_no_law));

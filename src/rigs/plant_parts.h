@@ -2,15 +2,29 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include <breakwater/observers/stacked_estimator.h>
+#include <breakwater/plants/tip_chain.h>
+#include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/axis_settings.h>
 
 namespace breakwater {
+
+/// The tip of a plant, for an arm's controllers.
+struct TipTask {
+  std::shared_ptr<const TipKinematics>
+      kinematics;  ///< null: there is none, and `why_none` says why
+  std::string why_none = {};
+  double force_lag_s = 0.0;                                   ///< as in ArmTask
+  double wall_x_m = std::numeric_limits<double>::infinity();  ///< as in ArmTask
+};
 
 /// The task of a controller of all axes.
 struct PlantTask {
@@ -29,6 +43,9 @@ struct PlantTask {
   Eigen::VectorXd limit;       ///< force limits of the driven axes
   bool senses_true_state = false;
   ForceTask force;
+  TipTask tip;
+  /// The estimator stands for each axis by itself, and not for the linearised plant.
+  bool observes_axes = false;
   /// Makes the controllers that the axes have chosen, as one.
   std::function<std::unique_ptr<Controller>()> own_controllers;
 };
@@ -44,8 +61,18 @@ struct PlantControllerKind
   static constexpr const char* kWhat = "controller of a plant";
 };
 
-inline const NominalAxis& what_is_known(const PlantTask& task) {
-  return task.whole;
+/// The estimator of the linearised plant, or one for each axis, by `make(NominalAxis)`.
+template <typename Make>
+std::shared_ptr<DisturbanceEstimator> estimator_for(const PlantTask& task, Make&& make) {
+  if (!task.observes_axes) return make(task.whole);
+  std::vector<std::unique_ptr<DisturbanceEstimator>> axes;
+  for (std::size_t i = 0; i < task.axes.size(); ++i) {
+    NominalAxis axis = task.axes[i].axis;
+    axis.joint = static_cast<int>(i);
+    axis.joints = static_cast<int>(task.axes.size());
+    axes.push_back(make(axis));
+  }
+  return std::make_shared<StackedEstimator>(std::move(axes));
 }
 
 /// The chosen controller of a plant and its estimator of the linearised plant.
@@ -53,7 +80,19 @@ class PlantParts
     : public LoopParts<DisturbanceEstimator, AxisEstimatorKind, PlantControllerKind, PlantTask> {
  public:
   explicit PlantParts(const Catalogue& catalogue)
-      : LoopParts(catalogue, "observer.name", "none", "axes") {}
+      : LoopParts(catalogue, "observer.name", "none", "axes") {
+    for (const ArmControllerKind& kind : catalogue.all<ArmControllerKind>()) {
+      of_tip_.push_back(kind.name);
+    }
+  }
+
+  /// Whether the chosen controller is one of an arm, for the tip.
+  bool moves_tip() const {
+    return std::find(of_tip_.begin(), of_tip_.end(), controller_name()) != of_tip_.end();
+  }
+
+ private:
+  std::vector<std::string> of_tip_;
 };
 
 /// Breakwater's controllers of a plant.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -388,6 +389,43 @@ void Model::separate(int geom, int plane) {
   }
   m.geom_contype[plane] = 0;
   m.geom_conaffinity[plane] = bit;
+}
+
+bool Model::is_motor(int actuator) const {
+  const mjModel& m = *model_;
+  return m.actuator_trntype[actuator] == mjTRN_JOINT && m.actuator_gear[at(actuator, 6)] == 1.0 &&
+         m.actuator_dyntype[actuator] == mjDYN_NONE &&
+         m.actuator_gaintype[actuator] == mjGAIN_FIXED &&
+         m.actuator_gainprm[at(actuator, mjNGAIN)] == 1.0 &&
+         m.actuator_biastype[actuator] == mjBIAS_NONE;
+}
+
+void Model::make_motor(int actuator) {
+  mjModel& m = *model_;
+  if (m.actuator_dyntype[actuator] != mjDYN_NONE) {
+    refuse(file_, "actuator " + name_of(m, mjOBJ_ACTUATOR, actuator) +
+                      " has a state of its own, so no motor can replace it");
+  }
+  const double gear = std::abs(m.actuator_gear[at(actuator, 6)]);
+  const double gain = std::abs(m.actuator_gainprm[at(actuator, mjNGAIN)]);
+  const auto smaller = [&](const mjtNum* range) {
+    return gear * std::min(std::abs(range[0]), std::abs(range[1]));
+  };
+  double limit = std::numeric_limits<double>::infinity();
+  if (m.actuator_forcelimited[actuator] != 0) {
+    limit = smaller(m.actuator_forcerange + at(actuator, 2));
+  }
+  // The command of a servo is no force.
+  if (m.actuator_ctrllimited[actuator] != 0 && m.actuator_biastype[actuator] == mjBIAS_NONE) {
+    limit = std::min(limit, gain * smaller(m.actuator_ctrlrange + at(actuator, 2)));
+  }
+  std::fill_n(m.actuator_gear + at(actuator, 6), 6, 0.0);
+  m.actuator_gear[at(actuator, 6)] = 1.0;
+  m.actuator_gaintype[actuator] = mjGAIN_FIXED;
+  m.actuator_gainprm[at(actuator, mjNGAIN)] = 1.0;
+  m.actuator_biastype[actuator] = mjBIAS_NONE;
+  m.actuator_forcelimited[actuator] = 0;
+  limit_actuator(actuator, limit);
 }
 
 void Model::limit_actuator(int actuator, double limit) {

@@ -114,6 +114,13 @@ class Model {
   /// Throws std::invalid_argument if a <pair> makes the contact, or if no bit of contype is free.
   void separate(int geom, int plane);
 
+  /// Whether an actuator is a <motor> with gear 1 of a hinge or slide.
+  bool is_motor(int actuator) const;
+  /// Makes an actuator of a hinge or slide such a motor. It has the limit of the old one's force at
+  /// the joint, the smaller one if they differ. Throws std::invalid_argument if the actuator has a
+  /// state of its own.
+  void make_motor(int actuator);
+
   /// Limits an actuator's command to ±limit; infinity: no limit. Throws std::invalid_argument
   /// unless the limit is positive.
   void limit_actuator(int actuator, double limit);

@@ -1,0 +1,52 @@
+// Kinematics of a serial manipulator in space.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include <breakwater/plants/tip_chain.h>
+
+namespace breakwater {
+
+/// A hinge or slide and the link that it moves.
+struct SpatialJoint {
+  std::string name;
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  ///< of the link in that of the link
+                                                            ///< before it, at q = 0
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();          ///< in the link's frame, of length 1
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();       ///< a point of the axis, there
+  bool slides = false;
+  double zero = 0.0;  ///< the position at which the link has `frame` [rad or m]
+  double effort_limit = 0.0;
+};
+
+/// The tip of a chain of joints in a contact frame C: x along the force, y and z across it. Its
+/// coordinates there are the tip's position [m], and the rotation vector from its
+/// orientation at the start [rad], whose Jacobian is taken at ρ = 0. Of x, y, z, rx, ry, rz it
+/// holds, in this order, all that its joints can move independently: a two-link x and y, a SCARA x,
+/// y, z and the turn about its axes, six joints all. The velocity limits are infinite.
+class SpatialChain final : public TipKinematics {
+ public:
+  /// `tip` is in the last link's frame, `contact` in the world. Throws std::invalid_argument if
+  /// there is no joint, or if the tip cannot move along x.
+  SpatialChain(std::vector<SpatialJoint> joints, const Eigen::Isometry3d& tip,
+               const Eigen::Isometry3d& contact, const Eigen::VectorXd& start_angles_rad);
+
+  TipVector pose(const Angles& q_rad) const override;
+  void jacobian(const Angles& q_rad, TaskJacobian& J) const override;
+  TipVector bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const override;
+
+ private:
+  template <typename Visit>
+  Eigen::Isometry3d walk(const Angles& q_rad, Visit&& visit) const;
+  TipVector held_of(const Eigen::Vector3d& position, const Eigen::Vector3d& turn) const;
+
+  std::vector<SpatialJoint> joints_;
+  Eigen::Isometry3d tip_;
+  Eigen::Isometry3d to_contact_;  // from the world
+  Eigen::Matrix3d start_;         // the tip's orientation
+  std::vector<int> rows_;         // of the six coordinates
+};
+
+}  // namespace breakwater

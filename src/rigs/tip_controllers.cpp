@@ -1,0 +1,226 @@
+#include <breakwater/rigs/tip_controllers.h>
+
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <breakwater/linear/pseudo_inverse.h>
+#include <breakwater/plants/spatial_chain.h>
+#include <breakwater/rigs/arm_parts.h>
+#include <breakwater/sim/named_elements.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kSingularValueFloor = 0.02;
+
+Eigen::Isometry3d frame_of(const mjtNum* position, const mjtNum* quaternion) {
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  frame.linear() =
+      Eigen::Quaterniond(quaternion[0], quaternion[1], quaternion[2], quaternion[3]).matrix();
+  frame.translation() = Eigen::Map<const Eigen::Vector3d>(position);
+  return frame;
+}
+
+// A row of `columns` numbers in an array of the engine.
+const mjtNum* row(const mjtNum* numbers, int index, int columns) {
+  return numbers + static_cast<std::ptrdiff_t>(columns) * index;
+}
+
+// A frame with this x axis.
+Eigen::Matrix3d along(const Eigen::Vector3d& x, const Eigen::Vector3d& across) {
+  Eigen::Matrix3d frame;
+  frame << x, across, x.cross(across);
+  return frame;
+}
+
+// A point of a body, and the geom that touches.
+struct Tip {
+  int body = 0;
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+};
+
+Tip tip_of_site(const Model& model, int site) {
+  return {model->site_bodyid[site],
+          frame_of(row(model->site_pos, site, 3), row(model->site_quat, site, 4))};
+}
+
+Tip tip_of_geom(const Model& model, int geom) {
+  return {model->geom_bodyid[geom],
+          frame_of(row(model->geom_pos, geom, 3), row(model->geom_quat, geom, 4))};
+}
+
+std::vector<SpatialJoint> joints_to(int body, const AxisPlant& plant, const Model& model) {
+  std::vector<int> bodies;
+  for (int one = body; one != 0; one = model->body_parentid[one]) bodies.push_back(one);
+  std::reverse(bodies.begin(), bodies.end());
+  std::vector<SpatialJoint> joints;
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  for (const int one : bodies) {
+    frame = frame * frame_of(row(model->body_pos, one, 3), row(model->body_quat, one, 4));
+    for (int k = 0; k < model->body_jntnum[one]; ++k) {
+      const int id = model->body_jntadr[one] + k;
+      const char* const name = mj_id2name(model.get(), mjOBJ_JOINT, id);
+      const auto axis = std::find_if(plant.axes.begin(), plant.axes.end(), [&](const auto& each) {
+        return name != nullptr && each.axis.joint == name;
+      });
+      const std::string place = "joint " + (name != nullptr ? '"' + std::string(name) + '"'
+                                                            : "number " + std::to_string(id));
+      if (axis == plant.axes.end()) {
+        throw std::invalid_argument(place + " moves the tip and has no axis");
+      }
+      if (!axis->axis.is_driven()) {
+        throw std::invalid_argument(place + " moves the tip and no actuator drives it");
+      }
+      if (axis->transmission.measured_ratio() != 1.0) {
+        throw std::invalid_argument(place + " moves the tip and its encoder is at the motor");
+      }
+      SpatialJoint joint;
+      joint.name = name;
+      joint.frame = std::exchange(frame, Eigen::Isometry3d::Identity());
+      joint.axis = Eigen::Map<const Eigen::Vector3d>(row(model->jnt_axis, id, 3));
+      joint.anchor_m = Eigen::Map<const Eigen::Vector3d>(row(model->jnt_pos, id, 3));
+      joint.slides = model->jnt_type[id] == mjJNT_SLIDE;
+      joint.zero = model->qpos0[model->jnt_qposadr[id]];
+      joint.effort_limit = axis->force_limit();
+      joints.push_back(std::move(joint));
+    }
+  }
+  if (joints.size() != plant.axes.size()) {
+    throw std::invalid_argument("moves the joints of the tip alone, and there are other axes");
+  }
+  return joints;
+}
+
+// The joint that limits the acceleration along the force at the start.
+Eigen::Index limiting_joint(const ArmSetup& arm) {
+  TaskJacobian J(arm.chain.held(), arm.chain.joints());
+  arm.chain.tip_jacobian(arm.task.start_angles_rad, J);
+  Eigen::MatrixXd J_plus(J.cols(), J.rows());
+  damped_pseudo_inverse(J, kSingularValueFloor, J_plus);
+  Eigen::Index joint = 0;
+  J_plus.col(0)
+      .cwiseAbs()
+      .cwiseProduct(arm.acceleration.nominal_inertia_kgm2)
+      .cwiseQuotient(arm.acceleration.torque_limit_Nm)
+      .maxCoeff(&joint);
+  return joint;
+}
+
+// An arm's controller and the keys that a plant adds to it.
+class TipPart final : public PlantControllerKind::Part {
+ public:
+  explicit TipPart(std::unique_ptr<ArmControllerKind::Part> own) : own_(std::move(own)) {}
+
+  void bind(Fields& fields) override {
+    own_->bind(fields);
+    fields.optional_number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
+                           "factor of the force gain: K_f is this value times the reference [1/m]");
+    fields.optional_number("controller.k_posture", k_posture_, not_negative(),
+                           "stiffness to the start angles of the motion that the tip does not "
+                           "feel; its damping is critical [1/s^2]");
+    bind_observer_feed(fields, feed_);
+    fields.standard("observer.feed", {std::string("clipped")});
+  }
+
+  std::unique_ptr<Controller> make(const PlantTask& task,
+                                   std::shared_ptr<DisturbanceEstimator> estimator) const override {
+    return own_->make(setup(task, std::move(estimator)));
+  }
+
+ private:
+  ArmSetup setup(const PlantTask& task, std::shared_ptr<DisturbanceEstimator> estimator) const {
+    if (!task.tip.kinematics) throw std::invalid_argument(task.tip.why_none);
+    if (!estimator) throw WrongKey("observer.name", "needs an estimator for each joint");
+    ArmSetup arm{TipChain(task.tip.kinematics), {}, {}, task.whole.period_s};
+    const Eigen::Index n = arm.chain.joints();
+    AccelerationControlDesign& joints = arm.acceleration;
+    joints.nominal_inertia_kgm2.resize(n);
+    arm.task.start_angles_rad.resize(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const AxisTask& axis = task.axes[static_cast<std::size_t>(i)];
+      joints.nominal_inertia_kgm2(i) = 1.0 / axis.axis.plant.B(1);
+      arm.task.start_angles_rad(i) = axis.reference.at(0.0);
+    }
+    joints.torque_limit_Nm = task.limit;
+    joints.make_observer = [estimator = std::move(estimator)] { return estimator; };
+    joints.feed = feed_;
+    joints.period_s = task.whole.period_s;
+    const Reference& force = task.force.reference;
+    if (!(force.value > 0.0)) {
+      throw WrongKey("force.reference_N", "must be positive: the tip presses on the wall");
+    }
+    arm.task.start_pose = arm.chain.tip_pose(arm.task.start_angles_rad);
+    arm.task.force_control_from_s = force.from_s;
+    arm.task.force_reference_N = force.value;
+    arm.task.convert_gain_N_m = convert_gain_per_m_ * force.value;
+    arm.task.force_lag_s = task.tip.force_lag_s;
+    arm.task.wall_x_m = task.tip.wall_x_m;
+    arm.task.k_posture = k_posture_;
+    arm.task.elbow = limiting_joint(arm);
+    return arm;
+  }
+
+  std::unique_ptr<ArmControllerKind::Part> own_;
+  double convert_gain_per_m_ = 10.0;
+  double k_posture_ = ArmTask().k_posture;
+  ObserverFeed feed_ = ObserverFeed::clipped;
+};
+
+}  // namespace
+
+TipTask tip_task(const AxisPlant& plant, const Model& model) try {
+  TipTask task;
+  if (!plant.tip) throw std::invalid_argument("needs a tip: a table [tip]");
+  const TipSettings& settings = *plant.tip;
+  task.force_lag_s = settings.chain.low_pass_s;
+  std::optional<Tip> touching;
+  double radius_m = 0.0;
+  std::optional<Eigen::Isometry3d> contact;
+  for (const ContactSettings& one : plant.contacts) {
+    if (one.name != settings.contact) continue;
+    const auto [geom, plane] = one.geoms(model);
+    const int ball = geom_id(model, geom), wall = geom_id(model, plane);
+    if (model->geom_type[wall] != mjGEOM_PLANE || model->geom_bodyid[wall] != 0) {
+      throw std::invalid_argument("needs a plane of the world among the geoms of contact \"" +
+                                  one.name + "\": its normal is the direction of the force");
+    }
+    touching = tip_of_geom(model, ball);
+    if (model->geom_type[ball] == mjGEOM_SPHERE) radius_m = model->geom_size[3 * ball];
+    contact = frame_of(row(model->geom_pos, wall, 3), row(model->geom_quat, wall, 4));
+    contact->linear() = along(-contact->linear().col(2), contact->linear().col(1));
+  }
+  const bool has_sensor = settings.sensor != TipSettings::kNone;
+  const Tip tip =
+      has_sensor ? tip_of_site(model, model->sensor_objid[model.id(mjOBJ_SENSOR, settings.sensor)])
+                 : *touching;
+  const std::vector<SpatialJoint> joints = joints_to(tip.body, plant, model);
+  Eigen::VectorXd start(static_cast<Eigen::Index>(joints.size()));
+  for (Eigen::Index i = 0; i < start.size(); ++i) {
+    start(i) = plant.axes[static_cast<std::size_t>(i)].reference.at(0.0);
+  }
+  if (!contact) throw std::invalid_argument("needs tip.contact: a contact with a plane");
+  const auto chain = std::make_shared<SpatialChain>(joints, tip.frame, *contact, start);
+  task.kinematics = chain;
+  if (radius_m > 0.0 && touching->body == tip.body) {
+    const SpatialChain ball(joints, touching->frame, *contact, start);
+    task.wall_x_m = chain->pose(start)(0) - ball.pose(start)(0) - radius_m;
+  }
+  return task;
+} catch (const std::invalid_argument& error) {
+  TipTask none;
+  none.why_none = error.what();
+  return none;
+}
+
+std::vector<PlantControllerKind> tip_controllers(const Catalogue& catalogue) {
+  std::vector<PlantControllerKind> kinds;
+  for (const ArmControllerKind& kind : catalogue.all<ArmControllerKind>()) {
+    kinds.emplace_back(kind.name, kind.help,
+                       [kind] { return std::make_unique<TipPart>(kind.settings()); });
+  }
+  return kinds;
+}
+
+}  // namespace breakwater
