@@ -1,5 +1,6 @@
 #include <breakwater/control/acceleration_control.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -43,12 +44,19 @@ std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal
 AccelerationControl::AccelerationControl(const AccelerationControlDesign& design)
     : nominal_inertia_(checked(design).nominal_inertia_kgm2),
       torque_limit_(design.torque_limit_Nm),
+      mass_matrix_(design.nominal_mass_matrix_kgm2),
+      factor_(mass_matrix_),
+      held_(Eigen::VectorXd::Zero(nominal_inertia_.size())),
+      torque_(held_),
       feed_(design.feed),
       observer_(design.make_observer()),
       fed_torque_(Eigen::VectorXd::Zero(nominal_inertia_.size())),
       start_(Eigen::VectorXd::Zero(2 * nominal_inertia_.size())) {
   if (observer_->state().size() != 2 * joints() || observer_->disturbance().size() != joints()) {
     throw std::invalid_argument("acceleration control: needs an observer of all joints");
+  }
+  if (is_coupled() && (mass_matrix_.rows() != joints() || factor_.info() != Eigen::Success)) {
+    throw std::invalid_argument("acceleration control: the mass matrix is not positive definite");
   }
 }
 
@@ -59,6 +67,9 @@ void AccelerationControl::reset(const Eigen::Ref<const Eigen::VectorXd>& q_rad) 
 
 void AccelerationControl::update(const Eigen::Ref<const Eigen::VectorXd>& measured_q_rad) {
   observer_->update(fed_torque_, measured_q_rad);
+  if (!is_coupled()) return;
+  torque_ = d_hat().cwiseQuotient(nominal_inertia_);
+  held_.noalias() = mass_matrix_ * torque_;
 }
 
 double AccelerationControl::lower_acceleration(Eigen::Index joint) const {
@@ -69,14 +80,37 @@ double AccelerationControl::upper_acceleration(Eigen::Index joint) const {
   return (torque_limit_(joint) - d_hat()(joint)) / nominal_inertia_(joint);
 }
 
+void AccelerationControl::limit(Eigen::Ref<Eigen::VectorXd> a_rad_s2) {
+  if (is_coupled()) {
+    torque_.noalias() = mass_matrix_ * a_rad_s2;
+    for (Eigen::Index i = 0; i < joints(); ++i) {
+      torque_(i) = std::clamp(torque_(i), lower_torque(i), upper_torque(i));
+    }
+    a_rad_s2 = torque_;
+    divide_by_mass(a_rad_s2);
+    return;
+  }
+  for (Eigen::Index i = 0; i < joints(); ++i) {
+    a_rad_s2(i) = std::clamp(a_rad_s2(i), lower_acceleration(i), upper_acceleration(i));
+  }
+}
+
 void AccelerationControl::command(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
                                   Eigen::Ref<Eigen::VectorXd> torque_Nm) {
-  torque_Nm = nominal_inertia_.cwiseProduct(a_rad_s2) + d_hat();
+  if (is_coupled()) {
+    torque_Nm.noalias() = mass_matrix_ * a_rad_s2;
+    torque_Nm += held_;
+  } else {
+    torque_Nm = nominal_inertia_.cwiseProduct(a_rad_s2) + d_hat();
+  }
   if (feed_ == ObserverFeed::clipped) {
     fed_torque_ = torque_Nm.cwiseMax(-torque_limit_).cwiseMin(torque_limit_);
   } else {
     fed_torque_ = torque_Nm;
   }
+  if (!is_coupled()) return;
+  divide_by_mass(fed_torque_);
+  fed_torque_ = fed_torque_.cwiseProduct(nominal_inertia_);
 }
 
 }  // namespace breakwater

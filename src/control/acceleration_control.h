@@ -1,6 +1,7 @@
 // Observer-based acceleration control of independent joints: thesis 2.4.2.1 and 2.4.2.7.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <functional>
 #include <memory>
@@ -19,7 +20,9 @@ enum class ObserverFeed {
 
 struct AccelerationControlDesign {
   Eigen::VectorXd nominal_inertia_kgm2;  ///< diagonal of J_n, n
-  Eigen::VectorXd torque_limit_Nm;       ///< τ_limit, n (Eq. 2.81)
+  /// M_n (n×n) of joints that are coupled; empty: they are independent, and M_n = J_n.
+  Eigen::MatrixXd nominal_mass_matrix_kgm2 = {};
+  Eigen::VectorXd torque_limit_Nm;  ///< τ_limit, n (Eq. 2.81)
   /// Makes an estimator of all joints: x̂ = [q; q̇] (2n), d̂ (n), from torques and measured angles.
   std::function<std::shared_ptr<DisturbanceEstimator>()> make_observer;
   ObserverFeed feed = ObserverFeed::clipped;
@@ -37,11 +40,15 @@ std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal
 ///     τ = J_n a + τ̂_d   (Eq. 2.82; 2.88 and 2.92 must read so too).
 /// Eq. 2.15 is this disturbance for one joint, with the other sign.
 ///
+/// Joints that are coupled have a nominal mass matrix M_n. Then J_n is that of the observers alone.
+/// They get J_n M_n⁻¹ τ as torque, and
+///     τ = M_n (a + J_n⁻¹ τ̂_d).
+///
 /// Each sample: update(q), read the estimates, choose a, then command(a).
 class AccelerationControl {
  public:
-  /// Throws std::invalid_argument if the sizes differ or an inertia or a limit is not positive, and
-  /// as make_observer() does.
+  /// Throws std::invalid_argument if the sizes differ or an inertia or a limit is not positive, if
+  /// M_n is not positive definite, and as make_observer() does.
   explicit AccelerationControl(const AccelerationControlDesign& design);
 
   /// Starts the observer at rest at `q` with no disturbance.
@@ -56,9 +63,20 @@ class AccelerationControl {
   View dq_hat() const { return {observer_->state().data() + joints(), joints()}; }
   View d_hat() const { return observer_->disturbance(); }
 
-  /// Bounds of the acceleration that keep the torque within its limits (Eqs. 2.83, 2.84) [rad/s²].
+  /// Bounds of the acceleration that keep the torque of an independent joint within its limits
+  /// (Eqs. 2.83, 2.84) [rad/s²].
   double lower_acceleration(Eigen::Index joint) const;
   double upper_acceleration(Eigen::Index joint) const;
+  /// The same for coupled joints, as bounds of M_n a (n) [N m].
+  double lower_torque(Eigen::Index joint) const { return -torque_limit_(joint) - held_(joint); }
+  double upper_torque(Eigen::Index joint) const { return torque_limit_(joint) - held_(joint); }
+  /// Makes an acceleration respect the bounds, each by itself.
+  void limit(Eigen::Ref<Eigen::VectorXd> a_rad_s2);
+
+  bool is_coupled() const { return mass_matrix_.size() > 0; }
+  const Eigen::MatrixXd& mass_matrix() const { return mass_matrix_; }
+  /// x becomes M_n⁻¹ x.
+  void divide_by_mass(Eigen::Ref<Eigen::VectorXd> x) const { factor_.solveInPlace(x); }
 
   /// Writes the torque for the acceleration `a`.
   void command(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
@@ -70,6 +88,10 @@ class AccelerationControl {
  private:
   Eigen::VectorXd nominal_inertia_;
   Eigen::VectorXd torque_limit_;
+  Eigen::MatrixXd mass_matrix_;  // M_n of coupled joints
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::VectorXd held_;  // M_n J_n⁻¹ d̂ of coupled joints
+  Eigen::VectorXd torque_;
   ObserverFeed feed_;
   std::shared_ptr<DisturbanceEstimator> observer_;
   Eigen::VectorXd fed_torque_;

@@ -62,6 +62,7 @@ class ArmController : public Controller {
   void publish(Signal signal) { signals_.push_back(std::move(signal)); }
 
   const ArmTask& task() const { return task_; }
+  AccelerationControl& joints() { return acceleration_control_; }
   const AccelerationControl& joints() const { return acceleration_control_; }
   const TipChain& chain() const { return chain_; }
 

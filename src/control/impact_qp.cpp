@@ -50,7 +50,9 @@ const Eigen::VectorXd& ImpactProgram::solve(const State& state) {
     const double lever = std::abs(along(i));
     if (lever * largest_N > state.torque_limit(i)) largest_N = state.torque_limit(i) / lever;
 
-    after_ = -bounce_ * state.mass_kg / state.inertia(i) * along(i) * along.transpose();
+    after_ = (state.recoil != nullptr ? -bounce_ * state.mass_kg * (*state.recoil)(i)
+                                      : -bounce_ * state.mass_kg / state.inertia(i) * along(i)) *
+             along.transpose();
     after_(i) += 1.0;
     const double now = after_.dot(state.dq);
     // The impact's rows are divided by T_p: all rows are accelerations, of similar size.
@@ -66,6 +68,7 @@ const Eigen::VectorXd& ImpactProgram::solve(const State& state) {
     input_.lower.tail(n + 1).setConstant(-kNoBound);
     input_.upper.tail(n + 1).setConstant(kNoBound);
   }
+  if (state.mass_matrix != nullptr) model_.Omega.topRows(n) = *state.mass_matrix;
   solver_.set_matrices(model_.H, model_.Omega);
   solver_.solve(input_, solution_);
   if (solution_.status != QpStatus::solved && solution_.status != QpStatus::inaccurate) {
@@ -109,9 +112,11 @@ double ImpactQp::path_acceleration() {
 void ImpactQp::decide(Eigen::Ref<Eigen::VectorXd> a) {
   PathControl::decide(a);
   if (!force_control_) return;
+  const bool is_coupled = joints().is_coupled();
+  const double mass_kg = effective_mass_kg();
   for (Eigen::Index i = 0; i < a.size(); ++i) {
-    lower_(i) = joints().lower_acceleration(i);
-    upper_(i) = joints().upper_acceleration(i);
+    lower_(i) = is_coupled ? joints().lower_torque(i) : joints().lower_acceleration(i);
+    upper_(i) = is_coupled ? joints().upper_torque(i) : joints().upper_acceleration(i);
   }
   wanted_[0] += along_wanted_;
   const Eigen::Ref<const Eigen::VectorXd> dq(dq_hat_);
@@ -124,7 +129,9 @@ void ImpactQp::decide(Eigen::Ref<Eigen::VectorXd> a) {
        .torque_limit = torque_limit_,
        .lower = lower_,
        .upper = upper_,
-       .mass_kg = effective_mass_kg(),
+       .mass_matrix = is_coupled ? &joints().mass_matrix() : nullptr,
+       .recoil = is_coupled ? &recoil_ : nullptr,
+       .mass_kg = mass_kg,
        .force_limit_N = design_.impact.allowed_N(task().force_reference_N),
        .foresees_impact = !touches() && X_hat_[0] >= task().start_pose[0] + design_.expected_from_m,
        .period_s = period_s_});

@@ -1,6 +1,5 @@
 #include <breakwater/control/implicit_force_pfc.h>
 
-#include <algorithm>
 #include <stdexcept>
 
 namespace breakwater {
@@ -29,10 +28,9 @@ void ImplicitForcePfc::decide(Eigen::Ref<Eigen::VectorXd> a) {
     q_ref_ = task().start_angles_rad;
   }
   for (Eigen::Index i = 0; i < a.size(); ++i) {
-    const double wanted =
-        pfc_[static_cast<std::size_t>(i)].acceleration(q_ref_(i), q_hat_(i), dq_hat_(i));
-    a(i) = std::clamp(wanted, joints().lower_acceleration(i), joints().upper_acceleration(i));
+    a(i) = pfc_[static_cast<std::size_t>(i)].acceleration(q_ref_(i), q_hat_(i), dq_hat_(i));
   }
+  joints().limit(a);
 }
 
 }  // namespace breakwater

@@ -24,6 +24,7 @@ PathControl::PathControl(const TipChain& chain, const AccelerationControlDesign&
       period_s_(acceleration.period_s),
       along_(Eigen::VectorXd::Zero(chain.joints())),
       otherwise_(along_),
+      recoil_(along_),
       wanted_(TipVector::Zero(chain.held())),
       velocity_(wanted_),
       positioning_(design.positioning),
@@ -31,6 +32,7 @@ PathControl::PathControl(const TipChain& chain, const AccelerationControlDesign&
       hold_(design.hold),
       across_(design.across),
       J_plus_(chain.joints(), chain.held()) {
+  share_ = rest_ = along_;
   if (static_cast<Eigen::Index>(joint_pfc_.size()) != chain.joints()) {
     throw std::invalid_argument("path control: needs a PFC for each joint");
   }
@@ -57,9 +59,7 @@ void PathControl::decide(Eigen::Ref<Eigen::VectorXd> a) {
                          : std::clamp(along, -kLargest_m_s2, kLargest_m_s2);
     a = along_ * along + otherwise_;
   }
-  for (Eigen::Index i = 0; i < a.size(); ++i) {
-    a(i) = std::clamp(a(i), joints().lower_acceleration(i), joints().upper_acceleration(i));
-  }
+  joints().limit(a);
 }
 
 // Computes g and r.
@@ -79,12 +79,22 @@ void PathControl::measure_authority() {
   // Finite where no joint limits it, since the log has it.
   upper_ = std::numeric_limits<double>::max();
   lower_ = -upper_;
+  const auto take = [&](double share, double from, double to) {
+    if (std::abs(share) < kSmallestShare) return;
+    lower_ = std::max(lower_, std::min(from / share, to / share));
+    upper_ = std::min(upper_, std::max(from / share, to / share));
+  };
+  if (joints().is_coupled()) {
+    share_.noalias() = joints().mass_matrix() * along_;
+    rest_.noalias() = joints().mass_matrix() * otherwise_;
+  }
   for (Eigen::Index i = 0; i < along_.size(); ++i) {
-    if (std::abs(along_(i)) < kSmallestShare) continue;
-    const double one = (joints().lower_acceleration(i) - otherwise_(i)) / along_(i);
-    const double other = (joints().upper_acceleration(i) - otherwise_(i)) / along_(i);
-    lower_ = std::max(lower_, std::min(one, other));
-    upper_ = std::min(upper_, std::max(one, other));
+    if (joints().is_coupled()) {
+      take(share_(i), joints().lower_torque(i) - rest_(i), joints().upper_torque(i) - rest_(i));
+    } else {
+      take(along_(i), joints().lower_acceleration(i) - otherwise_(i),
+           joints().upper_acceleration(i) - otherwise_(i));
+    }
   }
   is_possible_ = lower_ <= upper_;
   authority_ << std::max(kLeastAuthority_m_s2, is_possible_ ? -lower_ : 0.0),
@@ -103,7 +113,12 @@ void PathControl::follow_contact() {
   if (unloaded_s_ > kLost_s) touches_ = false;
 }
 
-double PathControl::effective_mass_kg() const {
+double PathControl::effective_mass_kg() {
+  if (joints().is_coupled()) {
+    recoil_ = J_.row(0).transpose();
+    joints().divide_by_mass(recoil_);
+    return 1.0 / J_.row(0).dot(recoil_);
+  }
   double recoil = 0.0;
   for (Eigen::Index i = 0; i < inertia_.size(); ++i) recoil += J_(0, i) * J_(0, i) / inertia_(i);
   return 1.0 / recoil;

@@ -41,9 +41,9 @@ class PathControl : public ArmController {
   double contact_x_m() const { return contact_x_m_; }  ///< x̂ at the beginning of the last contact
 
   /// The effective mass of the tip along x, with every joint free to recoil and the nominal
-  /// inertia of the joints:  m = 1/(J_x J_n⁻¹ J_xᵀ) [kg] (Khatib, Int. J. Robotics Research 14
+  /// inertia of the joints:  m = 1/(J_x M_n⁻¹ J_xᵀ) [kg] (Khatib, Int. J. Robotics Research 14
   /// (1995) 19–36).
-  double effective_mass_kg() const;
+  double effective_mass_kg();
 
   static constexpr double kSmallestShare = 1e-6;  ///< smallest |g_i| of a joint that bounds a_x
   static constexpr double kLeastAuthority_m_s2 = 0.3;  ///< lower bound for planning
@@ -52,6 +52,7 @@ class PathControl : public ArmController {
   double period_s_;                      // T_s
   Eigen::VectorXd along_;                // g
   Eigen::VectorXd otherwise_;            // r
+  Eigen::VectorXd recoil_;               // M_n⁻¹ J_xᵀ of coupled joints
   TipVector wanted_;                     // r = J⁺ wanted
   TipVector velocity_;                   // J q̇
   Eigen::Vector2d authority_{0.0, 0.0};  // limits of a_x: to brake and to drive, both positive
@@ -65,6 +66,7 @@ class PathControl : public ArmController {
   std::vector<Pfc> joint_pfc_;
   Pfc hold_, across_;
   Eigen::MatrixXd J_plus_;
+  Eigen::VectorXd share_, rest_;      // M_n g and M_n r of coupled joints
   double lower_ = 0.0, upper_ = 0.0;  // lo and hi
   bool is_possible_ = false;          // lo ≤ hi
   bool touches_ = false;

@@ -176,7 +176,8 @@ void SoftContact::identify_elbow() {
 }
 
 double SoftContact::approach_acceleration() {
-  const bool is_identified = approach_s_ >= kIdentifyFrom_s && velocity_[0] >= kIdentifyFrom_m_s;
+  const bool is_identified =
+      !joints().is_coupled() && approach_s_ >= kIdentifyFrom_s && velocity_[0] >= kIdentifyFrom_m_s;
   const double braking = is_identified ? braking_of_elbow(elbow_inertia_) : authority_(0);
   const double cap = std::max(
       kSlowest_m_s, contact_speed(design_.wall_stiffness_N_m, braking, task().force_lag_s,

@@ -681,6 +681,16 @@ Model AxisPlant::nominal_model() const {
   return model;
 }
 
+Eigen::MatrixXd AxisPlant::mass_matrix() const {
+  const Model model = nominal_model();
+  const Eigen::MatrixXd whole = joint_inertia(model, pose(model));
+  std::vector<Eigen::Index> rates;
+  for (const AxisSettings& one : axes) {
+    rates.push_back(model->jnt_dofadr[model.id(mjOBJ_JOINT, one.axis.joint)]);
+  }
+  return whole(rates, rates);
+}
+
 std::vector<double> AxisPlant::pose(const Model& model) const {
   const mjtNum* pose = model->qpos0;
   if (keyframe != Axis::kNone) {

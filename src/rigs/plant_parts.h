@@ -22,6 +22,7 @@ struct TipTask {
   std::shared_ptr<const TipKinematics>
       kinematics;  ///< null: there is none, and `why_none` says why
   std::string why_none = {};
+  Eigen::MatrixXd mass_matrix_kgm2;                           ///< nominal, at the start
   double force_lag_s = 0.0;                                   ///< as in ArmTask
   double wall_x_m = std::numeric_limits<double>::infinity();  ///< as in ArmTask
 };

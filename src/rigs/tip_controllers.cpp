@@ -51,12 +51,14 @@ Tip tip_of_geom(const Model& model, int geom) {
           frame_of(row(model->geom_pos, geom, 3), row(model->geom_quat, geom, 4))};
 }
 
-std::vector<SpatialJoint> joints_to(int body, const AxisPlant& plant, const Model& model) {
+// The joints from the world to a body. Its `frame` in the last moving link is set.
+std::vector<SpatialJoint> joints_to(int body, const AxisPlant& plant, const Model& model,
+                                    Eigen::Isometry3d& frame) {
   std::vector<int> bodies;
   for (int one = body; one != 0; one = model->body_parentid[one]) bodies.push_back(one);
   std::reverse(bodies.begin(), bodies.end());
   std::vector<SpatialJoint> joints;
-  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  frame.setIdentity();
   for (const int one : bodies) {
     frame = frame * frame_of(row(model->body_pos, one, 3), row(model->body_quat, one, 4));
     for (int k = 0; k < model->body_jntnum[one]; ++k) {
@@ -143,6 +145,7 @@ class TipPart final : public PlantControllerKind::Part {
       joints.nominal_inertia_kgm2(i) = 1.0 / axis.axis.plant.B(1);
       arm.task.start_angles_rad(i) = axis.reference.at(0.0);
     }
+    joints.nominal_mass_matrix_kgm2 = task.tip.mass_matrix_kgm2;
     joints.torque_limit_Nm = task.limit;
     joints.make_observer = [estimator = std::move(estimator)] { return estimator; };
     joints.feed = feed_;
@@ -195,16 +198,18 @@ TipTask tip_task(const AxisPlant& plant, const Model& model) try {
   const Tip tip =
       has_sensor ? tip_of_site(model, model->sensor_objid[model.id(mjOBJ_SENSOR, settings.sensor)])
                  : *touching;
-  const std::vector<SpatialJoint> joints = joints_to(tip.body, plant, model);
+  Eigen::Isometry3d body;
+  const std::vector<SpatialJoint> joints = joints_to(tip.body, plant, model, body);
   Eigen::VectorXd start(static_cast<Eigen::Index>(joints.size()));
   for (Eigen::Index i = 0; i < start.size(); ++i) {
     start(i) = plant.axes[static_cast<std::size_t>(i)].reference.at(0.0);
   }
   if (!contact) throw std::invalid_argument("needs tip.contact: a contact with a plane");
-  const auto chain = std::make_shared<SpatialChain>(joints, tip.frame, *contact, start);
+  const auto chain = std::make_shared<SpatialChain>(joints, body * tip.frame, *contact, start);
   task.kinematics = chain;
+  task.mass_matrix_kgm2 = plant.mass_matrix();
   if (radius_m > 0.0 && touching->body == tip.body) {
-    const SpatialChain ball(joints, touching->frame, *contact, start);
+    const SpatialChain ball(joints, body * touching->frame, *contact, start);
     task.wall_x_m = chain->pose(start)(0) - ball.pose(start)(0) - radius_m;
   }
   return task;
