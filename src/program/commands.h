@@ -3,16 +3,21 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <string>
 
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/command_kind.h>
+#include <breakwater/plants/mjcf_tree.h>
 #include <breakwater/shell/process.h>
 
 namespace breakwater {
 
 /// All commands of a complete program.
 std::vector<CommandKind> all_commands(const Catalogue& catalogue);
+
+/// Copies the files of a model's assets into FOLDER/assets, and names them there.
+void bring_assets(MjcfElement& root, const std::filesystem::path& folder);
 
 /// `convert`: writes a model file of MuJoCo 3 for MuJoCo 2.2. Exit status 3 if something was
 /// dropped.

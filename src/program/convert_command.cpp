@@ -20,33 +20,6 @@ namespace {
 
 using Loss = MjcfChange::Loss;
 
-// Copies the files of assets into DIR/assets, and names them there.
-void bring_assets(MjcfElement& root, const fs::path& out) {
-  std::map<std::string, std::string> copies;  // old and new names
-  std::set<std::string> taken;
-  for_each_section(root, "asset", [&](MjcfElement& assets) {
-    for (MjcfElement& asset : assets.children) {
-      for (auto& [attribute, value] : asset.attributes) {
-        if (!attribute.starts_with("file")) continue;
-        auto [copy, is_new] = copies.try_emplace(value);
-        if (is_new) {
-          const fs::path file = value;
-          // The engine names a mesh by its file.
-          if (!asset.has("name")) asset.set("name", file.stem().string());
-          std::string name = file.filename().string();
-          for (int i = 2; !taken.insert(name).second; ++i) {
-            name = fmt::format("{}-{}{}", file.stem().string(), i, file.extension().string());
-          }
-          copy->second = "assets/" + name;
-          fs::create_directories(out / "assets");
-          fs::copy_file(file, out / copy->second, fs::copy_options::overwrite_existing);
-        }
-        value = copy->second;
-      }
-    }
-  });
-}
-
 int convert(const std::string& file, const std::string& folder) {
   ConvertedMjcf converted = convert_mjcf(file, ModelFile::kMostElements);
   const fs::path out = folder;
@@ -78,6 +51,32 @@ int convert(const std::string& file, const std::string& folder) {
 }
 
 }  // namespace
+
+void bring_assets(MjcfElement& root, const fs::path& folder) {
+  std::map<std::string, std::string> copies;  // old and new names
+  std::set<std::string> taken;
+  for_each_section(root, "asset", [&](MjcfElement& assets) {
+    for (MjcfElement& asset : assets.children) {
+      for (auto& [attribute, value] : asset.attributes) {
+        if (!attribute.starts_with("file")) continue;
+        auto [copy, is_new] = copies.try_emplace(value);
+        if (is_new) {
+          const fs::path file = value;
+          // The engine names a mesh by its file.
+          if (!asset.has("name")) asset.set("name", file.stem().string());
+          std::string name = file.filename().string();
+          for (int i = 2; !taken.insert(name).second; ++i) {
+            name = fmt::format("{}-{}{}", file.stem().string(), i, file.extension().string());
+          }
+          copy->second = "assets/" + name;
+          fs::create_directories(folder / "assets");
+          fs::copy_file(file, folder / copy->second, fs::copy_options::overwrite_existing);
+        }
+        value = copy->second;
+      }
+    }
+  });
+}
 
 int convert_main(const Catalogue&, int argc, const char* const* argv) {
   const std::string program = own_program_name() + " convert";

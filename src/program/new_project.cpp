@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <functional>
 #include <map>
 #include <sstream>
 #include <stdexcept>
@@ -18,6 +19,7 @@
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/sim/robot_scene.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -99,8 +101,29 @@ std::string how_to_build(const fs::path& templates, const fs::path& out) {
              is_found ? "" : fmt::format("CMAKE_PREFIX_PATH={} ", shell_word(prefix.string())));
 }
 
+// Writes the robot's model and its axes into a project of the template robot.
+void add_robot(const fs::path& project, const std::string& name, const std::string& mjcf,
+               const std::string& tip) {
+  RobotScene scene = robot_before_wall(mjcf, tip);
+  bring_assets(scene.root, project);
+  write_text_file((project / (name + ".xml")).string(), mjcf_text(scene.root));
+  std::string axes;
+  for (const std::string& joint : scene.joints) {
+    const bool is_word = std::all_of(joint.begin(), joint.end(), [](unsigned char c) {
+      return std::isalnum(c) != 0 || c == '_';
+    });
+    if (!is_word) {
+      throw std::invalid_argument(mjcf + ": joint \"" + joint +
+                                  "\" moves the tip and needs a name of letters, digits and _");
+    }
+    axes += fmt::format("[axis.{0}]\njoint = \"{0}\"\n", joint);
+  }
+  const fs::path settings = project / (name + ".toml");
+  write_text_file(settings.string(), replaced(bytes_of(settings), "AXES\n", axes));
+}
+
 int new_project(const Catalogue& catalogue, const std::string& kind, const std::string& name,
-                const std::string& folder) {
+                const std::string& folder, const std::string& mjcf, const std::string& tip) {
   const fs::path templates = data_file("templates");
   const auto kinds = kinds_of_projects(templates);
   const auto from = kinds.find(kind);
@@ -110,8 +133,15 @@ int new_project(const Catalogue& catalogue, const std::string& kind, const std::
     throw std::invalid_argument("new: KIND " + must_be_one_of(names, kind));
   }
   check_project_name(catalogue, name);
+  const bool is_robot = kind == "robot";
+  if (is_robot == mjcf.empty()) {
+    throw std::invalid_argument(is_robot ? "new: robot needs --mjcf FILE"
+                                         : "new: --mjcf is for a robot");
+  }
   const fs::path out = folder.empty() ? name : folder;
-  make_project(from->second, name, out);
+  make_project(from->second, name, out, [&](const fs::path& project) {
+    if (is_robot) add_robot(project, name, mjcf, tip);
+  });
   const bool has_code = fs::exists(out / "main.cpp");
   fmt::print(
       "a new {0}: {1}\n\n"
@@ -159,7 +189,8 @@ void check_project_name(const Catalogue& catalogue, const std::string& name) {
   }
 }
 
-void make_project(const std::vector<fs::path>& from, const std::string& name, const fs::path& out) {
+void make_project(const std::vector<fs::path>& from, const std::string& name, const fs::path& out,
+                  const std::function<void(const fs::path&)>& complete) {
   fs::path folder = fs::absolute(out).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   if (fs::symlink_status(folder).type() != fs::file_type::not_found) {
@@ -177,6 +208,7 @@ void make_project(const std::vector<fs::path>& from, const std::string& name, co
       fs::create_directories((partial / file).parent_path());
       write_text_file((partial / file).string(), text);
     }
+    if (complete) complete(partial);
     fs::rename(partial, folder);
   } catch (...) {
     std::error_code ignored;
@@ -195,15 +227,19 @@ int new_project_main(const Catalogue& catalogue, int argc, const char* const* ar
     std::string out;
     app.add_option("KIND", kind,
                    "controller or observer (C++); plant or scenario (an MJCF and a scenario\n"
-                   "file, without C++)")
+                   "file, without C++); robot (the same, of a robot's MJCF before a wall)")
         ->required();
     app.add_option("NAME", name, "what it is called: [a-z][a-z0-9_]*")->required();
     app.add_option("--out", out, "the project's folder (default: NAME)")->type_name("DIR");
+    std::string mjcf;
+    std::string tip;
+    app.add_option("--mjcf", mjcf, "a robot's model file")->type_name("FILE");
+    app.add_option("--tip", tip, "site or body of the robot that presses on the wall");
     app.footer(
         "The folder has CMakeLists.txt, presets, a scenario file, tests and a README.md, and C++\n"
         "or an MJCF that works. Exit status: 0 success, 1 a defect, 2 usage or input.");
     if (const auto status = parse(app, argc, argv)) return *status;
-    return new_project(catalogue, kind, name, out);
+    return new_project(catalogue, kind, name, out, mjcf, tip);
   });
 }
 

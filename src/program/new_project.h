@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -24,8 +25,9 @@ std::map<std::string, std::vector<std::filesystem::path>> kinds_of_projects(
 /// the files, my_FOLDER of each folder ("my_controller") becomes `name`. Likewise MyController
 /// becomes "Name" and MY_CONTROLLER "NAME". On an error no folder is left. Throws
 /// std::invalid_argument if `out` exists, its parent does not, or two files would have the same
-/// name; OutputError.
+/// name; OutputError. `complete` may add files to the folder, and may be empty.
 void make_project(const std::vector<std::filesystem::path>& from, const std::string& name,
-                  const std::filesystem::path& out);
+                  const std::filesystem::path& out,
+                  const std::function<void(const std::filesystem::path&)>& complete);
 
 }  // namespace breakwater

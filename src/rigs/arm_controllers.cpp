@@ -10,6 +10,14 @@
 namespace breakwater {
 namespace {
 
+// A number for each of `size`, from these or from the only one.
+std::vector<double> spread(const char* key, const std::vector<double>& numbers, Eigen::Index size,
+                           const std::string& otherwise) {
+  if (numbers.size() == 1) return std::vector<double>(static_cast<std::size_t>(size), numbers[0]);
+  if (numbers.size() != static_cast<std::size_t>(size)) throw WrongKey(key, otherwise);
+  return numbers;
+}
+
 // The settings of the PFC, and of the positioning before force control.
 struct PfcSettings {
   Positioning positioning = Positioning::joint;
@@ -23,7 +31,7 @@ struct PfcSettings {
         {{"joint", Positioning::joint}, {"workspace", Positioning::workspace}},
         "hold of the start pose before force control: each joint, or the tip (workspace)");
     fields.numbers("controller.t_ref_s", t_ref_s, positive(),
-                   "target response time of each joint's PFC [s]");
+                   "target response time of each joint's PFC, or one for all [s]");
     fields.count("controller.coincidence_points", coincidence_points, between(1, 100),
                  "n: number of coincidence points of the PFC");
     fields.count("controller.basis_functions", basis_functions, between(1, 3),
@@ -32,20 +40,19 @@ struct PfcSettings {
   PfcDesign design(double response_time_s, double period_s) const {
     return {response_time_s, period_s, coincidence_points, basis_functions};
   }
-  std::vector<PfcDesign> joints(double period_s) const {
+  std::vector<PfcDesign> joints(const ArmSetup& arm) const {
     std::vector<PfcDesign> designs;
-    for (const double response_time_s : t_ref_s) {
-      designs.push_back(design(response_time_s, period_s));
+    for (const double response_time_s :
+         spread("controller.t_ref_s", t_ref_s, arm.chain.joints(),
+                "must have one entry for each of the " + std::to_string(arm.chain.joints()) +
+                    " joints, or one for all")) {
+      designs.push_back(design(response_time_s, arm.period_s));
     }
     return designs;
   }
   void check(const ArmSetup& arm) const {
-    if (t_ref_s.size() != static_cast<std::size_t>(arm.chain.joints())) {
-      throw WrongKey("controller.t_ref_s", "must have one entry for each of the " +
-                                               std::to_string(arm.chain.joints()) + " joints");
-    }
     blame("controller.t_ref_s", [&] {
-      for (const PfcDesign& joint : joints(arm.period_s)) Pfc pfc(joint);
+      for (const PfcDesign& joint : joints(arm)) Pfc pfc(joint);
     });
   }
 };
@@ -56,10 +63,16 @@ struct ProposedSettings {
   double ik_damping = 0.0;
   LmForm ik_form = LmForm::printed;
 
-  LmDesign inverse_kinematics() const {
+  LmDesign inverse_kinematics(const ArmSetup& arm) const {
+    std::string names;
+    for (const TipCoordinate& one : arm.chain.coordinates()) {
+      names += (names.empty() ? "" : ", ") + one.name;
+    }
+    const std::vector<double> weights =
+        spread("controller.ik_weights", ik_weights, arm.chain.held(),
+               "must have a number for each of " + names + ", which the arm can hold, or one");
     LmDesign design;
-    design.weights = Eigen::Map<const Eigen::VectorXd>(
-        ik_weights.data(), static_cast<Eigen::Index>(ik_weights.size()));
+    design.weights = Eigen::Map<const Eigen::VectorXd>(weights.data(), arm.chain.held());
     design.damping = ik_damping;
     design.form = ik_form;
     return design;
@@ -82,23 +95,16 @@ void bind_proposed(Fields& fields, ProposedSettings& settings) {
 }
 
 void check_proposed(const ProposedSettings& settings, const ArmSetup& arm) {
-  const std::vector<TipCoordinate>& held = arm.chain.coordinates();
-  if (settings.ik_weights.size() != held.size()) {
-    std::string names;
-    for (const TipCoordinate& one : held) names += (names.empty() ? "" : ", ") + one.name;
-    throw WrongKey("controller.ik_weights",
-                   "must have a number for each of " + names + ": the arm can hold these");
-  }
   settings.pfc.check(arm);
   blame("controller.ik_form",
-        [&] { LmInverseKinematics(settings.inverse_kinematics(), arm.chain.joints()); });
+        [&] { LmInverseKinematics(settings.inverse_kinematics(arm), arm.chain.joints()); });
 }
 
 std::unique_ptr<Controller> make_proposed(const ProposedSettings& settings, const ArmSetup& arm) {
   check_proposed(settings, arm);
   return std::make_unique<ImplicitForcePfc>(
       arm.chain, arm.acceleration, arm.task,
-      ImplicitForcePfcDesign{settings.pfc.joints(arm.period_s), settings.inverse_kinematics(),
+      ImplicitForcePfcDesign{settings.pfc.joints(arm), settings.inverse_kinematics(arm),
                              settings.pfc.positioning});
 }
 
@@ -142,8 +148,7 @@ struct PathSettings {
   }
   PathDesign design(const ArmSetup& arm) const {
     pfc.check(arm);
-    return {pfc.positioning, pfc.joints(arm.period_s),
-            design_of("controller.t_hold_s", hold_s, arm),
+    return {pfc.positioning, pfc.joints(arm), design_of("controller.t_hold_s", hold_s, arm),
             design_of("controller.t_across_s", across_s, arm)};
   }
 };

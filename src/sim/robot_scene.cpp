@@ -1,0 +1,227 @@
+#include <breakwater/sim/robot_scene.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+
+#include <breakwater/sim/mjcf_conversion.h>
+#include <breakwater/sim/model.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kRadius_m = 0.01;
+constexpr double kGap_m = 0.05;
+constexpr double kLever_m = 0.3;  // of a turn, where it counts beside a motion
+constexpr int kPoses = 1000;
+constexpr double kSmall = 1e-3;  // share of the largest value that counts as none
+
+// The body and the place of the tip.
+struct TipPlace {
+  int body = 0;
+  int site = -1;  // -1: the body's frame
+};
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string name_in(const Model& model, mjtObj kind, int id) {
+  const char* const name = mj_id2name(model.get(), kind, id);
+  return name != nullptr ? name : "";
+}
+
+TipPlace find_tip(const Model& model, const std::string& tip) {
+  const auto site_at = [&](int site) { return TipPlace{model->site_bodyid[site], site}; };
+  if (!tip.empty()) {
+    if (model.has(mjOBJ_SITE, tip)) return site_at(model.id(mjOBJ_SITE, tip));
+    if (model.has(mjOBJ_BODY, tip)) return {model.id(mjOBJ_BODY, tip), -1};
+  }
+  std::vector<std::string> sites, ends;
+  std::vector<int> bodies;
+  for (int i = 0; i < model->nsite; ++i) sites.push_back(name_in(model, mjOBJ_SITE, i));
+  for (int i = 1; i < model->nbody; ++i) {
+    const auto* const parents = model->body_parentid;
+    if (std::find(parents, parents + model->nbody, i) != parents + model->nbody) continue;
+    ends.push_back(name_in(model, mjOBJ_BODY, i));
+    bodies.push_back(i);
+  }
+  if (tip.empty() && sites.size() == 1) return site_at(0);
+  if (tip.empty() && sites.empty() && bodies.size() == 1) return {bodies.front(), -1};
+  throw std::invalid_argument(
+      (tip.empty() ? "--tip: is needed"
+                   : "--tip: " + model.file() + " has no site or body \"" + tip + '"') +
+      (sites.empty() ? "; its last bodies are " + joined(ends)
+                     : "; its sites are " + joined(sites)));
+}
+
+// Position (3), rotation (3×3) and Jacobian (6×n) of the tip in the pose of the data.
+struct TipMotion {
+  Eigen::Vector3d position;
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation;
+  Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> jacobian;
+};
+
+TipMotion motion_of(const Model& model, mjData& data, const TipPlace& tip,
+                    const std::vector<int>& joints) {
+  mj_kinematics(model.get(), &data);
+  mj_comPos(model.get(), &data);
+  TipMotion motion;
+  const bool is_site = tip.site >= 0;
+  const mjtNum* position = is_site ? data.site_xpos + 3 * tip.site : data.xpos + 3 * tip.body;
+  motion.position = Eigen::Map<const Eigen::Vector3d>(position);
+  motion.rotation = Eigen::Map<const decltype(motion.rotation)>(
+      is_site ? data.site_xmat + 9 * tip.site : data.xmat + 9 * tip.body);
+  decltype(motion.jacobian) whole(6, model->nv);
+  mj_jac(model.get(), &data, whole.data(), whole.data() + 3 * model->nv, position, tip.body);
+  motion.jacobian.resize(6, static_cast<Eigen::Index>(joints.size()));
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    motion.jacobian.col(static_cast<Eigen::Index>(i)) = whole.col(model->jnt_dofadr[joints[i]]);
+  }
+  return motion;
+}
+
+// The singular values of the Jacobian, the largest first.
+Eigen::VectorXd singular_values(TipMotion motion) {
+  motion.jacobian.bottomRows<3>() *= kLever_m;
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(motion.jacobian).singularValues();
+}
+
+// Sets the pose of the joints to that with the largest manipulability: the product of the singular
+// values, but of those that are 0 in every pose.
+void choose_pose(const Model& model, mjData& data, const TipPlace& tip,
+                 const std::vector<int>& joints) {
+  const std::vector<mjtNum> first(data.qpos, data.qpos + model->nq);
+  std::vector<mjtNum> best = first;
+  double most = -1.0;
+  Eigen::Index rank = 0;
+  // Kronecker's sequence with the roots of x^(n + 1) = x + 1 covers the ranges evenly.
+  double root = 2.0;
+  for (int i = 0; i < 100; ++i) {
+    root = std::pow(1.0 + root, 1.0 / (1.0 + static_cast<double>(joints.size())));
+  }
+  for (int pose = 0; pose < kPoses; ++pose) {
+    double step = 1.0;
+    for (const int joint : joints) {
+      step /= root;
+      const double share = 0.25 + 0.5 * std::fmod(0.5 + pose * step, 1.0);
+      const mjtNum* range = model->jnt_range + 2 * joint;
+      const bool is_limited = model->jnt_limited[joint] != 0;
+      const double middle = first[static_cast<std::size_t>(model->jnt_qposadr[joint])];
+      data.qpos[model->jnt_qposadr[joint]] =
+          is_limited ? range[0] + share * (range[1] - range[0]) : middle + 4.0 * (share - 0.5);
+    }
+    const Eigen::VectorXd values = singular_values(motion_of(model, data, tip, joints));
+    const Eigen::Index now = (values.array() > kSmall * values(0)).count();
+    const double reached = values.head(now).prod();
+    if (now < rank || (now == rank && !(reached > (1.0 + kSmall) * most))) continue;
+    mj_collision(model.get(), &data);
+    if (data.ncon > 0) continue;
+    rank = now;
+    most = reached;
+    best.assign(data.qpos, data.qpos + model->nq);
+  }
+  std::copy(best.begin(), best.end(), data.qpos);
+}
+
+// The body's element that is or has the tip.
+MjcfElement* find_body(MjcfElement& world, const Model& model, const TipPlace& tip) {
+  const bool is_site = tip.site >= 0;
+  const std::string name =
+      is_site ? name_in(model, mjOBJ_SITE, tip.site) : name_in(model, mjOBJ_BODY, tip.body);
+  MjcfElement* found = nullptr;
+  for_each_in_body(world, "", [&](MjcfElement& element, MjcfElement& parent, const std::string&) {
+    if (element.name == (is_site ? "site" : "body") && element.text("name") == name) {
+      found = is_site ? &parent : &element;
+    }
+  });
+  return found;
+}
+
+MjcfElement geom(const std::string& name, const std::string& type) {
+  MjcfElement element;
+  element.name = "geom";
+  element.attributes = {{"name", name},   {"type", type},       {"mass", "0"},
+                        {"contype", "0"}, {"conaffinity", "0"}, {"group", "2"}};
+  return element;
+}
+
+}  // namespace
+
+RobotScene robot_before_wall(const std::string& file, const std::string& tip_name) {
+  RobotScene scene;
+  scene.root = convert_mjcf(file, ModelFile::kMostElements).root;
+  const Model model = Model::load(file);
+  const TipPlace tip = find_tip(model, tip_name);
+  std::vector<int> joints;
+  for (int body = tip.body; body != 0; body = model->body_parentid[body]) {
+    for (int k = model->body_jntnum[body] - 1; k >= 0; --k) {
+      joints.push_back(model->body_jntadr[body] + k);
+    }
+  }
+  std::reverse(joints.begin(), joints.end());
+  if (joints.empty()) throw std::invalid_argument(file + ": no joint moves the tip");
+  for (const int joint : joints) {
+    scene.joints.push_back(name_in(model, mjOBJ_JOINT, joint));
+    if (scene.joints.back().empty()) {
+      throw std::invalid_argument(file + ": joint number " + std::to_string(joint + 1) +
+                                  " moves the tip and needs a name");
+    }
+  }
+  const DataPointer data = model.make_data();
+  if (model.has(mjOBJ_KEY, "home")) {
+    mj_resetDataKeyframe(model.get(), data.get(), model.id(mjOBJ_KEY, "home"));
+  } else {
+    mj_resetData(model.get(), data.get());
+    choose_pose(model, *data, tip, joints);
+  }
+  const TipMotion motion = motion_of(model, *data, tip, joints);
+
+  const double most = motion.jacobian.topRows<3>().norm();
+  Eigen::Vector3d towards = Eigen::Vector3d::Zero();
+  for (const int axis : {2, 0, 1}) {
+    const Eigen::Vector3d along = motion.rotation.col(axis);
+    if ((along.transpose() * motion.jacobian.topRows<3>()).norm() < 0.1 * most) continue;
+    towards = along;
+    break;
+  }
+  MjcfElement ball = geom(RobotScene::kTip, "sphere");
+  const std::vector<double> size = {kRadius_m};
+  ball.set("size", size);
+  if (tip.site >= 0) {
+    ball.set("pos", std::span<const double>(model->site_pos + 3 * tip.site, 3));
+  }
+  ball.set("rgba", "0.86 0.16 0.14 1");
+  MjcfElement wall = geom(RobotScene::kWall, "plane");
+  const Eigen::Vector3d place = motion.position + (kGap_m + kRadius_m) * towards;
+  const Eigen::Vector3d normal = -towards;
+  wall.set("size", "0.15 0.15 0.01");
+  wall.set("pos", std::span<const double>(place.data(), 3));
+  wall.set("zaxis", std::span<const double>(normal.data(), 3));
+  wall.set("rgba", "0.56 0.60 0.65 0.8");
+  MjcfElement key;
+  key.name = "key";
+  key.set("name", RobotScene::kStart);
+  key.set("qpos", std::span<const double>(data->qpos, static_cast<std::size_t>(model->nq)));
+  bool has_body = false;
+  for_each_section(scene.root, "worldbody", [&](MjcfElement& world) {
+    MjcfElement* const body = find_body(world, model, tip);
+    if (body == nullptr) return;
+    has_body = true;
+    body->children.push_back(ball);
+  });
+  if (!has_body) throw std::invalid_argument(file + ": the body of the tip needs a name");
+  for (auto& [section, element] : {std::pair("worldbody", &wall), std::pair("keyframe", &key)}) {
+    MjcfElement added;
+    added.name = section;
+    added.children.push_back(*element);
+    scene.root.children.push_back(std::move(added));
+  }
+  return scene;
+}
+
+}  // namespace breakwater
