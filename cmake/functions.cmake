@@ -27,7 +27,9 @@ function(breakwater_scenario target name)
   cmake_parse_arguments(SCENARIO "" "" "SOURCES" ${ARGN})
   set(folder ${CMAKE_CURRENT_SOURCE_DIR}/${name})
   list(TRANSFORM SCENARIO_SOURCES PREPEND ${folder}/)
-  target_sources(${target} PRIVATE ${folder}/${name}.cpp ${SCENARIO_SOURCES})
+  if(EXISTS ${folder}/${name}.cpp)  # a file of plant has none
+    target_sources(${target} PRIVATE ${folder}/${name}.cpp ${SCENARIO_SOURCES})
+  endif()
   # Breakwater's own programs find their data from their own location, so no installed program reads
   # the tree.
   if(NOT PROJECT_NAME STREQUAL "Breakwater")

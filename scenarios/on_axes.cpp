@@ -21,7 +21,11 @@ Catalogue axes_catalogue() {
   catalogue.add(motor_estimation());
   catalogue.add(two_inertia());
   catalogue.add(scenario_kind<ImpactTest>("impact_test"));
-  catalogue.add(scenario_kind<Plant>("plant"));
+  catalogue.add(plant_kind("plant",
+                           "any plant of hinges and slides, described by its MJCF and a "
+                           "TOML file"));
+  catalogue.add(
+      plant_kind("robot_wall_contact", "force control of a seven-joint arm against a wall"));
   for (ArmControllerKind& kind : arm_controllers()) catalogue.add(std::move(kind));
   for (ContactLawKind& kind : contact_laws()) catalogue.add(std::move(kind));
   for (FrictionKind& kind : friction_laws()) catalogue.add(std::move(kind));

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <breakwater/experiment/catalogue.h>
@@ -16,13 +17,15 @@ namespace breakwater {
 /// own reference, disturbance, estimator and controller, or one controller drives all axes.
 class Plant final : public LoopScenario {
  public:
-  explicit Plant(const Catalogue& catalogue)
-      : catalogue_(with_none(catalogue)), plant_(catalogue_), parts_(catalogue_) {}
+  Plant(const Catalogue& catalogue, std::string name, std::string summary)
+      : catalogue_(with_none(catalogue)),
+        plant_(catalogue_),
+        parts_(catalogue_),
+        name_(std::move(name)),
+        summary_(std::move(summary)) {}
 
-  std::string name() const override { return "plant"; }
-  std::string summary() const override {
-    return "any plant of hinges and slides, described by its MJCF and a TOML file";
-  }
+  std::string name() const override { return name_; }
+  std::string summary() const override { return summary_; }
   void learn(const Config& config) override;
   Fields fields() override;
   void check(const Config& config) override;
@@ -44,8 +47,17 @@ class Plant final : public LoopScenario {
   Catalogue catalogue_;
   AxisPlant plant_;
   PlantParts parts_;
+  std::string name_;
+  std::string summary_;
   std::vector<AxisParts> axis_parts_;  // in the order of the axes
   std::vector<std::string> warnings_;
 };
+
+/// A scenario that is a file of this class.
+inline ScenarioKind plant_kind(const std::string& name, const std::string& summary) {
+  return {name, [=](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+            return std::make_unique<Plant>(catalogue, name, summary);
+          }};
+}
 
 }  // namespace breakwater

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <any>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <typeindex>
@@ -19,7 +20,7 @@ struct ScenarioKind {
   static constexpr const char* kWhat = "scenario";
 
   std::string name;
-  std::unique_ptr<Scenario> (*make)(const Catalogue&);
+  std::function<std::unique_ptr<Scenario>(const Catalogue&)> make;
   /// The folder of NAME.toml, shots.toml and its own models. If it is empty or missing, look_for()
   /// finds each of them as scenarios/NAME/FILE.
   std::filesystem::path folder = {};
