@@ -71,7 +71,7 @@ TEST_F(ArmControllers, HpfcFollowsEqs289To291) {
     Hpfc hpfc(chain_, acceleration_, task_, design);
     update(hpfc, time_s, 0.5);
     const Eigen::Vector3d q = signal(hpfc, "q_hat_rad"), dq = signal(hpfc, "dq_hat_rad_s");
-    TipJacobian J;
+    TaskJacobian J(3, 3);
     chain_.tip_jacobian(q, J);
     const Eigen::Matrix3d J_plus = Eigen::Matrix3d(J).inverse();  // nonsingular here
     const bool force_control = time_s > 1.0;
@@ -89,7 +89,7 @@ TEST_F(ArmControllers, DracGivesTheTipTheResolvedAcceleration) {
   Drac drac(chain_, acceleration_, task_, {15.0, 0.0, 0.02});
   update(drac, 2.0, 0.5);
   const Eigen::Vector3d q = signal(drac, "q_hat_rad"), dq = signal(drac, "dq_hat_rad_s");
-  TipJacobian J;
+  TaskJacobian J(3, 3);
   chain_.tip_jacobian(q, J);
   const Eigen::Vector3d acceleration =
       J * signal(drac, "ddq_ref_rad_s2") + chain_.tip_bias_acceleration(q, dq);
@@ -104,9 +104,9 @@ TEST_F(ArmControllers, ProposedChainsItsParts) {
   update(proposed, 2.0, 0.5);
   const Eigen::Vector3d q = signal(proposed, "q_hat_rad"), dq = signal(proposed, "dq_hat_rad_s");
   EXPECT_NEAR(signal(proposed, "x_ref_m")(0), chain_.tip_pose(q)[0] + 1.5 / 20.0, 1e-15);
-  TipJacobian J;
+  TaskJacobian J(3, 3);
   chain_.tip_jacobian(q, J);
-  TipPose error = task_.start_pose - chain_.tip_pose(q);
+  TipVector error = task_.start_pose - chain_.tip_pose(q);
   error[0] = 1.5 / 20.0;
   LmInverseKinematics ik({}, 3);
   const Eigen::Vector3d q_ref = q + ik.step(J, error);

@@ -24,9 +24,9 @@ TEST(LmInverseKinematics, SolvesItsNormalEquations) {
   LmInverseKinematics ik(design, 3);
   const PlanarChain arm = chain_of(3);
   for (int trial = 0; trial < 100; ++trial) {
-    TipJacobian J;
+    TaskJacobian J(3, 3);
     arm.tip_jacobian(random.vector(3, 3.0), J);
-    const TipPose X_e = 0.1 * random.vector(3);
+    const TipVector X_e = 0.1 * random.vector(3);
     const Eigen::Vector3d step = ik.step(J, X_e);
     if (step.cwiseAbs().maxCoeff() >= design.step_limit_rad) continue;
     const Eigen::Matrix3d W_e = design.weights.asDiagonal();
@@ -40,8 +40,8 @@ TEST(LmInverseKinematics, SolvesItsNormalEquations) {
 
 // Repeats the step, as the position loop does, until the tip stops.
 double error_after(LmInverseKinematics& ik, const PlanarChain& chain, Eigen::VectorXd q,
-                   const TipPose& goal, int iterations) {
-  TipJacobian J;
+                   const TipVector& goal, int iterations) {
+  TaskJacobian J(3, chain.joints());
   for (int i = 0; i < iterations; ++i) {
     chain.tip_jacobian(q, J);
     q += ik.step(J, goal - chain.tip_pose(q));
@@ -51,16 +51,16 @@ double error_after(LmInverseKinematics& ik, const PlanarChain& chain, Eigen::Vec
 
 TEST(LmInverseKinematics, ConvergesFromABentPosture) {
   LmInverseKinematics ik({}, 3);
-  EXPECT_LT(error_after(ik, chain_of(3), Eigen::Vector3d(0.9, -1.8, 0.9), {0.5, 0.05, 0.1}, 50),
+  EXPECT_LT(error_after(ik, chain_of(3), Eigen::Vector3d(0.9, -1.8, 0.9), Eigen::Vector3d(0.5, 0.05, 0.1), 50),
             1e-9);
 }
 
 TEST(LmInverseKinematics, StaysFiniteAtTheStretchedPosture) {
   // A singular posture: x has no first-order reduction. The step must be finite and nonzero.
   LmInverseKinematics ik({}, 3);
-  TipJacobian J;
+  TaskJacobian J(3, 3);
   chain_of(3).tip_jacobian(Eigen::Vector3d::Zero(), J);
-  const Eigen::VectorXd step = ik.step(J, TipPose(-0.15, 0.0, 0.0));
+  const Eigen::VectorXd step = ik.step(J, Eigen::Vector3d(-0.15, 0.0, 0.0));
   EXPECT_TRUE(step.allFinite());
   EXPECT_GT(step.norm(), 1e-3);
   EXPECT_LE(step.cwiseAbs().maxCoeff(), M_PI);
@@ -73,7 +73,7 @@ TEST(LmInverseKinematics, SugiharaWorksForAnyNumberOfJoints) {
   for (const int n : {2, 3, 4, 6}) {
     const PlanarChain chain = chain_of(n);
     const Eigen::VectorXd start = random.vector(n);
-    const TipPose goal = chain.tip_pose(start + 0.3 * random.vector(n));
+    const TipVector goal = chain.tip_pose(start + 0.3 * random.vector(n));
     LmInverseKinematics ik(design, n);
     EXPECT_LT(error_after(ik, chain, start, goal, 300), 1e-6) << n;
   }
@@ -82,8 +82,8 @@ TEST(LmInverseKinematics, SugiharaWorksForAnyNumberOfJoints) {
 // {Jᵀ W_e J + W_n} q̃ = M, for each form, by another factorization.
 TEST(LmInverseKinematics, SolvesTheEquationOfItsForm) {
   const LmDesign defaults;
-  const TipPose X_e(0.02, -0.01, 0.03);
-  TipJacobian J;
+  const Eigen::Vector3d X_e(0.02, -0.01, 0.03);
+  TaskJacobian J(3, 3);
   chain_of(3).tip_jacobian(Eigen::Vector3d(0.9, -1.8, 0.9), J);
   const Eigen::Matrix3d W_e = defaults.weights.asDiagonal();
   const Eigen::Vector3d task = J.transpose() * W_e * X_e;
@@ -110,14 +110,14 @@ TEST(LmInverseKinematics, LimitsEachStep) {
   LmDesign design;
   design.step_limit_rad = 0.01;
   LmInverseKinematics ik(design, 3);
-  TipJacobian J;
+  TaskJacobian J(3, 3);
   chain_of(3).tip_jacobian(Eigen::Vector3d(0.9, -1.8, 0.9), J);
-  EXPECT_DOUBLE_EQ(ik.step(J, TipPose(0.5, 0.5, 0.5)).cwiseAbs().maxCoeff(), 0.01);
+  EXPECT_DOUBLE_EQ(ik.step(J, Eigen::Vector3d(0.5, 0.5, 0.5)).cwiseAbs().maxCoeff(), 0.01);
 }
 
 TEST(LmInverseKinematics, RefusesNonsense) {
   EXPECT_THROW(LmInverseKinematics({}, 4), std::invalid_argument);
-  EXPECT_THROW(LmInverseKinematics({.weights = {1, 0, 1}}, 3), std::invalid_argument);
+  EXPECT_THROW(LmInverseKinematics({.weights = Eigen::Vector3d(1, 0, 1)}, 3), std::invalid_argument);
   EXPECT_THROW(LmInverseKinematics({.damping = 0.0}, 3), std::invalid_argument);
   EXPECT_THROW(LmInverseKinematics({.step_limit_rad = 0.0}, 3), std::invalid_argument);
   EXPECT_THROW(LmInverseKinematics({.step_limit_rad = std::nan("")}, 3), std::invalid_argument);

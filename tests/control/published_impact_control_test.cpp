@@ -67,7 +67,7 @@ TEST_F(PublishedImpactControl, TheEnergyControllerAsAFreeMassHasTheClosedFormsPe
       mass,
       1.0 /
           [&] {
-            TipJacobian J(3, 3);
+            TaskJacobian J(3, 3);
             chain_.tip_jacobian(task_.start_angles_rad, J);
             const Eigen::RowVectorXd x = J.row(0);
             return x.cwiseAbs2()
@@ -147,10 +147,10 @@ class Program : public PublishedImpactControl {
             .period_s = kPeriod};
   }
 
-  TipJacobian J_;
+  TaskJacobian J_;
   Eigen::Vector3d motion_{-0.01, 0.02, -0.01};  // fixed size: dq_ keeps its address
   Eigen::Ref<const Eigen::VectorXd> dq_{motion_};
-  TipPose wanted_{20.0, 1.0, -2.0};
+  TipVector wanted_ = Eigen::Vector3d(20.0, 1.0, -2.0);
   Eigen::VectorXd lower_ = Eigen::Vector3d::Constant(-1e3);
   Eigen::VectorXd upper_ = Eigen::Vector3d::Constant(1e3);
   double mass_;
@@ -194,7 +194,7 @@ TEST_F(Program, YAndPhiKeepTheirAccelerationsWhereTheForceIsLimited) {
   ImpactProgram program(3, qp());
   motion_.setZero();
   wanted_[0] = 200.0;
-  const TipPose got = J_ * program.solve(state(true));
+  const TipVector got = J_ * program.solve(state(true));
   EXPECT_NEAR(program.foreseen_force_N(), 4.2, 0.06) << "the row is soft";
   EXPECT_LT(got[0], 100.0);
   EXPECT_NEAR(got[1], wanted_[1], 0.01);

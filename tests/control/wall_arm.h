@@ -54,7 +54,7 @@ class WallArm {
     Sample sample;
     sample.y.resize(5);
     Eigen::VectorXd u(3);
-    TipJacobian J(3, 3);
+    TaskJacobian J(3, 3);
     Course course;
     double force = 0.0, filtered = 0.0;
     for (int k = 0; k * kPeriod < duration_s; ++k) {
@@ -65,7 +65,7 @@ class WallArm {
       EXPECT_TRUE(u.allFinite());
       EXPECT_TRUE((u.cwiseAbs() - acceleration_.torque_limit_Nm).maxCoeff() < 1e-9);
       for (int i = 0; i < kSubsteps; ++i) {
-        const TipPose tip = chain_.tip_pose(q);
+        const TipVector tip = chain_.tip_pose(q);
         chain_.tip_jacobian(q, J);
         const double depth = tip[0] - task_.wall_x_m;
         const double before = force;
