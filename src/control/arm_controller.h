@@ -21,8 +21,8 @@ struct ArmTask {
   double force_lag_s = 0.0;        ///< τ_F, time constant of the force sensor's low-pass
   /// x of the wall's face, for controllers that are told it; infinite: there is none.
   double wall_x_m = std::numeric_limits<double>::infinity();
-  /// Of an arm with more joints than held coordinates: stiffness to the start angles of the motion
-  /// that the tip does not feel; its damping is critical [1/s²].
+  /// The stiffness to the start angles of the motion that the tip does not feel, if there are more
+  /// joints than held coordinates. Its damping is critical [1/s²].
   double k_posture = 25.0;
   /// The joint whose torque limits the braking of the tip, and whose inertia TLSC identifies.
   Eigen::Index elbow = 1;

@@ -42,10 +42,10 @@ class ImpactProgram {
     const Eigen::VectorXd& torque_limit;          ///< τ_lim, n
     const Eigen::VectorXd& lower;                 ///< bound of q̈ by the torque limits, n
     const Eigen::VectorXd& upper;
-    /// Of coupled joints: M_n (n×n), whose product with q̈ has the bounds `lower` and `upper` [N m],
-    /// and M_n⁻¹ J_xᵀ (n). They have no velocity limits. Null: M_n is diag(inertia).
+    /// For coupled joints, M_n (n×n). M_n q̈ has the bounds `lower` and `upper` [N m], and there are
+    /// no velocity limits. Null: M_n is diag(inertia).
     const Eigen::MatrixXd* mass_matrix = nullptr;
-    const Eigen::VectorXd* recoil = nullptr;
+    const Eigen::VectorXd* recoil = nullptr;  ///< M_n⁻¹ J_xᵀ (n) then
     double mass_kg = 0.0;
     double force_limit_N = 0.0;   ///< F_peak
     bool foresees_impact = true;  ///< whether the rows of the impact count

@@ -35,8 +35,8 @@ struct LmDesign {
 /// reads |q̃| ≤ π rad.
 class LmInverseKinematics {
  public:
-  /// Throws std::invalid_argument if a weight, λ or the limit is not positive, or if the printed
-  /// M is used with other than as many joints as coordinates.
+  /// Throws std::invalid_argument if a weight, λ or the limit is not positive. The printed M needs
+  /// as many joints as coordinates.
   LmInverseKinematics(const LmDesign& design, Eigen::Index joints);
 
   /// q̃ [rad], given the tip's Jacobian (c×n) and its error X_e (c). Allocates nothing.

@@ -12,20 +12,20 @@ namespace breakwater {
 /// A hinge or slide and the link that it moves.
 struct SpatialJoint {
   std::string name;
-  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  ///< of the link in that of the link
-                                                            ///< before it, at q = 0
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();          ///< in the link's frame, of length 1
-  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();       ///< a point of the axis, there
+  /// The link's frame in that of the link before it, at the position `zero`.
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();     ///< a unit vector in the link's frame
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();  ///< a point of the axis, there
   bool slides = false;
-  double zero = 0.0;  ///< the position at which the link has `frame` [rad or m]
+  double zero = 0.0;  ///< [rad or m]
   double effort_limit = 0.0;
 };
 
-/// The tip of a chain of joints in a contact frame C: x along the force, y and z across it. Its
-/// coordinates there are the tip's position [m], and the rotation vector from its
-/// orientation at the start [rad], whose Jacobian is taken at ρ = 0. Of x, y, z, rx, ry, rz it
-/// holds, in this order, all that its joints can move independently: a two-link x and y, a SCARA x,
-/// y, z and the turn about its axes, six joints all. The velocity limits are infinite.
+/// The tip of a chain of joints in a contact frame: x along the force, y and z across it. Its
+/// coordinates there are its position x, y, z [m] and the rotation vector rx, ry, rz from its
+/// orientation at the start [rad]. The Jacobian is taken at no rotation. It holds, in this order,
+/// all that its joints can move independently. A two-link holds x and y; a SCARA x, y, z and the
+/// turn about its axes; six joints hold all. The velocity limits are infinite.
 class SpatialChain final : public TipKinematics {
  public:
   /// `tip` is in the last link's frame, `contact` in the world. Throws std::invalid_argument if
@@ -46,7 +46,7 @@ class SpatialChain final : public TipKinematics {
   Eigen::Isometry3d tip_;
   Eigen::Isometry3d to_contact_;  // from the world
   Eigen::Matrix3d start_;         // the tip's orientation
-  std::vector<int> rows_;         // of the six coordinates
+  std::vector<int> rows_;         // the held ones among the six coordinates
 };
 
 }  // namespace breakwater

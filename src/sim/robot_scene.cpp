@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kRadius_m = 0.01;
 constexpr double kGap_m = 0.05;
-constexpr double kLever_m = 0.3;  // of a turn, where it counts beside a motion
+constexpr double kLever_m = 0.3;  // makes a turn a motion
 constexpr int kPoses = 1000;
 constexpr double kSmall = 1e-3;  // share of the largest value that counts as none
 
@@ -91,8 +91,8 @@ Eigen::VectorXd singular_values(TipMotion motion) {
   return Eigen::JacobiSVD<Eigen::MatrixXd>(motion.jacobian).singularValues();
 }
 
-// Sets the pose of the joints to that with the largest manipulability: the product of the singular
-// values, but of those that are 0 in every pose.
+// Sets the pose of the joints to that with the largest manipulability. It is the product of the
+// singular values without those that are 0 in every pose.
 void choose_pose(const Model& model, mjData& data, const TipPlace& tip,
                  const std::vector<int>& joints) {
   const std::vector<mjtNum> first(data.qpos, data.qpos + model->nq);

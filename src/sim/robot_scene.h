@@ -19,10 +19,10 @@ struct RobotScene {
 
 /// Adds a ball at the tip, a plane before it, and a keyframe to a model of any MuJoCo. `tip` is a
 /// site or a body; empty: the only site, or the only last body. The tip faces the wall with its
-/// z axis, or with x or y if it cannot move along z. The pose is that of a keyframe "home", or else
-/// the one of the largest manipulability among some within the middle half of the joints' ranges.
-/// Throws std::invalid_argument as convert_mjcf() and Model::load(), or if there is no such tip, no
-/// joint moves it, or a joint of it has no name.
+/// z axis, or with x or y if it cannot move along z. The pose is that of a keyframe "home". If
+/// there is none, it is the one with the largest manipulability of many in the middle half of the
+/// ranges. Throws std::invalid_argument as convert_mjcf() and Model::load(), or if there is no such
+/// tip, no joint moves it, or a joint of it has no name.
 RobotScene robot_before_wall(const std::string& file, const std::string& tip);
 
 }  // namespace breakwater
