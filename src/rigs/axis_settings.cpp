@@ -134,8 +134,8 @@ void AxisSettings::bind_named(Fields& fields) {
   const std::string unit = " [" + u.position + "]";
   fields.text("joint", axis.joint, "hinge or slide of the model");
   fields.text("actuator", axis.actuator,
-              "actuator of the joint or of transmission.motor_joint, which a motor with gear 1 "
-              "replaces; joint: it has no name; none: the axis is measured, but not driven");
+              "actuator of the joint or of transmission.motor_joint; a motor with gear 1 "
+              "replaces it; joint: it has no name; none: the axis is only measured");
   fields.standard("actuator", {axis.actuator});
   fields.text("position_sensor", axis.position_sensor,
               "sensor of the model that measures the position; joint: the joint itself");
