@@ -12,12 +12,6 @@
 namespace breakwater {
 namespace {
 
-ArmRole push_role() {
-  ArmRole role;
-  role.starts_at_reference = true;
-  return role;
-}
-
 // The time from the window's start until an error stays within the level.
 class ReturnTime : public Reduction {
  public:
@@ -103,11 +97,11 @@ std::vector<MetricKind> kinds_of_a_push() {
 }
 
 ArmPush::ArmPush(const Catalogue& catalogue)
-    : Scenario(MetricRows(catalogue, "arm_push", kinds_of_a_push())), arm_(catalogue) {}
+    : ArmScenario(catalogue, MetricRows(catalogue, "arm_push", kinds_of_a_push()), true) {}
 
 Fields ArmPush::fields() {
   Fields fields;
-  arm_.bind(fields);
+  bind(fields);
   // This scenario never controls a force.
   fields.only_for({"controller.ik_weights", "controller.ik_damping", "controller.ik_form"},
                   "controller.positioning", {"workspace"});
@@ -139,14 +133,13 @@ Fields ArmPush::fields() {
 }
 
 void ArmPush::check(const Config& config) {
-  check_arm(arm_, push_role(), config);
-  if (link_ > static_cast<int>(arm_.start_angles_rad.size())) {
+  check_arm(config);
+  if (link_ > static_cast<int>(start_angles_rad_.size())) {
     config.fail("push.link",
-                "the arm has only " + std::to_string(arm_.start_angles_rad.size()) + " links");
+                "the arm has only " + std::to_string(start_angles_rad_.size()) + " links");
   }
-  const ArmRig rig(arm_, push_role());
-  HandOnLink(hand_, rig.simulation().model(), rig.chain(), arm_.start_angles_rad, link_);
-  rows_.check(config, [this] { return fields(); }, arm_.physics,
+  HandOnLink(hand_, plant_.load_model(), chain(), start_angles_rad_, link_);
+  rows_.check(config, [this] { return fields(); }, plant_.physics,
               {.known = {{"release", hand_.release_s()}}});
 }
 
@@ -156,9 +149,9 @@ void ArmPush::prepare_scene(Model& model) const {
 
 Recording ArmPush::run(const RunControl& control) const {
   const math::FloatEnvironment floats;
-  ArmRig rig(arm_, push_role());
+  ArmRig rig = make_rig();
   Simulation& sim = rig.simulation();
-  const HandOnLink hand(hand_, sim.model(), rig.chain(), arm_.start_angles_rad, link_);
+  const HandOnLink hand(hand_, sim.model(), chain(), start_angles_rad_, link_);
   sim.add(hand);
   if (has_geom(sim.model(), "wall")) sim.set_collidable(geom_id(sim.model(), "wall"), false);
 
@@ -171,8 +164,8 @@ Recording ArmPush::run(const RunControl& control) const {
       {"push_moment_Nm", "N m", "moment of the hand about the joint", view(moment_Nm)});
 
   // The offsets from the start pose, and the last ones before the release.
-  const TipPose pose = start_pose(arm_);
-  const Eigen::Map<const Eigen::VectorXd> start_rad(arm_.start_angles_rad.data(), rig.q().size());
+  const TipPose pose = start_pose();
+  const Eigen::Map<const Eigen::VectorXd> start_rad(start_angles_rad_.data(), rig.q().size());
   TipPose tip_offset = TipPose::Zero(), released_tip_offset = tip_offset;
   Eigen::VectorXd offset_rad = Eigen::VectorXd::Zero(start_rad.size());
   Eigen::VectorXd released_rad = offset_rad;
@@ -188,9 +181,9 @@ Recording ArmPush::run(const RunControl& control) const {
       {"released_joint_offset_rad", "rad", "", view(released_rad)},
       {"tip_error_m", "m", "distance of the tip from its start", view(tip_error_m)}};
   of_metrics.insert(of_metrics.end(), signals.begin(), signals.end());
-  MetricValues values(rows_, of_metrics, arm_.run.duration_s);
+  MetricValues values(rows_, of_metrics, plant_.run.duration_s);
 
-  HeldReference held({hand_.release_s(), arm_.run.duration_s}, "the tip", "m");
+  HeldReference held({hand_.release_s(), plant_.run.duration_s}, "the tip", "m");
   const auto sample = [&](double time_s) {
     rig.observe();
     tip_offset = rig.tip() - pose;
@@ -206,8 +199,8 @@ Recording ArmPush::run(const RunControl& control) const {
     moment_Nm = hand.moment_Nm(time_s, sim.qpos(), sim.qvel());
   };
   Recording recording = record_run(
-      sim, arm_.physics, arm_.physics.step_at(arm_.run.duration_s), std::move(signals), control,
-      [&](std::int64_t) { sim.step(); }, sample, &values);
+      sim, plant_.physics, plant_.physics.step_at(plant_.run.duration_s), std::move(signals),
+      control, [&](std::int64_t) { rig.step(); }, sample, &values);
   if (!recording.failure) held.warn(recording.warnings);
   return recording;
 }

@@ -1,8 +1,7 @@
 // Scenario arm_push: forced displacement of a link (thesis 2.4.3.3).
 #pragma once
 
-#include <breakwater/experiment/scenario.h>
-#include <breakwater/rigs/arm_rig.h>
+#include <breakwater/rigs/arm_scenario.h>
 #include <breakwater/world/hand.h>
 
 namespace breakwater {
@@ -12,7 +11,7 @@ std::vector<MetricKind> kinds_of_a_push();
 
 /// The arm holds its start pose. A stiff hand pushes the end of one link, turns it, holds it and
 /// lets go. The torques saturate; the question is how the arm returns.
-class ArmPush final : public Scenario {
+class ArmPush final : public ArmScenario {
  public:
   explicit ArmPush(const Catalogue& catalogue);
 
@@ -20,18 +19,12 @@ class ArmPush final : public Scenario {
   std::string summary() const override {
     return "forced displacement of each link: torque saturation, recovery";
   }
-  void learn(const Config& config) override {
-    Scenario::learn(config);
-    arm_.learn(config);
-  }
   Fields fields() override;
   void check(const Config& config) override;
-  const RunSettings& run_settings() const override { return arm_.run; }
   Recording run(const RunControl& control) const override;
   void prepare_scene(Model& model) const override;
 
  private:
-  ArmSettings arm_;
   int link_ = 1;
   Hand hand_;
   double settled_within_m_ = 0.0;

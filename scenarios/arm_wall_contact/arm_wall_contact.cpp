@@ -18,10 +18,16 @@ constexpr const char* kTip = "tip";
 
 }  // namespace
 
+ArmWallContact::ArmWallContact(const Catalogue& catalogue)
+    : ArmScenario(catalogue, MetricRows(catalogue, "arm_wall_contact"), false), wall_(catalogue) {
+  plant_.geoms = {kTip, kWall};
+  plant_.prepare = [this](Model& model) { prepare_scene(model); };
+}
+
 Fields ArmWallContact::fields() {
   Fields fields;
-  arm_.bind(fields);
-  arm_.force_sensor.bind(fields);
+  bind(fields);
+  plant_.tip->chain.bind(fields);
   fields.number("wall.distance_m", wall_distance_m_, positive(),
                 "distance from the tip at the start pose to the wall's face [m]");
   fields.number("wall.solid_from_s", wall_solid_from_s_, not_negative(),
@@ -33,7 +39,7 @@ Fields ArmWallContact::fields() {
                 "time of the switch from position control to force control [s]");
   fields.number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
                 "factor of the force gain: K_f is this value times F_x^ref [1/m]");
-  arm_.force_sensor.bind_filter(fields);
+  plant_.tip->chain.bind_filter(fields);
   fields.number("metrics.from_s", metrics_from_s_, not_negative(),
                 "start of the window of the force error [s]");
   fields.number("metrics.to_s", metrics_to_s_, positive(),
@@ -46,28 +52,19 @@ Fields ArmWallContact::fields() {
   return fields;
 }
 
-double ArmWallContact::wall_x_m() const {
-  return start_pose(arm_)[0] + wall_distance_m_;
-}
-
-ArmRole ArmWallContact::role() const {
-  ArmRole role;
-  role.force_control_from_s = force_from_s_;
-  role.force_reference_N = force_reference_N_;
-  role.convert_gain_N_m = convert_gain_per_m_ * force_reference_N_;
-  role.wall_x_m = wall_x_m();
-  role.geoms = {kTip, kWall};
-  role.prepare_model = [this](Model& model) { wall_.prepare(model, kTip, kWall, wall_x_m()); };
-  role.make_contact = [this](const Model& model) {
-    return wall_.is_of_engine() ? nullptr : wall_.make(model, kTip, kWall);
-  };
-  return role;
+ArmTask ArmWallContact::task() const {
+  ArmTask task = ArmScenario::task();
+  task.force_control_from_s = force_from_s_;
+  task.force_reference_N = force_reference_N_;
+  task.convert_gain_N_m = convert_gain_per_m_ * force_reference_N_;
+  task.wall_x_m = wall_x_m();
+  return task;
 }
 
 void ArmWallContact::check(const Config& config) {
-  wall_.check(config, arm_.physics);
-  arm_.force_sensor.check(config, arm_.physics.timestep_s);
-  check_arm(arm_, role(), config);
+  wall_.check(config, plant_.physics);
+  check_arm(config);
+  if (!wall_.is_of_engine()) wall_.make(plant_.load_model(), kTip, kWall);
   if (wall_solid_from_s_ > force_from_s_) {
     config.fail("wall.solid_from_s", "must not be after force.from_s");
   }
@@ -80,13 +77,13 @@ void ArmWallContact::check(const Config& config) {
   if (metrics_from_s_ < force_from_s_) {
     config.fail("metrics.from_s", "must not be before force.from_s");
   }
-  rows_.check(config, [this] { return fields(); }, arm_.physics,
-              {.known = {{"force_control", arm_.physics.sample_time_s(force_from_s_)}},
+  rows_.check(config, [this] { return fields(); }, plant_.physics,
+              {.known = {{"force_control", plant_.physics.sample_time_s(force_from_s_)}},
                .events = {"first_contact"}});
 }
 
 void ArmWallContact::prepare_scene(Model& model) const {
-  role().prepare_model(model);
+  wall_.prepare(model, kTip, kWall, wall_x_m());
 }
 
 void ArmWallContact::animate_scene(Model& model, double time_s) const {
@@ -96,13 +93,15 @@ void ArmWallContact::animate_scene(Model& model, double time_s) const {
 
 Recording ArmWallContact::run(const RunControl& control) const {
   const math::FloatEnvironment floats;
-  ArmRig rig(arm_, role());
+  ArmRig rig = make_rig();
   Simulation& sim = rig.simulation();
   const int wall = geom_id(sim.model(), kWall);
   sim.set_collidable(wall, false);
+  std::unique_ptr<WallContact> contact;  // null: the engine's
+  if (!wall_.is_of_engine()) rig.add(*(contact = wall_.make(sim.model(), kTip, kWall)));
 
-  const PhysicsSettings& physics = arm_.physics;
-  const std::int64_t steps = physics.step_at(arm_.run.duration_s);
+  const PhysicsSettings& physics = plant_.physics;
+  const std::int64_t steps = physics.step_at(plant_.run.duration_s);
   const std::int64_t solid_step = physics.step_at(wall_solid_from_s_);
   const std::int64_t fine_from = physics.step_at(fine_from_s_);
   const std::int64_t fine_to =
@@ -112,18 +111,18 @@ Recording ArmWallContact::run(const RunControl& control) const {
              static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)),
              control.stream);
 
-  const TipPose pose = start_pose(arm_);
+  const TipPose pose = start_pose();
   TipPose tip_offset = TipPose::Zero();
   double impact_mass_kg = 0.0;
   double first_contact_s = std::numeric_limits<double>::infinity();
   std::vector<Signal> of_metrics = rig.fine_signals();
   of_metrics.push_back({"force_reference_N", "N", "", view(force_reference_N_)});
-  of_metrics.push_back({"tip_speed_x_m_s", "m/s", "", view(rig.tip_speed_x_m_s())});
+  of_metrics.push_back({"tip_speed_x_m_s", "m/s", "", view(sim.sensor("tip_vel"))});
   of_metrics.push_back({"impact_mass_kg", "kg", "", view(impact_mass_kg)});
   of_metrics.push_back({"y_offset_m", "m", "", view(tip_offset[1])});
   of_metrics.push_back({"phi_offset_rad", "rad", "", view(tip_offset[2])});
   for (const Signal& signal : rig.signals()) of_metrics.push_back(signal);
-  MetricValues values(rows_, of_metrics, arm_.run.duration_s,
+  MetricValues values(rows_, of_metrics, plant_.run.duration_s,
                       {{"first_contact", &first_contact_s}});
 
   // The tip first moves to its start pose, and later touches the wall and presses.
@@ -134,8 +133,8 @@ Recording ArmWallContact::run(const RunControl& control) const {
   const double force_control_s = physics.sample_time_s(force_from_s_);
 
   const auto step = [&](std::int64_t k) {
-    if (k == solid_step) rig.set_solid(wall, true);
-    sim.step();
+    if (k == solid_step) contact ? contact->set_solid(true) : sim.set_collidable(wall, true);
+    rig.step();
     const double time_s = sim.time_s();
     if (rig.contact_force_N() > 0.0 && time_s >= force_control_s && time_s < first_contact_s) {
       first_contact_s = time_s;

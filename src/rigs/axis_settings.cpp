@@ -498,7 +498,7 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
 }
 
 Model AxisPlant::load_model(const Config* config) const {
-  Model model = Model::load_physics(mjcf);
+  Model model = Model::load_physics(mjcf, geoms);
   model.set_physics(physics.timestep_s, physics.integrator);
   if (config != nullptr) {
     check_names(model, *config);
@@ -526,9 +526,10 @@ Model AxisPlant::load_model(const Config* config) const {
     }
   }
   for (const ContactSettings& one : contacts) {
-    const auto prepare = [&] { one.prepare(model); };
-    config != nullptr ? config->under(one.prefix()).blame("law", prepare) : prepare();
+    const auto apply = [&] { one.prepare(model); };
+    config != nullptr ? config->under(one.prefix()).blame("law", apply) : apply();
   }
+  if (prepare) prepare(model);
   return model;
 }
 
