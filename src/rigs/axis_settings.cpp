@@ -57,6 +57,16 @@ int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
   }
 }
 
+// Calls a check whose error names a key of the axis.
+template <typename Check>
+void check_part(const Config& own, Check&& check) {
+  try {
+    check();
+  } catch (const WrongKey& wrong) {
+    own.fail(wrong.key(), wrong.what());
+  }
+}
+
 }  // namespace
 
 Axis motor_axis() {
@@ -448,6 +458,7 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
     const bool is_axis =
         model->jnt_type[joint] == mjJNT_HINGE || model->jnt_type[joint] == mjJNT_SLIDE;
     if (!is_axis) own.fail("joint", "must be a hinge or a slide");
+    check_part(own, [&] { one.transmission.check_motor(model, one.axis.joint); });
     take(own, "joint", joints, joint, "has another axis: each joint may have one");
     if (one.transmission.adds_rotor() && !one.axis.is_driven()) {
       own.fail("actuator", "none: a motor that the model lacks needs an actuator of the joint");
@@ -706,26 +717,12 @@ SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
 void check_plant(AxisPlant& plant, const Config& config) {
   plant.physics.check(config, plant.run);
   plant.timing.check(config, plant.physics);
-  std::optional<Model> file;
-  for (const AxisSettings& one : plant.axes) {
-    if (!one.transmission.is_elastic()) continue;
-    if (!file) file = Model::load_physics(plant.mjcf);
-    try {
-      one.transmission.check_motor(*file, one.axis.joint);
-    } catch (const WrongKey& wrong) {
-      config.under(one.axis.prefix()).fail(wrong.key(), wrong.what());
-    }
-  }
   plant.complete(config);
   const double no_force_N = 0.0;
   const SensingSetup sensing = plant.sensing(&no_force_N);
   plant.faults.check(config, sensing.channels);
   for (std::size_t i = 0; i < plant.axes.size(); ++i) {
-    try {
-      plant.nominal(i);
-    } catch (const WrongKey& wrong) {
-      config.under(plant.axes[i].axis.prefix()).fail(wrong.key(), wrong.what());
-    }
+    check_part(config.under(plant.axes[i].axis.prefix()), [&] { plant.nominal(i); });
   }
   const Model model = plant.load_model();
   for (const AxisSettings& one : plant.axes) {
