@@ -52,7 +52,7 @@ TransmissionSettings at_joint(TransmissionSettings transmission) {
   return transmission;
 }
 
-// Actuator i must drive joint i of the chain, with its limits: the controllers limit their torque
+// Actuator i must drive joint i of the chain, with its limits. The controllers limit their torque
 // as in the URDF, and the plant as in the MJCF.
 void check_actuators(const Model& model, const PlanarChain& chain) {
   const auto refuse = [&](const std::string& reason) {
@@ -80,7 +80,7 @@ void check_actuators(const Model& model, const PlanarChain& chain) {
       refuse(actuator + " must have gear 1 and the ctrlrange ±" + std::to_string(effort) +
              " N m of the URDF's \"" + name + "\"");
     }
-    if (*mj_id2name(model.get(), mjOBJ_ACTUATOR, i) == '\0') refuse(actuator + " needs a name");
+    if (mj_id2name(model.get(), mjOBJ_ACTUATOR, i) == nullptr) refuse(actuator + " needs a name");
   }
 }
 
