@@ -1,10 +1,8 @@
 #include <breakwater/program/scenario_program.h>
+#include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/thesis/printed_references.h>
 
-#include "arm_push/arm_push.h"
-#include "arm_wall_contact/arm_wall_contact.h"
-#include "impact_test/impact_test.h"
 #include "on_axes.h"
 #include "plant/plant.h"
 
@@ -12,15 +10,15 @@ namespace breakwater {
 
 Catalogue axes_catalogue() {
   Catalogue catalogue;
-  catalogue.add(scenario_kind<ArmWallContact>("arm_wall_contact"));
-  catalogue.add(scenario_kind<ArmPush>("arm_push"));
+  catalogue.add(arm_wall_contact());
+  catalogue.add(arm_push());
   catalogue.add(cart_position());
   catalogue.add(cart_offset_free());
   catalogue.add(cart_constrained());
   catalogue.add(cart_estimation());
   catalogue.add(motor_estimation());
   catalogue.add(two_inertia());
-  catalogue.add(scenario_kind<ImpactTest>("impact_test"));
+  catalogue.add(impact_test());
   catalogue.add(plant_kind("plant",
                            "any plant of hinges and slides, described by its MJCF and a "
                            "TOML file"));

@@ -1,15 +1,24 @@
-// The scenarios of one axis.
+// The scenarios on axes.
 #pragma once
 
+#include <vector>
+
 #include <breakwater/experiment/catalogue.h>
+#include <breakwater/experiment/scenario.h>
 
 namespace breakwater {
 
+ScenarioKind arm_push();
+ScenarioKind arm_wall_contact();
 ScenarioKind cart_constrained();
 ScenarioKind cart_estimation();
 ScenarioKind cart_offset_free();
 ScenarioKind cart_position();
+ScenarioKind impact_test();
 ScenarioKind motor_estimation();
 ScenarioKind two_inertia();
+
+/// The reductions of arm_push's metrics.
+std::vector<MetricKind> kinds_of_a_push();
 
 }  // namespace breakwater

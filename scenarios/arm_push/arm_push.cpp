@@ -1,22 +1,18 @@
-#include "arm_push/arm_push.h"
-
+// Scenario arm_push: forced displacement of a link (thesis 2.4.3.3).
 #include <algorithm>
 #include <cmath>
 
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
+#include <breakwater/rigs/arm_scenario.h>
+#include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/sim/hand_on_link.h>
 #include <breakwater/sim/named_elements.h>
+#include <breakwater/world/hand.h>
 
 namespace breakwater {
 namespace {
-
-ArmRole push_role() {
-  ArmRole role;
-  role.starts_at_reference = true;
-  return role;
-}
 
 // The time from the window's start until an error stays within the level.
 class ReturnTime : public Reduction {
@@ -102,114 +98,136 @@ std::vector<MetricKind> kinds_of_a_push() {
            .takes_all = true}};
 }
 
-ArmPush::ArmPush(const Catalogue& catalogue)
-    : Scenario(MetricRows(catalogue, "arm_push", kinds_of_a_push())), arm_(catalogue) {}
+namespace {
 
-Fields ArmPush::fields() {
-  Fields fields;
-  arm_.bind(fields);
-  // This scenario never controls a force.
-  fields.only_for({"controller.ik_weights", "controller.ik_damping", "controller.ik_form"},
-                  "controller.positioning", {"workspace"});
-  fields.only_where({"controller.k_force", "controller.t_approach_s", "controller.t_contact_s",
-                     "controller.design_stiffness_N_m", "controller.peak_margin_N"},
-                    "force is controlled (never in this scenario)", [] { return false; });
-  fields.count("push.link", link_, between(1, 100), "number of the link whose end the hand pushes");
-  fields.number("push.angle_rad", hand_.angle_rad, any(),
-                "angle by which the hand turns the link [rad]");
-  fields.number("push.moment_Nm", hand_.given_moment_Nm, any(),
-                "moment about the link's joint with which the hand pushes, wherever the link goes; "
-                "0: it turns the link by the angle [N m]");
-  fields.number("push.start_s", hand_.start_s, not_negative(), "time at which the hand grips [s]");
-  fields.number("push.rise_s", hand_.rise_s, positive(),
-                "time that the hand takes to turn the link [s]");
-  fields.number("push.hold_s", hand_.hold_s, not_negative(),
-                "time for which the hand then holds the link [s]");
-  fields.number("push.stiffness_Nm_rad", hand_.stiffness_Nm_rad, positive(),
-                "stiffness of the hand about the link's joint [N m/rad]");
-  fields.number("push.damping_Nms_rad", hand_.damping_Nms_rad, not_negative(),
-                "damping of the hand about the link's joint [N m s/rad]");
-  fields.standard("push.moment_Nm", {0.0});
-  fields.only_where({"push.angle_rad", "push.stiffness_Nm_rad", "push.damping_Nms_rad"},
-                    "push.moment_Nm is 0", [this] { return hand_.given_moment_Nm == 0.0; });
-  fields.number("metrics.settled_within_m", settled_within_m_, positive(),
-                "distance from the start pose within which the tip counts as settled [m]");
-  rows_.bind(fields);
-  return fields;
-}
+// The arm holds its start pose. A stiff hand pushes the end of one link, turns it, holds it and
+// lets go. The torques saturate; the question is how the arm returns.
+class ArmPush final : public ArmScenario {
+ public:
+  explicit ArmPush(const Catalogue& catalogue)
+      : ArmScenario(catalogue, MetricRows(catalogue, "arm_push", kinds_of_a_push()), true) {}
 
-void ArmPush::check(const Config& config) {
-  check_arm(arm_, push_role(), config);
-  if (link_ > static_cast<int>(arm_.start_angles_rad.size())) {
-    config.fail("push.link",
-                "the arm has only " + std::to_string(arm_.start_angles_rad.size()) + " links");
+  std::string name() const override { return "arm_push"; }
+  std::string summary() const override {
+    return "forced displacement of each link: torque saturation, recovery";
   }
-  const ArmRig rig(arm_, push_role());
-  HandOnLink(hand_, rig.simulation().model(), rig.chain(), arm_.start_angles_rad, link_);
-  rows_.check(config, [this] { return fields(); }, arm_.physics,
-              {.known = {{"release", hand_.release_s()}}});
-}
+  Fields fields() override {
+    Fields fields;
+    bind(fields);
+    // This scenario never controls a force.
+    fields.only_for({"controller.ik_weights", "controller.ik_damping", "controller.ik_form"},
+                    "controller.positioning", {"workspace"});
+    fields.only_where({"controller.k_force", "controller.t_approach_s", "controller.t_contact_s",
+                       "controller.design_stiffness_N_m", "controller.peak_margin_N"},
+                      "force is controlled (never in this scenario)", [] { return false; });
+    fields.count("push.link", link_, between(1, 100),
+                 "number of the link whose end the hand pushes");
+    fields.number("push.angle_rad", hand_.angle_rad, any(),
+                  "angle by which the hand turns the link [rad]");
+    fields.number(
+        "push.moment_Nm", hand_.given_moment_Nm, any(),
+        "moment about the link's joint with which the hand pushes, wherever the link goes; "
+        "0: it turns the link by the angle [N m]");
+    fields.number("push.start_s", hand_.start_s, not_negative(),
+                  "time at which the hand grips [s]");
+    fields.number("push.rise_s", hand_.rise_s, positive(),
+                  "time that the hand takes to turn the link [s]");
+    fields.number("push.hold_s", hand_.hold_s, not_negative(),
+                  "time for which the hand then holds the link [s]");
+    fields.number("push.stiffness_Nm_rad", hand_.stiffness_Nm_rad, positive(),
+                  "stiffness of the hand about the link's joint [N m/rad]");
+    fields.number("push.damping_Nms_rad", hand_.damping_Nms_rad, not_negative(),
+                  "damping of the hand about the link's joint [N m s/rad]");
+    fields.standard("push.moment_Nm", {0.0});
+    fields.only_where({"push.angle_rad", "push.stiffness_Nm_rad", "push.damping_Nms_rad"},
+                      "push.moment_Nm is 0", [this] { return hand_.given_moment_Nm == 0.0; });
+    fields.number("metrics.settled_within_m", settled_within_m_, positive(),
+                  "distance from the start pose within which the tip counts as settled [m]");
+    rows_.bind(fields);
+    return fields;
+  }
 
-void ArmPush::prepare_scene(Model& model) const {
-  show_geoms(model, "wall_", false);
-}
-
-Recording ArmPush::run(const RunControl& control) const {
-  const math::FloatEnvironment floats;
-  ArmRig rig(arm_, push_role());
-  Simulation& sim = rig.simulation();
-  const HandOnLink hand(hand_, sim.model(), rig.chain(), arm_.start_angles_rad, link_);
-  sim.add(hand);
-  if (has_geom(sim.model(), "wall")) sim.set_collidable(geom_id(sim.model(), "wall"), false);
-
-  double turned_rad = 0.0;
-  double moment_Nm = 0.0;
-  std::vector<Signal> signals = rig.signals();
-  signals.push_back(
-      {"push_turned_rad", "rad", "angle by which the pushed link is turned", view(turned_rad)});
-  signals.push_back(
-      {"push_moment_Nm", "N m", "moment of the hand about the joint", view(moment_Nm)});
-
-  // The offsets from the start pose, and the last ones before the release.
-  const TipPose pose = start_pose(arm_);
-  const Eigen::Map<const Eigen::VectorXd> start_rad(arm_.start_angles_rad.data(), rig.q().size());
-  TipPose tip_offset = TipPose::Zero(), released_tip_offset = tip_offset;
-  Eigen::VectorXd offset_rad = Eigen::VectorXd::Zero(start_rad.size());
-  Eigen::VectorXd released_rad = offset_rad;
-  double tip_error_m = 0.0;
-  std::vector<Signal> of_metrics = {
-      {"x_offset_m", "m", "", view(tip_offset[0])},
-      {"y_offset_m", "m", "", view(tip_offset[1])},
-      {"phi_offset_rad", "rad", "", view(tip_offset[2])},
-      {"released_x_offset_m", "m", "", view(released_tip_offset[0])},
-      {"released_y_offset_m", "m", "", view(released_tip_offset[1])},
-      {"released_phi_offset_rad", "rad", "", view(released_tip_offset[2])},
-      {"joint_offset_rad", "rad", "", view(offset_rad)},
-      {"released_joint_offset_rad", "rad", "", view(released_rad)},
-      {"tip_error_m", "m", "distance of the tip from its start", view(tip_error_m)}};
-  of_metrics.insert(of_metrics.end(), signals.begin(), signals.end());
-  MetricValues values(rows_, of_metrics, arm_.run.duration_s);
-
-  HeldReference held({hand_.release_s(), arm_.run.duration_s}, "the tip", "m");
-  const auto sample = [&](double time_s) {
-    rig.observe();
-    tip_offset = rig.tip() - pose;
-    offset_rad = rig.q() - start_rad;
-    tip_error_m = tip_offset.head<2>().norm();
-    if (hand_.grips(time_s)) {
-      released_tip_offset = tip_offset;
-      released_rad = offset_rad;
+  void check(const Config& config) override {
+    check_arm(config);
+    if (link_ > static_cast<int>(start_angles_rad_.size())) {
+      config.fail("push.link",
+                  "the arm has only " + std::to_string(start_angles_rad_.size()) + " links");
     }
-    if (time_s < hand_.release_s()) held.ask(tip_error_m);
-    held.add(time_s, tip_error_m);
-    turned_rad = hand.turned_rad(sim.qpos());
-    moment_Nm = hand.moment_Nm(time_s, sim.qpos(), sim.qvel());
-  };
-  Recording recording = record_run(
-      sim, arm_.physics, arm_.physics.step_at(arm_.run.duration_s), std::move(signals), control,
-      [&](std::int64_t) { sim.step(); }, sample, &values);
-  if (!recording.failure) held.warn(recording.warnings);
-  return recording;
+    HandOnLink(hand_, plant_.load_model(), chain(), start_angles_rad_, link_);
+    rows_.check(config, [this] { return fields(); }, plant_.physics,
+                {.known = {{"release", hand_.release_s()}}});
+  }
+
+  Recording run(const RunControl& control) const override {
+    const math::FloatEnvironment floats;
+    ArmRig rig = make_rig();
+    Simulation& sim = rig.simulation();
+    const HandOnLink hand(hand_, sim.model(), chain(), start_angles_rad_, link_);
+    sim.add(hand);
+    if (has_geom(sim.model(), "wall")) sim.set_collidable(geom_id(sim.model(), "wall"), false);
+
+    double turned_rad = 0.0;
+    double moment_Nm = 0.0;
+    std::vector<Signal> signals = rig.signals();
+    signals.push_back(
+        {"push_turned_rad", "rad", "angle by which the pushed link is turned", view(turned_rad)});
+    signals.push_back(
+        {"push_moment_Nm", "N m", "moment of the hand about the joint", view(moment_Nm)});
+
+    // The offsets from the start pose, and the last ones before the release.
+    const TipPose pose = start_pose();
+    const Eigen::Map<const Eigen::VectorXd> start_rad(start_angles_rad_.data(), rig.q().size());
+    TipPose tip_offset = TipPose::Zero(), released_tip_offset = tip_offset;
+    Eigen::VectorXd offset_rad = Eigen::VectorXd::Zero(start_rad.size());
+    Eigen::VectorXd released_rad = offset_rad;
+    double tip_error_m = 0.0;
+    std::vector<Signal> of_metrics = {
+        {"x_offset_m", "m", "", view(tip_offset[0])},
+        {"y_offset_m", "m", "", view(tip_offset[1])},
+        {"phi_offset_rad", "rad", "", view(tip_offset[2])},
+        {"released_x_offset_m", "m", "", view(released_tip_offset[0])},
+        {"released_y_offset_m", "m", "", view(released_tip_offset[1])},
+        {"released_phi_offset_rad", "rad", "", view(released_tip_offset[2])},
+        {"joint_offset_rad", "rad", "", view(offset_rad)},
+        {"released_joint_offset_rad", "rad", "", view(released_rad)},
+        {"tip_error_m", "m", "distance of the tip from its start", view(tip_error_m)}};
+    of_metrics.insert(of_metrics.end(), signals.begin(), signals.end());
+    MetricValues values(rows_, of_metrics, plant_.run.duration_s);
+
+    HeldReference held({hand_.release_s(), plant_.run.duration_s}, "the tip", "m");
+    const auto sample = [&](double time_s) {
+      rig.observe();
+      tip_offset = rig.tip() - pose;
+      offset_rad = rig.q() - start_rad;
+      tip_error_m = tip_offset.head<2>().norm();
+      if (hand_.grips(time_s)) {
+        released_tip_offset = tip_offset;
+        released_rad = offset_rad;
+      }
+      if (time_s < hand_.release_s()) held.ask(tip_error_m);
+      held.add(time_s, tip_error_m);
+      turned_rad = hand.turned_rad(sim.qpos());
+      moment_Nm = hand.moment_Nm(time_s, sim.qpos(), sim.qvel());
+    };
+    Recording recording = record_run(
+        sim, plant_.physics, plant_.physics.step_at(plant_.run.duration_s), std::move(signals),
+        control, [&](std::int64_t) { rig.step(); }, sample, &values);
+    if (!recording.failure) held.warn(recording.warnings);
+    return recording;
+  }
+
+  void prepare_scene(Model& model) const override { show_geoms(model, "wall_", false); }
+
+ private:
+  int link_ = 1;
+  Hand hand_;
+  double settled_within_m_ = 0.0;
+};
+
+}  // namespace
+
+ScenarioKind arm_push() {
+  return scenario_kind<ArmPush>("arm_push");
 }
 
 }  // namespace breakwater

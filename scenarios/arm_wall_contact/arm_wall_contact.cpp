@@ -1,5 +1,4 @@
-#include "arm_wall_contact/arm_wall_contact.h"
-
+// Scenario arm_wall_contact: position/force control against a wall (thesis 2.4.3.2, 2.4.3.4).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +6,9 @@
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
+#include <breakwater/rigs/arm_scenario.h>
+#include <breakwater/rigs/axis_scenario.h>
+#include <breakwater/rigs/wall_settings.h>
 #include <breakwater/sim/apparent_mass.h>
 #include <breakwater/sim/named_elements.h>
 
@@ -16,149 +18,172 @@ namespace {
 constexpr const char* kWall = "wall";
 constexpr const char* kTip = "tip";
 
+// The arm moves to its start pose. At `force.from_s` it begins to approach the wall, and then
+// presses on it with `force.reference_N`. The main metrics are impact force and free-motion time.
+class ArmWallContact final : public ArmScenario {
+ public:
+  explicit ArmWallContact(const Catalogue& catalogue)
+      : ArmScenario(catalogue, MetricRows(catalogue, "arm_wall_contact"), false), wall_(catalogue) {
+    plant_.geoms = {kTip, kWall};
+    plant_.prepare = [this](Model& model) { prepare_scene(model); };
+  }
+
+  std::string name() const override { return "arm_wall_contact"; }
+  std::string summary() const override {
+    return "hybrid position/force control against a wall: impact force, free-motion time";
+  }
+  Fields fields() override {
+    Fields fields;
+    bind(fields);
+    plant_.tip->chain.bind(fields);
+    fields.number("wall.distance_m", wall_distance_m_, positive(),
+                  "distance from the tip at the start pose to the wall's face [m]");
+    fields.number("wall.solid_from_s", wall_solid_from_s_, not_negative(),
+                  "time at which the wall becomes solid: the stretched arm starts inside it [s]");
+    wall_.bind(fields);
+    fields.number("force.reference_N", force_reference_N_, positive(),
+                  "F_x^ref: reference of the contact force [N]");
+    fields.number("force.from_s", force_from_s_, not_negative(),
+                  "time of the switch from position control to force control [s]");
+    fields.number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
+                  "factor of the force gain: K_f is this value times F_x^ref [1/m]");
+    plant_.tip->chain.bind_filter(fields);
+    fields.number("metrics.from_s", metrics_from_s_, not_negative(),
+                  "start of the window of the force error [s]");
+    fields.number("metrics.to_s", metrics_to_s_, positive(),
+                  "end of the window of the force error [s]");
+    fields.number("record.fine_from_s", fine_from_s_, not_negative(),
+                  "time from which forces are logged at the physics rate [s]");
+    fields.number("record.fine_to_s", fine_to_s_, not_negative(),
+                  "time until which forces are logged at the physics rate [s]");
+    rows_.bind(fields);
+    return fields;
+  }
+
+  void check(const Config& config) override {
+    wall_.check(config, plant_.physics);
+    check_arm(config);
+    if (!wall_.is_of_engine()) wall_.make(plant_.load_model(), kTip, kWall);
+    if (wall_solid_from_s_ > force_from_s_) {
+      config.fail("wall.solid_from_s", "must not be after force.from_s");
+    }
+    if (metrics_to_s_ <= metrics_from_s_) {
+      config.fail("metrics.to_s", "must be after metrics.from_s");
+    }
+    if (fine_to_s_ < fine_from_s_) {
+      config.fail("record.fine_to_s", "must not be before record.fine_from_s");
+    }
+    if (metrics_from_s_ < force_from_s_) {
+      config.fail("metrics.from_s", "must not be before force.from_s");
+    }
+    rows_.check(config, [this] { return fields(); }, plant_.physics,
+                {.known = {{"force_control", plant_.physics.sample_time_s(force_from_s_)}},
+                 .events = {"first_contact"}});
+  }
+
+  Recording run(const RunControl& control) const override {
+    const math::FloatEnvironment floats;
+    ArmRig rig = make_rig();
+    Simulation& sim = rig.simulation();
+    const int wall = geom_id(sim.model(), kWall);
+    sim.set_collidable(wall, false);
+    std::unique_ptr<WallContact> contact;  // null: the engine's
+    if (!wall_.is_of_engine()) rig.add(*(contact = wall_.make(sim.model(), kTip, kWall)));
+
+    const PhysicsSettings& physics = plant_.physics;
+    const std::int64_t steps = physics.step_at(plant_.run.duration_s);
+    const std::int64_t solid_step = physics.step_at(wall_solid_from_s_);
+    const std::int64_t fine_from = physics.step_at(fine_from_s_);
+    const std::int64_t fine_to =
+        control.logs ? std::min(physics.step_at(fine_to_s_), steps) : fine_from;
+
+    Track fine("physics", rig.fine_signals(),
+               static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)),
+               control.stream);
+
+    const TipPose pose = start_pose();
+    TipPose tip_offset = TipPose::Zero();
+    double impact_mass_kg = 0.0;
+    double first_contact_s = std::numeric_limits<double>::infinity();
+    std::vector<Signal> of_metrics = rig.fine_signals();
+    of_metrics.push_back({"force_reference_N", "N", "", view(force_reference_N_)});
+    of_metrics.push_back({"tip_speed_x_m_s", "m/s", "", view(sim.sensor("tip_vel"))});
+    of_metrics.push_back({"impact_mass_kg", "kg", "", view(impact_mass_kg)});
+    of_metrics.push_back({"y_offset_m", "m", "", view(tip_offset[1])});
+    of_metrics.push_back({"phi_offset_rad", "rad", "", view(tip_offset[2])});
+    for (const Signal& signal : rig.signals()) of_metrics.push_back(signal);
+    MetricValues values(rows_, of_metrics, plant_.run.duration_s,
+                        {{"first_contact", &first_contact_s}});
+
+    // The tip first moves to its start pose, and later touches the wall and presses.
+    HeldReference held_pose({0.0, force_from_s_}, "the tip", "m");
+    HeldReference held_force({metrics_from_s_, metrics_to_s_}, "the force", "N");
+    held_force.ask(force_reference_N_);
+    ApparentMass mass_along_x(sim.model(), "tip", Eigen::Vector3d::UnitX());
+    const double force_control_s = physics.sample_time_s(force_from_s_);
+
+    const auto step = [&](std::int64_t k) {
+      if (k == solid_step) contact ? contact->set_solid(true) : sim.set_collidable(wall, true);
+      rig.step();
+      const double time_s = sim.time_s();
+      if (rig.contact_force_N() > 0.0 && time_s >= force_control_s && time_s < first_contact_s) {
+        first_contact_s = time_s;
+        impact_mass_kg = mass_along_x(sim.model(), sim.data());
+      }
+      if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
+    };
+    const auto sample = [&](double time_s) {
+      rig.observe();
+      tip_offset = rig.tip() - pose;
+      const double away_m = tip_offset.head<2>().norm();
+      if (sim.steps() == 1) held_pose.ask(away_m);
+      held_pose.add(time_s, away_m);
+      held_force.add(time_s, force_reference_N_ - rig.filtered_force_N());
+    };
+    Recording recording =
+        record_run(sim, physics, steps, rig.signals(), control, step, sample, &values);
+    if (!recording.failure) {
+      held_pose.warn(recording.warnings);
+      held_force.warn(recording.warnings);
+    }
+    if (fine.rows() > 0) recording.tracks.push_back(std::move(fine));
+    return recording;
+  }
+
+  void prepare_scene(Model& model) const override { wall_.prepare(model, kTip, kWall, wall_x_m()); }
+  void animate_scene(Model& model, double time_s) const override {
+    show_geoms(model, "wall_", time_s >= wall_solid_from_s_);
+    wall_.animate(model, kWall, wall_x_m(), time_s);
+  }
+
+ private:
+  ArmTask task() const override {
+    ArmTask task = ArmScenario::task();
+    task.force_control_from_s = force_from_s_;
+    task.force_reference_N = force_reference_N_;
+    task.convert_gain_N_m = convert_gain_per_m_ * force_reference_N_;
+    task.wall_x_m = wall_x_m();
+    return task;
+  }
+
+  double wall_x_m() const { return start_pose()[0] + wall_distance_m_; }
+
+  double wall_distance_m_ = 0.0;
+  double wall_solid_from_s_ = 0.0;
+  WallSettings wall_;
+  double force_from_s_ = 0.0;
+  double force_reference_N_ = 0.0;
+  double convert_gain_per_m_ = 0.0;
+  double metrics_from_s_ = 0.0;
+  double metrics_to_s_ = 0.0;
+  double fine_from_s_ = 0.0;
+  double fine_to_s_ = 0.0;
+};
+
 }  // namespace
 
-Fields ArmWallContact::fields() {
-  Fields fields;
-  arm_.bind(fields);
-  arm_.force_sensor.bind(fields);
-  fields.number("wall.distance_m", wall_distance_m_, positive(),
-                "distance from the tip at the start pose to the wall's face [m]");
-  fields.number("wall.solid_from_s", wall_solid_from_s_, not_negative(),
-                "time at which the wall becomes solid: the stretched arm starts inside it [s]");
-  wall_.bind(fields);
-  fields.number("force.reference_N", force_reference_N_, positive(),
-                "F_x^ref: reference of the contact force [N]");
-  fields.number("force.from_s", force_from_s_, not_negative(),
-                "time of the switch from position control to force control [s]");
-  fields.number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
-                "factor of the force gain: K_f is this value times F_x^ref [1/m]");
-  arm_.force_sensor.bind_filter(fields);
-  fields.number("metrics.from_s", metrics_from_s_, not_negative(),
-                "start of the window of the force error [s]");
-  fields.number("metrics.to_s", metrics_to_s_, positive(),
-                "end of the window of the force error [s]");
-  fields.number("record.fine_from_s", fine_from_s_, not_negative(),
-                "time from which forces are logged at the physics rate [s]");
-  fields.number("record.fine_to_s", fine_to_s_, not_negative(),
-                "time until which forces are logged at the physics rate [s]");
-  rows_.bind(fields);
-  return fields;
-}
-
-double ArmWallContact::wall_x_m() const {
-  return start_pose(arm_)[0] + wall_distance_m_;
-}
-
-ArmRole ArmWallContact::role() const {
-  ArmRole role;
-  role.force_control_from_s = force_from_s_;
-  role.force_reference_N = force_reference_N_;
-  role.convert_gain_N_m = convert_gain_per_m_ * force_reference_N_;
-  role.wall_x_m = wall_x_m();
-  role.geoms = {kTip, kWall};
-  role.prepare_model = [this](Model& model) { wall_.prepare(model, kTip, kWall, wall_x_m()); };
-  role.make_contact = [this](const Model& model) {
-    return wall_.is_of_engine() ? nullptr : wall_.make(model, kTip, kWall);
-  };
-  return role;
-}
-
-void ArmWallContact::check(const Config& config) {
-  wall_.check(config, arm_.physics);
-  arm_.force_sensor.check(config, arm_.physics.timestep_s);
-  check_arm(arm_, role(), config);
-  if (wall_solid_from_s_ > force_from_s_) {
-    config.fail("wall.solid_from_s", "must not be after force.from_s");
-  }
-  if (metrics_to_s_ <= metrics_from_s_) {
-    config.fail("metrics.to_s", "must be after metrics.from_s");
-  }
-  if (fine_to_s_ < fine_from_s_) {
-    config.fail("record.fine_to_s", "must not be before record.fine_from_s");
-  }
-  if (metrics_from_s_ < force_from_s_) {
-    config.fail("metrics.from_s", "must not be before force.from_s");
-  }
-  rows_.check(config, [this] { return fields(); }, arm_.physics,
-              {.known = {{"force_control", arm_.physics.sample_time_s(force_from_s_)}},
-               .events = {"first_contact"}});
-}
-
-void ArmWallContact::prepare_scene(Model& model) const {
-  role().prepare_model(model);
-}
-
-void ArmWallContact::animate_scene(Model& model, double time_s) const {
-  show_geoms(model, "wall_", time_s >= wall_solid_from_s_);
-  wall_.animate(model, kWall, wall_x_m(), time_s);
-}
-
-Recording ArmWallContact::run(const RunControl& control) const {
-  const math::FloatEnvironment floats;
-  ArmRig rig(arm_, role());
-  Simulation& sim = rig.simulation();
-  const int wall = geom_id(sim.model(), kWall);
-  sim.set_collidable(wall, false);
-
-  const PhysicsSettings& physics = arm_.physics;
-  const std::int64_t steps = physics.step_at(arm_.run.duration_s);
-  const std::int64_t solid_step = physics.step_at(wall_solid_from_s_);
-  const std::int64_t fine_from = physics.step_at(fine_from_s_);
-  const std::int64_t fine_to =
-      control.logs ? std::min(physics.step_at(fine_to_s_), steps) : fine_from;
-
-  Track fine("physics", rig.fine_signals(),
-             static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)),
-             control.stream);
-
-  const TipPose pose = start_pose(arm_);
-  TipPose tip_offset = TipPose::Zero();
-  double impact_mass_kg = 0.0;
-  double first_contact_s = std::numeric_limits<double>::infinity();
-  std::vector<Signal> of_metrics = rig.fine_signals();
-  of_metrics.push_back({"force_reference_N", "N", "", view(force_reference_N_)});
-  of_metrics.push_back({"tip_speed_x_m_s", "m/s", "", view(rig.tip_speed_x_m_s())});
-  of_metrics.push_back({"impact_mass_kg", "kg", "", view(impact_mass_kg)});
-  of_metrics.push_back({"y_offset_m", "m", "", view(tip_offset[1])});
-  of_metrics.push_back({"phi_offset_rad", "rad", "", view(tip_offset[2])});
-  for (const Signal& signal : rig.signals()) of_metrics.push_back(signal);
-  MetricValues values(rows_, of_metrics, arm_.run.duration_s,
-                      {{"first_contact", &first_contact_s}});
-
-  // The tip first moves to its start pose, and later touches the wall and presses.
-  HeldReference held_pose({0.0, force_from_s_}, "the tip", "m");
-  HeldReference held_force({metrics_from_s_, metrics_to_s_}, "the force", "N");
-  held_force.ask(force_reference_N_);
-  ApparentMass mass_along_x(sim.model(), "tip", Eigen::Vector3d::UnitX());
-  const double force_control_s = physics.sample_time_s(force_from_s_);
-
-  const auto step = [&](std::int64_t k) {
-    if (k == solid_step) rig.set_solid(wall, true);
-    sim.step();
-    const double time_s = sim.time_s();
-    if (rig.contact_force_N() > 0.0 && time_s >= force_control_s && time_s < first_contact_s) {
-      first_contact_s = time_s;
-      impact_mass_kg = mass_along_x(sim.model(), sim.data());
-    }
-    if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
-  };
-  const auto sample = [&](double time_s) {
-    rig.observe();
-    tip_offset = rig.tip() - pose;
-    const double away_m = tip_offset.head<2>().norm();
-    if (sim.steps() == 1) held_pose.ask(away_m);
-    held_pose.add(time_s, away_m);
-    held_force.add(time_s, force_reference_N_ - rig.filtered_force_N());
-  };
-  Recording recording =
-      record_run(sim, physics, steps, rig.signals(), control, step, sample, &values);
-  if (!recording.failure) {
-    held_pose.warn(recording.warnings);
-    held_force.warn(recording.warnings);
-  }
-  if (fine.rows() > 0) recording.tracks.push_back(std::move(fine));
-  return recording;
+ScenarioKind arm_wall_contact() {
+  return scenario_kind<ArmWallContact>("arm_wall_contact");
 }
 
 }  // namespace breakwater

@@ -48,7 +48,11 @@ bool has_friction(const mjModel& model) {
 }  // namespace
 
 AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
-    : plant_(plant), steps_per_sample_(plant.physics.steps_per_sample()), drives_(controller) {
+    : plant_(plant),
+      steps_per_sample_(plant.physics.steps_per_sample()),
+      drives_(controller),
+      has_motors_(std::any_of(plant.axes.begin(), plant.axes.end(),
+                              [](const auto& one) { return one.drive.electric().is_on(); })) {
   Model model = plant.load_model();
   const auto rotors = std::count_if(plant.axes.begin(), plant.axes.end(),
                                     [](const auto& one) { return one.transmission.adds_rotor(); });
@@ -75,17 +79,19 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     const double coulomb = model->dof_frictionloss[model->jnt_dofadr[model.id(mjOBJ_JOINT, rubs)]];
     std::unique_ptr<FrictionLaw> law = one.drive.make_friction(coulomb);
     // The engine's own friction has the bits of this law, which knows its force.
-    if (!law && coulomb > 0.0 && has_friction(*model.get())) {
+    if (!law && plant.knows_disturbances && coulomb > 0.0 && has_friction(*model.get())) {
       law = std::make_unique<LoadDependentFriction>(coulomb, 0.0);
     }
     const bool rubs_load = rubs == one.axis.joint;
     const int actuator = one.axis.is_driven() ? actuator_id(model, one.axis) : kNoActuator;
-    axes_.push_back({at, rate_at, actuator, std::make_unique<JointForce>(model, one.axis.joint),
-                     law ? std::make_unique<JointFriction>(model, rubs, std::move(law),
-                                                           rubs_load ? transmission.get() : nullptr)
-                         : nullptr,
-                     rubs_load, std::move(transmission), motor_at, motor_rate_at,
-                     Noise(plant.run.seed, one.axis.own("input"))});
+    axes_.push_back(
+        {at, rate_at, actuator,
+         plant.knows_disturbances ? std::make_unique<JointForce>(model, one.axis.joint) : nullptr,
+         law ? std::make_unique<JointFriction>(model, rubs, std::move(law),
+                                               rubs_load ? transmission.get() : nullptr)
+             : nullptr,
+         rubs_load, std::move(transmission), motor_at, motor_rate_at,
+         Noise(plant.run.seed, one.axis.own("input"))});
   }
   for (const PushSettings& one : plant.pushes) {
     pushes_.push_back({one.disturbance.make(plant.run.seed, "push." + one.name),
@@ -116,9 +122,9 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     const AxisSettings& one = plant.axes[i];
     if (const auto actuator = static_cast<int>(axes_[i].actuator); actuator != kNoActuator) {
       simulation_->set_pwm(actuator, Pwm{one.drive_resolution});
-      if (one.drive.electric().is_on()) simulation_->set_drive(actuator, one.drive.electric());
+      if (has_motors_) simulation_->set_drive(actuator, one.drive.electric());
     }
-    simulation_->add(*axes_[i].force);
+    if (axes_[i].force) simulation_->add(*axes_[i].force);
     if (axes_[i].friction) simulation_->add(*axes_[i].friction);
     if (axes_[i].transmission) simulation_->add(*axes_[i].transmission);
   }
@@ -147,7 +153,7 @@ void AxisRig::step() {
           std * axis.input_noise(static_cast<std::uint64_t>(k / steps_per_sample_));
     }
     axis.reference = plant_.axes[i].reference.at(simulation_->time_of(k));
-    axis.force->hold(axis.input_noise_value - axis.disturbance);
+    if (axis.force) axis.force->hold(axis.input_noise_value - axis.disturbance);
   }
   for (Push& push : pushes_) {
     push.value = push.disturbance.value(simulation_->time_of(k));
@@ -165,32 +171,13 @@ void AxisRig::step() {
   saturated_ = simulation_->saturated() ? 1.0 : 0.0;
 }
 
-const double& AxisRig::position(std::size_t axis) const {
-  return simulation_->qpos()[axes_[axis].qpos];
+const double& AxisRig::current_A(std::size_t axis) const {
+  return simulation_->motor(static_cast<int>(axes_[axis].actuator)).current_A();
 }
 
-const double& AxisRig::velocity(std::size_t axis) const {
-  return simulation_->qvel()[axes_[axis].qvel];
-}
-
-const double& AxisRig::motor_position(std::size_t axis) const {
-  return simulation_->qpos()[axes_[axis].motor_qpos];
-}
-
-const double& AxisRig::motor_velocity(std::size_t axis) const {
-  return simulation_->qvel()[axes_[axis].motor_qvel];
-}
-
-const double& AxisRig::measured(std::size_t axis) const {
-  return simulation_->sample().y(static_cast<Eigen::Index>(axis));
-}
-
-const double& AxisRig::command(std::size_t axis) const {
-  return simulation_->command()(axes_[axis].actuator);
-}
-
-const double& AxisRig::actuation(std::size_t axis) const {
-  return simulation_->actuation()(axes_[axis].actuator);
+const double& AxisRig::friction(std::size_t axis) const {
+  static constexpr double kNone = 0.0;
+  return axes_[axis].friction ? axes_[axis].friction->force() : kNone;
 }
 
 std::vector<HeldReference> AxisRig::held_references() const {
@@ -256,9 +243,8 @@ void AxisRig::add_tip_signals(std::vector<Signal>& signals) const {
 }
 
 std::vector<Signal> AxisRig::signals() const {
-  const Simulation& sim = *simulation_;
-  std::vector<Signal> signals = {{"qpos", qpos_units_, "the engine's generalised positions",
-                                  sim.qpos().first(positions_of_file_)}};
+  std::vector<Signal> signals = {
+      {"qpos", qpos_units_, "the engine's generalised positions", positions()}};
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const Axis& axis = plant_.axes[i].axis;
     const AxisUnits& u = axis.units;
@@ -281,13 +267,11 @@ std::vector<Signal> AxisRig::signals() const {
           actuation(i));
     }
     if (axis.is_driven() && plant_.axes[i].drive.electric().is_on()) {
-      add("current_A", "A", "current of the motor",
-          sim.motor(static_cast<int>(axes_[i].actuator)).current_A());
-      add("motor_" + u.force_suffix, u.force, "true force of the motor",
-          sim.drive_force()(axes_[i].actuator));
+      add("current_A", "A", "current of the motor", current_A(i));
+      add("motor_" + u.force_suffix, u.force, "true force of the motor", motor_force(i));
     }
     if (axes_[i].friction) {
-      add("friction_" + u.force_suffix, u.force, "dry friction", axes_[i].friction->force());
+      add("friction_" + u.force_suffix, u.force, "dry friction", friction(i));
     }
     if (!axes_[i].transmission) continue;
     add("motor_position_" + u.position_suffix, u.position, "position of the motor, true",
@@ -295,7 +279,7 @@ std::vector<Signal> AxisRig::signals() const {
     add("motor_velocity_" + u.velocity_suffix, u.velocity, "velocity of the motor, true",
         motor_velocity(i));
     add("transmission_" + u.force_suffix, u.force, "the transmission's force on the load",
-        axes_[i].torque);
+        transmitted(i));
   }
   signals.push_back({"saturated", "1", "1 where the drive is at its limit", view(saturated_)});
   for (std::size_t i = 0; i < pushes_.size(); ++i) {

@@ -38,17 +38,50 @@ class AxisRig {
   /// step thus begins there exactly, for any integrator.
   void step();
 
+  Simulation& simulation() { return *simulation_; }
   const Simulation& simulation() const { return *simulation_; }
+  /// The generalised positions of the model's file, without added rotors.
+  std::span<const double> positions() const {
+    return simulation().qpos().first(positions_of_file_);
+  }
   // The values of an axis at the beginning of the last step.
-  const double& position(std::size_t axis = 0) const;
-  const double& velocity(std::size_t axis = 0) const;
-  const double& measured(std::size_t axis = 0) const;
+  const double& position(std::size_t axis = 0) const {
+    return simulation_->qpos()[axes_[axis].qpos];
+  }
+  const double& velocity(std::size_t axis = 0) const {
+    return simulation_->qvel()[axes_[axis].qvel];
+  }
+  const double& measured(std::size_t axis = 0) const {
+    return simulation_->sample().y(static_cast<Eigen::Index>(axis));
+  }
   /// The command, and the drive's force after saturation and rounding.
-  const double& command(std::size_t axis = 0) const;
-  const double& actuation(std::size_t axis = 0) const;
+  const double& command(std::size_t axis = 0) const {
+    return simulation_->command()(axes_[axis].actuator);
+  }
+  const double& actuation(std::size_t axis = 0) const {
+    return simulation_->actuation()(axes_[axis].actuator);
+  }
   /// The motor's joint of an elastic transmission; otherwise the axis itself.
-  const double& motor_position(std::size_t axis = 0) const;
-  const double& motor_velocity(std::size_t axis = 0) const;
+  const double& motor_position(std::size_t axis = 0) const {
+    return simulation_->qpos()[axes_[axis].motor_qpos];
+  }
+  const double& motor_velocity(std::size_t axis = 0) const {
+    return simulation_->qvel()[axes_[axis].motor_qvel];
+  }
+  /// The motor's current; only where an axis has an electric drive.
+  const double& current_A(std::size_t axis) const;
+  /// The true force of the motor.
+  const double& motor_force(std::size_t axis) const {
+    return has_motors_ ? simulation_->drive_force()(axes_[axis].actuator) : actuation(axis);
+  }
+  /// The force of the transmission on the load, or of a rigid one's motor.
+  const double& transmitted(std::size_t axis) const {
+    return axes_[axis].transmission ? axes_[axis].torque : motor_force(axis);
+  }
+  /// The dry friction; 0 if there is none, or it is not known (AxisPlant::knows_disturbances).
+  const double& friction(std::size_t axis) const;
+  /// 1 where a drive is at its limit.
+  const double& saturated() const { return saturated_; }
   /// d: the axis' disturbance and the dry friction of its joint, without noise. No observer can
   /// tell the two apart.
   const double& disturbance(std::size_t axis = 0) const { return axes_[axis].disturbance; }
@@ -93,7 +126,7 @@ class AxisRig {
     std::size_t qpos;  // index in the state
     std::size_t qvel;
     Eigen::Index actuator;
-    std::unique_ptr<JointForce> force;
+    std::unique_ptr<JointForce> force;           // null: there is no disturbance
     std::unique_ptr<JointFriction> friction;     // null: there is none
     bool rubs_load;                              // the friction is that of the axis' joint
     std::unique_ptr<Transmission> transmission;  // nullptr: rigid
@@ -102,7 +135,7 @@ class AxisRig {
     Noise input_noise;
     double input_noise_value = 0.0;
     double disturbance = 0.0;
-    double torque = 0.0;  // torque of the transmission
+    double torque = 0.0;  // torque of the transmission, if it is elastic
     double reference = 0.0;
   };
 
@@ -160,6 +193,7 @@ class AxisRig {
   const double* contact_force_ = nullptr;  // the tip's; null: not known
   double force_reference_ = 0.0;
   std::unique_ptr<Simulation> simulation_;
+  bool has_motors_;                // with electric parts: then each drive has one
   std::size_t positions_of_file_;  // added rotors come behind them; pictures do not have them
   std::string qpos_units_;
   double saturated_ = 0.0;

@@ -57,6 +57,16 @@ int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
   }
 }
 
+// Calls a check whose error names a key of the axis.
+template <typename Check>
+void check_part(const Config& own, Check&& check) {
+  try {
+    check();
+  } catch (const WrongKey& wrong) {
+    own.fail(wrong.key(), wrong.what());
+  }
+}
+
 }  // namespace
 
 Axis motor_axis() {
@@ -464,6 +474,7 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
     const bool is_axis =
         model->jnt_type[joint] == mjJNT_HINGE || model->jnt_type[joint] == mjJNT_SLIDE;
     if (!is_axis) own.fail("joint", "must be a hinge or a slide");
+    check_part(own, [&] { one.transmission.check_motor(model, one.axis.joint); });
     take(own, "joint", joints, joint, "has another axis: each joint may have one");
     if (one.transmission.adds_rotor() && !one.axis.is_driven()) {
       own.fail("actuator", "none: a motor that the model lacks needs an actuator of the joint");
@@ -511,10 +522,10 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
 
 Model AxisPlant::load_model(const Config* config) const {
   // Contacts may name what is decoration in the file.
-  std::vector<std::string> geoms;
-  for (const ContactSettings& one : contacts) geoms.insert(geoms.end(), {one.geom_1, one.geom_2});
+  std::vector<std::string> named = geoms;
+  for (const ContactSettings& one : contacts) named.insert(named.end(), {one.geom_1, one.geom_2});
   if (config != nullptr) check_geoms(*config);
-  Model model = Model::load_physics(mjcf, geoms);
+  Model model = Model::load_physics(mjcf, named);
   model.set_physics(physics.timestep_s, physics.integrator);
   if (config != nullptr) {
     check_names(model, *config);
@@ -547,9 +558,10 @@ Model AxisPlant::load_model(const Config* config) const {
     }
   }
   for (const ContactSettings& one : contacts) {
-    const auto prepare = [&] { one.prepare(model); };
-    config != nullptr ? config->under(one.prefix()).blame("law", prepare) : prepare();
+    const auto apply = [&] { one.prepare(model); };
+    config != nullptr ? config->under(one.prefix()).blame("law", apply) : apply();
   }
+  if (prepare) prepare(model);
   return model;
 }
 
@@ -745,26 +757,12 @@ SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
 void check_plant(AxisPlant& plant, const Config& config) {
   plant.physics.check(config, plant.run);
   plant.timing.check(config, plant.physics);
-  std::optional<Model> file;
-  for (const AxisSettings& one : plant.axes) {
-    if (!one.transmission.is_elastic()) continue;
-    if (!file) file = Model::load_physics(plant.mjcf);
-    try {
-      one.transmission.check_motor(*file, one.axis.joint);
-    } catch (const WrongKey& wrong) {
-      config.under(one.axis.prefix()).fail(wrong.key(), wrong.what());
-    }
-  }
   plant.complete(config);
   const double no_force_N = 0.0;
   const SensingSetup sensing = plant.sensing(&no_force_N);
   plant.faults.check(config, sensing.channels);
   for (std::size_t i = 0; i < plant.axes.size(); ++i) {
-    try {
-      plant.nominal(i);
-    } catch (const WrongKey& wrong) {
-      config.under(plant.axes[i].axis.prefix()).fail(wrong.key(), wrong.what());
-    }
+    check_part(config.under(plant.axes[i].axis.prefix()), [&] { plant.nominal(i); });
   }
   const Model model = plant.load_model();
   for (const AxisSettings& one : plant.axes) {

@@ -2,6 +2,7 @@
 // has.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -134,11 +135,15 @@ struct AxisPlant {
   RunSettings run;
   FaultSettings faults;
   double inertia_ratio = 1.0;      ///< ratio of the plant's inertia to that of its model file
+  bool knows_disturbances = true;  ///< the axes' disturbances, and friction as a part of them
   double judged_to_s = 0.0;        ///< end of the metrics' windows: a shorter run has no metrics
   bool senses_true_state = false;  ///< samples also have the true positions and velocities
   /// The keyframe of the start pose; kNone: the pose of the model's joints.
   std::string keyframe = Axis::kNone;
   std::vector<AxisSettings> axes;
+  /// Geoms that the run looks up or makes collide; see Model::load_physics().
+  std::vector<std::string> geoms;
+  std::function<void(Model&)> prepare;  ///< last changes of the model; may be empty
   // Only for a plant with named axes.
   std::vector<PushSettings> pushes;
   std::vector<ContactSettings> contacts;

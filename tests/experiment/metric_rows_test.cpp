@@ -8,8 +8,8 @@
 #include <limits>
 #include <map>
 
-#include "arm_push/arm_push.h"
 #include "catalogue.h"
+#include "on_axes.h"
 
 namespace breakwater {
 namespace {

@@ -139,6 +139,26 @@ TEST(Drive, RigidJointOfAnElasticArmGetsTheTorqueOfItsMotor) {
   EXPECT_NE(of_joint_3("transmission_Nm"), of_joint_3("torque_applied_Nm"));
 }
 
+// Without load dependence the law has the bits of the engine's friction. The log has that of all.
+TEST(Drive, ALawOfOneJointLeavesTheOthersTheirFriction) {
+  const auto run = [](Sets sets) {
+    sets.insert(sets.end(), {"run.duration_s=2", "push.start_s=0.1", "push.rise_s=0.5"});
+    return completed_run("arm_push", "proposed-link1", sets);
+  };
+  const Recording law =
+      run({"axis.joint3.friction.law=load_dependent", "axis.joint3.friction.load_ratio=0"});
+  EXPECT_EQ(law.state_hash, run({}).state_hash);
+  const std::vector<double> friction = law.track("control").values("friction_Nm"),
+                            speed = law.track("control").values("dq_true_rad_s");
+  int sliding = 0;
+  for (std::size_t i = 0; i < speed.size(); ++i) {
+    if (std::abs(speed[i]) < 0.05) continue;
+    ++sliding;
+    EXPECT_NEAR(friction[i], -std::copysign(4.0, speed[i]), 0.02) << i;
+  }
+  EXPECT_GT(sliding, 0);
+}
+
 TEST(Drive, AListIsInTheEffectiveConfiguration) {
   const PreparedRun run =
       prepare("arm_push", "proposed-link1", {"transmission.stiffness_Nm_rad=[0,0,5e3]"});
