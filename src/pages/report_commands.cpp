@@ -14,7 +14,6 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/compare.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/measured_impact.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/run_report.h>
 #include <breakwater/record/partial_file.h>
@@ -46,7 +45,6 @@ struct RunsArguments {
   std::string out = ".";
   bool paired = false;
   std::string baseline;
-  std::string measured;
   std::vector<std::string> goals;
   bool csv = false;
   bool json = false;
@@ -124,26 +122,6 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
     for (const fs::path& file : written) fmt::print("{}\n", file.string());
   }
   return status;
-}
-
-int compare_measured(const RunsArguments& arguments) {
-  const std::vector<SavedRun> runs = open_all(arguments.runs);
-  const std::vector<std::string>& signals = arguments.choice.signals;
-  if (runs.size() != 1 || signals.size() > 1) {
-    throw std::invalid_argument("--measured: give one run, and at most one --signal");
-  }
-  const ImpactComparison comparison(runs.front(),
-                                    signals.empty() ? "physics/force_sensor_N" : signals.front(),
-                                    arguments.measured);
-  const fs::path file = made_place(arguments.out, "measured.html");
-  replace_file(file, comparison.html());
-  say("compare", {}, runs);
-  if (arguments.json) {
-    fmt::print("{}", comparison.json());
-  } else if (!arguments.quiet) {
-    fmt::print("{}\n{}\n", comparison.text(output_width()), file.string());
-  }
-  return kSuccess;
 }
 
 std::map<std::string, Goal> read_goals(const std::vector<std::string>& texts) {
@@ -384,25 +362,14 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
         ->type_name("METRIC=GOAL")
         ->allow_extra_args(false)
         ->needs("--paired");
-    app.add_option("--measured", arguments.measured,
-                   "instead: a recorded impact, a table with time_s and force_N, over that of one\n"
-                   "run (its signal physics/force_sensor_N, or --signal); writes RUN/measured.html")
-        ->type_name("FILE")
-        ->check(CLI::ExistingFile)
-        ->excludes("--paired");
     add_digits(app);
     app.add_flag("--json", arguments.json, "print the table as JSON")->excludes("--paired");
     app.add_flag("--csv", arguments.csv, "write compare.csv: the metrics and their differences");
     app.add_flag("--latex", arguments.latex, "write compare.tex: a booktabs table of the metrics");
     app.add_flag("--svg", arguments.svg, "write compare.svg: the signals, for a paper");
     app.add_flag("--pdf", arguments.pdf, "write compare.pdf: the same");
-    for (const char* option :
-         {"--metric", "--from", "--to", "--csv", "--latex", "--svg", "--pdf"}) {
-      app.get_option(option)->excludes("--measured");
-    }
   }
   app.add_flag("!--no-replay", arguments.choice.with_replay, "leave out the replay");
-  if (is_comparison) app.get_option("--no-replay")->excludes("--measured");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
   app.footer(is_comparison
                  ? "It writes compare.html, a page that needs no network. Figures are drawn by\n"
@@ -410,10 +377,6 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
                  : "It writes report.html, a page that needs no network.");
   if (const auto status = parse(app, argc, argv)) return *status;
   if (arguments.paired) return compare_paired(catalogue, arguments);
-  if (!arguments.measured.empty()) {
-    if (app.count("--out") == 0) arguments.out = arguments.runs.front();
-    return compare_measured(arguments);
-  }
   return is_comparison ? compare(catalogue, arguments) : report(catalogue, arguments);
 }
 

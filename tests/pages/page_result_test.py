@@ -111,14 +111,13 @@ def check_runs(call, folder):
     check_schema(result_of((folder / "study/report.html").read_text()), "study")
 
 
-def check_hostile(call, folder, force):
+def check_hostile(call, folder, record):
     bad = "'\"<i>{{title}}&<!--.csv"
-    (folder / bad).write_text(force.read_text())
-    call("run", "impact_test", "--quiet", "--out", "run")
-    call("compare", "run", "--measured", bad, "--out", "impact")
-    page = next((folder / "impact").glob("*.html")).read_text()
+    (folder / bad).write_text(record.read_text())
+    call("identify", bad, "--out", "id")
+    page = (folder / "id/report.html").read_text()
     result = result_of(page)
-    check_schema(result, "measured")
+    check_schema(result, "identification")
     assert bad in json.dumps(result, ensure_ascii=False).replace('\\"', '"'), "it is in the data"
     assert "<i>" not in page and "<!--.csv" not in page and "&lt;i&gt;{{title}}&amp;" in page, "and only as text"
     assert page.count("</script>") == 3
@@ -135,7 +134,7 @@ def main():
 
         check_analysis(call, folder)
         check_runs(call, folder)
-        check_hostile(call, folder, pathlib.Path(__file__).resolve().parents[2] / "data/impacts/rubber-ball.csv")
+        check_hostile(call, folder, pathlib.Path(__file__).resolve().parents[2] / "data/identify/bench1.csv")
 
 
 if __name__ == "__main__":
