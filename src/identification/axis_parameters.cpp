@@ -1,12 +1,6 @@
 #include <breakwater/identification/axis_parameters.h>
 
-#include <fmt/format.h>
-
 #include <limits>
-#include <nlohmann/json.hpp>
-#include <stdexcept>
-
-#include <breakwater/record/input_file.h>
 
 namespace breakwater {
 namespace {
@@ -34,27 +28,6 @@ constexpr KnownParameter kKnown[] = {
 
 const KnownParameter& known_parameter(AxisParameter parameter) {
   return kKnown[parameter];
-}
-
-AxisValues read_identified_axis(const std::string& file, AxisValues axis) {
-  std::ifstream stream = open_input(file);
-  const auto json = nlohmann::json::parse(stream, nullptr, false);
-  for (const AxisParameter p : {kInertia, kViscous, kCoulomb, kOffset, kDelay, kBreakaway,
-                                kStribeckSpeed, kTorqueConstant}) {
-    const bool may_be_absent = p == kBreakaway || p == kStribeckSpeed || p == kTorqueConstant;
-    if (may_be_absent && json.is_object() && !json.contains(parameter_key(p))) continue;
-    const nlohmann::json::json_pointer value(fmt::format("/{}/value", parameter_key(p)));
-    if (!json.is_object() || !json.contains(value) || !json[value].is_number()) {
-      throw std::invalid_argument(fmt::format("{}: has no value of {}: must be an identified.json",
-                                              file, parameter_key(p)));
-    }
-    axis[p] = json[value].get<double>();
-  }
-  for (const AxisParameter p : {kInertia, kStribeckSpeed, kTorqueConstant}) {
-    if (axis[p] > 0.0) continue;
-    throw std::invalid_argument(fmt::format("{}: {}: must be > 0", file, parameter_key(p)));
-  }
-  return axis;
 }
 
 }  // namespace breakwater

@@ -1,7 +1,5 @@
-// Names of the parameters of an axis, and their values in the file of an identification.
+// Names of the parameters of an axis in the file of an identification.
 #pragma once
-
-#include <string>
 
 #include <breakwater/identification/axis_model.h>
 
@@ -24,11 +22,5 @@ inline const char* parameter_key(AxisParameter parameter) {
 inline const char* parameter_unit(AxisParameter parameter) {
   return known_parameter(parameter).unit;
 }
-
-/// The axis of an identified.json, with one inertia. Values that the file may lack are those of
-/// `axis`.
-///
-/// Throws std::invalid_argument `FILE: reason`.
-AxisValues read_identified_axis(const std::string& file, AxisValues axis);
 
 }  // namespace breakwater

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
@@ -12,13 +11,11 @@
 #include <breakwater/experiment/settings.h>
 #include <breakwater/identification/axis_parameters.h>
 #include <breakwater/identification/clock_offset.h>
-#include <breakwater/identification/excitation.h>
 #include <breakwater/identification/identification_outputs.h>
 #include <breakwater/identification/identification_report.h>
 #include <breakwater/identification/identified_study.h>
 #include <breakwater/identification/two_inertia_axis.h>
 #include <breakwater/identification/two_inertia_outputs.h>
-#include <breakwater/record/partial_file.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/recorded/record_keys.h>
@@ -45,11 +42,6 @@ struct IdentifyArguments {
   std::vector<std::string> sets;
   std::string out = "runs/identify";
   bool quiet = false;
-  bool is_design = false;
-  std::string from;
-  std::vector<std::string> limits;
-  double duration_s = 20.0;
-  double rate_Hz = 1000.0;
 };
 
 [[noreturn]] void refuse(const std::string& reason) {
@@ -185,76 +177,6 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   return kSuccess;
 }
 
-ExcitationLimits limits_of(const IdentifyArguments& arguments) {
-  ExcitationLimits limits{.duration_s = arguments.duration_s, .period_s = 1.0 / arguments.rate_Hz};
-  for (const std::string& limit : arguments.limits) {
-    const std::size_t equals = limit.find('=');
-    const std::string name = limit.substr(0, equals);
-    double value = 0.0;
-    const bool is_number =
-        equals != std::string::npos && CLI::detail::lexical_cast(limit.substr(equals + 1), value);
-    if ((name != "torque" && name != "speed") || !is_number || !(value > 0.0) ||
-        !std::isfinite(value)) {
-      refuse("--limits: must be torque=VALUE[,speed=VALUE], is " + limit);
-    }
-    (name == "torque" ? limits.torque : limits.speed) = value;
-  }
-  if (limits.torque == 0.0) refuse("--limits: torque is missing");
-  if (!std::isfinite(limits.speed) && !arguments.inertia && arguments.from.empty()) {
-    refuse("--limits: speed is missing, or give --inertia or --from");
-  }
-  constexpr double kFewest = 200.0;
-  constexpr double kMost = 1e6;
-  const double rows = limits.duration_s / limits.period_s;
-  if (!(rows >= kFewest && rows <= kMost)) {
-    refuse(fmt::format("--duration: gives {:.0f} rows at this --rate, must be {} to {:.0f}", rows,
-                       kFewest, kMost));
-  }
-  return limits;
-}
-
-int design(const IdentifyArguments& arguments) {
-  ExcitationLimits limits = limits_of(arguments);
-  constexpr double kAny = 1.0;  // an inertia that --from replaces
-  const bool is_known = !arguments.from.empty();
-  AxisValues axis = guessed_axis(limits, arguments.inertia.value_or(is_known ? kAny : 0.0));
-  if (is_known) {
-    try {
-      axis = read_identified_axis(arguments.from, axis);
-    } catch (const std::invalid_argument& error) {
-      refuse(fmt::format("--from: {}", error.what()));
-    }
-  }
-  const double friction = axis[kCoulomb] + axis[kBreakaway] + std::abs(axis[kOffset]);
-  if (!(limits.torque > friction)) {
-    refuse(fmt::format(
-        "--limits: torque={:.6g}: does not move the axis in both directions: Coulomb and breakaway "
-        "friction and the offset are {:.6g} N m",
-        limits.torque, friction));
-  }
-  // The table is in the unit of the records.
-  limits.torque /= axis[kTorqueConstant];
-  const std::vector<double> inputs = designed_excitation(limits, axis);
-  std::string text = "time_s,u\n";
-  for (std::size_t k = 0; k < inputs.size(); ++k) {
-    text += fmt::format("{:.7g},{:.6g}\n", static_cast<double>(k) * limits.period_s, inputs[k]);
-  }
-  replace_file(arguments.out, text);
-  if (!arguments.quiet) {
-    fmt::print(
-        "results: {}\nintervals: at most {:.2f} times those of a chirp or a binary sequence\n",
-        arguments.out, worst_ratio(inputs, limits, axis));
-    if (!is_known) {
-      fmt::print(
-          "guess: inertia {:.3g} kg m^2, Coulomb friction {:.3g} N m, viscous friction {:.3g} "
-          "N m s/rad. An axis with less of them is faster than the limit: play a part of the "
-          "torque first, and design again with --from\n",
-          axis[kInertia], axis[kCoulomb], axis[kViscous]);
-    }
-  }
-  return kSuccess;
-}
-
 int identify_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   const std::string program = own_program_name() + " " + kIdentify;
   return guarded(program, [&] {
@@ -277,8 +199,7 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
     app.add_option("--inertia", arguments.inertia,
                    "take this inertia [kg m^2], with two_inertia the motor's, as known, and fit "
                    "the torque\n"
-                   "constant instead.\n"
-                   "With --design: a guess of the inertia")
+                   "constant instead")
         ->check(CLI::PositiveNumber);
     app.add_option("--config", arguments.config,
                    "read the keys of table and encoder from this file of estimate")
@@ -286,23 +207,7 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
     app.add_option("--set", arguments.sets,
                    "set csv.time_scale, csv.input_scale, encoder.quantum, ... as in estimate")
         ->type_name("KEY=VALUE");
-    app.add_flag("--design", arguments.is_design,
-                 "write a table of the torque to play on the bench, instead of a fit");
-    app.add_option("--from", arguments.from,
-                   "design for the axis of this identified.json, instead of a guess")
-        ->type_name("FILE");
-    app.add_option("--limits", arguments.limits,
-                   "of the designed torque [N m] and of the speed [rad/s]: torque=5,speed=20")
-        ->delimiter(',')
-        ->type_name("LIMIT");
-    app.add_option("--duration", arguments.duration_s, "of the designed torque [s]")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
-    app.add_option("--rate", arguments.rate_Hz, "rows per second of the designed torque")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
-    app.add_option("--out", arguments.out,
-                   "write the results to this folder, or the designed torque to this file")
+    app.add_option("--out", arguments.out, "write the results to this folder")
         ->type_name("DIR")
         ->capture_default_str();
     app.add_flag("--quiet", arguments.quiet, "print errors only");
@@ -317,15 +222,6 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
     if (const auto status = parse(app, argc, argv)) return *status;
     if (arguments.model == kTwoInertia && arguments.friction == "stribeck") {
       refuse("--friction: stribeck needs --model axis");
-    }
-    if (arguments.model == kTwoInertia && arguments.is_design) {
-      refuse(
-          "--design: knows one inertia alone. Use --model axis with --inertia of motor and load "
-          "together. Its torque has 0.1 Hz to 20 Hz, so the resonance must be below");
-    }
-    if (arguments.is_design) {
-      if (!arguments.files.empty()) refuse("--design: takes no FILE");
-      return design(arguments);
     }
     if (arguments.files.empty()) refuse("FILE is missing: a recorded table");
     const std::vector<std::string> words(argv + 1, argv + argc);

@@ -1,6 +1,6 @@
 // Tables of numbers: exact ones, those of a laboratory (`estimate`, `identify`), functions of time
 // (disturbances, references, walls). Files of a run folder of unknown origin: manifest.json,
-// metrics.json and log.h5. An identified.json.
+// metrics.json and log.h5.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -10,7 +10,6 @@
 #include <breakwater/experiment/run_list.h>
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/identification/axis_parameters.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/recorded/encoder_quantum.h>
 #include <breakwater/recorded/recorded_axis.h>
@@ -68,11 +67,6 @@ void read_run_metrics(const std::string& text) {
   }
 }
 
-void read_identified(const std::string& text) {
-  const AxisValues axis = read_identified_axis(fuzz::folder().write("identified.json", text), {});
-  fuzz::require(axis[kInertia] > 0.0, "an inertia is positive");
-}
-
 // It is in a run folder, and a child process tries it first.
 void read_log(const std::string& bytes) {
   static const fuzz::Folder folder;
@@ -104,7 +98,6 @@ constexpr fuzz::Parser kParsers[] = {{'e', "exact", read_exact},
                                      {'f', "function", read_time_function},
                                      {'a', "manifest", read_run_manifest},
                                      {'n', "metrics", read_run_metrics},
-                                     {'i', "identified", read_identified},
                                      {'l', "log", read_log}};
 
 }  // namespace
