@@ -179,7 +179,7 @@ void print_entries_json(const std::vector<Entry>& entries) {
 }  // namespace
 
 int list_runs_main(const Catalogue& catalogue, int argc, const char* const* argv) {
-  const std::string program = own_program_name() + " " + kListRuns;
+  const std::string program = own_program_name() + " ls";
   return guarded(program, [&] {
     CLI::App app("The runs and studies below a folder with their main metrics, newest first.",
                  program);

@@ -63,8 +63,7 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
   add(kRuns,
       {{"list", "print the scenarios and what they study", list_main},
        {"run", "run a scenario: run NAME [OPTION...]; run NAME --help says which", run_main},
-       {kListRuns, "list the runs and studies in a folder, newest first: ls [DIR]", list_runs_main},
-       {kRemoveRuns, "remove runs that failed: rm --failed [DIR]", remove_runs_main}});
+       {"ls", "list the runs and studies in a folder, newest first: ls [DIR]", list_runs_main}});
   add(kRuns, picture_commands());
   add(kRuns, report_commands());
   add(kRuns, {{"diff", "find the first sample in which two runs differ: diff RUN RUN", diff_main}});
