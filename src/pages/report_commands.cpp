@@ -32,9 +32,11 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// Calls the script that draws the charts of a page.
+// Calls the script that draws the charts of a page, with the Python BREAKWATER_PYTHON, or with
+// Debian's own, which finds Debian's packages.
 int call_figures(const char* name, const std::vector<std::string>& words) {
-  std::vector<std::string> all = {figure_python(), data_file("scripts/figures.py").string()};
+  std::vector<std::string> all = {environment("BREAKWATER_PYTHON").value_or("/usr/bin/python3"),
+                                  data_file("scripts/figures.py").string()};
   all.insert(all.end(), words.begin(), words.end());
   return call_program(name, all);
 }
@@ -394,10 +396,6 @@ std::vector<CommandKind> report_commands() {
   return {{"report", "write one page about finished runs: report RUN...", report_main},
           {"compare", "compare finished runs side by side: compare RUN RUN...", report_main},
           {"replay", "replay finished runs in 3-D in a browser: replay RUN...", report_main}};
-}
-
-std::string figure_python() {
-  return environment("BREAKWATER_PYTHON").value_or("/usr/bin/python3");
 }
 
 }  // namespace breakwater
