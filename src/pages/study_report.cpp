@@ -27,7 +27,6 @@ namespace {
 
 constexpr std::size_t kMostColumns = 6;       // in the table of all metrics
 constexpr std::size_t kMostListedKinds = 30;  // kinds of failures in their table
-constexpr std::size_t kMostTurns = 40;        // changes of sign, each with a figure
 constexpr std::size_t kMostOfReason = 320;    // letters
 
 std::string shortened(const std::string& text) {
@@ -150,55 +149,6 @@ std::string label_of(const std::string& metric) {
   return metric_label_with_unit(metric, unit_of(metric));
 }
 
-// A key whose values change the sign of a difference.
-void add_turn(const CandidateComparison& comparison, const KeyInteraction& one, Identity look,
-              RunList& runs, PageData& blocks) {
-  const std::string& candidate = comparison.candidates[one.candidate];
-  const std::string& reference = comparison.candidates[one.reference];
-  auto rows = PageData::array(), marks = PageData::array(), at = PageData::array(),
-       labels = PageData::array();
-  for (const KeyInteraction::Value& value : one.values) {
-    const std::string tenths = in_digits(value.q10) + " to " + in_digits(value.q90);
-    rows.push_back(PageData::array({value.label, value.median, tenths,
-                                    value.median < 0.0   ? "smaller"
-                                    : value.median > 0.0 ? "larger"
-                                                         : "the same",
-                                    value.repeats}));
-    marks.push_back({{"y", value.median},
-                     {"low", value.q10},
-                     {"high", value.q90},
-                     {"runs", PageData::array()},
-                     {"text", fmt::format("{} = {}: {} ({}), {} repeats", one.key, value.label,
-                                          in_digits(value.median), tenths, value.repeats)}});
-    at.push_back(value.x);
-    labels.push_back(value.label);
-  }
-  add_block(blocks, "subheading",
-            fmt::format("Its sign turns with {}: {} beside {}", one.key, candidate, reference));
-  blocks.push_back(drawings(
-      "charts",
-      PageData::array({runs.drawing(
-          {{"kind", "lines"},
-           {"x_title", key_label_with_unit(one.key, unit_of(one.key))},
-           {"y_title", fmt::format("{}, {} less {}", label_of(one.metric), candidate, reference)},
-           {"log", one.is_log},
-           {"share", false},
-           {"at", at},
-           {"labels", labels},
-           {"looks", PageData::array({series_class(look)})},
-           {"lines", PageData::array({marks})}})})));
-  add_block(blocks, "table",
-            {{"label", "The difference by the values of " + one.key},
-             {"columns", PageData::array({one.key, "median difference", "10 to 90 %",
-                                          candidate + " is", "repeats"})},
-             {"rows", rows}});
-  add_block(blocks, "text",
-            fmt::format("That all its means have one sign: p {}, after Holm’s correction. Repeats "
-                        "are {}. comparison_by_key.csv has every key.",
-                        p_text(one.p_holm),
-                        one.is_of_worlds ? "seeds of the value’s one block" : "blocks"));
-}
-
 // The pairs of one metric, or of the failures.
 void add_pairs(const CandidateComparison& comparison, const PageData& pairs,
                const std::string& metric, PageData& blocks) {
@@ -307,18 +257,10 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
   add_block(lead, "score", score(index));
 
   const PageData pairs = comparison ? comparison_pairs(*comparison) : PageData();
-  std::size_t turns_left = kMostTurns;
   for (std::size_t m = 0; m < sections.detail().metrics; ++m) {
     const std::string& metric = numbers.metrics[m];
     PageData section = sections.section(m);
-    if (comparison) {
-      add_pairs(*comparison, pairs, metric, section["blocks"]);
-      for (const KeyInteraction& one : comparison->interactions) {
-        if (one.metric != metric || !one.turns || turns_left == 0) continue;
-        add_turn(*comparison, one, sections.look(one.candidate), runs, section["blocks"]);
-        --turns_left;
-      }
-    }
+    if (comparison) add_pairs(*comparison, pairs, metric, section["blocks"]);
     contents(section["id"], section["heading"]);
     all.push_back(std::move(section));
   }

@@ -52,9 +52,6 @@ class StudySections {
                 const std::vector<OutputIndices>& indices, const std::vector<std::string>& labels,
                 const std::vector<Identity>& looks, RunList& runs);
 
-  /// The candidates with lines and heat maps, in the order of their colours.
-  const std::vector<std::size_t>& drawn() const { return drawn_; }
-  Identity look(std::size_t candidate) const { return looks_[candidate]; }
   const StudyDetail& detail() const { return detail_; }
 
   /// The section of a metric, or of the failures without `metric`.

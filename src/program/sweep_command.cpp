@@ -133,11 +133,7 @@ class SweepCommand : public StudyCommand {
     }
     const auto comparison = compare_study(plan_, index);
     const fs::path compared = folder_.path() / "comparison.csv";
-    if (comparison) {
-      replace_file(compared, comparison_csv(*comparison));
-      const fs::path by_key = folder_.path() / "comparison_by_key.csv";
-      if (!comparison->interactions.empty()) replace_file(by_key, by_key_csv(*comparison));
-    }
+    if (comparison) replace_file(compared, comparison_csv(*comparison));
     const auto ranking = rank_study(plan_, index);
     if (ranking) {
       replace_file(folder_.path() / "ranking.json", ranking_json(*ranking).dump(1) + "\n");

@@ -113,9 +113,9 @@ void StudyFolder::make(const std::string& text, const ScenarioFile& file) const 
 
 void StudyFolder::make_anew(const std::string& text, const ScenarioFile& file) const {
   check_is_ours();
-  for (const char* name : {"shards", "runs", "slurm", "front", "tuned", "results.csv",
-                           "results.sqlite", "comparison.csv", "comparison_by_key.csv", "front.csv",
-                           "tuned.csv", "ranking.json", "indices.csv", "report.html"}) {
+  for (const char* name :
+       {"shards", "runs", "slurm", "front", "tuned", "results.csv", "results.sqlite",
+        "comparison.csv", "front.csv", "tuned.csv", "ranking.json", "indices.csv", "report.html"}) {
     fs::remove_all(folder_ / name);
   }
   make_folders();
