@@ -101,15 +101,15 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
   std::vector<std::string> notes;
   replace_file(written[0], comparison.html(notes));
   say("compare", notes, runs);
-  const auto write = [&](const char* name, const std::string& text) {
-    written.push_back(out / name);
-    replace_file(written.back(), text);
-  };
-  if (arguments.csv) write("compare.csv", comparison.csv());
-  if (arguments.latex) write("compare.tex", comparison.latex());
+  if (arguments.csv) {
+    written.push_back(out / "compare.csv");
+    replace_file(written.back(), comparison.csv());
+  }
   int status = kSuccess;
-  for (const char* kind : {"svg", "pdf"}) {
-    if (!(kind[0] == 's' ? arguments.svg : arguments.pdf)) continue;
+  for (const auto& [kind, is_asked] :
+       {std::pair("tex", arguments.latex), std::pair("svg", arguments.svg),
+        std::pair("pdf", arguments.pdf)}) {
+    if (!is_asked) continue;
     const fs::path file = out / (std::string("compare.") + kind);
     if (call_figures("figures", {written[0].string(), "--out", file.string()}) == kSuccess) {
       written.push_back(file);
@@ -367,7 +367,7 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
     add_digits(app);
     app.add_flag("--json", arguments.json, "print the table as JSON")->excludes("--paired");
     app.add_flag("--csv", arguments.csv, "write compare.csv: the metrics and their differences");
-    app.add_flag("--latex", arguments.latex, "write compare.tex: a booktabs table of the metrics");
+    app.add_flag("--latex", arguments.latex, "write compare.tex: the page's tables for booktabs");
     app.add_flag("--svg", arguments.svg, "write compare.svg: the signals, for a paper");
     app.add_flag("--pdf", arguments.pdf, "write compare.pdf: the same");
   }

@@ -13,8 +13,8 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/math/functions.h>
-#include <breakwater/record/csv.h>
 #include <breakwater/record/partial_file.h>
+#include <breakwater/record/text_outputs.h>
 #include <breakwater/statistics/quantile.h>
 
 namespace breakwater {

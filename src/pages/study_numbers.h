@@ -12,7 +12,6 @@
 #include <vector>
 
 #include <breakwater/statistics/sensitivity.h>
-#include <breakwater/study/key_effects.h>
 #include <breakwater/study/plan.h>
 #include <breakwater/study/shards.h>
 

@@ -98,7 +98,6 @@ class StudySections {
   std::vector<std::size_t> drawn_;
   std::vector<std::size_t> place_of_;  // by candidate in drawn_; drawn_.size(): not drawn
   std::vector<KeyGroups> keys_;        // for line charts
-  std::vector<KeyEffect> effects_;     // one per entry of `keys_`
   std::vector<KeyGroups> sides_;       // for heat maps
 };
 
@@ -249,8 +248,6 @@ StudySections::StudySections(const Plan& plan, const ShardIndex& index, const St
       keys_.push_back(
           group_values(key, is_drawn ? std::min(enough, detail_.groups) : detail_.groups));
     }
-    effects_ = key_effects(plan.study());
-    for (const KeyEffect& effect : effects_) keys_[effect.key].name = effect.name;
   }
 }
 
@@ -327,8 +324,8 @@ void StudySections::add_legend(PageData& blocks) const {
 void StudySections::add_line_charts(const Output& output, PageData& blocks) const {
   auto lines = PageData::array();
   bool has_bands = false, has_crosses = false;
-  for (const KeyEffect& effect : effects_) {
-    lines.push_back(line_chart(output, keys_[effect.key], has_bands, has_crosses));
+  for (const KeyGroups& key : keys_) {
+    lines.push_back(line_chart(output, key, has_bands, has_crosses));
   }
   if (lines.empty()) return;
   blocks.push_back(drawings("charts", lines));
@@ -765,11 +762,6 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
   }
   contents("set-up", "Set-up");
   auto set_up = PageData::array(), last = PageData::array();
-  for (const KeyEffect& effect : key_effects(study)) {
-    if (effect.with.empty()) continue;
-    add_block(set_up, "text",
-              effect.name + ": their effects cannot be told apart, and are shown as one.");
-  }
   if (numbers.is_sample) {
     add_block(set_up, "text",
               fmt::format("Charts and tables are of {} runs, chosen evenly among the study’s "

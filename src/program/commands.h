@@ -25,9 +25,6 @@ int diff_main(const Catalogue& catalogue, int argc, const char* const* argv);
 /// broken.
 int doctor_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `list`: prints the available scenarios and parts.
-int list_main(const Catalogue& catalogue, int argc, const char* const* argv);
-
 /// `ls`: lists the runs and studies below a folder.
 int list_runs_main(const Catalogue& catalogue, int argc, const char* const* argv);
 

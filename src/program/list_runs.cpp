@@ -19,7 +19,7 @@
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/shell/terminal.h>
-#include <breakwater/study/study_summary.h>
+#include <breakwater/study/study_folder.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

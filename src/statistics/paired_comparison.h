@@ -13,6 +13,18 @@
 
 namespace breakwater {
 
+/// Holm's adjusted p: with p₍₁₎ ≤ … ≤ p₍ₘ₎,  p'₍ᵢ₎ = max_{j ≤ i} min(1, (m − j + 1) p₍ⱼ₎). A
+/// rejection where p' ≤ α gives any false rejection with probability α at most, for any dependence.
+///
+/// Source: S. Holm, Scand. J. Statist. 6 (1979) 65–70.
+std::vector<double> holm(const std::vector<double>& p);
+
+/// The levels at which Holm's procedure decides the tests. After r rejections a rejected p₍ᵢ₎ has
+/// α/(m − i + 1), and each other one α/(m − r). Equal p have the level of the first of them. p ≤
+/// its level exactly where p' ≤ α. So an interval that belongs to the test has this level, and
+/// covers with probability 1 − α or more.
+std::vector<double> holm_levels(const std::vector<double>& p, double alpha);
+
 /// Results of each candidate (columns) in each test condition (rows).
 struct PairedResults {
   std::vector<std::string> candidates;

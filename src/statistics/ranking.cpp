@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include <breakwater/statistics/binomial.h>
+#include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/quantile.h>
 
 namespace breakwater {

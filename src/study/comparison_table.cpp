@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <breakwater/config/names.h>
-#include <breakwater/record/csv.h>
+#include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 

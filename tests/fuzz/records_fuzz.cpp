@@ -11,7 +11,6 @@
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/record/run_folder.h>
-#include <breakwater/recorded/encoder_quantum.h>
 #include <breakwater/recorded/recorded_axis.h>
 #include "fuzz/input.h"
 

@@ -123,6 +123,18 @@ def check_hostile(call, folder, record):
     assert page.count("</script>") == 3
 
 
+def check_latex():
+    """The special characters of LaTeX, and numbers with four digits."""
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+    from figures import latex
+
+    rows = [["peak_force 50 % {a} $x$ #1 & ~^\\", 6.0461749], ["x [rad/s²]", {"value": -3.2e-5}], ["d", None]]
+    assert latex({"label": "M", "columns": ["a", "b"], "rows": rows}).splitlines() == [
+        "% M", r"\begin{tabular}{lr}", r"\toprule", r"a & b \\", r"\midrule",
+        r"peak\_force 50 \% \{a\} \$x\$ \#1 \& \textasciitilde{}\textasciicircum{}\textbackslash{} & 6.046 \\",
+        r"x [rad/s$^2$] & $-3.2 \times 10^{-5}$ \\", r"d & -- \\", r"\bottomrule", r"\end{tabular}"]
+
+
 def main():
     bin_folder = pathlib.Path(sys.argv[1]).resolve()
     with tempfile.TemporaryDirectory() as name:
@@ -132,6 +144,7 @@ def main():
             return subprocess.run([bin_folder / "breakwater", *words], cwd=folder, check=True, text=True,
                                   stdout=subprocess.PIPE).stdout
 
+        check_latex()
         check_analysis(call, folder)
         check_runs(call, folder)
         check_hostile(call, folder, pathlib.Path(__file__).resolve().parents[2] / "data/identify/bench1.csv")

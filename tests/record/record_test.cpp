@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include <breakwater/record/csv.h>
 #include <breakwater/record/data_file.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/hdf5_log.h>

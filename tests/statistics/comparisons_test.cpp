@@ -9,14 +9,10 @@
 #include <sstream>
 
 #include <breakwater/math/error_function.h>
-#include <breakwater/statistics/binomial.h>
 #include <breakwater/statistics/distribution.h>
-#include <breakwater/statistics/group_tests.h>
-#include <breakwater/statistics/multiple_tests.h>
 #include <breakwater/statistics/quantile.h>
 #include <breakwater/statistics/signed_rank.h>
 #include <breakwater/study/comparison_table.h>
-#include <breakwater/study/key_effects.h>
 #include "python.h"
 
 namespace breakwater::comparisons_test {
@@ -547,31 +543,6 @@ TEST(Blocks, ValuesOfAnIneffectiveKeyAreNotBlocks) {
   EXPECT_EQ(comparison.metrics.front().blocks, 2U);
   EXPECT_EQ(comparison.metrics.front().pairs, 6U);
   EXPECT_EQ(comparison.metrics.front().difference.value, compared(of_two).difference.value);
-}
-
-VariedKey list_of(const std::string& key, const std::vector<std::string>& values) {
-  VariedKey varied;
-  varied.key = key;
-  varied.values = values;
-  return varied;
-}
-
-TEST(Keys, KeysVariedTogetherAreOneEffect) {
-  Study study;
-  study.vary = {list_of("a", {"1", "2", "3", "4"}), list_of("b", {"9", "7", "8", "6"}),
-                list_of("c", {"0", "0", "1", "1"}), list_of("d", {"5", "5", "5", "5"})};
-  const auto names = [&] {
-    std::vector<std::string> all;
-    for (const KeyEffect& effect : key_effects(study)) all.push_back(effect.name);
-    return all;
-  };
-  EXPECT_EQ(names(), (std::vector<std::string>{"a", "b", "c", "d"}));  // a grid
-  study.method = Method::list;
-  EXPECT_EQ(names(), (std::vector<std::string>{"a (with b, c)", "d"}));
-  study.vary = {list_of("a", {"1", "1", "2", "2"}), list_of("b", {"1", "2", "1", "2"})};
-  EXPECT_EQ(names(), (std::vector<std::string>{"a", "b"}));  // every combination, as a list
-  study.vary = {list_of("a", {"1", "2", "3", "4"}), list_of("b", {"1", "2", "1", "2"})};
-  EXPECT_EQ(names(), (std::vector<std::string>{"a", "b"}));  // each b has several a
 }
 
 // A candidate that never has a metric with a goal is reported.

@@ -154,17 +154,6 @@ y_1 = { min = 1, max = 9.5 }
                   "Nothing is ranked without a goal"));
 }
 
-TEST_F(SweepComparison, KeysVariedTogetherAreOneEffect) {
-  const ProgramResult result =
-      swept("ishigami --method list --vary x.first=1,2,3 --vary x.third=0.1,0.3,0.2 --out s");
-  const std::string said = "x.first (with x.third)";
-  EXPECT_TRUE(has(result.out, "vary: " + said + ": varied together"));
-  const std::string page = read("s/report.html");
-  EXPECT_TRUE(has(page, "y over x first (with x third)"));
-  EXPECT_TRUE(lacks(page, "y over x third"));
-  EXPECT_TRUE(has(page, said + ": their effects cannot be told apart"));
-}
-
 TEST_F(SweepComparison, ThePageOpensWithTheFirstNamedMetric) {
   int count = 0;
   const auto first = [&](const std::string& options) {
