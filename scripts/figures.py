@@ -1,16 +1,17 @@
 #!/usr/bin/python3
-"""Draws charts of a page as a figure for a paper.
+"""Draws charts of a page as a figure for a paper, or writes its tables for LaTeX.
 
     scripts/figures.py PAGE.html [--chart ID ...] --out FIGURE.pdf [--from S] [--to S] [--width INCHES]
+    scripts/figures.py PAGE.html --out TABLES.tex
 
 PAGE is a page of any command that has charts: of compare, report, analyze, tune, identify, reproduce. The figure has a
 panel per chart, by default for those that the page does not fold away, and their first time window. FIGURE is .pdf,
-.svg or .png. Fonts are embedded.
+.svg or .png. Fonts are embedded. TABLES has each table of the page, as LaTeX's package booktabs sets it.
 
 A page is one JSON (docs/explanation/decisions/0023-a-page-is-data.md), so you can copy and change this file. STYLE is
-the style, result_of() reads the page, draw() draws the figure. `breakwater compare --svg --pdf` calls it.
+the style, result_of() reads the page, draw() draws the figure. `breakwater compare --svg --pdf --latex` calls it.
 
-Needs Debian's python3-matplotlib.
+Figures need Debian's python3-matplotlib.
 """
 
 import argparse
@@ -30,13 +31,16 @@ def refuse(reason):
     sys.exit(2)
 
 
-try:
-    import matplotlib
+def plotting():
+    try:
+        import matplotlib
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-except ImportError as error:
-    refuse(f"{error.name} is missing: apt-get install python3-matplotlib")
+        matplotlib.use("Agg")
+        import matplotlib.pyplot
+    except ImportError as error:
+        refuse(f"{error.name} is missing: apt-get install python3-matplotlib")
+    return matplotlib.pyplot
+
 
 # As on pages, the last of references (src/render/identity.cpp).
 COLOURS = ["#451de2", "#c71e2e", "#0ca162", "#9542a7", "#431341", "#5977ff", "#b58e03", "#6b7682"]
@@ -101,7 +105,40 @@ def columns(labels, width):
     return max(1, min(len(labels), int(width / longest)))
 
 
+LATEX = {**{sign: "\\" + sign for sign in "&%$#_{}"}, "\\": r"\textbackslash{}", "~": r"\textasciitilde{}",
+         "^": r"\textasciicircum{}", "²": "$^2$", "³": "$^3$", "−": "$-$"}
+
+
+def tables_of(part):
+    """The tables below a part of the data, in their order."""
+    if isinstance(part, dict) and {"label", "columns", "rows"} <= part.keys():
+        yield part
+    elif isinstance(part, (dict, list)):
+        for one in part.values() if isinstance(part, dict) else part:
+            yield from tables_of(one)
+
+
+def latex_cell(cell):
+    """A cell in LaTeX: a text, or a number with four digits."""
+    value = cell.get("value") if isinstance(cell, dict) else cell
+    if value is None:
+        return "--"
+    if isinstance(value, str):
+        return "".join(LATEX.get(letter, letter) for letter in value)
+    digits, _, power = f"{value:.4g}".partition("e")
+    number = digits + (rf" \times 10^{{{int(power)}}}" if power else "")
+    return f"${number}$" if power or value < 0 else number
+
+
+def latex(table):
+    lines = [" & ".join(map(latex_cell, row)) + r" \\" for row in [table["columns"], *table["rows"]]]
+    lines.insert(1, r"\midrule")
+    form = "l" + "r" * (len(table["columns"]) - 1)
+    return "\n".join([f"% {table['label']}", rf"\begin{{tabular}}{{{form}}}", r"\toprule", *lines, r"\bottomrule", r"\end{tabular}", ""])
+
+
 def draw(charts, window, width):
+    plt = plotting()
     plt.style.use("default")  # a matplotlibrc of the user must not change the figure
     plt.rcParams.update(STYLE)
     figure, axes = plt.subplots(len(charts), 1, squeeze=False, constrained_layout=True,
@@ -144,10 +181,15 @@ def main():
     parser.add_argument("--check", action="store_true", help="only say whether it could draw")
     arguments = parser.parse_args()
     if arguments.check:
+        plotting()
         return
     if not (arguments.page and arguments.out):
         parser.error("give PAGE and --out")
-    everything = list(charts_of(result_of(arguments.page)))
+    result = result_of(arguments.page)
+    if arguments.out.endswith(".tex"):
+        Path(arguments.out).write_text("\n".join(["% needs \\usepackage{booktabs}", *map(latex, tables_of(result))]))
+        return
+    everything = list(charts_of(result))
     charts = [chart for chart, is_folded in everything
               if (chart["id"] in arguments.chart if arguments.chart else not is_folded)]
     if not charts:

@@ -195,34 +195,6 @@ const drawStudy = (() => {
     plot.xTicks({left: 12, right: WIDTH - 24, top: 2, bottom: 16}, ...ticksOf(scale, 5));
   }
 
-  // A line per run over one axis per quantity. The last quantity gives the colour.
-  function parallel(place, {axes, lines}) {
-    const width = Math.max(WIDTH, 96 + 96 * (axes.length - 1)), gap = (width - 96) / (axes.length - 1);
-    const top = 40, bottom = 270, lost = 292, last = axes.length - 1;
-    const scales = axes.map((axis) => scaleOf(axis.low, axis.high, axis.log, bottom, top));
-    const plot = new Plot(place, "parallel", width, bottom + 34, `${lines.length} runs, a line each, coloured by ${axes[last].title}`);
-    plot.svg.style = `min-width:${px(width)}px;max-width:${px(1.6 * width)}px`;
-    // Failures lie on top.
-    for (const [values, failed, run] of [...lines.filter((line) => !line[1]), ...lines.filter((line) => line[1])]) {
-      const has = isNumber(values[last]) && !failed;
-      const name = failed ? "failed" : has ? "h" + Math.min(LEVELS - 1, Math.floor(scales[last].share(values[last]) * LEVELS)) : "none";
-      plot.path("p " + name, linePath(values.map((value, k) => [48 + gap * k, k === last && !has ? lost : scales[k](value)])),
-                plot.svg, {"data-r": run});
-    }
-    axes.forEach((axis, k) => {
-      const x = 48 + gap * k, isEnd = k === 0 || k === last;
-      plot.path("axis", `M${px(x)} ${top}V${bottom}`);
-      plot.text(k === 0 ? 2 : k === last ? width - 2 : x, k % 2 ? 27 : 12, k === 0 ? "start" : k === last ? "end" : "middle",
-                shortened(axis.title, isEnd ? 22 : 30), "title");
-      const isInside = k === last && axis.texts.length > 0;  // there is no room on the right
-      const tick = (value, text) => plot.text(isInside ? x - 5 : x + 4, scales[k](value) + 3.5, isInside ? "end" : "start", shortened(text, 12), "halo");
-      const stride = 1 + Math.floor(axis.texts.length / 12);
-      axis.texts.forEach((text, i) => { if (i % stride === 0) tick(i, text); });
-      if (!axis.texts.length) scales[k].ticks(4).forEach((value) => tick(value, label(value)));
-    });
-    if (lines.some((line) => line[1])) plot.text(width - 2, lost + 10, "end", "failed", "lost");
-  }
-
   // 10 to 90 % as a line, the quartiles as a box, and the median, on an axis common to all rows.
   function box(place, {look, low, high, values}) {
     const x = scaleOf(low, high, isForLog(low, high), 3, 147), plot = new Plot(place, "box " + look, 150, 18);
@@ -243,7 +215,7 @@ const drawStudy = (() => {
     });
   }
 
-  const kinds = {lines, heat, bar, parallel, box, indices};
+  const kinds = {lines, heat, bar, box, indices};
   // Draws what is in a part of the page and not yet drawn.
   return (part) => part.querySelectorAll("[data-drawing]:empty").forEach((place) => {
     const data = pageData[place.dataset.drawing];
@@ -296,7 +268,7 @@ const drawStudy = (() => {
   // Draws a section, and makes its marks reachable by keyboard.
   function draw(section) {
     drawStudy(section);
-    section.querySelectorAll("td[data-r], td [data-r], .m, .p").forEach((mark) => {
+    section.querySelectorAll("td[data-r], td [data-r], .m").forEach((mark) => {
       mark.tabIndex = 0;
       mark.setAttribute("role", "button");
       if (mark.classList.contains("p")) mark.setAttribute("aria-label", "run " + inWords(data.runs[Number(mark.dataset.r)]));

@@ -1,7 +1,7 @@
 // The scenario two_inertia on an identified motor and load.
 #pragma once
 
-#include <breakwater/recorded/identified_two_inertia.h>
+#include <breakwater/recorded/identified_scenario.h>
 
 namespace breakwater {
 

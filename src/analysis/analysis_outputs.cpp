@@ -2,19 +2,154 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <utility>
 
-#include <breakwater/analysis/bode_chart.h>
+#include <breakwater/config/scenario_name.h>
+#include <breakwater/experiment/runner.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/record/csv.h>
+#include <breakwater/pages/page_chart.h>
 #include <breakwater/record/partial_file.h>
+#include <breakwater/record/text_outputs.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/did_you_mean.h>
+#include <breakwater/shell/digits.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/shell/progress.h>
+#include <breakwater/sim/model.h>
+#include <breakwater/study/study.h>
 
 namespace breakwater {
+namespace {
+
+constexpr double kInDegrees = 180.0 / std::numbers::pi;
+constexpr double kDeep_dB = 120.0, kLow_dB = -60.0;  // values below both limits are not drawn
+
+double dB(double gain) {
+  return 20.0 * std::log10(gain);
+}
+
+std::vector<double> gains(const BodeCurve& curve) {
+  std::vector<double> result;
+  for (const std::complex<double>& gain : curve.gain) result.push_back(dB(std::abs(gain)));
+  return result;
+}
+
+// Unwrapped phases in degrees, the first within ±180.
+std::vector<double> phases(const BodeCurve& curve) {
+  std::vector<double> result;
+  for (const std::complex<double>& gain : curve.gain) {
+    double phase = std::arg(gain) * kInDegrees;
+    if (!result.empty()) phase += 360.0 * std::round((result.back() - phase) / 360.0);
+    result.push_back(phase);
+  }
+  return result;
+}
+
+// The value of a line at a frequency, or at the next one that it has.
+double at(const BodeCurve& line, const std::vector<double>& values, double omega_rad_s) {
+  const auto& all = line.omega_rad_s;
+  const auto next = std::lower_bound(all.begin(), all.end(), omega_rad_s) - all.begin();
+  return values[std::min(static_cast<std::size_t>(next), values.size() - 1)];
+}
+
+double nearest_turn(double phase, double to) {
+  return phase + 360.0 * std::round((to - phase) / 360.0);
+}
+
+// The designed line and the measured marks; those that are not sure are grey.
+void add_series(const BodeLoop& loop, const std::vector<double>& line,
+                const std::vector<double>& marks, PageChart& chart) {
+  const auto series = [&](const char* what, Identity look, const char* kind) {
+    ChartSeries one{.label = loop.label + what, .identity = look, .has_line = *kind == '\0'};
+    one.marks = kind;
+    return one;
+  };
+  ChartSeries designed = series("", loop.look, "");
+  ChartSeries measured = series(", measured", loop.look, "dot");
+  ChartSeries unsure = series(", not reliable", kReferenceIdentity, "dot");
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    designed.values.times_s.push_back(std::log10(loop.line.omega_rad_s[k]));
+    designed.values.values.push_back(line[k]);
+  }
+  for (std::size_t k = 0; k < marks.size(); ++k) {
+    Series& values =
+        (loop.marks.is_unsure.empty() || !loop.marks.is_unsure[k] ? measured : unsure).values;
+    values.times_s.push_back(std::log10(loop.marks.omega_rad_s[k]));
+    values.values.push_back(marks[k]);
+  }
+  for (ChartSeries& one : {std::ref(designed), std::ref(measured), std::ref(unsure)}) {
+    if (!one.values.values.empty()) chart.series.push_back(std::move(one));
+  }
+}
+
+// The phase margin at the crossover, from a half turn to the line; the gain margin below 0 dB.
+void add_margins(const BodeLoop& loop, const std::vector<double>& line, PageChart& gain,
+                 PageChart& phase) {
+  const LoopMargins& margins = *loop.margins;
+  if (std::isfinite(margins.phase_margin_rad)) {
+    const double end = at(loop.line, line, margins.crossover_rad_s);
+    phase.brackets.push_back({std::log10(margins.crossover_rad_s), nearest_turn(-180.0, end), end,
+                              fmt::format("{}, phase margin {:.1f} deg", loop.label,
+                                          margins.phase_margin_rad * kInDegrees),
+                              loop.look});
+  }
+  if (std::isfinite(margins.gain_margin)) {
+    const double margin = dB(margins.gain_margin);
+    gain.brackets.push_back({std::log10(margins.gain_margin_rad_s), 0.0, -margin,
+                             fmt::format("{}, gain margin {:.1f} dB", loop.label, margin),
+                             loop.look});
+  }
+}
+
+// Leaves a gap where a line is too low to be drawn, and no mark.
+void cut_below(double lowest, PageChart& chart) {
+  for (ChartSeries& one : chart.series) {
+    for (double& value : one.values.values) {
+      if (value < lowest) value = std::nan("");
+    }
+  }
+}
+
+}  // namespace
+
+PageData bode_charts(const std::string& id, const std::string& unit,
+                     const std::vector<BodeLoop>& loops) {
+  PageChart gain{.id = id + "-gain", .group = id, .title = "gain"}, phase = gain;
+  phase.id = id + "-phase";
+  phase.title = "phase [deg]";
+  gain.title += unit.empty() ? " [dB]" : " [dB of " + unit + "]";
+  double highest = -kDeep_dB;
+  for (PageChart* chart : {&gain, &phase}) {
+    chart->x_title = "frequency [rad/s]";
+    chart->is_log_x = true;
+  }
+  for (const BodeLoop& loop : loops) {
+    add_series(loop, gains(loop.line), gains(loop.marks), gain);
+    const std::vector<double> line = phases(loop.line);
+    std::vector<double> marks = phases(loop.marks);
+    // Marks are too far apart to be unwrapped alone.
+    for (std::size_t k = 0; k < marks.size() && !line.empty(); ++k) {
+      marks[k] = nearest_turn(marks[k], at(loop.line, line, loop.marks.omega_rad_s[k]));
+    }
+    add_series(loop, line, marks, phase);
+    if (loop.margins) add_margins(loop, line, gain, phase);
+  }
+  for (const ChartSeries& one : gain.series) {
+    for (const double value : one.values.values) highest = std::max(highest, value);
+  }
+  cut_below(std::min(highest - kDeep_dB, kLow_dB), gain);
+  if (gain.series.empty()) return PageData::array();
+  return {gain.json(), phase.json()};
+}
+
 namespace fs = std::filesystem;
 namespace {
 
@@ -315,6 +450,183 @@ void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& s
   replace_file(folder / "analysis.csv", points_csv(loops, responses(units)));
   replace_file(folder / "margins.csv", margins_csv(loops));
   replace_file(folder / "report.html", html);
+}
+
+namespace fs = std::filesystem;
+namespace {
+
+struct Arguments {
+  std::string scenario;
+  std::vector<std::string> cases;
+  std::string axis;
+  std::string config;
+  std::vector<std::string> sets;
+  std::string out;
+  bool is_design_only = false;
+  bool quiet = false;
+  AnalysisOptions options;
+};
+
+void describe(CLI::App& app, Arguments& arguments) {
+  AnalysisOptions& options = arguments.options;
+  app.add_option("SCENARIO", arguments.scenario,
+                 "a scenario of axes: a motor, a cart, a plant, or your own; or a scenario file")
+      ->required();
+  app.add_option("--case", arguments.cases,
+                 "cases to compare in one chart, or all (default: the file's)")
+      ->type_name("NAME[,NAME...]");
+  app.add_option("--axis", arguments.axis,
+                 "axis of a plant, under its own controller (default: all driven axes,\n"
+                 "each as a loop while the others hold the pose)")
+      ->type_name("NAME");
+  app.add_option("--config", arguments.config, "use another scenario file")->type_name("FILE");
+  app.add_option("--set", arguments.sets, "override keys of all cases")->type_name("KEY=VALUE");
+  app.add_option("--out", arguments.out, "folder of the result (default: runs/analyze/SCENARIO)")
+      ->type_name("DIR");
+  app.add_option("--from", options.from_rad_s, "lowest frequency [rad/s] (default: 0.1)")
+      ->type_name("OMEGA")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--to", options.to_rad_s,
+                 "highest frequency [rad/s] (default: 0.9 of the Nyquist frequency)")
+      ->type_name("OMEGA")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--points", options.points, "number of measured frequencies (default: 25)")
+      ->type_name("N")
+      ->check(CLI::Range(2, 10000));
+  app.add_option("--amplitude", options.force_amplitude,
+                 "amplitude of the sine at the drive [N m or N] (default: 1, but at most\n"
+                 "a tenth of the drive's limit)")
+      ->type_name("F")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--noise-amplitude", options.noise_amplitude,
+                 "amplitude of the sine at the sensor [rad or m] (default: three of the\n"
+                 "encoder's counts, or 1e-3)")
+      ->type_name("X")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--settle", options.settle_s, "time before the measurement [s] (default: 5)")
+      ->type_name("S")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--jobs", options.jobs, "how many runs at a time (default: all cores)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 4096));
+  app.add_flag("--design-only", arguments.is_design_only, "measure nothing");
+  app.add_flag("--quiet", arguments.quiet, "print errors only");
+  add_digits(app);
+  app.footer(
+      "Designed: the controller and its estimator with the linear plant, if they are linear.\n"
+      "Measured: one sine after another in the simulation, with the case's encoder, drive and\n"
+      "friction. A loop that is not linear is measured at the frequency of the sine only.\n"
+      "Writes report.html, margins.csv and analysis.csv.\n"
+      "Exit status: 0 success, 1 a defect, 2 usage or input, 3 a run failed, 130 interrupted.");
+}
+
+std::vector<std::string> cases_of(const Arguments& arguments, const ScenarioFile& file) {
+  std::vector<std::string> names;
+  for (const std::string& option : arguments.cases) {
+    for (const std::string& name : option_parts(option)) names.push_back(name);
+  }
+  if (names.empty()) return {file.default_case()};
+  if (names == std::vector<std::string>{"all"}) return file.cases();
+  return names;
+}
+
+// The loops of a case. A plant with several gives each the name of its axis.
+void add_loops(const PreparedRun& run, const Arguments& arguments,
+               std::vector<AnalysedLoop>& loops) {
+  std::vector<std::string> names;
+  const std::size_t before = loops.size();
+  for (AxisOfPlant& axis : dynamic_cast<const LoopScenario&>(*run.scenario).loops()) {
+    const std::string& name = names.emplace_back(axis.settings().axis.name);
+    if (!arguments.axis.empty() && arguments.axis != name) continue;
+    loops.push_back({{run.case_name}, std::move(axis)});
+  }
+  if (names.empty()) {
+    throw std::invalid_argument(run.case_name + ": no driven axis has a controller");
+  }
+  if (loops.size() == before) {
+    throw std::invalid_argument(
+        fmt::format("--axis: there is no driven axis \"{}\" with a controller{}", arguments.axis,
+                    did_you_mean(arguments.axis, names)));
+  }
+  if (names.size() == 1) return;
+  for (std::size_t i = before; i < loops.size(); ++i) {
+    const Axis& axis = loops[i].axis.settings().axis;
+    loops[i].name.axis = axis.name;
+    if (axis.units.position != loops[before].axis.settings().axis.units.position) {
+      throw std::invalid_argument("--axis: is needed, because the axes have different units");
+    }
+  }
+}
+
+int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& command) {
+  stop_on_signals();
+  const SharedModels shared;  // one compilation for all frequencies
+  if (is_scenario_file(arguments.scenario)) {
+    if (!arguments.config.empty()) {
+      throw std::invalid_argument("--config: SCENARIO is a scenario file already");
+    }
+    arguments.config = std::exchange(arguments.scenario, scenario_name_in(arguments.scenario));
+  }
+  const auto& kind = catalogue.get<ScenarioKind>(arguments.scenario);
+  if (dynamic_cast<const LoopScenario*>(kind.make(catalogue).get()) == nullptr) {
+    throw std::invalid_argument(kind.name +
+                                ": expected a scenario of axes (a scenario of your own must be an "
+                                "AxisScenario)");
+  }
+  const auto read = kind.scenario_file(arguments.config);
+  const ScenarioFile& file = *read;
+  std::vector<PreparedRun> prepared;
+  std::vector<AnalysedLoop> loops;
+  for (const std::string& name : cases_of(arguments, file)) {
+    prepared.push_back(prepare_run(catalogue, kind.name, file, name, arguments.sets));
+    add_loops(prepared.back(), arguments, loops);
+  }
+  arguments.options.stop = &interrupted();
+  arguments.options.quiet = arguments.quiet;
+  if (arguments.is_design_only) arguments.options.points = 0;
+
+  std::vector<LoopAnalysis> results;
+  try {
+    results = analyse(loops, arguments.options);
+  } catch (const RunFailure& failure) {
+    fmt::print(stderr, "{}: failed at t = {:.6g} s: {}\n", kind.name, failure.time_s(),
+               one_line(failure.what()));
+    return kRunFailed;
+  } catch (const ControlFailure& failure) {
+    fmt::print(stderr, "{}: failed: {}\n", kind.name, one_line(failure.what()));
+    return kRunFailed;
+  }
+  for (const LoopAnalysis& loop : results) {
+    if (arguments.quiet && !loop.designed.is_unstable) continue;
+    for (const std::string& note : notes(loop)) {
+      fmt::print(stderr, "{} {}: {}\n", kind.name, loop.name.label(), note);
+    }
+  }
+  const auto is_unstable = [](const LoopAnalysis& loop) { return loop.designed.is_unstable; };
+  if (std::all_of(results.begin(), results.end(), is_unstable)) return kRunFailed;
+  const fs::path folder =
+      arguments.out.empty() ? fs::path("runs") / kAnalyze / kind.name : fs::path(arguments.out);
+  write_analysis(results, kind.name, file.cases(), command,
+                 loops.front().axis.settings().axis.units, folder);
+  if (arguments.quiet) return kSuccess;
+  fmt::print("results: {}\n\n{}", folder.string(), margins_table(results, output_width()));
+  return kSuccess;
+}
+
+}  // namespace
+
+int analyze_main(const Catalogue& catalogue, int argc, const char* const* argv) {
+  const std::string program = own_program_name() + " " + kAnalyze;
+  return guarded(program, [&] {
+    CLI::App app("Compute frequency responses of loops of one axis, designed and measured.",
+                 program);
+    Arguments arguments;
+    describe(app, arguments);
+    if (const auto status = parse(app, argc, argv)) return *status;
+    std::string command = own_program_name();
+    for (int i = 0; i < argc; ++i) command += " " + shell_word(argv[i]);
+    return analyze(catalogue, arguments, command);
+  });
 }
 
 }  // namespace breakwater

@@ -5,15 +5,201 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
-#include <breakwater/analysis/swept_sine.h>
 #include <breakwater/rigs/loop_response.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/progress.h>
 
 namespace breakwater {
+namespace {
+
+constexpr double kAgree = 1e-3;
+constexpr std::size_t kMostWindows = 8;
+constexpr double kLeastSamples = 200;  // smallest length of a window
+
+double abs2(const Phasors& a) {
+  return std::norm(a.command) + std::norm(a.disturbance) + std::norm(a.velocity);
+}
+
+Phasors operator-(const Phasors& a, const Phasors& b) {
+  return {a.command - b.command, a.disturbance - b.disturbance, a.velocity - b.velocity};
+}
+
+// A loop's controller with a sine as the probe. Computes the outputs' phasors at its frequency.
+class Probed final : public Controller {
+ public:
+  Probed(AxisLoop& loop, Probe probe, double amplitude, double omega_per_sample)
+      : loop_(loop),
+        amplitude_(probe == Probe::force ? amplitude : 0.0),
+        omega_per_sample_(omega_per_sample) {}
+
+  void reset(const Sample& first) override { loop_.controller->reset(first); }
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
+    loop_.controller->update(y, u);
+    const double angle = omega_per_sample_ * static_cast<double>(k_++);
+    const std::complex<double> turned = std::polar(1.0, -angle);
+    sums_.command += u(0) * turned;
+    if (loop_.estimates()) {
+      sums_.disturbance += loop_.estimator->disturbance()(0) * turned;
+      sums_.velocity += loop_.estimator->state()(1) * turned;
+    }
+    u(0) += amplitude_ * std::sin(angle);
+  }
+  std::span<const Signal> signals() const override { return loop_.controller->signals(); }
+
+  std::size_t samples() const { return k_; }
+  // The sums since the last call.
+  Phasors take() { return std::exchange(sums_, Phasors{}); }
+
+ private:
+  AxisLoop& loop_;
+  double amplitude_;
+  double omega_per_sample_;
+  std::size_t k_ = 0;
+  Phasors sums_;
+};
+
+}  // namespace
+
+SineResponse measure_sine(const AxisOfPlant& axis, const SineTest& test) {
+  const AxisTask& task = axis.task;
+  const double period_s = task.axis.period_s;
+  // A window of whole periods in whole samples.
+  const double per_period = 2.0 * std::numbers::pi / (test.omega_rad_s * period_s);
+  const double periods = std::max(1.0, std::ceil(kLeastSamples / per_period));
+  const double samples = std::round(periods * per_period);
+  const auto window = static_cast<std::size_t>(samples);
+  const double omega_per_sample = 2.0 * std::numbers::pi * periods / samples;
+
+  AxisLoop loop = axis.parts->make(task);
+  auto own = std::make_unique<Probed>(loop, test.probe, test.amplitude, omega_per_sample);
+  Probed& probed = *own;
+  std::unique_ptr<Controller> controller = std::move(own);
+  if (axis.among_others) controller = axis.among_others(std::move(controller));
+  SineResponse response;
+  response.omega_rad_s = omega_per_sample / period_s;
+  AxisPlant plant = axis.plant;
+  for (AxisSettings& one : plant.axes) one.force = one.output = {};
+  plant.pushes.clear();
+  if (test.probe == Probe::noise) {
+    plant.axes[axis.index].output = {DisturbanceKind::sine, test.amplitude, response.omega_rad_s,
+                                     0.0};
+  }
+  AxisRig rig(plant, *controller);
+
+  std::size_t saturated = 0, taken = 0;
+  const auto run_until = [&](std::size_t samples_in_all) {
+    while (probed.samples() < samples_in_all) {
+      rig.step();
+      if (!rig.simulation().sampled()) continue;
+      ++taken;
+      if (rig.simulation().saturated()) ++saturated;
+      if (test.stop != nullptr && test.stop->load()) throw Interrupted();
+    }
+  };
+  auto end = static_cast<std::size_t>(std::ceil(test.settle_s / period_s / samples)) * window;
+  run_until(end);
+  probed.take();
+  // The phasor of the probe: Σ a sin(ωk) e^{−jωk} = −j a K/2.
+  const std::complex<double> probe(0.0, -0.5 * test.amplitude * samples);
+  std::vector<Phasors> windows;
+  while (windows.size() < kMostWindows) {
+    run_until(end += window);
+    const Phasors sums = probed.take();
+    windows.push_back({sums.command / probe, sums.disturbance / probe, sums.velocity / probe});
+    if (windows.size() < 2) continue;
+    const Phasors& now = windows.back();
+    if (abs2(now - windows[windows.size() - 2]) <= kAgree * kAgree * abs2(now)) {
+      windows = {now};
+      break;
+    }
+  }
+  const auto count = static_cast<double>(windows.size());
+  for (const Phasors& one : windows) {
+    response.gain.command += one.command / count;
+    response.gain.disturbance += one.disturbance / count;
+    response.gain.velocity += one.velocity / count;
+  }
+  double squares = 0.0;
+  for (const Phasors& one : windows) squares += std::norm(one.command - response.gain.command);
+  response.spread = std::sqrt(squares / count) /
+                    std::max(std::abs(response.gain.command), std::numeric_limits<double>::min());
+  response.saturated = static_cast<double>(saturated) / static_cast<double>(taken);
+  return response;
+}
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// Finds the zero of a straight line from a to b, as a share of its length, if there is one.
+bool crosses(double a, double b, double& share) {
+  if (!((a <= 0.0 && b > 0.0) || (a >= 0.0 && b < 0.0))) return false;
+  share = a / (a - b);
+  return true;
+}
+
+double between(double a, double b, double share) {
+  return a + (b - a) * share;
+}
+
+void take_less(double& least, double value) {
+  if (std::isnan(least) || value < least) least = value;
+}
+
+}  // namespace
+
+LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
+                         const std::vector<std::complex<double>>& loop_gain) {
+  if (omega_rad_s.size() < 2 || omega_rad_s.size() != loop_gain.size()) {
+    throw std::invalid_argument("margins need a loop gain at two frequencies or more");
+  }
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  LoopMargins margins{kNone, kNone, kNone, kNone, kNone, kNone, 0.0, 0.0};
+  double last_phase = 0.0;
+  for (std::size_t i = 0; i < omega_rad_s.size(); ++i) {
+    const std::complex<double> L = loop_gain[i];
+    margins.sensitivity_peak = std::max(margins.sensitivity_peak, std::abs(1.0 / (1.0 + L)));
+    margins.complementary_peak = std::max(margins.complementary_peak, std::abs(L / (1.0 + L)));
+    // Unwraps the phase: nearest to the last one.
+    double phase = std::arg(L);
+    if (i > 0) phase += 2.0 * kPi * std::round((last_phase - phase) / (2.0 * kPi));
+    if (i > 0) {
+      const double gain_a = std::log(std::abs(loop_gain[i - 1])), gain_b = std::log(std::abs(L));
+      const double omega_a = std::log(omega_rad_s[i - 1]), omega_b = std::log(omega_rad_s[i]);
+      double share = 0.0;
+      if (crosses(gain_a, gain_b, share)) {
+        const double omega = std::exp(between(omega_a, omega_b, share));
+        const double at = between(last_phase, phase, share);
+        double above = std::fmod(at + kPi, 2.0 * kPi);  // from −π, in [0, 2π)
+        if (above < 0.0) above += 2.0 * kPi;
+        margins.crossover_rad_s = omega;
+        take_less(margins.phase_margin_rad, std::min(above, 2.0 * kPi - above));
+        take_less(margins.delay_margin_s, above / omega);
+      }
+      // All crossings of −π plus whole turns.
+      const double turn =
+          2.0 * kPi * std::round((between(last_phase, phase, 0.5) + kPi) / (2.0 * kPi));
+      if (crosses(last_phase + kPi - turn, phase + kPi - turn, share)) {
+        const double factor = std::exp(-between(gain_a, gain_b, share));
+        if (factor > 1.0 && !(margins.gain_margin <= factor)) {
+          margins.gain_margin = factor;
+          margins.gain_margin_rad_s = std::exp(between(omega_a, omega_b, share));
+        } else if (factor <= 1.0 && !(margins.gain_reduction_margin > factor)) {
+          margins.gain_reduction_margin = factor;
+        }
+      }
+    }
+    last_phase = phase;
+  }
+  return margins;
+}
+
 namespace {
 
 constexpr std::size_t kDesignPoints = 1200;

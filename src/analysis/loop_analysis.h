@@ -7,10 +7,52 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/analysis/loop_margins.h>
 #include <breakwater/rigs/axis_scenario.h>
+#include <breakwater/rigs/loop_response.h>
 
 namespace breakwater {
+
+struct SineTest {
+  Probe probe = Probe::force;
+  double omega_rad_s = 0.0;
+  double amplitude = 0.0;  ///< amplitude of the probe
+  double settle_s = 0.0;   ///< time before the measurement
+  const std::atomic<bool>* stop = nullptr;
+};
+
+/// The outputs' phasors at the probe's frequency, divided by the probe's.
+struct SineResponse {
+  double omega_rad_s = 0.0;  ///< rounded so that whole periods have whole samples
+  Phasors gain;
+  double spread = 0.0;     ///< relative standard deviation of the command's gain between windows
+  double saturated = 0.0;  ///< share of the samples with the drive at its limit
+};
+
+/// Runs the plant of an axis, its encoder, drive and controller with the probe alone. Other axes
+/// are under their own controllers. If two windows of whole periods agree to 1e-3, returns the
+/// second one. Otherwise returns the mean of eight windows, because a loop with an encoder never
+/// repeats exactly. Throws RunFailure, ControlFailure or Interrupted.
+SineResponse measure_sine(const AxisOfPlant& axis, const SineTest& test);
+
+/// Margins of a loop gain L(jω) with negative feedback. NaN: there is no such crossing.
+struct LoopMargins {
+  double crossover_rad_s;        ///< the last frequency at which |L| = 1
+  double phase_margin_rad;       ///< the smallest distance of arg L from −π at |L| = 1
+  double gain_margin;            ///< the smallest factor above 1 that makes it unstable
+  double gain_margin_rad_s;      ///< where that is
+  double gain_reduction_margin;  ///< the largest factor below 1 that makes it unstable
+  double delay_margin_s;         ///< the smallest additional delay that makes it unstable
+  double sensitivity_peak;  ///< M_s = max |1/(1 + L)|; 1/M_s is the smallest distance of L from −1
+  double complementary_peak;  ///< M_t = max |L/(1 + L)|
+};
+
+/// `omega_rad_s` (increasing) and `loop_gain` have equal length. Crossings are interpolated, so log
+/// |L| and arg L must be nearly straight over log ω between two points. Throws
+/// std::invalid_argument if there are fewer than two.
+///
+/// Source: K. J. Åström, R. M. Murray, Feedback Systems, Princeton 2008, section 9.3.
+LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
+                         const std::vector<std::complex<double>>& loop_gain);
 
 struct AnalysisOptions {
   double from_rad_s = 0.1;

@@ -1,7 +1,11 @@
 #include <breakwater/identification/axis_model.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include <breakwater/identification/axis_start.h>
-#include <breakwater/identification/friction_axis.h>
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 namespace {
@@ -66,6 +70,132 @@ const AxisModel& friction_axis() {
                                .candidates = start_candidates,
                                .rigid = one_inertia};
   return model;
+}
+
+namespace {
+
+constexpr KnownParameter kKnown[] = {
+    {kInertia, "inertia_kgm2", "kg m^2", "inertia", 0.25},
+    {kViscous, "viscous_Nms", "N m s/rad", "viscous friction", 0.15},
+    {kCoulomb, "coulomb_Nm", "N m", "Coulomb friction", 0.15},
+    {kBreakaway, "breakaway_Nm", "N m", "breakaway friction", 0.15},
+    {kStribeckSpeed, "stribeck_speed_rad_s", "rad/s", "Stribeck speed", 0.5},
+    {kMotorInertia, "motor_inertia_kgm2", "kg m^2", "inertia of the motor", 0.25},
+    {kLoadInertia, "load_inertia_kgm2", "kg m^2", "inertia of the load", 0.25},
+    {kStiffness, "stiffness_Nm_rad", "N m/rad", "stiffness", 0.25},
+    {kDamping, "damping_Nms_rad", "N m s/rad", "damping", 0.15},
+    {kBacklash, "backlash_rad", "rad", "backlash", std::numeric_limits<double>::infinity()},
+    {kMotorViscous, "motor_viscous_Nms", "N m s/rad", "viscous friction of the motor", 0.15},
+    {kLoadViscous, "load_viscous_Nms", "N m s/rad", "viscous friction of the load", 0.15},
+    {kMotorCoulomb, "motor_coulomb_Nm", "N m", "Coulomb friction of the motor", 0.15},
+    {kLoadCoulomb, "load_coulomb_Nm", "N m", "Coulomb friction of the load", 0.15},
+    {kOffset, "offset_Nm", "N m", "offset torque", 0.15},
+    {kDelay, "delay_s", "s", "delay", 1.0},
+    {kTorqueConstant, "torque_constant", "N m", "torque constant", 0.25}};
+
+}  // namespace
+
+const KnownParameter& known_parameter(AxisParameter parameter) {
+  return kKnown[parameter];
+}
+
+namespace {
+
+constexpr double kSmall = 1e-2;         // below which a series replaces expm1 and log
+constexpr double kSpeedStep = 0.2;      // in v_s: the friction is linear within it
+constexpr double kStribeckEnd = 3.5;    // in v_s: the friction is that of Coulomb beyond
+constexpr double kShortestStep = 1e-3;  // relative to the interval
+
+// φ₁ = (1 − e^(−λh))/λ and φ₂ = (h − φ₁)/λ.
+struct Integrals {
+  double first;
+  double second;
+};
+
+Integrals integrals(double rate, double h) {
+  const double x = rate * h;
+  if (std::abs(x) < kSmall) {
+    // The sixth terms are below 1e-14.
+    const double first =
+        1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0))));
+    const double second =
+        0.5 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0))));
+    return {h * first, h * h * second};
+  }
+  const double first = -math::expm1(-x) / rate;
+  return {first, (h - first) / rate};
+}
+
+// The time t with φ₁(t) = w.
+double time_to(double rate, double w) {
+  const double x = rate * w;
+  if (std::abs(x) < kSmall) {
+    return w * (1.0 + x / 2.0 + x * x / 3.0 + x * x * x / 4.0 + x * x * x * x / 5.0 +
+                x * x * x * x * x / 6.0);
+  }
+  return -math::log(1.0 - x) / rate;
+}
+
+class Motion {
+ public:
+  Motion(const AxisValues& p, const AxisStart& start)
+      : p_(p), position_(start.position), velocity_(start.velocity) {}
+
+  double position() const { return position_; }
+
+  // Under the constant torque k u − d₀.
+  void advance(double h, double input) {
+    const double torque = p_[kTorqueConstant] * input - p_[kOffset];
+    const double shortest = kShortestStep * h;
+    while (h > 0.0) {
+      if (velocity_ == 0.0 && std::abs(torque) <= p_[kCoulomb] + p_[kBreakaway]) return;
+      const double direction = std::copysign(1.0, velocity_ == 0.0 ? torque : velocity_);
+      const double speed = std::abs(velocity_);
+      double friction = p_[kCoulomb];
+      double slope = p_[kViscous];
+      if (p_[kBreakaway] != 0.0 && speed < kStribeckEnd * p_[kStribeckSpeed]) {
+        const double s = speed / p_[kStribeckSpeed];
+        const double bump = p_[kBreakaway] * math::exp(-s * s);
+        friction += bump;
+        slope -= 2.0 * s / p_[kStribeckSpeed] * bump;
+      }
+      const double acceleration =
+          (torque - direction * friction - p_[kViscous] * velocity_) / p_[kInertia];
+      double step = h;
+      if (p_[kBreakaway] != 0.0) {
+        const double change = std::max(kSpeedStep * p_[kStribeckSpeed],
+                                       speed - (kStribeckEnd - kSpeedStep) * p_[kStribeckSpeed]);
+        step = std::min(h, std::max(shortest, change / std::abs(acceleration)));
+      }
+      h -= move(acceleration, slope / p_[kInertia], direction, step);
+    }
+  }
+
+ private:
+  // Up to v = 0 if it is on the way. Returns the time that this took.
+  double move(double acceleration, double rate, double direction, double h) {
+    Integrals phi = integrals(rate, h);
+    const double velocity = velocity_ + acceleration * phi.first;
+    const bool stops = velocity * direction <= 0.0;
+    if (stops) {
+      h = std::min(h, time_to(rate, -velocity_ / acceleration));
+      phi = integrals(rate, h);
+    }
+    position_ += velocity_ * h + acceleration * phi.second;
+    velocity_ = stops ? 0.0 : velocity;
+    return h;
+  }
+
+  const AxisValues& p_;
+  double position_;
+  double velocity_;
+};
+
+}  // namespace
+
+void move_axis(const AxisValues& parameters, const AxisStart& start, const AxisStretch& stretch,
+               std::span<double> positions) {
+  follow(stretch, parameters[kDelay], Motion(parameters, start), positions);
 }
 
 }  // namespace breakwater

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -51,7 +52,7 @@ struct AxisStretch {
   std::vector<double> times_s;  ///< times of the positions; the first is that of the initial state
   std::vector<double> positions;  ///< as measured
   double time_step_s = 0.0;       ///< to which the table rounds jittering times; 0: not rounded
-  /// Motions of independent normal size that this rounding adds (rounded_times.h), one a column.
+  /// Motions of independent normal size that this rounding adds (axis_intervals.h), one a column.
   Eigen::MatrixXd drifts;
   /// Standard deviations of the positions by the same rounding of their own times. Empty: 0.
   std::vector<double> time_noise;
@@ -94,7 +95,7 @@ struct AxisModel {
   AxisValues (*rigid)(const AxisValues& parameters);
 };
 
-/// One inertia (friction_axis.h).
+/// One inertia.
 const AxisModel& friction_axis();
 
 /// Records of one axis with one encoder, and the model that explains them.
@@ -109,5 +110,61 @@ struct AxisData {
 
   std::size_t rows() const;
 };
+
+/// A parameter of a rotation.
+struct KnownParameter {
+  AxisParameter parameter;
+  const char* key;   ///< "inertia_kgm2"
+  const char* unit;  ///< "kg m^2"
+  const char* name;
+  double largest_std;  ///< limit for an identifiable parameter, in its scale
+};
+
+const KnownParameter& known_parameter(AxisParameter parameter);
+
+inline const char* parameter_key(AxisParameter parameter) {
+  return known_parameter(parameter).key;
+}
+inline const char* parameter_unit(AxisParameter parameter) {
+  return known_parameter(parameter).unit;
+}
+
+/// Moves `motion` through a stretch, from one change of the delayed input or row to the next:
+/// motion.advance(h, input), then motion.position().
+template <typename Motion>
+void follow(const AxisStretch& stretch, double delay, Motion motion, std::span<double> positions) {
+  const std::vector<double>& changes = stretch.input_times_s;
+  double now = stretch.times_s.front();
+  positions.front() = motion.position();
+  // The input that acts at the beginning. The first one also acts before its time.
+  std::size_t i = static_cast<std::size_t>(
+      std::upper_bound(changes.begin(), changes.end(), now - delay) - changes.begin());
+  i = std::max<std::size_t>(i, 1) - 1;
+  for (std::size_t k = 1; k < stretch.times_s.size(); ++k) {
+    const double end = stretch.times_s[k];
+    while (i + 1 < changes.size() && changes[i + 1] + delay < end) {
+      const double change = changes[i + 1] + delay;
+      if (change > now) {
+        motion.advance(change - now, stretch.inputs[i]);
+        now = change;
+      }
+      ++i;
+    }
+    motion.advance(end - now, stretch.inputs[i]);
+    now = end;
+    positions[k] = motion.position();
+  }
+}
+
+/// Integrates
+///     J v̇ = k u(t − τ) − d₀ − c v − sgn(v) (F_C + F_B exp(−(v/v_s)²)),   q̇ = v,
+/// exactly between changes of the input, of the sign of v, and of stick to slip. At v = 0 the axis
+/// sticks while |k u − d₀| ≤ F_C + F_B. With F_B ≠ 0, steps of at most v_s/5 linearise the friction
+/// (Rosenbrock–Euler). `positions` gets q at each of stretch.times_s.
+///
+/// Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083–1138,
+/// Eqs. 3 and 7.
+void move_axis(const AxisValues& parameters, const AxisStart& start, const AxisStretch& stretch,
+               std::span<double> positions);
 
 }  // namespace breakwater

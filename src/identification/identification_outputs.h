@@ -1,11 +1,14 @@
 // The files of an identification.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include <breakwater/experiment/catalogue.h>
+#include <breakwater/experiment/command_kind.h>
 #include <breakwater/identification/identified_axis.h>
+#include <breakwater/pages/html_page.h>
 #include <breakwater/recorded/identified_scenario.h>
 #include <breakwater/recorded/record_keys.h>
 
@@ -34,5 +37,23 @@ std::string estimate_toml(const Catalogue& catalogue, const Identification& iden
 /// "yes" or "no", and whether the interval is too narrow, because the residuals are not white.
 std::string identifiable_text(const Identification& identification,
                               const ParameterEstimate& estimate);
+
+/// The file of a scenario with the identified plant, encoder and period.
+std::string two_inertia_toml(const Catalogue& catalogue, const Identification& identification,
+                             const IdentifiedTwoInertiaKind& scenario, Side measured);
+
+/// The data of report.html: the parameters, the fit over the data, its residuals with their test,
+/// and the profiles of the likelihood. The errors stand beside those of a plain model. `warnings`
+/// are of the records.
+PageData identification_result(const Identification& identification,
+                               const std::vector<std::string>& warnings,
+                               const std::string& command);
+
+/// A table of the parameters, for the terminal.
+std::string parameter_table(const Identification& identification, std::size_t width);
+
+/// Fits the model of an axis to recorded data. Exit status 3 if the fit did not converge, or if the
+/// held-out records disagree with it.
+CommandKind identify_command();
 
 }  // namespace breakwater

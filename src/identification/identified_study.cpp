@@ -8,7 +8,7 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/identification/axis_intervals.h>
-#include <breakwater/identification/axis_parameters.h>
+#include <breakwater/identification/axis_model.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/study/sampling.h>

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include <breakwater/identification/input_steps.h>
-#include <breakwater/identification/two_inertia_start.h>
+#include <breakwater/identification/axis_model.h>
+#include <breakwater/identification/axis_start.h>
 
 namespace breakwater {
 namespace {

@@ -1,11 +1,8 @@
-#include <breakwater/identification/two_inertia_start.h>
+#include <breakwater/identification/axis_start.h>
 
 #include <Eigen/QR>
 #include <cmath>
 #include <limits>
-
-#include <breakwater/identification/axis_start.h>
-#include <breakwater/identification/modulation.h>
 
 namespace breakwater {
 namespace {

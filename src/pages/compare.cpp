@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -16,7 +15,7 @@
 #include <breakwater/pages/labels.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/signal_charts.h>
-#include <breakwater/record/csv.h>
+#include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/digits.h>
@@ -307,19 +306,6 @@ std::string Comparison::csv() const {
   return text;
 }
 
-std::string Comparison::latex() const {
-  std::vector<std::vector<std::string>> rows = {{"Metric"}};
-  for (const std::string& label : labels_) rows[0].push_back(latex_escaped(label));
-  for (const auto& [name, row] : rows_.items()) {
-    rows.push_back({latex_name(name, row[0]["unit"])});
-    for (std::size_t i = 1; i < row.size(); ++i) {
-      const PageData& value = row[i]["value"];
-      rows.back().push_back(value.is_null() ? "--" : latex_number(value.get<double>()));
-    }
-  }
-  return latex_table(rows);
-}
-
 PageChart Comparison::chart_of(const std::string& signal) const {
   const SavedRun& one = *first_with(runs_, signal);
   PageChart chart;
@@ -492,66 +478,6 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
                                {"lead", lead},
                                {"sections", sections},
                                {"toc", toc}});
-}
-
-std::string latex_escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '\\':
-        escaped += "\\textbackslash{}";
-        break;
-      case '~':
-        escaped += "\\textasciitilde{}";
-        break;
-      case '^':
-        escaped += "\\textasciicircum{}";
-        break;
-      case '&':
-      case '%':
-      case '$':
-      case '#':
-      case '_':
-      case '{':
-      case '}':
-        escaped += '\\';
-        escaped += c;
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
-
-std::string latex_number(double value) {
-  const std::string text = fmt::format("{:.4g}", value);
-  const std::size_t e = text.find('e');
-  if (e == std::string::npos) return text[0] == '-' ? "$" + text + "$" : text;
-  return fmt::format("${} \\times 10^{{{}}}$", text.substr(0, e),
-                     std::atoi(text.c_str() + e + 1));  // NOLINT(cert-err34-c): our own digits
-}
-
-std::string latex_name(const std::string& metric, const std::string& unit) {
-  std::string text = latex_escaped(metric_label(metric, unit));
-  if (unit.empty() || unit == "1") return text;
-  std::string plain = latex_escaped(unit);
-  for (const auto& [sign, code] : {std::pair("²", "$^2$"), std::pair("³", "$^3$")}) {
-    for (std::size_t at = plain.find(sign); at != std::string::npos; at = plain.find(sign)) {
-      plain.replace(at, std::string(sign).size(), code);
-    }
-  }
-  return fmt::format("{} [{}]", text, plain);
-}
-
-std::string latex_table(const std::vector<std::vector<std::string>>& rows) {
-  std::string text = "% needs \\usepackage{booktabs}\n\\begin{tabular}{l" +
-                     std::string(rows.front().size() - 1, 'r') + "}\n\\toprule\n";
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    text += fmt::format("{} \\\\\n", fmt::join(rows[i], " & "));
-    if (i == 0) text += "\\midrule\n";
-  }
-  return text + "\\bottomrule\n\\end{tabular}\n";
 }
 
 }  // namespace breakwater

@@ -43,7 +43,6 @@ class Comparison {
   /// `name` and `unit`. A metric also has one entry per run in `values`, `differences` (from the
   /// first run) and `printed` (the thesis' number). A missing entry is null.
   std::string json() const;
-  std::string latex() const;
   /// Appends to `notes` one line for each part of the replay that is missing.
   std::string html(std::vector<std::string>& notes) const;
 
@@ -70,18 +69,5 @@ class Comparison {
   std::vector<std::string> signals_;
   std::size_t keys_ = 0;  // number of signals_ that are shown at first
 };
-
-/// Escapes the characters that LaTeX interprets.
-std::string latex_escaped(const std::string& text);
-
-/// "$1.1 \times 10^{-13}$", "6.046".
-std::string latex_number(double value);
-
-/// The name and unit of a metric for readers: "Peak force raw [N]", "RMSE velocity [rad/s$^2$]".
-std::string latex_name(const std::string& metric, const std::string& unit);
-
-/// A booktabs table: the first column is left-aligned, the others right-aligned. The cells are
-/// LaTeX.
-std::string latex_table(const std::vector<std::vector<std::string>>& rows);
 
 }  // namespace breakwater

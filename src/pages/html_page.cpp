@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include <breakwater/experiment/version.h>
-#include <breakwater/pictures/page_data.h>
+#include <breakwater/pictures/replay_data.h>
 #include <breakwater/record/file_bytes.h>
 #include <breakwater/render/identity.h>
 #include <breakwater/shell/digits.h>

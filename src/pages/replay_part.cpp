@@ -5,9 +5,8 @@
 #include <algorithm>
 
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pictures/page_data.h>
 #include <breakwater/pictures/replay_data.h>
-#include <breakwater/pictures/strip.h>
+#include <breakwater/pictures/staging.h>
 #include <breakwater/render/render_error.h>
 
 namespace breakwater {

@@ -14,7 +14,6 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/compare.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/measured_impact.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/run_report.h>
 #include <breakwater/record/partial_file.h>
@@ -33,9 +32,11 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// Calls the script that draws the charts of a page.
+// Calls the script that draws the charts of a page, with the Python BREAKWATER_PYTHON, or with
+// Debian's own, which finds Debian's packages.
 int call_figures(const char* name, const std::vector<std::string>& words) {
-  std::vector<std::string> all = {figure_python(), data_file("scripts/figures.py").string()};
+  std::vector<std::string> all = {environment("BREAKWATER_PYTHON").value_or("/usr/bin/python3"),
+                                  data_file("scripts/figures.py").string()};
   all.insert(all.end(), words.begin(), words.end());
   return call_program(name, all);
 }
@@ -46,7 +47,6 @@ struct RunsArguments {
   std::string out = ".";
   bool paired = false;
   std::string baseline;
-  std::string measured;
   std::vector<std::string> goals;
   bool csv = false;
   bool json = false;
@@ -101,15 +101,15 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
   std::vector<std::string> notes;
   replace_file(written[0], comparison.html(notes));
   say("compare", notes, runs);
-  const auto write = [&](const char* name, const std::string& text) {
-    written.push_back(out / name);
-    replace_file(written.back(), text);
-  };
-  if (arguments.csv) write("compare.csv", comparison.csv());
-  if (arguments.latex) write("compare.tex", comparison.latex());
+  if (arguments.csv) {
+    written.push_back(out / "compare.csv");
+    replace_file(written.back(), comparison.csv());
+  }
   int status = kSuccess;
-  for (const char* kind : {"svg", "pdf"}) {
-    if (!(kind[0] == 's' ? arguments.svg : arguments.pdf)) continue;
+  for (const auto& [kind, is_asked] :
+       {std::pair("tex", arguments.latex), std::pair("svg", arguments.svg),
+        std::pair("pdf", arguments.pdf)}) {
+    if (!is_asked) continue;
     const fs::path file = out / (std::string("compare.") + kind);
     if (call_figures("figures", {written[0].string(), "--out", file.string()}) == kSuccess) {
       written.push_back(file);
@@ -124,26 +124,6 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
     for (const fs::path& file : written) fmt::print("{}\n", file.string());
   }
   return status;
-}
-
-int compare_measured(const RunsArguments& arguments) {
-  const std::vector<SavedRun> runs = open_all(arguments.runs);
-  const std::vector<std::string>& signals = arguments.choice.signals;
-  if (runs.size() != 1 || signals.size() > 1) {
-    throw std::invalid_argument("--measured: give one run, and at most one --signal");
-  }
-  const ImpactComparison comparison(runs.front(),
-                                    signals.empty() ? "physics/force_sensor_N" : signals.front(),
-                                    arguments.measured);
-  const fs::path file = made_place(arguments.out, "measured.html");
-  replace_file(file, comparison.html());
-  say("compare", {}, runs);
-  if (arguments.json) {
-    fmt::print("{}", comparison.json());
-  } else if (!arguments.quiet) {
-    fmt::print("{}\n{}\n", comparison.text(output_width()), file.string());
-  }
-  return kSuccess;
 }
 
 std::map<std::string, Goal> read_goals(const std::vector<std::string>& texts) {
@@ -384,25 +364,14 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
         ->type_name("METRIC=GOAL")
         ->allow_extra_args(false)
         ->needs("--paired");
-    app.add_option("--measured", arguments.measured,
-                   "instead: a recorded impact, a table with time_s and force_N, over that of one\n"
-                   "run (its signal physics/force_sensor_N, or --signal); writes RUN/measured.html")
-        ->type_name("FILE")
-        ->check(CLI::ExistingFile)
-        ->excludes("--paired");
     add_digits(app);
     app.add_flag("--json", arguments.json, "print the table as JSON")->excludes("--paired");
     app.add_flag("--csv", arguments.csv, "write compare.csv: the metrics and their differences");
-    app.add_flag("--latex", arguments.latex, "write compare.tex: a booktabs table of the metrics");
+    app.add_flag("--latex", arguments.latex, "write compare.tex: the page's tables for booktabs");
     app.add_flag("--svg", arguments.svg, "write compare.svg: the signals, for a paper");
     app.add_flag("--pdf", arguments.pdf, "write compare.pdf: the same");
-    for (const char* option :
-         {"--metric", "--from", "--to", "--csv", "--latex", "--svg", "--pdf"}) {
-      app.get_option(option)->excludes("--measured");
-    }
   }
   app.add_flag("!--no-replay", arguments.choice.with_replay, "leave out the replay");
-  if (is_comparison) app.get_option("--no-replay")->excludes("--measured");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
   app.footer(is_comparison
                  ? "It writes compare.html, a page that needs no network. Figures are drawn by\n"
@@ -410,10 +379,6 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
                  : "It writes report.html, a page that needs no network.");
   if (const auto status = parse(app, argc, argv)) return *status;
   if (arguments.paired) return compare_paired(catalogue, arguments);
-  if (!arguments.measured.empty()) {
-    if (app.count("--out") == 0) arguments.out = arguments.runs.front();
-    return compare_measured(arguments);
-  }
   return is_comparison ? compare(catalogue, arguments) : report(catalogue, arguments);
 }
 
@@ -431,10 +396,6 @@ std::vector<CommandKind> report_commands() {
   return {{"report", "write one page about finished runs: report RUN...", report_main},
           {"compare", "compare finished runs side by side: compare RUN RUN...", report_main},
           {"replay", "replay finished runs in 3-D in a browser: replay RUN...", report_main}};
-}
-
-std::string figure_python() {
-  return environment("BREAKWATER_PYTHON").value_or("/usr/bin/python3");
 }
 
 }  // namespace breakwater

@@ -13,8 +13,8 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/math/functions.h>
-#include <breakwater/record/csv.h>
 #include <breakwater/record/partial_file.h>
+#include <breakwater/record/text_outputs.h>
 #include <breakwater/statistics/quantile.h>
 
 namespace breakwater {
@@ -40,8 +40,7 @@ Eigen::MatrixXd design(const StudyNumbers& numbers, std::size_t candidate, Quant
 
 constexpr std::size_t kMostKinds = 200;    // kinds of failures; further ones are "other reasons"
 constexpr std::size_t kPointsOfAKind = 5;  // points named per kind
-constexpr std::size_t kMostListedFailures = 150;  // failures drawn one by one
-constexpr std::size_t kListedTexts = 6;           // listed values of a key that is not numeric
+constexpr std::size_t kListedTexts = 6;    // listed values of a key that is not numeric
 
 // "at 3.1 s: diverged" and "at 4 s: diverged" are one kind.
 std::string without_numbers(const std::string& reason) {
@@ -128,14 +127,16 @@ class Failures {
   std::map<std::pair<PointStatus, std::string>, Gathered> kinds_;
 };
 
-}  // namespace
-
+// Maps a number to its place in a pseudo-random order: SplitMix64's output function (G. L. Steele,
+// D. Lea, C. H. Flood, OOPSLA 2014).
 std::uint64_t scattered(std::uint64_t number) {
   std::uint64_t z = number + 0x9e3779b97f4a7c15U;
   z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
   z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
   return z ^ (z >> 31U);
 }
+
+}  // namespace
 
 StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
                            const std::vector<std::string>& first, std::size_t most) {
@@ -156,9 +157,6 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
   std::vector<std::vector<double>> columns(first.size());
   std::unordered_map<std::string, std::size_t> column_of;
   for (std::size_t i = 0; i < metrics.size(); ++i) column_of.emplace(metrics[i], i);
-  const auto by_hash = [](const FailedRun& a, const FailedRun& b) {
-    return scattered(a.number) < scattered(b.number);
-  };
   std::vector<double> values;
   std::size_t sample = plan.samples();  // sample in `values`: none yet
   std::size_t block = plan.samples();   // block of the last run: none yet
@@ -182,17 +180,7 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
         values.push_back(key_number(numbers.keys[k], point.values[k]));
       }
     }
-    if (run.failed) {
-      failures.add(result, run.candidate, values);
-      // A heap keeps the failures with the smallest hashes.
-      std::vector<FailedRun>& failed = numbers.failed;
-      failed.push_back({number, run.candidate, values});
-      std::push_heap(failed.begin(), failed.end(), by_hash);
-      if (failed.size() > kMostListedFailures) {
-        std::pop_heap(failed.begin(), failed.end(), by_hash);
-        failed.pop_back();
-      }
-    }
+    if (run.failed) failures.add(result, run.candidate, values);
     const std::size_t block_of_plan = sample / block_size;
     if (!is_chosen(block_of_plan, run.seed)) continue;
     if (block_of_plan != block) ++numbers.blocks;
@@ -227,8 +215,6 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
     numbers.columns.push_back(std::move(columns[i]));
   }
   numbers.failures = failures.kinds();
-  std::sort(numbers.failed.begin(), numbers.failed.end(),
-            [](const FailedRun& a, const FailedRun& b) { return a.number < b.number; });
   return numbers;
 }
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include <breakwater/statistics/sensitivity.h>
-#include <breakwater/study/key_effects.h>
 #include <breakwater/study/plan.h>
 #include <breakwater/study/shards.h>
 
@@ -27,13 +26,6 @@ struct StudyRun {
   std::uint32_t seed = 0;      ///< index of the random seed
   std::uint32_t candidate = 0;
   bool failed = false;  ///< not complete, for any reason
-};
-
-/// One run that failed, with its values of the varied keys.
-struct FailedRun {
-  std::size_t number = 0;
-  std::size_t candidate = 0;
-  std::vector<double> values;
 };
 
 /// Runs that failed for the same reason, apart from the numbers in it.
@@ -54,7 +46,6 @@ struct StudyNumbers {
   std::size_t samples = 0;                   ///< number of samples in `keys`
   std::size_t blocks = 0;                    ///< 1 + the largest of the runs
   std::vector<FailureKind> failures;         ///< over all points, most runs first
-  std::vector<FailedRun> failed;             ///< over all points, or a part of very many
   bool is_sample = false;                    ///< `runs` is a part of all runs
 };
 
@@ -64,10 +55,6 @@ struct StudyNumbers {
 /// The failures are always counted over all points.
 StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
                            const std::vector<std::string>& first, std::size_t most = 200'000);
-
-/// Maps a number to its place in a pseudo-random order: SplitMix64's output function (G. L. Steele,
-/// D. Lea, C. H. Flood, OOPSLA 2014).
-std::uint64_t scattered(std::uint64_t number);
 
 /// Statistics of a metric over the runs of one group. Quantiles are NaN if no run has the metric.
 struct QuantileBand {

@@ -1,9 +1,12 @@
-// report.html of a study.
+// The pages of a study and of a tuning.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 
 #include <breakwater/experiment/catalogue.h>
+#include <breakwater/search/tuner.h>
+#include <breakwater/search/tuning_plan.h>
 #include <breakwater/statistics/ranking.h>
 #include <breakwater/study/study_folder.h>
 
@@ -17,5 +20,11 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
                         const StudyFolder& folder,
                         const std::optional<CandidateComparison>& comparison,
                         const std::optional<Ranking>& ranking);
+
+/// Writes DIR/report.html: the Pareto fronts over the first two objectives, the hypervolume over
+/// the budget, and each point of a front with its file. Throws OutputError.
+void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
+                         const TuningResult& result, const std::optional<Ranking>& ranking,
+                         const std::filesystem::path& folder);
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-#include <breakwater/pages/tuning_report.h>
+#include <breakwater/pages/study_report.h>
 
 #include <fmt/format.h>
 

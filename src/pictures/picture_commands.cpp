@@ -13,7 +13,6 @@
 
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/pictures/staging.h>
-#include <breakwater/pictures/strip.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/render/colour_converter.h>
 #include <breakwater/render/frame_farm.h>

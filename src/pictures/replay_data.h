@@ -1,15 +1,73 @@
 // The data with which a page replays runs in three dimensions.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <breakwater/pictures/finished_run.h>
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/pictures/staging.h>
+#include <breakwater/render/scene_description.h>
 
 namespace breakwater {
+
+/// Base64 by RFC 4648, padded.
+std::string base64(const void* bytes, std::size_t size);
+
+/// Bytes as base64 of a zlib stream (RFC 1950), the format "deflate" of browsers.
+std::string packed_bytes(std::span<const std::uint8_t> bytes);
+
+/// Appends a channel: the differences of successive values (the first one from 0), rounded to
+/// multiples of `unit`. Each is an integer of variable length, low seven bits first, with the sign
+/// in the lowest bit (zigzag). A smooth motion takes one or two bytes per value, and a standstill
+/// compresses to almost nothing. A value that is not finite repeats the value before it.
+void append_channel(std::span<const double> values, double unit, std::vector<std::uint8_t>& bytes);
+
+/// Reads a channel of `count` values that begins at `at`, and moves `at` behind it. Throws
+/// std::invalid_argument if the bytes end too early.
+std::vector<double> read_channel(std::span<const std::uint8_t> bytes, std::size_t& at,
+                                 std::size_t count, double unit);
+
+/// Times with a constant step.
+struct TimeSpan {
+  double from_s = 0.0;
+  double step_s = 0.0;
+  std::size_t count = 0;
+};
+
+/// The times of a replay's frames: 60 per second. A window in slow motion has 60 per second of
+/// watching, as far as the log has them. There are fewer if a page could not hold so many.
+std::vector<TimeSpan> replay_times(const std::vector<double>& log_times_s, const Window& window);
+
+/// The single times.
+std::vector<double> times_of(const std::vector<TimeSpan>& spans);
+
+/// Poses over time, one for each frame.
+using PoseTrack = std::vector<Pose>;
+
+/// A geom that is visible only at times, and the frames at which this changes.
+struct Visibility {
+  int geom = 0;
+  bool at_first = true;
+  std::vector<std::size_t> changes;
+};
+
+struct ReplayMotion {
+  std::vector<PoseTrack> bodies;   ///< for each body of the model
+  std::vector<PoseTrack> cameras;  ///< for each camera
+  std::vector<PoseTrack> lights;   ///< for each light
+  std::vector<int> geoms;          ///< geoms that are visible in at least one frame
+  std::vector<Visibility> visibility;
+  /// Whether something else changed in the pictures: a colour, or the place of a geom on its body.
+  bool is_incomplete = false;
+};
+
+/// The poses of the run's scene at these times, from its log. Throws RenderError.
+ReplayMotion replay_motion(PictureRun& run, const std::vector<double>& times_s);
 
 /// A run and its name on the page.
 struct LabelledRun {

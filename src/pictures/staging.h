@@ -9,6 +9,7 @@
 #include <breakwater/pictures/finished_run.h>
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/render/picture.h>
+#include <breakwater/render/scene_view.h>
 
 namespace breakwater {
 
@@ -76,5 +77,24 @@ PictureStage stage_pictures(const ShownRuns& runs, const ShotList& shots, const 
 
 /// The time of a moment of the shot list in a run; nothing if the run does not have it.
 std::optional<double> time_of(const ShotMoment& moment, const FinishedRun& run);
+
+struct StripStyle {
+  std::string camera;  ///< replaces that of the shot list, unless empty
+  int width = 560;     ///< width of each picture
+  int height = 320;
+  Look look = kPrintLook;
+};
+
+struct Strip {
+  std::string png;
+  int pictures = 0;
+  std::string renderer;
+  std::vector<std::string> notes;
+};
+
+/// Draws pictures in a row, each with a letter, its caption and its time below. A chart of the
+/// whole width has marks at the moments. Throws std::invalid_argument if none of the moments is in
+/// the run's log, or RenderError.
+Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle& style);
 
 }  // namespace breakwater

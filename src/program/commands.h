@@ -30,14 +30,8 @@ int diff_main(const Catalogue& catalogue, int argc, const char* const* argv);
 /// broken.
 int doctor_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `list`: prints the available scenarios and parts.
-int list_main(const Catalogue& catalogue, int argc, const char* const* argv);
-
-/// `ls` and `rm`: list or remove the runs and studies below a folder.
-inline constexpr const char* kListRuns = "ls";
-inline constexpr const char* kRemoveRuns = "rm";
+/// `ls`: lists the runs and studies below a folder.
 int list_runs_main(const Catalogue& catalogue, int argc, const char* const* argv);
-int remove_runs_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
 /// `new`: makes a project from the folders of templates/.
 int new_project_main(const Catalogue& catalogue, int argc, const char* const* argv);

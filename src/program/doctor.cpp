@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -12,18 +11,15 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <breakwater/experiment/runner.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/report_commands.h>
 #include <breakwater/render/canvas.h>
 #include <breakwater/render/frame_farm.h>
 #include <breakwater/render/offscreen.h>
 #include <breakwater/render/video_file.h>
 #include <breakwater/shell/child_program.h>
-#include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/shell/terminal.h>
@@ -74,16 +70,6 @@ HealthCheck check_scenarios(const Catalogue& catalogue) {
           fmt::format("{} scenarios ran for 0.1 s each, MuJoCo {} with our {}", count,
                       engine_version(), fmt::join(engine_functions(), ", ")),
           ""};
-}
-
-HealthCheck check_data() {
-  try {
-    const fs::path file = data_file("data/experiments.toml");
-    data_file("data/reproduced.toml");
-    return {"data", State::ok, "in " + file.parent_path().string(), ""};
-  } catch (const std::invalid_argument& error) {
-    return {"data", State::broken, error.what(), ""};
-  }
 }
 
 // Draws one frame as a video does, in a process of its own, since a driver may crash.
@@ -146,120 +132,12 @@ HealthCheck check_pages() {
           "apt install libjs-dygraphs libjs-three"};
 }
 
-// The first line of a program's output, if the program exists and succeeds.
-std::optional<std::string> first_line(const std::vector<std::string>& words) {
-  try {
-    ReadProgram program(words, true);
-    std::string first;
-    for (std::optional<std::string> line; (line = program.next());) {
-      if (first.empty()) first = *line;
-    }
-    if (program.wait() != 0) return std::nullopt;
-    return first;
-  } catch (const std::invalid_argument&) {
-    return std::nullopt;  // the program does not exist
-  }
-}
-
-HealthCheck check_slurm() {
-  if (const auto version = first_line({"sbatch", "--version"})) {
-    return {"Slurm", State::ok, *version + "; whether its cluster answers, sinfo says", ""};
-  }
-  return {"Slurm", State::missing, "no sbatch on the PATH: --slurm of sweep and tune needs it",
-          "apt install slurm-client"};
-}
-
-// The file of a Python module, or nothing. `place` is searched first.
-std::optional<std::string> python_module(const std::string& python, const std::string& name,
-                                         const std::string& place = "") {
-  // Ignores the working folder. A folder without a module has no file.
-  constexpr const char* kScript =
-      "import sys, importlib\n"
-      "sys.path[:1] = [p for p in sys.argv[2:] if p]\n"
-      "file = importlib.import_module(sys.argv[1]).__file__\n"
-      "sys.exit(1) if file is None else print(file)";
-  return first_line({python, "-c", kScript, name, place});
-}
-
-// How this Python can import our module; nothing if it cannot.
-std::optional<std::string> way_to_import(const std::string& python) {
-  if (const auto file = python_module(python, "breakwater")) {
-    return "import breakwater: " + fs::path(*file).parent_path().string();
-  }
-  // The module of the build tree, beside bin/.
-  const fs::path built = fs::path(own_program()).parent_path().parent_path() / "python";
-  if (!python_module(python, "breakwater", built.string())) return std::nullopt;
-  return "import breakwater, with PYTHONPATH=" + built.string();
-}
-
-HealthCheck check_python() {
-  const auto python = first_line({"python3", "-c", "import sys; print(sys.executable)"});
-  if (!python) {
-    return {"Python", State::missing, "no python3 on the PATH", "apt install python3"};
-  }
-  if (const auto way = way_to_import(*python)) return {"Python", State::ok, *way, ""};
-  const std::string debian = figure_python();
-  if (const auto way = way_to_import(debian); way && debian != *python) {
-    return {"Python", State::missing,
-            fmt::format("{}, the python3 of the PATH, has no breakwater or no NumPy; {} has: {}",
-                        *python, debian, *way),
-            ""};
-  }
-  if (!python_module(*python, "numpy")) {
-    return {"Python", State::missing, "import breakwater needs NumPy: " + *python + " has none",
-            "apt install python3-numpy"};
-  }
-  return {"Python", State::missing, *python + " finds no module breakwater",
-          "apt install ./python3-breakwater_*.deb (./dev package makes it)"};
-}
-
-// Modules for figures and for optional parts of the Python module.
-HealthCheck check_python_extras() {
-  const std::vector<std::pair<std::string, std::string>> modules = {
-      {"h5py", "python3-h5py"},
-      {"matplotlib", "python3-matplotlib"},
-      {"pandas", "python3-pandas"},
-      {"xarray", "python3-xarray"},
-      {"h5netcdf", "python3-h5netcdf"}};
-  std::vector<std::string> words = {
-      figure_python(), "-c",
-      "import sys, importlib.util as u\n"
-      "print('', *[m for m in sys.argv[1:] if not u.find_spec(m)], '')"};
-  std::vector<std::string> names;
-  for (const auto& [module, package] : modules) names.push_back(module);
-  words.insert(words.end(), names.begin(), names.end());
-  const auto said = first_line(words);
-  if (!said) return {"figures", State::missing, "no " + figure_python(), "apt install python3"};
-  std::vector<std::string> missing;
-  std::vector<std::string> packages;
-  for (const auto& [module, package] : modules) {
-    if (said->find(" " + module + " ") == std::string::npos) continue;
-    missing.push_back(module);
-    packages.push_back(package);
-  }
-  if (missing.empty()) {
-    return {"figures", State::ok, fmt::format("{}", fmt::join(names, ", ")), ""};
-  }
-  return {"figures", State::missing,
-          fmt::format("{} has no {}: compare --svg, to_pandas() and the like need them",
-                      figure_python(), fmt::join(missing, ", ")),
-          fmt::format("apt install {}", fmt::join(packages, " "))};
-}
-
-// Makes all checks, the most important first. It runs each scenario briefly, draws a picture, and
-// calls programs of the PATH. No other thread may run.
+// Makes all checks, the most important first. It runs each scenario briefly and draws a picture. No
+// other thread may run.
 std::vector<HealthCheck> check_health(const Catalogue& catalogue) {
   // It forks, so it comes first: the runs may leave threads.
   const HealthCheck pictures = check_pictures();
-  return {check_scenarios(catalogue),
-          check_data(),
-          pictures,
-          check_video(),
-          check_font(),
-          check_pages(),
-          check_slurm(),
-          check_python(),
-          check_python_extras()};
+  return {check_scenarios(catalogue), pictures, check_video(), check_font(), check_pages()};
 }
 
 constexpr std::size_t kWidth = 80;

@@ -19,7 +19,7 @@
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/shell/terminal.h>
-#include <breakwater/study/study_summary.h>
+#include <breakwater/study/study_folder.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -179,7 +179,7 @@ void print_entries_json(const std::vector<Entry>& entries) {
 }  // namespace
 
 int list_runs_main(const Catalogue& catalogue, int argc, const char* const* argv) {
-  const std::string program = own_program_name() + " " + kListRuns;
+  const std::string program = own_program_name() + " ls";
   return guarded(program, [&] {
     CLI::App app("The runs and studies below a folder with their main metrics, newest first.",
                  program);

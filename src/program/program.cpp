@@ -7,24 +7,63 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/analysis/analyze_command.h>
+#include <breakwater/analysis/analysis_outputs.h>
 #include <breakwater/config/scenario_name.h>
 #include <breakwater/experiment/command_kind.h>
 #include <breakwater/experiment/version.h>
-#include <breakwater/identification/identify_command.h>
+#include <breakwater/identification/identification_outputs.h>
 #include <breakwater/pages/report_commands.h>
 #include <breakwater/pictures/picture_commands.h>
 #include <breakwater/program/command_line.h>
 #include <breakwater/program/commands.h>
-#include <breakwater/program/own_places.h>
+#include <breakwater/program/scenario_program.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/study/study_folder.h>
-#include <breakwater/thesis/reproduce_command.h>
+#include <breakwater/thesis/thesis_report.h>
 
 namespace breakwater {
 namespace {
+
+void print_scenarios(const Catalogue& catalogue) {
+  std::size_t width = 0;
+  for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
+    width = std::max(width, kind.name.size());
+  }
+  for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
+    fmt::print("{:<{}} {}\n", kind.name, width, kind.make(catalogue)->summary());
+  }
+}
+
+void print_parts(const Catalogue& catalogue) {
+  std::vector<std::string> headings;
+  for (const ListedPart& part : catalogue.parts()) {
+    if (std::find(headings.begin(), headings.end(), part.what) == headings.end()) {
+      headings.push_back(part.what);
+    }
+  }
+  std::size_t width = 0;
+  for (const ListedPart& part : catalogue.parts()) width = std::max(width, part.name.size());
+  for (const std::string& heading : headings) {
+    fmt::print("{}{}\n", heading == headings.front() ? "" : "\n", heading);
+    for (const ListedPart& part : catalogue.parts()) {
+      if (part.what == heading) fmt::print("  {:<{}} {}\n", part.name, width, part.help);
+    }
+  }
+}
+
+int list_main(const Catalogue& catalogue, int argc, const char* const* argv) {
+  const std::string program = own_program_name() + " list";
+  return guarded(program, [&] {
+    CLI::App app("print the scenarios and what they study", program);
+    bool parts = false;
+    app.add_flag("--parts", parts, "the controllers and estimators instead");
+    if (const auto status = parse(app, argc, argv)) return *status;
+    parts ? print_parts(catalogue) : print_scenarios(catalogue);
+    return static_cast<int>(kSuccess);
+  });
+}
 
 int run_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   return guarded(own_program_name(), [&] {
@@ -63,8 +102,7 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
   add(kRuns,
       {{"list", "print the scenarios and what they study", list_main},
        {"run", "run a scenario: run NAME [OPTION...]; run NAME --help says which", run_main},
-       {kListRuns, "list the runs and studies in a folder, newest first: ls [DIR]", list_runs_main},
-       {kRemoveRuns, "remove runs that failed: rm --failed [DIR]", remove_runs_main}});
+       {"ls", "list the runs and studies in a folder, newest first: ls [DIR]", list_runs_main}});
   add(kRuns, picture_commands());
   add(kRuns, report_commands());
   add(kRuns, {{"diff", "find the first sample in which two runs differ: diff RUN RUN", diff_main}});

@@ -7,6 +7,10 @@
 
 namespace breakwater {
 
+/// Sets the search order of files: the folders of the catalogue's scenarios first, `installation`
+/// last if not empty. Also tells the shell how to detect that a model is being compiled.
+void set_places(const Catalogue& catalogue, const char* installation);
+
 /// The catalogue of everything in Breakwater. The component `scenarios` contains it.
 Catalogue standard_catalogue();
 

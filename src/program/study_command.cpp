@@ -16,7 +16,7 @@
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/study/isolated.h>
+#include <breakwater/study/executor.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

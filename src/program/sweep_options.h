@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <breakwater/config/toml_file.h>
-#include <breakwater/program/run_changes.h>
+#include <breakwater/program/command_line.h>
 #include <breakwater/program/study_command.h>
 
 namespace CLI {

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include <breakwater/record/csv.h>
+#include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
 

@@ -236,54 +236,6 @@ bool is_unfinished_run(const fs::path& folder) {
   return name.starts_with('.') && name.find(kPartialMark) != std::string::npos;
 }
 
-std::string why_not_removable(const fs::path& folder) {
-  std::error_code error;
-  if (fs::is_symlink(without_slash(folder), error)) return "is a symbolic link";
-  for (fs::directory_iterator entries(folder, error), end; !error && entries != end;
-       entries.increment(error)) {
-    const fs::directory_entry& entry = *entries;
-    const std::string name = entry.path().filename().string();
-    if (!is_of_a_run(name) || entry.is_symlink() || !entry.is_regular_file()) {
-      return "holds " + name + ", which is not a run's";
-    }
-    if (name == kKept && is_kept(folder)) {
-      return is_being_written(folder) ? "is still written"
-                                      : "is a run that did not get its name: delete the folder if "
-                                        "you do not need it";
-    }
-  }
-  if (error) return "cannot be read (" + error.message() + ")";
-  if (!is_unfinished_run(without_slash(folder))) return complaint_of(folder);
-  const std::string name = without_slash(folder).filename().string();
-  const std::string suffix = name.substr(name.rfind(kPartialMark) + std::strlen(kPartialMark));
-  return is_of_dead_process(suffix) && !detail::is_locked(folder)
-             ? ""
-             : "may still be written, by process " + suffix;
-}
-
-bool remove_run(const fs::path& folder, const std::function<bool(const fs::path&)>& may_go) {
-  const fs::path whole = without_slash(folder);
-  fs::path going = whole;
-  if (!is_unfinished_run(whole)) {
-    // An incomplete folder must not count as a run.
-    going = whole.parent_path() / (hidden_name(whole, kPartialMark) + unique_name());
-    std::error_code error;
-    fs::rename(whole, going, error);
-    if (error) throw OutputError(folder.string() + ": cannot be removed (" + error.message() + ")");
-    if (!may_go(going)) {
-      if (!fs::exists(whole, error)) fs::rename(going, whole, error);
-      if (error)
-        throw OutputError(going.string() + ": a whole run, which cannot be put back (" +
-                          error.message() + ")");
-      return false;
-    }
-  }
-  std::error_code error;
-  fs::remove_all(going, error);
-  if (error) throw OutputError(going.string() + ": cannot be removed (" + error.message() + ")");
-  return true;
-}
-
 LeftBeside::LeftBeside(const fs::path& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {

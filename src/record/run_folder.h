@@ -82,16 +82,6 @@ bool is_being_written(const std::filesystem::path& folder);
 /// Whether a folder is the partial folder of an unfinished or killed run, by its name.
 bool is_unfinished_run(const std::filesystem::path& folder);
 
-/// The reason, in one line, why a folder must not be removed; empty if it may be. It may hold only
-/// files of a run. The process of an unfinished run must have been on this computer and have ended.
-std::string why_not_removable(const std::filesystem::path& folder);
-
-/// Removes such a folder. If the process is killed meanwhile, an unfinished run is left. A finished
-/// run is first renamed, so that no other process finds it. If `may_go` then refuses it, because it
-/// has become another run, it is put back. Returns whether it was removed. Throws OutputError.
-bool remove_run(const std::filesystem::path& folder,
-                const std::function<bool(const std::filesystem::path&)>& may_go);
-
 /// For readers: restores the earlier run if a process was killed while it replaced `folder`.
 void restore_run(const std::filesystem::path& folder);
 

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <utility>
 
-#include <breakwater/record/csv.h>
 #include <breakwater/record/log_stream.h>
+#include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
 namespace {

@@ -13,7 +13,6 @@
 #include <breakwater/experiment/run_tables.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/recorded/innovation_statistics.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/digits.h>

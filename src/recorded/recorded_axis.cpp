@@ -6,13 +6,467 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
+#include <numeric>
+#include <optional>
 #include <stdexcept>
+#include <vector>
 
 #include <breakwater/config/column_table.h>
-#include <breakwater/recorded/record_repair.h>
+#include <breakwater/shell/table.h>
 #include <breakwater/statistics/quantile.h>
 
 namespace breakwater {
+namespace {
+
+constexpr double kLoose = 0.2;   // in counts, while the first guess is refined
+constexpr double kTight = 0.05;  // in counts, at the end
+
+// Whether the sorted differences are multiples of about `quantum`, which they then refine.
+bool explains(const std::vector<double>& differences, double& quantum) {
+  double products = 0.0;
+  double squares = 0.0;
+  for (const double d : differences) {
+    const double n = std::round(d / quantum);
+    if (n < 1.0 || std::abs(d - n * quantum) > kLoose * quantum) return false;
+    products += n * d;
+    squares += n * n;
+    quantum = products / squares;
+  }
+  return std::all_of(differences.begin(), differences.end(), [&](double d) {
+    return std::abs(d - std::round(d / quantum) * quantum) <= kTight * quantum;
+  });
+}
+
+// Guesses of a count, the largest first: gaps between the sorted differences, and the least one.
+std::vector<double> guesses_of(const std::vector<double>& differences) {
+  std::vector<double> guesses = {differences.front()};
+  for (std::size_t k = 1; k < differences.size(); ++k) {
+    const double gap = differences[k] - differences[k - 1];
+    if (gap > 0.0 && gap < guesses.front()) guesses.push_back(gap);
+  }
+  std::sort(guesses.begin(), guesses.end(), std::greater<>());
+  // Digits that are rounded make the same gap several times.
+  guesses.erase(
+      std::unique(guesses.begin(), guesses.end(), [](double a, double b) { return b > 0.999 * a; }),
+      guesses.end());
+  return guesses;
+}
+
+}  // namespace
+
+double encoder_quantum(std::span<const double> positions) {
+  std::vector<double> differences;
+  double largest = 0.0;
+  for (std::size_t k = 1; k < positions.size(); ++k) {
+    differences.push_back(std::abs(positions[k] - positions[k - 1]));
+    largest = std::max(largest, std::abs(positions[k]));
+  }
+  std::erase_if(differences, [&](double d) { return d <= 1e-12 * largest; });
+  if (differences.empty()) return 0.0;
+  std::sort(differences.begin(), differences.end());
+  for (double quantum : guesses_of(differences)) {
+    if (!explains(differences, quantum)) continue;
+    double n = 0.0, n_sum = 0.0, n_squares = 0.0, y_sum = 0.0, products = 0.0;
+    for (std::size_t k = 0; k < positions.size(); ++k) {
+      const double y = positions[k] - positions.front();
+      if (k > 0) n += std::round((positions[k] - positions[k - 1]) / quantum);
+      n_sum += n;
+      n_squares += n * n;
+      y_sum += y;
+      products += n * y;
+    }
+    const auto rows = static_cast<double>(positions.size());
+    return (rows * products - n_sum * y_sum) / (rows * n_squares - n_sum * n_sum);
+  }
+  return 0.0;
+}
+
+namespace {
+
+constexpr double kManyRows = 0.2;           // share from which a damage is a property of the record
+constexpr std::size_t kFarthestRows = 100;  // that a row may be out of its place
+constexpr std::size_t kRowsBeforeWraps = 20;  // a shorter table shows no wrapped counter
+constexpr double kJump = 20.0;                // least size of a wrap, in large normal steps
+constexpr std::size_t kWrapsForAnyRange = 3;  // from which the range need not be a common one
+
+struct Row {
+  double time, input, position;
+  std::size_t line;
+};
+
+// Counts a repair, and remembers its first line.
+class Count {
+ public:
+  void add(std::size_t line) {
+    if (count_++ == 0) line_ = line;
+  }
+  std::size_t count() const { return count_; }
+  // Adds "3 rows WHAT (the first in line 7)".
+  void report(std::vector<std::string>& repairs, const std::string& thing,
+              const std::string& what) const {
+    if (count_ == 0) return;
+    repairs.push_back(fmt::format("{} {} ({} line {})", number_of(count_, thing), what,
+                                  count_ == 1 ? "in" : "the first in", line_));
+  }
+
+ private:
+  std::size_t count_ = 0;
+  std::size_t line_ = 0;
+};
+
+class Repair {
+ public:
+  Repair(const std::string& file, const ColumnTable& table, const std::string& time_column)
+      : file_(file), time_column_(time_column) {
+    Count without_time;
+    for (std::size_t k = 0; k < table.rows(); ++k) {
+      const Row row{table.columns[0][k], table.columns[1][k], table.columns[2][k], table.lines[k]};
+      if (std::isnan(row.time)) {
+        without_time.add(row.line);
+      } else {
+        rows_.push_back(row);
+      }
+    }
+    if (table.has_torn_end) repairs_.emplace_back("the last line is not whole and was left out");
+    without_time.report(repairs_, "row", "without a time left out");
+  }
+
+  RecordedAxis result() {
+    require_rows();
+    sort();
+    treat_repeated_times();
+    require_rows();
+    fill_inputs();
+    const std::vector<Row> with_inputs = rows_;
+    take_positions();
+    require_rows();
+    unwrap();
+    RecordedAxis axis;
+    for (const Row& row : with_inputs) {
+      axis.input_times_s.push_back(row.time);
+      axis.all_inputs.push_back(row.input);
+    }
+    for (const Row& row : rows_) {
+      axis.times_s.push_back(row.time);
+      axis.inputs.push_back(row.input);
+      axis.positions.push_back(row.position);
+    }
+    axis.repairs = std::move(repairs_);
+    return axis;
+  }
+
+ private:
+  void require_rows() const {
+    if (rows_.size() < 2) {
+      throw std::invalid_argument(file_ + ": has fewer than two rows with different times");
+    }
+  }
+
+  bool is_many(std::size_t count) const {
+    return static_cast<double>(count) > kManyRows * static_cast<double>(rows_.size());
+  }
+
+  void sort() {
+    const std::size_t farthest = std::clamp<std::size_t>(rows_.size() / 10, 1, kFarthestRows);
+    Count late;
+    double latest = rows_.front().time;
+    for (const Row& row : rows_) {
+      if (row.time < latest) late.add(row.line);
+      latest = std::max(latest, row.time);
+    }
+    if (late.count() == 0) return;
+    std::vector<std::size_t> order(rows_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
+      return rows_[a].time < rows_[b].time;
+    });
+    std::vector<Row> sorted;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      sorted.push_back(rows_[order[k]]);
+      // A row that came too late moves forward.
+      if (order[k] > k + farthest) {
+        fail_at_line(file_, rows_[order[k]].line,
+                     fmt::format("{}: goes back by more than {}: is this a second record?",
+                                 time_column_, number_of(farthest, "row")));
+      }
+    }
+    rows_ = std::move(sorted);
+    late.report(repairs_, "row", "out of order sorted");
+  }
+
+  void treat_repeated_times() {
+    Count repeated;
+    std::size_t same = 0;
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      if (rows_[k].time > rows_[k - 1].time) continue;
+      repeated.add(rows_[k].line);
+      if (rows_[k].input == rows_[k - 1].input && rows_[k].position == rows_[k - 1].position) {
+        ++same;
+      }
+    }
+    if (repeated.count() == 0) return;
+    // Rows that are written twice have the same values, too.
+    if (is_many(repeated.count()) && 10 * same < 9 * repeated.count() &&
+        rows_.back().time > rows_.front().time) {
+      spread();
+      repeated.report(repairs_, "time", "of a coarse clock spread evenly");
+      return;
+    }
+    rows_.erase(std::unique(rows_.begin(), rows_.end(),
+                            [](const Row& a, const Row& b) { return b.time <= a.time; }),
+                rows_.end());
+    repeated.report(repairs_, "row", "with a repeated time left out");
+  }
+
+  // The rows of one stamp share the time until the next stamp.
+  void spread() {
+    double length = 0.0;
+    std::size_t before = 1;
+    for (std::size_t from = 0; from < rows_.size();) {
+      std::size_t to = from + 1;
+      while (to < rows_.size() && rows_[to].time == rows_[from].time) ++to;
+      const auto n = static_cast<double>(to - from);
+      // The last stamp has no next one.
+      length = to < rows_.size() ? rows_[to].time - rows_[from].time
+                                 : length / static_cast<double>(before) * n;
+      before = to - from;
+      for (std::size_t i = 1; i < before; ++i) {
+        rows_[from + i].time += length * static_cast<double>(i) / n;
+      }
+      from = to;
+    }
+  }
+
+  void fill_inputs() {
+    Count missing;
+    std::optional<std::size_t> first;
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      if (std::isnan(rows_[k].input)) {
+        missing.add(rows_[k].line);
+      } else if (!first) {
+        first = k;
+      }
+    }
+    if (missing.count() == 0) return;
+    if (!first) throw std::invalid_argument(file_ + ": no row has an input");
+    const bool is_held = is_many(missing.count());
+    std::size_t next = 0;  // the next row with an input
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      if (!std::isnan(rows_[k].input)) continue;
+      next = std::max(next, k);
+      while (next < rows_.size() && std::isnan(rows_[next].input)) ++next;
+      if (k == 0) {
+        rows_[k].input = rows_[*first].input;
+      } else if (is_held || next == rows_.size()) {
+        rows_[k].input = rows_[k - 1].input;
+      } else {
+        const double share =
+            (rows_[k].time - rows_[k - 1].time) / (rows_[next].time - rows_[k - 1].time);
+        rows_[k].input = rows_[k - 1].input + share * (rows_[next].input - rows_[k - 1].input);
+      }
+    }
+    missing.report(
+        repairs_, "input",
+        is_held ? "missing: the input has a lower rate and was held" : "missing and interpolated");
+  }
+
+  void take_positions() {
+    Count missing;
+    for (const Row& row : rows_) {
+      if (std::isnan(row.position)) missing.add(row.line);
+    }
+    if (missing.count() == 0) return;
+    if (missing.count() == rows_.size()) {
+      throw std::invalid_argument(file_ + ": no row has a position");
+    }
+    const bool is_rate = is_many(missing.count());
+    std::vector<Row> kept;
+    for (std::size_t k = 0; k < rows_.size();) {
+      std::size_t next = k + 1;
+      while (next < rows_.size() && std::isnan(rows_[next].position)) ++next;
+      if (!std::isnan(rows_[k].position)) {
+        kept.push_back(rows_[k]);
+        if (is_rate && next < rows_.size()) kept.back().input = mean_input(k, next);
+      }
+      k = next;
+    }
+    rows_ = std::move(kept);
+    missing.report(repairs_, "row",
+                   is_rate ? "without a position left out: the position has a lower rate, and the "
+                             "input became its mean"
+                           : "without a position left out");
+  }
+
+  // The mean of the held inputs from row `from` to row `to`.
+  double mean_input(std::size_t from, std::size_t to) const {
+    double sum = 0.0;
+    for (std::size_t k = from; k < to; ++k) {
+      sum += rows_[k].input * (rows_[k + 1].time - rows_[k].time);
+    }
+    return sum / (rows_[to].time - rows_[from].time);
+  }
+
+  double step(std::size_t k) const { return rows_[k].position - rows_[k - 1].position; }
+
+  bool is_jump(std::size_t k) const { return std::binary_search(jumps_.begin(), jumps_.end(), k); }
+
+  // The step at row k by the motion beside it.
+  double motion(std::size_t k) const {
+    double sum = 0.0;
+    double count = 0.0;
+    for (const std::size_t i : {k - 1, k + 1}) {
+      if (i < 1 || i >= rows_.size() || is_jump(i)) continue;
+      sum += step(i);
+      count += 1.0;
+    }
+    return count > 0.0 ? sum / count : 0.0;
+  }
+
+  // Far above the steps beside it and the normal ones.
+  bool is_isolated(std::size_t k, double normal) const {
+    double most = normal;
+    for (const std::size_t i : {k - 1, k + 1}) {
+      if (i >= 1 && i < rows_.size()) most = std::max(most, std::abs(step(i)));
+    }
+    return std::abs(step(k)) > kJump * most;
+  }
+
+  // If all jumps go to 0, the counter was reset. The motion goes on by the step before.
+  void continue_after_resets(double normal) {
+    for (const std::size_t k : jumps_) {
+      if (std::abs(rows_[k].position) > std::max(normal, std::abs(motion(k)))) return;
+    }
+    Count count;
+    double missing = 0.0;
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      if (is_jump(k)) {
+        const double last = k > 1 ? step(k - 1) : 0.0;
+        missing = rows_[k - 1].position + last - rows_[k].position;
+        count.add(rows_[k].line);
+      }
+      rows_[k].position += missing;
+    }
+    count.report(repairs_, "reset", "of the counter to 0 undone");
+  }
+
+  // A counter that wraps jumps by its range, whenever it leaves it. One that is reset jumps to 0
+  // from anywhere.
+  void unwrap() {
+    if (rows_.size() < kRowsBeforeWraps) return;
+    std::vector<double> steps;
+    double low = rows_.front().position;
+    double high = low;
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      if (step(k) != 0.0) steps.push_back(std::abs(step(k)));
+      low = std::min(low, rows_[k].position);
+      high = std::max(high, rows_[k].position);
+    }
+    if (steps.empty()) return;
+    std::sort(steps.begin(), steps.end());
+    // A position that is held for some rows stands in most of them.
+    const double normal = quantile(steps, steps.size() < kRowsBeforeWraps ? 0.5 : 0.9);
+    std::size_t far = 0;  // jumps of more than half the range of the column
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      const bool is_far = std::abs(step(k)) > std::max(0.5 * (high - low), kJump * normal);
+      far += is_far ? 1 : 0;
+      if (is_far || is_isolated(k, normal)) jumps_.push_back(k);
+    }
+    if (jumps_.empty()) return;
+    std::vector<double> sizes;
+    for (const std::size_t k : jumps_) sizes.push_back(std::abs(step(k) - motion(k)));
+    const double median = sample_median(sizes);
+    const double tolerance = std::max(2.0 * wobble(), 1e-6 * median);
+    const double range = counter_range(median, tolerance);
+    if (range == 0.0 && leave_out_spikes()) return;
+    double wrap = range;
+    if (wrap == 0.0 && jumps_.size() >= kWrapsForAnyRange) {
+      std::vector<double> positions;
+      for (const Row& row : rows_) positions.push_back(row.position);
+      const double quantum = encoder_quantum(positions);
+      wrap = quantum > 0.0 ? quantum * std::round(median / quantum) : median;
+    }
+    // Two positions of a counter differ by less than its range, and by the range itself if both
+    // ends are rounded. Then the motion passes them.
+    const double widest = range > 0.0 ? wrap * (1.0 + 1e-9) : wrap + tolerance;
+    const bool has_ends = high - low >= wrap * (1.0 - 1e-9);
+    const bool is_wrap =
+        wrap > 0.0 && far == jumps_.size() && high - low <= widest &&
+        std::all_of(sizes.begin(), sizes.end(),
+                    [&](double size) { return std::abs(size - median) <= tolerance; }) &&
+        (!has_ends || std::all_of(jumps_.begin(), jumps_.end(),
+                                  [&](std::size_t k) { return motion(k) * step(k) < 0.0; }));
+    if (!is_wrap) return continue_after_resets(normal);
+    Count wraps;
+    double turns = 0.0;
+    std::vector<double> signs(rows_.size(), 0.0);
+    for (const std::size_t k : jumps_) {
+      signs[k] = step(k) > 0.0 ? -1.0 : 1.0;
+      wraps.add(rows_[k].line);
+    }
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      turns += signs[k];
+      rows_[k].position += turns * wrap;
+    }
+    wraps.report(repairs_, "wrap", fmt::format("of a counter of {:.10g} unwrapped", wrap));
+  }
+
+  // How far steps are from the motion beside them, of all but the jumps.
+  double wobble() const {
+    std::vector<double> off;
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      if (!is_jump(k)) off.push_back(std::abs(step(k) - motion(k)));
+    }
+    std::sort(off.begin(), off.end());
+    return quantile(off, 0.99);
+  }
+
+  // A power of two, a turn in a common unit, or a round number of counts; 0 if none is near.
+  static double counter_range(double size, double tolerance) {
+    std::vector<double> ranges = {1.0, 2.0 * std::numbers::pi, std::numbers::pi, 180.0, 360.0};
+    for (int bits = 8; bits <= 32; ++bits) ranges.push_back(std::ldexp(1.0, bits));
+    for (const double decade : {1e2, 1e3, 1e4, 1e5, 1e6}) {
+      for (const double factor : {1.0, 2.0, 4.0, 5.0, 8.0}) ranges.push_back(factor * decade);
+    }
+    double best = 0.0;
+    for (const double range : ranges) {
+      const double off = std::abs(range - size);
+      if (off <= std::min(tolerance, 0.02 * range) && (best == 0.0 || off < std::abs(best - size)))
+        best = range;
+    }
+    return best;
+  }
+
+  // Whether all jumps are pairs there and back at the same row, which is then left out.
+  bool leave_out_spikes() {
+    if (jumps_.size() % 2 != 0) return false;
+    for (std::size_t i = 0; i < jumps_.size(); i += 2) {
+      const bool is_pair =
+          jumps_[i + 1] == jumps_[i] + 1 && step(jumps_[i]) * step(jumps_[i + 1]) < 0.0;
+      if (!is_pair) return false;
+    }
+    Count wrong;
+    for (std::size_t i = 0; i < jumps_.size(); i += 2) wrong.add(rows_[jumps_[i]].line);
+    for (std::size_t i = jumps_.size(); i >= 2; i -= 2) {
+      rows_.erase(rows_.begin() + static_cast<std::ptrdiff_t>(jumps_[i - 2]));
+    }
+    wrong.report(repairs_, "row", "with a position far from both neighbours left out");
+    return true;
+  }
+
+  const std::string& file_;
+  const std::string& time_column_;
+  std::vector<Row> rows_;
+  std::vector<std::size_t> jumps_;  // rows whose position jumps
+  std::vector<std::string> repairs_;
+};
+
+}  // namespace
+
+RecordedAxis repaired(const std::string& file, const ColumnTable& table,
+                      const std::string& time_column) {
+  return Repair(file, table, time_column).result();
+}
 
 namespace {
 

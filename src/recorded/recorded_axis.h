@@ -2,10 +2,20 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
+#include <breakwater/config/column_table.h>
+
 namespace breakwater {
+
+/// The largest Δ with which all differences between successive positions are whole counts, within
+/// 5 % of a count. 0 if there is none, or if the position never moves.
+///
+/// The first guesses are the least difference, and the gaps between sorted differences. A line
+/// through (count, position) removes the rounding of printed digits.
+double encoder_quantum(std::span<const double> positions);
 
 /// The names of the table's columns, and the value of 1 in each. A scale of 1 takes the unit that
 /// the table names, if any.
@@ -30,7 +40,22 @@ struct RecordedAxis {
   std::vector<std::string> doubts;   ///< signs of a forgotten scale
 };
 
-/// Reads a table of a laboratory (column_table.h) and repairs it (record_repair.h).
+/// Repairs the columns time, input and position of a table, in the file's units, and counts it:
+/// - rows without a time are left out
+/// - rows out of order are sorted, if they are few and close to their place
+/// - repeated rows are left out; stamps of a coarse clock are spread evenly
+/// - a missing input is interpolated; an input of a lower rate is held
+/// - rows without a position are left out; for a position of a lower rate, the inputs between two
+///   positions become their mean
+/// - a counter that wraps is unwrapped, and one that is reset to 0 goes on; a single position far
+///   from both neighbours is left out
+///
+/// Throws std::invalid_argument `FILE[:LINE]: reason` if the times start again, a column has no
+/// number, or fewer than two rows are left. `time_column` is its name in messages.
+RecordedAxis repaired(const std::string& file, const ColumnTable& table,
+                      const std::string& time_column);
+
+/// Reads a table of a laboratory (column_table.h) and repairs it.
 ///
 /// Throws std::invalid_argument as read_columns() and repaired() do.
 RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& format = {});

@@ -1,7 +1,41 @@
 // The distribution of a varied key.
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <breakwater/statistics/confidence_interval.h>
+
 namespace breakwater {
+
+/// P(X ≤ 0) … P(X ≤ n) of a binomial X: n ≥ 1 trials with success probability p, 0 < p < 1. The
+/// error is below 1e-11. The bits are the same on every processor.
+std::vector<double> binomial_cdf(std::size_t n, double p);
+
+/// A confidence interval of the p-quantile of a continuous distribution, from a sorted sample:
+///     [x_l, x_u],  l the largest, u the smallest with P(X < l) ≤ (1 − level)/2,
+///                                                     P(X ≥ u) ≤ (1 − level)/2,  X ~ Bin(n, p)
+/// It covers the quantile with probability `level` or more, for any distribution. Empty if the
+/// sample is too small for either end: for a median at 95 % with five values or fewer.
+///
+/// Source: H. A. David, H. N. Nagaraja, Order Statistics, 3rd ed., 2003, section 7.1.
+std::optional<ConfidenceInterval> quantile_interval(const std::vector<double>& sorted, double p,
+                                                    double level);
+
+/// The interval of the success probability of n ≥ 1 trials with so many successes:
+///     [p_l, p_u],  P(X ≥ successes) = (1 − level)/2 for p_l,  P(X ≤ successes) likewise for p_u
+/// p_l is 0 without a success, p_u is 1 without a failure. It covers with probability `level` or
+/// more. The error is below 1e-9.
+///
+/// Source: C. J. Clopper, E. S. Pearson, Biometrika 26 (1934) 404–413.
+ConfidenceInterval share_interval(std::size_t successes, std::size_t n, double level);
+
+/// McNemar's exact test of paired failures. In `first` pairs only the first run failed, in `second`
+/// only the second. Returns the two-sided p of first ~ Bin(first + second, 1/2); 1 if both are 0.
+///
+/// Source: Q. McNemar, Psychometrika 12 (1947) 153–157, with the exact distribution.
+double mcnemar_exact(std::size_t first, std::size_t second);
 
 enum class DistributionKind { uniform, log_uniform, normal };
 

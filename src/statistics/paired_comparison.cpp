@@ -9,18 +9,50 @@
 #include <span>
 #include <utility>
 
-#include <breakwater/statistics/binomial.h>
-#include <breakwater/statistics/group_tests.h>
-#include <breakwater/statistics/multiple_tests.h>
+#include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/quantile.h>
 #include <breakwater/statistics/signed_rank.h>
 
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kMostValues = 12;  // values of a key with a group each
-// Numbers of groups of neighbouring values of a key, and smallest number of blocks in a group.
-constexpr std::size_t kFewestGroups = 2, kMostGroups = 5, kOfAGroup = 4;
+// Indices in ascending order of p.
+std::vector<std::size_t> ascending(const std::vector<double>& p) {
+  std::vector<std::size_t> order(p.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return p[a] < p[b]; });
+  return order;
+}
+
+}  // namespace
+
+std::vector<double> holm(const std::vector<double>& p) {
+  const std::vector<std::size_t> order = ascending(p);
+  std::vector<double> adjusted(p.size());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const double times = static_cast<double>(p.size() - i);
+    largest = std::max(largest, std::min(1.0, times * p[order[i]]));
+    adjusted[order[i]] = largest;
+  }
+  return adjusted;
+}
+
+std::vector<double> holm_levels(const std::vector<double>& p, double alpha) {
+  const std::vector<std::size_t> order = ascending(p);
+  const std::vector<double> adjusted = holm(p);
+  std::vector<double> levels(p.size());
+  std::size_t first = 0;  // the first of equal p, in `order`
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool is_rejected = i > 0 && adjusted[order[i - 1]] <= alpha;
+    if (is_rejected && p[order[i]] > p[order[first]]) first = i;
+    levels[order[i]] = alpha / static_cast<double>(p.size() - first);
+  }
+  return levels;
+}
+
+namespace {
 
 // Pairs of candidate and reference.
 std::vector<std::pair<std::size_t, std::size_t>> pairs_of(const PairedResults& results) {
@@ -80,6 +112,8 @@ class Blocks {
   std::vector<std::size_t> ends_;
 };
 
+using Groups = std::vector<std::vector<double>>;
+
 // The finite values of a function of the test condition, by block.
 template <typename Value>
 Groups values_in(const Blocks& blocks, Value value) {
@@ -135,7 +169,6 @@ MetricComparison compare_metric(const PairedResults& results, std::size_t metric
   comparison.reference = pair.y;
   comparison.blocks = medians.size();
   for (const std::vector<double>& block : differences) comparison.pairs += block.size();
-  comparison.between = share_between(differences);
   const auto x = results.values[metric].col(static_cast<Eigen::Index>(pair.x));
   const auto y = results.values[metric].col(static_cast<Eigen::Index>(pair.y));
   const auto median_of = [&](const auto& of, const auto& beside, const Blocks& blocks) {
@@ -160,89 +193,6 @@ MetricComparison compare_metric(const PairedResults& results, std::size_t metric
                                         : 1.0 - comparison.probability_smaller;
   }
   return comparison;
-}
-
-// A key, with the group of each block of a pair.
-struct KeyOfPair {
-  KeyGroups groups;
-  bool is_of_worlds = false;
-};
-
-// The keys that differ between the blocks of a pair, if they have enough blocks.
-std::vector<KeyOfPair> keys_of(const PairedResults& results, const Blocks& blocks) {
-  struct Reaching {
-    StudyKey key;
-    std::size_t values;
-  };
-  std::vector<Reaching> reaching;
-  for (StudyKey key : results.keys) {
-    std::vector<double> of_blocks;
-    for (std::size_t block = 0; block < blocks.size(); ++block) {
-      of_blocks.push_back(key.values[static_cast<std::size_t>(blocks[block].front())]);
-    }
-    key.values = of_blocks;
-    const std::size_t values = std::set<double>(of_blocks.begin(), of_blocks.end()).size();
-    if (values > 1) reaching.push_back({std::move(key), values});
-  }
-  const bool has_repeats = blocks.worlds().size() > blocks.size();
-  std::vector<KeyOfPair> keys;
-  for (const auto& [key, values] : reaching) {
-    const bool has_blocks = 2 * values <= blocks.size();
-    const bool is_of_worlds = !has_blocks && reaching.size() == 1 && has_repeats;
-    if (values <= kMostValues && (has_blocks || is_of_worlds)) {
-      keys.push_back({group_values(key, kMostValues), is_of_worlds});
-    } else if (key.is_number && blocks.size() >= kFewestGroups * 2) {
-      keys.push_back(
-          {group_values(key, std::clamp(blocks.size() / kOfAGroup, kFewestGroups, kMostGroups))});
-    }
-  }
-  return keys;
-}
-
-KeyInteraction interaction(const MetricComparison& of, const Groups& differences,
-                           const KeyOfPair& key) {
-  KeyInteraction found;
-  found.metric = of.metric;
-  found.candidate = of.candidate;
-  found.reference = of.reference;
-  found.key = key.groups.name;
-  found.is_log = key.groups.is_log;
-  found.is_number = key.groups.is_number;
-  found.is_of_worlds = key.is_of_worlds;
-  Groups values(key.groups.size());
-  for (std::size_t block = 0; block < differences.size(); ++block) {
-    if (differences[block].empty()) continue;
-    std::vector<double> inside = differences[block];
-    if (!key.is_of_worlds) inside = {sample_median(inside)};
-    std::vector<double>& group = values[key.groups.of_sample[block]];
-    group.insert(group.end(), inside.begin(), inside.end());
-  }
-  found.p = sign_turn_p(values);
-  for (std::size_t g = 0; g < values.size(); ++g) {
-    if (values[g].empty()) continue;
-    std::sort(values[g].begin(), values[g].end());
-    found.values.push_back({key.groups.labels[g], key.groups.centre[g], values[g].size(),
-                            quantile(values[g], 0.5), quantile(values[g], 0.1),
-                            quantile(values[g], 0.9)});
-  }
-  return found;
-}
-
-// Sets which keys change the sign of which metric.
-void judge(CandidateComparison& comparison, double alpha) {
-  for (KeyInteraction& one : comparison.interactions) {
-    const auto [low, high] =
-        std::minmax_element(one.values.begin(), one.values.end(),
-                            [](const auto& a, const auto& b) { return a.median < b.median; });
-    one.turns = one.p_holm <= alpha && low->median < 0.0 && high->median > 0.0;
-    if (!one.turns) continue;
-    for (MetricComparison& of : comparison.metrics) {
-      if (of.metric == one.metric && of.candidate == one.candidate &&
-          of.reference == one.reference) {
-        of.turns_with.push_back(one.key);
-      }
-    }
-  }
 }
 
 bool differs(const MetricComparison& comparison, const PairedResults& results) {
@@ -398,10 +348,8 @@ CandidateComparison compare_candidates(const PairedResults& results,
     comparison.never.push_back(never_measured(results, c));
   }
   std::vector<Pair> pairs;
-  std::vector<std::vector<KeyOfPair>> keys;
   for (const auto& [x, y] : pairs_of(results)) {
     pairs.push_back({x, y, Blocks(results, {x, y}), of_one[x], of_one[y]});
-    keys.push_back(keys_of(results, pairs.back().blocks));
   }
   std::vector<SignedRank> tests;  // one for each of comparison.metrics
   for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
@@ -415,19 +363,12 @@ CandidateComparison compare_candidates(const PairedResults& results,
       one.p = tests.back().p();
       one.difference.value = tests.back().pseudo_median();
       comparison.metrics.push_back(one);
-      if (!differs(one, results)) continue;
-      for (const KeyOfPair& key : keys[i]) {
-        comparison.interactions.push_back(interaction(one, differences, key));
-      }
     }
   }
   comparison.tests = set_verdicts(comparison.metrics, settings.alpha,
                                   [&](const auto& one) { return differs(one, results); });
   set_intervals(comparison.metrics, tests, settings.alpha,
                 [&](const auto& one) { return differs(one, results); });
-  adjust(comparison.interactions, &KeyInteraction::p, &KeyInteraction::p_holm,
-         [](const auto&) { return true; });
-  judge(comparison, settings.alpha);
 
   for (const Pair& pair : pairs) comparison.failures.push_back(compare_failures(results, pair));
   set_verdicts(comparison.failures, settings.alpha,

@@ -10,9 +10,20 @@
 
 #include <breakwater/statistics/confidence_interval.h>
 #include <breakwater/statistics/goal.h>
-#include <breakwater/statistics/key_groups.h>
 
 namespace breakwater {
+
+/// Holm's adjusted p: with p₍₁₎ ≤ … ≤ p₍ₘ₎,  p'₍ᵢ₎ = max_{j ≤ i} min(1, (m − j + 1) p₍ⱼ₎). A
+/// rejection where p' ≤ α gives any false rejection with probability α at most, for any dependence.
+///
+/// Source: S. Holm, Scand. J. Statist. 6 (1979) 65–70.
+std::vector<double> holm(const std::vector<double>& p);
+
+/// The levels at which Holm's procedure decides the tests. After r rejections a rejected p₍ᵢ₎ has
+/// α/(m − i + 1), and each other one α/(m − r). Equal p have the level of the first of them. p ≤
+/// its level exactly where p' ≤ α. So an interval that belongs to the test has this level, and
+/// covers with probability 1 − α or more.
+std::vector<double> holm_levels(const std::vector<double>& p, double alpha);
 
 /// Results of each candidate (columns) in each test condition (rows).
 struct PairedResults {
@@ -28,7 +39,6 @@ struct PairedResults {
   /// Equal numbers in a column are identical runs: the test conditions differ without effect on the
   /// candidate. Empty: all runs differ.
   Eigen::MatrixXi runs = {};
-  std::vector<StudyKey> keys = {};  ///< varied keys, with a value for each row
 };
 
 enum class ComparisonVerdict {
@@ -62,7 +72,6 @@ struct MetricComparison {
   Goal goal = Goal::none;
   std::size_t candidate = 0, reference = 0;
   std::size_t pairs = 0, blocks = 0;
-  std::optional<double> between = {};  ///< share_between() blocks for x − y
   EstimatedMedian median{}, reference_median{};
   EstimatedMedian difference{};  ///< pseudo-median of x − y, with its interval at Holm's level
   std::size_t smaller = 0, larger = 0;     ///< blocks with x < y and with x > y
@@ -73,29 +82,6 @@ struct MetricComparison {
   double probability_smaller = 0.5;        ///< share of blocks with x < y; equal ones count half
   std::optional<double> probability_better = {};  ///< if there is a goal
   ComparisonVerdict verdict = ComparisonVerdict::no_difference_shown;
-  std::vector<std::string> turns_with = {};  ///< keys whose values change the sign
-};
-
-/// The difference x − y of a metric by the values of a varied key that affects the pair. A value
-/// has its own group if it has two blocks or no other key is varied. Otherwise neighbours form
-/// groups. The repeats of a group are its blocks, or the test conditions of its single block.
-struct KeyInteraction {
-  struct Value {
-    std::string label;
-    double x = 0.0;           ///< position on an axis
-    std::size_t repeats = 0;  ///< number of differences
-    double median = 0.0, q10 = 0.0, q90 = 0.0;
-  };
-  std::string metric;
-  std::size_t candidate = 0, reference = 0;
-  std::string key;
-  bool is_log = false;  ///< logarithmic axis
-  bool is_number = true;
-  bool is_of_worlds = false;  ///< the repeats are test conditions of one block
-  std::vector<Value> values;  ///< values that any pair has
-  double p = 1.0;             ///< sign_turn_p()
-  double p_holm = 1.0;        ///< over all keys, metrics and pairs of candidates
-  bool turns = false;         ///< p_holm ≤ alpha, and the medians have both signs
 };
 
 /// Failures of two candidates, compared.
@@ -121,9 +107,8 @@ struct CandidateComparison {
   /// By candidate: metrics with a goal that another candidate has, but none of its own runs. At
   /// least one of its runs must have ended.
   std::vector<std::vector<std::string>> never;
-  std::size_t tests = 0;                     ///< metrics and pairs in Holm's correction
-  std::vector<MetricComparison> metrics;     ///< by metric, then by candidate
-  std::vector<KeyInteraction> interactions;  ///< by metric, then by key
+  std::size_t tests = 0;                  ///< metrics and pairs in Holm's correction
+  std::vector<MetricComparison> metrics;  ///< by metric, then by candidate
   std::vector<FailureComparison> failures;
 
   /// Whether a pair has more pairs of runs than blocks.

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include <breakwater/statistics/binomial.h>
+#include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/quantile.h>
 
 namespace breakwater {
@@ -78,7 +78,6 @@ PairedResults part_of(const PairedResults& results, const std::string& metric, G
   part.failed = results.failed(Eigen::all, columns);
   part.samples = results.samples;
   if (results.runs.size() > 0) part.runs = results.runs(Eigen::all, columns);
-  part.keys = results.keys;
   return part;
 }
 

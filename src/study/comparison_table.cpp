@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <breakwater/config/names.h>
-#include <breakwater/record/csv.h>
+#include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 
@@ -103,10 +103,7 @@ std::string comparison_csv(const CandidateComparison& comparison) {
                                             "reference_failures",
                                             "failures_alone",
                                             "reference_failures_alone",
-                                            "blocks",
-                                            "variance_between_blocks",
-                                            "variance_within_blocks",
-                                            "sign_turns_with"};
+                                            "blocks"};
   std::string text = csv_line(columns);
   for (const MetricComparison& one : comparison.metrics) {
     Row row = begun_row(comparison, one, one.metric);
@@ -116,11 +113,6 @@ std::string comparison_csv(const CandidateComparison& comparison) {
     row.put("difference", one.difference);
     row.put("probability_smaller", one.probability_smaller);
     if (one.probability_better) row.put("probability_better", *one.probability_better);
-    if (one.between) {
-      row.put("variance_between_blocks", *one.between);
-      row.put("variance_within_blocks", 1.0 - *one.between);
-    }
-    row.put("sign_turns_with", fmt::format("{}", fmt::join(one.turns_with, "; ")));
     text += row.print(columns);
   }
   for (const FailureComparison& one : comparison.failures) {
@@ -131,22 +123,6 @@ std::string comparison_csv(const CandidateComparison& comparison) {
     row.put("failures_alone", std::to_string(one.alone));
     row.put("reference_failures_alone", std::to_string(one.reference_alone));
     text += row.print(columns);
-  }
-  return text;
-}
-
-std::string by_key_csv(const CandidateComparison& comparison) {
-  std::string text =
-      csv_line({"metric", "candidate", "reference", "key", "value", "repeats", "repeats_are",
-                "difference", "difference_q10", "difference_q90", "p", "p_holm", "sign_turns"});
-  for (const KeyInteraction& one : comparison.interactions) {
-    for (const KeyInteraction::Value& value : one.values) {
-      text += csv_line({one.metric, comparison.candidates[one.candidate],
-                        comparison.candidates[one.reference], one.key, value.label,
-                        std::to_string(value.repeats), one.is_of_worlds ? "seeds" : "blocks",
-                        digits(value.median), digits(value.q10), digits(value.q90), digits(one.p),
-                        digits(one.p_holm), one.turns ? "yes" : "not shown"});
-    }
   }
   return text;
 }
@@ -175,16 +151,6 @@ std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, d
 }
 
 namespace {
-
-std::string turns_text(const CandidateComparison& comparison, const KeyInteraction& one) {
-  std::vector<std::string> values;
-  for (const KeyInteraction::Value& value : one.values) {
-    values.push_back(fmt::format("{} at {}", in_digits(value.median), value.label));
-  }
-  return fmt::format("{}, {} beside {}: the sign turns with {} (p {}): {}", one.metric,
-                     comparison.candidates[one.candidate], comparison.candidates[one.reference],
-                     one.key, p_text(one.p_holm, "= "), fmt::join(values, ", "));
-}
 
 std::string repeated_text(const CandidateComparison& comparison) {
   std::vector<std::string> repeated;
@@ -240,7 +206,7 @@ nlohmann::ordered_json comparison_pairs(const CandidateComparison& comparison) {
   using Json = nlohmann::ordered_json;
   const bool has_repeats = comparison.has_repeats();
   Json columns = {"metric", "candidate", "reference", "blocks"};
-  if (has_repeats) columns.insert(columns.end(), {"pairs", "between"});
+  if (has_repeats) columns.push_back("pairs");
   columns.insert(columns.end(),
                  {"median", kOfTheOther, "difference (95 %)", "p", "better in", "verdict"});
   auto rows = Json::array();
@@ -255,11 +221,11 @@ nlohmann::ordered_json comparison_pairs(const CandidateComparison& comparison) {
                                                 in_digits(one.interval->upper))
                                   : "");
   };
-  const auto add = [&](const std::string& metric, const auto& one, const std::string& between,
-                       const std::vector<Json>& numbers, const Json& share, Json verdict) {
+  const auto add = [&](const std::string& metric, const auto& one, const std::vector<Json>& numbers,
+                       const Json& share, Json verdict) {
     Json row = {metric, comparison.candidates[one.candidate], comparison.candidates[one.reference],
                 fmt::format("{}{}", one.blocks, one.blocks < comparison.blocks ? " *" : "")};
-    if (has_repeats) row.insert(row.end(), {std::to_string(one.pairs), between});
+    if (has_repeats) row.push_back(std::to_string(one.pairs));
     for (const Json& number : numbers) row.push_back(number);
     verdict["tone"] = one.verdict == ComparisonVerdict::better  ? "good"
                       : one.verdict == ComparisonVerdict::worse ? "off"
@@ -271,18 +237,14 @@ nlohmann::ordered_json comparison_pairs(const CandidateComparison& comparison) {
     rows.push_back(row);
   };
   for (const MetricComparison& one : comparison.metrics) {
-    const bool turns = !one.turns_with.empty();
-    add(one.metric, one, one.between ? fmt::format("{:.3g} %", 100.0 * *one.between) : "-",
-        {median(one.median), median(one.reference_median), brief(one.difference)},
+    add(one.metric, one, {median(one.median), median(one.reference_median), brief(one.difference)},
         one.probability_better ? Json(percent(*one.probability_better))
                                : with_line("-", "smaller in " + percent(one.probability_smaller)),
-        with_line(
-            name_of(one.verdict) + (turns ? " †" : ""),
-            turns ? fmt::format("its sign turns with {}", fmt::join(one.turns_with, ", ")) : ""));
+        with_line(name_of(one.verdict), ""));
   }
   for (const FailureComparison& one : comparison.failures) {
     const auto difference = static_cast<long>(one.failures - one.reference_failures);
-    add(kFailure, one, "-",
+    add(kFailure, one,
         {std::to_string(one.failures), std::to_string(one.reference_failures),
          with_line(fmt::format("{:+d}", difference),
                    fmt::format("{} alone, the other {}", one.alone, one.reference_alone))},
@@ -300,11 +262,6 @@ std::vector<std::string> comparison_notes(const CandidateComparison& comparison)
         "* fewer than {} blocks: in the others a run failed or lacks the metric, or both "
         "runs equal those of another block",
         comparison.blocks));
-  }
-  if (comparison.has_repeats()) {
-    notes.emplace_back(
-        "between: share of the variance of the differences that is between blocks, not within "
-        "them");
   }
   for (const std::string& note : {few_text(comparison), repeated_text(comparison),
                                   never_text(comparison), signed_text(comparison)}) {
@@ -326,11 +283,7 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
   Table table(texts(pairs["columns"]), kLabels);
   for (const auto& row : pairs["rows"]) table.add(texts(row));
   std::string text = table.print(width);
-  std::vector<std::string> notes = comparison_notes(comparison);
-  for (const KeyInteraction& one : comparison.interactions) {
-    if (one.turns) notes.push_back("† " + turns_text(comparison, one));
-  }
-  for (const std::string& note : notes) {
+  for (const std::string& note : comparison_notes(comparison)) {
     text += fmt::format("{}\n", fmt::join(wrapped(note, width), "\n"));
   }
   return text;

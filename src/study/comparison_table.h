@@ -17,10 +17,6 @@ inline constexpr const char* kFailure = "failure";
 /// pair (`metric` is "failure"). Numbers have 17 digits. Cells that do not apply are empty.
 std::string comparison_csv(const CandidateComparison& comparison);
 
-/// comparison_by_key.csv: a row per metric, pair of candidates, varied key and value (or group of
-/// neighbouring values).
-std::string by_key_csv(const CandidateComparison& comparison);
-
 /// "3 [2.1, 3.8]": a value with its interval.
 std::string brief(const EstimatedMedian& median);
 

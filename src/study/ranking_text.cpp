@@ -116,13 +116,6 @@ class Sentence {
       text += fmt::format(" {} is the same in all conditions, so they say nothing about others.",
                           metric);
     }
-    const auto turns = std::find_if(rows_.begin(), rows_.end(), [](const RankedCandidate& row) {
-      return row.to_first && !row.to_first->turns_with.empty();
-    });
-    if (turns != rows_.end()) {
-      text += fmt::format(" The sign of the difference from {} turns with {}.", name(*turns),
-                          fmt::join(turns->to_first->turns_with, ", "));
-    }
     return text;
   }
 

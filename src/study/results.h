@@ -37,4 +37,13 @@ class ResultsTable {
   std::unordered_map<std::string, std::size_t> columns_;  // metric → column
 };
 
+/// Whether two runs have the same states and metrics.
+bool are_same_run(const PointResult& one, const PointResult& other);
+/// The reason for equal runs with several seeds.
+inline constexpr const char* kNoNoise = "no noise reaches them";
+
+/// The notes, one per line. They name metrics that some complete runs of a candidate lack, so that
+/// its medians are over fewer runs. They also name seeds that change nothing.
+std::vector<std::string> notes(const Plan& plan, const ShardIndex& index);
+
 }  // namespace breakwater

@@ -13,7 +13,7 @@
 #include <breakwater/config/config.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/shell/did_you_mean.h>
-#include <breakwater/study/key_effects.h>
+#include <breakwater/study/plan.h>
 
 namespace breakwater {
 namespace {
@@ -124,11 +124,6 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
   results.runs = Eigen::MatrixXi::Zero(rows, width);
   results.samples = Eigen::VectorXi::Zero(rows);
   const std::vector<StudyKey> keys = study_keys(study);
-  const std::vector<KeyEffect> effects = key_effects(study);
-  for (const KeyEffect& effect : effects) {
-    results.keys.push_back(keys[effect.key]);
-    results.keys.back().name = effect.name;
-  }
   const bool are_seeds_worlds = counts_seeds(study);
   // A sample waits until all its seeds have run. Earlier, repeats could not be recognised.
   const auto is_done = [&](std::size_t sample) {
@@ -153,9 +148,8 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
     results.samples(kept) = static_cast<int>(are_seeds_worlds ? world : sample);
     const StudyPoint point = plan.point(world * k);
     Place& place = places.emplace_back();
-    for (std::size_t i = 0; i < effects.size(); ++i) {
-      place.push_back(key_number(results.keys[i], point.values[effects[i].key]));
-      results.keys[i].values.push_back(place.back());
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      place.push_back(key_number(keys[i], point.values[i]));
     }
     place.push_back(static_cast<double>(world % plan.seeds()));
     for (std::size_t c = 0; c < k; ++c) {

@@ -15,7 +15,7 @@
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/signals/thread_time.h>
-#include <breakwater/study/growth.h>
+#include <breakwater/study/study.h>
 
 namespace breakwater {
 namespace {

@@ -11,10 +11,10 @@
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/study/executor.h>
 #include <breakwater/study/plan.h>
-#include <breakwater/study/point_list.h>
 #include <breakwater/study/results.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/study_folder.h>
+#include <breakwater/study/value_list.h>
 
 namespace breakwater {
 

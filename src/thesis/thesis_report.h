@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/experiment/command_kind.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/thesis/printed_results.h>
 #include <breakwater/thesis/reproduction.h>
@@ -91,5 +92,9 @@ struct ThesisReport {
 /// OUT/runs.
 ThesisReport thesis_report(const Reproduction& reproduction, const Measured& measured,
                            Effort effort);
+
+/// Exit status: 0 success, 1 an internal error, 2 usage or input, 4 a picture or video could not be
+/// made, 130 interrupted.
+CommandKind reproduce_command();
 
 }  // namespace breakwater

@@ -7,7 +7,7 @@
 #include <functional>
 #include <numbers>
 
-#include <breakwater/analysis/bode_chart.h>
+#include <breakwater/analysis/analysis_outputs.h>
 #include <breakwater/analysis/loop_analysis.h>
 #include <breakwater/linear/riccati.h>
 #include <breakwater/observers/kalman_design.h>

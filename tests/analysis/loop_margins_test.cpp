@@ -4,7 +4,7 @@
 #include <functional>
 #include <numbers>
 
-#include <breakwater/analysis/loop_margins.h>
+#include <breakwater/analysis/loop_analysis.h>
 
 namespace breakwater {
 namespace {

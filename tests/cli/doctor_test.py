@@ -9,7 +9,7 @@ import unittest
 
 from called_program import BIN, Folder
 
-CHECKS = ["runs", "data", "pictures", "video", "font", "pages", "Slurm", "Python", "figures"]
+CHECKS = ["runs", "pictures", "video", "font", "pages"]
 
 
 class Doctor(Folder):
@@ -32,30 +32,16 @@ class Doctor(Folder):
         for line in out.splitlines():
             self.assertLessEqual(len(line), 80, line)
         checks = self.doctor()
-        for name in ("runs", "data", "video", "font", "pages"):
+        for name in ("runs", "video", "font", "pages"):
             self.assertEqual(checks[name]["state"], "ok", checks[name])
 
     def test_what_is_optional_may_be_missing(self):
-        (self.folder / "bin").mkdir()
-        checks = self.doctor(PATH=self.folder / "bin")
-        for name, package in (("Slurm", "slurm-client"), ("Python", "python3")):
-            self.assertEqual(checks[name]["state"], "missing")
-            self.assertIn(package, checks[name]["install"])
-        checks = self.doctor(**self.hide("libEGL.so.1"))
+        hidden = self.hide("libEGL.so.1")
+        checks = self.doctor(**hidden)
         self.assertEqual(checks["pictures"]["state"], "missing")
         self.assertIn("libgl1-mesa-dri", checks["pictures"]["install"])
-        out, _ = self.call("breakwater", "doctor", PATH=self.folder / "bin")
-        self.assertIn("> apt install slurm-client", out)
-
-    def test_names_the_programs_that_are_there(self):
-        (self.folder / "bin").mkdir()
-        sbatch = self.folder / "bin/sbatch"
-        sbatch.write_text("#!/bin/sh\necho slurm 99.1\n")
-        sbatch.chmod(0o755)
-        checks = self.doctor(PATH=self.folder / "bin")
-        self.assertTrue(checks["Slurm"]["found"].startswith("slurm 99.1"), checks["Slurm"])
-        sbatch.write_text("#!/bin/sh\nexit 1\n")
-        self.assertEqual(self.doctor(PATH=self.folder / "bin")["Slurm"]["state"], "missing")
+        out, _ = self.call("breakwater", "doctor", **hidden)
+        self.assertIn("> apt install libegl1 libgl1-mesa-dri", out)
 
     def test_an_opengl_that_is_there_and_does_not_draw_is_broken(self):
         pictures = self.doctor(status=1, __EGL_VENDOR_LIBRARY_DIRS=self.folder)["pictures"]
@@ -69,11 +55,6 @@ class Doctor(Folder):
         checks = self.doctor(status=1, MUJOCO_EGL_DEVICE_ID="abc")
         self.assertEqual(checks["pictures"]["state"], "broken")
 
-    def test_a_folder_of_the_modules_name_is_no_module(self):
-        (self.folder / "breakwater").mkdir()
-        checks = self.doctor()
-        self.assertFalse(checks["Python"]["found"].endswith(": "), checks["Python"])
-
     def test_models_that_cannot_be_read_are_broken(self):
         source = BIN.resolve().parents[1]
         shutil.copytree(source / "models", self.folder / "models")
@@ -82,7 +63,7 @@ class Doctor(Folder):
         self.assertEqual(runs["state"], "broken")
         self.assertIn("arm.xml", runs["found"])
         out, _ = self.call("breakwater", "doctor", status=1, BREAKWATER_PATH=self.folder)
-        self.assertTrue(out.endswith("1 of 9 broken\n"), out)
+        self.assertTrue(out.endswith("1 of 5 broken\n"), out)
 
 
 if __name__ == "__main__":

@@ -1,22 +1,13 @@
-"""`ls` and `rm --failed`: the contents of a folder, and the removal of failed runs only.
+"""`ls`: the contents of a folder.
 
 Usage: run_list_test.py BIN_FOLDER
 """
 
 import json
 import os
-import socket
-import subprocess
 import unittest
 
 from called_program import FAILS, Folder
-
-
-def dead_process():
-    """The number of a process that has ended."""
-    process = subprocess.Popen(["true"])
-    process.wait()
-    return process.pid
 
 
 class RunList(Folder):
@@ -29,9 +20,6 @@ class RunList(Folder):
         # The study is the newest, then the failed run.
         for age, name in enumerate(["study/shards", "arm/bad/log.h5", "arm/good/log.h5"]):
             os.utime(self.folder / "runs" / name, (1e9 - 60 * age, 1e9 - 60 * age))
-
-    def everything(self):
-        return sorted(str(path) for path in self.folder.rglob("*"))
 
     def test_lists_the_newest_first_with_main_metrics(self):
         told = json.loads(self.call("breakwater", "ls", "--json")[0])
@@ -90,75 +78,6 @@ class RunList(Folder):
                 (self.folder / folder / name).symlink_to(name)
         told = json.loads(self.call("breakwater", "ls", "--json")[0])
         self.assertEqual(len(told), 3)
-        self.assertIn("removed 1 run\n", self.call("breakwater", "rm", "--failed")[0])
-
-    def test_removes_failed_runs_alone(self):
-        runs = self.folder / "runs"
-        host = socket.gethostname()
-        dead = runs / f"arm/.other.partial-{host}-{dead_process()}"
-        alive = runs / f"arm/.third.partial-{host}-{os.getpid()}"
-        for folder in (dead, alive):
-            folder.mkdir()
-            (folder / "log.h5").write_text("half")
-        before = self.everything()
-        would, _ = self.call("breakwater", "rm", "--failed", "--dry-run")
-        self.assertEqual(self.everything(), before)
-        for text in ("would remove 2 runs:\n", "runs/arm/bad: failed at 0.3", str(dead.name),
-                     "may still be written"):
-            self.assertIn(text, would)
-
-        told, _ = self.call("breakwater", "rm", "--failed")
-        self.assertTrue(told.endswith("removed 2 runs\n"), told)
-        gone = set(before) - set(self.everything())
-        self.assertEqual({path for path in gone if "/arm/bad" not in path and dead.name not in path},
-                         set())
-        self.assertFalse((runs / "arm/bad").exists() or dead.exists())
-        self.assertTrue(alive.exists())
-        again, _ = self.call("breakwater", "rm", "--failed")
-        self.assertIn("no failed or unfinished run to remove below runs", again)
-
-    def test_leaves_alone_whatever_is_a_users(self):
-        runs = self.folder / "runs"
-        elsewhere = self.folder / "elsewhere"
-        (runs / "arm/bad").rename(elsewhere)
-        cases = {"note": "notes.txt", "hidden": ".git", "folder": "log.csv"}
-        for name, file in cases.items():
-            self.push(f"runs/{name}", *FAILS, status=3)
-            if name == "folder":
-                (runs / name / file).mkdir()  # the name of a run's file, but a folder
-            else:
-                (runs / name / file).write_text("mine")
-        (runs / "link").symlink_to(elsewhere)
-        (runs / "mine").mkdir()
-        (runs / "mine/failed").write_text("mine")
-        (runs / f"mine/.x.partial-{socket.gethostname()}-{dead_process()}").mkdir()
-        (next((runs / "mine").glob(".x*")) / "thesis.tex").write_text("mine")
-        before = self.everything()
-        told, _ = self.call("breakwater", "rm", "--failed")
-        self.assertEqual(self.everything(), before)
-        for file in [*cases.values(), "thesis.tex"]:
-            self.assertIn(f"holds {file}, which is not a run's", told)
-        # Runs of a study belong to the study, failed or not.
-        kept = runs / "study/runs/1"
-        kept.parent.mkdir(exist_ok=True)
-        elsewhere.rename(kept)
-        self.call("breakwater", "rm", "--failed")
-        self.assertTrue(kept.exists())
-        for inner in ("runs/study/runs", "runs/study/runs/1"):
-            _, err = self.call("breakwater", "rm", "--failed", inner, status=2)
-            self.assertIn("belongs to the study", err)
-        self.assertTrue(kept.exists())
-        # A link with a final slash is a link.
-        self.push("apart/bad", *FAILS, status=3)
-        (runs / "linked").symlink_to(self.folder / "apart/bad")
-        self.assertIn("is a symbolic link", self.call("breakwater", "rm", "--failed", "runs/linked/")[0])
-        self.assertTrue((runs / "linked").is_symlink())
-
-    def test_must_be_told_what(self):
-        _, err = self.call("breakwater", "rm", status=2)
-        self.assertIn("--failed is required", err)
-        _, err = self.call("breakwater", "rm", "--failed", "nowhere", status=2)
-        self.assertEqual(err, "nowhere: there is no such folder\n")
 
 
 if __name__ == "__main__":

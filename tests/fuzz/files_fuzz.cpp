@@ -15,7 +15,6 @@
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/search/tuning.h>
-#include <breakwater/study/point_list.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/study.h>
 #include <breakwater/study/study_reader.h>

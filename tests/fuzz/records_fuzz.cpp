@@ -1,6 +1,6 @@
 // Tables of numbers: exact ones, those of a laboratory (`estimate`, `identify`), functions of time
-// (disturbances, references, walls) and the force of `compare --measured`. Files of a run folder of
-// unknown origin: manifest.json, metrics.json and log.h5. An identified.json.
+// (disturbances, references, walls). Files of a run folder of unknown origin: manifest.json,
+// metrics.json and log.h5.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -10,10 +10,7 @@
 #include <breakwater/experiment/run_list.h>
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/identification/axis_parameters.h>
-#include <breakwater/pages/impact_pulse.h>
 #include <breakwater/record/run_folder.h>
-#include <breakwater/recorded/encoder_quantum.h>
 #include <breakwater/recorded/recorded_axis.h>
 #include "fuzz/input.h"
 
@@ -51,15 +48,6 @@ void read_time_function(const std::string& text) {
   for (const double time_s : {-1.0, 0.0, 0.5, 1e9}) function.at(time_s);
 }
 
-void read_force(const std::string& text) {
-  const Series force = read_measured_force(fuzz::file_with(text));
-  const ImpactPulse pulse = first_pulse(force);
-  fuzz::require(pulse.begin_s >= force.times_s.front() && pulse.begin_s <= force.times_s.back(),
-                "a contact begins in the record");
-  fuzz::require(pulse.peak_N > 0.0 && pulse.duration_s.value_or(0.0) >= 0.0,
-                "a contact has a peak");
-}
-
 void read_run_manifest(const std::string& text) {
   static const std::string metrics = fuzz::folder().write("metrics.json", "{\"peak_N\": 1.5}");
   fuzz::folder().write("manifest.json", text);
@@ -76,11 +64,6 @@ void read_run_metrics(const std::string& text) {
   for (const Metric& metric : read_metrics(own.path())) {
     fuzz::require(std::isfinite(metric.value), "a metric is finite");
   }
-}
-
-void read_identified(const std::string& text) {
-  const AxisValues axis = read_identified_axis(fuzz::folder().write("identified.json", text), {});
-  fuzz::require(axis[kInertia] > 0.0, "an inertia is positive");
 }
 
 // It is in a run folder, and a child process tries it first.
@@ -112,10 +95,8 @@ void read_log(const std::string& bytes) {
 constexpr fuzz::Parser kParsers[] = {{'e', "exact", read_exact},
                                      {'r', "record", read_record},
                                      {'f', "function", read_time_function},
-                                     {'m', "measured", read_force},
                                      {'a', "manifest", read_run_manifest},
                                      {'n', "metrics", read_run_metrics},
-                                     {'i', "identified", read_identified},
                                      {'l', "log", read_log}};
 
 }  // namespace

@@ -4,11 +4,9 @@
 #include <numbers>
 
 #include <breakwater/identification/axis_intervals.h>
-#include <breakwater/identification/axis_parameters.h>
-#include <breakwater/identification/friction_axis.h>
+#include <breakwater/identification/axis_model.h>
 #include <breakwater/identification/identified_axis.h>
 #include <breakwater/identification/identified_study.h>
-#include <breakwater/identification/rounded_times.h>
 #include <breakwater/statistics/quantile.h>
 #include "identification/bench.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <breakwater/identification/axis_parameters.h>
+#include <breakwater/identification/axis_model.h>
 #include <breakwater/identification/identified_axis.h>
 #include <breakwater/identification/two_inertia_axis.h>
 #include <breakwater/statistics/quantile.h>

@@ -111,17 +111,28 @@ def check_runs(call, folder):
     check_schema(result_of((folder / "study/report.html").read_text()), "study")
 
 
-def check_hostile(call, folder, force):
+def check_hostile(call, folder, record):
     bad = "'\"<i>{{title}}&<!--.csv"
-    (folder / bad).write_text(force.read_text())
-    call("run", "impact_test", "--quiet", "--out", "run")
-    call("compare", "run", "--measured", bad, "--out", "impact")
-    page = next((folder / "impact").glob("*.html")).read_text()
+    (folder / bad).write_text(record.read_text())
+    call("identify", bad, "--out", "id")
+    page = (folder / "id/report.html").read_text()
     result = result_of(page)
-    check_schema(result, "measured")
+    check_schema(result, "identification")
     assert bad in json.dumps(result, ensure_ascii=False).replace('\\"', '"'), "it is in the data"
     assert "<i>" not in page and "<!--.csv" not in page and "&lt;i&gt;{{title}}&amp;" in page, "and only as text"
     assert page.count("</script>") == 3
+
+
+def check_latex():
+    """The special characters of LaTeX, and numbers with four digits."""
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+    from figures import latex
+
+    rows = [["peak_force 50 % {a} $x$ #1 & ~^\\", 6.0461749], ["x [rad/s²]", {"value": -3.2e-5}], ["d", None]]
+    assert latex({"label": "M", "columns": ["a", "b"], "rows": rows}).splitlines() == [
+        "% M", r"\begin{tabular}{lr}", r"\toprule", r"a & b \\", r"\midrule",
+        r"peak\_force 50 \% \{a\} \$x\$ \#1 \& \textasciitilde{}\textasciicircum{}\textbackslash{} & 6.046 \\",
+        r"x [rad/s$^2$] & $-3.2 \times 10^{-5}$ \\", r"d & -- \\", r"\bottomrule", r"\end{tabular}"]
 
 
 def main():
@@ -133,9 +144,10 @@ def main():
             return subprocess.run([bin_folder / "breakwater", *words], cwd=folder, check=True, text=True,
                                   stdout=subprocess.PIPE).stdout
 
+        check_latex()
         check_analysis(call, folder)
         check_runs(call, folder)
-        check_hostile(call, folder, pathlib.Path(__file__).resolve().parents[2] / "data/impacts/rubber-ball.csv")
+        check_hostile(call, folder, pathlib.Path(__file__).resolve().parents[2] / "data/identify/bench1.csv")
 
 
 if __name__ == "__main__":

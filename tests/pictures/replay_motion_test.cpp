@@ -1,12 +1,11 @@
 // The data of a replay's page: its times, and compressed numbers.
-#include <breakwater/pictures/replay_motion.h>
+#include <breakwater/pictures/replay_data.h>
 
 #include <zlib.h>
 
 #include <cmath>
 #include <limits>
 
-#include <breakwater/pictures/page_data.h>
 #include "support.h"
 
 namespace breakwater::replay_motion_test {

@@ -225,24 +225,6 @@ class Identify(unittest.TestCase):
         done = identify(self.folder, "bench.csv", "--out", "id", status=2)
         self.assertIn("holds notes.txt", done.stderr)
 
-    def test_a_design_from_an_identified_axis_keeps_its_speed(self):
-        write(self.folder / "bench.csv", self.data)
-        identify(self.folder, "bench.csv", "--out", "id")
-        done = identify(self.folder, "--design", "--from", "id/identified.json", "--limits", "torque=0.5,speed=8",
-                        "--duration", "2", "--rate", "500", "--out", "excite.csv")
-        self.assertIn("results: excite.csv", done.stdout)
-        guess = identify(self.folder, "--design", "--limits", "torque=0.5,speed=8", "--duration", "2", "--rate", "500",
-                         "--out", "guess.csv")
-        self.assertIn("results: guess.csv", guess.stdout)
-        self.assertNotEqual((self.folder / "excite.csv").read_text(), (self.folder / "guess.csv").read_text())
-        # With a torque constant of 2 the input is half the torque.
-        found = self.found()
-        (self.folder / "known.json").write_text(json.dumps(found | {"torque_constant": {"value": 2.0}}))
-        identify(self.folder, "--design", "--from", "known.json", "--limits", "torque=0.5", "--duration", "2",
-                 "--rate", "500", "--out", "half.csv")
-        u = np.loadtxt(self.folder / "half.csv", delimiter=",", skiprows=1)[:, 1]
-        self.assertAlmostEqual(np.abs(u).max(), 0.25, delta=0.01)
-
     def test_what_a_record_cannot_show_is_said(self):
         with self.assertWarnsRegex(UserWarning, "coulomb_Nm is not identifiable: the velocity never reverses"):
             found = bw.identify(record(3, mean=0.8, swing=0.1), out=self.folder / "kept")
@@ -259,21 +241,12 @@ class Identify(unittest.TestCase):
 
     def test_wrong_arguments_are_refused(self):
         write(self.folder / "bench.csv", self.data)
-        known = {key: {"value": value} for key, value in TRUE.items()}
-        (self.folder / "known.json").write_text(json.dumps(known))
         (self.folder / "word.csv").write_text("time_s,u,y\n0,1,2\n1,x,2\n2,1,2\n")
         for arguments, message in [
             (["nowhere.csv"], "nowhere.csv"),
             (["word.csv"], 'word.csv:3: u: must be a finite number, is "x"'),
             ([], "breakwater identify: FILE is missing"),
-            (["--design", "bench.csv"], "breakwater identify: --design: takes no FILE"),
-            (["--design", "--limits", "torque=5"], "breakwater identify: --limits: speed is missing"),
-            (["--design", "--limits", "torqe=5"], "must be torque=VALUE[,speed=VALUE], is torqe=5"),
-            (["--design", "--limits", "torque=5,speed=20", "--duration", "0.01"], "gives 10 rows"),
-            (["--design", "--from", "word.csv", "--limits", "torque=5"], "--from: word.csv: has no value of inertia_kgm2"),
             (["bench.csv", "--model", "arm"], "--model"),
-            (["--design", "--from", "known.json", "--limits", "torque=0.1"], "does not move the axis in both directions"),
-            (["--design", "--model", "two_inertia", "--limits", "torque=5,speed=20"], "Use --model axis with --inertia"),
             (["bench.csv", "--set", "encoder.side=load"], "encoder.side: load needs --model two_inertia"),
             (["bench.csv", "--set", "csv.time_scal=1"], "csv.time_scal"),
             (["bench.csv", "--set", "csv.input_scale=0"], "csv.input_scale: must not be 0"),

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <breakwater/recorded/encoder_quantum.h>
 #include <breakwater/recorded/recorded_axis.h>
 #include "support.h"
 

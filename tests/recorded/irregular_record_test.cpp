@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include <breakwater/experiment/runner.h>
-#include <breakwater/recorded/innovation_statistics.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include "support.h"
 

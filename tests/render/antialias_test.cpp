@@ -1,5 +1,5 @@
 // Smoothed edges compared with the area that a pixel has on each side.
-#include <breakwater/render/antialias.h>
+#include <breakwater/render/picture.h>
 
 #include <gtest/gtest.h>
 

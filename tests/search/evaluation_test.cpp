@@ -1,4 +1,4 @@
-#include <breakwater/search/evaluation.h>
+#include <breakwater/search/tuner.h>
 
 #include <gtest/gtest.h>
 

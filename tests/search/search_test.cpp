@@ -9,7 +9,6 @@
 #include <pagmo/utils/hypervolume.hpp>
 #include <pagmo/utils/multi_objective.hpp>
 
-#include <breakwater/search/front.h>
 #include "support.h"
 
 namespace breakwater::search_test {

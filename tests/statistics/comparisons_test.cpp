@@ -9,14 +9,10 @@
 #include <sstream>
 
 #include <breakwater/math/error_function.h>
-#include <breakwater/statistics/binomial.h>
 #include <breakwater/statistics/distribution.h>
-#include <breakwater/statistics/group_tests.h>
-#include <breakwater/statistics/multiple_tests.h>
 #include <breakwater/statistics/quantile.h>
 #include <breakwater/statistics/signed_rank.h>
 #include <breakwater/study/comparison_table.h>
-#include <breakwater/study/key_effects.h>
 #include "python.h"
 
 namespace breakwater::comparisons_test {
@@ -106,25 +102,6 @@ TEST(Comparisons, TestsAndIntervalsMatchSciPy) {
   for (const auto& [met, n] : {std::pair(0, 1), {0, 8}, {8, 8}, {5, 8}, {1, 40}, {970, 1000}}) {
     const auto interval = share_interval(met, n, 0.9);
     questions.ask(fmt::format("share 0.9 {} {}", met, n), {interval.lower, interval.upper}, 1e-9);
-  }
-  for (const std::size_t degrees : {1, 2, 3, 4, 7, 30, 101}) {
-    for (const double t : {-40.0, -2.5, -0.1, 0.0, 1.0, 3.0}) {
-      std::ostringstream question;
-      question << "student " << t << ' ' << degrees;
-      questions.ask(question.str(), student_t_cdf(t, degrees), 1e-13);
-    }
-  }
-  for (const double of_groups : {0.0, 0.2, 3.0}) {
-    Groups groups;
-    std::string values;
-    for (int g = 0; g < 4; ++g) {
-      groups.push_back(differences(5, of_groups * deviate(random), random));
-      values += words(groups.back());
-    }
-    questions.ask("turn 4" + values, sign_turn_p(groups));
-    std::string same = "between 4 5";
-    for (const std::vector<double>& group : groups) same += words(group).substr(2);
-    questions.ask(same, share_between(groups).value());
   }
   questions.expect_answers();
 }
@@ -515,19 +492,13 @@ TEST(Blocks, SeedsRepeatABlock) {
   EXPECT_EQ(one.pairs, 25U);
   EXPECT_EQ(one.blocks, 5U);
   EXPECT_EQ(one.p, 0.0625);
-  EXPECT_GT(one.between.value(), 0.9);
-  EXPECT_FALSE(share_between({{0.1, 0.1 + 1e-17, 0.1 - 3e-17}, {0.1, 0.1 + 2e-17}}));
   const std::string text = comparison_text(compare_candidates(results), 300);
   EXPECT_TRUE(has(text, "Too few blocks: with 5 blocks p cannot be below 0.0625"));
   const std::string csv = comparison_csv(compare_candidates(results));
-  EXPECT_TRUE(has(csv,
-                  ",reference_failures_alone,blocks,variance_between_blocks,"
-                  "variance_within_blocks,sign_turns_with\n",
-                  ",too few blocks,"));
+  EXPECT_TRUE(has(csv, ",reference_failures_alone,blocks\n", ",too few blocks,"));
   results.samples = {};  // worlds = "seeds"
   EXPECT_EQ(compared(results).p, std::ldexp(1.0, -24));
   EXPECT_EQ(compared(results).verdict, ComparisonVerdict::worse);
-  EXPECT_FALSE(compared(results).between);
 }
 
 // The median over the seeds of a block, then over blocks: a large block counts as much as a small
@@ -564,118 +535,14 @@ TEST(Blocks, ValuesOfAnIneffectiveKeyAreNotBlocks) {
   results.failed = of_two.failed.replicate(8, 1);
   results.samples = Eigen::VectorXi(48);
   results.runs = Eigen::MatrixXi(48, 2);
-  results.keys = {{"idle", true, {}, {}}, {"busy", true, {}, {}}};
   for (int row = 0; row < 48; ++row) {
     results.samples(row) = row / 3;
     results.runs.row(row) << row % 6, 10 + row % 6;
-    results.keys[0].values.push_back(row / 6);
-    results.keys[1].values.push_back(row % 6 / 3);
   }
   const CandidateComparison comparison = compare_candidates(results);
   EXPECT_EQ(comparison.metrics.front().blocks, 2U);
   EXPECT_EQ(comparison.metrics.front().pairs, 6U);
   EXPECT_EQ(comparison.metrics.front().difference.value, compared(of_two).difference.value);
-  ASSERT_EQ(comparison.interactions.size(), 1U);  // with the effective key
-  EXPECT_EQ(comparison.interactions.front().key, "busy");
-}
-
-// A key with one value per block and given differences.
-PairedResults over_key(const std::vector<double>& of_values, int seeds, double noise,
-                       testing::Random& random) {
-  const auto blocks = static_cast<int>(of_values.size());
-  PairedResults results = blocks_and_seeds(blocks, seeds, 0.0, random);
-  results.keys = {{"contact.stiffness_N_m", true, {}, {}}};
-  for (int row = 0; row < blocks * seeds; ++row) {
-    const int block = row / seeds;
-    results.keys[0].values.push_back(500.0 * (block + 1));
-    results.values[0](row, 0) = results.values[0](row, 1) +
-                                of_values[static_cast<std::size_t>(block)] +
-                                noise * deviate(random);
-  }
-  return results;
-}
-
-TEST(Crossing, ReportsAKeyThatChangesTheSign) {
-  testing::Random random(7);
-  const PairedResults results = over_key({-0.62, -0.93, -0.22, 2.2, 5.1}, 5, 0.05, random);
-  const CandidateComparison comparison = compare_candidates(results);
-  EXPECT_EQ(comparison.metrics[0].turns_with, (std::vector<std::string>{"contact.stiffness_N_m"}));
-  ASSERT_EQ(comparison.interactions.size(), 1U);
-  const KeyInteraction& one = comparison.interactions[0];
-  EXPECT_TRUE(one.turns);
-  EXPECT_TRUE(one.is_of_worlds);
-  EXPECT_LT(one.p, 0.01);
-  ASSERT_EQ(one.values.size(), 5U);
-  EXPECT_EQ(one.values[4].label, "2500");
-  EXPECT_NEAR(one.values[4].median, 5.1, 0.1);
-  EXPECT_EQ(one.values[4].repeats, 5U);
-  const std::string text = comparison_text(comparison, 300);
-  EXPECT_TRUE(has(text, "too few blocks †",
-                  "\n† y, new beside old: the sign turns with contact.stiffness_N_m (p = "));
-  EXPECT_TRUE(has(by_key_csv(comparison), "\ny,new,old,contact.stiffness_N_m,500,5,seeds,-0."));
-  // Without seeds the random part of a difference is unknown.
-  EXPECT_FALSE(compare_candidates(over_key({-0.62, -0.93, -0.22, 2.2, 5.1}, 1, 0.0, random))
-                   .interactions[0]
-                   .turns);
-}
-
-// Random values of a key, among others: neighbours form groups, whose repeats are blocks.
-TEST(Crossing, ARandomKeyIsTestedOverBlocks) {
-  testing::Random random(8);
-  std::vector<double> of_values;
-  for (int i = 0; i < 40; ++i) of_values.push_back(0.1 * (i - 20) + deviate(random));
-  const CandidateComparison comparison = compare_candidates(over_key(of_values, 2, 0.05, random));
-  EXPECT_EQ(comparison.metrics[0].verdict, ComparisonVerdict::no_difference_shown);
-  EXPECT_TRUE(comparison.interactions.at(0).turns);
-  EXPECT_FALSE(comparison.interactions[0].is_of_worlds);
-  EXPECT_EQ(comparison.interactions[0].values.size(), 5U);
-  EXPECT_EQ(comparison.interactions[0].values[0].label, "500 to 4000");
-}
-
-// The difference does not depend on the key or is zero. In 1000 studies at most 50 may report a
-// change of sign.
-TEST(Crossing, IsSeldomReportedWithoutAChangeOfSign) {
-  testing::Random random(9);
-  int said[3] = {0, 0, 0};
-  for (int i = 0; i < 1000; ++i) {
-    const auto turns = [](const PairedResults& results) {
-      return compare_candidates(results).interactions.at(0).turns;
-    };
-    said[0] += turns(over_key(std::vector<double>(5, 0.0), 5, 1.0, random));
-    said[1] += turns(over_key({0.0, 0.0, 0.5, 3.0, 9.0}, 5, 1.0, random));
-    std::vector<double> blocks;
-    for (int block = 0; block < 24; ++block) blocks.push_back(deviate(random));
-    said[2] += turns(over_key(blocks, 5, 0.1, random));
-  }
-  for (const int count : said) EXPECT_LE(count, 50);
-  RecordProperty("nothing", said[0]);
-  RecordProperty("one_sign", said[1]);
-  RecordProperty("blocks", said[2]);
-}
-
-VariedKey list_of(const std::string& key, const std::vector<std::string>& values) {
-  VariedKey varied;
-  varied.key = key;
-  varied.values = values;
-  return varied;
-}
-
-TEST(Keys, KeysVariedTogetherAreOneEffect) {
-  Study study;
-  study.vary = {list_of("a", {"1", "2", "3", "4"}), list_of("b", {"9", "7", "8", "6"}),
-                list_of("c", {"0", "0", "1", "1"}), list_of("d", {"5", "5", "5", "5"})};
-  const auto names = [&] {
-    std::vector<std::string> all;
-    for (const KeyEffect& effect : key_effects(study)) all.push_back(effect.name);
-    return all;
-  };
-  EXPECT_EQ(names(), (std::vector<std::string>{"a", "b", "c", "d"}));  // a grid
-  study.method = Method::list;
-  EXPECT_EQ(names(), (std::vector<std::string>{"a (with b, c)", "d"}));
-  study.vary = {list_of("a", {"1", "1", "2", "2"}), list_of("b", {"1", "2", "1", "2"})};
-  EXPECT_EQ(names(), (std::vector<std::string>{"a", "b"}));  // every combination, as a list
-  study.vary = {list_of("a", {"1", "2", "3", "4"}), list_of("b", {"1", "2", "1", "2"})};
-  EXPECT_EQ(names(), (std::vector<std::string>{"a", "b"}));  // each b has several a
 }
 
 // A candidate that never has a metric with a goal is reported.

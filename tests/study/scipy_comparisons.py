@@ -6,9 +6,6 @@ wilcoxon n d...                  exact p, of differences without ties and zeros
 signed_rank alpha n d...         the pseudo-median, and the interval of the values that the exact test keeps
 approximate n d...               p by the normal approximation
 share level k n                  the exact interval of a share
-student t nu                     P(T <= t)
-between k n x...                 intraclass correlation of k groups of n values, from F of the analysis of variance
-turn k n x... n x...             p of the extreme t of k groups, either way
 """
 
 import numpy as np
@@ -52,25 +49,4 @@ def share():
     return [interval.low, interval.high]
 
 
-def student():
-    t, nu = numbers(2)
-    return [scipy.stats.t.cdf(t, nu)]
-
-
-def between():
-    k, n = integer(), integer()
-    f = scipy.stats.f_oneway(*numbers(k * n).reshape(k, n)).statistic
-    return [max(0.0, (f - 1) / (f - 1 + n))]
-
-
-def turn():
-    groups = [numbers(integer()) for _ in range(integer())]
-    pooled = np.concatenate([group - group.mean() for group in groups])
-    spread = np.sum(pooled**2) / (len(pooled) - len(groups))
-    t = [g.mean() / np.sqrt(max(g.var(ddof=1), spread) / len(g)) for g in groups]
-    nu = [len(group) - 1 for group in groups]
-    below, above = scipy.stats.t.cdf(t, nu).min(), scipy.stats.t.sf(t, nu).min()
-    return [min(1.0, len(groups) * max(below, above))]
-
-
-answer(binomial, mcnemar, wilcoxon, signed_rank, approximate, share, student, between, turn)
+answer(binomial, mcnemar, wilcoxon, signed_rank, approximate, share)

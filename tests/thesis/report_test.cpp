@@ -11,8 +11,8 @@
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/pictures/finished_run.h>
-#include <breakwater/pictures/page_data.h>
-#include <breakwater/record/csv.h>
+#include <breakwater/pictures/replay_data.h>
+#include <breakwater/record/text_outputs.h>
 #include <breakwater/thesis/experiments.h>
 #include <breakwater/thesis/printed_references.h>
 #include <breakwater/thesis/reproduction.h>
@@ -676,17 +676,6 @@ TEST(SavedRun, UnitsComeFromTheEndsOfNames) {
   EXPECT_EQ(unit_of("free_motion_time_s"), "s");
   EXPECT_EQ(unit_of("contact_impulse_Ns"), "N s");
   EXPECT_EQ(unit_of("bounce_count"), "");
-}
-
-TEST(Latex, EscapesItsSpecialCharacters) {
-  EXPECT_EQ(latex_escaped("peak_force 50 % {a} $x$ #1 & ~^\\"),
-            "peak\\_force 50 \\% \\{a\\} \\$x\\$ \\#1 \\& "
-            "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}");
-  EXPECT_EQ(latex_number(6.0461749), "6.046");
-  EXPECT_EQ(latex_number(-3.2e-5), "$-3.2 \\times 10^{-5}$");
-  EXPECT_EQ(latex_table({{"a", "b"}, {"1", "2"}}),
-            "% needs \\usepackage{booktabs}\n\\begin{tabular}{lr}\n\\toprule\na & b \\\\\n"
-            "\\midrule\n1 & 2 \\\\\n\\bottomrule\n\\end{tabular}\n");
 }
 
 TEST(Csv, QuotesCellsThatNeedIt) {

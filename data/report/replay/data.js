@@ -15,7 +15,7 @@ const Replay = {};
     return new Uint8Array(await new Response(stream).arrayBuffer());
   }
 
-  // Channels of `frames` numbers each, as src/pictures/replay_motion.h writes them.
+  // Channels of `frames` numbers each, as src/pictures/replay_data.h writes them.
   function channelsOf(bytes, channels, frames) {
     let at = 0;
     const all = [];
