@@ -1,6 +1,7 @@
 #include "plant/plant.h"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -97,7 +98,12 @@ void Plant::check(const Config& config) {
   const std::vector<Signal> signals = rig.signals();
   // A contact is shorter than a sample.
   MetricContext context{.fast_signals = {"force_true_N", "force_sensor_N", "force_filtered_N"}};
-  for (const ContactSettings& one : plant_.contacts) context.fast_signals.push_back(one.signal());
+  for (const ContactSettings& one : plant_.contacts) {
+    for (const char* what : {"N", "penetration_m", "approach_m_s", "mass_kg", "transient_N"}) {
+      context.fast_signals.push_back(one.signal(what));
+    }
+  }
+  if (plant_.tip) context.events = {"first_contact"};
   rows_.check(
       config, [this] { return fields(); }, plant_.physics, context);
   for (const MetricRow& row : rows_.rows()) {
@@ -122,9 +128,19 @@ Recording Plant::run(const RunControl& control) const {
     if (has_own_loop(i)) rig.know_loop(axis_parts_[i], task.axes[i], i);
   }
   std::vector<Signal> signals = rig.signals();
-  MetricValues values(rows_, signals, plant_.run.duration_s);
-  return rig.run(
-      control, std::move(signals), [&](std::int64_t) { rig.step(); }, [](double) {}, &values);
+  double first_contact_s = std::numeric_limits<double>::infinity();
+  MetricExpression::Events events;
+  if (plant_.tip) events = {{"first_contact", &first_contact_s}};
+  MetricValues values(rows_, signals, plant_.run.duration_s, events);
+  const double from_s = plant_.tip ? plant_.tip->reference.from_s : 0.0;
+  const auto step = [&](std::int64_t) {
+    rig.step();
+    const double time_s = rig.simulation().time_s();
+    if (rig.contact_force_N() > 0.0 && time_s >= from_s && time_s < first_contact_s) {
+      first_contact_s = time_s;
+    }
+  };
+  return rig.run(control, std::move(signals), step, [](double) {}, &values);
 }
 
 }  // namespace breakwater

@@ -297,6 +297,14 @@ std::vector<Signal> AxisRig::signals() const {
                        view(wall->penetration_m())});
     signals.push_back(
         {one.signal("wall_m"), "m", "how far the wall has moved", view(wall->wall_m())});
+    signals.push_back({one.signal("approach_m_s"), "m/s", "velocity of the geom towards the wall",
+                       view(wall->approach_m_s())});
+    signals.push_back({one.signal("mass_kg"), "kg",
+                       "effective mass at the last contact, with every joint free to recoil",
+                       view(wall->mass_kg())});
+    signals.push_back({one.signal("transient_N"), "N",
+                       "v sqrt(k m) at the begin of the last contact (ISO/TS 15066)",
+                       view(wall->transient_N())});
   }
   if (plant_.tip) add_tip_signals(signals);
   // A controller may publish the reference too.

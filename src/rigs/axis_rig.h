@@ -90,6 +90,9 @@ class AxisRig {
   /// The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const;
 
+  /// The true force of the tip's contact; 0 if it has none.
+  double contact_force_N() const { return contact_force_ != nullptr ? *contact_force_ : 0.0; }
+
   /// Runs for the duration of the settings, with a sample at the end. It is record_run(), where
   /// each step is `step(k)`, which steps this rig. It warns if a measured position misses its
   /// reference, or if a drive is at its limit in most samples.

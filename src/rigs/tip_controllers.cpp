@@ -210,7 +210,9 @@ TipTask tip_task(const AxisPlant& plant, const Model& model) try {
   task.mass_matrix_kgm2 = plant.mass_matrix();
   if (radius_m > 0.0 && touching->body == tip.body) {
     const SpatialChain ball(joints, body * touching->frame, *contact, start);
-    task.wall_x_m = chain->pose(start)(0) - ball.pose(start)(0) - radius_m;
+    const double ball_x_m = ball.pose(start)(0);
+    if (ball_x_m > 0.0) throw std::invalid_argument("the tip starts behind the contact's plane");
+    task.wall_x_m = chain->pose(start)(0) - ball_x_m - radius_m;
   }
   return task;
 } catch (const std::invalid_argument& error) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -185,6 +186,10 @@ ContactSlopes WallContact::slopes(const mjModel& model, const mjData& data, doub
 void WallContact::check_stability(double time_s, const mjModel& model, const mjData& data,
                                   const Stage& stage) {
   const ContactSlopes found = slopes(model, data, stage.penetration_m, stage.approach_m_s);
+  mass_kg_ = found.mass_kg;
+  if (first_.force_N == 0.0) {  // that of the step before
+    transient_N_ = stage.approach_m_s * std::sqrt(found.stiffness_N_m * found.mass_kg);
+  }
   if (is_stable(integrator_, timestep_s_, found)) return;
   throw RunFailure(time_s, limit_in_words(integrator_, timestep_s_, found));
 }

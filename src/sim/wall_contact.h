@@ -43,6 +43,14 @@ class WallContact final : public StagedForce {
   const double& penetration_m() const { return first_.penetration_m; }
   const double& approach_m_s() const { return first_.approach_m_s; }
   const double& wall_m() const { return first_.wall.position_m; }
+  /// The effective mass that the contact met at its last step with a force, with every joint free to
+  /// recoil; 0: there was none yet.
+  const double& mass_kg() const { return mass_kg_; }
+  /// F = v √(k m) at the begin of the last contact: the peak of the force if nothing else acts, with
+  /// the local stiffness k and the approach velocity v; 0: there was none yet.
+  ///
+  /// Source: ISO/TS 15066:2016, A.3.6.
+  const double& transient_N() const { return transient_N_; }
   /// Integral of the force over the last step, by the integrator's own stages [N s].
   double impulse_Ns() const { return impulse_Ns_; }
 
@@ -92,6 +100,8 @@ class WallContact final : public StagedForce {
   std::size_t number_ = 0;  // the next stage
   Stage first_;
   double impulse_Ns_ = 0.0;
+  double mass_kg_ = 0.0;
+  double transient_N_ = 0.0;
   std::array<double, 3> normal_{};  // out of the wall
   std::vector<double> jacobian_;    // 3 × n, of the contact point
   std::vector<double> along_;       // Jᵀ times the normal

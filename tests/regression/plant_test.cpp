@@ -13,6 +13,8 @@
 namespace breakwater::plant_test {
 namespace {
 
+namespace fs = std::filesystem;
+
 std::string file_text(const std::string& name) {
   return testing::text_of(testing::source_file("tests/regression/" + name));
 }
@@ -541,6 +543,39 @@ TEST(PendulumTest, NominalInertiasBelowTheCouplingHaveNoLinearModel) {
                            "axis.cart.nominal.viscous_friction_Ns_m=0.0"})
                       .why_not_linear,
                   "the nominal inertias are too small"));
+}
+
+// A two-link strikes a wall freely: the impulse is the effective mass times the change of velocity.
+TEST(PlantTest, ImpactHasTheEffectiveMass) {
+  const std::string press = file_text("press.toml");
+  const testing::TemporaryPath folder("impact");
+  fs::create_directories(folder.path());
+  fs::copy_file(testing::source_file("tests/regression/two_link.xml"),
+                folder.path() / "two_link.xml");
+  std::ofstream(folder.path() / "free.toml")
+      << press.substr(0, press.find("[metric]")) << R"(
+[metric]
+impulse = { of = "force_true_N", kind = "integral", at = "step" }
+before = { of = "contact_wall_approach_m_s", kind = "first", at = "step", from_s = "first_contact" }
+after = { of = "contact_wall_approach_m_s", kind = "min", at = "step" }
+mass = { of = "contact_wall_mass_kg", kind = "first", at = "step", from_s = "first_contact" }
+peak = { of = "force_true_N", kind = "peak", at = "step" }
+transient = { of = "contact_wall_transient_N", kind = "first", at = "step", from_s = "first_contact" }
+[case.free]
+)";
+  const PreparedRun run = prepare_run(
+      testing::catalogue(), "plant", ScenarioFile(folder.path() / "free.toml", "plant"), "free",
+      {"physics.timestep_s=1e-6", "control.period_s=1e-3", "run.duration_s=0.06",
+       "contact.wall.damping_Ns_m=0", "contact.wall.stiffness_N_m=1e6", "force.from_s=0",
+       "axis.shoulder.start.velocity_rad_s=1.5", "axis.elbow.start.velocity_rad_s=-2.5",
+       "axis.shoulder.plant.viscous_friction_Nms_rad=0",
+       "axis.elbow.plant.viscous_friction_Nms_rad=0"});
+  const auto all = metrics_of(run);
+  const double change = all.at("before_m_s") - all.at("after_m_s");
+  EXPECT_GT(change, 0.1);
+  EXPECT_NEAR(all.at("impulse_Ns"), all.at("mass_kg") * change, 1e-3 * all.at("impulse_Ns"));
+  // Half of a sine: its peak is v sqrt(k m).
+  EXPECT_NEAR(all.at("peak_N"), all.at("transient_N"), 1e-2 * all.at("peak_N"));
 }
 
 }  // namespace
