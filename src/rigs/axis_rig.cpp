@@ -144,22 +144,24 @@ void AxisRig::Drives::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
 
 void AxisRig::step() {
   const std::int64_t k = simulation_->steps();
+  const double time_s = simulation_->time_of(k);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     DrivenAxis& axis = axes_[i];
-    axis.disturbance = plant_.axes[i].force.value(simulation_->time_of(k));
+    axis.reference = plant_.axes[i].reference.at(time_s);
+    if (!axis.force) continue;
+    axis.disturbance = plant_.axes[i].force.value(time_s);
     const double std = plant_.axes[i].input_noise_std;
     if (k % steps_per_sample_ == 0 && std > 0.0) {
       axis.input_noise_value =
           std * axis.input_noise(static_cast<std::uint64_t>(k / steps_per_sample_));
     }
-    axis.reference = plant_.axes[i].reference.at(simulation_->time_of(k));
-    if (axis.force) axis.force->hold(axis.input_noise_value - axis.disturbance);
+    axis.force->hold(axis.input_noise_value - axis.disturbance);
   }
   for (Push& push : pushes_) {
-    push.value = push.disturbance.value(simulation_->time_of(k));
+    push.value = push.disturbance.value(time_s);
     push.force->hold(push.value);
   }
-  if (plant_.tip) force_reference_ = plant_.tip->reference.at(simulation_->time_of(k));
+  if (plant_.tip) force_reference_ = plant_.tip->reference.at(time_s);
   simulation_->step();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     DrivenAxis& axis = axes_[i];
