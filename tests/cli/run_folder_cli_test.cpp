@@ -1,11 +1,9 @@
-#include <array>
 #include <nlohmann/json.hpp>
 
 #include "cli/program.h"
 #include "shell.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::run_folder_cli_test {
 namespace fs = std::filesystem;
 
 const std::string kRun = "cart_position --quiet --duration 0.2 --out ";
@@ -92,15 +90,6 @@ TEST_F(RunFolderCli, EveryReaderRefusesADamagedLog) {
   }
 }
 
-TEST_F(RunFolderCli, ARunWithItsPicturesIsReplacedByTheNext) {
-  ran(kRun + "run");
-  ran("breakwater replay run --quiet");
-  ran("breakwater report run --quiet");
-  EXPECT_TRUE(fs::exists(folder_ / "run/replay.html"));
-  ran(kRun + "run");
-  EXPECT_FALSE(fs::exists(folder_ / "run/replay.html"));
-}
-
 TEST_F(RunFolderCli, AReaderFindsTheOldRunAfterAKill) {
   ran(kRun + "run");
   std::array<char, 256> host = {};
@@ -112,5 +101,4 @@ TEST_F(RunFolderCli, AReaderFindsTheOldRunAfterAKill) {
   EXPECT_FALSE(fs::exists(folder_ / aside));
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::run_folder_cli_test

@@ -3,14 +3,10 @@
 
 #include <zlib.h>
 
-#include <cmath>
-#include <limits>
-
 #include <breakwater/pictures/page_data.h>
 #include "support.h"
 
 namespace breakwater::replay_motion_test {
-namespace {
 
 TEST(MotionCodec, NumbersRoundTripWithinAUnit) {
   testing::Random random(3);
@@ -93,5 +89,4 @@ TEST(ReplayTimes, AreLimitedByTheLogAndThePage) {
   EXPECT_NEAR(many.back(), 1e5, 1e-6);
 }
 
-}  // namespace
 }  // namespace breakwater::replay_motion_test

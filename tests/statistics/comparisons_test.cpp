@@ -4,9 +4,6 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <cmath>
-#include <limits>
-#include <sstream>
 
 #include <breakwater/math/error_function.h>
 #include <breakwater/statistics/binomial.h>
@@ -20,7 +17,6 @@
 #include "python.h"
 
 namespace breakwater::comparisons_test {
-namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -719,5 +715,4 @@ TEST(Comparisons, QuantilesOfASample) {
   EXPECT_EQ(quantile({1, 2, 3, 5}, 0.5), 2.5);
 }
 
-}  // namespace
 }  // namespace breakwater::comparisons_test
