@@ -1,11 +1,9 @@
-// The binaries: help, cases, invalid input, failures, and the files that they leave.
-#include <sys/stat.h>
+// Binaries that are killed, or that meet a full disk or a huge model. Other commands are in
+// commands.txt and refusals.txt.
 #include <csignal>
 
-#include <nlohmann/json.hpp>
-
-#include <breakwater/record/hdf5_log.h>
 #include "cli/program.h"
+#include "shell.h"
 
 namespace breakwater::command_line_test {
 namespace fs = std::filesystem;
@@ -35,26 +33,6 @@ TEST_F(CommandLine, RefusesALogThatDoesNotFitInMemory) {
 #endif
 
 // ---- runs that fail ----------------------------------------------------------------------------
-
-// DRAC compensates J̇q̇ and gives its observer the commanded torque, not the applied one. With a
-// ten times longer sampling period it becomes unstable.
-TEST_F(CommandLine, ADivergingRunNamesTimeAndSignal) {
-  const ProgramResult result =
-      run("arm_wall_contact --case drac-2N --set control.period_s=0.02 --duration 30 --out run");
-  EXPECT_EQ(result.status, 3);
-  const auto manifest = json("run/manifest.json");
-  EXPECT_EQ(manifest["status"], "failed");
-  EXPECT_EQ(manifest["reason"], "command of actuator 1 is not finite");
-  const double time_s = manifest["time_s"];
-  std::ostringstream time_text;
-  time_text << time_s;
-  EXPECT_TRUE(has(result.err, "failed at t = " + time_text.str() + " s: "));
-  EXPECT_FALSE(fs::exists(folder_ / "run/metrics.json"));
-  const auto torque =
-      read_hdf5_signal((folder_ / "run/log.h5").string(), "control/torque_command_Nm");
-  EXPECT_EQ(torque.rows, static_cast<std::size_t>(std::lround(time_s / 0.02)));
-  EXPECT_GT(*std::max_element(torque.values.begin(), torque.values.end()), 1e3);
-}
 
 TEST_F(CommandLine, AKilledRunLeavesNoFolderAndTheNextOneClearsUp) {
   const auto killed =
@@ -89,18 +67,49 @@ TEST_F(CommandLine, ANewProjectPrintsItsBuildCommands) {
                          "--preset release");
 }
 
-// Measured times differ from run to run: they are in the manifest and not among the metrics.
-TEST_F(CommandLine, CostsAreInTheManifestAndNotAmongTheMetrics) {
-  const ProgramResult result =
-      ran("cart_constrained --case proposed-idob --duration 0.1 --out run");
-  EXPECT_TRUE(lacks(result.out, "_us"));
-  const auto costs = json("run/manifest.json")["costs"];
-  EXPECT_EQ(costs.size(), 2U);
-  EXPECT_GT(costs["qp_time_mean_us"].get<double>(), 0.0);
-  EXPECT_GE(costs["qp_time_max_us"].get<double>(), costs["qp_time_mean_us"].get<double>());
-  const auto metrics = json("run/metrics.json");
-  EXPECT_TRUE(metrics.contains("qp_iterations_mean"));
-  for (const auto& [name, value] : metrics.items()) EXPECT_FALSE(name.ends_with("_us")) << name;
+// A small private file system for this command.
+constexpr const char* kFillUp = R"(
+mount -t tmpfs -o size=1m none . && cd "$PWD" && echo mounted || exit
+run() { "$0" --quiet --duration "$1" --set record.compression=0 --out "$2" 2>&1; echo "status $?"; }
+sums() { find run -type f | sort | xargs md5sum | md5sum; }
+run 0.2 run
+sums
+run 20 run
+run 20 fresh
+for free in 0 4 8 16 32 48; do
+  dd if=/dev/zero of=filler bs=1k 2>/dev/null
+  truncate -s -${free}k filler
+  run 0.2 run
+  run 0.2 deep/fresh
+done
+rm filler
+sums
+ls -A
+)";
+
+TEST_F(CommandLine, AFullDiskLeavesTheEarlierRunAndNothingElse) {
+  const fs::path script = folder_ / "fill_up";
+  write("fill_up", kFillUp);
+  const fs::path mount = folder_ / "mount";
+  fs::create_directory(mount);
+  std::string output;
+  for (const char* unshare : {"unshare -rm", "unshare -m"}) {
+    output = testing::output_of(
+        "cd " + mount.string() + " && " + unshare + " sh -c '. " + script.string() + "' " +
+        (testing::bin_folder() / "cart_position").string() + " 2>/dev/null; true");
+    if (output.starts_with("mounted\n")) break;
+  }
+  if (!output.starts_with("mounted\n")) GTEST_SKIP() << "no file system can be mounted here";
+
+  const std::vector<std::string> lines = testing::lines_of(output);
+  ASSERT_EQ(lines.size(), 33U) << output;
+  EXPECT_EQ(lines[1], "status 0");
+  for (std::size_t i = 3; i < 31; i += 2) {  // one line, and a status
+    EXPECT_TRUE(has(lines[i], ": cannot be "));
+    EXPECT_EQ(lines[i + 1], "status 2") << output;
+  }
+  EXPECT_EQ(lines[31], lines[2]) << "the earlier run is not what it was";
+  EXPECT_EQ(lines[32], "run");
 }
 
 // A motor model with additional elements, and optionally a higher limit of elements.

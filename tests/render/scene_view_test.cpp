@@ -215,11 +215,6 @@ TEST(Picture, ShowsTheMovingParts) {
 
 // The appearance of a model as data agrees with the model's file.
 
-Model load(const std::string& mjcf) {
-  const testing::TemporaryPath file{"look.xml", mjcf};
-  return Model::load(file.string());
-}
-
 Model robot() {
   return load(R"(<mujoco><compiler angle="radian" autolimits="true"/>
     <visual><headlight ambient="0.3 0.3 0.3" diffuse="0.1 0.2 0.3"/></visual>

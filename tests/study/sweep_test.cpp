@@ -83,48 +83,6 @@ TEST_F(Sweep, ARunWithADamagedLineIsRepeated) {
   EXPECT_EQ(read("s/results.csv"), whole);
 }
 
-TEST_F(Sweep, APointEqualsTheRunOfItsConfiguration) {
-  ran("breakwater sweep motor_estimation --case idob --vary encoder.bits=6,8 --seeds 2..3 "
-      "--duration 0.2 --out s");
-  const auto rows = results("s");
-  ASSERT_EQ(rows.size(), 5U);
-  const auto& row = rows[3];  // 8 bits, seed 2
-  ran("motor_estimation --case idob --set encoder.bits=8 --seed 2 --duration 0.2 --out alone "
-      "--quiet");
-  const auto alone = json("alone/manifest.json");
-  EXPECT_EQ(alone["point"], row[0]);
-  EXPECT_EQ(alone["state_hash"], row[5]);
-  ran("breakwater sweep s --replay " + row[0]);
-  const std::string replayed = "s/runs/" + row[0];
-  EXPECT_EQ(state_hash(replayed), row[5]);
-  EXPECT_EQ(read(replayed + "/config.toml"), read("alone/config.toml"));
-  EXPECT_EQ(read(replayed + "/metrics.json"), read("alone/metrics.json"));
-  EXPECT_EQ(read(replayed + "/log.h5"), read("alone/log.h5"));
-  expect_refused("breakwater sweep s --replay 0123456789abcdef",
-                 "--replay: no point of HERE/s that ran is 0123456789abcdef: the column `point` of "
-                 "results.csv names them");
-}
-
-TEST_F(Sweep, KeepsTheChosenFolders) {
-  for (const auto& [keep, count] :
-       std::map<std::string, std::size_t>{{"metrics", 0}, {"failed", 1}, {"all", 3}}) {
-    swept("ishigami --vary x.first=0,1,3 --set trouble.fails_above=2 --keep " + keep + " --out " +
-          keep);
-    std::set<std::string> kept;
-    if (fs::exists(folder_ / keep / "runs")) {
-      for (const auto& run : fs::directory_iterator(folder_ / keep / "runs")) {
-        kept.insert(run.path().filename());
-        EXPECT_TRUE(fs::exists(run.path() / "log.h5"));
-      }
-    }
-    EXPECT_EQ(kept.size(), count) << keep;
-    for (const auto& row : results(keep)) {
-      EXPECT_EQ(row[4] == "failed" && kept.contains(row[0]),
-                row[4] == "failed" && keep != "metrics");
-    }
-  }
-}
-
 // All differences are in one place.
 TEST_F(Sweep, AKilledStudyGivesTheSamePage) {
   const std::string study =
