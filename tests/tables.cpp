@@ -40,7 +40,9 @@ std::vector<std::vector<std::string>> rows_of(const std::string& table) {
   static const std::vector<Table> all = tables_of("tests/texts.txt");
   const auto found =
       std::find_if(all.begin(), all.end(), [&](const Table& one) { return one.name == table; });
-  if (found == all.end()) throw std::invalid_argument("texts.txt has no table " + table);
+  if (found == all.end() || found->rows.empty()) {
+    throw std::invalid_argument("texts.txt has no rows of " + table);
+  }
   std::vector<std::vector<std::string>> rows;
   for (const TableRow& row : found->rows) {
     rows.push_back(row.cells);

@@ -27,7 +27,7 @@ struct Table {
 std::vector<Table> tables_of(const std::string& relative);
 
 /// The cells of each row of a table of tests/texts.txt, in which "\n" ends a line and "\t" is a
-/// tab. Throws std::invalid_argument if there is no such table.
+/// tab. Throws std::invalid_argument if it has no rows.
 std::vector<std::vector<std::string>> rows_of(const std::string& table);
 
 /// A text in all its forms: "{a|b}c" is "ac" and "bc".
