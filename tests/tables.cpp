@@ -1,7 +1,6 @@
 #include "tables.h"
 
-#include <sstream>
-#include <stdexcept>
+#include <regex>
 
 #include "support.h"
 
@@ -13,7 +12,7 @@ std::vector<Table> tables_of(const std::string& relative) {
   for (const std::string& line : lines_of(text_of(source_file(relative)))) {
     ++number;
     if (line.empty() || line[0] == '#') continue;
-    if (line[0] == '[') {
+    if (line[0] == '[' && std::isupper(line[1]) != 0) {
       const std::size_t end = line.find(']');
       tables.push_back({line.substr(1, end - 1), line.substr(std::min(end + 2, line.size())), {}});
       continue;
@@ -35,6 +34,24 @@ std::vector<Table> tables_of(const std::string& relative) {
     tables.back().rows.push_back(row);
   }
   return tables;
+}
+
+std::vector<std::vector<std::string>> rows_of(const std::string& table) {
+  static const std::vector<Table> all = tables_of("tests/texts.txt");
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const Table& one) { return one.name == table; });
+  if (found == all.end() || found->rows.empty()) {
+    throw std::invalid_argument("texts.txt has no rows of " + table);
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const TableRow& row : found->rows) {
+    rows.push_back(row.cells);
+    for (std::string& cell : rows.back()) {
+      cell = std::regex_replace(cell, std::regex(R"(\\n)"), "\n");
+      cell = std::regex_replace(cell, std::regex(R"(\\t)"), "\t");
+    }
+  }
+  return rows;
 }
 
 std::vector<std::string> forms_of(const std::string& text) {

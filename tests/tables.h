@@ -14,7 +14,7 @@ struct TableRow {
   std::vector<std::string> cells;
 };
 
-/// One test: `[NAME] HEADING`, then its rows.
+/// One test: `[Name] HEADING`, with a capital letter, then its rows.
 struct Table {
   std::string name;
   std::string heading;
@@ -25,6 +25,10 @@ struct Table {
 /// line with only "+ " at its begin goes on the heading. # begins a comment line. Throws
 /// std::invalid_argument for a row before the first table.
 std::vector<Table> tables_of(const std::string& relative);
+
+/// The cells of each row of a table of tests/texts.txt, in which "\n" ends a line and "\t" is a
+/// tab. Throws std::invalid_argument if it has no rows.
+std::vector<std::vector<std::string>> rows_of(const std::string& table);
 
 /// A text in all its forms: "{a|b}c" is "ac" and "bc".
 std::vector<std::string> forms_of(const std::string& text);

@@ -4,10 +4,7 @@
 // A sphere of 1 kg strikes a half space. The three-link arm of models/arm.xml, without joint
 // friction and rotor inertia, is driven against it by constant torques. Simbody's HuntCrossleyForce
 // is k x^1.5 (1 + 1.5 c v), with k = 4/3 sqrt(R) E and E = E1/2^1.5 for two equal materials.
-#include <array>
-#include <cmath>
 #include <cstdio>
-#include <string>
 
 #include <breakwater/sim/contact.h>
 #include <breakwater/sim/joint_friction.h>

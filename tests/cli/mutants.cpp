@@ -1,9 +1,8 @@
 #include "cli/mutants.h"
 #include "catalogue.h"
+#include "tables.h"
 
-#include <cstdlib>
 #include <regex>
-#include <sstream>
 
 #include <breakwater/experiment/scenario.h>
 
@@ -123,32 +122,6 @@ std::vector<Mutant> model_mutants(const std::string& file, const std::string& sc
   return mutants;
 }
 
-// ---- legal input -------------------------------------------------------------------------------
-
-// All texts are regular expressions.
-constexpr Legal kLegal[] = {
-    {"model.mjcf",
-     "<(mujoco|site|geom|body|camera|key|motor|general|freejoint|texture)> (model|name)", ".*",
-     "nothing asks for it by its name"},
-    {"model.mjcf", "<(jointpos|jointvel|framepos|framelinvel|gyro|accelerometer)> name", ".*",
-     "the scenario does not read that sensor"},
-    {"--config", "(of|minus)", "string",
-     "a metric of a signal that the run does not have is left out, with a warning"},
-    {"--config", "(name|text|unit)", "string", "words about a metric"},
-    {"model.urdf", "<(robot|joint)> name", ".*", "nothing asks for it by its name"},
-    {"model.urdf", "<origin> xyz", "negative", "a place"},
-    {"model.mjcf", "<geom> material", ".*", "a default that every geom of its class overrides"},
-    {"model.mjcf", "<(body|camera|geom|inertial|light|site)> (pos|fromto)", "negative", "a place"},
-    {"model.mjcf", "<statistic> center", "negative", "a place"},
-    {"model.mjcf", "<key> qpos", "negative", "a place"},
-    {"model.mjcf", "<(camera|geom|joint|light)> (axis|dir|euler|xyaxes|zaxis)", "negative",
-     "a direction"},
-    {"model.mjcf", "<option> gravity", "negative", "a direction"},
-    {"model.mjcf", "<general> gear", "negative", "a thruster may push any way"},
-    {"model.mjcf", "<geom> (contype|conaffinity)", "negative", "a mask: -1 has all bits"},
-    {"model.mjcf", "<material> texrepeat", "negative", "a mirrored texture"},
-};
-
 }  // namespace
 
 std::vector<Mutant> all_mutants() {
@@ -166,8 +139,15 @@ std::vector<Mutant> all_mutants() {
   return all;
 }
 
-std::span<const Legal> legal_reasons() {
-  return kLegal;
+const std::vector<Legal>& legal_reasons() {
+  static const std::vector<Legal> all = [] {
+    std::vector<Legal> reasons;
+    for (const auto& row : rows_of("LegalMutants")) {
+      reasons.push_back({row.at(0), row.at(1), row.at(2), row.at(3)});
+    }
+    return reasons;
+  }();
+  return all;
 }
 
 const Legal* find_legal(const Mutant& mutant) {
@@ -176,8 +156,8 @@ const Legal* find_legal(const Mutant& mutant) {
            std::regex_match(mutant.place, std::regex(legal.place)) &&
            std::regex_match(mutant.change, std::regex(legal.change));
   };
-  const auto* found = std::find_if(std::begin(kLegal), std::end(kLegal), fits);
-  return found != std::end(kLegal) ? found : nullptr;
+  const auto found = std::find_if(legal_reasons().begin(), legal_reasons().end(), fits);
+  return found != legal_reasons().end() ? &*found : nullptr;
 }
 
 }  // namespace breakwater::testing

@@ -25,13 +25,10 @@ std::vector<Mutant> all_mutants();
 
 /// The reason why some mutants are valid input.
 struct Legal {
-  const char* option;
-  const char* place;
-  const char* change;
-  const char* reason;
+  std::string option, place, change, reason;
 };
 
-std::span<const Legal> legal_reasons();
+const std::vector<Legal>& legal_reasons();
 /// The reason for one mutant; nullptr if it is invalid.
 const Legal* find_legal(const Mutant& mutant);
 

@@ -2,8 +2,7 @@
 #include <breakwater/shell/all_cores.h>
 #include "cli/mutated_input.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::mutated_input_study {
 using testing::MutatedInput;
 
 TEST_F(MutatedInput, IsHandledByTheProgram) {
@@ -11,5 +10,4 @@ TEST_F(MutatedInput, IsHandledByTheProgram) {
   on_all_cores(mutants.size(), [&](std::size_t i) { run_program_on(mutants[i], i); });
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::mutated_input_study

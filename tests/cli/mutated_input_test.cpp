@@ -1,16 +1,12 @@
 // Broken scenario files and models are refused in one line, at once, or are legal for a stated
 // reason.
-
-#include <map>
-
+#include "cli/mutated_input.h"
 #include <breakwater/experiment/runner.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/signals/thread_time.h>
 #include "catalogue.h"
-#include "cli/mutated_input.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::mutated_input_test {
 namespace fs = std::filesystem;
 using testing::Legal;
 using testing::Mutant;
@@ -109,5 +105,4 @@ TEST_F(MutatedInput, LegalInputRunsOrFailsAsARun) {
   }
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::mutated_input_test

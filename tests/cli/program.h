@@ -1,9 +1,7 @@
 // Runs one of our binaries like a user and collects its results.
 #pragma once
 
-#include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <utility>
 
 #include "support.h"
 

@@ -4,12 +4,11 @@
 #include <breakwater/config/toml_entry.h>
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/shell/did_you_mean.h>
-#include <breakwater/shell/table.h>
 #include <breakwater/thesis/printed_results.h>
 #include "support.h"
+#include "tables.h"
 
 namespace breakwater::config_test {
-namespace {
 
 using testing::repeated;
 using testing::replaced;
@@ -146,23 +145,11 @@ TEST_F(ConfigTest, SetTakesTomlAndBareWords) {
 }
 
 TEST_F(ConfigTest, MessagesNamePlaceAndReason) {
-  for (const auto& [set, line] :
-       Rows{{"motion.sped_m_s=1", "motion.sped_m_s: unknown key (did you mean motion.speed_m_s?)"},
-            {"motion.speed_m_s=-1", "motion.speed_m_s: must be positive, is -1"},
-            {"motion.speed_m_s=fast", "motion.speed_m_s: must be a number, is \"fast\""},
-            {"motion.speed_m_s=nan", "motion.speed_m_s: must be finite, is nan"},
-            {"motion.steps=2.5", "motion.steps: must be a whole number, is 2.5"},
-            {"motion.steps=11", "motion.steps: must be from 1 to 10, is 11"},
-            {"motion.color=blu",
-             "motion.color: must be one of red, blue, is \"blu\" (did you mean blue?)"},
-            {"motion.gains=3", "motion.gains: must be an array of numbers, is 3"},
-            {"motion.gains=[1, \"x\"]", "motion.gains[2]: must be a number, is \"x\""},
-            {"run.name=true", "run.name: must be a string, is true"},
-            {"motion.speed_m_s", "motion.speed_m_s: must be of the form key.path=value"},
-            {"motion.speed_m_s=1\nrun.seed=2",
-             "motion.speed_m_s: must be a number, is \"1\\nrun.seed=2\""}}) {
-    EXPECT_EQ(read("slow", {set}), "--set: " + line);
+  for (const auto& row : testing::rows_of("ConfigSets")) {
+    EXPECT_EQ(read("slow", {row.at(0)}), "--set: " + row.at(1));
   }
+  EXPECT_EQ(read("slow", {"motion.speed_m_s=1\nrun.seed=2"}),
+            "--set: motion.speed_m_s: must be a number, is \"1\\nrun.seed=2\"");
   EXPECT_EQ(read("slo", {}), "--case: FILE has no case \"slo\" (did you mean slow?)");
 }
 
@@ -187,18 +174,6 @@ TEST_F(ConfigTest, AnElementIsSetAlone) {
 }
 
 TEST_F(ConfigTest, SaysWhichElementIsWrong) {
-  for (const auto& [set, line] :
-       Rows{{"motion.gains[3]=1", "motion.gains[3]: motion.gains has 2 elements"},
-            {"motion.poles[2][2]=1", "motion.poles[2][2]: motion.poles[2] has 1 element"},
-            {"motion.gains[1][1]=1", "motion.gains[1][1]: motion.gains[1] is no array"},
-            {"motion.steps[1]=1", "motion.steps[1]: motion.steps is no array"},
-            {"motion.gians[1]=1",
-             "motion.gians[1]: FILE has no motion.gians (did you mean motion.gains?)"},
-            {"[1]=1", "[1]: FILE has no "},
-            {"motion.gains[2]=fast", "motion.gains[2]: must be a number, is \"fast\""},
-            {"motion.poles[1][2]=nan", "motion.poles[1][2]: must be finite, is nan"}}) {
-    EXPECT_EQ(read("slow", {set}), "--set: " + line);
-  }
   for (const char* element : {"[0]", "[01]", "[-1]", "[+1]", "[ 1]", "[x]", "[]", "[", "[1", "[1]2",
                               "[1],[2]", "[99999999999999999999999]"}) {
     const std::string key = "motion.gains" + std::string(element);
@@ -224,15 +199,12 @@ TEST_F(ConfigTest, KeepsTheFileAsItWasRead) {
   EXPECT_EQ(scenario.text(), kText);
 }
 
-TEST_F(ConfigTest, NamesTheFilesLine) {
-  EXPECT_EQ(read("slow", {}, replaced(kText, "= 2\n", "= -2\n")),
-            "FILE:4: motion.speed_m_s: must be positive, is -2");
-  EXPECT_EQ(read("slow", {}, replaced(kText, "steps = 3", "stesp = 3")),
-            "FILE:5: motion.stesp: unknown key (did you mean motion.steps?)");
-  EXPECT_EQ(read("slow", {}, replaced(kText, "steps = 3\n", "")),
-            "FILE: motion.steps: is missing: how many");
-  EXPECT_EQ(read("another", {}, replaced(kText, "\"red\"", "\"rot\"")),
-            "FILE:16: motion.color: must be one of red, blue, is \"rot\" (did you mean red?)");
+// A text of the file is replaced by another one. Keys that the chosen case overrides are checked
+// too.
+TEST_F(ConfigTest, NamesTheFilesLineWhicheverCaseRuns) {
+  for (const auto& row : testing::rows_of("ConfigFiles")) {
+    EXPECT_EQ(read_run(row.at(0), replaced(kText, row.at(1), row.at(2))), row.at(3));
+  }
   EXPECT_EQ(read("slow", {}, std::string(kText).substr(0, 60)).substr(0, 7), "FILE:4:");
   EXPECT_EQ(read("slow", {}, "scenario = \"other\"\n"),
             "FILE:1: scenario: is \"other\", not \"test\"");
@@ -241,22 +213,6 @@ TEST_F(ConfigTest, NamesTheFilesLine) {
   EXPECT_EQ(read("slow", {}, ""), "FILE: scenario: is missing");
   EXPECT_REFUSED(ScenarioFile("/no/such/file.toml", "test"));
   EXPECT_REFUSED(ScenarioFile("/", "test"));
-}
-
-TEST_F(ConfigTest, EveryTableIsCheckedWhicheverCaseRuns) {
-  const auto complaint = [&](const std::string& from, const std::string& to) {
-    return read_run("slow", replaced(kText, from, to));
-  };
-  EXPECT_EQ(read_run("slow", kText), "");
-  EXPECT_EQ(complaint("motion.color = \"red\"", "motion.colour = \"red\""),
-            "FILE:16: motion.colour: unknown key (did you mean motion.color?)");
-  EXPECT_EQ(complaint("motion.color = \"red\"", "motion.color = 3"),
-            "FILE:16: motion.color: must be one of red, blue, is 3");
-  EXPECT_EQ(complaint("motion.speed_m_s = 1.5", "motion.speed_m_s = nan"),
-            "FILE:14: motion.speed_m_s: must be finite, is nan");
-  // Keys that the chosen case overrides are checked too.
-  EXPECT_EQ(read_run("very-1.5", replaced(kText, "= 2\n", "= inf\n")),
-            "FILE:4: motion.speed_m_s: must be finite, is inf");
 }
 
 TEST_F(ConfigTest, ReadingsAreCheckedToo) {
@@ -407,14 +363,6 @@ TEST(PrintedValues, AreThoseOfTheThesis) {
   EXPECT_TRUE(printed_values("arm_push", "proposed-link1").empty());
 }
 
-TEST(Table, AlignsAndFolds) {
-  Table table({"name", "a", "bb"});
-  table.add({"first", "10", "2"});
-  table.add({"x", "", "333"});
-  EXPECT_EQ(table.print(80), "name    a   bb\nfirst  10    2\nx          333\n");
-  EXPECT_EQ(table.print(10), "name    a\nfirst  10\n\nname    bb\nfirst    2\nx      333\n");
-}
-
 // A duration of "100" means 100 s.
 TEST(Config, WholeNumbersAreNumbersToo) {
   Config config("test.toml", {});
@@ -493,5 +441,4 @@ TEST(TomlEntry, ReadsInTheOrderOfTheFileAndAcceptsAMissingEntry) {
   EXPECT_EQ(root["door"].number_or_nothing(), std::nullopt);
 }
 
-}  // namespace
 }  // namespace breakwater::config_test

@@ -12,7 +12,6 @@
 #include "support.h"
 
 namespace breakwater::lmpc_test {
-namespace {
 
 // Linear predictive control against the regulator, its optimality conditions and its bounds.
 const Eigen::MatrixXd kOne = Eigen::MatrixXd::Ones(1, 1);
@@ -461,5 +460,4 @@ TEST(PredictiveControl, MovedBoundsHoldBetweenTheOptimisationsToo) {
   EXPECT_GT(run_loop(unbounded, INFINITY, 0.02, 500), 3.0 * kLimit) << "the noise would break them";
 }
 
-}  // namespace
 }  // namespace breakwater::lmpc_test

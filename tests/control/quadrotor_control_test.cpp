@@ -7,7 +7,6 @@
 #include "support.h"
 
 namespace breakwater::quadrotor_control_test {
-namespace {
 
 constexpr double kPeriod_s = 0.01;
 
@@ -308,5 +307,4 @@ TEST(QuadrotorEstimators, RefuseNonsense) {
   EXPECT_REFUSED(make_quadrotor_estimator(design, model));
 }
 
-}  // namespace
 }  // namespace breakwater::quadrotor_control_test

@@ -1,10 +1,6 @@
 // Long runs of the quadrotor's filters in a loop that holds the vehicle under a wave.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include <breakwater/control/backstepping.h>
 #include <breakwater/control/quadrotor_filters.h>
 #include "support.h"

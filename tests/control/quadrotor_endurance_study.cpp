@@ -1,12 +1,10 @@
 // A million steps (three hours) of the quadrotor's 24-state filters.
 #include "control/quadrotor_endurance.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::quadrotor_endurance_study {
 
 TEST(QuadrotorEndurance, MillionStepsWithoutRepair) {
   testing::all_endure(1'000'000);
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::quadrotor_endurance_study

@@ -13,7 +13,6 @@
 #include "support.h"
 
 namespace breakwater::two_inertia_control_test {
-namespace {
 
 using Complex = std::complex<double>;
 using Estimator = std::shared_ptr<DisturbanceEstimator>;
@@ -233,5 +232,4 @@ TEST(MultipleModelBank, RefusesAPlantOfAnotherShape) {
   EXPECT_REFUSED(sized_multiple_model(held));
 }
 
-}  // namespace
 }  // namespace breakwater::two_inertia_control_test

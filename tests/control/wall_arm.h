@@ -1,9 +1,6 @@
 // The arm of the URDF against a wall, for controllers that reach it on a path.
 #pragma once
 
-#include <cmath>
-#include <string>
-
 #include <breakwater/control/path_control.h>
 #include "control/controller_signal.h"
 #include "support.h"

@@ -5,7 +5,6 @@
 #include "support.h"
 
 namespace breakwater::wave_mpc_test {
-namespace {
 
 const QuadrotorModel kVehicle({}, QuadrotorPhysics::physical);
 
@@ -212,5 +211,4 @@ TEST(WaveMpc, RefusesNonsense) {
   EXPECT_REFUSED(make(DisturbanceOrder::resonator, 0.015));
 }
 
-}  // namespace
 }  // namespace breakwater::wave_mpc_test

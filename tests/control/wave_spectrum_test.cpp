@@ -10,7 +10,6 @@
 #include "support.h"
 
 namespace breakwater::wave_spectrum_test {
-namespace {
 
 constexpr double kPeriod_s = 0.01;
 constexpr double kDepth_m = 10.0;
@@ -565,5 +564,4 @@ TEST(WaveForces, RefuseNonsense) {
   EXPECT_REFUSED(make_quadrotor_estimator(design, model));
 }
 
-}  // namespace
 }  // namespace breakwater::wave_spectrum_test

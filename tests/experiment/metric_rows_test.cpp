@@ -1,18 +1,12 @@
 #include <breakwater/experiment/metric_rows.h>
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
 #include <deque>
-#include <limits>
-#include <map>
 
 #include "catalogue.h"
 #include "on_axes.h"
+#include "tables.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::metric_rows_test {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -339,20 +333,10 @@ TEST(MetricRowsTest, WindowsFollowEvents) {
 
 TEST(MetricRowsTest, Refuses) {
   const std::string row = "[metric.m]\nof = \"a_m\"\nkind = \"rms\"\n";
-  const std::vector<std::pair<std::string, std::string>> wrong = {
-      {"from_s = \"task.bnd\"", ":6: metric.m.from_s: there is no number or event \"task.bnd\""},
-      {"from_s = -1.0", ":6: metric.m.from_s: must be 0 or more, is -1"},
-      {"to_s = \"hit 0.2\"", ":6: metric.m.to_s: must be a number, or names and numbers with"},
-      {"to_s = \"hit +\"", ":6: metric.m.to_s: must be a number, or names and numbers with"},
-      {"from_s = 2\nto_s = 1", ":7: metric.m.to_s: must be later than from_s"},
-      {"take = \"high_pass\"\ncutoff_Hz = 6e3", ":7: metric.m.cutoff_Hz: high-pass: the cut-off"},
-      {"where = \"hit comes\"", ":6: metric.m.where: \"hit comes\" must be KEY is VALUE, SIGNAL"},
-      {"where = \"hitt is reached\"", ":6: metric.m.where: there is no number or event \"hitt\""},
-      {"at = \"stp\"", ":6: metric.m.at: must be one of auto, sample, step, is \"stp\""}};
-  for (const auto& [line, words] : wrong) {
-    const std::string complaint =
-        complaint_of([&] { history_of(row + line, "task.band = 0.025\n"); });
-    EXPECT_TRUE(has(complaint, words)) << line << ": " << complaint;
+  for (const auto& wrong : testing::rows_of("MetricRows")) {
+    EXPECT_TRUE(has(complaint_of([&] { history_of(row + wrong.at(0), "task.band = 0.025\n"); }),
+                    wrong.at(1)))
+        << wrong.at(0);
   }
 }
 
@@ -394,5 +378,4 @@ TEST(MetricRowsTest, AFileChangesARowAndAddsOne) {
             "velocity_true_m_s?)");
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::metric_rows_test

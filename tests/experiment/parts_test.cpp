@@ -8,9 +8,9 @@
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/quadrotor_parts.h>
 #include "support.h"
+#include "tables.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::parts_test {
 
 // The product of the toy parts: their name and setting.
 struct Product {
@@ -84,38 +84,11 @@ class PartsTest : public ::testing::Test {
   std::vector<UnusedKey> unused_;
 };
 
-TEST_F(PartsTest, AKeyIsRequiredOnlyForTheChosenPart) {
-  EXPECT_EQ(make("toy.name = \"named\"\ntoy.label = \"x\"\n[case.one]\n"), "x");
-  EXPECT_EQ(make("toy.name = \"small\"\n[case.one]\n"),
-            "FILE: toy.size: is missing: its size; toy.name = \"small\" needs it");
-  EXPECT_EQ(make("toy.name = \"named\"\n[case.one]\n"),
-            "FILE: toy.label: is missing: what stands on it; toy.name = \"named\" needs it");
-}
-
-TEST_F(PartsTest, AMissingKeyHasItsDefaultValue) {
-  EXPECT_EQ(make("toy.name = \"large\"\n[case.one]\n"), "l30.000000");
-  EXPECT_EQ(make("[case.one]\n", "one", "large"), "l30.000000");
-  EXPECT_EQ(make("[case.one]\n"), "FILE: toy.name: is missing: toy: small, large, named");
-}
-
-TEST_F(PartsTest, TwoPartsMayShareAKeyEachWithItsOwnRange) {
-  const std::string cases =
-      "[case.one]\ntoy.name = \"small\"\ntoy.size = 0.25\n"
-      "[case.two]\ntoy.name = \"large\"\ntoy.size = 12\n";
-  EXPECT_EQ(make(cases, "one"), "s0.500000");
-  EXPECT_EQ(make(cases, "two"), "l24.000000");
-  EXPECT_EQ(make("toy.name = \"small\"\ntoy.size = 12\n[case.one]\n"),
-            "FILE:4: toy.size: must be from 0 to 1, is 12");
-}
-
-TEST_F(PartsTest, RefusesAnInvalidValueInEveryCase) {
-  EXPECT_EQ(make("toy.name = \"small\"\ntoy.size = 0.25\n[case.one]\n[case.two]\ntoy.size = 5\n"),
-            "FILE:7: toy.size: must be from 0 to 1, is 5");
-}
-
-TEST_F(PartsTest, OtherCasesDoNotAffectTheRun) {
-  EXPECT_EQ(make("[case.one]\n[case.two]\ntoy.name = \"small\"\ntoy.size = 11\n", "one", "large"),
-            "l30.000000");
+// Keys are required for the chosen part only, and checked in every case.
+TEST_F(PartsTest, AreMadeOrRefusedByTheirKeys) {
+  for (const auto& row : testing::rows_of("Parts")) {
+    EXPECT_EQ(make(row.at(0), row.at(1), row.at(2)), row.at(3)) << row.at(0);
+  }
 }
 
 TEST_F(PartsTest, ReportsAKeyOfAnotherPartAsUnused) {
@@ -124,28 +97,6 @@ TEST_F(PartsTest, ReportsAKeyOfAnotherPartAsUnused) {
   EXPECT_EQ(unused_[0].key, "toy.size");
   EXPECT_EQ(unused_[0].reason, "has an effect only where toy.name is small or large");
   EXPECT_EQ(unused_[0].choice, "toy.name");
-}
-
-TEST_F(PartsTest, AMisspeltPartIsNamed) {
-  EXPECT_EQ(make("toy.name = \"smal\"\n[case.one]\n"),
-            "FILE:3: toy.name: must be one of small, large, named, is \"smal\" (did you mean "
-            "small?)");
-}
-
-// Its keys are unknown too, in any table.
-TEST_F(PartsTest, APartOfAnotherProgramIsNamedBeforeItsKeys) {
-  const std::string complaint = "toy.name: must be one of small, large, named, is \"theirs\"";
-  EXPECT_EQ(make("toy.colour = \"red\"\ntoy.name = \"theirs\"\n[case.one]\n"),
-            "FILE:4: " + complaint);
-  EXPECT_EQ(make("toy.colour = \"red\"\n[case.one]\ntoy.name = \"theirs\"\n"),
-            "FILE:5: " + complaint);
-}
-
-TEST_F(PartsTest, APartsErrorNamesItsKeyOrTheChoice) {
-  EXPECT_EQ(make("toy.name = \"small\"\ntoy.size = 0.5\n[case.one]\n"),
-            "FILE:4: toy.size: must not be a half");
-  EXPECT_EQ(make("toy.name = \"named\"\ntoy.label = \"\"\n[case.one]\n"),
-            "FILE:3: toy.name: nothing stands on it");
 }
 
 TEST_F(PartsTest, ThePrintedFileIsCompleteAndRoundTrips) {
@@ -389,5 +340,4 @@ TEST(OwnParts, RefusesARegulatorThatCannotWork) {
             "a plant): choose lqr_observer");
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::parts_test

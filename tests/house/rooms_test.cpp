@@ -1,13 +1,15 @@
-// The rooms of src/ depend on each other in one direction and hide their details.
+// Rules of the house: its rooms, its binaries, its mathematics, and the code in its pages.
+#include <dlfcn.h>
 
-#include <map>
+#include <mujoco/mujoco.h>
 #include <regex>
-#include <set>
 
+#include <breakwater/sim/engine_guard.h>
+#include "shell.h"
 #include "support.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::rooms_test {
+
 namespace fs = std::filesystem;
 
 const std::string kOwn = "breakwater/";
@@ -232,5 +234,131 @@ TEST(House, ScenariosAreBuiltLikeAUsersScenario) {
   EXPECT_TRUE(has(rules, "breakwater_program(${scenario} ONE_SCENARIO"));
 }
 
-}  // namespace
-}  // namespace breakwater
+// Dynamic-loader entries of the built binaries.
+
+// An empty entry in such a path is the working folder: whoever can write there could run code.
+TEST(Binaries, HaveNoRunPath) {
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(testing::bin_folder())) {
+    const std::string section =
+        testing::output_of("readelf --dynamic --wide '" + entry.path().string() + "'");
+    ASSERT_TRUE(has(section, "(NEEDED)")) << entry.path();
+    EXPECT_TRUE(lacks(section, "RUNPATH")) << entry.path();
+    EXPECT_TRUE(lacks(section, "RPATH")) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 9);
+}
+
+// They would be loaded at every start, before a program prints anything.
+TEST(Binaries, LinkNoLibraryThatFewCommandsUse) {
+  for (const auto& entry : fs::directory_iterator(testing::bin_folder())) {
+    const std::string section =
+        testing::output_of("readelf --dynamic --wide '" + entry.path().string() + "'");
+    for (const char* library : {"libav", "libcairo", "libhdf5", "libnlopt", "libpagmo", "libtbb"}) {
+      EXPECT_TRUE(lacks(section, library)) << entry.path();
+    }
+  }
+}
+
+// The code in the documentation is built code.
+
+// A fenced block behind <!-- FILE --> is an exact part of this file. The file is a test or a
+// template, which the install tests build and run.
+TEST(Docs, CodeEqualsTheTemplates) {
+  int blocks = 0;
+  const std::regex pattern("<!-- ((?:templates|tests)/\\S+) -->\n```[a-z]*\n([^`]*)```");
+  for (const auto& entry : fs::recursive_directory_iterator(testing::source_file("docs"))) {
+    if (entry.path().extension() != ".md") continue;
+    const std::string page = testing::text_of(entry.path());
+    for (std::sregex_iterator block(page.begin(), page.end(), pattern), end; block != end;
+         ++block) {
+      ++blocks;
+      const std::string code = testing::text_of(testing::source_file((*block)[1]));
+      EXPECT_TRUE(has(code, (*block)[2])) << entry.path() << ": not in " << (*block)[1] << ":\n"
+                                          << (*block)[2];
+    }
+    const std::regex mark("<!-- (templates|tests)/");
+    EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), mark), {}),
+              std::distance(std::sregex_iterator(page.begin(), page.end(), pattern), {}))
+        << entry.path() << ": a mark without a block behind it";
+  }
+  EXPECT_GT(blocks, 15);
+}
+
+// Users of the libraries need no files of src/: the included headers are installed.
+TEST(Docs, NamedHeadersExist) {
+  const std::regex pattern("<breakwater/([a-z_]+/[a-z_]+\\.h)>");
+  for (const auto& entry : fs::recursive_directory_iterator(testing::source_file("docs"))) {
+    if (entry.path().extension() != ".md") continue;
+    const std::string page = testing::text_of(entry.path());
+    for (std::sregex_iterator name(page.begin(), page.end(), pattern), end; name != end; ++name) {
+      EXPECT_TRUE(fs::exists(testing::source_file("src/" + (*name)[1].str())))
+          << entry.path() << " names " << (*name)[0];
+    }
+  }
+}
+
+// Functions of the C library's mathematics that code for the simulation's state may call.
+
+// The last word of each line of nm's output, without the symbol's version.
+std::vector<std::string> symbols(const std::string& nm) {
+  std::vector<std::string> names;
+  std::istringstream lines(testing::output_of(nm));
+  for (std::string line; std::getline(lines, line);) {
+    const std::string word = line.substr(line.rfind(' ') + 1);
+    names.push_back(word.substr(0, word.find('@')));
+  }
+  return names;
+}
+
+// glibc has one implementation of these, or all give the exact result. hypot and cabs are made of
+// square roots, products and sums. fegetenv and fesetenv compute nothing.
+const std::set<std::string> kSameEverywhere = {
+    "ceil",      "copysign",  "fabs",      "floor",   "fma",   "fmax",     "fmin",     "fmod",
+    "frexp",     "ldexp",     "llrint",    "llround", "lrint", "lround",   "lroundf",  "modf",
+    "nearbyint", "nextafter", "remainder", "rint",    "round", "scalbn",   "sqrt",     "sqrtf",
+    "sqrtl",     "trunc",     "hypot",     "cabs",    "cabsl", "fegetenv", "fesetenv", "ilogb",
+};
+
+// The functions of libm that depend on the processor.
+std::set<std::string> processor_dependent() {
+  std::set<std::string> libm;
+  for (const std::string& name : symbols("nm -D --defined-only '" BREAKWATER_LIBM "'")) {
+    if (!kSameEverywhere.contains(name)) libm.insert(name);
+  }
+  return libm;
+}
+
+// render and pages only draw and write finished runs. record only writes.
+TEST(House, StateCodeCallsNoProcessorDependentFunction) {
+  const std::set<std::string> libm = processor_dependent();
+  ASSERT_TRUE(libm.contains("sin") && libm.contains("pow") && libm.contains("cexp"));
+  for (const std::string room :
+       {"math", "linear", "plants", "observers", "control", "world", "sim", "record", "experiment",
+        "rigs", "published", "quadrotor", "statistics", "study", "axes_scenarios", "scenarios"}) {
+    const std::string folder = room.ends_with("scenarios") ? "scenarios" : "src";
+    const std::string archive = BREAKWATER_ARCHIVES "/" + folder + "/libbreakwater_" + room + ".a";
+    const auto called = symbols("nm --undefined-only '" + archive + "'");
+    EXPECT_FALSE(called.empty()) << archive;
+    for (const std::string& name : called) {
+      EXPECT_FALSE(libm.contains(name)) << room << " calls " << name << ": take math/functions.h's";
+    }
+  }
+}
+
+TEST(House, EachProcessorDependentFunctionOfMujocoIsRedirected) {
+  const std::set<std::string> only_draw = {"atan2f", "sincosf", "sinf", "tanf"};
+  Dl_info library{};
+  ASSERT_NE(dladdr(mj_versionString(), &library), 0);
+  std::set<std::string> expected;
+  const std::set<std::string> libm = processor_dependent();
+  for (const auto& name :
+       symbols(std::string("nm -D --undefined-only '") + library.dli_fname + "'")) {
+    if (libm.contains(name) && !only_draw.contains(name)) expected.insert(name);
+  }
+  const auto& redirected = engine_functions();
+  EXPECT_EQ(expected, std::set<std::string>(redirected.begin(), redirected.end()));
+}
+
+}  // namespace breakwater::rooms_test

@@ -1,12 +1,6 @@
 // Records of simulated benches, and the results of their identification.
 #pragma once
 
-#include <cmath>
-#include <numbers>
-#include <span>
-#include <stdexcept>
-#include <vector>
-
 #include <breakwater/identification/identified_axis.h>
 #include "support.h"
 

@@ -1,8 +1,4 @@
 // Identification of simulated axes. Their simulator has its own small steps.
-
-#include <cmath>
-#include <numbers>
-
 #include <breakwater/identification/axis_intervals.h>
 #include <breakwater/identification/axis_model.h>
 #include <breakwater/identification/identified_axis.h>
@@ -11,7 +7,6 @@
 #include "identification/bench.h"
 
 namespace breakwater::identified_axis_test {
-namespace {
 
 using testing::normal;
 using testing::of;
@@ -546,5 +541,4 @@ TEST(Identification, IntervalsCoverTheTruthWithRoundedTimes) {
   EXPECT_GE(coverage.white, 7 * benches / 8);
 }
 
-}  // namespace
 }  // namespace breakwater::identified_axis_test

@@ -1,17 +1,13 @@
 // Identification of simulated motors with a spring and a load. Their simulator has its own small
 // steps.
-
-#include <cmath>
-#include <numbers>
-
 #include <breakwater/identification/axis_model.h>
 #include <breakwater/identification/identified_axis.h>
 #include <breakwater/identification/two_inertia_axis.h>
 #include <breakwater/statistics/quantile.h>
 #include "identification/bench.h"
+#include "support.h"
 
 namespace breakwater::two_inertia_test {
-namespace {
 
 using testing::normal;
 using testing::of;
@@ -280,5 +276,4 @@ TEST(TwoInertiaIdentification, IntervalsCoverTheTruth) {
   EXPECT_LE(share, 0.98);
 }
 
-}  // namespace
 }  // namespace breakwater::two_inertia_test

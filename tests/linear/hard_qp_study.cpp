@@ -2,7 +2,6 @@
 #include "linear/hard_qp.h"
 
 namespace breakwater::testing {
-namespace {
 
 TEST(HardQpStudy, FeasibleProblemsAreSolved) {
   expect_hard_feasible_qps_are_solved(100000);
@@ -12,5 +11,4 @@ TEST(HardQpStudy, InfeasibleProblemsAreProven) {
   expect_hard_infeasible_qps_are_proven(100000);
 }
 
-}  // namespace
 }  // namespace breakwater::testing

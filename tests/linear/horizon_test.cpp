@@ -3,7 +3,6 @@
 #include "support.h"
 
 namespace breakwater::horizon_test {
-namespace {
 
 using testing::Random;
 
@@ -199,5 +198,4 @@ TEST(Horizon, LargerPlantsHaveNoSweeps) {
   EXPECT_EQ(make_horizon_sweeps(random_horizon(random, 5, 6, 4)), nullptr);
 }
 
-}  // namespace
 }  // namespace breakwater::horizon_test

@@ -1,10 +1,6 @@
 // Quadratic programs with known solutions, in any units.
 #pragma once
 
-#include <array>
-#include <cmath>
-#include <utility>
-
 #include "linear/random_qp.h"
 
 namespace breakwater::testing {

@@ -1,12 +1,9 @@
 // Any quadratic program: a result satisfies the KKT conditions or has an honest status.
-#include <cmath>
-
 #include <breakwater/linear/qp.h>
 #include "linear/hard_qp.h"
 #include "linear/known_qp.h"
 
 namespace breakwater::qp_property_test {
-namespace {
 
 using testing::HardQp;
 using testing::Random;
@@ -120,5 +117,4 @@ TEST_P(QpProperty, AKnownSolutionIsFoundInAnyUnits) {
   }
 }
 
-}  // namespace
 }  // namespace breakwater::qp_property_test

@@ -3,17 +3,12 @@
 
 #include <Eigen/LU>
 
-#include <cmath>
-#include <limits>
-#include <sstream>
-
 #include <breakwater/linear/active_set.h>
 #include <breakwater/linear/hildreth.h>
 #include "linear/random_qp.h"
 #include "python.h"
 
 namespace breakwater::qp_test {
-namespace {
 
 using testing::kQpSizes;
 using testing::make_infeasible;
@@ -583,5 +578,4 @@ TEST(ActiveSet, AgreesWithCvxopt) {
   EXPECT_EQ(at, theirs.size());
 }
 
-}  // namespace
 }  // namespace breakwater::qp_test

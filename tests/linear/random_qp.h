@@ -3,9 +3,6 @@
 
 #include <Eigen/QR>
 
-#include <cmath>
-#include <limits>
-
 #include <breakwater/linear/qp.h>
 #include "support.h"
 

@@ -8,7 +8,6 @@
 #include "linear/scipy_riccati.h"
 
 namespace breakwater::riccati_test {
-namespace {
 
 using testing::Random;
 
@@ -202,5 +201,4 @@ TEST(Riccati, RefusesNonsense) {
   EXPECT_REFUSED(solve_dare(two, two, skew, two));
 }
 
-}  // namespace
 }  // namespace breakwater::riccati_test

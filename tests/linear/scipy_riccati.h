@@ -1,9 +1,6 @@
 // Riccati solutions by SciPy.
 #pragma once
 
-#include <Eigen/Core>
-#include <sstream>
-
 #include "python.h"
 
 namespace breakwater::testing {

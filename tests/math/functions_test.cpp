@@ -8,7 +8,6 @@
 #include "support.h"
 
 namespace breakwater::functions_test {
-namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -185,5 +184,4 @@ TEST(MillsRatio, FollowsItsBoundsWhereTheTailUnderflows) {
   EXPECT_EQ(math::mills_ratio(std::numeric_limits<double>::infinity()), 0.0);
 }
 
-}  // namespace
 }  // namespace breakwater::functions_test

@@ -12,7 +12,6 @@
 #include "support.h"
 
 namespace breakwater::idob_test {
-namespace {
 
 Eigen::MatrixXd error_dynamics(const Idob& observer) {
   Eigen::MatrixXd F(observer.poles(), observer.poles());
@@ -338,5 +337,4 @@ TEST(StackedEstimator, RefusesAPlantThatIsNotAnAxis) {
   EXPECT_REFUSED(StackedEstimator(std::move(axes)));
 }
 
-}  // namespace
 }  // namespace breakwater::idob_test

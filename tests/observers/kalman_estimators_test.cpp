@@ -20,7 +20,6 @@
 #include "observers/random_plant.h"
 
 namespace breakwater::kalman_estimators_test {
-namespace {
 
 using testing::Random;
 using testing::random_plant;
@@ -657,5 +656,4 @@ TEST(KalmanDesign, RefusesAnInvalidCovariance) {
   EXPECT_REFUSED(check(KalmanDesign{plant, I3 * std::nan(""), I1, I3}));
 }
 
-}  // namespace
 }  // namespace breakwater::kalman_estimators_test

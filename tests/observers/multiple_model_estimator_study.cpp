@@ -5,13 +5,7 @@
 // docs/explanation/methods/multiple-model-estimator.md.
 #include <breakwater/observers/multiple_model_estimator.h>
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <cstdio>
-#include <numbers>
-#include <string>
-#include <vector>
 
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/idob.h>
@@ -23,7 +17,6 @@
 #include "support.h"
 
 namespace breakwater::multiple_model_estimator_study {
-namespace {
 
 using testing::MotorLoop;
 
@@ -243,5 +236,4 @@ INSTANTIATE_TEST_SUITE_P(Encoder, MultipleModelStudy,
                                                                               : "rounds";
                          });
 
-}  // namespace
 }  // namespace breakwater::multiple_model_estimator_study

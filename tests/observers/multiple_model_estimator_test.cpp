@@ -3,9 +3,6 @@
 #include <breakwater/observers/multiple_model_estimator.h>
 
 #include <Eigen/LU>
-#include <cmath>
-#include <limits>
-#include <numbers>
 
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/linear/riccati.h>
@@ -16,7 +13,6 @@
 #include "support.h"
 
 namespace breakwater::multiple_model_estimator_test {
-namespace {
 
 using testing::MotorLoop;
 using Kind = MultipleModelEstimator::Kind;
@@ -369,5 +365,4 @@ TEST(MultipleModelEstimator, RefusesAPlantThatIsNotAnAxis) {
   EXPECT_THROW(MultipleModelEstimator(design(1e-3, 0.0, 0.0)), std::invalid_argument);
 }
 
-}  // namespace
 }  // namespace breakwater::multiple_model_estimator_test

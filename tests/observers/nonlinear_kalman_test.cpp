@@ -1,17 +1,10 @@
 // EKF and UKF against the linear Kalman filter, each other, and statistics.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <stdexcept>
-
 #include <breakwater/observers/ekf.h>
 #include <breakwater/observers/raise_eigenvalues.h>
 #include <breakwater/observers/ukf.h>
 #include "support.h"
 
 namespace breakwater::nonlinear_kalman_test {
-namespace {
 
 // A pendulum with an unknown constant torque: x = [angle, rate, torque].
 struct Pendulum : ProcessTypes<3, 1, 1> {
@@ -314,5 +307,4 @@ TEST(NonlinearKalman, RefusesNonsense) {
   EXPECT_THROW((Ukf<Pendulum, 1>(Pendulum(), d)), std::invalid_argument);
 }
 
-}  // namespace
 }  // namespace breakwater::nonlinear_kalman_test

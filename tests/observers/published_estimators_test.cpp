@@ -1,15 +1,7 @@
 // The published estimators against textbook forms, limit cases, closed forms, and a plant of one
 // of the papers.
-#include <gtest/gtest.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <cmath>
-#include <functional>
-#include <limits>
-#include <memory>
-#include <numbers>
-#include <random>
 
 #include <breakwater/linear/riccati.h>
 #include <breakwater/observers/code_likelihood.h>
@@ -26,7 +18,6 @@
 #include "support.h"
 
 namespace breakwater::published_estimators_test {
-namespace {
 
 using testing::Random;
 using Estimator = std::unique_ptr<DisturbanceEstimator>;
@@ -678,5 +669,4 @@ TEST(PublishedEstimators, RefuseWrongDesigns) {
   EXPECT_THROW(sized_vbakf(second_state, {}), std::invalid_argument);
 }
 
-}  // namespace
 }  // namespace breakwater::published_estimators_test

@@ -1,5 +1,4 @@
 // Records with irregular samples: the held inputs, and the estimators' treatment of them.
-
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/pole_predictor.h>
@@ -8,7 +7,6 @@
 #include "support.h"
 
 namespace breakwater::record_intervals_test {
-namespace {
 
 TEST(VariableHold, IsTheZeroOrderHoldOfEachInterval) {
   testing::Random random(2);
@@ -170,5 +168,4 @@ TEST(KalmanEstimators, PredictOverAGapAsOverSingleSamples) {
   EXPECT_FALSE(sampled.follow({})) << "its plant in continuous time is not known";
 }
 
-}  // namespace
 }  // namespace breakwater::record_intervals_test

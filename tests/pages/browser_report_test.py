@@ -16,63 +16,7 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from chromium import visit  # noqa: E402
 
-EXPERIMENTS = """
-video = "2.4.3.3"
-[[hero]]
-figure = "2.50"
-caption = "The tip."
-[form.tip]
-panels = [
-  { title = "x", signals = ["x_true_m", "x_hat_m"], once = ["x_ref_m"] },
-  { title = "y", signals = ["y_true_m"], lines = [0.0] },
-  { title = "x, close-up", signals = ["x_true_m"], from_s = 0.5, to_s = 1.0 },
-]
-[form.angle]
-panels = [{ title = "angle", signals = ["position_true_rad", "position_measured_rad"] }]
-
-[[section]]
-id = "2.4.3.3"
-group = "arm"
-title = "The arm"
-text = "Held."
-docs = "explanation/experiments/arm-push.md"
-video = "push"
-runs = [{ name = "push", scenario = "arm_push", case = "proposed-link1", sets = ["run.duration_s=1.5", "push.start_s=0.2"] }]
-figures = [{ n = "2.50", title = "The tip", form = "tip", run = "push" }]
-
-[[section]]
-id = "4.3.2"
-group = "motor"
-title = "The motor"
-text = "Disturbed."
-docs = "explanation/methods/disturbance-kalman-filters.md"
-runs = [
-  { name = "motor-mdob", scenario = "motor_estimation", case = "mdob" },
-  { name = "motor-idob", scenario = "motor_estimation", case = "idob" },
-  { name = "motor-kfd", scenario = "motor_estimation", case = "kfd" },
-  { name = "motor-dkf", scenario = "motor_estimation", case = "dkf" },
-  { name = "motor-fakfd-095", scenario = "motor_estimation", case = "fakfd-095" },
-  { name = "motor-fakfd-0998", scenario = "motor_estimation", case = "fakfd-0998" },
-  { name = "motor-vfakfd", scenario = "motor_estimation", case = "vfakfd" },
-]
-figures = [
-  { n = "4.32", title = "KFD", form = "angle", run = "motor-kfd" },
-  { n = "4.34", title = "Both", form = "angle", runs = [["motor-kfd", "KFD"], ["motor-idob", "IDOB"]], off = ["IDOB"] },
-]
-[[section.table]]
-title = "A row of Table 4.8"
-unit = "rad/s"
-columns = ["MDOB", "IDOB", "KFD", "DKF", "FAKFD", "FAKFD .998", "VFAKFD"]
-cells = [
-  { row = "1 ms, 12 bits", column = "MDOB", run = "motor-mdob", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[0]" },
-  { row = "1 ms, 12 bits", column = "IDOB", run = "motor-idob", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[1]" },
-  { row = "1 ms, 12 bits", column = "KFD", run = "motor-kfd", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[2]" },
-  { row = "1 ms, 12 bits", column = "DKF", run = "motor-dkf", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[3]" },
-  { row = "1 ms, 12 bits", column = "FAKFD", run = "motor-fakfd-095", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[4]" },
-  { row = "1 ms, 12 bits", column = "FAKFD .998", run = "motor-fakfd-0998", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[5]" },
-  { row = "1 ms, 12 bits", column = "VFAKFD", run = "motor-vfakfd", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[6]" },
-]
-"""
+EXPERIMENTS = pathlib.Path(__file__).with_name("browser_report.toml")
 
 # The reader. `page` is the report's window.
 READER = """<!doctype html><body style="margin:0"><script>
@@ -190,9 +134,8 @@ frame.addEventListener("load", () => look().catch((e) => seen.errors.push(String
 
 
 def make_report(bin_folder, folder):
-    (folder / "experiments.toml").write_text(EXPERIMENTS)
-    subprocess.run([bin_folder / "breakwater", "reproduce", "--quiet", "--experiments",
-                    folder / "experiments.toml", "--out", folder / "out"], check=True)
+    subprocess.run([bin_folder / "breakwater", "reproduce", "--quiet", "--experiments", EXPERIMENTS,
+                    "--out", folder / "out"], check=True)
     return (folder / "out" / "report.html").read_bytes()
 
 

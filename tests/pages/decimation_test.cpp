@@ -1,12 +1,8 @@
 #include <breakwater/pages/page_chart.h>
 
-#include <cmath>
-#include <limits>
-
 #include "support.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::decimation_test {
 
 Series impact() {
   Series series;
@@ -82,5 +78,4 @@ TEST(Decimation, ShortSeriesDoNotChange) {
   EXPECT_TRUE(decimate(Series{}, 10).values.empty());
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::decimation_test

@@ -1,10 +1,6 @@
 // report.html of a study: the numbers of its charts, its size, and hostile names.
-
 #include <fmt/format.h>
-#include <cmath>
-#include <cstdlib>
 #include <regex>
-#include <set>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/saved_run.h>
@@ -13,9 +9,9 @@
 #include <breakwater/pages/study_report.h>
 #include <breakwater/study/study_comparison.h>
 #include "catalogue.h"
+#include "tables.h"
 
 namespace breakwater::study_report_test {
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -372,30 +368,12 @@ TEST(StudyReport, AnEmptyStudyHasAPage) {
 }
 
 TEST(Labels, AreForPeople) {
-  for (const auto& [metric, unit, label] :
-       {std::tuple("peak_force_filtered_N", "N", "Peak force, filtered [N]"),
-        std::tuple("rmse_velocity_rad_s", "rad/s", "RMSE of velocity [rad/s]"),
-        std::tuple("tracking_rmse_m", "m", "Tracking RMSE [m]"),
-        std::tuple("std_of_zero_N", "N", "Deviation of zero [N]"),
-        std::tuple("bounce_count", "1", "Bounce count"),
-        std::tuple("max_y_error_m", "m", "Largest y error [m]"),
-        std::tuple("settling_time_5pct_s", "s", "Settling time to 5 % [s]"),
-        std::tuple("overshoot_j1_1", "", "Overshoot j1")}) {
-    EXPECT_EQ(metric_label_with_unit(metric, unit), label);
+  for (const auto& row : testing::rows_of("MetricLabels")) {
+    EXPECT_EQ(metric_label_with_unit(row.at(0), row.at(1)), row.at(2));
   }
-  EXPECT_EQ(key_label_with_unit("contact.stiffness_N_m", unit_of("contact.stiffness_N_m")),
-            "contact stiffness [N/m]");
-  for (const auto& [key, label] :
-       {std::pair("spring.stiffness_Nm_rad", "spring stiffness [N m/rad]"),
-        {"joint.damping_Nms_rad", "joint damping [N m s/rad]"},
-        {"motor.torque_constant_Nm_A", "motor torque constant [N m/A]"},
-        {"path.acceleration_m_s2", "path acceleration [m/s^2]"},
-        {"observer.wall_correction_per_s", "observer wall correction per s"},
-        {"contact.stiffness_N_m[2]", "contact stiffness [2] [N/m]"}}) {
-    EXPECT_EQ(key_label_with_unit(key, unit_of(key)), label);
+  for (const auto& row : testing::rows_of("KeyLabels")) {
+    EXPECT_EQ(key_label_with_unit(row.at(0), unit_of(row.at(0))), row.at(1));
   }
-  EXPECT_EQ(key_label_with_unit("encoder.bits", unit_of("encoder.bits")), "encoder bits");
 }
 
-}  // namespace
 }  // namespace breakwater::study_report_test

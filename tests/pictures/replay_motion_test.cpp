@@ -3,13 +3,9 @@
 
 #include <zlib.h>
 
-#include <cmath>
-#include <limits>
-
 #include "support.h"
 
 namespace breakwater::replay_motion_test {
-namespace {
 
 TEST(MotionCodec, NumbersRoundTripWithinAUnit) {
   testing::Random random(3);
@@ -92,5 +88,4 @@ TEST(ReplayTimes, AreLimitedByTheLogAndThePage) {
   EXPECT_NEAR(many.back(), 1e5, 1e-6);
 }
 
-}  // namespace
 }  // namespace breakwater::replay_motion_test

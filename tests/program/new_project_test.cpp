@@ -1,13 +1,10 @@
 #include <breakwater/program/new_project.h>
 
-#include <set>
-
 #include <breakwater/record/text_outputs.h>
 
 #include "catalogue.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::new_project_test {
 namespace fs = std::filesystem;
 
 std::string refusal(const std::string& name) {
@@ -115,5 +112,4 @@ TEST_F(NewProject, ShippedTemplatesHaveTheirPlaceholderNameAlone) {
   }
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::new_project_test

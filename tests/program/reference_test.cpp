@@ -1,9 +1,6 @@
 // `breakwater reference`: its pages agree with the program's output.
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 #include <regex>
-#include <sstream>
 
 #include <breakwater/program/commands.h>
 
@@ -11,8 +8,7 @@
 #include "cli/program.h"
 #include "support.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::reference_test {
 namespace fs = std::filesystem;
 
 // The keys in a configuration printed by --print-config: "controller.name" and so on.
@@ -122,5 +118,4 @@ TEST_F(Reference, HasEveryKeyMetricAndColumnOfEstimate) {
   }
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::reference_test

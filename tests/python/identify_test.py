@@ -239,21 +239,11 @@ class Identify(unittest.TestCase):
         done = identify(self.folder, "bench.csv", "--holdout", "other.csv", "--out", "id", status=3)
         self.assertIn("the held-out records disagree", done.stderr)
 
-    def test_wrong_arguments_are_refused(self):
+    def test_a_record_of_less_than_a_count_and_a_wrong_one_are_refused(self):
         write(self.folder / "bench.csv", self.data)
-        (self.folder / "word.csv").write_text("time_s,u,y\n0,1,2\n1,x,2\n2,1,2\n")
-        for arguments, message in [
-            (["nowhere.csv"], "nowhere.csv"),
-            (["word.csv"], 'word.csv:3: u: must be a finite number, is "x"'),
-            ([], "breakwater identify: FILE is missing"),
-            (["bench.csv", "--model", "arm"], "--model"),
-            (["bench.csv", "--set", "encoder.side=load"], "encoder.side: load needs --model two_inertia"),
-            (["bench.csv", "--set", "csv.time_scal=1"], "csv.time_scal"),
-            (["bench.csv", "--set", "csv.input_scale=0"], "csv.input_scale: must not be 0"),
-            (["bench.csv", "--set", "encoder.quantum=10"], "the position moves by"),
-        ]:
-            self.assertIn(message, identify(self.folder, *arguments, status=2).stderr, arguments)
-            self.assertFalse((self.folder / "runs").exists())
+        self.assertIn("the position moves by",
+                      identify(self.folder, "bench.csv", "--set", "encoder.quantum=10", status=2).stderr)
+        self.assertFalse((self.folder / "runs").exists())
         self.assertRaisesRegex(bw.InputError, "columns time_s, u and y", bw.identify, {"time_s": [1.0]})
 
 

@@ -12,7 +12,6 @@
 #include "support.h"
 
 namespace breakwater::damaged_log_test {
-namespace {
 
 namespace fs = std::filesystem;
 using testing::damaged;
@@ -247,5 +246,4 @@ TEST_F(DamagedLog, ReadsTextsOfVariableLengthAsEmpty) {
   EXPECT_EQ(list_hdf5_signals(log_.string())[0].unit, "rad/s");
 }
 
-}  // namespace
 }  // namespace breakwater::damaged_log_test

@@ -1,13 +1,11 @@
 #include <fcntl.h>
 #include <sys/wait.h>
-#include <unistd.h>
 #include <csignal>
 
 #include <breakwater/record/run_folder.h>
 #include "support.h"
 
 namespace breakwater::killed_run_test {
-namespace {
 
 namespace fs = std::filesystem;
 using testing::text_of;
@@ -193,5 +191,4 @@ TEST_F(KilledRun, LeavesNothingOnAFullDisk) {
   EXPECT_EQ(names(), std::set<std::string>{"run"});
 }
 
-}  // namespace
 }  // namespace breakwater::killed_run_test

@@ -1,6 +1,5 @@
 // The streamed log equals the one from memory, and what is left of it after a kill is a part of it.
 #include <sys/wait.h>
-#include <unistd.h>
 #include <csignal>
 
 #include <breakwater/record/hdf5_log.h>
@@ -9,7 +8,6 @@
 #include "support.h"
 
 namespace breakwater::log_stream_test {
-namespace {
 
 namespace fs = std::filesystem;
 using testing::text_of;
@@ -188,5 +186,4 @@ TEST_F(LogStreams, LeaveAFolderThatNoRunRemoves) {
   EXPECT_TRUE(is_kept(first));
 }
 
-}  // namespace
 }  // namespace breakwater::log_stream_test

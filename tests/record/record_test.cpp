@@ -1,7 +1,6 @@
 // Tracks, logs, metrics and run folders.
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 #include <atomic>
 #include <chrono>
 #include <climits>
@@ -20,7 +19,6 @@
 #include "support.h"
 
 namespace breakwater::record_test {
-namespace {
 
 namespace fs = std::filesystem;
 using testing::text_of;
@@ -536,5 +534,4 @@ TEST(LoadedLibrary, NamesThePackageThatIsMissing) {
             "package libnone1)");
 }
 
-}  // namespace
 }  // namespace breakwater::record_test

@@ -4,7 +4,6 @@
 #include "support.h"
 
 namespace breakwater::window_metrics_test {
-namespace {
 
 TEST(WindowStatistics, CountsSamplesInItsWindowBothEndsIncluded) {
   WindowStatistics statistics({1.0, 3.0});
@@ -177,5 +176,4 @@ TEST(HeldReference, ReportsNothingForATimeOutsideTheRun) {
   EXPECT_EQ(warning_of([](double) { return 1.0; }, 1.0, 6.0), "");
 }
 
-}  // namespace
 }  // namespace breakwater::window_metrics_test

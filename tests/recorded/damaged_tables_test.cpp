@@ -1,15 +1,11 @@
 // Tables with the damages of real laboratories: what is repaired, and what is refused.
-
 #include <fmt/format.h>
-
-#include <cmath>
-#include <numbers>
 
 #include <breakwater/recorded/recorded_axis.h>
 #include "support.h"
+#include "tables.h"
 
 namespace breakwater::damaged_tables_test {
-namespace {
 
 using Lines = std::vector<std::string>;
 
@@ -28,7 +24,7 @@ std::string joined(const Lines& lines) {
 
 struct Damage {
   std::string name;
-  void (*apply)(Lines&);
+  std::function<void(Lines&)> apply;
   std::string report;       // the repairs, or the message without the name of the file
   std::size_t rows = 40;    // that are left; 0: refused
   bool same_values = true;  // the rows lie on the ramp
@@ -41,28 +37,8 @@ void replace(Lines& lines, std::size_t line, const std::string& text) {
 
 const std::vector<Damage> kDamages = {
     {"nothing", [](Lines&) {}, ""},
-    {"empty_input", [](Lines& l) { replace(l, 12, "0.10,,20"); },
-     "1 input missing and interpolated (in line 12)"},
-    {"nan_inputs",
-     [](Lines& l) {
-       replace(l, 12, "0.10,NaN,20");
-       replace(l, 13, "0.11,nan,22");
-     },
-     "2 inputs missing and interpolated (the first in line 12)"},
-    {"first_input", [](Lines& l) { replace(l, 2, "0.00,n/a,0"); },
-     "1 input missing and interpolated (in line 2)", 40, false},
-    {"last_input", [](Lines& l) { replace(l, 41, "0.39,-,78"); },
-     "1 input missing and interpolated (in line 41)", 40, false},
-    {"nan_position", [](Lines& l) { replace(l, 12, "0.10,10,-nan"); },
-     "1 row without a position left out (in line 12)", 39},
-    {"infinite_position", [](Lines& l) { replace(l, 12, "0.10,10,inf"); },
-     "1 row without a position left out (in line 12)", 39},
-    {"nan_time", [](Lines& l) { replace(l, 12, "NaN,10,20"); },
-     "1 row without a time left out (in line 12)", 39},
     {"repeated_row", [](Lines& l) { l.insert(l.begin() + 12, l[11]); },
      "1 row with a repeated time left out (in line 13)"},
-    {"repeated_time", [](Lines& l) { replace(l, 13, "0.10,11,22"); },
-     "1 row with a repeated time left out (in line 13)", 39},
     {"each_row_twice",
      [](Lines& l) {
        Lines twice = {l[0]};
@@ -87,8 +63,6 @@ const std::vector<Damage> kDamages = {
      },
      "1 row out of order sorted (in line 14)"},
     {"missing_rows", [](Lines& l) { l.erase(l.begin() + 20, l.begin() + 25); }, "", 35},
-    {"torn_last_line", [](Lines& l) { replace(l, 41, "0.39,3"); },
-     "the last line is not whole and was left out", 39},
     {"footer", [](Lines& l) { l.push_back("end of measurement"); },
      "the last line is not whole and was left out"},
     {"trailing_separators",
@@ -168,8 +142,6 @@ const std::vector<Damage> kDamages = {
        }
      },
      "1 reset of the counter to 0 undone (in line 32)"},
-    {"wrong_position", [](Lines& l) { replace(l, 12, "0.10,10,9999"); },
-     "1 row with a position far from both neighbours left out (in line 12)", 39},
     {"second_record",
      [](Lines& l) {
        const Lines again(l.begin() + 1, l.end());
@@ -178,16 +150,8 @@ const std::vector<Damage> kDamages = {
      "42: time_s: goes back by more than 8 rows: is this a second record?", 0},
     {"second_header", [](Lines& l) { l.insert(l.begin() + 20, l[0]); },
      "21: time_s: must be a finite number, is \"time_s\"", 0},
-    {"commas_twice", [](Lines& l) { replace(l, 12, "0,10,10,20"); },
-     "12: has 4 values, the first line 3 (decimal commas need another separator)", 0},
-    {"word", [](Lines& l) { replace(l, 12, "0.10,ten,20"); },
-     "12: u: must be a finite number, is \"ten\"", 0},
-    {"merged_lines", [](Lines& l) { replace(l, 12, "0.10,10,200.11,11,22"); },
-     "12: has 5 values, the first line 3 (decimal commas need another separator)", 0},
     {"short_row", [](Lines& l) { replace(l, 12, "0.10,10"); }, "12: has 2 values, the first line 3",
      0},
-    {"thousands", [](Lines& l) { replace(l, 12, "0.10,10,\"1,000.5\""); },
-     "12: y: must be a finite number, is \"1,000.5\"", 0},
     {"wide_text", [](Lines& l) { l[0].insert(0, "\xff\xfe"); },
      "1: the text is in UTF-16: save it as UTF-8", 0},
     {"no_rows", [](Lines& l) { l.resize(1); }, " has fewer than two rows with different times", 0},
@@ -207,6 +171,23 @@ const std::vector<Damage> kDamages = {
      },
      " no row has a position", 0},
 };
+
+// And those of texts.txt, which replace lines.
+std::vector<Damage> all_damages() {
+  std::vector<Damage> all = kDamages;
+  for (const auto& row : testing::rows_of("DamagedTables")) {
+    const auto apply = [changes = row.at(1)](Lines& lines) {
+      for (std::size_t at = 0; at < changes.size();) {
+        const std::size_t colon = changes.find(": ", at);
+        const std::size_t end = std::min(changes.find("; ", at), changes.size());
+        replace(lines, std::stoul(changes.substr(at)), changes.substr(colon + 2, end - colon - 2));
+        at = end + 2;
+      }
+    };
+    all.push_back({row.at(0), apply, row.at(2), std::stoul(row.at(3)), row.at(4) == "same"});
+  }
+  return all;
+}
 
 class DamagedTable : public ::testing::TestWithParam<Damage> {};
 
@@ -234,7 +215,7 @@ TEST_P(DamagedTable, IsRepairedAndCountedOrRefusedWithItsLine) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, DamagedTable, ::testing::ValuesIn(kDamages),
+INSTANTIATE_TEST_SUITE_P(All, DamagedTable, ::testing::ValuesIn(all_damages()),
                          [](const auto& damage) { return damage.param.name; });
 
 double wrapped(double position, double low, double range) {
@@ -358,5 +339,4 @@ TEST(EncoderQuantum, IsFoundInPrintedDigitsAndNotInAnalogPositions) {
   EXPECT_EQ(encoder_quantum(std::vector<double>{1.0, 1.0}), 0.0);
 }
 
-}  // namespace
 }  // namespace breakwater::damaged_tables_test

@@ -5,7 +5,6 @@
 #include "tables.h"
 
 namespace breakwater::cases_test {
-namespace {
 
 using testing::forms_of;
 using testing::Table;
@@ -281,5 +280,4 @@ INSTANTIATE_TEST_SUITE_P(Shipped, Cases,
                          ::testing::ValuesIn(testing::tables_of("tests/regression/cases.txt")),
                          testing::test_name);
 
-}  // namespace
 }  // namespace breakwater::cases_test

@@ -1,12 +1,8 @@
 // The impact and the onset of bouncing by contact stiffness: a coarse version of
 // docs/explanation/studies/contact-stiffness.md.
-
-#include <cmath>
-
 #include "regression/run_case.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::contact_stiffness_study {
 
 constexpr const char* kScenario = "arm_wall_contact";
 
@@ -118,5 +114,4 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::contact_stiffness_study

@@ -1,8 +1,8 @@
 // The drive as it is, in the scenarios of axes and arms.
 #include "regression/run_case.h"
+#include "tables.h"
 
 namespace breakwater::drive_test {
-namespace {
 
 // The drive as it is, in the scenarios of axes and arms.
 using testing::completed_run;
@@ -47,35 +47,6 @@ TEST(Drive, TheTrueDisturbanceHasTheDryFriction) {
   }
 }
 
-// Each part: its keys for the motor, and the signals that it adds.
-struct Part {
-  Sets keys;
-  std::vector<std::string> signals;
-};
-
-std::vector<Part> parts() {
-  return {
-      {{"plant.coulomb_friction_Nm=0.5", "friction.law=stribeck", "friction.static_ratio=1.5",
-        "friction.stribeck_velocity=0.05"},
-       {"friction_Nm"}},
-      {{"plant.coulomb_friction_Nm=0.5", "friction.law=lugre", "friction.static_ratio=1.5",
-        "friction.stribeck_velocity=0.05", "friction.bristle_stiffness=1e4",
-        "friction.bristle_damping=10"},
-       {"friction_Nm"}},
-      {{"plant.coulomb_friction_Nm=0.5", "friction.law=load_dependent", "friction.load_ratio=0.1"},
-       {"friction_Nm"}},
-      {{"drive.current_bandwidth_rad_s=200"}, {"current_A", "motor_Nm"}},
-      {{"drive.voltage_limit_V=24", "drive.resistance_ohm=2", "drive.inductance_H=1e-3"},
-       {"current_A", "motor_Nm"}},
-      {{"drive.cogging_Nm=0.1", "drive.cogging_per_turn=12"}, {"current_A", "motor_Nm"}},
-      {{"drive.ripple_ratio=0.05", "drive.ripple_per_turn=6"}, {"current_A", "motor_Nm"}},
-      {{"control.delay_s=1.5e-3"}, {}},
-      {{"control.jitter_s=1e-3"}, {}},
-      {{"control.drop_probability=0.1"}, {}},
-      {{"encoder.eccentricity_rad=1e-3"}, {}},
-      {{"encoder.interpolation_rad=1e-3", "encoder.interpolation_per_turn=64"}, {}}};
-}
-
 TEST(Drive, EachPartChangesTheMotorAndLogsItsSignals) {
   const Sets brief = {"run.duration_s=3"};
   const Recording ideal = completed_run(kMotor, "vfakfd", brief);
@@ -85,17 +56,18 @@ TEST(Drive, EachPartChangesTheMotorAndLogsItsSignals) {
     for (std::size_t i = 0; i < track.signals(); ++i) names.push_back(track.signal(i).name);
     return names;
   };
-  for (const Part& part : parts()) {
-    const Recording run = completed_run(kMotor, "vfakfd", with(brief, part.keys));
-    EXPECT_NE(run.state_hash, ideal.state_hash) << part.keys.back();
+  for (const auto& row : testing::rows_of("DriveParts")) {
+    const Sets signals = testing::words_in(row.at(1));
+    const Recording run =
+        completed_run(kMotor, "vfakfd", with(brief, testing::words_in(row.at(0))));
+    EXPECT_NE(run.state_hash, ideal.state_hash) << row.at(0);
     std::vector<std::string> expected = names_of(ideal);
     for (const std::string& name : names_of(run)) {
       const bool was_there = std::find(expected.begin(), expected.end(), name) != expected.end();
-      const bool is_its_own =
-          std::find(part.signals.begin(), part.signals.end(), name) != part.signals.end();
+      const bool is_its_own = std::find(signals.begin(), signals.end(), name) != signals.end();
       EXPECT_NE(was_there, is_its_own) << name;
     }
-    EXPECT_EQ(names_of(run).size(), expected.size() + part.signals.size()) << part.keys.back();
+    EXPECT_EQ(names_of(run).size(), expected.size() + signals.size()) << row.at(0);
   }
 }
 
@@ -217,5 +189,4 @@ TEST(TwoInertiaScenario, DryFrictionActsOnTheSideOfItsKey) {
   EXPECT_NE(hashes[0], hashes[1]);
 }
 
-}  // namespace
 }  // namespace breakwater::drive_test

@@ -5,12 +5,12 @@
 
 #include <breakwater/shell/all_cores.h>
 #include "regression/run_case.h"
+#include "tables.h"
 
 namespace breakwater::fault_matrix_test {
-namespace {
 
 struct Place {
-  const char* scenario;
+  std::string scenario;
   std::vector<std::string> sensors;
   double period_s;  // T_s
   double at_s;
@@ -19,32 +19,16 @@ struct Place {
   double spike;  // about the range of the motion
 };
 
-// Short runs with the fault in the middle. The arm has reached the wall by then.
 const std::vector<Place>& places() {
-  static const std::vector<Place> all = {
-      {"motor_estimation", {"angle"}, 1e-3, 2.5, {"run.duration_s=5"}, 0.01, 1.0},
-      {"cart_estimation", {"position"}, 0.1, 20.0, {"run.duration_s=40"}, 1e-3, 0.1},
-      {"cart_position", {"position"}, 1e-3, 2.5, {"run.duration_s=5"}, 1e-3, 0.1},
-      {"cart_offset_free", {"position"}, 1e-2, 10.0, {"run.duration_s=20"}, 1e-3, 0.1},
-      {"cart_constrained", {"position"}, 1e-2, 6.0, {}, 1e-3, 0.1},
-      {"two_inertia", {"angle"}, 1e-3, 0.7, {}, 0.01, 1.0},
-      {"arm_push", {"q1", "q2", "q3"}, 1e-3, 3.0, {"run.duration_s=6"}, 0.01, 1.0},
-      {"arm_wall_contact",
-       {"q1", "q2", "q3", "force", "force_raw"},
-       1e-3,
-       7.0,
-       {"run.duration_s=9", "wall.solid_from_s=4", "force.from_s=5", "metrics.from_s=8",
-        "metrics.to_s=9", "record.fine_from_s=8.9", "record.fine_to_s=9"},
-       0.01,
-       1.0},
-      {"quadrotor_waves",
-       {"x", "y", "z", "roll", "pitch", "yaw"},
-       0.01,
-       10.0,
-       {"run.duration_s=20", "metrics.window_s=5"},
-       0.05,
-       1.0},
-      {"plant", {"shoulder", "elbow"}, 1e-3, 2.0, {}, 0.01, 1.0}};
+  static const std::vector<Place> all = [] {
+    std::vector<Place> read;
+    for (const auto& row : testing::rows_of("FaultPlaces")) {
+      read.push_back({row.at(0), testing::words_in(row.at(1)), std::stod(row.at(2)),
+                      std::stod(row.at(3)), testing::words_in(row.at(4)), std::stod(row.at(5)),
+                      std::stod(row.at(6))});
+    }
+    return read;
+  }();
   return all;
 }
 
@@ -62,23 +46,15 @@ struct Fault {
   bool drops = false;  // sensor.nan_policy
 };
 
-constexpr double kForEver_s = 1e3;
-
 const std::vector<Fault>& faults() {
-  static const std::vector<Fault> all = {{"nan", "nan", 0.0},
-                                         {"nan dropped", "nan", 0.0, 0.0, 1, true},
-                                         {"infinity", "infinity", 0.0},
-                                         {"frozen 0.2 s", "frozen", 0.2},
-                                         {"dropped 50 ms", "dropped", 0.0},
-                                         {"spike", "spike", 0.0, 1.0},
-                                         {"spike 1e200", "spike", 0.0, 1e200},
-                                         {"bias", "bias", kForEver_s},
-                                         {"delay 1", "delay", kForEver_s, 0.0, 1},
-                                         {"delay 2", "delay", kForEver_s, 0.0, 2},
-                                         {"delay 3", "delay", kForEver_s, 0.0, 3},
-                                         {"delay 4", "delay", kForEver_s, 0.0, 4},
-                                         {"delay 5", "delay", kForEver_s, 0.0, 5},
-                                         {"stuck", "stuck", kForEver_s}};
+  static const std::vector<Fault> all = [] {
+    std::vector<Fault> read;
+    for (const auto& row : testing::rows_of("Faults")) {
+      read.push_back({row.at(0), row.at(1), std::stod(row.at(2)), std::stod(row.at(3)),
+                      std::stoi(row.at(4)), row.at(5) == "drop"});
+    }
+    return read;
+  }();
   return all;
 }
 
@@ -244,12 +220,11 @@ TEST_P(SensorFaults, EveryRunIsCompleteOrFailsAtOnce) {
   }
   fmt::print("{} runs with a fault\n", runs);
   if (folder == nullptr) return;
-  std::ofstream file(folder + ("/" + std::string(place.scenario)) + ".csv");
+  std::ofstream file(folder + ("/" + place.scenario) + ".csv");
   EXPECT_TRUE(file << table) << "BREAKWATER_FAULTS: " << folder << " cannot be written";
 }
 
 INSTANTIATE_TEST_SUITE_P(Faults, SensorFaults, ::testing::ValuesIn(places()),
-                         [](const auto& place) { return std::string(place.param.scenario); });
+                         [](const auto& place) { return place.param.scenario; });
 
-}  // namespace
 }  // namespace breakwater::fault_matrix_test

@@ -1,8 +1,8 @@
 // Each metric again, from the log, with plain loops over whole arrays.
 #include "regression/run_case.h"
+#include "tables.h"
 
 namespace breakwater::metrics_from_logs_test {
-namespace {
 
 using testing::run_case;
 using Values = std::vector<double>;
@@ -238,7 +238,7 @@ using AllDerived = std::map<std::string, Derived>;
 
 struct Reader {
   const Recording& run;
-  const AllDerived& derived;
+  AllDerived derived;
   const MetricRows& rows;
   double end_s;
   MetricExpression::Events events;
@@ -301,37 +301,26 @@ struct Reader {
   }
 };
 
-// A case, and the metrics that cannot be read again. The log lacks a signal of theirs, or their
-// reduction is the scenario's own, which other tests check.
-struct Case {
-  std::string scenario;
-  std::string name;
-  std::vector<std::string> sets;
-  std::set<std::string> not_logged;
-  AllDerived derived = {};
-};
+// The start pose is (0.45 m, 0, 0).
+const AllDerived kOfTheWall = {{"force_reference_N", {"", 2.0}},
+                               {"y_offset_m", {"y_true_m", 0.0}},
+                               {"phi_offset_rad", {"phi_true_rad", 0.0}}};
 
-std::vector<std::string> fine_wall() {
-  std::vector<std::string> sets = testing::switched_at_10_s(17);
-  for (const char* set : {"record.fine_from_s=0", "metrics.from_s=13", "metrics.to_s=16",
-                          "contact.stiffness_N_m=5000"}) {
-    sets.emplace_back(set);
-  }
-  return sets;
-}
+using Case = std::vector<std::string>;  // a row of texts.txt
 
 class MetricsFromLogs : public ::testing::TestWithParam<Case> {};
 
 TEST_P(MetricsFromLogs, AreThoseOfTheRun) {
   const Case& one = GetParam();
-  const PreparedRun prepared = testing::prepare(one.scenario, one.name, one.sets);
+  const std::string& scenario = one.at(0);
+  const PreparedRun prepared = testing::prepare(scenario, one.at(1), testing::words_in(one.at(2)));
   const Recording run = prepared.scenario->run({});
   ASSERT_FALSE(run.failure);
   const MetricRows& rows = prepared.scenario->metric_rows();
   // The events, from the log.
   double first_contact_s = kNever, first_separation_s = kNever;
   if (run.tracks.size() > 1) {
-    const double from_s = one.scenario == "arm_wall_contact" ? 10.0 : 0.0;
+    const double from_s = scenario == "arm_wall_contact" ? 10.0 : 0.0;
     const Track& fine = run.track("physics");
     const Values times = fine.times(), force = fine.values("force_true_N");
     for (std::size_t i = 0; i < force.size(); ++i) {
@@ -344,7 +333,7 @@ TEST_P(MetricsFromLogs, AreThoseOfTheRun) {
   }
   const Reader reader{
       run,
-      one.derived,
+      scenario == "arm_wall_contact" ? kOfTheWall : AllDerived(),
       rows,
       prepared.scenario->run_settings().duration_s,
       {{"first_contact", &first_contact_s}, {"first_separation", &first_separation_s}}};
@@ -367,55 +356,15 @@ TEST_P(MetricsFromLogs, AreThoseOfTheRun) {
     EXPECT_NEAR(*metric, *again, 1e-9 * std::max(1.0, std::abs(*again))) << name;
   }
   EXPECT_GT(found, 2);
-  EXPECT_EQ(not_logged, one.not_logged);
+  const std::vector<std::string> expected = testing::words_in(one.at(3));
+  EXPECT_EQ(not_logged, std::set<std::string>(expected.begin(), expected.end()));
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Regression, MetricsFromLogs,
-    ::testing::Values(
-        Case{"motor_estimation", "mdob", {"encoder.bits=8"}, {"lambda_mean_1", "lambda_min_1"}},
-        // The torque is the applied one, not the commanded one.
-        Case{"motor_estimation",
-             "vfakfd",
-             {"encoder.bits=8", "drive.limit_Nm=10.5", "disturbance.start_s=2",
-              "disturbance.kind=two_sines"},
-             {}},
-        Case{"cart_position", "mdob", {"run.duration_s=10"}, {}},
-        Case{"cart_estimation", "gamma-1.02", {"metrics.from_s=20", "metrics.to_s=40"}, {}},
-        Case{"cart_offset_free",
-             "proposed",
-             {"noise.enabled=true", "metrics.from_s=30", "metrics.to_s=40"},
-             {}},
-        Case{"cart_constrained", "proposed-idob", {}, {}},
-        Case{"two_inertia",
-             "sf-kfd",
-             {},
-             {"overshoot_rad", "rmse_disturbance_Nm", "rmse_load_velocity_rad_s"}},
-        Case{"impact_test",
-             "hertz",
-             {"record.fine_from_s=0", "record.fine_to_s=10"},
-             {"bounce_count", "contact_impulse_Ns", "restitution"}},
-        Case{"arm_push",
-             "proposed-link2",
-             {},
-             {"overshoot_rad", "posture_overshoot_rad", "reversal_count", "settling_time_s",
-              "tip_error_m", "x_overshoot_m", "y_overshoot_m"}},
-        Case{"arm_wall_contact",
-             "proposed-2N",
-             fine_wall(),
-             {"impact_mass_kg", "impact_velocity_m_s"},
-             // The start pose is (0.45 m, 0, 0).
-             {{"force_reference_N", {"", 2.0}},
-              {"y_offset_m", {"y_true_m", 0.0}},
-              {"phi_offset_rad", {"phi_true_rad", 0.0}}}},
-        Case{"quadrotor_waves",
-             "resonator",
-             {"run.duration_s=20", "metrics.window_s=8"},
-             {"attitude_estimate_rmse_rad", "converged", "horizontal_force_rmse_N",
-              "horizontal_force_rmse_of_zero_N", "nees_mean", "position_estimate_rmse_m",
-              "position_measurement_rmse_m", "roll_rate_rmse_rad_s", "vertical_force_rmse_N"}},
-        Case{"plant", "idob", {}, {}}),
-    [](const auto& one) { return one.param.scenario + std::to_string(one.index); });
+INSTANTIATE_TEST_SUITE_P(Regression, MetricsFromLogs,
+                         ::testing::ValuesIn(testing::rows_of("MetricsFromLogs")),
+                         [](const auto& row) {
+                           return row.param.at(0) + std::to_string(row.index);
+                         });
 
 // ---- what no row says --------------------------------------------------------------------------
 
@@ -466,5 +415,4 @@ TEST(SignalsOfMetrics, AStepHasNoLag) {
   EXPECT_FALSE(run_case("cart_estimation", "order1").metric("disturbance_lag_s"));
 }
 
-}  // namespace
 }  // namespace breakwater::metrics_from_logs_test

@@ -3,7 +3,6 @@
 #include "regression/run_case.h"
 
 namespace breakwater::motor_estimation_test {
-namespace {
 
 using testing::median;
 using Sets = std::vector<std::string>;
@@ -218,5 +217,4 @@ TEST(MotorEstimation, OldFilesHaveTheShippedValuesOfNewerKeys) {
   std::filesystem::remove(path);
 }
 
-}  // namespace
 }  // namespace breakwater::motor_estimation_test

@@ -1,9 +1,7 @@
 // The thesis' six estimators over ten seeds: which of them hold station (Table 3.5 and 3.4.3.2).
-
 #include "regression/run_case.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::quadrotor_pattern_study {
 
 struct Outcome {
   int converged = 0;
@@ -62,5 +60,4 @@ TEST(QuadrotorPattern, AllConvergeInStillWater) {
   }
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::quadrotor_pattern_study

@@ -4,9 +4,9 @@
 #include <breakwater/experiment/runner.h>
 #include <breakwater/shell/all_cores.h>
 #include "catalogue.h"
+#include "tables.h"
 
 namespace breakwater::unused_keys_test {
-namespace {
 
 TEST(UnusedKeys, NoShippedCaseSetsOne) {
   for (const std::string& name : testing::scenario_names()) {
@@ -22,38 +22,13 @@ TEST(UnusedKeys, NoShippedCaseSetsOne) {
 
 // Another option of a choice.
 std::string other_option(const std::string& key, const std::string& now) {
-  static const std::map<std::string, std::vector<std::string>> options = {
-      {"controller.gains", {"retuned", "dlqr"}},
-      {"controller.name", {"pd", "none"}},
-      {"controller.positioning", {"joint", "workspace"}},
-      {"controller.ik_form", {"printed", "sugihara"}},
-      {"controller.cancel_at", {"sample", "decision"}},
-      {"controller.disturbance_use", {"none", "predict", "cancel"}},
-      {"controller.last_weight", {"factor", "riccati"}},
-      {"encoder.origin", {"counted", "calibrated"}},
-      {"encoder.rounding", {"nearest", "truncate"}},
-      {"encoder.side", {"load", "motor"}},
-      {"friction.side", {"load", "motor"}},
-      {"estimator.process_noise", {"printed", "tuned"}},
-      {"estimator.process_noise_mode", {"per_step", "delta"}},
-      {"estimator.process_noise_states", {"all", "highest"}},
-      {"estimator.wave_force", {"given", "estimated"}},
-      {"estimator.wave_frequency", {"given", "estimated"}},
-      {"nominal.model", {"rigid", "motor"}},
-      {"observer.likelihood", {"gauss", "code"}},
-      {"observer.name", {"idob", "none"}},
-      {"sensor.encoder_side", {"load", "motor"}},
-      {"observer.covariance_form", {"symmetric", "printed"}},
-      {"observer.process_noise_on", {"input", "all"}},
-      {"solver.name", {"active_set", "hildreth"}},
-      {"solver.on_infeasible", {"soften", "stop"}},
-      {"solver.soften_first", {"position", "velocity"}}};
+  static const std::vector<std::vector<std::string>> options = testing::rows_of("Options");
   // "axis.NAME.observer.name" is an axis' "observer.name".
   const std::size_t axis_ends = key.starts_with("axis.") ? key.find('.', 5) + 1 : 0;
-  for (const std::string& option : options.at(key.substr(axis_ends))) {
-    if (option != now) return option;
+  for (const auto& row : options) {
+    if (row.at(0) == key.substr(axis_ends)) return row.at(1) != now ? row.at(1) : row.at(2);
   }
-  return "";
+  throw std::out_of_range(key);
 }
 
 // A similar legal value.
@@ -87,64 +62,20 @@ struct Trial {
 
 // Every shipped case, shortened, and keys that no case has.
 std::vector<Trial> all_trials() {
-  const std::map<std::string, std::vector<std::string>> brief = {
-      {"arm_push", {"run.duration_s=1", "push.start_s=0.2", "push.rise_s=0.3"}},
-      {"arm_wall_contact",
-       {"run.duration_s=6", "wall.solid_from_s=4", "force.from_s=4.5", "metrics.from_s=5"}},
-      {"cart_constrained", {"run.duration_s=4.5", "disturbance.start_s=1"}},
-      {"cart_estimation", {"run.duration_s=30"}},
-      {"cart_offset_free", {"run.duration_s=3"}},
-      {"cart_position", {"run.duration_s=1"}},
-      {"impact_test", {"run.duration_s=0.1"}},
-      {"motor_estimation", {"run.duration_s=2"}},
-      {"plant", {"run.duration_s=1"}},
-      {"quadrotor_waves", {"run.duration_s=2", "metrics.window_s=1"}},
-      {"two_inertia", {"run.duration_s=0.3"}}};
-  const std::map<std::string, std::vector<std::vector<std::string>>> more = {
-      {"arm_push", {{"controller.positioning=workspace"}}},
-      {"cart_constrained", {{"condition=A"}, {"condition=E", "controller.name=lqr"}}},
-      {"cart_estimation",
-       {{"disturbance.kind=ramp"},
-        {"disturbance.kind=sine", "observer.name=vfakfd"},
-        {"disturbance.kind=high_sine", "observer.name=qvff"}}},
-      {"cart_offset_free", {{"noise.enabled=true"}, {"noise.enabled=false"}}},
-      {"cart_position",
-       {{"observer.name=vfakfd"},
-        {"observer.name=stf"},
-        {"encoder.resolution_m=0", "controller.name=mpc", "solver.name=hildreth"},
-        {"controller.name=mpc", "controller.disturbance_use=predict",
-         "solver.on_infeasible=stop"}}},
-      {"motor_estimation",
-       {{"disturbance.kind=none"},
-        {"disturbance.kind=sine"},
-        {"disturbance.kind=two_sines"},
-        {"disturbance.kind=chirp"},
-        {"encoder.bits=0", "observer.alpha=1"},
-        {"observer.name=state_observer", "observer.poles_rad_s=[-10, -20]"}}},
-      {"quadrotor_waves",
-       {{"reading=literal"},
-        {"reading=consistent"},
-        {"estimator.wave_frequency=estimated"},
-        {"estimator.disturbance=spectrum", "estimator.wave_frequency=estimated"},
-        {"estimator.disturbance=spectrum", "estimator.wave_force=given"},
-        {"estimator.disturbance=spectrum", "controller.gains=given", "controller.lead_s=0.3"}}},
-      {"two_inertia",
-       {{"task.kind=torque_step"},
-        {"task.kind=reversal", "task.reversal_s=0.2"},
-        {"transmission.kinematic_error_rad=1e-3"}}}};
   std::vector<Trial> trials;
-  for (const std::string& name : testing::scenario_names()) {
-    const ScenarioFile file = testing::scenario_file(name);
-    for (const std::string& case_name : file.cases()) {
-      trials.push_back({name, case_name, brief.at(name)});
-    }
-    if (!more.contains(name)) continue;
-    for (const std::vector<std::string>& sets : more.at(name)) {
-      Trial trial{name, file.default_case(), brief.at(name)};
-      trial.sets.insert(trial.sets.end(), sets.begin(), sets.end());
+  for (const auto& row : testing::rows_of("UnusedKeys")) {
+    const ScenarioFile file = testing::scenario_file(row.at(0));
+    Trial trial{row.at(0), file.default_case(), testing::words_in(row.at(1))};
+    if (row.size() > 2) {
+      for (const std::string& set : testing::words_in(row.at(2))) trial.sets.push_back(set);
       trials.push_back(trial);
+      continue;
     }
+    for (const std::string& name : file.cases()) trials.push_back({row.at(0), name, trial.sets});
   }
+  std::set<std::string> scenarios;
+  for (const Trial& trial : trials) scenarios.insert(trial.scenario);
+  EXPECT_EQ(scenarios.size(), testing::scenario_names().size());
   return trials;
 }
 
@@ -190,5 +121,4 @@ TEST(UnusedKeys, DoNotChangeTheStateHash) {
   EXPECT_GT(keys, 500U);
 }
 
-}  // namespace
 }  // namespace breakwater::unused_keys_test

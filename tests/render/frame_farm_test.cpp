@@ -1,11 +1,9 @@
 // Frames from several processes: all arrive in order, whatever happens to a process.
 #include <breakwater/render/frame_farm.h>
 
-#include <unistd.h>
 #include <csignal>
 
 #include <cstring>
-#include <set>
 
 #include <breakwater/record/output_error.h>
 #include <breakwater/render/colour_converter.h>
@@ -13,8 +11,7 @@
 #include <breakwater/render/video_file.h>
 #include "support.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::frame_farm_test {
 
 struct Frame {
   std::size_t number;
@@ -166,5 +163,4 @@ TEST(VideoFile, RefusesAMissingFolder) {
   EXPECT_THROW(VideoFile("/no/such/folder/a.mp4", {}), OutputError);
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::frame_farm_test

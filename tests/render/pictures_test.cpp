@@ -3,9 +3,7 @@
 #include <sys/resource.h>
 #include <csignal>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
-#include <regex>
 
 #include <breakwater/pictures/staging.h>
 #include <breakwater/sim/named_elements.h>
@@ -14,8 +12,7 @@
 #include "environment.h"
 #include "render/media.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::pictures_test {
 namespace fs = std::filesystem;
 using testing::Environment;
 using testing::Png;
@@ -84,24 +81,6 @@ TEST_F(Pictures, AVideoHasTheRequestedFormat) {
   EXPECT_EQ(probe(folder_ / "short.mp4", "nb_read_frames"), "3");  // round(2.75)
 }
 
-TEST_F(Pictures, AVideoDoesNotChangeTheRun) {
-  push("plain");
-  const ProgramResult result = ran("arm_push --duration 0.5 --video --out filmed");
-  EXPECT_EQ(state_hash("plain"), state_hash("filmed"));
-  EXPECT_EQ(read("plain/config.toml"), read("filmed/config.toml"));
-  // The window of the shot list is after the end of this run, so the whole run is shown.
-  EXPECT_EQ(probe(folder_ / "filmed/video.mp4", "nb_read_frames"), "15");
-  EXPECT_EQ(probe(folder_ / "filmed/video.mp4", "width"), "1280");
-  // The table of metrics is still at the end.
-  EXPECT_LT(result.out.find("video"), result.out.find("results: "));
-
-  ran("arm_push --quiet --duration 0.2 --video=here.mp4 --out other");
-  EXPECT_TRUE(fs::exists(folder_ / "here.mp4"));
-  EXPECT_FALSE(fs::exists(folder_ / "other/video.mp4"));
-  expect_refused("arm_push --case all --duration 0.2 --video=x.mp4",
-                 "--video: one file cannot hold the videos of several runs");
-}
-
 TEST_F(Pictures, PicturesOfOneMomentAreAlikeAndNameTheirRenderer) {
   push("run");
   // The software renderer, also where a GPU is the first device.
@@ -133,76 +112,6 @@ TEST_F(Pictures, PicturesOfOneMomentAreAlikeAndNameTheirRenderer) {
   EXPECT_GT(mean_difference(Png(folder_ / "run/still.png"), Png(folder_ / "egl.png")), 3.0);
 }
 
-TEST_F(Pictures, WithoutOpenGLTheRunStays) {
-  write("libEGL.so.1", "no library");
-  const Environment path("LD_LIBRARY_PATH", folder_);
-  expect_failure("arm_push --quiet --duration 0.2 --video --out run", 4, "pictures need OpenGL");
-  // The message names the library with its package.
-  expect_failure("breakwater video run", 4, "libEGL.so.1");
-  expect_failure("breakwater still run --at 0.1", 4, "libegl1)");
-  push("other");  // nothing else needs it
-}
-
-TEST_F(Pictures, NonsenseInTheEnvironmentIsRefusedBeforeTheRun) {
-  push("run");
-  {
-    const Environment asked("MUJOCO_GL", "softpipe");
-    expect_failure("breakwater video run", 2, "MUJOCO_GL: \"softpipe\"");
-    expect_failure("breakwater still run --at 0.1", 2, "MUJOCO_GL");
-    expect_refused(
-        "arm_push --quiet --duration 0.2 --video --out other",
-        "MUJOCO_GL: \"softpipe\": must be egl or osmesa, which need no screen, or unset");
-    push("plain");  // this draws nothing
-  }
-  for (const auto& [number, status] :
-       {std::pair("-1", 2), std::pair("GPU", 2), std::pair("99", 4)}) {
-    const Environment device("MUJOCO_EGL_DEVICE_ID", number);
-    const ProgramResult result = run("breakwater video run");
-    expect_failure(result, status, "MUJOCO_EGL_DEVICE_ID");
-  }
-}
-
-TEST_F(Pictures, ReportsAMissingFolder) {
-  push("run");
-  expect_failure("breakwater still run --at 0.1 --look fast --size 128x96 --out nowhere/s.png", 4,
-                 "nowhere/s.png: cannot be written (No such file or directory)");
-}
-
-TEST_F(Pictures, RunsOfDifferentScenariosDoNotStandSideBySide) {
-  push("run");
-  wall("wall");
-  expect_failure("breakwater still run wall --at 0.1", 2,
-                 "wall: is a run of arm_wall_contact, but another one is of arm_push");
-}
-
-TEST_F(Pictures, ACameraThatTheModelLacksFailsTheVideoAlone) {
-  const std::string text = testing::text_of(testing::source_file("models/arm.xml"));
-  write("mine.xml", std::regex_replace(text, std::regex("<camera name=\""), "$&my_"));
-  const ProgramResult result =
-      run("arm_push --quiet --duration 0.2 --video --out run --set model.mjcf=mine.xml");
-  expect_failure(result, 4, "has no camera");
-  EXPECT_TRUE(has(result.err, "arm_push/shots.toml:"));
-}
-
-TEST_F(Pictures, AMissingSiteIsReportedWithTheLineOfTheShotList) {
-  push("run");
-  const std::string shots = testing::text_of(testing::source_file("scenarios/arm_push/shots.toml"));
-  // A shot list without the other files of the scenario replaces the shipped one.
-  write("mine/scenarios/arm_push/shots.toml",
-        testing::replaced(shots, "site = \"", "site = \"my_"));
-  const Environment path("BREAKWATER_PATH", folder_ / "mine");
-  expect_failure("breakwater still run --at 0.1", 2,
-                 "arm_push/shots.toml:" + testing::line_of(shots, "site = \"") + ": arrow.site: ");
-}
-
-TEST_F(Pictures, AFailedRunIsDrawnToo) {
-  const std::string failing =
-      "arm_push --quiet --duration 0.5 --set fault.sensor=q1 fault.at_s=0.3";
-  EXPECT_EQ(run(failing + " --out run").status, 3);
-  EXPECT_EQ(json("run/manifest.json")["status"], "failed");
-  ran("breakwater still run --at 0.2 --look fast --size 128x96 --out s.png");
-}
-
 TEST_F(Pictures, OnAFullDiskTheRunStays) {
   push("run");
   // Files are limited to 8 kB, without a signal.
@@ -218,57 +127,6 @@ TEST_F(Pictures, OnAFullDiskTheRunStays) {
   expect_failure(still, 4, "still.png: cannot be written");
 }
 
-TEST_F(Pictures, NonsenseIsRefusedInOneLine) {
-  push("run");
-  expect_refusals(
-      "breakwater ",
-      {{"video run --camera nowhere",
-        "PROJECT/models/arm.xml: has no camera \"nowhere\", but front, top, overview, tip"},
-       {"still run --at 0.1 --camera nowhere",
-        "PROJECT/models/arm.xml: has no camera \"nowhere\", but front, top, overview, tip"},
-       {"video run --size 321x180", "--size 321x180: sides must be even, from 64 to 7680"},
-       {"video run --size big", "--size big: must be of the form 1280x720"},
-       {"video run --from 3 --to 4", "--from 3, --to 4: the log lasts from 0 s to 0.5 s"},
-       {"video run --from 0.3 --to 0.1",
-        "--from 0.3, --to 0.1: the end must be after the beginning"},
-       {"video run --speed 1000",
-        "video: 0.5 s at speed 1000 and 30 frames/s give no frame: choose"
-        " a longer window or a lower speed"},
-       {"video run --look nice", "--look nice: must be fast, full or print"},
-       {"video run run run run run", "5 runs: at most 4 fit side by side"},
-       {"video run --fps 0", "breakwater video: --fps: Value 0 not in range 1 to 240 (see --help)"},
-       {"video", "breakwater video: RUN is required (see --help)"},
-       {"still run", "breakwater still: --at is required (see --help)"},
-       {"still run --at 0.1 --out s.jpg",
-        "--out s.jpg: pictures are PNG: choose a name that ends with .png"},
-       {"still run --at 7", "--at 7: the log lasts from 0 s to 0.5 s"},
-       {"still run --at nan", "--at nan: the log lasts from 0 s to 0.5 s"},
-       {"video run --size 99999999999x180",
-        "--size 99999999999x180: sides must be even, from 64 to 7680"},
-       {"video run --size 640x360x2", "--size 640x360x2: must be of the form 1280x720"},
-       {"strip run", "run: none of the shot list's moments is in this run's log"},
-       {"video nowhere", "nowhere: there is no such folder; give the folder of a run"}});
-  for (const auto& [file, line] :
-       Refusals{{"log.h5", "run: the run is incomplete: it has no log.h5; run it again"},
-                {"config.toml", "run: the run is incomplete: it has no config.toml; run it again"},
-                {"manifest.json",
-                 "run: is not the folder of a finished run: it has no manifest.json; "
-                 "run the scenario again with --out"}}) {
-    fs::rename(folder_ / "run" / file, folder_ / "aside");
-    expect_refused("breakwater video run", line);
-    fs::rename(folder_ / "aside", folder_ / "run" / file);
-  }
-  const std::string manifest = read("run/manifest.json");
-  write("run/manifest.json", testing::replaced(manifest, "arm_push", "door"));
-  expect_refused("breakwater video run",
-                 "run: is a run of scenario \"door\", which this program does not have: draw "
-                 "it with the program that made it");
-  write("run/manifest.json", manifest);
-  fs::resize_file(folder_ / "run/log.h5", 3000);
-  expect_refused("breakwater video run",
-                 "run/log.h5: is damaged: it is not what the run wrote; run it again");
-}
-
 TEST_F(Pictures, AnInterruptedVideoLeavesNothing) {
   wall("run");
   const std::vector<std::string> before = entries();
@@ -276,15 +134,6 @@ TEST_F(Pictures, AnInterruptedVideoLeavesNothing) {
       run("breakwater video run --from 0 --to 6 --speed 0.01", has_made_something(), SIGINT), 130,
       "interrupted");
   EXPECT_EQ(entries(), before);
-}
-
-TEST_F(Pictures, ReportsASlowRenderer) {
-  push("run");
-  const Environment driver("GALLIUM_DRIVER", "softpipe");
-  const ProgramResult result =
-      ran("breakwater still run --at 0.1 --look fast --size 128x96 --out s.png");
-  EXPECT_EQ(testing::lines_of(result.err).size(), 1U);
-  EXPECT_TRUE(has(result.err, "not by llvmpipe"));
 }
 
 TEST_F(Pictures, RunsStandSideBySide) {
@@ -481,5 +330,4 @@ TEST_F(Pictures, ShotListsAreCheckedLikeScenarioFiles) {
   }
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::pictures_test

@@ -1,14 +1,10 @@
-
-#include <cmath>
-
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/pictures/staging.h>
 #include "catalogue.h"
 #include "cli/program.h"
 #include "render/media.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::shot_lists_test {
 namespace fs = std::filesystem;
 
 constexpr int kWidth = 480;
@@ -131,5 +127,4 @@ TEST_F(Gallery, ShowsThePresentPictures) {
   EXPECT_GT(testing::mean_difference(still_at("30.3"), shown), kSamePicture);
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::shot_lists_test

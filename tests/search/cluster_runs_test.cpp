@@ -1,11 +1,8 @@
 // `breakwater tune --slurm` with fake Slurm programs. tests/study/slurm_test.py uses a real Slurm.
-#include <cstdlib>
-
 #include "environment.h"
 #include "search/tuning_folder.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::cluster_runs_test {
 namespace fs = std::filesystem;
 using testing::kSmall;
 using testing::kTuning;
@@ -111,7 +108,7 @@ TEST_F(ClusterRuns, StopAfterThreeJobsWithoutResult) {
 }
 
 TEST_F(ClusterRuns, FitIntoTheMinutesOfATask) {
-  write("t.toml", std::string(kSmall) + "[set]\n\"trouble.takes_s\" = 0.1\n");
+  write("t.toml", kSmall + "[set]\n\"trouble.takes_s\" = 0.1\n");
   // 8 runs of slightly more than 0.1 s in tasks of 0.6 s.
   const ProgramResult result = done(on_slurm("there --minutes 0.01"));
   EXPECT_TRUE(has(result.out, "8 runs in 2 tasks"));
@@ -140,13 +137,13 @@ TEST_F(ClusterRuns, DoNotInheritTheSubmittingJob) {
 }
 
 TEST_F(ClusterRuns, MayCrash) {
-  write("t.toml", std::string(kSmall) + "[set]\n\"trouble.crashes_above\" = 1\n");
+  write("t.toml", kSmall + "[set]\n\"trouble.crashes_above\" = 1\n");
   tuned("t.toml --out here --quiet --isolate");
   done(on_slurm("there --quiet --tasks 2 --isolate"));
   expect_same("here", "there");
   EXPECT_TRUE(has(read("there/slurm/1/job.sh"), " tune ", " --isolate --points "));
   // The run that measures the time may crash too.
-  write("t.toml", std::string(kSmall) + "[set]\n\"trouble.crashes_above\" = -3\n");
+  write("t.toml", kSmall + "[set]\n\"trouble.crashes_above\" = -3\n");
   const ProgramResult crashed = on_slurm("s --quiet --isolate");
   EXPECT_EQ(crashed.status, 3)
       << crashed.err;  // no candidate survives, but the tuning ends normally
@@ -154,13 +151,13 @@ TEST_F(ClusterRuns, MayCrash) {
 }
 
 TEST_F(ClusterRuns, MayRunElsewhereInTheSameTuning) {
-  write("t.toml", std::string(kSmall) + "[slurm]\naccount = \"mine\"\nmodules = [\"none\"]\n");
+  write("t.toml", kSmall + "[slurm]\naccount = \"mine\"\nmodules = [\"none\"]\n");
   ASSERT_EQ(on_slurm("s --quiet --tasks 1").status, 130);  // the module does not exist
   EXPECT_TRUE(has(tune("s --status").out, "module load none has failed"));
-  write("t.toml", std::string(kSmall) + "[slurm]\naccount = \"ours\"\n");
+  write("t.toml", kSmall + "[slurm]\naccount = \"ours\"\n");
   done(on_slurm("s --quiet"));
   EXPECT_TRUE(has(read("s/slurm/4/job.sh"), "--account=\"ours\""));
-  write("t.toml", std::string(kSmall) + "[slurm]\nacount = \"mine\"\n");
+  write("t.toml", kSmall + "[slurm]\nacount = \"mine\"\n");
   expect_refused(kOnSlurm + "s", "t.toml:12: slurm.acount: unknown key (did you mean account?)");
 }
 
@@ -168,7 +165,7 @@ TEST_F(ClusterRuns, MayRunElsewhereInTheSameTuning) {
 TEST_F(ClusterRuns, WriteNoControlCharactersIntoScripts) {
   for (const std::string key :
        {"account", "partition", "constraint", "modules", "environment", "options"}) {
-    write("t.toml", std::string(kSmall) + "[slurm]\n" + key + " = \"a=b\\nrm -rf x\"\n");
+    write("t.toml", kSmall + "[slurm]\n" + key + " = \"a=b\\nrm -rf x\"\n");
     expect_refused(kOnSlurm + "s", "t.toml:12: slurm." + key +
                                        ": must have no newline and no other control character, is "
                                        "a=b\\nrm -rf x");
@@ -259,5 +256,4 @@ TEST_F(ClusterRuns, NonsenseIsOneLineAndStatus2) {
   }
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::cluster_runs_test

@@ -6,39 +6,10 @@
 namespace breakwater::testing {
 
 /// Two cases with equal budgets, a constraint on one objective, and a validation.
-inline constexpr const char* kTuning = R"(
-scenario = "ishigami"
-budget = 64
-population = 8
-seeds = { first = 1, count = 2 }
-[for_each.plain]
-[for_each.noisy]
-"x.third" = { uniform = [0, 1] }
-[search]
-"x.first" = { uniform = [-3, 3] }
-"x.second" = { uniform = [-1, 3] }
-[objective]
-y_1 = { goal = "min", over = "worst", reference = 20 }
-positive_x_second_1 = { goal = "max", reference = 0 }
-[constraint]
-y_1 = { max = 8 }
-[validate]
-seeds = { first = 101, count = 6 }
-points = 3
-)";
+inline const std::string kTuning = text_of(source_file("tests/search/tuning.toml"));
 
 /// Two generations of one case.
-inline constexpr const char* kSmall = R"(
-scenario = "ishigami"
-budget = 16
-population = 8
-[search]
-"x.first" = { uniform = [-3, 3] }
-"x.second" = { uniform = [-1, 3] }
-[objective]
-y_1 = { goal = "min" }
-positive_x_second_1 = { goal = "max" }
-)";
+inline const std::string kSmall = text_of(source_file("tests/search/small.toml"));
 
 class TuningFolder : public SweepFolder {
  protected:

@@ -8,7 +8,6 @@
 #include "sim/small_models.h"
 
 namespace breakwater::contact_test {
-namespace {
 
 // A ball of mass m on a slide with a motor, 0.1 m before a wall.
 Model ball_and_wall(double mass, double armature) {
@@ -263,5 +262,4 @@ TEST(GeomContact, IsTheWeightOfTheBallThatRests) {
   EXPECT_FALSE(has_geom(model, "tip"));
 }
 
-}  // namespace
 }  // namespace breakwater::contact_test

@@ -5,7 +5,6 @@
 #include "sim/small_models.h"
 
 namespace breakwater::joint_friction_test {
-namespace {
 
 using testing::FunctionController;
 using Force = std::function<double(double time_s, double position_m, double velocity_m_s)>;
@@ -298,5 +297,4 @@ TEST(JointFriction, RefusesWhatIsNoFriction) {
                   "friction with bristles needs the solver Newton or CG"));
 }
 
-}  // namespace
 }  // namespace breakwater::joint_friction_test

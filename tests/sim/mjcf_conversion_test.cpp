@@ -1,14 +1,16 @@
-// Model files of MuJoCo 3: what becomes of each word, and the forces of MuJoCo 3 itself.
+// Model files of MuJoCo 3: their files, what becomes of each word, and the forces of MuJoCo 3
+// itself.
 #include <mujoco/mujoco.h>
+#include <cstdint>
 
 #include <breakwater/plants/mjcf_files.h>
 #include <breakwater/sim/mjcf_conversion.h>
 #include <breakwater/sim/model.h>
 #include "shell.h"
 #include "support.h"
+#include "tables.h"
 
 namespace breakwater::mjcf_conversion_test {
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -43,51 +45,11 @@ struct Row {
 };
 
 TEST_F(MjcfConversion, GivesTheEnginesWords) {
-  const std::string position = R"(<actuator><position name="p" joint="a" kp="10" )";
-  const std::vector<Row> rows = {
-      {arm("", ""), "<mujoco>", ""},
-      {"<robot name=\"r\"><link name=\"l\"/></robot>", "<robot", ""},
-      {arm("", R"(<option integrator="implicitfast"/>)"), R"(integrator="implicit")",
-       "1option integrator implicitfast (is implicit)"},
-      {arm("", R"(<option><flag eulerdamp="enable"/></option>)"), "<flag/>", "0flag eulerdamp"},
-      {arm("", R"(<option><flag eulerdamp="disable"/></option>)"), "<flag/>",
-       "1flag eulerdamp (Euler damps implicitly)"},
-      {arm("", R"(<option ccd_iterations="9"/>)"), R"(mpr_iterations="9")",
-       "0option ccd_iterations"},
-      {arm("", R"(<size memory="1M"/>)"), R"(<size nstack="131072"/>)", "0size memory"},
-      {arm(R"(<geom size="1" surfacevel="1 0 0 0 0 0"/>)", ""), R"(<geom size="1"/>)",
-       "2geom surfacevel (the surface stands still)"},
-      {arm(R"(<geom size="1" surfacevel="0 0 0 0 0 0"/>)", ""), R"(<geom size="1"/>)",
-       "0geom surfacevel"},
-      {arm("", R"(<sensor><e_kinetic/></sensor>)"), "<sensor/>", "2e_kinetic"},
-      {arm("", "", R"(range="-1 1")"), R"(<compiler autolimits="true"/>)", "0compiler autolimits"},
-      {arm("", "", R"(range="-1 1" limited="true")"), "<mujoco>", ""},
-      {arm("", position + R"(kv="2"/></actuator>)"), R"(biasprm="0 -10 -2")", "0position kv"},
-      {arm("", R"(<default><position kp="7"/><default class="c"><position kv="3"/></default>
-</default><actuator><position class="c" joint="a"/></actuator>)"),
-       R"(<general class="c" joint="a" gaintype="fixed" biastype="affine" gainprm="7" biasprm="0 -7 -3")",
-       "0position kv"},
-      {arm("", position + R"(timeconst="0.1"/></actuator>)"), R"(dyntype="filter" dynprm="0.1")",
-       "0position timeconst"},
-      {arm("", position + R"(inheritrange="0.5"/></actuator>)", R"(range="-1 3")"),
-       R"(ctrlrange="0 2")", "0position inheritrange"},
-      // M of joint a at the reference pose is 0.6 + 2·0.05 + 1·0.26 + …; the oracle checks it
-      {arm("", position + R"(dampratio="1"/></actuator>)"), R"(biasprm="0 -10 -)",
-       "0position dampratio"},
-      {arm("", R"(<actuator><motor joint="a" gear="-2"/></actuator>)",
-           R"(actuatorfrcrange="-4 6")"),
-       R"(forcerange="-3 2" forcelimited="true")", "0joint actuatorfrcrange"},
-      {arm("", R"(<actuator><motor joint="a"/><motor joint="a"/></actuator>)",
-           R"(actuatorfrcrange="-4 6")"),
-       R"(<motor joint="a"/>)", "2joint actuatorfrcrange"},
-      {arm(R"(<frame pos="1 0 0" quat="0 0 0 2"><geom size="1" pos="1 2 3"/></frame>)", ""),
-       R"(<geom size="1" pos="0 -2 3" quat="0 0 0 1"/>)", "0frame"},
-      {arm(R"(<replicate count="11" offset="0 0 1" sep="-"><site name="s"/></replicate>)", ""),
-       R"(<site name="s-10" pos="0 0 10" quat="1 0 0 0"/>)", "0replicate"},
-      {arm("", R"(<equality><weld site1="mount" site2="tip"/></equality>)"),
-       R"(body1="upper" body2="lower")",
-       "2weld of sites (the engine weighs its rotation otherwise)"},
-  };
+  // M of joint a at the reference pose is 0.6 + 2·0.05 + 1·0.26 + …; the oracle checks it.
+  std::vector<Row> rows = {{"<robot name=\"r\"><link name=\"l\"/></robot>", "<robot", ""}};
+  for (const auto& row : testing::rows_of("MjcfWords")) {
+    rows.push_back({arm(row.at(0), row.at(1), row.at(2)), row.at(3), row.at(4)});
+  }
   for (const Row& row : rows) {
     SCOPED_TRACE(row.file);
     const ConvertedMjcf converted =
@@ -106,39 +68,14 @@ TEST_F(MjcfConversion, GivesTheEnginesWords) {
 }
 
 TEST_F(MjcfConversion, RefusesByName) {
-  const std::string motor = R"(<actuator><motor joint="a" )";
-  const std::vector<std::pair<std::string, std::string>> rows = {
-      {arm(R"(<flexcomp name="f"/>)", ""),
-       ":5: <flexcomp>: MuJoCo 2.2 does not have it; the engine "
-       "has no flexible bodies"},
-      {arm(R"(<geom type="sdf"/>)", ""), "sdf: the engine has no signed distance fields"},
-      {arm(R"(<composite type="cable" prefix="c" count="3 1 1"/>)", ""), "has no cables"},
-      {arm("", R"(<actuator><dcmotor joint="a"/></actuator>)"), "use a <motor> and the keys drive"},
-      {arm("", R"(<actuator><pid joint="a"/></actuator>)"), "use a <motor> and a controller"},
-      {arm("", R"(<extension><plugin plugin="mujoco.pid"/></extension>)"), "has no plugins"},
-      {arm("", motor + R"(delay="0.1"/></actuator>)"), "use control.delay_s"},
-      {arm("", motor + R"(delya="0.1"/></actuator>)"),
-       "delya: neither MuJoCo 2.2 nor the conversion knows it"},
-      {arm("<goem/>", ""), "<goem>: neither MuJoCo 2.2 nor the conversion knows it"},
-      {arm("", R"(<asset><mesh name="m" file="absent.stl"/></asset>)"), "there is no file /"},
-      {arm(R"(<attach model="m" prefix="p"/>)", ""), "there is no <model> \"m\""},
-      {arm(R"(<attach body="upper" prefix="p"/>)", ""), "a part of the file itself"},
-      {arm(R"(<replicate count="0"/>)", ""), "count is out of range"},
-      {arm(R"(<replicate count="9999999"><site/></replicate>)", ""), "out of range"},
-      {arm(R"(<replicate count="300"><replicate count="300"><site/></replicate></replicate>)", ""),
-       "that model.most_elements allows"},
-      {arm(R"(<frame pos="1 2"><site/></frame>)", ""), "<frame>: \"1 2\": needs 3 numbers"},
-      {arm("", R"(<equality><weld site1="mount" site2="nowhere"/></equality>)"),
-       "there is no site \"nowhere\""},
-      {arm("", R"(<actuator><position joint="a" inheritrange="1"/></actuator>)"), "has no range"},
-  };
-  for (const auto& [text, reason] : rows) {
+  for (const auto& row : testing::rows_of("MjcfRefusals")) {
+    const std::string text = arm(row.at(0), row.at(1));
     SCOPED_TRACE(text);
     try {
       Model::load(write("model.xml", text));
       ADD_FAILURE() << "was loaded";
     } catch (const std::invalid_argument& error) {
-      EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find(row.at(2)), std::string::npos) << error.what();
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
     }
   }
@@ -327,5 +264,108 @@ TEST_F(MjcfConversion, LoadsPublicFiles) {
   if (!has_oracle) GTEST_SKIP() << kNoMujoco3;
 }
 
-}  // namespace
+// The files of a model: exactly those that the engine opens.
+
+class MjcfFiles : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* folder : {"parts", "shapes/deep", "colours"}) {
+      fs::create_directories(folder_ / folder);
+    }
+    write("robot.xml", R"(<mujoco>
+  <compiler meshdir="shapes" texturedir="colours"/>
+  <include file="parts/assets.xml"/>
+  <worldbody>
+    <body><freejoint/><geom type="mesh" mesh="hull"/><include file="parts/arm.xml"/></body>
+  </worldbody>
+</mujoco>)");
+    write("parts/assets.xml", R"(<mujoco>
+  <asset>
+    <mesh name="hull" file="deep/hull.stl"/>
+    <texture name="skin" type="2d" file="skin.png"/>
+  </asset>
+  <include file="parts/option.xml"/>
+</mujoco>)");
+    write("parts/option.xml", R"(<mujoco><option gravity="0 0 0"/></mujoco>)");
+    write("parts/arm.xml", R"(<mujoco><geom type="sphere" size="0.1"/></mujoco>)");
+    write("unused.xml", "<mujoco/>");
+    write_tetrahedron("shapes/deep/hull.stl");
+    fs::copy(testing::source_file("docs/pictures/impact.png"), folder_ / "colours/skin.png");
+  }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
+
+  // A binary STL.
+  void write_tetrahedron(const std::string& name) const {
+    const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    std::ofstream stream(folder_ / name, std::ios::binary);
+    stream << std::string(80, ' ');
+    const std::uint32_t count = 4;
+    stream.write(reinterpret_cast<const char*>(&count), sizeof(count));
+    for (const auto& face : faces) {
+      stream << std::string(12, '\0');  // the normal, which is not used
+      for (const int corner : face) {
+        stream.write(reinterpret_cast<const char*>(corners[corner]), sizeof(corners[corner]));
+      }
+      stream << std::string(2, '\0');
+    }
+  }
+
+  std::set<std::string> found() const {
+    std::set<std::string> names;
+    for (const fs::path& file : mjcf_files(folder_ / "robot.xml")) {
+      names.insert(file.lexically_relative(folder_).string());
+    }
+    return names;
+  }
+
+  const testing::TemporaryPath folder_{"mjcf_files"};
+};
+
+TEST_F(MjcfFiles, AreExactlyTheFilesThatTheEngineNeeds) {
+  const std::string model = (folder_ / "robot.xml").string();
+  ASSERT_NO_THROW(Model::load(model));
+  EXPECT_EQ(found(), std::set<std::string>({"robot.xml", "parts/assets.xml", "parts/arm.xml",
+                                            "parts/option.xml", "shapes/deep/hull.stl",
+                                            "colours/skin.png"}));
+  EXPECT_EQ(mjcf_files(model).front(), fs::path(model));
+  const std::set<std::string> needed = found();
+  for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+    if (!entry.is_regular_file()) continue;
+    const fs::path aside = folder_.string() + ".aside";
+    fs::rename(entry.path(), aside);
+    const std::string name = entry.path().lexically_relative(folder_).string();
+    if (needed.contains(name)) {
+      EXPECT_REFUSED(Model::load(model)) << name;
+    } else {
+      EXPECT_NO_THROW(Model::load(model)) << name;
+    }
+    fs::rename(aside, entry.path());
+  }
+}
+
+TEST_F(MjcfFiles, FoldersAreStrippedIfTheModelDemandsIt) {
+  write("robot.xml", R"(<mujoco>
+  <compiler meshdir="shapes/deep" strippath="true"/>
+  <asset><mesh name="hull" file="C/elsewhere/hull.stl"/></asset>
+  <worldbody><geom type="mesh" mesh="hull"/></worldbody>
+</mujoco>)");
+  ASSERT_NO_THROW(Model::load((folder_ / "robot.xml").string()));
+  EXPECT_EQ(found(), std::set<std::string>({"robot.xml", "shapes/deep/hull.stl"}));
+}
+
+TEST_F(MjcfFiles, AnotherFileHasOnlyItself) {
+  for (const char* text : {"", "<mujoco>", "nothing", "<mujoco><include/></mujoco>",
+                           R"(<mujoco><include file="robot.xml"/></mujoco>)",
+                           R"(<mujoco><include file="nowhere.xml"/></mujoco>)"}) {
+    write("robot.xml", text);
+    EXPECT_EQ(found(), std::set<std::string>({"robot.xml"})) << text;
+  }
+  fs::remove(folder_ / "robot.xml");
+  EXPECT_EQ(found(), std::set<std::string>());
+}
+
 }  // namespace breakwater::mjcf_conversion_test

@@ -10,7 +10,6 @@
 #include "sim/small_models.h"
 
 namespace breakwater::physics_laws_test {
-namespace {
 
 using testing::FunctionController;
 
@@ -177,5 +176,4 @@ TEST(EngineFunctions, ALibraryWithoutSuchCallsIsRefused) {
   EXPECT_THROW(redirect_elementary_functions(&local), std::runtime_error);
 }
 
-}  // namespace
 }  // namespace breakwater::physics_laws_test

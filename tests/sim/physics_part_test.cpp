@@ -5,7 +5,6 @@
 #include "sim/small_models.h"
 
 namespace breakwater::physics_part_test {
-namespace {
 
 using Names = std::vector<std::string>;
 
@@ -241,5 +240,4 @@ TEST(ContactPairs, AreNotUsedIfTheyMightDiffer) {
   EXPECT_EQ(listed(Model::load_physics(testing::source_file("models/motor.xml"))), nullptr);
 }
 
-}  // namespace
 }  // namespace breakwater::physics_part_test

@@ -8,7 +8,6 @@
 #include "sim/small_models.h"
 
 namespace breakwater::quadrotor_test {
-namespace {
 
 using Vector12d = Eigen::Matrix<double, 12, 1>;
 const Eigen::Vector3d kStart(0.0, 0.0, -10.0);
@@ -402,5 +401,4 @@ TEST(QuadrotorForces, ClosedLoopTracksAsTheOde) {
   EXPECT_LT(theirs, 0.12);  // the loop holds the pose
 }
 
-}  // namespace
 }  // namespace breakwater::quadrotor_test

@@ -8,7 +8,6 @@
 #include "sim/small_models.h"
 
 namespace breakwater::simulation_test {
-namespace {
 
 using testing::FunctionController;
 
@@ -553,5 +552,4 @@ TEST(Sensing, RefusesANegativeDelay) {
   EXPECT_REFUSED(Sensing(cart(), setup));
 }
 
-}  // namespace
 }  // namespace breakwater::simulation_test

@@ -1,8 +1,6 @@
 // Small models and controllers for the tests of sim/.
 #pragma once
 
-#include <functional>
-
 #include <breakwater/control/controller.h>
 #include <breakwater/sim/model.h>
 #include "support.h"

@@ -9,7 +9,6 @@
 #include "sim/small_models.h"
 
 namespace breakwater::transmission_test {
-namespace {
 
 using Complex = std::complex<double>;
 using testing::FunctionController;
@@ -377,5 +376,4 @@ TEST(Transmission, RefusesNonsense) {
   }
 }
 
-}  // namespace
 }  // namespace breakwater::transmission_test

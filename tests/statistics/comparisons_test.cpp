@@ -4,9 +4,6 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <cmath>
-#include <limits>
-#include <sstream>
 
 #include <breakwater/math/error_function.h>
 #include <breakwater/statistics/distribution.h>
@@ -16,7 +13,6 @@
 #include "python.h"
 
 namespace breakwater::comparisons_test {
-namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -586,5 +582,4 @@ TEST(Comparisons, QuantilesOfASample) {
   EXPECT_EQ(quantile({1, 2, 3, 5}, 0.5), 2.5);
 }
 
-}  // namespace
 }  // namespace breakwater::comparisons_test

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include <breakwater/math/error_function.h>
@@ -13,7 +12,6 @@
 #include "support.h"
 
 namespace breakwater::ranking_test {
-namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -308,5 +306,4 @@ TEST(Ranking, CountsEqualRunsOnce) {
   EXPECT_TRUE(rank_candidates(results, "peak_N", Goal::min).is_shown());
 }
 
-}  // namespace
 }  // namespace breakwater::ranking_test

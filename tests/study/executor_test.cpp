@@ -3,9 +3,6 @@
 #include <sys/resource.h>
 
 #include <chrono>
-#include <functional>
-#include <map>
-#include <memory>
 #include <new>
 #include <thread>
 
@@ -14,7 +11,6 @@
 #include "support.h"
 
 namespace breakwater::executor_test {
-namespace {
 namespace fs = std::filesystem;
 
 // Calls `during` and returns one number.
@@ -268,5 +264,4 @@ TEST_F(Executor, AMistakeIsARefusedPoint) {
   EXPECT_EQ(index.read(2).reason, "not so");
 }
 
-}  // namespace
 }  // namespace breakwater::executor_test

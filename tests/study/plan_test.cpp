@@ -1,14 +1,15 @@
+// A study before it runs: values, points, and what is compared.
+#include <fmt/format.h>
+
 #include <breakwater/study/plan.h>
-
-#include <cmath>
-#include <numeric>
-#include <set>
-
+#include <breakwater/study/study.h>
+#include <breakwater/study/study_comparison.h>
 #include <breakwater/study/sweep.h>
+#include <breakwater/study/value_list.h>
 #include "support.h"
+#include "tables.h"
 
 namespace breakwater::plan_test {
-namespace {
 
 Study study(Method method) {
   Study study;
@@ -101,5 +102,135 @@ TEST(Points, AreSortedWithoutRepetition) {
   }
 }
 
-}  // namespace
+using Values = std::vector<double>;
+
+TEST(ValueList, HasTheNumbersOfTwelveDigits) {
+  EXPECT_EQ(value_list("lin(0.06,0.12,4)"), (Values{0.06, 0.08, 0.1, 0.12}));
+  EXPECT_EQ(value_list(" lin( -1 , 1, 5 ) "), (Values{-1.0, -0.5, 0.0, 0.5, 1.0}));
+  EXPECT_EQ(value_list("lin(0,1,11)"),
+            (Values{0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0}));
+  EXPECT_EQ(value_list("log(1e-3,1e3,7)"), (Values{1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3}));
+  EXPECT_EQ(value_list("log(500,8000,5)"), (Values{500, 1000, 2000, 4000, 8000}));
+  EXPECT_EQ(value_list("lin(0.1,0.3,2)"), (Values{0.1, 0.3}));
+}
+
+TEST(ValueList, KeepsAllDigitsOfOtherNumbers) {
+  EXPECT_EQ(value_list("lin(0,1,4)"), (Values{0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0}));
+  const Values values = value_list("log(1,2,13)");  // semitones
+  for (int i = 0; i <= 12; ++i) {
+    EXPECT_NEAR(values[i], std::exp2(i / 12.0), 4e-16 * values[i]) << i;
+  }
+}
+
+TEST(ValueList, EndsAreExactAndValuesGoUp) {
+  for (const std::string rule : {"lin(0.1,0.7,1000)", "log(0.1,0.7,1000)", "lin(-3.3,1e9,77)"}) {
+    const Values values = value_list(rule);
+    EXPECT_EQ(values.front(), rule[4] == '-' ? -3.3 : 0.1);
+    EXPECT_EQ(values.back(), rule[4] == '-' ? 1e9 : 0.7);
+    for (std::size_t i = 1; i < values.size(); ++i) EXPECT_LT(values[i - 1], values[i]) << rule;
+  }
+}
+
+TEST(ValueList, RefusesInvalidArguments) {
+  for (const auto& row : testing::rows_of("ValueLists")) {
+    for (const std::string& text : testing::forms_of(row.at(0))) {
+      EXPECT_EQ(complaint_of([&] { value_list(text); }), '"' + text + "\" " + row.at(1));
+    }
+  }
+}
+
+TEST(ValueList, IsDistinguishedFromOtherTexts) {
+  EXPECT_TRUE(is_value_list("lin(0,1,3)"));
+  EXPECT_TRUE(is_value_list("  log (0,"));
+  EXPECT_FALSE(is_value_list("linear"));
+  EXPECT_FALSE(is_value_list("hpfc"));
+}
+
+TEST(OptionParts, AnEscapedQuoteDoesNotEndAText) {
+  using Parts = std::vector<std::string>;
+  EXPECT_EQ(option_parts(R"("a\",b", c)"), (Parts{R"("a\",b")", "c"}));
+  EXPECT_EQ(option_parts(R"("a\\",b)"), (Parts{R"("a\\")", "b"}));
+  EXPECT_EQ(option_parts(R"('a\',b)"), (Parts{R"('a\')", "b"})) << "there it is a character";
+}
+
+// An ineffective key, an effective one, and effective seeds: two of eight samples differ.
+Plan plan(WorldUnit worlds = WorldUnit::samples) {
+  Study study;
+  study.scenario = "any";
+  study.cases = {"a", "b"};
+  study.vary = {{.key = "idle", .values = {"1", "2", "3", "4"}},
+                {.key = "busy", .values = {"10", "20"}}};
+  study.seeds = {1, 2, 3};
+  study.metrics = {"y"};
+  study.worlds = worlds;
+  return Plan(study);
+}
+
+using Choice = std::function<bool(const StudyPoint&)>;
+
+// The results of all points except `missing`. Case b crashes at `crashes`.
+PairedResults results_of(const Plan& plan, const Choice& crashes, const Choice& missing) {
+  const testing::TemporaryPath folder{"study_comparison"};
+  std::filesystem::create_directories(folder);
+  {
+    Shard shard(folder);
+    for (std::size_t number = 0; number < plan.size(); ++number) {
+      const StudyPoint point = plan.point(number);
+      if (missing(point)) continue;
+      PointResult result;
+      result.number = number;
+      result.key = std::to_string(number);
+      if (point.candidate == 1 && crashes(point)) {
+        result.status = PointStatus::crashed;
+        result.reason = "signal 6";
+      } else {
+        const double y = std::stod(point.values[1]) + static_cast<double>(*point.seed);
+        result.state_hash = fmt::format("{:016x}", static_cast<int>(y));
+        result.metrics = {{"y", static_cast<double>(point.candidate) + y}};
+      }
+      shard.add(result);
+    }
+  }
+  return paired_results(plan, ShardIndex(folder, plan.size()));
+}
+
+bool never(const StudyPoint&) {
+  return false;
+}
+
+// A crash leaves no hash. Other runs must show whether two values of a key give the same run.
+TEST(StudyComparison, ACrashMakesNoBlockOfAKeyWithoutEffect) {
+  struct Row {
+    const char* crashes;
+    Choice where;
+    std::size_t blocks_of_b, blocks;
+  };
+  for (const Row& row : {
+           Row{"never", never, 2, 2},
+           Row{"at a seed", [](const auto& point) { return point.seed == 2; }, 2, 2},
+           Row{"at a value", [](const auto& point) { return point.values[1] == "10"; }, 2, 2},
+           Row{"always", [](const auto&) { return true; }, 1, 2},
+           // The key is effective here, and nobody knows which crashed runs are equal.
+           Row{"at some values", [](const auto& point) { return point.values[0] >= "3"; }, 6, 6},
+       }) {
+    const CandidateComparison comparison = compare_candidates(results_of(plan(), row.where, never));
+    EXPECT_EQ(comparison.reached, (std::vector<std::size_t>{2, row.blocks_of_b})) << row.crashes;
+    EXPECT_EQ(comparison.blocks, row.blocks) << row.crashes;
+  }
+}
+
+// A sample with a missing run would look different from its repeats.
+TEST(StudyComparison, AHalfFinishedSampleMakesNoBlock) {
+  const Choice missing = [](const StudyPoint& point) {
+    return point.values == std::vector<std::string>{"4", "20"} && point.seed == 3;
+  };
+  const PairedResults results = results_of(plan(), never, missing);
+  EXPECT_EQ(results.samples.size(), 7 * 3);
+  EXPECT_EQ(compare_candidates(results).blocks, 2U);
+  // If each seed is a block, the finished seeds count.
+  const PairedResults of_seeds = results_of(plan(WorldUnit::seeds), never, missing);
+  EXPECT_EQ(of_seeds.samples.size(), 8 * 3 - 1);
+  EXPECT_EQ(compare_candidates(of_seeds).blocks, 6U);
+}
+
 }  // namespace breakwater::plan_test

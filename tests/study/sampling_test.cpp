@@ -2,16 +2,10 @@
 #include <breakwater/study/sampling.h>
 
 #include <bit>
-#include <cmath>
-#include <map>
-#include <numeric>
-#include <set>
-#include <sstream>
 
 #include "python.h"
 
 namespace breakwater::sampling_test {
-namespace {
 
 using enum SamplingMethod;
 
@@ -229,5 +223,4 @@ TEST(Sampling, BitsAreTheSameEverywhere) {
   }
 }
 
-}  // namespace
 }  // namespace breakwater::sampling_test

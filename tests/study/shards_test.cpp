@@ -1,18 +1,14 @@
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <bit>
 #include <chrono>
-#include <cmath>
 #include <csignal>
-#include <limits>
 
 #include <breakwater/record/file_hash.h>
 #include <breakwater/study/shards.h>
 #include "support.h"
 
 namespace breakwater::shards_test {
-namespace {
 namespace fs = std::filesystem;
 
 PointResult result_of(std::size_t number, const std::string& key, double value = 0.1) {
@@ -369,5 +365,4 @@ TEST_F(Shards, CannotBeWrittenWithoutAFolder) {
   EXPECT_THROW(made.add(result_of(0, "key")), OutputError);
 }
 
-}  // namespace
 }  // namespace breakwater::shards_test

@@ -1,7 +1,5 @@
 // The shipped study files and the tables in docs/studies made from them.
-
 #include <atomic>
-#include <sstream>
 
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
@@ -11,7 +9,6 @@
 #include "support.h"
 
 namespace breakwater::shipped_studies_test {
-namespace {
 namespace fs = std::filesystem;
 
 enum class Use { sweep, tune };
@@ -121,5 +118,4 @@ INSTANTIATE_TEST_SUITE_P(Studies, EachShippedStudy, ::testing::ValuesIn(shipped(
 INSTANTIATE_TEST_SUITE_P(Studies, EachShippedTuning, ::testing::ValuesIn(shipped(Use::tune)),
                          test_name);
 
-}  // namespace
 }  // namespace breakwater::shipped_studies_test

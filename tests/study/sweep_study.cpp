@@ -2,8 +2,7 @@
 
 #include "study/sweep_folder.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::sweep_study {
 
 using SweepStudy = testing::SweepFolder;
 
@@ -28,5 +27,4 @@ TEST_F(SweepStudy, AKillAtAnyTimeDoesNotChangeTheResults) {
   }
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::sweep_study

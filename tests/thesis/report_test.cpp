@@ -1,9 +1,5 @@
-
-#include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <regex>
-#include <set>
 
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/saved_run.h>
@@ -18,9 +14,9 @@
 #include <breakwater/thesis/reproduction.h>
 #include <breakwater/thesis/thesis_report.h>
 #include "catalogue.h"
+#include "tables.h"
 
-namespace breakwater {
-namespace {
+namespace breakwater::report_test {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -398,88 +394,6 @@ TEST(Experiments, EveryShippedCellHasACriterion) {
   }
 }
 
-TEST(Experiments, MessagesNameTheLineOfAMistake) {
-  const testing::TemporaryPath file{"experiments.toml"};
-  const auto message = [&](const std::string& text) -> std::string {
-    std::ofstream(file) << text;
-    return complaint_of([&] { read_experiments(file.string(), Effort::quick); });
-  };
-  const std::string section = "[[section]]\nid = \"1\"\ngroup = \"arm\"\ntitle = \"t\"\n";
-  EXPECT_EQ(message(section), "");
-  const std::string run =
-      section + "runs = [{ name = \"x\", scenario = \"arm_push\", case = \"c\" }]\n";
-  using Rows = std::vector<std::pair<std::string, std::string>>;
-  for (const auto& [text, line] : Rows{
-           {section + "colour = 1\n", ":5: section.colour: unknown key"},
-           {"[[section]\n",
-            ":1: is not TOML: Error while parsing table header: expected ']', saw '\\n'"},
-           {"x = 1", ":1: x: unknown key"},
-           {section + "video = \"none\"\n", ":1: there is no run none"},
-           {section + "docs = \"nowhere.md\"\n",
-            ":5: section.docs: there is no page docs/nowhere.md"},
-           {"titel = \"t\"\n", ":1: titel: unknown key (did you mean title?)"},
-           {section + "[[hero]]\nfigure = \"9\"\ncaption = \"c\"\n",
-            ":5: there is no panel 0 of a figure 9"},
-           {section + "runs = [{ name = \"x\", scenario = \"arm_push\" }]\n",
-            ":5: section.runs.case: is missing"},
-           {section + "runs = [{ name = \"x\", scenario = \"s\", case = \"c\", for = [] }]\n",
-            ":5: section.runs.for: unknown key"},
-           {section + "runs = [{ name = \"x\", scenario = \"s\", case = \"c\", seeds = [1] }]\n",
-            ":5: section.runs.seeds: must be [full, quick]"},
-           {section +
-                "runs = [{ name = \"x\", scenario = \"s\", case = \"c\", spread = { key = \"k\", "
-                "width = \"wide\" } }]\n",
-            ":5: section.runs.spread.width: must be a number"},
-           {run + "figures = [{ n = \"1\", title = \"t\", form = \"none\", run = \"x\" }]\n",
-            ":6: section.figures.form: there is no such form"},
-           {run + "[[section.table]]\ntitle = \"t\"\n", ":6: section.table.columns: is missing"}}) {
-    EXPECT_EQ(message(text), file.string() + line);
-  }
-  // The cell is in line 10.
-  const auto of_cell = [&](const std::string& cell) {
-    return message(run +
-                   "[[section.table]]\ntitle = \"t\"\ncolumns = [\"c\"]\ncells = [\n"
-                   "  { row = \"r\", run = \"x\", metric = \"m\", " +
-                   cell + " },\n]\n");
-  };
-  EXPECT_EQ(of_cell("says = \"s\", below = 1.0"), "");
-  EXPECT_EQ(of_cell("says = \"s\", below = 1.0, absent = \"never\", column = \"c\""), "");
-  for (const auto& [cell, line] :
-       Rows{{"below = 1.0",
-             ":10: section.table.cells: a cell has either `printed`, `says` or "
-             "`shows`"},
-            {"says = \"s\", shows = \"t\"",
-             ":10: section.table.cells: a cell has either `printed`, `says` or `shows`"},
-            {"says = \"s\"",
-             ":10: section.table.cells: what the text `says` holds `above` or `below` something"},
-            {"says = \"s\", vacuous = \"v\", reading = \"h\"",
-             ":10: section.table.cells: `vacuous` is neither what `shows` nor another `reading`"},
-            {"says = \"s\", below = 1.0, without = \"x\"",
-             ":10: section.table.cells: `without` needs `vacuous`: what it means"},
-            {"says = \"s\", cause = \"they\"",
-             ":10: section.table.cells.cause: \"they\" must be thesis or hardware or ours"},
-            {"shows = \"s\", vacuous = \"v\"",
-             ":10: section.table.cells: `vacuous` is neither what `shows` nor another `reading`"},
-            {"says = \"s\", below = 1.0, over = \"y\"", ":10: there is no run y (did you mean x?)"},
-            {"says = \"s\", column = \"d\"",
-             ":10: section.table.cells.column: there is no such column (did you mean c?)"},
-            {"shows = \"s\" }, { row = \"r\", run = \"x\", metric = \"m\", shows = \"s\"",
-             ":10: section.table.cells: there is such a cell already"},
-            {"says = \"s\", divisor = 0", ":10: section.table.cells.divisor: must not be zero"},
-            {"says = \"s\", divisor = \"a\"", ":10: section.table.cells.divisor: must be a number"},
-            {"says = \"s\", statistic = \"shares\"",
-             ":10: section.table.cells.statistic: \"shares\" must be median or share"},
-            {"says = \"s\", absent = \"nevr\"",
-             ":10: section.table.cells.absent: \"nevr\" must be never"},
-            {"says = \"s\", belwo = 2.0",
-             ":10: section.table.cells.belwo: unknown key (did you mean below?)"},
-            {"printed = \"nowhere\"", ":10: nothing is printed at nowhere"}}) {
-    EXPECT_EQ(of_cell(cell), file.string() + line);
-  }
-  std::filesystem::remove(file);
-  EXPECT_THROW(read_experiments(file.string(), Effort::quick), std::invalid_argument);
-}
-
 TEST(Experiments, OnlyTheShippedListIsThatOfTheThesis) {
   EXPECT_FALSE(own_experiments().is_own);
   const testing::TemporaryPath file{"mine.toml", "title = \"Mine\"\n"};
@@ -667,15 +581,7 @@ TEST_F(DamagedRun, IsReadToItsEndIfAnotherRunReplacesIt) {
 }
 
 TEST(SavedRun, UnitsComeFromTheEndsOfNames) {
-  EXPECT_EQ(unit_of("rmse_velocity_rad_s"), "rad/s");
-  EXPECT_EQ(unit_of("max_speed_m_s"), "m/s");
-  EXPECT_EQ(unit_of("peak_acceleration_rad_s_s"), "rad/s/s");
-  EXPECT_EQ(unit_of("peak_acceleration_m_s_s"), "m/s/s");
-  EXPECT_EQ(unit_of("peak_rate_Nm_s"), "N m/s");
-  EXPECT_EQ(unit_of("peak_rate_N_s"), "N/s");
-  EXPECT_EQ(unit_of("free_motion_time_s"), "s");
-  EXPECT_EQ(unit_of("contact_impulse_Ns"), "N s");
-  EXPECT_EQ(unit_of("bounce_count"), "");
+  for (const auto& row : testing::rows_of("Units")) EXPECT_EQ(unit_of(row.at(0)), row.at(1));
 }
 
 TEST(Csv, QuotesCellsThatNeedIt) {
@@ -683,9 +589,8 @@ TEST(Csv, QuotesCellsThatNeedIt) {
 }
 
 TEST(Base64, MatchesRfc4648) {
-  for (const auto& [plain, coded] : std::vector<std::pair<std::string, std::string>>{
-           {"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foobar", "Zm9vYmFy"}}) {
-    EXPECT_EQ(base64(plain.data(), plain.size()), coded);
+  for (const auto& row : testing::rows_of("Base64")) {
+    EXPECT_EQ(base64(row.at(0).data(), row.at(0).size()), row.at(1));
   }
 }
 
@@ -739,5 +644,4 @@ TEST(Differences, AreOfOneKindInARow) {
   }
 }
 
-}  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::report_test

@@ -10,7 +10,6 @@
 #include "support.h"
 
 namespace breakwater::motor_drive_test {
-namespace {
 
 constexpr double kMotorStep_s = 1e-4;
 
@@ -426,5 +425,4 @@ TEST(DelayLine, DelaysItsInputByAFixedNumberOfCalls) {
   EXPECT_REFUSED(DelayLine(-1));
 }
 
-}  // namespace
 }  // namespace breakwater::motor_drive_test

@@ -1,13 +1,13 @@
-// Sensors: their errors, their chain and their noise.
+// Effects of a sensor on the motion that it measures, and the hand that moves a link.
 #include <breakwater/world/encoder.h>
 #include <breakwater/world/force_sensor.h>
+#include <breakwater/world/hand.h>
 #include <breakwater/world/low_pass.h>
 #include <breakwater/world/noise.h>
 #include <breakwater/world/sensor_fault.h>
 #include "support.h"
 
 namespace breakwater::sensor_effects_test {
-namespace {
 
 TEST(Encoder, RoundsToTheNearestCount) {
   const Encoder encoder{0.1, 0.0};
@@ -254,5 +254,37 @@ TEST(Noise, SamplesAndChannelsAreUncorrelated) {
   EXPECT_NEAR(channels / n, 0.0, 4 / std::sqrt(n));
 }
 
-}  // namespace
+constexpr Hand kHand{3.0, 1.5, 0.5, 1.2, 2000.0, 60.0};
+
+TEST(Hand, TurnsSmoothlyAndLetsGo) {
+  EXPECT_EQ(kHand.target_rad(2.0), 0.0);
+  EXPECT_EQ(kHand.target_rad(3.0), 0.0);
+  EXPECT_DOUBLE_EQ(kHand.target_rad(3.75), 0.6);
+  EXPECT_DOUBLE_EQ(kHand.target_rad(4.5), 1.2);
+  EXPECT_DOUBLE_EQ(kHand.target_rad(4.9), 1.2);
+  EXPECT_FALSE(kHand.grips(2.999));
+  EXPECT_TRUE(kHand.grips(3.0));
+  EXPECT_TRUE(kHand.grips(4.999));
+  EXPECT_FALSE(kHand.grips(5.0));
+  EXPECT_EQ(kHand.moment_Nm(5.0, 0.7, 0.0), 0.0);
+}
+
+TEST(Hand, PullsTowardsItsPosition) {
+  // The hand has no effect on a link with its position and velocity.
+  const double t = 3.4, dt = 1e-6;
+  const double rate = (kHand.target_rad(t + dt) - kHand.target_rad(t - dt)) / (2 * dt);
+  EXPECT_NEAR(kHand.moment_Nm(t, kHand.target_rad(t), rate), 0.0, 1e-6);
+  EXPECT_NEAR(kHand.moment_Nm(t, kHand.target_rad(t) - 0.01, rate), 20.0, 1e-6);
+  EXPECT_NEAR(kHand.moment_Nm(t, kHand.target_rad(t), rate + 0.1), -6.0, 1e-6);
+}
+
+TEST(Hand, PushesWithAGivenMoment) {
+  Hand hand = kHand;
+  hand.given_moment_Nm = 8.0;
+  EXPECT_EQ(hand.moment_Nm(2.9, 0.0, 0.0), 0.0);
+  EXPECT_DOUBLE_EQ(hand.moment_Nm(3.75, 0.0, 0.0), 4.0);
+  EXPECT_DOUBLE_EQ(hand.moment_Nm(4.9, 2.0, -3.0), 8.0);  // wherever the link is
+  EXPECT_EQ(hand.moment_Nm(5.0, 0.0, 0.0), 0.0);
+}
+
 }  // namespace breakwater::sensor_effects_test

@@ -3,7 +3,6 @@
 #include "support.h"
 
 namespace breakwater::waves_test {
-namespace {
 
 SeaState sea(double height_m = 2.0, double period_s = 8.0) {
   SeaState s;
@@ -220,5 +219,4 @@ TEST(Waves, RefuseNonsense) {
   EXPECT_REFUSED(Waves(s, 0.0));
 }
 
-}  // namespace
 }  // namespace breakwater::waves_test

@@ -1,0 +1,353 @@
+// Parts of a frame that are drawn: smooth edges, charts, colours and a name.
+#include "support.h"
+
+#include <breakwater/render/picture.h>
+#include <breakwater/render/chart.h>
+#include <breakwater/render/colour_converter.h>
+#include <breakwater/render/identity.h>
+
+namespace breakwater::drawing_test {
+
+constexpr int kSize = 160;
+
+// A half plane, bright below the line y = y0 + slope·x, sampled at pixel centres or averaged over
+// 16×16 points per pixel.
+std::vector<std::uint8_t> half_plane(double slope, int samples) {
+  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(4 * kSize * kSize));
+  for (int y = 0; y < kSize; ++y) {
+    for (int x = 0; x < kSize; ++x) {
+      int inside = 0;
+      for (int i = 0; i < samples * samples; ++i) {
+        const double px = x + (i % samples + 0.5) / samples;
+        const double py = y + (i / samples + 0.5) / samples;
+        inside += py > 0.4 * kSize + slope * px ? 1 : 0;
+      }
+      const double part = static_cast<double>(inside) / (samples * samples);
+      std::fill_n(&pixels[static_cast<std::size_t>(4 * (y * kSize + x))], 4,
+                  static_cast<std::uint8_t>(std::lround(40.0 + 180.0 * part)));
+    }
+  }
+  return pixels;
+}
+
+double mean_error(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
+  double sum = 0.0;
+  int count = 0;
+  for (int y = 1; y + 1 < kSize; ++y) {
+    for (int x = 30; x + 30 < kSize;
+         ++x) {  // near the border the ends of a step are out of the picture
+      const auto i = static_cast<std::size_t>(4 * (y * kSize + x));
+      sum += std::abs(a[i] - b[i]);
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+TEST(EdgeSmoother, AtLeastHalvesTheErrorOfSlantedEdges) {
+  for (const double slope : {0.08, 0.15, 0.3, 0.45, -0.12}) {
+    const auto exact = half_plane(slope, 16);
+    const auto jagged = half_plane(slope, 1);
+    auto smooth = jagged;
+    EdgeSmoother().smooth(smooth, kSize, kSize);
+    EXPECT_LT(mean_error(smooth, exact), 0.5 * mean_error(jagged, exact)) << "slope " << slope;
+  }
+}
+
+TEST(EdgeSmoother, LeavesStraightEdgesAndFlatAreasAlone) {
+  // Along x = 80 no pixel is partly covered.
+  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(4 * kSize * kSize), 50);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (i / 4 % kSize >= 80) pixels[i] = 180;
+  }
+  auto smooth = pixels;
+  EdgeSmoother().smooth(smooth, kSize, kSize);
+  int largest = 0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const auto x = static_cast<int>(i / 4 % kSize);
+    const int change = std::abs(smooth[i] - pixels[i]);
+    if (x < 79 || x > 80) {
+      EXPECT_EQ(change, 0);
+    }
+    largest = std::max(largest, change);
+  }
+  // FXAA also softens an edge slightly against sub-pixel aliasing.
+  EXPECT_LE(largest, 12);
+}
+
+TEST(EdgeSmoother, DependsOnlyOnThePicture) {
+  EdgeSmoother used;
+  auto first = half_plane(0.2, 1);
+  used.smooth(first, kSize, kSize);
+  auto again = half_plane(0.2, 1);
+  used.smooth(again, kSize, kSize);
+  EXPECT_EQ(first, again);
+}
+
+constexpr int kWidth = 460;
+constexpr int kHeight = 220;
+
+ChartLine ramp() {
+  return {"ramp", {{0.0, 1.0, 2.0}, {0.0, 5.0, 10.0}}};
+}
+
+// The middle of the dot in the first line's colour.
+Point dot_of(Canvas& canvas) {
+  const Colour c = on_paper(0);
+  const auto is_colour = [&](int x, int y) {
+    const std::uint8_t* p = canvas.pixels() + 4 * (y * canvas.width() + x);
+    return std::abs(p[0] - 255.0 * c.blue) < 2 && std::abs(p[1] - 255.0 * c.green) < 2 &&
+           std::abs(p[2] - 255.0 * c.red) < 2;
+  };
+  // The dot is 9 px wide, the line 2 px. Only the dot contains a 5×5 square of the colour.
+  double x_sum = 0.0;
+  double y_sum = 0.0;
+  int count = 0;
+  for (int y = 2; y + 2 < canvas.height(); ++y) {
+    for (int x = 2; x + 2 < canvas.width(); ++x) {
+      bool all = true;
+      for (int k = 0; k < 25 && all; ++k) all = is_colour(x + k % 5 - 2, y + k / 5 - 2);
+      if (!all) continue;
+      x_sum += x + 0.5;
+      y_sum += y + 0.5;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 0) << "there is no dot";
+  return {x_sum / count, y_sum / count};
+}
+
+TEST(Chart, TheDotIsAtTheEndOfTheLine) {
+  Chart chart("t", {ramp()}, {0.0, 2.0, 0.0, 10.0}, kWidth, kHeight, 1.0);
+  // The frame gives the positions of (0 s, 0) and (2 s, 10). The dot moves straight between them.
+  const Point origin = chart.place(0.0, 0.0);
+  const Point end = chart.place(2.0, 10.0);
+  EXPECT_GT(end.x - origin.x, 0.7 * kWidth);
+  EXPECT_GT(origin.y - end.y, 0.5 * kHeight);
+  for (const double t : {0.3, 0.9, 1.7}) {
+    Canvas canvas(kWidth, kHeight);
+    chart.draw(canvas, 0, 0, t);
+    const Point dot = dot_of(canvas);
+    EXPECT_NEAR(dot.x, origin.x + 0.5 * t * (end.x - origin.x), 1.0) << t;
+    EXPECT_NEAR(dot.y, origin.y + 0.5 * t * (end.y - origin.y), 1.0) << t;
+  }
+}
+
+TEST(Chart, DrawsNoFutureValues) {
+  Chart chart("t", {ramp()}, {0.0, 2.0, 0.0, 10.0}, kWidth, kHeight, 1.0);
+  Canvas early(kWidth, kHeight);
+  chart.draw(early, 0, 0, 1.0);
+  Canvas empty(kWidth, kHeight);
+  chart.draw(empty, 0, 0, 0.0);
+  const int from = static_cast<int>(chart.place(1.0, 0.0).x) + 8;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int i = 4 * (y * kWidth + from); i < 4 * (y + 1) * kWidth; ++i) {
+      ASSERT_EQ(early.pixels()[i], empty.pixels()[i]);
+    }
+  }
+}
+
+TEST(Chart, DrawsAPeakNarrowerThanAPixel) {
+  ChartLine spike{"spike", {}};
+  for (int i = 0; i <= 100000; ++i) {
+    spike.series.times_s.push_back(2.0 * i / 100000.0);
+    spike.series.values.push_back(i == 50000 ? 10.0 : 0.0);
+  }
+  Chart chart("t", {spike}, {0.0, 2.0, 0.0, 10.0}, kWidth, kHeight, 1.0);
+  Canvas canvas(kWidth, kHeight);
+  chart.draw(canvas, 0, 0, 2.0);
+  const Point top = chart.place(1.0, 9.0);
+  bool seen = false;
+  for (int x = static_cast<int>(top.x) - 2; x <= static_cast<int>(top.x) + 2; ++x) {
+    const std::uint8_t* p = canvas.pixels() + 4 * (static_cast<int>(top.y) * kWidth + x);
+    seen |= p[0] > p[2] + 80;  // the first line is blue
+  }
+  EXPECT_TRUE(seen);
+}
+
+TEST(Chart, TheRangeContainsAllValuesOfTheWindowAndZero) {
+  const ChartRange range = chart_range({ramp()}, 0.5, 1.5);
+  EXPECT_EQ(range.from_s, 0.5);
+  EXPECT_EQ(range.to_s, 1.5);
+  EXPECT_EQ(range.lowest, 0.0);
+  EXPECT_GT(range.highest, 7.5);
+  EXPECT_LT(range.highest, 9.0);
+}
+
+TEST(Series, InterpolatesLinearly) {
+  const Series series = ramp().series;
+  EXPECT_DOUBLE_EQ(series.at(0.5), 2.5);
+  EXPECT_DOUBLE_EQ(series.at(1.0), 5.0);
+  EXPECT_DOUBLE_EQ(series.at(-1.0), 0.0);
+  EXPECT_DOUBLE_EQ(series.at(3.0), 10.0);
+}
+
+// The colours of a picture for the encoder, compared with the recommendation's formulas.
+
+struct Ycbcr {
+  double y, cb, cr;
+};
+
+// Rec. ITU-R BT.709-6, 3 and 4, eight bits.
+Ycbcr rec709(double red, double green, double blue) {
+  const double y = (0.2126 * red + 0.7152 * green + 0.0722 * blue) / 255.0;
+  return {16.0 + 219.0 * y, 128.0 + 224.0 * (blue / 255.0 - y) / 1.8556,
+          128.0 + 224.0 * (red / 255.0 - y) / 1.5748};
+}
+
+TEST(ColourConverter, MatchesTheRecommendation) {
+  constexpr int kColumns = 62, kLines = 34;  // no multiple of a vector
+  constexpr std::size_t kPixels = kColumns * kLines;
+  std::vector<std::uint8_t> pixels(4 * kPixels);
+  std::mt19937 engine(1);
+  for (std::uint8_t& byte : pixels) byte = static_cast<std::uint8_t>(engine() >> 24U);
+  // Corners of the colour cube, in blocks of one colour.
+  for (std::size_t k = 0; k < 8; ++k) {
+    for (const std::size_t corner : {2 * k, 2 * k + 1, kColumns + 2 * k, kColumns + 2 * k + 1}) {
+      for (std::size_t c = 0; c < 3; ++c) pixels[4 * corner + c] = (k >> c & 1U) != 0 ? 255 : 0;
+    }
+  }
+  ColourConverter converter(kColumns, kLines);
+  std::vector<std::uint8_t> frame(yuv420p_bytes(kColumns, kLines));
+  converter.convert(pixels.data(), frame.data());
+
+  const auto mean = [&](std::size_t x, std::size_t y, std::size_t side) {
+    std::array<double, 3> bgr{};
+    for (std::size_t i = 0; i < side * side; ++i) {
+      const std::size_t pixel = (y * side + i / side) * kColumns + x * side + i % side;
+      for (std::size_t c = 0; c < 3; ++c) {
+        bgr[c] += pixels[4 * pixel + c] / static_cast<double>(side * side);
+      }
+    }
+    return rec709(bgr[2], bgr[1], bgr[0]);
+  };
+  for (std::size_t y = 0; y < kLines; ++y) {
+    for (std::size_t x = 0; x < kColumns; ++x) {
+      ASSERT_NEAR(frame[y * kColumns + x], mean(x, y, 1).y, 1.0) << x << ", " << y;
+    }
+  }
+  for (std::size_t y = 0; y < kLines / 2; ++y) {
+    for (std::size_t x = 0; x < kColumns / 2; ++x) {
+      const Ycbcr exact = mean(x, y, 2);
+      const std::size_t at = kPixels + y * (kColumns / 2) + x;
+      ASSERT_NEAR(frame[at], exact.cb, 2.0) << x << ", " << y;
+      ASSERT_NEAR(frame[at + kPixels / 4], exact.cr, 2.0) << x << ", " << y;
+    }
+  }
+}
+
+// Grey has no colour, and black and white are the ends of the range.
+TEST(ColourConverter, GreyStaysGrey) {
+  for (int grey = 0; grey < 256; ++grey) {
+    const std::vector<std::uint8_t> pixels(16, static_cast<std::uint8_t>(grey));
+    ColourConverter converter(2, 2);
+    std::array<std::uint8_t, 6> frame{};
+    converter.convert(pixels.data(), frame.data());
+    EXPECT_NEAR(frame[0], 16.0 + 219.0 * grey / 255.0, 0.75);
+    EXPECT_EQ(frame[4], 128);
+    EXPECT_EQ(frame[5], 128);
+    if (grey % 255 == 0) {
+      EXPECT_EQ(frame[0], grey == 0 ? 16 : 235);
+    }
+  }
+}
+
+// The colours of lines: readers of any sight tell them apart, on paper and on the dark page.
+
+using Triple = std::array<double, 3>;
+using Matrix = std::array<Triple, 3>;
+
+constexpr Matrix kNormal = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+// Linear RGB as dichromats see it: G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, "A
+// Physiologically-based Model for Simulation of Color Vision Deficiency", 2009, severity 1.
+constexpr Matrix kProtanopia = {{{0.152286, 1.052583, -0.204868},
+                                 {0.114503, 0.786281, 0.099216},
+                                 {-0.003882, -0.048116, 1.051998}}};
+constexpr Matrix kDeuteranopia = {{{0.367322, 0.860646, -0.227968},
+                                   {0.280085, 0.672501, 0.047413},
+                                   {-0.011820, 0.042940, 0.968881}}};
+constexpr Matrix kTritanopia = {{{1.255528, -0.076749, -0.178779},
+                                 {-0.078411, 0.930809, 0.147602},
+                                 {0.004733, 0.691367, 0.303900}}};
+constexpr Matrix kXyz = {{{0.4124564, 0.3575761, 0.1804375},
+                          {0.2126729, 0.7151522, 0.0721750},
+                          {0.0193339, 0.1191920, 0.9503041}}};
+
+Triple times(const Matrix& matrix, const Triple& v) {
+  Triple product{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) product[i] += matrix[i][k] * v[k];
+  }
+  return product;
+}
+
+Triple linear(const std::string& hex) {
+  Triple rgb{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double c = std::stoi(hex.substr(1 + 2 * k, 2), nullptr, 16) / 255.0;
+    rgb[k] = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+  }
+  return rgb;
+}
+
+Triple lab(const Triple& rgb, const Matrix& sight) {
+  constexpr Triple kWhite = {0.95047, 1.0, 1.08883};
+  Triple seen = times(sight, rgb);
+  for (double& c : seen) c = std::clamp(c, 0.0, 1.0);
+  Triple f = times(kXyz, seen);
+  for (std::size_t k = 0; k < 3; ++k) {
+    f[k] /= kWhite[k];
+    f[k] = f[k] > 216.0 / 24389.0 ? std::cbrt(f[k]) : (24389.0 / 27.0 * f[k] + 16.0) / 116.0;
+  }
+  return {116.0 * f[1] - 16.0, 500.0 * (f[0] - f[1]), 200.0 * (f[1] - f[2])};
+}
+
+double contrast(const std::string& one, const std::string& other) {
+  const double a = times(kXyz, linear(one))[1] + 0.05, b = times(kXyz, linear(other))[1] + 0.05;
+  return std::max(a, b) / std::min(a, b);
+}
+
+TEST(Identity, AllColoursDifferForEverySightAndStandOutFromThePage) {
+  for (const auto& [colour_of, paper] : {std::pair(&light_colour, std::string("#ffffff")),
+                                         std::pair(&dark_colour, std::string("#14181c"))}) {
+    for (Identity i = kReferenceIdentity; i < kIdentityColours; ++i) {
+      EXPECT_GE(contrast(colour_of(i), paper), 3.0) << colour_of(i);  // WCAG 1.4.11
+      for (Identity k = kReferenceIdentity; k < i; ++k) {
+        for (const Matrix& sight : {kNormal, kProtanopia, kDeuteranopia, kTritanopia}) {
+          const Triple a = lab(linear(colour_of(i)), sight), b = lab(linear(colour_of(k)), sight);
+          EXPECT_GE(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), 20.0)
+              << colour_of(i) << " and " << colour_of(k);
+        }
+      }
+    }
+  }
+}
+
+TEST(Identity, EachColourHasADashAndTheyComeAgainWithOthers) {
+  std::set<std::pair<std::string, int>> pairs;
+  constexpr int kAll = kIdentityColours * kIdentityDashes;
+  for (Identity i = 0; i < kAll; ++i) pairs.emplace(light_colour(i), dash_number(i));
+  EXPECT_EQ(pairs.size(), kAll);
+}
+
+TEST(Identity, ASignalsRoleHasItsColourAndNoTwoLinesHaveTheSame) {
+  EXPECT_EQ(role_of_signal("force_true_N"), role_of_signal("physics/force_true_N"));
+  EXPECT_EQ(role_of_signal("force.reference_N"), kReferenceIdentity);
+  EXPECT_EQ(role_of_signal("error_m[3]"), std::nullopt);
+  EXPECT_EQ(distinct_identities({1, std::nullopt, 1, kReferenceIdentity, kReferenceIdentity}),
+            (std::vector<Identity>{1, 0, 2, kReferenceIdentity, kReferenceIdentity}));
+  EXPECT_EQ(candidate_identities({"b", "mine"}, {"a", "b"}), (std::vector<Identity>{1, 0}));
+}
+
+TEST(Identity, TheScriptOfFiguresHasTheSame) {
+  std::ifstream file(testing::source_file("scripts/figures.py"));
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::string colours;
+  for (Identity i = 0; i < kIdentityColours; ++i) {
+    colours += "\"" + std::string(light_colour(i)) + "\", ";
+  }
+  colours += "\"" + std::string(light_colour(kReferenceIdentity)) + "\"";
+  EXPECT_NE(text.find("COLOURS = [" + colours + "]"), std::string::npos) << colours;
+}
+
+}  // namespace breakwater::drawing_test
