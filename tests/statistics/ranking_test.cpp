@@ -276,21 +276,6 @@ TEST(Ranking, LargeValuesGiveNumbers) {
   }
 }
 
-// "a" is better at small k and worse at large k, as five seeds of each show.
-TEST(Ranking, SaysThatTheSignTurns) {
-  testing::Random random(25);
-  PairedResults results = results_of(Eigen::MatrixXd::Zero(40, 2));
-  results.samples = Eigen::VectorXi(40);
-  results.keys = {{"k", true, {}, {}}};
-  for (int i = 0; i < 40; ++i) {
-    results.samples(i) = i / 5;
-    results.keys[0].values.push_back(1.0 + i / 5);
-    results.values[0](i, 1) = (i < 20 ? 1.0 : -1.0) + 0.01 * deviate(random);
-  }
-  EXPECT_TRUE(testing::has(ranking_sentence(rank_candidates(results, "peak_N", Goal::min)),
-                           "No difference in peak_N is shown", " turns with k."));
-}
-
 // Equal runs of a pair count once, so an ineffective key adds no conditions.
 TEST(Ranking, CountsEqualRunsOnce) {
   PairedResults results = results_of(Eigen::MatrixXd(12, 2));
