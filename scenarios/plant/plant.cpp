@@ -140,7 +140,8 @@ Recording Plant::run(const RunControl& control) const {
       first_contact_s = time_s;
     }
   };
-  return rig.run(control, std::move(signals), step, [](double) {}, &values);
+  return rig.run(
+      control, std::move(signals), step, [](double) {}, &values);
 }
 
 }  // namespace breakwater

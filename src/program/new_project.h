@@ -28,6 +28,6 @@ std::map<std::string, std::vector<std::filesystem::path>> kinds_of_projects(
 /// name; OutputError. `complete` may add files to the folder, and may be empty.
 void make_project(const std::vector<std::filesystem::path>& from, const std::string& name,
                   const std::filesystem::path& out,
-                  const std::function<void(const std::filesystem::path&)>& complete);
+                  const std::function<void(const std::filesystem::path&)>& complete = {});
 
 }  // namespace breakwater

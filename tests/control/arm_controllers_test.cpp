@@ -310,7 +310,8 @@ double error_after(LmInverseKinematics& ik, const PlanarChain& chain, Eigen::Vec
 
 TEST(LmInverseKinematics, ConvergesFromABentPosture) {
   LmInverseKinematics ik({}, 3);
-  EXPECT_LT(error_after(ik, chain_of(3), Eigen::Vector3d(0.9, -1.8, 0.9), Eigen::Vector3d(0.5, 0.05, 0.1), 50),
+  EXPECT_LT(error_after(ik, chain_of(3), Eigen::Vector3d(0.9, -1.8, 0.9),
+                        Eigen::Vector3d(0.5, 0.05, 0.1), 50),
             1e-9);
 }
 
@@ -376,7 +377,8 @@ TEST(LmInverseKinematics, LimitsEachStep) {
 
 TEST(LmInverseKinematics, RefusesNonsense) {
   EXPECT_THROW(LmInverseKinematics({}, 4), std::invalid_argument);
-  EXPECT_THROW(LmInverseKinematics({.weights = Eigen::Vector3d(1, 0, 1)}, 3), std::invalid_argument);
+  EXPECT_THROW(LmInverseKinematics({.weights = Eigen::Vector3d(1, 0, 1)}, 3),
+               std::invalid_argument);
   EXPECT_THROW(LmInverseKinematics({.damping = 0.0}, 3), std::invalid_argument);
   EXPECT_THROW(LmInverseKinematics({.step_limit_rad = 0.0}, 3), std::invalid_argument);
   EXPECT_THROW(LmInverseKinematics({.step_limit_rad = std::nan("")}, 3), std::invalid_argument);

@@ -15,6 +15,10 @@ namespace breakwater::study_report_test {
 
 namespace fs = std::filesystem;
 
+std::uint64_t scattered(std::uint64_t number) {
+  return std::mt19937_64(number)();
+}
+
 VariedKey list_of(const std::string& key, const std::vector<double>& values) {
   VariedKey varied;
   varied.key = key;

@@ -549,11 +549,9 @@ TEST(PendulumTest, NominalInertiasBelowTheCouplingHaveNoLinearModel) {
 TEST(PlantTest, ImpactHasTheEffectiveMass) {
   const std::string press = file_text("press.toml");
   const testing::TemporaryPath folder("impact");
-  fs::create_directories(folder.path());
-  fs::copy_file(testing::source_file("tests/regression/two_link.xml"),
-                folder.path() / "two_link.xml");
-  std::ofstream(folder.path() / "free.toml")
-      << press.substr(0, press.find("[metric]")) << R"(
+  fs::create_directories(folder);
+  fs::copy_file(testing::source_file("tests/regression/two_link.xml"), folder / "two_link.xml");
+  std::ofstream(folder / "free.toml") << press.substr(0, press.find("[metric]")) << R"(
 [metric]
 impulse = { of = "force_true_N", kind = "integral", at = "step" }
 before = { of = "contact_wall_approach_m_s", kind = "first", at = "step", from_s = "first_contact" }
@@ -564,7 +562,7 @@ transient = { of = "contact_wall_transient_N", kind = "first", at = "step", from
 [case.free]
 )";
   const PreparedRun run = prepare_run(
-      testing::catalogue(), "plant", ScenarioFile(folder.path() / "free.toml", "plant"), "free",
+      testing::catalogue(), "plant", ScenarioFile(folder / "free.toml", "plant"), "free",
       {"physics.timestep_s=1e-6", "control.period_s=1e-3", "run.duration_s=0.06",
        "contact.wall.damping_Ns_m=0", "contact.wall.stiffness_N_m=1e6", "force.from_s=0",
        "axis.shoulder.start.velocity_rad_s=1.5", "axis.elbow.start.velocity_rad_s=-2.5",

@@ -22,10 +22,10 @@ class Robots : public ::testing::TestWithParam<const char*> {
   std::string breakwater(const std::string& arguments) const {
     return (testing::bin_folder() / "breakwater").string() + " " + arguments + " 2>&1";
   }
-  fs::path project() const { return folder_.path() / "it"; }
+  fs::path project() const { return folder_ / "it"; }
 
   nlohmann::json metrics(const std::string& case_name, const std::string& more = "") const {
-    const fs::path out = folder_.path() / "run";
+    const fs::path out = folder_ / "run";
     testing::output_of(breakwater("run " + (project() / "it.toml").string() + " --case " +
                                   case_name + " --out " + out.string() + more));
     return nlohmann::json::parse(testing::text_of(out / "metrics.json"));

@@ -1,10 +1,10 @@
 // Parts of a frame that are drawn: smooth edges, charts, colours and a name.
 #include "support.h"
 
-#include <breakwater/render/picture.h>
 #include <breakwater/render/chart.h>
 #include <breakwater/render/colour_converter.h>
 #include <breakwater/render/identity.h>
+#include <breakwater/render/picture.h>
 
 namespace breakwater::drawing_test {
 

@@ -6,8 +6,8 @@
 #include <pagmo/utils/multi_objective.hpp>
 
 #include <breakwater/config/toml_file.h>
-#include <breakwater/search/tuner.h>
 #include <breakwater/search/search.h>
+#include <breakwater/search/tuner.h>
 #include "support.h"
 
 namespace breakwater::search_test {
