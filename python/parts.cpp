@@ -314,7 +314,8 @@ class PythonQuadrotorEstimator final : public QuadrotorEstimator {
 
 py::object setup_of(const ArmSetup& arm) {
   return namespace_of(py::dict(
-      py::arg("period_s") = arm.period_s, py::arg("chain") = arm.chain,
+      py::arg("period_s") = arm.period_s,
+      py::arg("chain") = *arm.chain.planar(),  // a plant has another kind
       py::arg("torque_limit_Nm") = array(Input(arm.acceleration.torque_limit_Nm)),
       py::arg("nominal_inertia_kgm2") = array(Input(arm.acceleration.nominal_inertia_kgm2)),
       py::arg("start_angles_rad") = array(Input(arm.task.start_angles_rad)),

@@ -81,7 +81,9 @@ void Plant::check(const Config& config) {
   check_plant(plant_, config);
   warnings_ = plant_.warnings();
   for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
-    plant_.axes[i].is_controlled = parts_.controller_name() != "axes" || has_own_loop(i);
+    // A tip leaves its pose when it presses; its force is judged then.
+    const bool holds = parts_.controller_name() != "axes" && !parts_.moves_tip();
+    plant_.axes[i].is_controlled = holds || has_own_loop(i);
   }
   const PlantTask task = this->task();
   if (parts_.controller_name() == "axes") {
@@ -103,7 +105,8 @@ void Plant::check(const Config& config) {
       context.fast_signals.push_back(one.signal(what));
     }
   }
-  if (plant_.tip) context.events = {"first_contact"};
+  const bool has_contact = plant_.tip && plant_.tip->contact != TipSettings::kNone;
+  if (has_contact) context.events = {"first_contact"};
   rows_.check(
       config, [this] { return fields(); }, plant_.physics, context);
   for (const MetricRow& row : rows_.rows()) {

@@ -1,6 +1,7 @@
 #include <breakwater/control/acceleration_control.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -48,6 +49,7 @@ AccelerationControl::AccelerationControl(const AccelerationControlDesign& design
       factor_(mass_matrix_),
       held_(Eigen::VectorXd::Zero(nominal_inertia_.size())),
       torque_(held_),
+      more_(held_),
       feed_(design.feed),
       observer_(design.make_observer()),
       fed_torque_(Eigen::VectorXd::Zero(nominal_inertia_.size())),
@@ -84,7 +86,7 @@ void AccelerationControl::limit(Eigen::Ref<Eigen::VectorXd> a_rad_s2) {
   if (is_coupled()) {
     torque_.noalias() = mass_matrix_ * a_rad_s2;
     for (Eigen::Index i = 0; i < joints(); ++i) {
-      torque_(i) = std::clamp(torque_(i), lower_torque(i), upper_torque(i));
+      torque_(i) = std::clamp(torque_(i), lower(i), upper(i));
     }
     a_rad_s2 = torque_;
     divide_by_mass(a_rad_s2);
@@ -93,6 +95,23 @@ void AccelerationControl::limit(Eigen::Ref<Eigen::VectorXd> a_rad_s2) {
   for (Eigen::Index i = 0; i < joints(); ++i) {
     a_rad_s2(i) = std::clamp(a_rad_s2(i), lower_acceleration(i), upper_acceleration(i));
   }
+}
+
+double AccelerationControl::share_within_limits(
+    const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
+    const Eigen::Ref<const Eigen::VectorXd>& more_rad_s2) {
+  torque_ = a_rad_s2;
+  more_ = more_rad_s2;
+  if (is_coupled()) {
+    torque_.noalias() = mass_matrix_ * a_rad_s2;
+    more_.noalias() = mass_matrix_ * more_rad_s2;
+  }
+  double share = 1.0;
+  for (Eigen::Index i = 0; i < joints(); ++i) {
+    const double room = more_(i) > 0.0 ? upper(i) - torque_(i) : torque_(i) - lower(i);
+    if (more_(i) != 0.0) share = std::min(share, std::max(0.0, room) / std::abs(more_(i)));
+  }
+  return share;
 }
 
 void AccelerationControl::command(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,

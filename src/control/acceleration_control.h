@@ -67,9 +67,16 @@ class AccelerationControl {
   /// (Eqs. 2.83, 2.84) [rad/s²].
   double lower_acceleration(Eigen::Index joint) const;
   double upper_acceleration(Eigen::Index joint) const;
-  /// The same for coupled joints, as bounds of M_n a (n) [N m].
-  double lower_torque(Eigen::Index joint) const { return -torque_limit_(joint) - held_(joint); }
-  double upper_torque(Eigen::Index joint) const { return torque_limit_(joint) - held_(joint); }
+  /// Bounds of what the drive of a joint limits: of a, or of M_n a [N m] if the joints are coupled.
+  double lower(Eigen::Index joint) const {
+    return is_coupled() ? -torque_limit_(joint) - held_(joint) : lower_acceleration(joint);
+  }
+  double upper(Eigen::Index joint) const {
+    return is_coupled() ? torque_limit_(joint) - held_(joint) : upper_acceleration(joint);
+  }
+  /// The largest share of `more`, up to 1, that the limits leave beside an acceleration.
+  double share_within_limits(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
+                             const Eigen::Ref<const Eigen::VectorXd>& more_rad_s2);
   /// Makes an acceleration respect the bounds, each by itself.
   void limit(Eigen::Ref<Eigen::VectorXd> a_rad_s2);
 
@@ -92,6 +99,7 @@ class AccelerationControl {
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::VectorXd held_;  // M_n J_n⁻¹ d̂ of coupled joints
   Eigen::VectorXd torque_;
+  Eigen::VectorXd more_;
   ObserverFeed feed_;
   std::shared_ptr<DisturbanceEstimator> observer_;
   Eigen::VectorXd fed_torque_;

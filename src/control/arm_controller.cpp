@@ -77,14 +77,16 @@ void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   acceleration_control_.command(acceleration_ref_, u);
 }
 
-// N (k (q_0 − q̂) − 2 √k q̇̂), N = I − J⁺ J: what the tip does not feel.
+// N (k (q_0 − q̂) − 2 √k q̇̂), N = I − J⁺ J, as far as the torques suffice. Away from singular
+// postures the tip does not feel it.
 void ArmController::hold_posture() {
   damped_pseudo_inverse(J_, kSingularValueFloor, J_damped_);
   posture_ = task_.k_posture * (task_.start_angles_rad - q_hat_) -
              2.0 * std::sqrt(task_.k_posture) * dq_hat_;
   const TipVector felt = J_ * posture_;
-  posture_ -= J_damped_ * felt;
-  acceleration_ref_ += posture_;
+  posture_.noalias() -= J_damped_ * felt;
+  acceleration_ref_ +=
+      acceleration_control_.share_within_limits(acceleration_ref_, posture_) * posture_;
 }
 
 }  // namespace breakwater

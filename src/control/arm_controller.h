@@ -24,8 +24,6 @@ struct ArmTask {
   /// The stiffness to the start angles of the motion that the tip does not feel, if there are more
   /// joints than held coordinates. Its damping is critical [1/s²].
   double k_posture = 25.0;
-  /// The joint whose torque limits the braking of the tip, and whose inertia TLSC identifies.
-  Eigen::Index elbow = 1;
 };
 
 /// Implicit force control, x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62). It converts a force
@@ -51,7 +49,8 @@ class ArmController : public Controller {
   std::span<const Signal> signals() const final { return signals_; }
 
  protected:
-  /// Throws std::invalid_argument if the numbers of joints differ or K_f is not positive.
+  /// Throws std::invalid_argument if sizes differ, if there are fewer joints than held coordinates,
+  /// or if K_f is not positive.
   ArmController(const TipChain& chain, const AccelerationControlDesign& design, ArmTask task);
 
   /// Forgets the run before this one. Called by reset().

@@ -115,8 +115,8 @@ void ImpactQp::decide(Eigen::Ref<Eigen::VectorXd> a) {
   const bool is_coupled = joints().is_coupled();
   const double mass_kg = effective_mass_kg();
   for (Eigen::Index i = 0; i < a.size(); ++i) {
-    lower_(i) = is_coupled ? joints().lower_torque(i) : joints().lower_acceleration(i);
-    upper_(i) = is_coupled ? joints().upper_torque(i) : joints().upper_acceleration(i);
+    lower_(i) = joints().lower(i);
+    upper_(i) = joints().upper(i);
   }
   wanted_[0] += along_wanted_;
   const Eigen::Ref<const Eigen::VectorXd> dq(dq_hat_);

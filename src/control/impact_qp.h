@@ -42,8 +42,8 @@ class ImpactProgram {
     const Eigen::VectorXd& torque_limit;          ///< τ_lim, n
     const Eigen::VectorXd& lower;                 ///< bound of q̈ by the torque limits, n
     const Eigen::VectorXd& upper;
-    /// For coupled joints, M_n (n×n). M_n q̈ has the bounds `lower` and `upper` [N m], and there are
-    /// no velocity limits. Null: M_n is diag(inertia).
+    /// For coupled joints, M_n (n×n). M_n q̈ has the bounds `lower` and `upper` [N m], so the limits
+    /// of the velocity must be infinite. Null: M_n is diag(inertia).
     const Eigen::MatrixXd* mass_matrix = nullptr;
     const Eigen::VectorXd* recoil = nullptr;  ///< M_n⁻¹ J_xᵀ (n) then
     double mass_kg = 0.0;

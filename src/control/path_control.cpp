@@ -84,17 +84,15 @@ void PathControl::measure_authority() {
     lower_ = std::max(lower_, std::min(from / share, to / share));
     upper_ = std::min(upper_, std::max(from / share, to / share));
   };
-  if (joints().is_coupled()) {
+  const bool is_coupled = joints().is_coupled();
+  if (is_coupled) {
     share_.noalias() = joints().mass_matrix() * along_;
     rest_.noalias() = joints().mass_matrix() * otherwise_;
   }
   for (Eigen::Index i = 0; i < along_.size(); ++i) {
-    if (joints().is_coupled()) {
-      take(share_(i), joints().lower_torque(i) - rest_(i), joints().upper_torque(i) - rest_(i));
-    } else {
-      take(along_(i), joints().lower_acceleration(i) - otherwise_(i),
-           joints().upper_acceleration(i) - otherwise_(i));
-    }
+    const double share = is_coupled ? share_(i) : along_(i);
+    const double rest = is_coupled ? rest_(i) : otherwise_(i);
+    take(share, joints().lower(i) - rest, joints().upper(i) - rest);
   }
   is_possible_ = lower_ <= upper_;
   authority_ << std::max(kLeastAuthority_m_s2, is_possible_ ? -lower_ : 0.0),

@@ -110,7 +110,7 @@ SoftContact::SoftContact(const TipChain& chain, const AccelerationControlDesign&
       design_(design),
       approach_(design.approach),
       contact_(design.contact),
-      elbow_(task.elbow),
+      elbow_(std::min<Eigen::Index>(1, inertia_.size() - 1)),
       elbow_inertia_(inertia_(elbow_)),
       stiffness_(task.force_lag_s, acceleration.period_s) {
   if (!(design.wall_stiffness_N_m > 0.0) || !(design.peak_margin_N > 0.0)) {

@@ -9,7 +9,9 @@
 namespace breakwater {
 namespace {
 
-constexpr double kIndependent = 1e-6;  // smallest part of a row beyond the rows before it
+// Smallest part of a row beyond the rows before it, over the largest row of its kind: files round
+// right angles.
+constexpr double kIndependent = 1e-3;
 
 Eigen::Matrix3d turn_about(const Eigen::Vector3d& axis, double angle_rad) {
   const auto [s, c] = math::sincos(angle_rad);
@@ -48,13 +50,15 @@ SpatialChain::SpatialChain(std::vector<SpatialJoint> joints, const Eigen::Isomet
   TaskJacobian rest(6, n);
   jacobian(start_angles_rad + Eigen::VectorXd::LinSpaced(n, 0.1, 0.2), rest);
   rows_.clear();
+  const double position = rest.topRows<3>().rowwise().norm().maxCoeff();
+  const double turn = rest.bottomRows<3>().rowwise().norm().maxCoeff();
   const char* const names[] = {"x", "y", "z", "rx", "ry", "rz"};
   const char* const meanings[] = {"tip along the force",     "tip across the force, y",
                                   "tip across the force, z", "turn of the tip about x",
                                   "turn of the tip about y", "turn of the tip about z"};
   for (int row = 0; row < 6 && static_cast<Eigen::Index>(rows_.size()) < n; ++row) {
     const double length = rest.row(row).norm();
-    if (!(length > kIndependent)) continue;
+    if (!(length > kIndependent * (row < 3 ? position : turn))) continue;
     rows_.push_back(row);
     coordinates.push_back({names[row], row < 3 ? "m" : "rad", meanings[row]});
     const Eigen::RowVectorXd direction = rest.row(row) / length;

@@ -11,7 +11,6 @@ namespace breakwater {
 
 /// A hinge or slide and the link that it moves.
 struct SpatialJoint {
-  std::string name;
   /// The link's frame in that of the link before it, at the position `zero`.
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();     ///< a unit vector in the link's frame
@@ -25,7 +24,8 @@ struct SpatialJoint {
 /// coordinates there are its position x, y, z [m] and the rotation vector rx, ry, rz from its
 /// orientation at the start [rad]. The Jacobian is taken at no rotation. It holds, in this order,
 /// all that its joints can move independently. A two-link holds x and y; a SCARA x, y, z and the
-/// turn about its axes; six joints hold all. The velocity limits are infinite.
+/// turn about its axes; six joints hold all. The
+/// rotation must stay below half a turn. The velocity limits are infinite.
 class SpatialChain final : public TipKinematics {
  public:
   /// `tip` is in the last link's frame, `contact` in the world. Throws std::invalid_argument if

@@ -17,6 +17,7 @@ class PlanarTip final : public TipKinematics {
   TipVector bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const override {
     return chain_.tip_bias_acceleration(q_rad, dq_rad_s);
   }
+  const PlanarChain* planar() const override { return &chain_; }
 
  private:
   PlanarChain chain_;

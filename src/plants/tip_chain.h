@@ -38,6 +38,9 @@ class TipKinematics {
   /// J̇(q, q̇) q̇ (c), the tip's acceleration at q̈ = 0.
   virtual TipVector bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const = 0;
 
+  /// The chain, if this is one.
+  virtual const PlanarChain* planar() const { return nullptr; }
+
   std::vector<TipCoordinate> coordinates;  ///< c of them
   Eigen::VectorXd effort_limits_Nm;        ///< n
   Eigen::VectorXd velocity_limits_rad_s;   ///< n
@@ -60,6 +63,9 @@ class TipChain {
   const Eigen::VectorXd& velocity_limits_rad_s() const {
     return kinematics_->velocity_limits_rad_s;
   }
+
+  /// The planar chain of which this was made; null: it was not.
+  const PlanarChain* planar() const { return kinematics_->planar(); }
 
   TipVector tip_pose(const Angles& q_rad) const { return kinematics_->pose(q_rad); }
   void tip_jacobian(const Angles& q_rad, TaskJacobian& J) const { kinematics_->jacobian(q_rad, J); }

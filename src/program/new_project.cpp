@@ -19,6 +19,7 @@
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/sim/mjcf_conversion.h>
 #include <breakwater/sim/robot_scene.h>
 
 namespace breakwater {
@@ -104,6 +105,7 @@ std::string how_to_build(const fs::path& templates, const fs::path& out) {
 // Writes the robot's model and its axes into a project of the template robot.
 void add_robot(const fs::path& project, const std::string& name, const std::string& mjcf,
                const std::string& tip) {
+  for (const std::string& line : conversion_warnings(mjcf)) fmt::print("{}\n", line);
   RobotScene scene = robot_before_wall(mjcf, tip);
   bring_assets(scene.root, project);
   write_text_file((project / (name + ".xml")).string(), mjcf_text(scene.root));
@@ -134,9 +136,9 @@ int new_project(const Catalogue& catalogue, const std::string& kind, const std::
   }
   check_project_name(catalogue, name);
   const bool is_robot = kind == "robot";
-  if (is_robot == mjcf.empty()) {
-    throw std::invalid_argument(is_robot ? "new: robot needs --mjcf FILE"
-                                         : "new: --mjcf is for a robot");
+  if (is_robot && mjcf.empty()) throw std::invalid_argument("new: robot needs --mjcf FILE");
+  if (!is_robot && !(mjcf + tip).empty()) {
+    throw std::invalid_argument("new: --mjcf and --tip are for a robot");
   }
   const fs::path out = folder.empty() ? name : folder;
   make_project(from->second, name, out, [&](const fs::path& project) {
@@ -237,7 +239,9 @@ int new_project_main(const Catalogue& catalogue, int argc, const char* const* ar
     app.add_option("--tip", tip, "site or body of the robot that presses on the wall");
     app.footer(
         "The folder has CMakeLists.txt, presets, a scenario file, tests and a README.md, and C++\n"
-        "or an MJCF that works. Exit status: 0 success, 1 a defect, 2 usage or input.");
+        "or an MJCF that works. That of a robot has its model, a scenario file and a README.md.\n"
+        "--tip may be missing if the model has one site, or one last body. Exit status: 0 success, "
+        "1 a defect, 2 usage or input.");
     if (const auto status = parse(app, argc, argv)) return *status;
     return new_project(catalogue, kind, name, out, mjcf, tip);
   });

@@ -199,6 +199,12 @@ std::vector<HeldReference> AxisRig::held_references() const {
           one.axis.counts_pulses ? kFarTurned : kFarMoved * simulation_->model()->stat.extent);
     }
   }
+  if (plant_.tip) {
+    const Reference& force = plant_.tip->reference;
+    held.emplace_back(TimeWindow{force.from_s, end_s >= plant_.judged_to_s ? end_s : 0.0},
+                      "the force of the tip", "N");
+    held.back().ask(force.value);
+  }
   return held;
 }
 
@@ -305,7 +311,7 @@ std::vector<Signal> AxisRig::signals() const {
                        "effective mass at the last contact, with every joint free to recoil",
                        view(wall->mass_kg())});
     signals.push_back({one.signal("transient_N"), "N",
-                       "v sqrt(k m) at the begin of the last contact (ISO/TS 15066)",
+                       "v sqrt(k m) at the beginning of the last contact (ISO/TS 15066)",
                        view(wall->transient_N())});
   }
   if (plant_.tip) add_tip_signals(signals);

@@ -90,12 +90,16 @@ class AxisRig {
   /// The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const;
 
+  /// The force of the tip's sensor behind its low-pass.
+  double filtered_force_N() const {
+    return simulation_->sensing().filtered(simulation_->sensing().size() - 2);
+  }
   /// The true force of the tip's contact; 0 if it has none.
   double contact_force_N() const { return contact_force_ != nullptr ? *contact_force_ : 0.0; }
 
   /// Runs for the duration of the settings, with a sample at the end. It is record_run(), where
-  /// each step is `step(k)`, which steps this rig. It warns if a measured position misses its
-  /// reference, or if a drive is at its limit in most samples.
+  /// each step is `step(k)`, which steps this rig. It warns if a position or the tip's force
+  /// misses its reference, or if a drive is at its limit in most samples.
   template <typename Step, typename Sample>
   Recording run(const RunControl& control, std::vector<Signal> signals, Step&& step,
                 Sample&& sample, MetricValues* values = nullptr) {
@@ -103,11 +107,12 @@ class AxisRig {
     std::vector<HeldReference> held = held_references();
     std::int64_t samples = 0, saturated = 0;
     const auto watched_sample = [&](double time_s) {
-      for (std::size_t i = 0; i < held.size(); ++i) {
+      for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
         const AxisSettings& axis = plant_.axes[i];
         held[i].add(time_s, axis.reference.at(time_s) -
                                 this->measured(i) / axis.transmission.measured_ratio());
       }
+      if (plant_.tip) held.back().add(time_s, force_reference_ - filtered_force_N());
       ++samples;
       if (saturated_ > 0.0) ++saturated;
       sample(time_s);

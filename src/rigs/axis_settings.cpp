@@ -13,17 +13,11 @@
 #include <breakwater/config/column_table.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/linear_model.h>
+#include <breakwater/sim/named_elements.h>
 
 namespace breakwater {
 
 namespace {
-
-// The file's model with all geoms: load_physics() leaves out those that touch nothing.
-Model whole_model(const Model& part) {
-  ModelFile file(part.file());
-  file.most_elements = std::numeric_limits<std::uint64_t>::max();  // it was compiled before
-  return Model::load(file);
-}
 
 // The id of the element that a key names.
 int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
@@ -33,16 +27,10 @@ int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
   } catch (const std::invalid_argument& error) {
     constexpr std::size_t kFew = 12;
     const bool is_geom = kind == mjOBJ_GEOM;
-    const Model whole = whole_model(model);
-    if (whole.has(kind, name)) {
-      own.fail(key, fmt::format("{}: the geom \"{}\" can touch nothing: contype and conaffinity "
-                                "suit no geom of a body that moves against its own",
-                                model.file(), name));
-    }
     std::vector<std::string> names;
     // Each element has a letter or more in the model's list of names.
-    for (int i = 0; i < whole->nnames; ++i) {
-      const char* const one = mj_id2name(whole.get(), kind, i);
+    for (int i = 0; i < model->nnames; ++i) {
+      const char* const one = mj_id2name(model.get(), kind, i);
       if (one != nullptr && *one != '\0') names.emplace_back(one);
     }
     std::string hint;
@@ -325,6 +313,10 @@ void AxisPlant::learn(const Config& config) {
         actuator = found_name != nullptr ? found_name : Axis::kJoint;
         is_replaced = !m.is_motor(i);
       }
+      const std::string chosen = own.text("actuator").value_or("");
+      if (m.has(mjOBJ_ACTUATOR, chosen)) {
+        is_replaced = !m.is_motor(m.id(mjOBJ_ACTUATOR, chosen));
+      }
     }
     found.emplace_back(joint, named_axis(name, joint_name, actuator, is_hinge));
     found.back().second.is_replaced = is_replaced;
@@ -453,7 +445,7 @@ std::vector<std::string> AxisPlant::warnings() const {
     }
   }
   if (!replaced.empty()) {
-    lines.push_back("a motor with gear 1 and the same largest force replaces the actuator of " +
+    lines.push_back("a motor with gear 1 and the limit of its force replaces the actuator of " +
                     replaced + ": a command is a force at the joint");
   }
   return lines;
@@ -502,6 +494,14 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
         own.fail("actuator",
                  fmt::format("\"{}\" must drive joint \"{}\"", one.axis.actuator, driven));
       }
+      for (int other = 0; other < model->nu; ++other) {
+        const bool acts = model->actuator_trntype[other] == mjTRN_JOINT &&
+                          model->actuator_trnid[2 * other] == driven_joint &&
+                          model->actuator_biastype[other] != mjBIAS_NONE;
+        if (acts && other != actuator) {
+          own.fail("actuator", fmt::format("joint \"{}\" has a servo besides: remove it", driven));
+        }
+      }
       const mjtNum* range = model->actuator_ctrlrange + 2 * actuator;
       const bool is_limited = model->actuator_ctrllimited[actuator] != 0;
       if (model.is_motor(actuator) && is_limited && range[0] != -range[1]) {
@@ -529,7 +529,7 @@ Model AxisPlant::load_model(const Config* config) const {
   model.set_physics(physics.timestep_s, physics.integrator);
   if (config != nullptr) {
     check_names(model, *config);
-    check_contacts(*config);
+    check_contacts(model, *config);
     if (tip) check_tip(model, *config);
   }
   std::vector<int> joints;
@@ -587,7 +587,7 @@ void AxisPlant::check_geoms(const Config& config) const {
   }
 }
 
-void AxisPlant::check_contacts(const Config& config) const {
+void AxisPlant::check_contacts(const Model& model, const Config& config) const {
   std::map<std::string, std::string> authored;  // the geoms whose parameters a law sets
   std::map<std::pair<std::string, std::string>, std::string> known;
   for (const ContactSettings& one : contacts) {
@@ -596,6 +596,14 @@ void AxisPlant::check_contacts(const Config& config) const {
     const auto [same, is_new] = known.emplace(std::minmax(one.geom_1, one.geom_2), one.name);
     if (!is_new) own.fail("geom_1", "contact \"" + same->second + "\" has the same two geoms");
     check_law_is_chosen(one, config);
+    const int first = geom_id(model, one.geom_1), second = geom_id(model, one.geom_2);
+    const bool may_touch = (model->geom_contype[first] & model->geom_conaffinity[second]) != 0 ||
+                           (model->geom_contype[second] & model->geom_conaffinity[first]) != 0;
+    if (one.wall.is_of_engine() && !may_touch && model->npair == 0) {
+      own.fail("geom_2", fmt::format("contype and conaffinity let \"{}\" and \"{}\" not touch; a "
+                                     "law that is a force, kelvin_voigt_clipped, needs neither",
+                                     one.geom_1, one.geom_2));
+    }
     for (const auto& [key, geom] :
          {std::pair("geom_1", one.geom_1), std::pair("geom_2", one.geom_2)}) {
       if (one.wall.is_of_file() || !one.wall.is_of_engine()) continue;

@@ -202,7 +202,7 @@ struct AxisPlant {
   void check_names(const Model& model, const Config& config) const;
   static void check_law_is_chosen(const ContactSettings& contact, const Config& config);
   void check_geoms(const Config& config) const;
-  void check_contacts(const Config& config) const;
+  void check_contacts(const Model& model, const Config& config) const;
   void check_tip(const Model& model, const Config& config) const;
 
   const Catalogue* catalogue_;

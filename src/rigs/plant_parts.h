@@ -11,7 +11,6 @@
 
 #include <breakwater/observers/stacked_estimator.h>
 #include <breakwater/plants/tip_chain.h>
-#include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/axis_settings.h>
 
@@ -60,6 +59,8 @@ struct PlantControllerKind
     : PartKind<Controller, const PlantTask&, std::shared_ptr<DisturbanceEstimator>> {
   using PartKind::PartKind;
   static constexpr const char* kWhat = "controller of a plant";
+
+  bool moves_tip = false;  ///< it is one of an arm, and has an estimator for each axis
 };
 
 /// The estimator of the linearised plant, or one for each axis, by `make(NominalAxis)`.
@@ -82,8 +83,8 @@ class PlantParts
  public:
   explicit PlantParts(const Catalogue& catalogue)
       : LoopParts(catalogue, "observer.name", "none", "axes") {
-    for (const ArmControllerKind& kind : catalogue.all<ArmControllerKind>()) {
-      of_tip_.push_back(kind.name);
+    for (const PlantControllerKind& kind : catalogue.all<PlantControllerKind>()) {
+      if (kind.moves_tip) of_tip_.push_back(kind.name);
     }
   }
 

@@ -5,15 +5,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include <breakwater/linear/pseudo_inverse.h>
 #include <breakwater/plants/spatial_chain.h>
 #include <breakwater/rigs/arm_parts.h>
 #include <breakwater/sim/named_elements.h>
 
 namespace breakwater {
 namespace {
-
-constexpr double kSingularValueFloor = 0.02;
 
 Eigen::Isometry3d frame_of(const mjtNum* position, const mjtNum* quaternion) {
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
@@ -79,7 +76,6 @@ std::vector<SpatialJoint> joints_to(int body, const AxisPlant& plant, const Mode
         throw std::invalid_argument(place + " moves the tip and its encoder is at the motor");
       }
       SpatialJoint joint;
-      joint.name = name;
       joint.frame = std::exchange(frame, Eigen::Isometry3d::Identity());
       joint.axis = Eigen::Map<const Eigen::Vector3d>(row(model->jnt_axis, id, 3));
       joint.anchor_m = Eigen::Map<const Eigen::Vector3d>(row(model->jnt_pos, id, 3));
@@ -93,21 +89,6 @@ std::vector<SpatialJoint> joints_to(int body, const AxisPlant& plant, const Mode
     throw std::invalid_argument("moves the joints of the tip alone, and there are other axes");
   }
   return joints;
-}
-
-// The joint that limits the acceleration along the force at the start.
-Eigen::Index limiting_joint(const ArmSetup& arm) {
-  TaskJacobian J(arm.chain.held(), arm.chain.joints());
-  arm.chain.tip_jacobian(arm.task.start_angles_rad, J);
-  Eigen::MatrixXd J_plus(J.cols(), J.rows());
-  damped_pseudo_inverse(J, kSingularValueFloor, J_plus);
-  Eigen::Index joint = 0;
-  J_plus.col(0)
-      .cwiseAbs()
-      .cwiseProduct(arm.acceleration.nominal_inertia_kgm2)
-      .cwiseQuotient(arm.acceleration.torque_limit_Nm)
-      .maxCoeff(&joint);
-  return joint;
 }
 
 // An arm's controller and the keys that a plant adds to it.
@@ -161,7 +142,6 @@ class TipPart final : public PlantControllerKind::Part {
     arm.task.force_lag_s = task.tip.force_lag_s;
     arm.task.wall_x_m = task.tip.wall_x_m;
     arm.task.k_posture = k_posture_;
-    arm.task.elbow = limiting_joint(arm);
     return arm;
   }
 
@@ -224,8 +204,11 @@ TipTask tip_task(const AxisPlant& plant, const Model& model) try {
 std::vector<PlantControllerKind> tip_controllers(const Catalogue& catalogue) {
   std::vector<PlantControllerKind> kinds;
   for (const ArmControllerKind& kind : catalogue.all<ArmControllerKind>()) {
+    // A controller in Python is of all kinds.
+    if (catalogue.has<PlantControllerKind>(kind.name)) continue;
     kinds.emplace_back(kind.name, kind.help,
                        [kind] { return std::make_unique<TipPart>(kind.settings()); });
+    kinds.back().moves_tip = true;
   }
   return kinds;
 }

@@ -419,6 +419,10 @@ void Model::make_motor(int actuator) {
   if (m.actuator_ctrllimited[actuator] != 0 && m.actuator_biastype[actuator] == mjBIAS_NONE) {
     limit = std::min(limit, gain * smaller(m.actuator_ctrlrange + at(actuator, 2)));
   }
+  if (limit == 0.0) {
+    refuse(file_, "actuator " + name_of(m, mjOBJ_ACTUATOR, actuator) +
+                      " has a force in one direction alone, so no motor can replace it");
+  }
   std::fill_n(m.actuator_gear + at(actuator, 6), 6, 0.0);
   m.actuator_gear[at(actuator, 6)] = 1.0;
   m.actuator_gaintype[actuator] = mjGAIN_FIXED;

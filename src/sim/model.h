@@ -118,7 +118,7 @@ class Model {
   bool is_motor(int actuator) const;
   /// Makes an actuator of a hinge or slide such a motor. It has the limit of the old one's force at
   /// the joint, the smaller one if they differ. Throws std::invalid_argument if the actuator has a
-  /// state of its own.
+  /// state of its own or acts in one direction alone.
   void make_motor(int actuator);
 
   /// Limits an actuator's command to ±limit; infinity: no limit. Throws std::invalid_argument

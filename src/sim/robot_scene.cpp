@@ -6,6 +6,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include <breakwater/math/functions.h>
 #include <breakwater/sim/mjcf_conversion.h>
 #include <breakwater/sim/model.h>
 
@@ -102,7 +103,7 @@ void choose_pose(const Model& model, mjData& data, const TipPlace& tip,
   // Kronecker's sequence with the roots of x^(n + 1) = x + 1 covers the ranges evenly.
   double root = 2.0;
   for (int i = 0; i < 100; ++i) {
-    root = std::pow(1.0 + root, 1.0 / (1.0 + static_cast<double>(joints.size())));
+    root = math::exp(math::log(1.0 + root) / (1.0 + static_cast<double>(joints.size())));
   }
   for (int pose = 0; pose < kPoses; ++pose) {
     double step = 1.0;
@@ -170,6 +171,25 @@ RobotScene robot_before_wall(const std::string& file, const std::string& tip_nam
     if (scene.joints.back().empty()) {
       throw std::invalid_argument(file + ": joint number " + std::to_string(joint + 1) +
                                   " moves the tip and needs a name");
+    }
+    const bool is_axis =
+        model->jnt_type[joint] == mjJNT_HINGE || model->jnt_type[joint] == mjJNT_SLIDE;
+    bool is_driven = false;
+    for (int i = 0; i < model->nu; ++i) {
+      is_driven |=
+          model->actuator_trntype[i] == mjTRN_JOINT && model->actuator_trnid[2 * i] == joint;
+    }
+    if (!is_axis || !is_driven) {
+      throw std::invalid_argument(file + ": joint \"" + scene.joints.back() +
+                                  "\" moves the tip and " +
+                                  (is_axis ? "no actuator drives it" : "is no hinge or slide"));
+    }
+  }
+  for (const auto& [kind, name] :
+       {std::pair(mjOBJ_GEOM, RobotScene::kTip), std::pair(mjOBJ_GEOM, RobotScene::kWall),
+        std::pair(mjOBJ_KEY, RobotScene::kStart)}) {
+    if (model.has(kind, name)) {
+      throw std::invalid_argument(file + ": has \"" + name + "\" already");
     }
   }
   const DataPointer data = model.make_data();

@@ -186,7 +186,7 @@ void WallContact::check_stability(double time_s, const mjModel& model, const mjD
                                   const Stage& stage) {
   const ContactSlopes found = slopes(model, data, stage.penetration_m, stage.approach_m_s);
   mass_kg_ = found.mass_kg;
-  if (first_.force_N == 0.0) {  // that of the step before
+  if (first_.force_N == 0.0 && stage.approach_m_s > 0.0) {  // that of the step before
     transient_N_ = stage.approach_m_s * std::sqrt(found.stiffness_N_m * found.mass_kg);
   }
   if (is_stable(integrator_, timestep_s_, found)) return;

@@ -46,8 +46,8 @@ class WallContact final : public StagedForce {
   /// The effective mass that the contact met at its last step with a force, with every joint free
   /// to recoil; 0: there was none yet.
   const double& mass_kg() const { return mass_kg_; }
-  /// F = v √(k m) at the begin of the last contact: the peak of the force if nothing else acts. k
-  /// is the local stiffness, and v the approach velocity. 0: there was no contact yet.
+  /// F = v √(k m) at the beginning of the last contact: the peak of the force if nothing else acts.
+  /// k is the local stiffness, and v the approach velocity. 0: there was no contact yet.
   ///
   /// Source: ISO/TS 15066:2016, A.3.6.
   const double& transient_N() const { return transient_N_; }

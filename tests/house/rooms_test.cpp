@@ -221,7 +221,6 @@ TEST(House, EveryScenarioHasItsFolder) {
     if (!entry.is_directory()) continue;
     const std::string name = entry.path().filename().string();
     EXPECT_TRUE(fs::exists(entry.path() / (name + ".toml"))) << name;
-    EXPECT_TRUE(fs::exists(entry.path() / (name + ".cpp"))) << name;
     // The model and the duration of "plant" are the user's. Without a list, pictures show them
     // whole.
     EXPECT_EQ(fs::exists(entry.path() / "shots.toml"), name != "plant") << name;

@@ -285,7 +285,7 @@ TEST(PlantTest, SaysWhyAContactHasNoSuchGeom) {
     });
   };
   EXPECT_TRUE(has(complaint("<compiler angle=\"radian\"/>"),
-                  "contact.floor.geom_2: ", "the geom \"fingertip\" can touch nothing"));
+                  "contact.floor.geom_2: ", "let \"floor\" and \"fingertip\" not touch"));
   EXPECT_TRUE(has(complaint("<compiler discardvisual=\"true\"/>"),
                   "has no geom named \"fingertip\" (it has floor, ball. With discardvisual, as in "
                   "a URDF, the compiler drops geoms that cannot collide)"));
@@ -545,9 +545,10 @@ TEST(PendulumTest, NominalInertiasBelowTheCouplingHaveNoLinearModel) {
                   "the nominal inertias are too small"));
 }
 
-// A two-link strikes a wall freely: the impulse is the effective mass times the change of velocity.
+// A two-link strikes a wall freely for 0.2 ms. The impulse is the effective mass times the change
+// of velocity.
 TEST(PlantTest, ImpactHasTheEffectiveMass) {
-  const std::string press = file_text("press.toml");
+  const std::string press = testing::replaced(file_text("press.toml"), "\"press\"", "\"free\"");
   const testing::TemporaryPath folder("impact");
   fs::create_directories(folder);
   fs::copy_file(testing::source_file("tests/regression/two_link.xml"), folder / "two_link.xml");
@@ -555,7 +556,7 @@ TEST(PlantTest, ImpactHasTheEffectiveMass) {
 [metric]
 impulse = { of = "force_true_N", kind = "integral", at = "step" }
 before = { of = "contact_wall_approach_m_s", kind = "first", at = "step", from_s = "first_contact" }
-after = { of = "contact_wall_approach_m_s", kind = "min", at = "step" }
+after = { of = "contact_wall_approach_m_s", kind = "min", at = "step", before_s = "first_contact + 3e-4" }
 mass = { of = "contact_wall_mass_kg", kind = "first", at = "step", from_s = "first_contact" }
 peak = { of = "force_true_N", kind = "peak", at = "step" }
 transient = { of = "contact_wall_transient_N", kind = "first", at = "step", from_s = "first_contact" }
@@ -564,7 +565,7 @@ transient = { of = "contact_wall_transient_N", kind = "first", at = "step", from
   const PreparedRun run = prepare_run(
       testing::catalogue(), "plant", ScenarioFile(folder / "free.toml", "plant"), "free",
       {"physics.timestep_s=1e-6", "control.period_s=1e-3", "run.duration_s=0.06",
-       "contact.wall.damping_Ns_m=0", "contact.wall.stiffness_N_m=1e6", "force.from_s=0",
+       "contact.wall.damping_Ns_m=0", "contact.wall.stiffness_N_m=1e8", "force.from_s=0",
        "axis.shoulder.start.velocity_rad_s=1.5", "axis.elbow.start.velocity_rad_s=-2.5",
        "axis.shoulder.plant.viscous_friction_Nms_rad=0",
        "axis.elbow.plant.viscous_friction_Nms_rad=0"});
@@ -573,7 +574,7 @@ transient = { of = "contact_wall_transient_N", kind = "first", at = "step", from
   EXPECT_GT(change, 0.1);
   EXPECT_NEAR(all.at("impulse_Ns"), all.at("mass_kg") * change, 1e-3 * all.at("impulse_Ns"));
   // Half of a sine: its peak is v sqrt(k m).
-  EXPECT_NEAR(all.at("peak_N"), all.at("transient_N"), 1e-2 * all.at("peak_N"));
+  EXPECT_NEAR(all.at("peak_N"), all.at("transient_N"), 1e-3 * all.at("peak_N"));
 }
 
 }  // namespace
