@@ -69,7 +69,7 @@ void bends_its_elbow_and_approaches() {
     dq += T * ddq;
   }
   // After 100 M/D the speed is F^ref/D.
-  breakwater::TipJacobian J(3, 3);
+  breakwater::TaskJacobian J(3, 3);
   arm.chain.tip_jacobian(q, J);
   const Eigen::Vector3d velocity = J * dq;
   const double speed_m_s = arm.task.force_reference_N / design.virtual_damping_Ns_m;
