@@ -82,30 +82,28 @@ double AccelerationControl::upper_acceleration(Eigen::Index joint) const {
   return (torque_limit_(joint) - d_hat()(joint)) / nominal_inertia_(joint);
 }
 
-void AccelerationControl::limit(Eigen::Ref<Eigen::VectorXd> a_rad_s2) {
+void AccelerationControl::limited_part(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
+                                       Eigen::Ref<Eigen::VectorXd> part) const {
   if (is_coupled()) {
-    torque_.noalias() = mass_matrix_ * a_rad_s2;
-    for (Eigen::Index i = 0; i < joints(); ++i) {
-      torque_(i) = std::clamp(torque_(i), lower(i), upper(i));
-    }
-    a_rad_s2 = torque_;
-    divide_by_mass(a_rad_s2);
-    return;
+    part.noalias() = mass_matrix_ * a_rad_s2;
+  } else {
+    part = a_rad_s2;
   }
+}
+
+void AccelerationControl::limit(Eigen::Ref<Eigen::VectorXd> a_rad_s2) {
+  limited_part(a_rad_s2, torque_);
   for (Eigen::Index i = 0; i < joints(); ++i) {
-    a_rad_s2(i) = std::clamp(a_rad_s2(i), lower_acceleration(i), upper_acceleration(i));
+    a_rad_s2(i) = std::clamp(torque_(i), lower(i), upper(i));
   }
+  if (is_coupled()) divide_by_mass(a_rad_s2);
 }
 
 double AccelerationControl::share_within_limits(
     const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
     const Eigen::Ref<const Eigen::VectorXd>& more_rad_s2) {
-  torque_ = a_rad_s2;
-  more_ = more_rad_s2;
-  if (is_coupled()) {
-    torque_.noalias() = mass_matrix_ * a_rad_s2;
-    more_.noalias() = mass_matrix_ * more_rad_s2;
-  }
+  limited_part(a_rad_s2, torque_);
+  limited_part(more_rad_s2, more_);
   double share = 1.0;
   for (Eigen::Index i = 0; i < joints(); ++i) {
     const double room = more_(i) > 0.0 ? upper(i) - torque_(i) : torque_(i) - lower(i);

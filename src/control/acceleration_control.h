@@ -67,7 +67,7 @@ class AccelerationControl {
   /// (Eqs. 2.83, 2.84) [rad/s²].
   double lower_acceleration(Eigen::Index joint) const;
   double upper_acceleration(Eigen::Index joint) const;
-  /// Bounds of what the drive of a joint limits: of a, or of M_n a [N m] if the joints are coupled.
+  /// Bounds of limited_part().
   double lower(Eigen::Index joint) const {
     return is_coupled() ? -torque_limit_(joint) - held_(joint) : lower_acceleration(joint);
   }
@@ -79,6 +79,10 @@ class AccelerationControl {
                              const Eigen::Ref<const Eigen::VectorXd>& more_rad_s2);
   /// Makes an acceleration respect the bounds, each by itself.
   void limit(Eigen::Ref<Eigen::VectorXd> a_rad_s2);
+
+  /// The part of an acceleration a that the drives limit: a, or M_n a if the joints are coupled.
+  void limited_part(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
+                    Eigen::Ref<Eigen::VectorXd> part) const;
 
   bool is_coupled() const { return mass_matrix_.size() > 0; }
   const Eigen::MatrixXd& mass_matrix() const { return mass_matrix_; }

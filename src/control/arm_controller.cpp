@@ -69,6 +69,7 @@ void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   acceleration_control_.update(y.y.head(n));
   X_hat_ = chain_.tip_pose(q_hat_);
   chain_.tip_jacobian(q_hat_, J_);
+  has_inverse_ = false;
   X_ref_ = task_.start_pose;
   if (force_control_) X_ref_[0] = implicit_force_reference_m(task_, X_hat_[0], force_N_);
 
@@ -77,14 +78,19 @@ void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   acceleration_control_.command(acceleration_ref_, u);
 }
 
+const Eigen::MatrixXd& ArmController::damped_inverse() {
+  if (!has_inverse_) damped_pseudo_inverse(J_, kSingularValueFloor, J_damped_);
+  has_inverse_ = true;
+  return J_damped_;
+}
+
 // N (k (q_0 − q̂) − 2 √k q̇̂), N = I − J⁺ J, as far as the torques suffice. Away from singular
 // postures the tip does not feel it.
 void ArmController::hold_posture() {
-  damped_pseudo_inverse(J_, kSingularValueFloor, J_damped_);
   posture_ = task_.k_posture * (task_.start_angles_rad - q_hat_) -
              2.0 * std::sqrt(task_.k_posture) * dq_hat_;
   const TipVector felt = J_ * posture_;
-  posture_.noalias() -= J_damped_ * felt;
+  posture_.noalias() -= damped_inverse() * felt;
   acceleration_ref_ +=
       acceleration_control_.share_within_limits(acceleration_ref_, posture_) * posture_;
 }

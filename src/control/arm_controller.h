@@ -64,6 +64,8 @@ class ArmController : public Controller {
   AccelerationControl& joints() { return acceleration_control_; }
   const AccelerationControl& joints() const { return acceleration_control_; }
   const TipChain& chain() const { return chain_; }
+  /// J⁺ of this sample (n×c), damped near singular postures. Computed when it is first asked for.
+  const Eigen::MatrixXd& damped_inverse();
 
   // The estimates and references of this sample, for decide().
   AccelerationControl::View q_hat_;
@@ -84,6 +86,7 @@ class ArmController : public Controller {
   Eigen::VectorXd acceleration_ref_;
   Eigen::VectorXd posture_;
   Eigen::MatrixXd J_damped_;
+  bool has_inverse_ = false;
   std::vector<Signal> signals_;
 };
 

@@ -10,7 +10,6 @@
 namespace breakwater {
 namespace {
 
-constexpr double kSingularValueFloor = 0.02;
 constexpr double kLargest_m_s2 = 30.0;  // bound of a_x if the authority is empty
 constexpr double kContact_N = 0.15;     // threshold of contact detection
 constexpr double kLost_s = 0.08;
@@ -31,8 +30,8 @@ PathControl::PathControl(const TipChain& chain, const AccelerationControlDesign&
       joint_pfc_(design.joints.begin(), design.joints.end()),
       hold_(design.hold),
       across_(design.across),
-      J_plus_(chain.joints(), chain.held()) {
-  share_ = rest_ = along_;
+      share_(along_),
+      rest_(along_) {
   if (static_cast<Eigen::Index>(joint_pfc_.size()) != chain.joints()) {
     throw std::invalid_argument("path control: needs a PFC for each joint");
   }
@@ -64,35 +63,29 @@ void PathControl::decide(Eigen::Ref<Eigen::VectorXd> a) {
 
 // Computes g and r.
 void PathControl::look_along_path() {
-  damped_pseudo_inverse(J_, kSingularValueFloor, J_plus_);
+  const Eigen::MatrixXd& J_plus = damped_inverse();
   velocity_.noalias() = J_ * dq_hat_;
   const TipVector& start = task().start_pose;
   wanted_ = -chain().tip_bias_acceleration(q_hat_, dq_hat_);
   for (Eigen::Index i = 1; i < start.size(); ++i) {
     wanted_[i] += across_.acceleration(start[i], X_hat_[i], velocity_[i]);
   }
-  along_ = J_plus_.col(0);
-  multiply(J_plus_, wanted_, otherwise_);
+  along_ = J_plus.col(0);
+  multiply(J_plus, wanted_, otherwise_);
 }
 
 void PathControl::measure_authority() {
   // Finite where no joint limits it, since the log has it.
   upper_ = std::numeric_limits<double>::max();
   lower_ = -upper_;
-  const auto take = [&](double share, double from, double to) {
-    if (std::abs(share) < kSmallestShare) return;
-    lower_ = std::max(lower_, std::min(from / share, to / share));
-    upper_ = std::min(upper_, std::max(from / share, to / share));
-  };
-  const bool is_coupled = joints().is_coupled();
-  if (is_coupled) {
-    share_.noalias() = joints().mass_matrix() * along_;
-    rest_.noalias() = joints().mass_matrix() * otherwise_;
-  }
+  joints().limited_part(along_, share_);
+  joints().limited_part(otherwise_, rest_);
   for (Eigen::Index i = 0; i < along_.size(); ++i) {
-    const double share = is_coupled ? share_(i) : along_(i);
-    const double rest = is_coupled ? rest_(i) : otherwise_(i);
-    take(share, joints().lower(i) - rest, joints().upper(i) - rest);
+    if (std::abs(share_(i)) < kSmallestShare) continue;
+    const double one = (joints().lower(i) - rest_(i)) / share_(i);
+    const double other = (joints().upper(i) - rest_(i)) / share_(i);
+    lower_ = std::max(lower_, std::min(one, other));
+    upper_ = std::min(upper_, std::max(one, other));
   }
   is_possible_ = lower_ <= upper_;
   authority_ << std::max(kLeastAuthority_m_s2, is_possible_ ? -lower_ : 0.0),

@@ -65,8 +65,7 @@ class PathControl : public ArmController {
   Positioning positioning_;
   std::vector<Pfc> joint_pfc_;
   Pfc hold_, across_;
-  Eigen::MatrixXd J_plus_;
-  Eigen::VectorXd share_, rest_;      // M_n g and M_n r of coupled joints
+  Eigen::VectorXd share_, rest_;      // limited_part() of g and r
   double lower_ = 0.0, upper_ = 0.0;  // lo and hi
   bool is_possible_ = false;          // lo ≤ hi
   bool touches_ = false;
