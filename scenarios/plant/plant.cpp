@@ -8,6 +8,7 @@
 #include <breakwater/control/axes_control.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/hdf5_log.h>
+#include <breakwater/rigs/tip_controllers.h>
 
 namespace breakwater {
 
@@ -38,6 +39,7 @@ Fields Plant::fields() {
 PlantTask Plant::task() const {
   PlantTask task = plant_task(plant_);
   task.observes_axes = parts_.moves_tip();
+  task.tip = [this] { return tip_task(plant_); };
   task.own_controllers = [this, axes = task.axes] { return axes_control(axes); };
   return task;
 }

@@ -6,17 +6,10 @@
 #include <breakwater/control/soft_contact.h>
 #include <breakwater/control/workspace_control.h>
 #include <breakwater/rigs/arm_parts.h>
+#include <breakwater/rigs/loop_parts.h>
 
 namespace breakwater {
 namespace {
-
-// A number for each of `size`, from these or from the only one.
-std::vector<double> spread(const char* key, const std::vector<double>& numbers, Eigen::Index size,
-                           const std::string& otherwise) {
-  if (numbers.size() == 1) return std::vector<double>(static_cast<std::size_t>(size), numbers[0]);
-  if (numbers.size() != static_cast<std::size_t>(size)) throw WrongKey(key, otherwise);
-  return numbers;
-}
 
 // The settings of the PFC, and of the positioning before force control.
 struct PfcSettings {
@@ -68,11 +61,10 @@ struct ProposedSettings {
     for (const TipCoordinate& one : arm.chain.coordinates()) {
       names += (names.empty() ? "" : ", ") + one.name;
     }
-    const std::vector<double> weights =
+    LmDesign design;
+    design.weights =
         spread("controller.ik_weights", ik_weights, arm.chain.held(),
                "must have a number for each of " + names + ", which the arm can hold, or one");
-    LmDesign design;
-    design.weights = Eigen::Map<const Eigen::VectorXd>(weights.data(), arm.chain.held());
     design.damping = ik_damping;
     design.form = ik_form;
     return design;

@@ -87,8 +87,7 @@ int actuator_id(const Model& model, const Axis& axis) {
   if (axis.actuator != Axis::kJoint) return model.id(mjOBJ_ACTUATOR, axis.actuator);
   const int joint = model.id(mjOBJ_JOINT, axis.joint);
   for (int i = 0; i < model->nu; ++i) {
-    const bool drives = model->actuator_trntype[i] == mjTRN_JOINT;
-    if (drives && model->actuator_trnid[2 * i] == joint) return i;
+    if (model.drives(i, joint)) return i;
   }
   throw std::invalid_argument(model.file() + ": no actuator drives joint \"" + axis.joint + '"');
 }
@@ -308,7 +307,7 @@ void AxisPlant::learn(const Config& config) {
                              ? joint
                              : id_of(own, "transmission.motor_joint", m, mjOBJ_JOINT, motor_name);
       for (int i = m->nu - 1; i >= 0; --i) {
-        if (m->actuator_trntype[i] != mjTRN_JOINT || m->actuator_trnid[2 * i] != driven) continue;
+        if (!m.drives(i, driven)) continue;
         const char* const found_name = mj_id2name(m.get(), mjOBJ_ACTUATOR, i);
         actuator = found_name != nullptr ? found_name : Axis::kJoint;
         is_replaced = !m.is_motor(i);
@@ -484,8 +483,7 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
                                : id_of(own, "actuator", model, mjOBJ_ACTUATOR, one.axis.actuator);
       take(own, "actuator", actuators, actuator,
            "drives another axis: set \"none\" for an axis that is only measured");
-      const bool drives = model->actuator_trntype[actuator] == mjTRN_JOINT &&
-                          model->actuator_trnid[2 * actuator] == driven_joint;
+      const bool drives = model.drives(actuator, driven_joint);
       if (!drives && !has_motor && !one.transmission.motor_joint.empty()) {
         own.fail("transmission.motor_joint",
                  "needs a transmission with a stiffness: a rigid motor has no joint of its own");
@@ -495,9 +493,8 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
                  fmt::format("\"{}\" must drive joint \"{}\"", one.axis.actuator, driven));
       }
       for (int other = 0; other < model->nu; ++other) {
-        const bool acts = model->actuator_trntype[other] == mjTRN_JOINT &&
-                          model->actuator_trnid[2 * other] == driven_joint &&
-                          model->actuator_biastype[other] != mjBIAS_NONE;
+        const bool acts =
+            model.drives(other, driven_joint) && model->actuator_biastype[other] != mjBIAS_NONE;
         if (acts && other != actuator) {
           own.fail("actuator", fmt::format("joint \"{}\" has a servo besides: remove it", driven));
         }
@@ -524,8 +521,14 @@ Model AxisPlant::load_model(const Config* config) const {
   // Contacts may name what is decoration in the file.
   std::vector<std::string> named = geoms;
   for (const ContactSettings& one : contacts) named.insert(named.end(), {one.geom_1, one.geom_2});
-  if (config != nullptr) check_geoms(*config);
-  Model model = Model::load_physics(mjcf, named);
+  Model model = [&] {
+    try {
+      return Model::load_physics(mjcf, named);
+    } catch (const std::invalid_argument&) {
+      if (config != nullptr) check_geoms(*config);
+      throw;
+    }
+  }();
   model.set_physics(physics.timestep_s, physics.integrator);
   if (config != nullptr) {
     check_names(model, *config);
@@ -578,7 +581,6 @@ void AxisPlant::check_law_is_chosen(const ContactSettings& contact, const Config
 }
 
 void AxisPlant::check_geoms(const Config& config) const {
-  if (contacts.empty()) return;
   const Model whole = Model::load(mjcf);
   for (const ContactSettings& one : contacts) {
     const Config own = config.under(one.prefix());
@@ -698,16 +700,6 @@ Model AxisPlant::nominal_model() const {
         "positive definite");
   }
   return model;
-}
-
-Eigen::MatrixXd AxisPlant::mass_matrix() const {
-  const Model model = nominal_model();
-  const Eigen::MatrixXd whole = joint_inertia(model, pose(model));
-  std::vector<Eigen::Index> rates;
-  for (const AxisSettings& one : axes) {
-    rates.push_back(model->jnt_dofadr[model.id(mjOBJ_JOINT, one.axis.joint)]);
-  }
-  return whole(rates, rates);
 }
 
 std::vector<double> AxisPlant::pose(const Model& model) const {

@@ -180,9 +180,6 @@ struct AxisPlant {
   /// nominal.… of an axis set its joint's inertia, with all other joints held at the pose, and its
   /// viscous friction. Throws std::invalid_argument if they give no positive definite mass matrix.
   Model nominal_model() const;
-  /// The mass matrix of nominal_model() (n×n) for the joints of all axes, in their order, with all
-  /// other joints held at the pose. Throws as nominal_model().
-  Eigen::MatrixXd mass_matrix() const;
   /// Coulomb friction of an axis and its motor, as a force of the drive. Throws as load_model().
   double coulomb_friction_at_drive(std::size_t axis) const;
   /// The pose of all joints that the keyframe gives. Throws std::invalid_argument if there is none.

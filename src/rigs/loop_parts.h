@@ -1,14 +1,25 @@
 // An estimator and a controller that a scenario chooses by name.
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <breakwater/control/controller.h>
 #include <breakwater/experiment/parts.h>
 
 namespace breakwater {
+
+/// A number for each of `size`, from these or from the only one. Throws a WrongKey with the reason
+/// `otherwise` if there are others.
+inline Eigen::VectorXd spread(const char* key, const std::vector<double>& numbers,
+                              Eigen::Index size, const std::string& otherwise) {
+  if (numbers.size() == 1) return Eigen::VectorXd::Constant(size, numbers.front());
+  if (static_cast<Eigen::Index>(numbers.size()) != size) throw WrongKey(key, otherwise);
+  return Eigen::Map<const Eigen::VectorXd>(numbers.data(), size);
+}
 
 /// A controller and the estimator that it updates; null if it released the given one.
 template <typename Estimator>

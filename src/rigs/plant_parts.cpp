@@ -45,12 +45,10 @@ void bind_lqr(Fields& fields, LqrWeights& weights) {
 }
 
 Eigen::VectorXd spread(const char* key, const std::vector<double>& weights, Eigen::Index size) {
-  if (weights.size() == 1) return Eigen::VectorXd::Constant(size, weights.front());
-  if (static_cast<Eigen::Index>(weights.size()) != size) {
-    throw WrongKey(key, fmt::format("must have 1 number{}, has {}",
-                                    size == 1 ? "" : fmt::format(" or {}", size), weights.size()));
-  }
-  return Eigen::Map<const Eigen::VectorXd>(weights.data(), size);
+  return breakwater::spread(
+      key, weights, size,
+      fmt::format("must have 1 number{}, has {}", size == 1 ? "" : fmt::format(" or {}", size),
+                  weights.size()));
 }
 
 std::unique_ptr<Controller> make_lqr(const LqrWeights& weights, const PlantTask& task,
@@ -144,7 +142,6 @@ PlantTask plant_task(const AxisPlant& plant) {
   }
   task.limit =
       Eigen::Map<const Eigen::VectorXd>(limits.data(), static_cast<Eigen::Index>(limits.size()));
-  task.tip = tip_task(plant, model);
   NominalAxis& whole = task.whole;
   whole.period_s = plant.physics.control_period_s;
   const auto count = static_cast<Eigen::Index>(plant.axes.size());

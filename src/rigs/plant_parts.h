@@ -18,9 +18,7 @@ namespace breakwater {
 
 /// The tip of a plant, for an arm's controllers.
 struct TipTask {
-  std::shared_ptr<const TipKinematics>
-      kinematics;  ///< null: there is none, and `why_none` says why
-  std::string why_none = {};
+  std::shared_ptr<const TipKinematics> kinematics;
   Eigen::MatrixXd mass_matrix_kgm2;                           ///< nominal, at the start
   double force_lag_s = 0.0;                                   ///< as in ArmTask
   double wall_x_m = std::numeric_limits<double>::infinity();  ///< as in ArmTask
@@ -43,14 +41,15 @@ struct PlantTask {
   Eigen::VectorXd limit;       ///< force limits of the driven axes
   bool senses_true_state = false;
   ForceTask force;
-  TipTask tip;
   /// The estimator stands for each axis by itself, and not for the linearised plant.
   bool observes_axes = false;
+  /// Finds the tip. Throws as tip_task().
+  std::function<TipTask()> tip;
   /// Makes the controllers that the axes have chosen, as one.
   std::function<std::unique_ptr<Controller>()> own_controllers;
 };
 
-/// The task of a plant whose settings are complete, without own_controllers.
+/// The task of a plant whose settings are complete, without tip and own_controllers.
 PlantTask plant_task(const AxisPlant& plant);
 
 /// A controller of all axes and its name: key controller.name. It gets the samples of

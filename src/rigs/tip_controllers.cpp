@@ -7,6 +7,7 @@
 
 #include <breakwater/plants/spatial_chain.h>
 #include <breakwater/rigs/arm_parts.h>
+#include <breakwater/sim/linear_model.h>
 #include <breakwater/sim/named_elements.h>
 
 namespace breakwater {
@@ -20,11 +21,6 @@ Eigen::Isometry3d frame_of(const mjtNum* position, const mjtNum* quaternion) {
   return frame;
 }
 
-// A row of `columns` numbers in an array of the engine.
-const mjtNum* row(const mjtNum* numbers, int index, int columns) {
-  return numbers + static_cast<std::ptrdiff_t>(columns) * index;
-}
-
 // A frame with this x axis.
 Eigen::Matrix3d along(const Eigen::Vector3d& x, const Eigen::Vector3d& across) {
   Eigen::Matrix3d frame;
@@ -32,7 +28,7 @@ Eigen::Matrix3d along(const Eigen::Vector3d& x, const Eigen::Vector3d& across) {
   return frame;
 }
 
-// A point of a body, and the geom that touches.
+// A frame in a body.
 struct Tip {
   int body = 0;
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
@@ -40,12 +36,12 @@ struct Tip {
 
 Tip tip_of_site(const Model& model, int site) {
   return {model->site_bodyid[site],
-          frame_of(row(model->site_pos, site, 3), row(model->site_quat, site, 4))};
+          frame_of(model->site_pos + 3 * site, model->site_quat + 4 * site)};
 }
 
 Tip tip_of_geom(const Model& model, int geom) {
   return {model->geom_bodyid[geom],
-          frame_of(row(model->geom_pos, geom, 3), row(model->geom_quat, geom, 4))};
+          frame_of(model->geom_pos + 3 * geom, model->geom_quat + 4 * geom)};
 }
 
 // The joints from the world to a body. Its `frame` in the last moving link is set.
@@ -57,7 +53,7 @@ std::vector<SpatialJoint> joints_to(int body, const AxisPlant& plant, const Mode
   std::vector<SpatialJoint> joints;
   frame.setIdentity();
   for (const int one : bodies) {
-    frame = frame * frame_of(row(model->body_pos, one, 3), row(model->body_quat, one, 4));
+    frame = frame * frame_of(model->body_pos + 3 * one, model->body_quat + 4 * one);
     for (int k = 0; k < model->body_jntnum[one]; ++k) {
       const int id = model->body_jntadr[one] + k;
       const char* const name = mj_id2name(model.get(), mjOBJ_JOINT, id);
@@ -77,8 +73,8 @@ std::vector<SpatialJoint> joints_to(int body, const AxisPlant& plant, const Mode
       }
       SpatialJoint joint;
       joint.frame = std::exchange(frame, Eigen::Isometry3d::Identity());
-      joint.axis = Eigen::Map<const Eigen::Vector3d>(row(model->jnt_axis, id, 3));
-      joint.anchor_m = Eigen::Map<const Eigen::Vector3d>(row(model->jnt_pos, id, 3));
+      joint.axis = Eigen::Map<const Eigen::Vector3d>(model->jnt_axis + 3 * id);
+      joint.anchor_m = Eigen::Map<const Eigen::Vector3d>(model->jnt_pos + 3 * id);
       joint.slides = model->jnt_type[id] == mjJNT_SLIDE;
       joint.zero = model->qpos0[model->jnt_qposadr[id]];
       joint.effort_limit = axis->force_limit();
@@ -114,9 +110,9 @@ class TipPart final : public PlantControllerKind::Part {
 
  private:
   ArmSetup setup(const PlantTask& task, std::shared_ptr<DisturbanceEstimator> estimator) const {
-    if (!task.tip.kinematics) throw std::invalid_argument(task.tip.why_none);
+    const TipTask tip = task.tip();
     if (!estimator) throw WrongKey("observer.name", "needs an estimator for each joint");
-    ArmSetup arm{TipChain(task.tip.kinematics), {}, {}, task.whole.period_s};
+    ArmSetup arm{TipChain(tip.kinematics), {}, {}, task.whole.period_s};
     const Eigen::Index n = arm.chain.joints();
     AccelerationControlDesign& joints = arm.acceleration;
     joints.nominal_inertia_kgm2.resize(n);
@@ -126,7 +122,7 @@ class TipPart final : public PlantControllerKind::Part {
       joints.nominal_inertia_kgm2(i) = 1.0 / axis.axis.plant.B(1);
       arm.task.start_angles_rad(i) = axis.reference.at(0.0);
     }
-    joints.nominal_mass_matrix_kgm2 = task.tip.mass_matrix_kgm2;
+    joints.nominal_mass_matrix_kgm2 = tip.mass_matrix_kgm2;
     joints.torque_limit_Nm = task.limit;
     joints.make_observer = [estimator = std::move(estimator)] { return estimator; };
     joints.feed = feed_;
@@ -139,8 +135,8 @@ class TipPart final : public PlantControllerKind::Part {
     arm.task.force_control_from_s = force.from_s;
     arm.task.force_reference_N = force.value;
     arm.task.convert_gain_N_m = convert_gain_per_m_ * force.value;
-    arm.task.force_lag_s = task.tip.force_lag_s;
-    arm.task.wall_x_m = task.tip.wall_x_m;
+    arm.task.force_lag_s = tip.force_lag_s;
+    arm.task.wall_x_m = tip.wall_x_m;
     arm.task.k_posture = k_posture_;
     return arm;
   }
@@ -153,9 +149,10 @@ class TipPart final : public PlantControllerKind::Part {
 
 }  // namespace
 
-TipTask tip_task(const AxisPlant& plant, const Model& model) try {
+TipTask tip_task(const AxisPlant& plant) {
   TipTask task;
   if (!plant.tip) throw std::invalid_argument("needs a tip: a table [tip]");
+  const Model model = plant.nominal_model();
   const TipSettings& settings = *plant.tip;
   task.force_lag_s = settings.chain.low_pass_s;
   std::optional<Tip> touching;
@@ -171,7 +168,7 @@ TipTask tip_task(const AxisPlant& plant, const Model& model) try {
     }
     touching = tip_of_geom(model, ball);
     if (model->geom_type[ball] == mjGEOM_SPHERE) radius_m = model->geom_size[3 * ball];
-    contact = frame_of(row(model->geom_pos, wall, 3), row(model->geom_quat, wall, 4));
+    contact = frame_of(model->geom_pos + 3 * wall, model->geom_quat + 4 * wall);
     contact->linear() = along(-contact->linear().col(2), contact->linear().col(1));
   }
   const bool has_sensor = settings.sensor != TipSettings::kNone;
@@ -187,7 +184,11 @@ TipTask tip_task(const AxisPlant& plant, const Model& model) try {
   if (!contact) throw std::invalid_argument("needs tip.contact: a contact with a plane");
   const auto chain = std::make_shared<SpatialChain>(joints, body * tip.frame, *contact, start);
   task.kinematics = chain;
-  task.mass_matrix_kgm2 = plant.mass_matrix();
+  std::vector<Eigen::Index> rates;
+  for (const AxisSettings& one : plant.axes) {
+    rates.push_back(model->jnt_dofadr[model.id(mjOBJ_JOINT, one.axis.joint)]);
+  }
+  task.mass_matrix_kgm2 = joint_inertia(model, plant.pose(model))(rates, rates);
   if (radius_m > 0.0 && touching->body == tip.body) {
     const SpatialChain ball(joints, body * touching->frame, *contact, start);
     const double ball_x_m = ball.pose(start)(0);
@@ -195,10 +196,6 @@ TipTask tip_task(const AxisPlant& plant, const Model& model) try {
     task.wall_x_m = chain->pose(start)(0) - ball_x_m - radius_m;
   }
   return task;
-} catch (const std::invalid_argument& error) {
-  TipTask none;
-  none.why_none = error.what();
-  return none;
 }
 
 std::vector<PlantControllerKind> tip_controllers(const Catalogue& catalogue) {

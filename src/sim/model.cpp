@@ -391,6 +391,11 @@ void Model::separate(int geom, int plane) {
   m.geom_conaffinity[plane] = bit;
 }
 
+bool Model::drives(int actuator, int joint) const {
+  return model_->actuator_trntype[actuator] == mjTRN_JOINT &&
+         model_->actuator_trnid[at(actuator, 2)] == joint;
+}
+
 bool Model::is_motor(int actuator) const {
   const mjModel& m = *model_;
   return m.actuator_trntype[actuator] == mjTRN_JOINT && m.actuator_gear[at(actuator, 6)] == 1.0 &&

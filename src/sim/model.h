@@ -114,6 +114,8 @@ class Model {
   /// Throws std::invalid_argument if a <pair> makes the contact, or if no bit of contype is free.
   void separate(int geom, int plane);
 
+  /// Whether an actuator acts on a joint itself.
+  bool drives(int actuator, int joint) const;
   /// Whether an actuator is a <motor> with gear 1 of a hinge or slide.
   bool is_motor(int actuator) const;
   /// Makes an actuator of a hinge or slide such a motor. It has the limit of the old one's force at

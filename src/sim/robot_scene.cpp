@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <stdexcept>
 
 #include <breakwater/math/functions.h>
@@ -175,10 +174,7 @@ RobotScene robot_before_wall(const std::string& file, const std::string& tip_nam
     const bool is_axis =
         model->jnt_type[joint] == mjJNT_HINGE || model->jnt_type[joint] == mjJNT_SLIDE;
     bool is_driven = false;
-    for (int i = 0; i < model->nu; ++i) {
-      is_driven |=
-          model->actuator_trntype[i] == mjTRN_JOINT && model->actuator_trnid[2 * i] == joint;
-    }
+    for (int i = 0; i < model->nu; ++i) is_driven |= model.drives(i, joint);
     if (!is_axis || !is_driven) {
       throw std::invalid_argument(file + ": joint \"" + scene.joints.back() +
                                   "\" moves the tip and " +
