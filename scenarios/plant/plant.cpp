@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -39,7 +40,10 @@ Fields Plant::fields() {
 PlantTask Plant::task() const {
   PlantTask task = plant_task(plant_);
   task.observes_axes = parts_.moves_tip();
-  task.tip = [this] { return tip_task(plant_); };
+  task.tip = [this, found = std::make_shared<std::optional<TipTask>>()] {
+    if (!*found) *found = tip_task(plant_);
+    return **found;
+  };
   task.own_controllers = [this, axes = task.axes] { return axes_control(axes); };
   return task;
 }
@@ -97,13 +101,15 @@ void Plant::check(const Config& config) {
     config.fail("controller.name", task.why_not_linear);
   }
   parts_.check(config, task);
+  if (parts_.moves_tip()) warn_of_free_coordinates(task.tip().kinematics->coordinates);
   const auto loop = parts_.make(task);
   const AxisRig rig(plant_, *loop.controller);
   const std::vector<Signal> signals = rig.signals();
   // A contact is shorter than a sample.
   MetricContext context{.fast_signals = {"force_true_N", "force_sensor_N", "force_filtered_N"}};
   for (const ContactSettings& one : plant_.contacts) {
-    for (const char* what : {"N", "penetration_m", "approach_m_s", "mass_kg", "transient_N"}) {
+    for (const char* what :
+         {"N", "penetration_m", "approach_m_s", "mass_kg", "transient_N", "friction_N"}) {
       context.fast_signals.push_back(one.signal(what));
     }
   }
@@ -118,6 +124,15 @@ void Plant::check(const Config& config) {
     // Another case may have a controller or an estimator that publishes it.
     if (!missing.empty()) warnings_.push_back(missing + ": the metric is absent");
   }
+}
+
+void Plant::warn_of_free_coordinates(const std::vector<TipCoordinate>& held) {
+  constexpr std::size_t kAll = 6;
+  if (held.size() == kAll) return;
+  std::string names;
+  for (const TipCoordinate& one : held) names += (names.empty() ? "" : ", ") + one.name;
+  warnings_.push_back("the tip holds " + names +
+                      " of the contact's frame: its joints move no other coordinate independently");
 }
 
 bool Plant::has_own_loop(std::size_t i) const {

@@ -38,6 +38,7 @@ class Plant final : public LoopScenario {
  private:
   PlantTask task() const;
   /// Whether the axis has a controller of its own.
+  void warn_of_free_coordinates(const std::vector<TipCoordinate>& held);
   bool has_own_loop(std::size_t i) const;
   /// The axes' own controllers, with `other` at the axis `replaced` if it is there.
   std::unique_ptr<Controller> axes_control(const std::vector<AxisTask>& tasks,

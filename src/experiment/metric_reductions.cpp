@@ -116,6 +116,66 @@ class Exceed final : public Reduction {
   std::optional<double> value_;
 };
 
+// The values of a line at 0, by least squares.
+class LineAtZero {
+ public:
+  void add(double x, double y) {
+    n_ += 1.0;
+    x_ += x;
+    xx_ += x * x;
+    y_ += y;
+    xy_ += x * y;
+  }
+  double value() const { return (y_ * xx_ - x_ * xy_) / (n_ * xx_ - x_ * x_); }
+
+ private:
+  double n_ = 0.0, x_ = 0.0, xx_ = 0.0, y_ = 0.0, xy_ = 0.0;
+};
+
+// The level is the time of the jump. The lower level is the length of both lines, and of the gap
+// behind it.
+class Jump final : public Reduction {
+ public:
+  explicit Jump(const ReductionSetup& setup)
+      : setup_(setup), length_s_(setup.lower.value()), before_(count()) {}
+
+  void add(const AddedValues& added) override {
+    const double since_s = added.time_s - setup_.level.value();
+    if (since_s < 0.0) {
+      before_[number_++ % before_.size()] = {added.time_s, added.value};
+    } else if (since_s >= length_s_ && since_s < 2.0 * length_s_) {
+      after_.add(since_s, added.value);
+    }
+    last_s_ = added.time_s;
+  }
+
+  std::optional<double> value() const override {
+    const double at_s = setup_.level.value();
+    if (number_ < before_.size() || !(last_s_ >= at_s + 2.0 * length_s_)) return std::nullopt;
+    LineAtZero before;
+    for (const auto& [time_s, value] : before_) before.add(time_s - at_s, value);
+    return after_.value() - before.value();
+  }
+
+ private:
+  std::size_t count() const {
+    constexpr double kLeast = 2.0, kMost = 1e7;
+    const double number = std::round(length_s_ / setup_.period_s);
+    if (!setup_.lower.is_constant() || !(number >= kLeast && number <= kMost)) {
+      throw std::invalid_argument(
+          "lower: a jump needs the length of its lines, two values or more");
+    }
+    return static_cast<std::size_t>(number);
+  }
+
+  ReductionSetup setup_;
+  double length_s_;
+  std::vector<std::pair<double, double>> before_;  // the last ones before the jump
+  std::size_t number_ = 0;                         // ever written there
+  LineAtZero after_;
+  double last_s_ = -kOpen;
+};
+
 class Overshoot final : public Reduction {
  public:
   explicit Overshoot(const ReductionSetup& /*setup*/) {}
@@ -411,6 +471,12 @@ const std::vector<MetricKind>& standard_metric_kinds() {
        .make = make_reduction<Exceed>,
        .has_level = true,
        .why_absent = "the value never rises above the level"},
+      {.name = "jump",
+       .meaning = "jump at the time `level`, by a line before it and one behind a gap; `lower` is "
+                  "the length of each and of the gap [s]",
+       .make = make_reduction<Jump>,
+       .has_level = true,
+       .why_absent = "the run is too short before or after the jump"},
       {.name = "overshoot",
        .meaning = "farthest value beyond 0, on the other side of the window's first value, as a "
                   "share of this first value",

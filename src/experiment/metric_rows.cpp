@@ -120,7 +120,7 @@ void MetricRow::bind(Fields& fields, const std::vector<MetricKind>& kinds) {
   number_key("level", level, "level, in the signal's unit");
   number_key("lower", lower, "lower level, in the signal's unit");
   fields.only_for({"level"}, "kind", with_level);
-  fields.only_for({"lower"}, "kind", {"time_outside"});
+  fields.only_for({"lower"}, "kind", {"time_outside", "jump"});
   fields.choice(
       "take", take,
       {{"value", Taken::value},

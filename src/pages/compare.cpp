@@ -127,7 +127,7 @@ Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
   }
   labels_ = labels_of(catalogue, runs_);
   identities_ = identities_of(catalogue, runs_);
-  shots_ = shots_of(catalogue, runs_.front().scenario());
+  shots_ = shots_of(catalogue, runs_.front());
   const std::vector<Metric> metrics = choose_metrics(runs_, choice.metrics);
   shown_ = shown_metrics(catalogue, runs_.front().scenario(), shots_, metrics);
   std::vector<std::map<std::string, ReferenceValue>> printed;

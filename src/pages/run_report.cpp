@@ -103,7 +103,7 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     const SavedRun& run = runs[i];
     const std::string id = fmt::format("run-{}", i + 1);
     const bool has_scenario = catalogue.has<ScenarioKind>(run.scenario());
-    const ShotList shots = shots_of(catalogue, run.scenario());
+    const ShotList shots = shots_of(catalogue, run);
     auto blocks = PageData::array();
     const auto titled = [&](const std::string& part, const std::string& heading) {
       blocks.push_back({{"subheading", heading}, {"id", id + part}});
@@ -210,10 +210,12 @@ PageData printed_lines(const ReferenceValue& reference, double measured) {
       {{"text", agreement.text}, {"kind", "verdict " + agreement.tone}, {"tip", agreement.rule}}};
 }
 
-ShotList shots_of(const Catalogue& catalogue, const std::string& scenario) {
-  if (!catalogue.has<ScenarioKind>(scenario)) return {};
+ShotList shots_of(const Catalogue& catalogue, const SavedRun& run) {
+  if (!catalogue.has<ScenarioKind>(run.scenario())) return {};
   try {
-    return shot_list(catalogue.get<ScenarioKind>(scenario).shots());
+    const ScenarioFile file((run.folder() / "config.toml").string(), run.scenario());
+    return shot_list(
+        shots_file(catalogue.get<ScenarioKind>(run.scenario()), file.config(run.case_name())));
   } catch (const std::invalid_argument&) {
     return {};  // the order is then that of the log
   }

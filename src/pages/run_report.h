@@ -39,7 +39,7 @@ std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::st
 /// The lines of a metric's cell: "thesis 2.83", and whether the measured value agrees.
 PageData printed_lines(const ReferenceValue& reference, double measured);
 
-/// A scenario's shot list; an empty one where there is none that can be read.
-ShotList shots_of(const Catalogue& catalogue, const std::string& scenario);
+/// A run's shot list; an empty one where there is none that can be read.
+ShotList shots_of(const Catalogue& catalogue, const SavedRun& run);
 
 }  // namespace breakwater

@@ -19,6 +19,15 @@ std::vector<Series> columns(const std::vector<double>& times_s, const LoggedSign
 
 }  // namespace
 
+std::filesystem::path shots_file(const ScenarioKind& kind, const Config& config) {
+  const auto model = config.text("model.mjcf");
+  const std::filesystem::path shots = kind.shots();
+  if (!model) return shots;
+  const std::filesystem::path file = config.find_file_of("model.mjcf", *model);
+  const std::filesystem::path own = file.parent_path() / shots.filename();
+  return std::filesystem::exists(own) ? own : shots;
+}
+
 FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder)
     : catalogue_(&catalogue), saved_(folder), notes_(saved_.notes()) {
   if (!catalogue.has<ScenarioKind>(saved_.scenario())) {
@@ -32,9 +41,9 @@ FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path
   }
   const auto& kind = catalogue.get<ScenarioKind>(saved_.scenario());
   scenario_ = kind.make(catalogue);
-  shots_file_ = kind.shots();
   const ScenarioFile file((folder / "config.toml").string(), kind.name);
   config_ = std::make_unique<Config>(file.config(case_name()));
+  shots_file_ = breakwater::shots_file(kind, *config_);
   read_settings(kind);
 
   if (times_s().size() < 2 || qpos().rows < 2) {

@@ -37,7 +37,7 @@ class FinishedRun {
   /// Notes, one line each: on the log, and on keys that an older version did not have.
   const std::vector<std::string>& notes() const { return notes_; }
   const Scenario& scenario() const { return *scenario_; }
-  /// The place of the scenario's shot list, if any.
+  /// The place of its shot list, if any.
   const std::filesystem::path& shots_file() const { return shots_file_; }
 
   /// The times of the log's control samples [s], at least two.
@@ -75,5 +75,9 @@ class FinishedRun {
   std::unique_ptr<Scenario> scenario_;
   std::unique_ptr<Config> config_;
 };
+
+/// The place of a run's shot list: shots.toml beside the run's model, or else the scenario's. It
+/// may be missing.
+std::filesystem::path shots_file(const ScenarioKind& kind, const Config& config);
 
 }  // namespace breakwater

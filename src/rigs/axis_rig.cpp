@@ -313,6 +313,9 @@ std::vector<Signal> AxisRig::signals() const {
     signals.push_back({one.signal("transient_N"), "N",
                        "v sqrt(k m) at the beginning of the last contact (ISO/TS 15066)",
                        view(wall->transient_N())});
+    if (!wall->has_friction()) continue;
+    signals.push_back({one.signal("friction_N"), "N", "friction across the wall's normal",
+                       view(wall->friction_N())});
   }
   if (plant_.tip) add_tip_signals(signals);
   // A controller may publish the reference too.

@@ -42,6 +42,12 @@ void ForceSensorSettings::bind(Fields& fields) {
          "the sensor's own sampling period; 0: physics.timestep_s [s]");
   number("sensor.force_delay_s", electronics.delay_s, not_negative(),
          "delay of the sensor's samples [s]");
+  number("sensor.force_weighed_kg", weighed_kg, between(SensorChannel::kAllBeyond, 1e3),
+         "mass beyond the sensor whose weight is taken off each sample, as the sensor is turned; "
+         "-1: all that the model has there [kg]");
+  number("sensor.force_tare_at_s", tare_at_s, between(SensorChannel::kNever, 1e9),
+         "time of the sample that becomes zero; -1: none [s]");
+  fields.standard("sensor.force_tare_at_s", {SensorChannel::kNever});
 }
 
 void ForceSensorSettings::check(const Config& config, double timestep_s) const {
@@ -55,6 +61,8 @@ void ForceSensorSettings::add_channels(SensingSetup& setup, SensorChannel raw) c
   raw.name = "force_raw";
   raw.body = {2.0 * std::numbers::pi * resonance_Hz, damping_ratio};
   raw.electronics = electronics;
+  raw.weighed_kg = weighed_kg;
+  raw.tare_at_s = tare_at_s;
   raw.noise_std = noise_N;
   SensorChannel filtered = raw;
   filtered.name = "force";

@@ -16,6 +16,8 @@ struct ForceSensorSettings {
   double resonance_Hz = 0.0;
   double damping_ratio = 0.0;
   SensorElectronics electronics;
+  double weighed_kg = 0.0;
+  double tare_at_s = SensorChannel::kNever;
 
   void bind_filter(Fields& fields);
   void bind_noise(Fields& fields);

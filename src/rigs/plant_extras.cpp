@@ -66,8 +66,8 @@ void TipSettings::bind(Fields& fields) {
                           "force.reference_N", "force.from_s"}) {
     fields.standard(key, {0.0});
   }
-  fields.only_where({"tip.component", "sensor.force_tool_mass_kg"}, "tip.sensor names a sensor",
-                    [this] { return sensor != kNone; });
+  fields.only_where({"tip.component", "sensor.force_tool_mass_kg", "sensor.force_weighed_kg"},
+                    "tip.sensor names a sensor", [this] { return sensor != kNone; });
 }
 
 void TipSettings::add_tool(Model& model) const {

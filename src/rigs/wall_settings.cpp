@@ -46,6 +46,15 @@ void WallSettings::bind(Fields& fields) {
   bind_wall(fields);
   const Fields::Under under(fields, contact_);
   law_->bind(fields);
+  fields.number("friction", friction_.coefficient, not_negative(),
+                "mu: coefficient of the dry friction across the wall's normal; 0: none");
+  fields.standard("friction", {0.0});
+  fields.number("friction_stick_m_s", friction_.stick_m_s, positive(),
+                "sliding speed below which the friction is a damper: the contact creeps where it "
+                "would stick [m/s]");
+  fields.standard("friction_stick_m_s", {ContactFriction().stick_m_s});
+  fields.only_where({"friction_stick_m_s"}, contact_ + "friction is not 0",
+                    [this] { return friction_.coefficient > 0.0; });
 }
 
 void WallSettings::bind_wall(Fields& fields) {
@@ -104,6 +113,10 @@ void WallSettings::check(const Config& config, const PhysicsSettings& physics) c
     own.fail(motion_.kind != WallMotionKind::fixed ? kMotion : "wall.angle_rad",
              "needs a law: the contact of the model file knows no such wall");
   }
+  if (make_law() == nullptr && friction_.coefficient > 0.0) {
+    config.under(contact_).fail("friction",
+                                "needs a law: the contact of the model file has its own");
+  }
   if (motion_.kind != WallMotionKind::free) return;
   // At the beginning of a contact with a body that is much heavier than the wall.
   check_stability(config, physics,
@@ -120,8 +133,9 @@ WallMotion WallSettings::motion() const {
 std::unique_ptr<ContactForceLaw> WallSettings::make_law() const {
   std::unique_ptr<ContactForceLaw> law = law_->make();
   const KelvinVoigt* engine = law ? law->for_engine() : nullptr;
-  if (engine == nullptr || motion_.kind == WallMotionKind::fixed) return law;
-  // MuJoCo's contact does not know the speed of a wall that moves.
+  const bool slides = friction_.coefficient == 0.0;
+  if (engine == nullptr || (slides && motion_.kind == WallMotionKind::fixed)) return law;
+  // MuJoCo's contact knows neither this friction nor the speed of a wall that moves.
   return std::make_unique<KelvinVoigt>(engine->stiffness_N_m(), engine->damping_Ns_m(),
                                        KelvinVoigt::By::force);
 }
@@ -169,7 +183,7 @@ void WallSettings::animate(Model& model, const std::string& wall, double x_m, do
 
 std::unique_ptr<WallContact> WallSettings::make(const Model& model, const std::string& sphere,
                                                 const std::string& wall) const {
-  return std::make_unique<WallContact>(model, sphere, wall, make_law(), motion());
+  return std::make_unique<WallContact>(model, sphere, wall, make_law(), motion(), friction_);
 }
 
 }  // namespace breakwater

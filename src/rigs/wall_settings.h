@@ -65,7 +65,8 @@ class WallSettings {
   std::shared_ptr<PartChoice<ContactLawKind>> law_;
   double angle_rad_ = 0.0;
   WallMotion motion_;  // without the table
-  std::string file_;   // the table
+  ContactFriction friction_;
+  std::string file_;  // the table
 };
 
 }  // namespace breakwater

@@ -150,6 +150,41 @@ MjcfElement geom(const std::string& name, const std::string& type) {
   return element;
 }
 
+// Draws a line from the origin of each body to those of the bodies on it.
+void draw_links(MjcfElement& body) {
+  std::vector<MjcfElement> links;
+  for (MjcfElement& child : body.children) {
+    if (child.name != "body") continue;
+    draw_links(child);
+    const std::string place = child.text("pos");
+    const bool is_apart = place.find_first_of("123456789") != place.npos;
+    if (body.name != "body" || !is_apart) continue;
+    MjcfElement& link = links.emplace_back(geom("", "capsule"));
+    link.erase("name");
+    link.set("fromto", "0 0 0 " + place);
+    link.set("size", "0.02");
+    link.set("rgba", "0.75 0.78 0.82 1");
+  }
+  body.children.insert(body.children.end(), links.begin(), links.end());
+}
+
+// A file whose meshes are gone has geoms in a hidden group alone, for collisions, or none.
+void show_robot(MjcfElement& root, const Model& model) {
+  constexpr int kLastShown = 2;
+  int hidden = 0;
+  for (int i = 0; i < model->ngeom; ++i) {
+    if (model->geom_bodyid[i] == 0) continue;
+    if (model->geom_group[i] <= kLastShown) return;
+    ++hidden;
+  }
+  for_each_section(root, "worldbody", [&](MjcfElement& world) {
+    if (hidden == 0) draw_links(world);
+    for_each_in_body(world, "", [](MjcfElement& element, MjcfElement&, const std::string&) {
+      if (element.name == "geom") element.set("group", std::to_string(kLastShown));
+    });
+  });
+}
+
 }  // namespace
 
 RobotScene robot_before_wall(const std::string& file, const std::string& tip_name) {
@@ -205,6 +240,7 @@ RobotScene robot_before_wall(const std::string& file, const std::string& tip_nam
     towards = along;
     break;
   }
+  show_robot(scene.root, model);
   MjcfElement ball = geom(RobotScene::kTip, "sphere");
   const std::vector<double> size = {kRadius_m};
   ball.set("size", size);

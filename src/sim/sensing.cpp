@@ -71,6 +71,18 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
                          LowPass(channel.low_pass_s, step_s),
                          SampledReading(channel.electronics, step_s, setup.seed, channel.name),
                          Noise(setup.seed, channel.name), DelayLine(channel.delay_samples)});
+    if (channel.weighed_kg == 0.0) continue;
+    const int id = model.id(mjOBJ_SENSOR, channel.sensor);
+    if (model->sensor_type[id] != mjSENS_FORCE) {
+      throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor +
+                                  "\" is no <force>: no weight can be taken off");
+    }
+    Channel& weighed = channels_.back();
+    weighed.site = model->sensor_objid[id];
+    const double mass_kg = channel.weighed_kg == SensorChannel::kAllBeyond
+                               ? model->body_subtreemass[model->site_bodyid[weighed.site]]
+                               : channel.weighed_kg;
+    weighed.weight_N = mass_kg * Eigen::Map<const Eigen::Vector3d>(model->opt.gravity);
   }
   const std::string& broken = setup.fault.channel;
   const auto found = std::find_if(channels_.begin(), channels_.end(),
@@ -95,8 +107,20 @@ double Sensing::Channel::read(const mjData& data) const {
   return angle + turn * std::round((value - angle) / turn);
 }
 
+double Sensing::Channel::corrected(double time_s, const mjData& data) {
+  double reading = setup.electronics.is_on() ? electronics.value() : value;
+  // The sensor reads the force that holds what is beyond it, in the axes of its site.
+  if (site >= 0) {
+    const mjtNum* axes = data.site_xmat + static_cast<std::ptrdiff_t>(9) * site;
+    for (int i = 0; i < 3; ++i) reading += axes[3 * i + setup.component] * weight_N(i);
+  }
+  if (!tare && setup.tare_at_s >= 0.0 && time_s >= setup.tare_at_s) tare = reading;
+  return reading - tare.value_or(0.0);
+}
+
 void Sensing::reset(const mjData& data) {
   for (Channel& channel : channels_) {
+    channel.tare.reset();
     channel.value = channel.read(data);
     channel.last_good = channel.value;
     channel.body.reset(channel.value);
@@ -117,8 +141,7 @@ void Sensing::take(std::int64_t k, const mjData& data, Sample& sample) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     Channel& channel = channels_[i];
     if (!channel.is_late) channel.value = channel.read(data);
-    const double reading =
-        channel.setup.electronics.is_on() ? channel.electronics.value() : channel.value;
+    const double reading = channel.corrected(sample.time_s, data);
     const double disturbed = reading + channel.setup.encoder.error(reading) +
                              channel.setup.disturbance.value(sample.time_s);
     double measured = channel.setup.encoder.measure(disturbed);

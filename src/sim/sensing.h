@@ -3,7 +3,9 @@
 
 #include <mujoco/mujoco.h>
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,13 +32,16 @@ enum class Reading {
 };
 
 /// One entry of a sample, from a MuJoCo sensor. The value passes these stages: true → body →
-/// low-pass (both analogue, at every physics step) → electronics (if any) → scale error →
-/// disturbance → quantisation → noise → delay → fault → hold.
+/// low-pass (both analogue, at every physics step) → electronics (if any) → weight → tare.
+/// Then: scale error → disturbance → quantisation → noise → delay → fault → hold.
 ///
 /// Position and velocity sensors without a low-pass have the value of the sampling instant. Force,
 /// touch and acceleration sensors, and all sensors with a low-pass, have the value of the last
 /// physics step. The engine computes them only at the end of a step.
 struct SensorChannel {
+  static constexpr double kNever = -1.0;
+  static constexpr double kAllBeyond = -1.0;  ///< weighed_kg: all mass of the model beyond it
+
   std::string name;                ///< name for the user: "q1", "force"
   std::string sensor;              ///< name of the MJCF sensor, or of the joint
   const double* source = nullptr;  ///< in place of a sensor: a value that each step computes
@@ -45,7 +50,9 @@ struct SensorChannel {
   SensorBody body;          ///< body of a force sensor; default: no resonance
   double low_pass_s = 0.0;  ///< time constant [s]; 0: none
   SensorElectronics electronics;
-  Disturbance disturbance;  ///< output disturbance, added at each sample, in the value's unit
+  double weighed_kg = 0.0;  ///< mass beyond a <force> sensor whose weight is taken off each sample
+  double tare_at_s = kNever;  ///< the first sample from then on becomes zero, and the zero of all
+  Disturbance disturbance;    ///< output disturbance, added at each sample, in the value's unit
   Encoder encoder;
   double noise_std =
       0.0;  ///< standard deviation of white noise at each sample, in the value's unit
@@ -90,6 +97,8 @@ class Sensing {
   struct Channel {
     // The present value of the sensor.
     double read(const mjData& data) const;
+    // The same behind the electronics, without the weight and the tare.
+    double corrected(double time_s, const mjData& data);
 
     SensorChannel setup;
     int address;   // index in sensordata, or in the state
@@ -99,6 +108,9 @@ class Sensing {
     SampledReading electronics;
     Noise noise;
     DelayLine delay;
+    Eigen::Vector3d weight_N = Eigen::Vector3d::Zero();  // weight of weighed_kg, in the world
+    int site = -1;                                       // the sensor's; -1: there is no weight
+    std::optional<double> tare = {};
     double value = 0.0;
     double last_good = 0.0;
     int dropped_in_a_row = 0;

@@ -29,6 +29,10 @@ Integrator integrator_of(const Model& model) {
   }
 }
 
+double square(double value) {
+  return value * value;
+}
+
 double dot(const std::array<double, 3>& a, const mjtNum* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -36,7 +40,8 @@ double dot(const std::array<double, 3>& a, const mjtNum* b) {
 }  // namespace
 
 WallContact::WallContact(const Model& model, const std::string& sphere, const std::string& plane,
-                         std::unique_ptr<ContactForceLaw> law, WallMotion motion)
+                         std::unique_ptr<ContactForceLaw> law, WallMotion motion,
+                         const ContactFriction& friction)
     : sphere_(model.id(mjOBJ_GEOM, sphere)),
       plane_(model.id(mjOBJ_GEOM, plane)),
       body_(model->geom_bodyid[sphere_]),
@@ -46,6 +51,7 @@ WallContact::WallContact(const Model& model, const std::string& sphere, const st
       stages_(integrator_ == Integrator::rk4 ? kMostStages : 1),
       law_(std::move(law)),
       motion_(std::move(motion)),
+      friction_(friction),
       wall_(motion_.at(0.0)),
       jacobian_(static_cast<std::size_t>(3 * model->nv)),
       along_(static_cast<std::size_t>(model->nv)),
@@ -98,6 +104,14 @@ void WallContact::find_geometry(double time_s, const mjModel& model, const mjDat
   stage.penetration_m =
       radius_m_ - dot(normal_, center) + dot(normal_, point) - stage.wall.position_m;
   stage.approach_m_s = -dot(normal_, velocity + 3) - stage.wall.speed_m_s;
+  if (!has_friction()) return;
+  const mjtNum arm[3] = {-radius_m_ * normal_[0], -radius_m_ * normal_[1], -radius_m_ * normal_[2]};
+  mjtNum turning[3];
+  mju_cross(turning, velocity, arm);
+  const double away_m_s = dot(normal_, velocity + 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    stage.sliding_m_s[i] = velocity[3 + i] - away_m_s * normal_[i] + turning[i];
+  }
 }
 
 double WallContact::force_of_law(Stage& stage) const {
@@ -128,19 +142,27 @@ void WallContact::apply(double time_s, const mjModel& model, mjData& data) {
     }
     if (stage.force_N > 0.0) {
       if (number_ == 0) check_stability(time_s, model, data, stage);
-      add_wrench(data, stage.force_N);
+      add_wrench(data, stage);
     }
   }
   if (number_ == 0) first_ = stage;
   number_ = std::min(number_ + 1, stages_ - 1);
 }
 
-void WallContact::add_wrench(mjData& data, double force_N) const {
+void WallContact::add_wrench(mjData& data, Stage& stage) const {
   const mjtNum* center = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * sphere_;
   mjtNum force[3], point[3];
   for (std::size_t i = 0; i < 3; ++i) {
-    force[i] = force_N * normal_[i];
+    force[i] = stage.force_N * normal_[i];
     point[i] = center[i] - radius_m_ * normal_[i];
+  }
+  if (has_friction()) {
+    const std::array<double, 3>& v = stage.sliding_m_s;
+    const double speed_m_s = std::sqrt(dot(v, v.data()));
+    const double damping_Ns_m = friction_.coefficient * stage.force_N /
+                                std::sqrt(speed_m_s * speed_m_s + square(friction_.stick_m_s));
+    for (std::size_t i = 0; i < 3; ++i) force[i] -= damping_Ns_m * v[i];
+    stage.friction_N = damping_Ns_m * speed_m_s;
   }
   mjtNum* wrench = data.xfrc_applied + static_cast<std::ptrdiff_t>(6) * body_;
   const mjtNum* mass_center = data.xipos + static_cast<std::ptrdiff_t>(3) * body_;
@@ -169,17 +191,41 @@ ContactSlopes WallContact::slopes(const mjModel& model, const mjData& data, doub
   find_normal(data);
   const mjtNum* center = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * sphere_;
   mj_jac(&model, &data, jacobian_.data(), nullptr, center, body_);
+  const double mass_kg = mass_along(model, data, normal_);
+  return with_wall(slopes_of(*law_, state_, penetration_m, speed_m_s, mass_kg), motion_);
+}
+
+// Needs the Jacobian.
+double WallContact::mass_along(const mjModel& model, const mjData& data,
+                               const std::array<double, 3>& direction) {
   const std::size_t n = along_.size();
   for (std::size_t i = 0; i < n; ++i) {
-    along_[i] = normal_[0] * jacobian_[i] + normal_[1] * jacobian_[n + i] +
-                normal_[2] * jacobian_[2 * n + i];
+    along_[i] = direction[0] * jacobian_[i] + direction[1] * jacobian_[n + i] +
+                direction[2] * jacobian_[2 * n + i];
   }
   // The engine's solver writes through a pointer to data that it does not change.
   mj_solveM(&model, const_cast<mjData*>(&data), recoil_.data(), along_.data(), 1);
   double inverse_mass = 0.0;
   for (std::size_t i = 0; i < n; ++i) inverse_mass += along_[i] * recoil_[i];
+  return 1.0 / inverse_mass;
+}
 
-  return with_wall(slopes_of(*law_, state_, penetration_m, speed_m_s, 1.0 / inverse_mass), motion_);
+// The friction's largest damping, and the smallest mass that any direction across the normal can
+// meet.
+ContactSlopes WallContact::slopes_across(const mjModel& model, const mjData& data, double force_N) {
+  const mjtNum* center = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * sphere_;
+  mjtNum point[3];
+  for (std::size_t i = 0; i < 3; ++i) point[i] = center[i] - radius_m_ * normal_[i];
+  mj_jac(&model, &data, jacobian_.data(), nullptr, point, body_);
+  double inverse_mass = 0.0;
+  for (const std::size_t axis : {0, 1, 2}) {
+    std::array<double, 3> direction{};
+    direction[axis] = 1.0;
+    for (std::size_t i = 0; i < 3; ++i) direction[i] -= normal_[axis] * normal_[i];
+    inverse_mass += 1.0 / mass_along(model, data, direction);
+  }
+  return {.damping_Ns_m = friction_.coefficient * force_N / friction_.stick_m_s,
+          .mass_kg = 1.0 / inverse_mass};
 }
 
 void WallContact::check_stability(double time_s, const mjModel& model, const mjData& data,
@@ -189,8 +235,15 @@ void WallContact::check_stability(double time_s, const mjModel& model, const mjD
   if (first_.force_N == 0.0 && stage.approach_m_s > 0.0) {  // that of the step before
     transient_N_ = stage.approach_m_s * std::sqrt(found.stiffness_N_m * found.mass_kg);
   }
-  if (is_stable(integrator_, timestep_s_, found)) return;
-  throw RunFailure(time_s, limit_in_words(integrator_, timestep_s_, found));
+  const auto check = [&](const ContactSlopes& one, const char* hint) {
+    if (is_stable(integrator_, timestep_s_, one)) return;
+    throw RunFailure(time_s, limit_in_words(integrator_, timestep_s_, one) + hint);
+  };
+  check(found, "");
+  if (has_friction()) {
+    check(slopes_across(model, data, stage.force_N),
+          "; this damping is that of the friction: a larger friction_stick_m_s lowers it");
+  }
 }
 
 void WallContact::end_step(const mjData& data) {

@@ -14,21 +14,30 @@
 
 namespace breakwater {
 
-/// A contact law's force on a sphere at a plane of the world body, without friction, at the contact
-/// point and along the plane's normal. The engine's own contact of the two must be off. The state
-/// of the law and a free wall are integrated with the plant.
+/// Dry friction of a contact: −μ N v/√(|v|² + v_s²), with v the sliding velocity and N the normal
+/// force. Below v_s it is a damper: the contact creeps where it would stick.
+struct ContactFriction {
+  double coefficient = 0.0;  ///< μ; 0: none
+  double stick_m_s = 1e-3;   ///< v_s > 0
+};
+
+/// A contact law's force on a sphere at a plane of the world body, at the contact point. It is
+/// along the plane's normal, with the friction across it. The engine's own contact of the two must
+/// be off. The state of the law and a free wall are integrated with the plant.
 ///
 /// If the law is MuJoCo's own (for_engine()), it applies nothing and only measures. Then the
 /// engine's contact of the two is on, the wall stands, and nothing else constrains the sphere.
 ///
 /// In contact it checks each step whether the integrator is stable (contact_stability.h). It uses
-/// the law's local stiffness and damping, and the mass that the contact meets. If it is not stable,
-/// it throws RunFailure, which names the longest stable timestep.
+/// the law's local stiffness and damping, and the mass that the contact meets. It does the same
+/// across the normal with the friction's μ N/v_s. If it is not stable, it throws RunFailure, which
+/// names the longest stable timestep.
 class WallContact final : public StagedForce {
  public:
   /// Throws std::invalid_argument if the model has no such sphere, or no such plane of the world.
   WallContact(const Model& model, const std::string& sphere, const std::string& plane,
-              std::unique_ptr<ContactForceLaw> law, WallMotion motion);
+              std::unique_ptr<ContactForceLaw> law, WallMotion motion,
+              const ContactFriction& friction = {});
 
   /// Switches the contact on or off; it begins off.
   void set_solid(bool is_solid) { is_solid_ = is_solid; }
@@ -41,6 +50,8 @@ class WallContact final : public StagedForce {
   /// negative penetration is a gap.
   const double& force_N() const { return first_.force_N; }
   const double& penetration_m() const { return first_.penetration_m; }
+  const double& friction_N() const { return first_.friction_N; }
+  bool has_friction() const { return friction_.coefficient > 0.0; }
   const double& approach_m_s() const { return first_.approach_m_s; }
   const double& wall_m() const { return first_.wall.position_m; }
   /// The effective mass that the contact met at its last step with a force, with every joint free
@@ -67,6 +78,8 @@ class WallContact final : public StagedForce {
     double penetration_m = 0.0;
     double approach_m_s = 0.0;
     double force_N = 0.0;
+    std::array<double, 3> sliding_m_s{};  // across the normal
+    double friction_N = 0.0;              // its size
     WallPosition wall;
     double wall_acceleration_m_s2 = 0.0;
     ContactState state;
@@ -79,7 +92,10 @@ class WallContact final : public StagedForce {
   ContactState state_at_stage() const;
   double force_of_law(Stage& stage) const;
   double engine_force_N(const mjData& data) const;
-  void add_wrench(mjData& data, double force_N) const;
+  ContactSlopes slopes_across(const mjModel& model, const mjData& data, double force_N);
+  double mass_along(const mjModel& model, const mjData& data,
+                    const std::array<double, 3>& direction);
+  void add_wrench(mjData& data, Stage& stage) const;
 
   int sphere_;
   int plane_;
@@ -90,6 +106,7 @@ class WallContact final : public StagedForce {
   std::size_t stages_;
   std::unique_ptr<ContactForceLaw> law_;
   WallMotion motion_;
+  ContactFriction friction_;
   bool is_solid_ = false;
 
   // At the beginning of the step.
@@ -103,8 +120,8 @@ class WallContact final : public StagedForce {
   double mass_kg_ = 0.0;
   double transient_N_ = 0.0;
   std::array<double, 3> normal_{};  // out of the wall
-  std::vector<double> jacobian_;    // 3 × n, of the contact point
-  std::vector<double> along_;       // Jᵀ times the normal
+  std::vector<double> jacobian_;    // 3 × n, of a point of the sphere
+  std::vector<double> along_;       // Jᵀ times a direction
   std::vector<double> recoil_;      // M⁻¹ times that
 };
 

@@ -331,6 +331,24 @@ TEST(MetricRowsTest, WindowsFollowEvents) {
   EXPECT_EQ(*history.metric("early_m"), 19.0);  // the event was not known before
 }
 
+// Two lines with a jump of 3 between them, and something else in the gap.
+TEST(MetricRowsTest, AJumpIsBetweenTwoLines) {
+  History history = history_of(
+      "[metric.jump]\nof = \"v_m_s\"\nkind = \"jump\"\nlevel = \"hit\"\nlower = 1.0\n"
+      "[metric.late]\nof = \"v_m_s\"\nkind = \"jump\"\nlevel = \"hit + 3.0\"\nlower = 2.0\n");
+  double& v = history.signal("v_m_s")[0];
+  MetricValues& run = history.run();
+  for (int k = 0; k <= 100000; ++k) {
+    const double t = k / 1e4, since_s = t - 5.0;
+    if (k == 50000) history.event("hit") = t;
+    v = since_s < 0.0 ? 2.0 + 0.5 * since_s : since_s < 0.999 ? 99.0 : 5.0 - 0.25 * since_s;
+    run.at_step(t);
+    run.at_sample(t);
+  }
+  EXPECT_NEAR(history.metric("jump_m_s").value(), 3.0, 1e-9);
+  EXPECT_FALSE(history.metric("late_m_s"));
+}
+
 TEST(MetricRowsTest, Refuses) {
   const std::string row = "[metric.m]\nof = \"a_m\"\nkind = \"rms\"\n";
   for (const auto& wrong : testing::rows_of("MetricRows")) {

@@ -464,6 +464,10 @@ TEST(PlantTipTest, SensorOfTheModelHasWhatIsBehindIt) {
     EXPECT_EQ(metrics.at("true_N"), metrics.at("rest_N"));
     EXPECT_NEAR(metrics.at("filtered_N"), -20.0, 1e-5);
     EXPECT_NEAR(metrics.at("measured_N"), -19.75, 1e-5);
+    with_tool.push_back("sensor.force_weighed_kg=-1");
+    const auto weighed = metrics_of_ball(carried, rows, with_tool);
+    EXPECT_NEAR(weighed.at("measured_N"), 0.25 - metrics.at("true_N"), 1e-5);
+    EXPECT_EQ(weighed.at("filtered_N"), metrics.at("filtered_N"));
   }
 }
 

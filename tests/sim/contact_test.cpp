@@ -239,6 +239,64 @@ TEST(WallContact, AFreeWallHasTheClosedFormsMotion) {
   }
 }
 
+// A ball of 1 kg on a rough plane. The gravity is tilted in place of the plane.
+class Slope {
+ public:
+  Slope(const std::string& joints, double slope, double coefficient)
+      : controller_([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {}),
+        simulation_(testing::model_of(
+                        "<mujoco><option timestep=\"2e-5\" gravity=\"" + std::to_string(slope) +
+                        R"( 0 -10"/><worldbody><geom name="wall" type="plane" size="9 9 1"
+      contype="0" conaffinity="0"/><body pos="0 0 0.1">)" +
+                        joints + R"(<geom name="ball" type="sphere" size="0.1" mass="1" contype="0"
+      conaffinity="0"/></body></worldbody></mujoco>)"),
+                    controller_, {}, 1),
+        contact_(simulation_.model(), "ball", "wall",
+                 std::make_unique<KelvinVoigt>(1e4, 200.0, KelvinVoigt::By::force), {},
+                 {coefficient, kStick_m_s}) {
+    contact_.set_solid(true);
+    simulation_.add(contact_);
+    for (int k = 0; k < 25000; ++k) simulation_.step();
+    const double before_m_s = simulation_.data().qvel[0];
+    for (int k = 0; k < 5000; ++k) simulation_.step();
+    speed_m_s_ = simulation_.data().qvel[0];
+    acceleration_m_s2_ = (speed_m_s_ - before_m_s) / 0.1;
+  }
+
+  static constexpr double kStick_m_s = 1e-3;
+  static constexpr const char* kSlides = R"(<joint type="slide" axis="1 0 0"/>
+      <joint type="slide" axis="0 1 0"/><joint type="slide" axis="0 0 1"/>)";
+
+  double speed_m_s_;
+  double acceleration_m_s2_;
+
+ private:
+  testing::FunctionController controller_;
+  Simulation simulation_;
+
+ public:
+  WallContact contact_;
+};
+
+TEST(WallContact, FrictionIsCoulombsWhileItSlides) {
+  const Slope slope(Slope::kSlides, 5.0, 0.3);
+  EXPECT_NEAR(slope.acceleration_m_s2_, 5.0 - 0.3 * 10.0, 1e-4);
+  EXPECT_NEAR(slope.contact_.friction_N(), 3.0, 1e-5);
+}
+
+// At rest it creeps: mu N v/sqrt(v^2 + v_s^2) is the load.
+TEST(WallContact, FrictionCreepsWhereItWouldStick) {
+  const Slope slope(Slope::kSlides, 5.0, 1.0);
+  EXPECT_NEAR(slope.speed_m_s_, Slope::kStick_m_s * 0.5 / std::sqrt(1.0 - 0.25), 1e-8);
+  EXPECT_NEAR(slope.acceleration_m_s2_, 0.0, 1e-6);
+}
+
+// A ball that does not slide rolls: its inertia is 2/5 m r^2.
+TEST(WallContact, FrictionTurnsABall) {
+  const Slope slope("<freejoint/>", 2.0, 1.0);
+  EXPECT_NEAR(slope.acceleration_m_s2_, 2.0 / 1.4, 1e-3);
+}
+
 TEST(GeomContact, IsTheWeightOfTheBallThatRests) {
   const Model model = testing::model_of(R"(<mujoco><worldbody>
       <geom name="floor" type="plane" size="1 1 1"/>

@@ -552,4 +552,51 @@ TEST(Sensing, RefusesANegativeDelay) {
   EXPECT_REFUSED(Sensing(cart(), setup));
 }
 
+// A tool of 1 kg behind a turning wrist. Its sensor reads the force that holds it.
+TEST(Sensing, TakesTheToolsWeightOffAsItTurns) {
+  const Model model = testing::model_of(R"(<mujoco><worldbody><body>
+      <joint type="hinge" axis="0 1 0"/><inertial pos="0 0 0" mass="0.5" diaginertia="1 1 1"/>
+      <body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><site name="flange"/></body>
+      </body></worldbody><sensor><force name="flange" site="flange"/></sensor></mujoco>)");
+  const DataPointer data = model.make_data();
+  const auto sample_at = [&](Sensing& sensing, double angle_rad, double time_s) {
+    data->qpos[0] = angle_rad;
+    mj_forward(model.get(), data.get());
+    sensing.after_step(*data);
+    Sample sample;
+    sample.time_s = time_s;
+    sample.y.resize(3);
+    sensing.take(0, *data, sample);
+    return Eigen::Vector3d(sample.y);
+  };
+  const auto sensing_of = [&](double weighed_kg, double tare_at_s) {
+    SensingSetup setup;
+    for (const int i : {0, 1, 2}) {
+      setup.channels.push_back({.name = "force" + std::to_string(i),
+                                .sensor = "flange",
+                                .component = i,
+                                .weighed_kg = weighed_kg,
+                                .tare_at_s = tare_at_s});
+    }
+    return Sensing(model, setup);
+  };
+  for (const double angle_rad : {0.0, 0.5 * M_PI, 2.1}) {
+    const Eigen::Vector3d weight(-9.81 * std::sin(angle_rad), 0.0, 9.81 * std::cos(angle_rad));
+    Sensing raw = sensing_of(0.0, SensorChannel::kNever);
+    EXPECT_LT((sample_at(raw, angle_rad, 0.0) - weight).norm(), 1e-9);
+    for (const double weighed_kg : {1.0, SensorChannel::kAllBeyond}) {
+      Sensing weighed = sensing_of(weighed_kg, SensorChannel::kNever);
+      EXPECT_LT(sample_at(weighed, angle_rad, 0.0).norm(), 1e-9);
+    }
+    Sensing half = sensing_of(0.5, SensorChannel::kNever);
+    EXPECT_LT((sample_at(half, angle_rad, 0.0) - 0.5 * weight).norm(), 1e-9);
+    // A tare holds for one direction alone.
+    Sensing tared = sensing_of(0.0, 0.5);
+    EXPECT_LT((sample_at(tared, 0.0, 0.4) - Eigen::Vector3d(0, 0, 9.81)).norm(), 1e-9);
+    EXPECT_LT(sample_at(tared, 0.0, 0.5).norm(), 1e-9);
+    EXPECT_LT((sample_at(tared, angle_rad, 0.6) - weight + Eigen::Vector3d(0, 0, 9.81)).norm(),
+              1e-9);
+  }
+}
+
 }  // namespace breakwater::simulation_test
