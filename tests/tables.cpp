@@ -1,7 +1,5 @@
 #include "tables.h"
 
-#include <regex>
-
 #include "support.h"
 
 namespace breakwater::testing {
@@ -47,8 +45,11 @@ std::vector<std::vector<std::string>> rows_of(const std::string& table) {
   for (const TableRow& row : found->rows) {
     rows.push_back(row.cells);
     for (std::string& cell : rows.back()) {
-      cell = std::regex_replace(cell, std::regex(R"(\\n)"), "\n");
-      cell = std::regex_replace(cell, std::regex(R"(\\t)"), "\t");
+      for (const auto& [from, to] : {std::pair{"\\n", "\n"}, {"\\t", "\t"}}) {
+        for (auto at = cell.find(from); at != std::string::npos; at = cell.find(from, at)) {
+          cell.replace(at, 2, to);
+        }
+      }
     }
   }
   return rows;

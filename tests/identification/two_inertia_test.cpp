@@ -171,9 +171,9 @@ TEST(TwoInertiaIdentification, AStartIsFoundOnEitherFlankOfThePlay) {
 
 TEST(TwoInertiaIdentification, FindsInertiasStiffnessAndBacklash) {
   Bench bench;
-  bench.duration_s = 2.0;
+  bench.duration_s = 1.2;
   Bench short_one = bench;
-  short_one.duration_s = 1.0;
+  short_one.duration_s = 0.6;
   const Identification found =
       identify_axis({bench.record(1)}, {short_one.record(2)}, settings_of(bench));
   EXPECT_TRUE(found.is_converged);

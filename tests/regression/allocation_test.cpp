@@ -87,7 +87,7 @@ long allocations_in_loop(const std::string& scenario, const std::string& case_na
   const Recording run = testing::run_case(scenario, case_name, sets, control);
   counting = false;
   allow_eigen_malloc(true);
-  EXPECT_GT(reports, 10);
+  EXPECT_GE(reports, 4);  // at the start, after the first step, and after 10 000 and 20 000
   EXPECT_FALSE(run.failure);
   return counted;
 }
@@ -106,7 +106,7 @@ TEST(Allocation, AStreamedLogDoesNotAllocate) {
   const testing::TemporaryPath folder("stream");
   std::filesystem::create_directory(folder);
   LogStream stream(folder, "", "{}");
-  std::vector<std::string> sets = testing::switched_at_10_s(17);
+  std::vector<std::string> sets = testing::switched_at_7_s(9);
   sets.emplace_back("sensor.angle_noise_rad=1e-6");
   EXPECT_EQ(allocations_in_loop("arm_wall_contact", "proposed-2N", sets, &stream), 0);
   EXPECT_GT(written_rows(folder / "log.h5", "control"), 32U);

@@ -25,6 +25,7 @@ struct Outcome {
   std::string failure;
   std::string warnings;
   bool may_fail = false;
+  bool needs_log = false;
   std::set<std::string> defined;  // names of metrics that the scenario may report
 };
 
@@ -37,13 +38,19 @@ double extreme(const Recording& run, const std::string& kind, const std::string&
   return kind == "min" ? *least : *most;
 }
 
+// Whether a metric is an extreme of a signal in the log.
+bool is_of_log(const std::string& metric) {
+  const std::vector<std::string> words = words_in(metric);
+  return words.size() > 1 && words.front() != "abs";
+}
+
 // "NAME", "abs NAME", or "max SIGNAL", "min SIGNAL", "last SIGNAL" over the track "control".
 // Another track stands before the signal: "physics/SIGNAL".
 std::optional<double> number_of(const Recording& run, const std::string& metric) {
   const std::vector<std::string> words = words_in(metric);
   if (metric == "dropped_samples") return static_cast<double>(run.dropped_samples);
   if (words.size() == 1) return run.metric(metric);
-  if (words.front() != "abs") return extreme(run, words.front(), words.back());
+  if (is_of_log(metric)) return extreme(run, words.front(), words.back());
   const std::optional<double> value = run.metric(words.back());
   return value ? std::optional(std::abs(*value)) : value;
 }
@@ -63,6 +70,7 @@ class Runs {
     for (const Run& one : seeds_of(run)) {
       outcomes_[one].numbers[metric];
       outcomes_[one].may_fail |= may_fail;
+      outcomes_[one].needs_log |= is_of_log(metric);
     }
   }
   void do_all() {
@@ -71,7 +79,8 @@ class Runs {
       for (const MetricDefinition& metric : prepared.scenario->metric_definitions()) {
         outcome.defined.insert(metric.name);
       }
-      const Recording recording = prepared.scenario->run({});
+      const Recording recording =
+          prepared.scenario->run(outcome.needs_log ? RunControl{} : testing::kWithoutLog);
       outcome.hash = recording.state_hash;
       if (recording.failure) {
         std::ostringstream text;

@@ -30,7 +30,8 @@ Sets cell(const std::string& period_s, int bits) {
 
 double metric(const std::string& case_name, const Sets& sets,
               const std::string& name = "rmse_velocity_rad_s") {
-  const Recording run = testing::completed_run("motor_estimation", case_name, sets);
+  const Recording run =
+      testing::completed_run("motor_estimation", case_name, sets, testing::kWithoutLog);
   return run.metric(name).value_or(NAN);
 }
 
@@ -47,7 +48,8 @@ Medians over_phases(const std::string& case_name, const Sets& sets, int bits) {
   for (int i = 0; i < kPhases; ++i) {
     const double phase = quantum * ((i + 0.5) / kPhases - 0.5);
     const Recording run = testing::completed_run("motor_estimation", case_name,
-                                                 sets + Sets{"encoder.phase_rad=" + text(phase)});
+                                                 sets + Sets{"encoder.phase_rad=" + text(phase)},
+                                                 testing::kWithoutLog);
     velocity.push_back(run.metric("rmse_velocity_rad_s").value_or(NAN));
     peak.push_back(run.metric("peak_position_rad").value_or(NAN));
     transient.push_back(run.metric("transient_rmse_disturbance_Nm").value_or(NAN));

@@ -9,6 +9,7 @@ Input, in this order:
 Output: the positions at equal distances of time. sigma_0 = 0: no bristles, friction as a set-valued force.
 """
 
+import math
 import sys
 
 import numpy as np
@@ -19,11 +20,11 @@ import scipy.integrate
 
 
 def force(t, x):
-    return amplitude * np.sin(omega * t) + stiffness * (speed * t - x)
+    return amplitude * math.sin(omega * t) + stiffness * (speed * t - x)
 
 
 def level(v):
-    return coulomb * (1.0 + (ratio - 1.0) * np.exp(-(v / stribeck) ** 2))
+    return coulomb * (1.0 + (ratio - 1.0) * math.exp(-(v / stribeck) ** 2))
 
 
 def bristles(t, state):
@@ -40,7 +41,8 @@ def set_valued(h):
         free = v + h / mass * force(k * h, x)
         new = v
         for _ in range(3):  # iterations for the level at the new velocity
-            new = np.sign(free) * max(0.0, abs(free) - h / mass * level(new)) / (1.0 + h / mass * viscous)
+            moving = max(0.0, abs(free) - h / mass * level(new)) / (1.0 + h / mass * viscous)
+            new = math.copysign(moving, free)
         v = new
         x += h * v
         if k % every == 0:

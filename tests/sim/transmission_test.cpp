@@ -116,10 +116,10 @@ TEST(Transmission, BacklashIsADeadZoneThatNeverPulls) {
 constexpr double kMotorFriction = 0.15;
 
 // Responses of both angles to the motor's torque at one frequency. A weak position feedback holds
-// the drive; it is part of the torque.
+// the drive; it is part of the torque, which is held between the samples.
 std::array<Complex, 2> measured_response(const TransmissionDesign& design, double omega,
                                          double settle_s) {
-  constexpr double kTimestep = 2e-4;
+  constexpr double kTimestep = 1e-3;
   const double steps = std::round(20.0 * std::numbers::pi / (omega * kTimestep));  // ten periods
   const double exact = 20.0 * std::numbers::pi / (steps * kTimestep);
   const auto law = [&](const Sample& sample, Eigen::Ref<Eigen::VectorXd> u) {
@@ -138,7 +138,7 @@ std::array<Complex, 2> measured_response(const TransmissionDesign& design, doubl
     simulation.step();
     const Complex turned = std::polar(1.0, -exact * simulation.time_s());
     for (std::size_t i = 0; i < 2; ++i) angles[i] += simulation.qpos()[i] * turned;
-    torque += simulation.actuation()(0) * turned;
+    torque += simulation.actuation()(0) * turned * std::polar(1.0, -0.5 * exact * kTimestep);
   }
   return {angles[0] / torque, angles[1] / torque};
 }
@@ -217,7 +217,7 @@ TEST(Transmission, BacklashOscillatesAsTheDescribingFunctionPredicts) {
 
   FunctionController controller(
       [](const Sample& sample, Eigen::Ref<Eigen::VectorXd> u) { u(0) = -kGain * sample.y(0); });
-  Model model = drive();
+  Model model = drive(5e-4);
   author_friction(model, model.id(mjOBJ_JOINT, "motor"), kMotorC, 0.0);
   author_friction(model, model.id(mjOBJ_JOINT, "load"), kLoadC, 0.0);
   SensingSetup setup;
