@@ -472,8 +472,8 @@ const std::vector<MetricKind>& standard_metric_kinds() {
        .has_level = true,
        .why_absent = "the value never rises above the level"},
       {.name = "jump",
-       .meaning = "jump at the time `level`, by a line before it and one behind a gap; `lower` is "
-                  "the length of each and of the gap [s]",
+       .meaning = "jump at the time `level`, by a line before and one behind a gap; `lower` is the "
+                  "length of all three [s]",
        .make = make_reduction<Jump>,
        .has_level = true,
        .why_absent = "the run is too short before or after the jump"},
