@@ -14,29 +14,6 @@
 namespace breakwater {
 namespace {
 
-// The time from the window's start until an error stays within the level.
-class ReturnTime : public Reduction {
- public:
-  explicit ReturnTime(const ReductionSetup& setup) : setup_(setup) {}
-  void add(const AddedValues& added) override { follow(added.time_s, added.value); }
-  std::optional<double> value() const override {
-    if (!has_returned()) return std::nullopt;
-    return std::max(away_until_s_ - setup_.window.from_s.value(), 0.0);
-  }
-
- protected:
-  void follow(double time_s, double error) {
-    if (error > setup_.level.value()) away_until_s_ = time_s + setup_.period_s;
-    last_s_ = time_s;
-  }
-  bool has_returned() const { return away_until_s_ <= last_s_; }
-
- private:
-  ReductionSetup setup_;
-  double away_until_s_ = 0.0;
-  double last_s_ = 0.0;
-};
-
 // The farthest of an offset past 0, on the other side of its value at the release.
 class Rebound final : public Reduction {
  public:
@@ -52,9 +29,9 @@ class Rebound final : public Reduction {
 
 // The same of all joints. An arm that returns in another posture has the farthest joint's offset at
 // the end. The values are the joints' offsets, those at the release, and the tip's error.
-class PostureOvershoot final : public ReturnTime {
+class PostureOvershoot final : public Reduction {
  public:
-  using ReturnTime::ReturnTime;
+  explicit PostureOvershoot(const ReductionSetup& setup) : setup_(setup) {}
   void add(const AddedValues& added) override {
     const std::size_t joints = (added.all.size() - 1) / 2;
     last_offset_rad_ = 0.0;
@@ -64,16 +41,18 @@ class PostureOvershoot final : public ReturnTime {
       overshoot_rad_ =
           std::max(overshoot_rad_, -std::copysign(1.0, added.all[joints + i]) * offset);
     }
-    follow(added.time_s, added.all.back());
+    is_home_ = added.all.back() <= setup_.level.value();
   }
   std::optional<double> value() const override {
-    const bool is_otherwise = has_returned() && last_offset_rad_ > kOtherPosture_rad;
+    const bool is_otherwise = is_home_ && last_offset_rad_ > kOtherPosture_rad;
     return is_otherwise ? std::max(overshoot_rad_, last_offset_rad_) : overshoot_rad_;
   }
 
  private:
   static constexpr double kOtherPosture_rad = 0.2;
 
+  ReductionSetup setup_;
+  bool is_home_ = false;  // the tip, at the end
   double overshoot_rad_ = 0.0;
   double last_offset_rad_ = 0.0;  // largest of all joints
 };
@@ -81,13 +60,7 @@ class PostureOvershoot final : public ReturnTime {
 }  // namespace
 
 std::vector<MetricKind> kinds_of_a_push() {
-  return {{.name = "return_time",
-           .meaning = "time from the window's start until the value stays within the level",
-           .unit = ReducedUnit::time,
-           .make = make_reduction<ReturnTime>,
-           .has_level = true,
-           .why_absent = "the value ends beyond the level"},
-          {.name = "rebound",
+  return {{.name = "rebound",
            .meaning = "farthest value past 0, on the other side of the second signal",
            .make = make_reduction<Rebound>,
            .takes_all = true},
@@ -124,7 +97,7 @@ class ArmPush final : public ArmScenario {
                  "number of the link whose end the hand pushes");
     fields.number("push.angle_rad", hand_.angle_rad, any(),
                   "angle by which the hand turns the link [rad]");
-    fields.number(
+    fields.optional_number(
         "push.moment_Nm", hand_.given_moment_Nm, any(),
         "moment about the link's joint with which the hand pushes, wherever the link goes; "
         "0: it turns the link by the angle [N m]");
@@ -138,11 +111,8 @@ class ArmPush final : public ArmScenario {
                   "stiffness of the hand about the link's joint [N m/rad]");
     fields.number("push.damping_Nms_rad", hand_.damping_Nms_rad, not_negative(),
                   "damping of the hand about the link's joint [N m s/rad]");
-    fields.standard("push.moment_Nm", {0.0});
     fields.only_where({"push.angle_rad", "push.stiffness_Nm_rad", "push.damping_Nms_rad"},
                       "push.moment_Nm is 0", [this] { return hand_.given_moment_Nm == 0.0; });
-    fields.number("metrics.settled_within_m", settled_within_m_, positive(),
-                  "distance from the start pose within which the tip counts as settled [m]");
     rows_.bind(fields);
     return fields;
   }
@@ -221,7 +191,6 @@ class ArmPush final : public ArmScenario {
  private:
   int link_ = 1;
   Hand hand_;
-  double settled_within_m_ = 0.0;
 };
 
 }  // namespace

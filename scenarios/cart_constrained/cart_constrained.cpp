@@ -4,10 +4,12 @@
 namespace breakwater {
 namespace {
 
-// The conditions of the table in 2.3.7.
+// A condition of the table in 2.3.7.
 struct Condition {
-  double force_N;  // half of the input's limit or the limit
-  double mass_ratio;
+  double force_N = 0.0;  // half of the input's limit or the limit
+  double mass_ratio = 1.0;
+
+  bool operator==(const Condition&) const = default;
 };
 
 // The cart starts displaced and moving, and must come to rest at 0. The question is whether the
@@ -32,8 +34,8 @@ class CartConstrained final : public AxisScenario {
 
   AxisPlant plant() const override {
     AxisPlant plant = plant_;
-    plant.axis().force = {DisturbanceKind::step, condition().force_N, 0.0, disturbance_start_s_};
-    plant.inertia_ratio *= condition().mass_ratio;
+    plant.axis().force = {DisturbanceKind::step, condition_.force_N, 0.0, disturbance_start_s_};
+    plant.inertia_ratio *= condition_.mass_ratio;
     return plant;
   }
 
@@ -44,19 +46,12 @@ class CartConstrained final : public AxisScenario {
   }
 
  private:
-  enum class Name { A, B, C, D, E };
-
-  Condition condition() const {
-    static constexpr Condition kConditions[] = {
-        {0.0, 1.0}, {1.0, 1.0}, {2.0, 1.0}, {0.0, 0.5}, {0.0, 1.5}};
-    return kConditions[static_cast<int>(condition_)];
-  }
-
   void bind(Fields& fields) override {
-    fields.choice("condition", condition_,
-                  {{"A", Name::A}, {"B", Name::B}, {"C", Name::C}, {"D", Name::D}, {"E", Name::E}},
-                  "A: nominal. B, C: a force of 1 N or 2 N. D, E: half or one and a half times the "
-                  "nominal mass");
+    fields.choice<Condition>(
+        "condition", condition_,
+        {{"A", {}}, {"B", {1.0}}, {"C", {2.0}}, {"D", {0.0, 0.5}}, {"E", {0.0, 1.5}}},
+        "A: nominal. B, C: a force of 1 N or 2 N. D, E: half or one and a half times the "
+        "nominal mass");
     fields.number("start.position_m", plant_.axis().start_position, any(),
                   "position of the cart at the start [m]");
     fields.number("start.velocity_m_s", plant_.axis().start_velocity, any(),
@@ -73,18 +68,14 @@ class CartConstrained final : public AxisScenario {
     fields.number("disturbance.start_s", disturbance_start_s_, not_negative(),
                   "in conditions B and C, the time at which the force begins [s]");
     fields.only_for({"disturbance.start_s"}, "condition", {"B", "C"});
-    fields.number("metrics.violation_slack", violation_slack_, not_negative(),
-                  "excess over a limit above which the limit counts as violated [N, m/s]");
-    fields.number("metrics.settled_within_m", settled_within_m_, positive(),
-                  "distance from 0 within which the position counts as settled [m]");
   }
 
   MetricContext complete(const Config& /*config*/) override {
-    const bool is_pushed = condition().force_N > 0.0;
+    const bool is_pushed = condition_.force_N > 0.0;
     return {.known = {{"push_s", is_pushed ? disturbance_start_s_ : 0.0}}};
   }
 
-  Name condition_ = Name::A;
+  Condition condition_;
   double estimated_start_position_m_ = 0.0;
   double estimated_start_velocity_m_s_ = 0.0;
   double disturbance_start_s_ = 0.0;
@@ -92,8 +83,6 @@ class CartConstrained final : public AxisScenario {
   double input_lower_N_ = 0.0;
   double input_upper_N_ = 0.0;
   double velocity_m_s_ = 0.0;
-  double violation_slack_ = 0.0;
-  double settled_within_m_ = 0.0;
 };
 
 }  // namespace

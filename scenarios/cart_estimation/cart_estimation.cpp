@@ -11,9 +11,11 @@ AxisPlant without_noise(AxisPlant plant) {
   return plant;
 }
 
-// The delay of an estimate, from sums of the disturbance d, its rate and the estimate's error over
-// a window. It is NaN or infinite if d is constant. The values are d̂, d and the rate of d.
-class Lag : public Reduction {
+// The delay T of an estimate by least squares: d̂(t) = d(t) − T ḋ(t), the delay of a ramp's
+// estimate. With a gain it is d̂(t) = g d(t) − T ḋ(t): the gain separates a wrong amplitude from a
+// delay. T is NaN or infinite if d is constant. The values are d̂, d and the rate of d.
+template <bool has_gain>
+class Lag final : public Reduction {
  public:
   explicit Lag(const ReductionSetup& /*setup*/) {}
   void add(const AddedValues& added) override {
@@ -24,10 +26,12 @@ class Lag : public Reduction {
     error_d_ += error * d;
     error_rate_ += error * rate;
   }
-  // T of d̂(t) = d(t) − T ḋ(t) by least squares: the delay of a ramp's estimate.
-  std::optional<double> value() const override { return -error_rate_ / rate_rate_; }
+  std::optional<double> value() const override {
+    if (!has_gain) return -error_rate_ / rate_rate_;
+    return -(error_rate_ - error_d_ * d_rate_ / d_d_) / (rate_rate_ - d_rate_ * d_rate_ / d_d_);
+  }
 
- protected:
+ private:
   double d_d_ = 0.0;
   double d_rate_ = 0.0;
   double rate_rate_ = 0.0;
@@ -35,32 +39,22 @@ class Lag : public Reduction {
   double error_rate_ = 0.0;
 };
 
-// T of d̂(t) = g d(t) − T ḋ(t): the gain g separates a wrong amplitude from a delay.
-class LagBesideGain final : public Lag {
- public:
-  using Lag::Lag;
-  std::optional<double> value() const override {
-    return -(error_rate_ - error_d_ * d_rate_ / d_d_) / (rate_rate_ - d_rate_ * d_rate_ / d_d_);
-  }
-};
-
 std::vector<MetricKind> lags() {
-  return {{.name = "lag",
-           .meaning = "delay of an estimate, by least squares",
-           .unit = ReducedUnit::time,
-           .make = make_reduction<Lag>,
-           .takes_all = true},
-          {.name = "lag_beside_gain",
-           .meaning = "delay of an estimate, by least squares, together with a gain",
-           .unit = ReducedUnit::time,
-           .make = make_reduction<LagBesideGain>,
-           .takes_all = true}};
+  MetricKind lag{.name = "lag",
+                 .meaning = "delay of an estimate, by least squares",
+                 .unit = ReducedUnit::time,
+                 .make = make_reduction<Lag<false>>,
+                 .takes_all = true};
+  MetricKind beside_gain = lag;
+  beside_gain.name += "_beside_gain";
+  beside_gain.meaning += ", together with a gain";
+  beside_gain.make = make_reduction<Lag<true>>;
+  return {lag, beside_gain};
 }
 
-// A disturbance of Table 4.3 and the end of its keys: "" or "_s" of a slope.
+// A disturbance of Table 4.3.
 struct Shape {
   std::string name;
-  std::string per;
   Disturbance disturbance;
 };
 
@@ -91,33 +85,23 @@ class CartEstimation final : public AxisScenario {
     fields.choice("disturbance.kind", shape_, kinds,
                   "shape of the disturbance, (a) to (d) of Table 4.3");
     for (Shape& shape : shapes_) {
-      const std::string key = "disturbance." + shape.name;
       Disturbance& d = shape.disturbance;
-      std::vector<std::string> keys = {key + "_N" + shape.per, key + "_start_s"};
-      fields.number(keys.front(), d.amplitude, any(),
-                    shape.per.empty() ? "amplitude of this disturbance [N]"
-                                      : "slope of this disturbance [N/s]");
-      if (d.kind == DisturbanceKind::sine) {
-        keys.push_back(key + "_rad_s");
-        fields.number(keys.back(), d.frequency_rad_s, positive(),
-                      "frequency of this disturbance [rad/s]");
+      const auto only = [&](const std::string& end, double& target, const Range& range,
+                            const std::string& doc) {
+        const std::string key = "disturbance." + shape.name + end;
+        fields.number(key, target, range, doc);
+        fields.only_for({key}, "disturbance.kind", {shape.name});
+      };
+      if (d.kind == DisturbanceKind::ramp) {
+        only("_N_s", d.amplitude, any(), "slope of this disturbance [N/s]");
+      } else {
+        only("_N", d.amplitude, any(), "amplitude of this disturbance [N]");
       }
-      fields.number(keys[1], d.start_s, not_negative(),
-                    "time at which this disturbance begins [s]");
-      fields.only_for(keys, "disturbance.kind", {shape.name});
+      if (d.kind == DisturbanceKind::sine) {
+        only("_rad_s", d.frequency_rad_s, positive(), "frequency of this disturbance [rad/s]");
+      }
+      only("_start_s", d.start_s, not_negative(), "time at which this disturbance begins [s]");
     }
-    bind_window(fields, "the errors");
-    fields.number("metrics.noise_from_s", noise_from_s_, not_negative(),
-                  "start of the window of the noise [s]");
-    fields.number("metrics.noise_to_s", noise_to_s_, not_negative(),
-                  "end of the window of the noise [s]");
-  }
-
-  MetricContext complete(const Config& config) override {
-    if (noise_to_s_ <= noise_from_s_) {
-      config.fail("metrics.noise_to_s", "must be later than metrics.noise_from_s");
-    }
-    return {};
   }
 
   AxisAdditions additions(const AxisRig& /*rig*/, const AxisLoop& loop) const override {
@@ -147,12 +131,10 @@ class CartEstimation final : public AxisScenario {
   }
 
   std::size_t shape_ = 0;
-  std::vector<Shape> shapes_ = {{"step", "", {.kind = DisturbanceKind::step}},
-                                {"ramp", "_s", {.kind = DisturbanceKind::ramp}},
-                                {"sine", "", {.kind = DisturbanceKind::sine}},
-                                {"high_sine", "", {.kind = DisturbanceKind::sine}}};
-  double noise_from_s_ = 0.0;
-  double noise_to_s_ = 0.0;
+  std::vector<Shape> shapes_ = {{"step", {.kind = DisturbanceKind::step}},
+                                {"ramp", {.kind = DisturbanceKind::ramp}},
+                                {"sine", {.kind = DisturbanceKind::sine}},
+                                {"high_sine", {.kind = DisturbanceKind::sine}}};
 };
 
 }  // namespace

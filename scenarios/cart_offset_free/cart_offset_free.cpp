@@ -44,17 +44,12 @@ class CartOffsetFree final : public AxisScenario {
                   "d_o: output disturbance, added to the measured position [m]");
     fields.number("disturbance.start_s", disturbance_start_s_, not_negative(),
                   "time at which both disturbances begin [s]");
-    bind_window(fields, "the means of the errors");
-    fields.number(
-        "metrics.settled_within", settled_within_, positive(),
-        "relative distance from r within which y counts as settled before the disturbance");
   }
 
   double disturbance_N_ = 0.0;
   double output_disturbance_m_ = 0.0;
   double disturbance_start_s_ = 0.0;
   bool noise_ = false;
-  double settled_within_ = 0.0;
 };
 
 }  // namespace

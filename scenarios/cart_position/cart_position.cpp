@@ -21,10 +21,6 @@ class CartPosition final : public AxisScenario {
  private:
   void bind(Fields& fields) override {
     bind_step(fields);
-    bind_window(fields, "the steady state");
-    fields.number("metrics.settled_within", settled_within_, positive(),
-                  "distance from the reference, relative to the step, within which the cart counts "
-                  "as settled");
     fields.number(
         "metrics.high_pass_Hz", high_pass_Hz_, positive(),
         "passband of the high-pass behind which the noise of the estimate is measured [Hz]");
@@ -54,7 +50,6 @@ class CartPosition final : public AxisScenario {
     return own;
   }
 
-  double settled_within_ = 0.0;
   double high_pass_Hz_ = 0.0;
 };
 

@@ -4,13 +4,10 @@
 #include <limits>
 
 #include <breakwater/experiment/run_loop.h>
-#include <breakwater/experiment/scenario.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/rigs/axis_scenario.h>
-#include <breakwater/rigs/force_sensor_settings.h>
 #include <breakwater/rigs/wall_settings.h>
-#include <breakwater/sim/held_force.h>
 #include <breakwater/sim/named_elements.h>
 
 namespace breakwater {
@@ -18,8 +15,6 @@ namespace {
 
 constexpr const char* kStruckWall = "wall";
 constexpr const char* kImpactTip = "tip";
-constexpr const char* kCarriage = "carriage";
-constexpr const char* kRail = "rail";
 constexpr double kModelMass_kg = 1.0;  // as in models/impact.xml
 
 class NoController final : public Controller {
@@ -29,12 +24,30 @@ class NoController final : public Controller {
   std::span<const Signal> signals() const override { return {}; }
 };
 
+// The axis of models/impact.xml, without a drive.
+Axis rail() {
+  Axis axis = cart_axis();
+  axis.actuator = Axis::kNone;
+  return axis;
+}
+
 // A free mass strikes the wall at a given speed. There is no controller, so the impact depends on
 // the contact law, the wall and the force sensor alone.
 class ImpactTest final : public Scenario {
  public:
   explicit ImpactTest(const Catalogue& catalogue)
-      : Scenario(MetricRows(catalogue, "impact_test")), wall_(catalogue) {}
+      : Scenario(MetricRows(catalogue, "impact_test")),
+        plant_(rail(), catalogue),
+        wall_(catalogue) {
+    plant_.axis().nominal_from = NominalFrom::model;
+    plant_.tip.emplace().sensor = "tip_force";
+    plant_.faults.fault.channel = Axis::kNone;
+    plant_.geoms = {kImpactTip, kStruckWall};
+    plant_.prepare = [this](Model& model) {
+      model.add_mass("carriage", mass_kg_ - kModelMass_kg - plant_.tip->chain.tool_mass_kg);
+      prepare_scene(model);
+    };
+  }
 
   std::string name() const override { return "impact_test"; }
   std::string summary() const override {
@@ -42,19 +55,20 @@ class ImpactTest final : public Scenario {
   }
   Fields fields() override {
     Fields fields;
-    bind_model(fields, mjcf_);
-    physics_.bind(fields);
-    run_.bind(fields);
+    bind_model(fields, plant_.mjcf);
+    plant_.physics.bind(fields);
+    plant_.run.bind(fields);
     fields.number("impact.mass_kg", mass_kg_, between(1e-6, 1e6),
                   "mass that strikes the wall, the tool before the force sensor included [kg]");
-    fields.number("impact.speed_m_s", speed_m_s_, positive(), "speed before the impact [m/s]");
+    fields.number("impact.speed_m_s", plant_.axis().start_velocity, positive(),
+                  "speed before the impact [m/s]");
     fields.number("impact.distance_m", distance_m_, not_negative(),
                   "distance from the tip to the wall at the start [m]");
     fields.number("impact.push_N", push_N_, not_negative(), "constant force towards the wall [N]");
     wall_.bind(fields);
-    force_sensor_.bind_filter(fields);
-    force_sensor_.bind_noise(fields);
-    force_sensor_.bind(fields);
+    plant_.tip->chain.bind_filter(fields);
+    plant_.tip->chain.bind_noise(fields);
+    plant_.tip->chain.bind(fields);
     fields.number("record.fine_from_s", fine_from_s_, not_negative(),
                   "time from which on forces are logged at the physics rate [s]");
     fields.number("record.fine_to_s", fine_to_s_, not_negative(),
@@ -64,43 +78,42 @@ class ImpactTest final : public Scenario {
   }
 
   void check(const Config& config) override {
-    physics_.check(config, run_);
-    wall_.check(config, physics_);
-    force_sensor_.check(config, physics_.timestep_s);
-    if (force_sensor_.tool_mass_kg >= mass_kg_) {
+    wall_.check(config, plant_.physics);
+    if (plant_.tip->chain.tool_mass_kg >= mass_kg_) {
       config.fail("sensor.force_tool_mass_kg", "must be less than impact.mass_kg");
     }
+    AxisSettings& axis = plant_.axis();
+    check_plant(plant_, config);
+    axis.force = {.kind = DisturbanceKind::step, .amplitude = -push_N_};
     if (fine_to_s_ < fine_from_s_) {
       config.fail("record.fine_to_s", "must not be before record.fine_from_s");
     }
     const double along_normal = math::cos(wall_.angle_rad());
-    wall_.check_impact(config, physics_, mass_kg_ / (along_normal * along_normal),
-                       speed_m_s_ * along_normal);
-    wall_.make(plant(), kImpactTip, kStruckWall);
-    rows_.check(config, [this] { return fields(); }, physics_,
+    wall_.check_impact(config, plant_.physics, mass_kg_ / (along_normal * along_normal),
+                       axis.start_velocity * along_normal);
+    wall_.make(plant_.load_model(), kImpactTip, kStruckWall);
+    rows_.check(config, [this] { return fields(); }, plant_.physics,
                 {.events = {"first_contact", "first_separation"}});
   }
 
-  const RunSettings& run_settings() const override { return run_; }
+  const RunSettings& run_settings() const override { return plant_.run; }
   Recording run(const RunControl& control) const override {
     const math::FloatEnvironment floats;
     NoController controller;
-    Simulation sim(plant(), controller, sensing(), physics_.steps_per_sample());
+    AxisRig rig(plant_, controller);
+    Simulation& sim = rig.simulation();
     const std::unique_ptr<WallContact> contact = wall_.make(sim.model(), kImpactTip, kStruckWall);
-    JointForce push(sim.model(), kRail);
-    push.hold(push_N_);
-    if (push_N_ > 0.0) sim.add(push);
     sim.add(*contact);
     contact->set_solid(true);
     sim.set_collidable(geom_id(sim.model(), kStruckWall), wall_.is_of_engine());
     const double start_m = -distance_m_;
     sim.set_position({&start_m, 1});
-    sim.set_velocity({&speed_m_s_, 1});
+    sim.set_velocity({&plant_.axis().start_velocity, 1});
 
     const double& force_N = wall_.is_of_engine() ? sim.sensor("tip_touch") : contact->force_N();
     const double& sensor_N =
-        force_sensor_.has_body() ? sim.sensing().filtered(1) : sim.sensor("tip_force");
-    const double& filtered_N = sim.sensing().filtered(0);
+        plant_.tip->chain.has_body() ? sim.sensing().filtered(2) : sim.sensor("tip_force");
+    const double& filtered_N = sim.sensing().filtered(1);
     const std::span<const double> measured = view(sim.sample().y);
     const std::vector<Signal> fine_signals = {
         {"qpos", "m", "the carriage's position", sim.qpos()},
@@ -112,14 +125,15 @@ class ImpactTest final : public Scenario {
         {"wall_m", "m", "how far the wall has moved", view(contact->wall_m())}};
     std::vector<Signal> signals = fine_signals;
     signals.push_back(
-        {"force_measured_N", "N", "filtered force as sampled", measured.subspan(0, 1)});
+        {"force_measured_N", "N", "filtered force as sampled", measured.subspan(1, 1)});
     signals.push_back(
-        {"force_raw_measured_N", "N", "the same before the low-pass", measured.subspan(1, 1)});
+        {"force_raw_measured_N", "N", "the same before the low-pass", measured.subspan(2, 1)});
 
-    const std::int64_t steps = physics_.step_at(run_.duration_s);
-    const std::int64_t fine_from = physics_.step_at(fine_from_s_);
+    const PhysicsSettings& physics = plant_.physics;
+    const std::int64_t steps = physics.step_at(plant_.run.duration_s);
+    const std::int64_t fine_from = physics.step_at(fine_from_s_);
     const std::int64_t fine_to =
-        control.logs ? std::min(physics_.step_at(fine_to_s_), steps) : fine_from;
+        control.logs ? std::min(physics.step_at(fine_to_s_), steps) : fine_from;
     Track fine("physics", fine_signals,
                static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)),
                control.stream);
@@ -132,10 +146,10 @@ class ImpactTest final : public Scenario {
     of_metrics.push_back({"impulse_Ns", "N s", "impulse over a step", view(impulse_Ns)});
     of_metrics.insert(of_metrics.end(), signals.begin(), signals.end());
     MetricValues values(
-        rows_, of_metrics, run_.duration_s,
+        rows_, of_metrics, plant_.run.duration_s,
         {{"first_contact", &first_contact_s}, {"first_separation", &first_separation_s}});
     const auto step = [&](std::int64_t k) {
-      sim.step();
+      rig.step();
       // The impulse, because the contact may begin at a later stage of a step.
       impulse_Ns = contact->impulse_Ns();
       if (impulse_Ns > 0.0) {
@@ -146,7 +160,7 @@ class ImpactTest final : public Scenario {
       if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
     };
     Recording recording = record_run(
-        sim, physics_, steps, std::move(signals), control, step, [](double) {}, &values);
+        sim, physics, steps, std::move(signals), control, step, [](double) {}, &values);
     if (fine.rows() > 0) recording.tracks.push_back(std::move(fine));
     return recording;
   }
@@ -160,34 +174,15 @@ class ImpactTest final : public Scenario {
   }
 
  private:
-  Model plant() const {
-    Model model = Model::load_physics(mjcf_, {kImpactTip, kStruckWall});
-    model.set_physics(physics_.timestep_s, physics_.integrator);
-    model.add_mass(kCarriage, mass_kg_ - kModelMass_kg - force_sensor_.tool_mass_kg);
-    model.add_mass(kImpactTip, force_sensor_.tool_mass_kg);
-    wall_.prepare(model, kImpactTip, kStruckWall, wall_x_m(model));
-    return model;
-  }
   // The tip touches the wall where the rail's position is 0.
   double wall_x_m(const Model& model) const {
     const double radius_m = model->geom_size[3 * geom_id(model, kImpactTip)];
     return radius_m * (1.0 / math::cos(wall_.angle_rad()) - 1.0);
   }
 
-  SensingSetup sensing() const {
-    SensingSetup setup;
-    force_sensor_.add_channels(setup, {.sensor = "tip_force"});
-    setup.seed = run_.seed;
-    return setup;
-  }
-
-  ModelFile mjcf_;
-  PhysicsSettings physics_;
-  RunSettings run_;
+  AxisPlant plant_;
   WallSettings wall_;
-  ForceSensorSettings force_sensor_;
   double mass_kg_ = 0.0;
-  double speed_m_s_ = 0.0;
   double distance_m_ = 0.0;
   double push_N_ = 0.0;
   double fine_from_s_ = 0.0;

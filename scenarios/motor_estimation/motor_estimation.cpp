@@ -25,14 +25,7 @@ class MotorEstimation final : public AxisScenario {
   }
 
  private:
-  void bind(Fields& fields) override {
-    disturbance_.bind(fields, "Nm", "N m");
-    bind_window(fields, "the errors");
-    fields.number(
-        "metrics.settled_within", settled_within_, positive(),
-        "distance from the disturbance, relative to its amplitude, within which the estimate "
-        "counts as settled");
-  }
+  void bind(Fields& fields) override { disturbance_.bind(fields, "Nm", "N m"); }
 
   MetricContext complete(const Config& config) override {
     disturbance_.load(config);
@@ -62,7 +55,6 @@ class MotorEstimation final : public AxisScenario {
   }
 
   DisturbanceSettings disturbance_;
-  double settled_within_ = 0.0;
 };
 
 }  // namespace

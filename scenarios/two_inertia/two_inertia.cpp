@@ -55,9 +55,6 @@ class TwoInertiaDrive final : public AxisScenario {
     fields.number("task.from_s", from_s_, not_negative(), "time of the step [s]");
     fields.number("task.reversal_s", reversal_s_, not_negative(),
                   "time at which the reference changes its sign [s]");
-    bind_window(fields, "the steady state");
-    fields.number("metrics.settled_within_rad", settled_within_rad_, positive(),
-                  "distance from the reference within which the load counts as settled [rad]");
     fields.only_for({"task.reference_rad"}, "task.kind", {"position_step", "reversal"});
     fields.only_for({"task.load_torque_Nm"}, "task.kind", {"torque_step"});
     fields.only_for({"task.reversal_s", "transmission.backlash_rad"}, "task.kind", {"reversal"});
@@ -103,7 +100,6 @@ class TwoInertiaDrive final : public AxisScenario {
   double torque_Nm_ = 0.0;
   double from_s_ = 0.0;
   double reversal_s_ = 0.0;
-  double settled_within_rad_ = 0.0;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <numeric>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <breakwater/config/toml_text.h>
@@ -22,6 +23,7 @@ namespace {
 
 constexpr const char* kNone = "none";
 constexpr const char* kZero = "0.0";
+constexpr const char* kLevel = "level";
 constexpr const char* kWatched = "poles_";  // signals that estimators compute only if asked
 const std::string kIsThere = " is there";
 const std::string kIsReached = " is reached";
@@ -255,6 +257,35 @@ void MetricRows::learn(const Config& config) {
       is_in_file_.push_back(true);
     }
   }
+  numbers_.clear();
+  for (const MetricRow& row : rows_) {
+    const Config own = config.under(row.prefix());
+    const auto look = [&](const char* key, const std::string& shipped, const char* role) {
+      name_number(own.text(key).value_or(shipped), role, row);
+    };
+    look("from_s", row.from_s, "start of the window");
+    look("to_s", row.to_s, "end of the window");
+    look("before_s", row.before_s, "end of the window");
+    look("level", row.level, kLevel);
+    look("lower", row.lower, "lower level");
+  }
+}
+
+void MetricRows::name_number(const std::string& text, const char* role, const MetricRow& row) {
+  const std::string begin = "metrics.";
+  std::size_t end = 0;
+  for (std::size_t at = text.find(begin); at != text.npos; at = text.find(begin, end)) {
+    end = std::min(text.find(' ', at), text.size());
+    Number& number = numbers_[text.substr(at, end - at)];
+    const bool is_sum = text.find(" + ") != text.npos || text.find(" - ") != text.npos;
+    number.is_positive = number.is_positive || (std::string_view(role) == kLevel && !is_sum);
+    const std::string name = row.name.empty() ? row.table : row.name;
+    if (number.help.empty()) {
+      number.help = fmt::format("{} of {}", role, name);
+    } else if (number.help.find(" " + name) == text.npos) {
+      number.help += ", " + name;
+    }
+  }
 }
 
 void MetricRows::bind(Fields& fields) {
@@ -264,6 +295,12 @@ void MetricRows::bind(Fields& fields) {
     const Fields::LeftOut left_out(
         fields, [this, i] { return i < shipped_.size() && rows_[i] == shipped_[i]; });
     rows_[i].bind(fields, kinds_);
+  }
+  for (auto& [key, number] : numbers_) {
+    if (fields.has(key)) continue;
+    const std::string unit = unit_of(whole_key(key));
+    fields.number(key, number.value, number.is_positive ? positive() : not_negative(),
+                  number.help + (unit.empty() ? "" : " [" + unit + "]"));
   }
 }
 
@@ -301,6 +338,10 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
     own.blame("level", [&] { MetricExpression(row.level, number, events); });
     own.blame("lower", [&] { MetricExpression(row.lower, number, events); });
     if (kind_of(row).name != "time_outside") parse("level", row.level);
+    if (numbers_.contains(row.from_s) && numbers_.contains(row.to_s) &&
+        to.value() <= from.value()) {
+      config.fail(row.to_s, "must be later than " + row.from_s);
+    }
     if (i >= shipped_.size() && row.to_s != kZero && from.is_constant() && to.is_constant() &&
         to.value() <= from.value()) {
       own.fail("to_s", "must be later than from_s, or 0 for the end of the run");

@@ -82,7 +82,8 @@ class MetricRows {
   /// Finds the tables of a run's file.
   void learn(const Config& config);
   /// Binds the keys of the run's file, and the aliases of the scenario's own. Rows that are the
-  /// scenario's own, unchanged, are neither printed nor among the keys of a reference.
+  /// scenario's own, unchanged, are neither printed nor among the keys of a reference. Binds the
+  /// numbers metrics.… that rows name, unless the scenario has bound them.
   void bind(Fields& fields);
   /// Checks the rows after reading, and takes the numbers of keys. Call it from Scenario::check().
   /// `fields` gives the values of keys that the file leaves out.
@@ -105,7 +106,15 @@ class MetricRows {
   double timestep_s() const { return physics_.timestep_s; }
 
  private:
+  // A key metrics.… that rows name.
+  struct Number {
+    double value = 0.0;
+    bool is_positive = false;
+    std::string help;
+  };
+
   std::vector<MetricRow> own_rows() const;
+  void name_number(const std::string& text, const char* role, const MetricRow& row);
 
   std::shared_ptr<const ScenarioKind> scenario_;
   std::vector<MetricKind> kinds_ = standard_metric_kinds();
@@ -113,6 +122,7 @@ class MetricRows {
   std::vector<MetricRow> shipped_;
   std::vector<bool> is_in_file_;  // one for each row
   std::vector<std::string> unmet_;
+  std::map<std::string, Number> numbers_;
   std::map<std::string, double> known_;  // the numbers of names
   std::vector<std::string> fast_signals_;
   PhysicsSettings physics_;

@@ -17,8 +17,9 @@ constexpr const char* kNoFault = "none";
 void RunSettings::bind(Fields& fields) {
   fields.number("run.duration_s", duration_s, positive(), "simulated time [s]");
   fields.count("run.seed", seed, not_negative(), "random seed of all noise");
-  fields.count("record.compression", compression, between(0, 9),
-               "compression of log.h5 by deflate: 0 is fastest, 9 gives the smallest file");
+  fields.optional_count(
+      "record.compression", compression, between(0, 9),
+      "compression of log.h5 by deflate: 0 is fastest, 9 gives the smallest file");
   fields.flag(
       "record.stream", stream,
       "write log.h5 during the run, not from memory after it; after a kill it has the rows so far");
@@ -85,10 +86,13 @@ void FaultSettings::bind(Fields& fields, const std::string& channels, const doub
   fields.choice(
       "sensor.nan_policy", nan_policy, {{"stop", NanPolicy::stop}, {"drop", NanPolicy::drop}},
       "reaction to a measurement that is not a number: stop the run, or drop the measurement");
+  fields.standard("sensor.nan_policy", {std::string("stop")});
   fields.text("fault.sensor", fault.channel, "none, or the channel to break: " + channels);
-  fields.number("fault.at_s", fault.at_s, not_negative(), "time at which the sensor fails [s]");
-  fields.count("fault.samples", fault.samples, between(1, 1e9),
-               "number of samples for which it fails");
+  fields.standard("fault.sensor", {std::string(kNoFault)});
+  fields.optional_number("fault.at_s", fault.at_s, not_negative(),
+                         "time at which the sensor fails [s]");
+  fields.optional_count("fault.samples", fault.samples, between(1, 1e9),
+                        "number of samples for which it fails");
   fields.choice(
       "fault.kind", fault.kind,
       {{"nan", FaultKind::nan},
@@ -102,13 +106,12 @@ void FaultSettings::bind(Fields& fields, const std::string& channels, const doub
       "readings of the broken sensor: nan, infinity, the last one (frozen; dropped: 50 ms), an "
       "error (spike, bias), late (delay) or rounded (stuck)");
   fields.standard("fault.kind", {std::string("nan")});
-  fields.number("fault.size", fault.size, any(),
-                "error of a spike or bias, smallest step of a stuck quantiser, in the unit of the "
-                "channel");
-  fields.standard("fault.size", {0.0});
-  fields.count("fault.delay_samples", fault.delay_samples, between(1, 5),
-               "age of the readings of a delay");
-  fields.standard("fault.delay_samples", {std::int64_t{1}});
+  fields.optional_number(
+      "fault.size", fault.size, any(),
+      "error of a spike or bias, smallest step of a stuck quantiser, in the unit of the "
+      "channel");
+  fields.optional_count("fault.delay_samples", fault.delay_samples, between(1, 5),
+                        "age of the readings of a delay");
   fields.only_where(
       {"fault.at_s", "fault.samples", "fault.kind", "fault.size", "fault.delay_samples"},
       "fault.sensor names a channel", [this] { return fault.channel != kNoFault; });

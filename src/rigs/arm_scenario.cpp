@@ -26,7 +26,6 @@ AxisSettings arm_joint(const std::string& name, std::size_t i, const Catalogue& 
   axis.channel = "q" + std::to_string(i + 1);
   axis.counts_pulses = false;
   AxisSettings joint(std::move(axis), catalogue);
-  joint.viscous_friction = -1.0;
   joint.nominal_from = NominalFrom::model;
   return joint;
 }
@@ -34,9 +33,8 @@ AxisSettings arm_joint(const std::string& name, std::size_t i, const Catalogue& 
 void bind_joint(Fields& fields, AxisSettings& joint, TransmissionSettings& transmission) {
   const Fields::Under under(fields, joint.axis.prefix());
   const Axis& axis = joint.axis;
-  fields.number(kFriction, joint.coulomb_friction, between(kFrictionOfModel, 1e3),
-                "Coulomb friction of the joint; -1: that of the model file [N m]");
-  fields.standard(kFriction, {kFrictionOfModel});
+  fields.optional_number(kFriction, joint.coulomb_friction, between(kFrictionOfModel, 1e3),
+                         "Coulomb friction of the joint; -1: that of the model file [N m]");
   joint.drive.bind(fields, axis.units);
   joint.scale.bind(fields, axis.units);
   transmission.bind_plant(fields, axis.units, axis.inertia_suffix, axis.friction_suffix);

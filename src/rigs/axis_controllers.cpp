@@ -22,9 +22,8 @@ void bind_pd(Fields& fields, PdGains& gains) {
                 "K_p: position gain [force per position]");
   fields.number("controller.kd", gains.k_d, not_negative(),
                 "K_d: velocity gain [force per velocity]");
-  fields.number("controller.cancelled_share", gains.cancelled_share, between(0, 1),
-                "part of the estimated disturbance that is cancelled");
-  fields.standard("controller.cancelled_share", {1.0});
+  fields.optional_number("controller.cancelled_share", gains.cancelled_share, between(0, 1),
+                         "part of the estimated disturbance that is cancelled");
 }
 
 std::unique_ptr<Controller> make_pd(const PdGains& gains, const AxisTask& task,
@@ -45,9 +44,9 @@ struct ResonanceRatioSettings {
 };
 
 void bind_resonance_ratio(Fields& fields, ResonanceRatioSettings& settings) {
-  fields.number("controller.damping_ratio", settings.damping_ratio, positive(),
-                "zeta: damping ratio of the closed loop's two double poles at the anti-resonance");
-  fields.standard("controller.damping_ratio", {1.0});
+  fields.optional_number(
+      "controller.damping_ratio", settings.damping_ratio, positive(),
+      "zeta: damping ratio of the closed loop's two double poles at the anti-resonance");
 }
 
 std::unique_ptr<Controller> make_resonance_ratio(const ResonanceRatioSettings& settings,

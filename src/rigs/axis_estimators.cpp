@@ -148,15 +148,12 @@ struct FakfdSettings {
 
 void bind_fakfd(Fields& fields, FakfdSettings& settings) {
   bind_kfd(fields, settings.noise);
-  fields.number("observer.gamma", settings.gamma, between(1, 100),
-                "gamma: forgetting of all states, 1/lambda (Eq. 4.6)");
-  fields.number("observer.lambda", settings.lambda, between(0.01, 1),
-                "lambda: the same as a forgetting factor, 1/gamma");
-  fields.number("observer.gamma_d", settings.gamma_d, between(1, 100),
-                "further forgetting of the disturbance and its derivatives (Eq. 4.7)");
-  for (const char* key : {"observer.gamma", "observer.lambda", "observer.gamma_d"}) {
-    fields.standard(key, {1.0});
-  }
+  fields.optional_number("observer.gamma", settings.gamma, between(1, 100),
+                         "gamma: forgetting of all states, 1/lambda (Eq. 4.6)");
+  fields.optional_number("observer.lambda", settings.lambda, between(0.01, 1),
+                         "lambda: the same as a forgetting factor, 1/gamma");
+  fields.optional_number("observer.gamma_d", settings.gamma_d, between(1, 100),
+                         "further forgetting of the disturbance and its derivatives (Eq. 4.7)");
   const char* const form = "observer.covariance_form";
   fields.choice(
       form, settings.form,
@@ -263,11 +260,10 @@ struct MultipleModelSettings {
 };
 
 void bind_multiple_model(Fields& fields, MultipleModelSettings& settings) {
-  fields.number(
+  fields.optional_number(
       "observer.largest_disturbance", settings.largest_d, not_negative(),
       "D: largest possible disturbance; 0: the drive's largest force, or the largest input "
       "of a record [N m, or N]");
-  fields.standard("observer.largest_disturbance", {0.0});
 }
 
 Estimator make_multiple_model(const MultipleModelSettings& settings, const NominalAxis& axis) {

@@ -91,8 +91,6 @@ class AxisScenario : public LoopScenario {
   virtual AxisAdditions additions(const AxisRig& /*rig*/, const AxisLoop& /*loop*/) const {
     return {};
   }
-  /// Binds metrics.from_s and metrics.to_s, the window of `what`. A shorter run has no metrics.
-  void bind_window(Fields& fields, const std::string& what);
   /// Binds task.reference_… and task.reference_from_s, a step of the reference from 0.
   void bind_step(Fields& fields);
 
@@ -101,8 +99,6 @@ class AxisScenario : public LoopScenario {
 
  private:
   AxisScenarioDesign design_;
-  bool has_window_ = false;
-  double from_s_ = 0.0;
 };
 
 /// The kind of a scenario with a constructor that takes the catalogue.

@@ -55,6 +55,11 @@ void check_part(const Config& own, Check&& check) {
   }
 }
 
+EncoderCounts counts_of(const AxisSettings& axis) {
+  return {static_cast<double>(axis.encoder_bits), axis.encoder_multiplication,
+          axis.encoder_gear_ratio};
+}
+
 }  // namespace
 
 Axis motor_axis() {
@@ -137,10 +142,10 @@ void AxisSettings::bind_named(Fields& fields) {
   fields.text("position_sensor", axis.position_sensor,
               "sensor of the model that measures the position; joint: the joint itself");
   fields.standard("position_sensor", {std::string(Axis::kJoint)});
-  fields.number("start.position_" + u.position_suffix, start_position, any(),
-                "distance of the start from the pose of start.keyframe" + unit);
-  fields.number("start.velocity_" + u.velocity_suffix, start_velocity, any(),
-                "velocity at the start [" + u.velocity + "]");
+  fields.optional_number("start.position_" + u.position_suffix, start_position, any(),
+                         "distance of the start from the pose of start.keyframe" + unit);
+  fields.optional_number("start.velocity_" + u.velocity_suffix, start_velocity, any(),
+                         "velocity at the start [" + u.velocity + "]");
   const char* const kind = "reference.kind";
   fields.choice(kind, reference.kind,
                 {{"hold", ReferenceShape::hold},
@@ -150,11 +155,12 @@ void AxisSettings::bind_named(Fields& fields) {
                 "reference of the position: hold the pose of start.keyframe, step from it to a "
                 "value, a sine about it, or a table");
   const std::string value = "reference.value_" + u.position_suffix;
-  fields.number(value, reference.value, any(), "position after a step; amplitude of a sine" + unit);
-  fields.number("reference.from_s", reference.from_s, not_negative(),
-                "start of the step, the sine or the table [s]");
-  fields.number("reference.frequency_rad_s", reference.frequency_rad_s, any(),
-                "frequency of a sine [rad/s]");
+  fields.optional_number(value, reference.value, any(),
+                         "position after a step; amplitude of a sine" + unit);
+  fields.optional_number("reference.from_s", reference.from_s, not_negative(),
+                         "start of the step, the sine or the table [s]");
+  fields.optional_number("reference.frequency_rad_s", reference.frequency_rad_s, any(),
+                         "frequency of a sine [rad/s]");
   fields.standard(kind, {std::string("hold")});
   fields.only_for({value}, kind, {"step", "sine"});
   fields.only_for({"reference.from_s"}, kind, {"step", "sine", "csv"});
@@ -166,28 +172,10 @@ void AxisSettings::bind_named(Fields& fields) {
   }
   disturbance.bind(fields, u.force_suffix, u.force);
   fields.standard("disturbance.kind", {std::string("none")});
-  for (const std::string& key :
-       {"start.position_" + u.position_suffix, "start.velocity_" + u.velocity_suffix, value,
-        std::string("reference.from_s"), std::string("reference.frequency_rad_s"),
-        "disturbance.amplitude_" + u.force_suffix, std::string("disturbance.frequency_rad_s"),
-        std::string("disturbance.start_s"), "drive.limit_" + u.force_suffix,
-        "drive.resolution_" + u.force_suffix, "encoder.phase_" + u.position_suffix,
-        "noise.std_" + u.position_suffix, "noise.input_std_" + u.force_suffix}) {
-    fields.standard(key, {0.0});
-  }
-  for (const std::string& stem :
-       {"viscous_friction_" + axis.friction_suffix, "coulomb_friction_" + u.force_suffix}) {
-    fields.standard("plant." + stem, {-1.0});
-  }
-  if (axis.counts_pulses) {
-    fields.standard("encoder.bits", {std::int64_t{0}});
-    fields.standard("encoder.multiplication", {1.0});
-    fields.standard("encoder.gear_ratio", {1.0});
-  } else {
-    fields.standard("encoder.resolution_" + u.position_suffix, {0.0});
-  }
-  fields.standard("encoder.origin", {std::string("counted")});
-  fields.standard("sensor.delay_samples", {std::int64_t{0}});
+  // Without a kind the reference holds, and nothing disturbs.
+  fields.standard("disturbance.amplitude_" + u.force_suffix, {0.0});
+  fields.standard("disturbance.frequency_rad_s", {0.0});
+  fields.standard("disturbance.start_s", {0.0});
 }
 
 void AxisSettings::bind(Fields& fields) {
@@ -201,64 +189,63 @@ void AxisSettings::bind_parts(Fields& fields) {
     return stem + "_" + suffix;
   };
   const std::string or_file = "; negative: that of the model file [";
-  fields.number("plant." + key("viscous_friction", axis.friction_suffix), viscous_friction, any(),
-                "viscous friction of the plant" + or_file + u.force + " per " + u.velocity + "]");
-  fields.number("plant." + key("coulomb_friction", u.force_suffix), coulomb_friction, any(),
-                "Coulomb friction of the plant" + or_file + u.force + "]");
-  fields.number("drive." + key("limit", u.force_suffix), drive_limit, not_negative(),
-                "0: the actuator's ctrlrange, or none [" + u.force + "]");
-  fields.number("drive." + key("resolution", u.force_suffix), drive_resolution, not_negative(),
-                "step of the drive's PWM; 0: not quantised [" + u.force + "]");
+  fields.optional_number(
+      "plant." + key("viscous_friction", axis.friction_suffix), viscous_friction, any(),
+      "viscous friction of the plant" + or_file + u.force + " per " + u.velocity + "]");
+  fields.optional_number("plant." + key("coulomb_friction", u.force_suffix), coulomb_friction,
+                         any(), "Coulomb friction of the plant" + or_file + u.force + "]");
+  fields.optional_number("drive." + key("limit", u.force_suffix), drive_limit, not_negative(),
+                         "0: the actuator's ctrlrange, or none [" + u.force + "]");
+  fields.optional_number("drive." + key("resolution", u.force_suffix), drive_resolution,
+                         not_negative(),
+                         "step of the drive's PWM; 0: not quantised [" + u.force + "]");
   drive.bind(fields, u);
   if (axis.counts_pulses) {
-    fields.count("encoder.bits", encoder_bits, between(0, 60),
-                 "n: the encoder has 2^n pulses per turn of its shaft; 0: not quantised");
-    fields.number("encoder.multiplication", encoder_multiplication, positive(),
-                  "number of edges that count in a pulse");
-    fields.number("encoder.gear_ratio", encoder_gear_ratio, positive(),
-                  "turns of the encoder's shaft per turn of the axis");
+    fields.optional_count("encoder.bits", encoder_bits, between(0, 60),
+                          "n: the encoder has 2^n pulses per turn of its shaft; 0: not quantised");
+    fields.optional_number("encoder.multiplication", encoder_multiplication, positive(),
+                           "number of edges that count in a pulse");
+    fields.optional_number("encoder.gear_ratio", encoder_gear_ratio, positive(),
+                           "turns of the encoder's shaft per turn of the axis");
     fields.only_where({"encoder.multiplication", "encoder.gear_ratio"}, "encoder.bits is not 0",
                       [this] { return encoder_bits != 0; });
   } else {
-    fields.number("encoder." + key("resolution", u.position_suffix), encoder_resolution,
-                  not_negative(),
-                  "encoder resolution, one count; 0: not quantised [" + u.position + "]");
+    fields.optional_number("encoder." + key("resolution", u.position_suffix), encoder_resolution,
+                           not_negative(),
+                           "encoder resolution, one count; 0: not quantised [" + u.position + "]");
   }
-  fields.number("encoder." + key("phase", u.position_suffix), encoder_phase, any(),
-                "distance of the start from the middle of a count [" + u.position + "]");
+  fields.optional_number("encoder." + key("phase", u.position_suffix), encoder_phase, any(),
+                         "distance of the start from the middle of a count [" + u.position + "]");
   fields.choice(
       "encoder.origin", encoder_origin,
       {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
       "zero of the encoder: it counts from the start, or is calibrated to the true 0. The two "
       "differ only with a phase");
+  fields.standard("encoder.origin", {std::string("counted")});
   bind_encoder_rounding(fields, encoder_rounding);
   fields.only_where(
       {"encoder." + key("phase", u.position_suffix), "encoder.origin", "encoder.rounding"},
       "the encoder is quantised", [this] { return quantum() != 0.0; });
   scale.bind(fields, u);
-  fields.number("noise." + key("std", u.position_suffix), noise_std, not_negative(),
-                "standard deviation of the measurement's white noise [" + u.position + "]");
-  fields.number("noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),
-                "standard deviation of a random force, constant in each sample [" + u.force + "]");
-  fields.count("sensor.delay_samples", delay_samples, between(0, 1e6),
-               "delay of the measurement in control periods");
+  fields.optional_number(
+      "noise." + key("std", u.position_suffix), noise_std, not_negative(),
+      "standard deviation of the measurement's white noise [" + u.position + "]");
+  fields.optional_number(
+      "noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),
+      "standard deviation of a random force, constant in each sample [" + u.force + "]");
+  fields.optional_count("sensor.delay_samples", delay_samples, between(0, 1e6),
+                        "delay of the measurement in control periods");
   transmission.bind(fields, u, axis.inertia_suffix, axis.friction_suffix);
 }
 
 double AxisSettings::pulses_per_revolution() const {
   if (!axis.counts_pulses) return encoder_resolution > 0.0 ? 1.0 / encoder_resolution : 0.0;
-  if (encoder_bits == 0) return 0.0;
-  return EncoderCounts{static_cast<double>(encoder_bits), encoder_multiplication,
-                       encoder_gear_ratio}
-      .counts_per_revolution();
+  return encoder_bits == 0 ? 0.0 : counts_of(*this).counts_per_revolution();
 }
 
 double AxisSettings::quantum() const {
   if (!axis.counts_pulses) return encoder_resolution;
-  if (encoder_bits == 0) return 0.0;
-  return EncoderCounts{static_cast<double>(encoder_bits), encoder_multiplication,
-                       encoder_gear_ratio}
-      .quantum_rad();
+  return encoder_bits == 0 ? 0.0 : counts_of(*this).quantum_rad();
 }
 
 double AxisSettings::force_limit() const {
@@ -344,8 +331,8 @@ void AxisPlant::bind_whole(Fields& fields) {
   physics.bind(fields);
   timing.bind(fields);
   run.bind(fields);
-  fields.number("plant.inertia_ratio", inertia_ratio, positive(),
-                "the plant's inertia, or mass, divided by that of its model file");
+  fields.optional_number("plant.inertia_ratio", inertia_ratio, positive(),
+                         "the plant's inertia, or mass, divided by that of its model file");
 }
 
 void AxisPlant::bind_faults(Fields& fields) {
@@ -357,8 +344,6 @@ void AxisPlant::bind_faults(Fields& fields) {
 
 void AxisPlant::bind_named(Fields& fields) {
   bind_whole(fields);
-  fields.standard("plant.inertia_ratio", {1.0});
-  fields.standard("record.compression", {std::int64_t{0}});
   fields.text("start.keyframe", keyframe,
               "keyframe of the pose that axes hold and models are linearised about; "
               "none: the joints' own");
@@ -371,10 +356,6 @@ void AxisPlant::bind_named(Fields& fields) {
   for (ContactSettings& one : contacts) one.bind(fields);
   if (tip) tip->bind(fields);
   bind_faults(fields);
-  fields.standard("sensor.nan_policy", {std::string("stop")});
-  fields.standard("fault.sensor", {std::string(Axis::kNone)});
-  fields.standard("fault.at_s", {0.0});
-  fields.standard("fault.samples", {std::int64_t{1}});
 }
 
 void AxisPlant::complete(const Config& config) {

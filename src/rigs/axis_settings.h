@@ -70,8 +70,8 @@ struct AxisSettings {
   Disturbance force;    ///< d, which opposes the drive (Eqs. 2.5, 2.36)
   Disturbance output;   ///< d_o, added to the measurement (Eq. 2.37)
 
-  double viscous_friction = 0.0;  ///< friction of the plant; negative: that of the model file
-  double coulomb_friction = 0.0;
+  double viscous_friction = -1.0;  ///< friction of the plant; negative: that of the model file
+  double coulomb_friction = -1.0;
   NominalFrom nominal_from = NominalFrom::keys;
   double nominal_inertia = 0.0;  ///< for the controller and the observer
   double nominal_friction = 0.0;

@@ -86,8 +86,9 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
       {{"given", WaveForceSource::given}, {"estimated", WaveForceSource::estimated}},
       "for spectrum: the standard deviation of the force is resonator_force_std_N (given) or "
       "estimated online");
-  fields.number("estimator.wave_torque_arm_m", settings.torque_arm_m, not_negative(),
-                "for spectrum: ratio of the waves' torque to their horizontal force, z_B/C_m [m]");
+  fields.optional_number(
+      "estimator.wave_torque_arm_m", settings.torque_arm_m, not_negative(),
+      "for spectrum: ratio of the waves' torque to their horizontal force, z_B/C_m [m]");
   ResonatorDesign& resonator = settings.design.resonator;
   fields.number("estimator.resonator_damping", resonator.damping, between(0.001, 0.999),
                 "damping ratio of the resonators");
@@ -127,7 +128,6 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
   fields.standard("estimator.process_noise_states", {std::string("all")});
   fields.standard("estimator.kinematics", {std::string("level")});
   fields.standard("estimator.wave_force", {std::string("estimated")});
-  fields.standard("estimator.wave_torque_arm_m", {0.0});
   const auto is_spectrum = [&settings] {
     return settings.design.order == DisturbanceOrder::spectrum;
   };
