@@ -214,6 +214,13 @@ def main():
         measured("arm, instructions, the run over the bare engine", f"{ours / bare:.3f}", "at most 1.05")
         measured("arm, instructions, the run over the whole model, bare", f"{ours / whole:.3f}", "at most 0.65")
 
+        robot = pathlib.Path(folder) / "robot"
+        run_robot = [BUILD / "bin" / "robot_wall_contact", "--quiet", "--out", robot]
+        subprocess.run(run_robot, check=True)
+        bare = instructions(replay_command(robot))
+        ours = instructions(run_robot)
+        measured("seven joints, instructions, the run over the bare engine", f"{ours / bare:.3f}", "at most 1.3")
+
         print(f"time, 100 s, {PAIRS} pairs ...", flush=True)
         subprocess.run(run_command(run, []), check=True)
         pairs = [(seconds(run_command(run, [])), seconds(replay_command(run)))
