@@ -21,7 +21,7 @@ class History {
     rows_.bind(fields);
     std::map<std::string, ConfigEntry> own;
     for (const auto& [key, entry] : config.entries()) {
-      if (key.starts_with("metric.")) own.emplace(key, entry);
+      if (key.starts_with("metric")) own.emplace(key, entry);
     }
     fields.read(Config("file", own));
     PhysicsSettings physics;
@@ -276,7 +276,7 @@ TEST(MetricsOfAPush, AnotherPostureCountsAsOvershoot) {
 TEST(MetricsOfAPush, AreAbsentWhereTheyDoNotApply) {
   EXPECT_EQ(push_history(10).absent().size(), 10U);
   EXPECT_EQ(push_history(19).absent().size(), 9U);
-  EXPECT_EQ(push_history(24).absent().at("settling_time_s"), "the value ends beyond the level");
+  EXPECT_EQ(push_history(24).absent().at("settling_time_s"), "the magnitude ends beyond the level");
 }
 
 // ---- rows of a file ----------------------------------------------------------------------------
