@@ -46,14 +46,12 @@ void WallSettings::bind(Fields& fields) {
   bind_wall(fields);
   const Fields::Under under(fields, contact_);
   law_->bind(fields);
-  fields.number("friction", friction_.coefficient, not_negative(),
-                "mu: coefficient of the dry friction across the wall's normal; 0: none");
-  fields.standard("friction", {0.0});
-  fields.number("friction_stick_m_s", friction_.stick_m_s, positive(),
-                "sliding speed below which the friction is a damper: the contact creeps where it "
-                "would stick [m/s]");
-  fields.standard("friction_stick_m_s", {ContactFriction().stick_m_s});
-  fields.only_where({"friction_stick_m_s"}, contact_ + "friction is not 0",
+  fields.optional_number("friction_coefficient", friction_.coefficient, not_negative(),
+                         "mu: coefficient of the dry friction across the wall's normal; 0: none");
+  fields.optional_number("friction_stick_m_s", friction_.stick_m_s, positive(),
+                         "sliding speed below which the friction is a damper: the contact creeps "
+                         "where it would stick [m/s]");
+  fields.only_where({"friction_stick_m_s"}, contact_ + "friction_coefficient is not 0",
                     [this] { return friction_.coefficient > 0.0; });
 }
 
@@ -109,12 +107,13 @@ void WallSettings::check(const Config& config, const PhysicsSettings& physics) c
   law_->check(config.under(contact_));
   const Config own = config.under(wall_);
   own.blame("wall.file", [&] { motion(); });
-  if (make_law() == nullptr && (motion_.kind != WallMotionKind::fixed || angle_rad_ != 0.0)) {
+  const bool has_law = make_law() != nullptr;
+  if (!has_law && (motion_.kind != WallMotionKind::fixed || angle_rad_ != 0.0)) {
     own.fail(motion_.kind != WallMotionKind::fixed ? kMotion : "wall.angle_rad",
              "needs a law: the contact of the model file knows no such wall");
   }
-  if (make_law() == nullptr && friction_.coefficient > 0.0) {
-    config.under(contact_).fail("friction",
+  if (!has_law && friction_.coefficient > 0.0) {
+    config.under(contact_).fail("friction_coefficient",
                                 "needs a law: the contact of the model file has its own");
   }
   if (motion_.kind != WallMotionKind::free) return;
@@ -133,8 +132,8 @@ WallMotion WallSettings::motion() const {
 std::unique_ptr<ContactForceLaw> WallSettings::make_law() const {
   std::unique_ptr<ContactForceLaw> law = law_->make();
   const KelvinVoigt* engine = law ? law->for_engine() : nullptr;
-  const bool slides = friction_.coefficient == 0.0;
-  if (engine == nullptr || (slides && motion_.kind == WallMotionKind::fixed)) return law;
+  const bool is_smooth = friction_.coefficient == 0.0;
+  if (engine == nullptr || (is_smooth && motion_.kind == WallMotionKind::fixed)) return law;
   // MuJoCo's contact knows neither this friction nor the speed of a wall that moves.
   return std::make_unique<KelvinVoigt>(engine->stiffness_N_m(), engine->damping_Ns_m(),
                                        KelvinVoigt::By::force);

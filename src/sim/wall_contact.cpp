@@ -29,10 +29,6 @@ Integrator integrator_of(const Model& model) {
   }
 }
 
-double square(double value) {
-  return value * value;
-}
-
 double dot(const std::array<double, 3>& a, const mjtNum* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -114,6 +110,14 @@ void WallContact::find_geometry(double time_s, const mjModel& model, const mjDat
   }
 }
 
+void WallContact::find_friction(Stage& stage) const {
+  const std::array<double, 3>& v = stage.sliding_m_s;
+  const double squared = dot(v, v.data());
+  stage.drag_Ns_m = friction_.coefficient * stage.force_N /
+                    std::sqrt(squared + friction_.stick_m_s * friction_.stick_m_s);
+  stage.friction_N = stage.drag_Ns_m * std::sqrt(squared);
+}
+
 double WallContact::force_of_law(Stage& stage) const {
   const bool touches = is_solid_ && stage.penetration_m > 0.0;
   if (!touches && law_->states() == 0) return 0.0;
@@ -133,6 +137,7 @@ void WallContact::apply(double time_s, const mjModel& model, mjData& data) {
   } else {
     stage.state = state_at_stage();
     stage.force_N = force_of_law(stage);
+    if (has_friction()) find_friction(stage);
     impulse_Ns_ += timestep_s_ * weight(stages_, number_) * stage.force_N;
     if (motion_.kind == WallMotionKind::free) {
       stage.wall_acceleration_m_s2 =
@@ -149,20 +154,12 @@ void WallContact::apply(double time_s, const mjModel& model, mjData& data) {
   number_ = std::min(number_ + 1, stages_ - 1);
 }
 
-void WallContact::add_wrench(mjData& data, Stage& stage) const {
+void WallContact::add_wrench(mjData& data, const Stage& stage) const {
   const mjtNum* center = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * sphere_;
   mjtNum force[3], point[3];
   for (std::size_t i = 0; i < 3; ++i) {
-    force[i] = stage.force_N * normal_[i];
+    force[i] = stage.force_N * normal_[i] - stage.drag_Ns_m * stage.sliding_m_s[i];
     point[i] = center[i] - radius_m_ * normal_[i];
-  }
-  if (has_friction()) {
-    const std::array<double, 3>& v = stage.sliding_m_s;
-    const double speed_m_s = std::sqrt(dot(v, v.data()));
-    const double damping_Ns_m = friction_.coefficient * stage.force_N /
-                                std::sqrt(speed_m_s * speed_m_s + square(friction_.stick_m_s));
-    for (std::size_t i = 0; i < 3; ++i) force[i] -= damping_Ns_m * v[i];
-    stage.friction_N = damping_Ns_m * speed_m_s;
   }
   mjtNum* wrench = data.xfrc_applied + static_cast<std::ptrdiff_t>(6) * body_;
   const mjtNum* mass_center = data.xipos + static_cast<std::ptrdiff_t>(3) * body_;
@@ -210,8 +207,8 @@ double WallContact::mass_along(const mjModel& model, const mjData& data,
   return 1.0 / inverse_mass;
 }
 
-// The friction's largest damping, and the smallest mass that any direction across the normal can
-// meet.
+// The friction's largest damping. The mass is at most that of any direction across the normal, and
+// at least half of the smallest one.
 ContactSlopes WallContact::slopes_across(const mjModel& model, const mjData& data, double force_N) {
   const mjtNum* center = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * sphere_;
   mjtNum point[3];

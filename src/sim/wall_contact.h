@@ -79,7 +79,8 @@ class WallContact final : public StagedForce {
     double approach_m_s = 0.0;
     double force_N = 0.0;
     std::array<double, 3> sliding_m_s{};  // across the normal
-    double friction_N = 0.0;              // its size
+    double drag_Ns_m = 0.0;               // friction over sliding velocity
+    double friction_N = 0.0;
     WallPosition wall;
     double wall_acceleration_m_s2 = 0.0;
     ContactState state;
@@ -95,7 +96,8 @@ class WallContact final : public StagedForce {
   ContactSlopes slopes_across(const mjModel& model, const mjData& data, double force_N);
   double mass_along(const mjModel& model, const mjData& data,
                     const std::array<double, 3>& direction);
-  void add_wrench(mjData& data, Stage& stage) const;
+  void find_friction(Stage& stage) const;
+  void add_wrench(mjData& data, const Stage& stage) const;
 
   int sphere_;
   int plane_;

@@ -272,16 +272,19 @@ class Slope {
 
  private:
   testing::FunctionController controller_;
-  Simulation simulation_;
 
  public:
+  Simulation simulation_;
   WallContact contact_;
 };
 
 TEST(WallContact, FrictionIsCoulombsWhileItSlides) {
-  const Slope slope(Slope::kSlides, 5.0, 0.3);
+  Slope slope(Slope::kSlides, 5.0, 0.3);
   EXPECT_NEAR(slope.acceleration_m_s2_, 5.0 - 0.3 * 10.0, 1e-4);
   EXPECT_NEAR(slope.contact_.friction_N(), 3.0, 1e-5);
+  slope.contact_.set_solid(false);
+  slope.simulation_.step();
+  EXPECT_EQ(slope.contact_.friction_N(), 0.0);
 }
 
 // At rest it creeps: mu N v/sqrt(v^2 + v_s^2) is the load.
