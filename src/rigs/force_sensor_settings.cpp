@@ -18,36 +18,35 @@ void ForceSensorSettings::bind_noise(Fields& fields) {
 }
 
 void ForceSensorSettings::bind(Fields& fields) {
-  const auto number = [&](const std::string& key, double& target, const Range& range,
-                          const std::string& doc) {
-    fields.number(key, target, range, doc);
-    fields.standard(key, {0.0});
-  };
-  number("sensor.force_tool_mass_kg", tool_mass_kg, not_negative(),
-         "mass before the force sensor beside the tip's own: the sensor reads its inertia [kg]");
-  number("sensor.force_resonance_Hz", resonance_Hz, not_negative(),
-         "natural frequency of the sensor's body; 0: rigid [Hz]");
-  number("sensor.force_damping_ratio", damping_ratio, between(0.0, 0.99),
-         "damping ratio of the sensor's body");
+  fields.optional_number(
+      "sensor.force_tool_mass_kg", tool_mass_kg, not_negative(),
+      "mass before the force sensor beside the tip's own: the sensor reads its inertia [kg]");
+  fields.optional_number("sensor.force_resonance_Hz", resonance_Hz, not_negative(),
+                         "natural frequency of the sensor's body; 0: rigid [Hz]");
+  fields.optional_number("sensor.force_damping_ratio", damping_ratio, between(0.0, 0.99),
+                         "damping ratio of the sensor's body");
   fields.only_where({"sensor.force_damping_ratio"}, "sensor.force_resonance_Hz is not 0",
                     [this] { return resonance_Hz != 0.0; });
-  number("sensor.force_bias_N", electronics.bias, any(), "constant error of the sensor [N]");
-  number("sensor.force_drift_N_sqrt_s", electronics.drift_per_sqrt_s, not_negative(),
-         "drift, a random walk: its standard deviation after 1 s [N/s^0.5]");
-  number("sensor.force_range_N", electronics.range, not_negative(),
-         "range: larger forces of either sign are clipped; 0: no limit [N]");
-  number("sensor.force_quantum_N", electronics.quantum, not_negative(),
-         "one step of the converter; 0: no quantisation [N]");
-  number("sensor.force_period_s", electronics.period_s, not_negative(),
-         "the sensor's own sampling period; 0: physics.timestep_s [s]");
-  number("sensor.force_delay_s", electronics.delay_s, not_negative(),
-         "delay of the sensor's samples [s]");
-  number("sensor.force_weighed_kg", weighed_kg, between(SensorChannel::kAllBeyond, 1e3),
-         "mass beyond the sensor whose weight is taken off each sample, as the sensor is turned; "
-         "-1: all that the model has there [kg]");
-  number("sensor.force_tare_at_s", tare_at_s, between(SensorChannel::kNever, 1e9),
-         "time of the sample that becomes zero; -1: none [s]");
-  fields.standard("sensor.force_tare_at_s", {SensorChannel::kNever});
+  fields.optional_number("sensor.force_bias_N", electronics.bias, any(),
+                         "constant error of the sensor [N]");
+  fields.optional_number("sensor.force_drift_N_sqrt_s", electronics.drift_per_sqrt_s,
+                         not_negative(),
+                         "drift, a random walk: its standard deviation after 1 s [N/s^0.5]");
+  fields.optional_number("sensor.force_range_N", electronics.range, not_negative(),
+                         "range: larger forces of either sign are clipped; 0: no limit [N]");
+  fields.optional_number("sensor.force_quantum_N", electronics.quantum, not_negative(),
+                         "one step of the converter; 0: no quantisation [N]");
+  fields.optional_number("sensor.force_period_s", electronics.period_s, not_negative(),
+                         "the sensor's own sampling period; 0: physics.timestep_s [s]");
+  fields.optional_number("sensor.force_delay_s", electronics.delay_s, not_negative(),
+                         "delay of the sensor's samples [s]");
+  fields.optional_number(
+      "sensor.force_weighed_kg", weighed_kg, between(SensorChannel::kAllBeyond, 1e3),
+      "mass beyond the sensor whose weight is taken off each sample, as the sensor is turned; "
+      "negative: all that the model has there [kg]");
+  fields.optional_number(
+      "sensor.force_tare_at_s", tare_at_s, between(SensorChannel::kNever, 1e9),
+      "time whose value, before noise, is taken off all samples from then on; -1: none [s]");
 }
 
 void ForceSensorSettings::check(const Config& config, double timestep_s) const {

@@ -79,7 +79,8 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
     }
     Channel& weighed = channels_.back();
     weighed.site = model->sensor_objid[id];
-    const double mass_kg = channel.weighed_kg == SensorChannel::kAllBeyond
+    if ((model->opt.disableflags & mjDSBL_GRAVITY) != 0) continue;
+    const double mass_kg = channel.weighed_kg < 0.0
                                ? model->body_subtreemass[model->site_bodyid[weighed.site]]
                                : channel.weighed_kg;
     weighed.weight_N = mass_kg * Eigen::Map<const Eigen::Vector3d>(model->opt.gravity);

@@ -37,10 +37,12 @@ enum class Reading {
 ///
 /// Position and velocity sensors without a low-pass have the value of the sampling instant. Force,
 /// touch and acceleration sensors, and all sensors with a low-pass, have the value of the last
-/// physics step. The engine computes them only at the end of a step.
+/// physics step. The engine computes them only at the end of a step. The weight is that of the
+/// sampling instant's pose, behind no filter.
 struct SensorChannel {
   static constexpr double kNever = -1.0;
-  static constexpr double kAllBeyond = -1.0;  ///< weighed_kg: all mass of the model beyond it
+  static constexpr double kAllBeyond =
+      -1.0;  ///< as any negative weighed_kg: all mass of the model beyond it
 
   std::string name;                ///< name for the user: "q1", "force"
   std::string sensor;              ///< name of the MJCF sensor, or of the joint
@@ -51,7 +53,7 @@ struct SensorChannel {
   double low_pass_s = 0.0;  ///< time constant [s]; 0: none
   SensorElectronics electronics;
   double weighed_kg = 0.0;  ///< mass beyond a <force> sensor whose weight is taken off each sample
-  double tare_at_s = kNever;  ///< the first sample from then on becomes zero, and the zero of all
+  double tare_at_s = kNever;  ///< the value of the first sample from then on is taken off
   Disturbance disturbance;    ///< output disturbance, added at each sample, in the value's unit
   Encoder encoder;
   double noise_std =

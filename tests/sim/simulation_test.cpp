@@ -554,7 +554,7 @@ TEST(Sensing, RefusesANegativeDelay) {
 
 // A tool of 1 kg behind a turning wrist. Its sensor reads the force that holds it.
 TEST(Sensing, TakesTheToolsWeightOffAsItTurns) {
-  const Model model = testing::model_of(R"(<mujoco><worldbody><body>
+  Model model = testing::model_of(R"(<mujoco><worldbody><body>
       <joint type="hinge" axis="0 1 0"/><inertial pos="0 0 0" mass="0.5" diaginertia="1 1 1"/>
       <body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><site name="flange"/></body>
       </body></worldbody><sensor><force name="flange" site="flange"/></sensor></mujoco>)");
@@ -597,6 +597,9 @@ TEST(Sensing, TakesTheToolsWeightOffAsItTurns) {
     EXPECT_LT((sample_at(tared, angle_rad, 0.6) - weight + Eigen::Vector3d(0, 0, 9.81)).norm(),
               1e-9);
   }
+  model.get()->opt.disableflags |= mjDSBL_GRAVITY;
+  Sensing weightless = sensing_of(1.0, SensorChannel::kNever);
+  EXPECT_LT(sample_at(weightless, 2.1, 0.0).norm(), 1e-9);
 }
 
 }  // namespace breakwater::simulation_test
