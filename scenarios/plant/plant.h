@@ -37,8 +37,9 @@ class Plant final : public LoopScenario {
 
  private:
   PlantTask task() const;
-  /// Whether the axis has a controller of its own.
+  /// Warns if the tip holds fewer coordinates than there are.
   void warn_of_free_coordinates(const std::vector<TipCoordinate>& held);
+  /// Whether the axis has a controller of its own.
   bool has_own_loop(std::size_t i) const;
   /// The axes' own controllers, with `other` at the axis `replaced` if it is there.
   std::unique_ptr<Controller> axes_control(const std::vector<AxisTask>& tasks,

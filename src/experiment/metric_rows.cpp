@@ -282,7 +282,7 @@ void MetricRows::name_number(const std::string& text, const char* role, const Me
     const std::string name = row.name.empty() ? row.table : row.name;
     if (number.help.empty()) {
       number.help = fmt::format("{} of {}", role, name);
-    } else if (number.help.find(" " + name) == text.npos) {
+    } else if (!number.help.ends_with(" " + name)) {  // a row's numbers come one after the other
       number.help += ", " + name;
     }
   }

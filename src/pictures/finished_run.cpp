@@ -20,12 +20,16 @@ std::vector<Series> columns(const std::vector<double>& times_s, const LoggedSign
 }  // namespace
 
 std::filesystem::path shots_file(const ScenarioKind& kind, const Config& config) {
-  const auto model = config.text("model.mjcf");
   const std::filesystem::path shots = kind.shots();
+  const auto model = config.text("model.mjcf");
   if (!model) return shots;
-  const std::filesystem::path file = config.find_file_of("model.mjcf", *model);
-  const std::filesystem::path own = file.parent_path() / shots.filename();
-  return std::filesystem::exists(own) ? own : shots;
+  try {
+    const std::filesystem::path file = config.find_file_of("model.mjcf", *model);
+    const std::filesystem::path own = file.parent_path() / shots.filename();
+    return std::filesystem::is_regular_file(own) ? own : shots;
+  } catch (const std::invalid_argument&) {
+    return shots;  // a page needs no model
+  }
 }
 
 FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder)

@@ -179,8 +179,9 @@ void show_robot(MjcfElement& root, const Model& model) {
   }
   for_each_section(root, "worldbody", [&](MjcfElement& world) {
     if (hidden == 0) draw_links(world);
-    for_each_in_body(world, "", [](MjcfElement& element, MjcfElement&, const std::string&) {
-      if (element.name == "geom") element.set("group", std::to_string(kLastShown));
+    for_each_in_body(world, "", [](MjcfElement& element, MjcfElement& parent, const std::string&) {
+      if (element.name == "geom" && parent.name == "body")
+        element.set("group", std::to_string(kLastShown));
     });
   });
 }
