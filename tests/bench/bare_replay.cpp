@@ -1,6 +1,7 @@
-// A bare mj_step loop that replays a run of arm_wall_contact or robot_wall_contact: the same model,
-// the recorded torques, the engine's contact with the wall and its switch. A run's additional cost
-// is that of Breakwater. The model is the part that physics needs, or the whole one.
+// A bare mj_step loop that replays a run of arm_wall_contact or robot_wall_contact. It has the
+// same model, the recorded torques, the engine's contact with the wall and its switch. A run's
+// additional cost is that of Breakwater. The model is the part that physics needs, or the whole
+// one.
 //
 // Usage: bare_replay RUN_FOLDER [whole]
 #include <mujoco/mujoco.h>
