@@ -1,6 +1,7 @@
 // Scenario files and --set: the source of each value of a run.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -14,7 +15,11 @@ namespace breakwater {
 
 /// A TOML value of the kinds that scenarios use.
 struct ConfigValue {
-  using Array = std::vector<ConfigValue>;
+  // Its own type: std::variant of GCC 12 expects that a copy of a std::vector never throws. Where
+  // memory ends, it then destroys a value that is not there.
+  struct Array : std::vector<ConfigValue> {
+    using std::vector<ConfigValue>::vector;
+  };
   std::variant<bool, std::int64_t, double, std::string, Array> data;
 };
 
@@ -29,6 +34,8 @@ struct ConfigEntry {
   std::string given = {};
 
   bool is_set() const { return origin == kSetOrigin; }
+  /// The line in its file; of --set, the largest number.
+  std::size_t line() const;
   /// Higher for an entry that overrides others: that of a case, and that of --set.
   int rank() const { return is_set() ? 2 : is_chosen ? 1 : 0; }
 };
