@@ -238,6 +238,13 @@ const ConfigEntry* Config::find(const std::string& key) const {
   return found != entries_.end() ? &found->second : nullptr;
 }
 
+std::size_t ConfigEntry::line() const {
+  std::size_t number = std::numeric_limits<std::size_t>::max();
+  const char* const text_end = origin.data() + origin.size();
+  std::from_chars(origin.data() + origin.rfind(':') + 1, text_end, number);
+  return number;
+}
+
 std::vector<std::string> Config::names_in(const std::string& table) const {
   std::vector<std::pair<std::size_t, std::string>> lines;  // with the first line of each name
   for (const auto& [key, entry] : entries_) {
@@ -250,15 +257,12 @@ std::vector<std::string> Config::names_in(const std::string& table) const {
       throw std::invalid_argument(entry.origin + ": " + table + "." + shown(name) +
                                   ": a name here is made of A-Z, a-z, 0-9 and '_'");
     }
-    std::size_t line = std::numeric_limits<std::size_t>::max();
-    const char* const text_end = entry.origin.data() + entry.origin.size();
-    std::from_chars(entry.origin.data() + entry.origin.rfind(':') + 1, text_end, line);
     const auto found = std::find_if(lines.begin(), lines.end(),
                                     [&](const auto& other) { return other.second == name; });
     if (found == lines.end()) {
-      lines.emplace_back(line, name);
+      lines.emplace_back(entry.line(), name);
     } else {
-      found->first = std::min(found->first, line);
+      found->first = std::min(found->first, entry.line());
     }
   }
   std::stable_sort(lines.begin(), lines.end(),

@@ -93,13 +93,19 @@ void check_tables(Fields& fields, std::span<const Config> tables, const Assign& 
     check_values(table, [&](const std::string& key) { return choices.contains(key); });
   }
   for (const Config& table : tables) {
+    // The first in the file: a misspelt table may make keys of others unknown.
+    std::optional<std::pair<std::size_t, std::string>> unknown;
     for (const auto& [key, entry] : table.entries()) {
-      if (by_key.contains(key)) continue;
+      if (by_key.contains(key) || (unknown && unknown->first <= entry.line())) continue;
+      unknown.emplace(entry.line(), key);
+    }
+    if (unknown) {
       std::set<std::string> keys;
       for (const auto& field : fields) {
         keys.insert(field.key);
         if (const std::string other = without_name(field.key); !other.empty()) keys.insert(other);
       }
+      const std::string& key = unknown->second;
       table.fail(key, "unknown key" + did_you_mean(key, {keys.begin(), keys.end()}));
     }
     check_values(table, [](const std::string&) { return true; });
