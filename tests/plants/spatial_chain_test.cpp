@@ -1,10 +1,10 @@
 // Chains in space, against KDL and planar chains.
-#include <kdl/chain.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacdotsolver.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 
 #include <breakwater/plants/spatial_chain.h>
+#include "kdl_support.h"
 #include "support.h"
 
 namespace breakwater::spatial_chain_test {
@@ -17,22 +17,7 @@ Eigen::Isometry3d random_frame(testing::Random& random) {
   return frame;
 }
 
-KDL::Vector to_kdl(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-KDL::Frame to_kdl(const Eigen::Isometry3d& frame) {
-  const auto R = frame.linear();
-  return {KDL::Rotation(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1),
-                        R(2, 2)),
-          to_kdl(frame.translation())};
-}
-
-KDL::JntArray to_kdl(const Eigen::VectorXd& q) {
-  KDL::JntArray array(static_cast<unsigned>(q.size()));
-  array.data = q;
-  return array;
-}
+using testing::to_kdl;
 
 TEST(SpatialChain, AgreesWithKdl) {
   testing::Random random;
@@ -47,12 +32,7 @@ TEST(SpatialChain, AgreesWithKdl) {
       joint.anchor_m = random.vector(3);
       joint.slides = i % 3 == 2;
       joints.push_back(joint);
-      // KDL: a fixed frame up to the link, then the joint.
-      kdl.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::None), to_kdl(joint.frame)));
-      kdl.addSegment(
-          KDL::Segment(KDL::Joint(to_kdl(joint.anchor_m), to_kdl(joint.axis),
-                                  joint.slides ? KDL::Joint::TransAxis : KDL::Joint::RotAxis),
-                       KDL::Frame::Identity()));
+      testing::add_joint(kdl, joint);
     }
     const Eigen::Isometry3d tip = random_frame(random), contact = random_frame(random);
     kdl.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::None), to_kdl(tip)));
