@@ -4,7 +4,7 @@
 #include <kdl/chainjnttojacdotsolver.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 
-#include <breakwater/plants/spatial_chain.h>
+#include <breakwater/plants/tip_chain.h>
 #include "support.h"
 
 namespace breakwater::spatial_chain_test {
