@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/linear/observability.h>
 #include <breakwater/linear/pole_placement.h>
 #include <breakwater/linear/qp.h>
 #include <breakwater/linear/riccati.h>

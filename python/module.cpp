@@ -8,8 +8,8 @@
 
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/experiment/version.h>
+#include <breakwater/record/interrupted.h>
 #include <breakwater/record/output_error.h>
-#include <breakwater/record/stop_asked.h>
 #include <breakwater/record/track.h>
 #include <breakwater/shell/paths.h>
 #include "comparisons.h"

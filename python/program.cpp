@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/config/scenario_name.h>
+#include <breakwater/config/config.h>
 #include <breakwater/program/commands.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/config/scenario_name.h>
+#include <breakwater/config/config.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/program/program.h>

@@ -1,5 +1,5 @@
 #include <breakwater/program/program.h>
-#include <breakwater/recorded/estimate_command.h>
+#include <breakwater/recorded/recorded_estimation.h>
 
 #include "motor_estimation/identified_motor.h"
 #include "quadrotor_waves/quadrotor_waves.h"

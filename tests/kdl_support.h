@@ -3,7 +3,7 @@
 
 #include <kdl/chain.hpp>
 
-#include <breakwater/plants/spatial_chain.h>
+#include <breakwater/plants/tip_chain.h>
 
 namespace breakwater::testing {
 

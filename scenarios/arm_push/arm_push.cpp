@@ -8,7 +8,7 @@
 #include <breakwater/rigs/arm_scenario.h>
 #include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/sim/hand_on_link.h>
-#include <breakwater/sim/named_elements.h>
+#include <breakwater/sim/model.h>
 #include <breakwater/world/hand.h>
 
 namespace breakwater {

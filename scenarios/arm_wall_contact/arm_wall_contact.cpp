@@ -9,8 +9,8 @@
 #include <breakwater/rigs/arm_scenario.h>
 #include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/rigs/wall_settings.h>
-#include <breakwater/sim/apparent_mass.h>
-#include <breakwater/sim/named_elements.h>
+#include <breakwater/sim/linear_model.h>
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 namespace {

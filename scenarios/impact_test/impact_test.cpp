@@ -8,7 +8,7 @@
 #include <breakwater/math/functions.h>
 #include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/rigs/wall_settings.h>
-#include <breakwater/sim/named_elements.h>
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <breakwater/recorded/record_keys.h>
+#include <breakwater/recorded/recorded_estimation.h>
 
 namespace breakwater {
 namespace {

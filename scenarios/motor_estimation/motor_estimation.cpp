@@ -1,6 +1,6 @@
 // Scenario motor_estimation: disturbance estimators behind an encoder (thesis 4.3).
 #include <breakwater/rigs/axis_scenario.h>
-#include <breakwater/rigs/disturbance_settings.h>
+#include <breakwater/rigs/plant_extras.h>
 
 namespace breakwater {
 namespace {

@@ -9,7 +9,7 @@
 #include <breakwater/control/axes_control.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/hdf5_log.h>
-#include <breakwater/rigs/tip_controllers.h>
+#include <breakwater/rigs/plant_parts.h>
 
 namespace breakwater {
 

@@ -12,7 +12,7 @@
 #include <numbers>
 #include <utility>
 
-#include <breakwater/config/scenario_name.h>
+#include <breakwater/config/config.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/page_chart.h>

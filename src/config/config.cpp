@@ -9,6 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/input_file.h>
@@ -420,6 +421,11 @@ const Entries& ScenarioFile::reading(const Config& config) const {
     config.fail("reading", "there is no [readings." + *name + "]" + did_you_mean(*name, names));
   }
   return found->second;
+}
+
+std::string scenario_name_in(const std::string& file) {
+  const toml::table table = parse_toml_file(file);
+  return TomlEntry(table, file)["scenario"].text();
 }
 
 }  // namespace breakwater

@@ -5,7 +5,6 @@
 #include <span>
 #include <stdexcept>
 
-#include <breakwater/signals/sample.h>
 #include <breakwater/signals/signal.h>
 
 namespace breakwater {

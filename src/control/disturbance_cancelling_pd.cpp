@@ -42,4 +42,16 @@ void DisturbanceCancellingPd::update(const Sample& y, Eigen::Ref<Eigen::VectorXd
   held_input_(0) = std::clamp(u(0), -design_.force_limit, design_.force_limit);
 }
 
+ResonanceRatioGains resonance_ratio(const TwoInertia& plant, double damping_ratio) {
+  check(plant);
+  if (!(damping_ratio > 0.0)) {
+    throw std::invalid_argument("resonance ratio control: the damping ratio must be positive");
+  }
+  const double omega = antiresonance_rad_s(plant);
+  const double load_at_motor = plant.load_inertia / (plant.ratio * plant.ratio);
+  return {.k_p = plant.motor_inertia * omega * omega,
+          .k_d = 4.0 * damping_ratio * plant.motor_inertia * omega,
+          .reaction = 4.0 * damping_ratio * damping_ratio * plant.motor_inertia / load_at_motor};
+}
+
 }  // namespace breakwater

@@ -1,4 +1,5 @@
-// PD control with disturbance cancellation: thesis 4.2.4, 4.2.5 and 4.3.2.
+// PD control with disturbance cancellation: thesis 4.2.4, 4.2.5 and 4.3.2. Its gains for resonance
+// ratio control of two inertias.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,6 +11,7 @@
 #include <breakwater/control/reference.h>
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/observer_poles.h>
+#include <breakwater/plants/motor_and_load.h>
 #include <breakwater/signals/axis_units.h>
 
 namespace breakwater {
@@ -58,5 +60,30 @@ class DisturbanceCancellingPd final : public Controller {
   Eigen::VectorXd held_input_;
   std::vector<Signal> signals_;
 };
+
+/// u = K_p (r − q_m) − K_d q̇_m + τ̂ − K_r τ̂, where τ̂ is the disturbance of the motor alone: the
+/// spring's torque and friction.
+struct ResonanceRatioGains {
+  double k_p = 0.0;
+  double k_d = 0.0;
+  double reaction = 0.0;  ///< K_r
+
+  /// The part of τ̂ that is cancelled.
+  double cancelled_share() const { return 1.0 - reaction; }
+};
+
+/// A disturbance observer of the motor cancels the spring's torque. Feedback of K_r times this
+/// torque gives the motor the virtual inertia J_m/K_r, and so the virtual resonance ratio
+///     H² = ω_r²/ω_a² = 1 + K_r J_l/(N² J_m).
+/// With H² = 1 + 4ζ², K_p = J_m ω_a² and K_d = 4ζ J_m ω_a the loop has the characteristic
+/// polynomial
+///     (s² + 2ζ ω_a s + ω_a²)².
+/// ζ = 1 gives H = √5. The reference r is that of the motor. A constant torque on the load leaves
+/// an error, because K_r τ̂ gives way to it.
+///
+/// Source: K. Yuki, T. Murakami, K. Ohnishi, "Vibration control of a 2 mass resonant system by the
+/// resonance ratio control", IECON 1993, 2009–2014. Throws std::invalid_argument as check() does,
+/// and unless ζ is positive.
+ResonanceRatioGains resonance_ratio(const TwoInertia& plant, double damping_ratio);
 
 }  // namespace breakwater

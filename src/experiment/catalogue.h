@@ -106,4 +106,15 @@ class Catalogue {
 /// Makes a scenario by its name. Throws std::invalid_argument if there is none.
 std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::string& name);
 
+/// `PROGRAM NAME [OPTION...]`.
+struct CommandKind {
+  static constexpr const char* kWhat = "command";
+
+  std::string name;
+  std::string summary;  ///< one line, for PROGRAM --help
+  /// Returns the exit status. argv[0] is the command's name.
+  int (*run)(const Catalogue&, int argc, const char* const* argv);
+  const char* group = "Your own work";  ///< in which PROGRAM --help has it
+};
+
 }  // namespace breakwater

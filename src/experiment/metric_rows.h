@@ -11,7 +11,6 @@
 
 #include <breakwater/experiment/metric_reductions.h>
 #include <breakwater/experiment/settings.h>
-#include <breakwater/record/metric_definition.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/signals/signal.h>
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include <breakwater/plants/mjcf_files.h>
+#include <breakwater/plants/mjcf_tree.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/shell/paths.h>
 

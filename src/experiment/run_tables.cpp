@@ -12,8 +12,8 @@
 
 #include <breakwater/experiment/references.h>
 #include <breakwater/shell/digits.h>
+#include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/shell/terminal.h>
 
 namespace breakwater {
 namespace {

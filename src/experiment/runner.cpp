@@ -9,13 +9,13 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include <breakwater/experiment/main_metrics.h>
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/experiment/version.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/partial_file.h>
+#include <breakwater/record/recording.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/progress.h>

@@ -11,7 +11,6 @@
 #include <breakwater/experiment/settings.h>
 #include <breakwater/record/interrupted.h>
 #include <breakwater/record/log_stream.h>
-#include <breakwater/record/metric_definition.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/sim/surface_waves.h>

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <breakwater/math/error_function.h>
 #include <breakwater/math/functions.h>
-#include <breakwater/math/mills_ratio.h>
-#include <breakwater/observers/code_likelihood.h>
+#include <breakwater/observers/code_sensor.h>
 
 namespace breakwater {
 namespace {

@@ -21,7 +21,6 @@
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/record/text_outputs.h>
-#include <breakwater/recorded/record_keys.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>

@@ -6,11 +6,10 @@
 #include <vector>
 
 #include <breakwater/experiment/catalogue.h>
-#include <breakwater/experiment/command_kind.h>
 #include <breakwater/identification/identified_axis.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/recorded/identified_scenario.h>
-#include <breakwater/recorded/record_keys.h>
+#include <breakwater/recorded/recorded_estimation.h>
 
 namespace breakwater {
 

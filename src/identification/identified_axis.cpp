@@ -14,7 +14,7 @@
 #include <breakwater/identification/axis_intervals.h>
 #include <breakwater/identification/axis_model.h>
 #include <breakwater/identification/axis_start.h>
-#include <breakwater/observers/code_likelihood.h>
+#include <breakwater/observers/code_sensor.h>
 #include <breakwater/observers/sensor_error.h>
 #include <breakwater/recorded/recorded_axis.h>
 #include <breakwater/shell/table.h>

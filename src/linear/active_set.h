@@ -7,9 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include <breakwater/linear/ldl_factor.h>
-#include <breakwater/linear/orthogonal_factor.h>
 #include <breakwater/linear/qp.h>
+#include <breakwater/linear/working_set.h>
 
 namespace breakwater {
 

@@ -12,7 +12,7 @@
 #include <string>
 
 #include <breakwater/linear/eigenvalues.h>
-#include <breakwater/linear/observability.h>
+#include <breakwater/linear/state_space.h>
 #include <breakwater/math/functions.h>
 
 namespace breakwater {

@@ -1,5 +1,6 @@
 #include <breakwater/linear/state_space.h>
 
+#include <Eigen/QR>
 #include <stdexcept>
 #include <unsupported/Eigen/MatrixFunctions>
 
@@ -44,6 +45,71 @@ StateSpace extend_by_input_disturbance(const StateSpace& continuous) {
   extended.B.topRows(n) = continuous.B;
   extended.C.leftCols(n) = continuous.C;
   return extended;
+}
+
+namespace {
+
+Eigen::MatrixXd observability_matrix(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C) {
+  const Eigen::Index n = A.rows();
+  const Eigen::Index p = C.rows();
+  Eigen::MatrixXd U_o(p * n, n);
+  Eigen::MatrixXd block = C;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    U_o.middleRows(i * p, p) = block;
+    block = block * A;
+  }
+  return U_o;
+}
+
+}  // namespace
+
+Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C) {
+  Eigen::MatrixXd U_o = observability_matrix(A, C);
+  for (auto column : U_o.colwise()) {
+    const double norm = column.norm();
+    if (norm > 0.0) column /= norm;
+  }
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(U_o);
+  qr.setThreshold(1e-12);
+  return qr.rank();
+}
+
+double smallest_pivot(const Eigen::MatrixXd& matrix) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(matrix);
+  const auto pivots = qr.matrixQR().diagonal().cwiseAbs();
+  return qr.maxPivot() > 0.0 ? pivots(pivots.size() - 1) / qr.maxPivot() : 0.0;
+}
+
+VariableHold::VariableHold(const StateSpace& continuous) : states_(continuous.states()) {
+  check(continuous);
+  const Eigen::Index size = states_ + continuous.inputs();
+  generator_ = Eigen::MatrixXd::Zero(size, size);
+  generator_.topLeftCorner(states_, states_) = continuous.A;
+  generator_.topRightCorner(states_, continuous.inputs()) = continuous.B;
+  norm_ = generator_.cwiseAbs().colwise().sum().maxCoeff();
+  scaled_ = transition_ = term_ = work_ = Eigen::MatrixXd::Identity(size, size);
+}
+
+void VariableHold::over(double interval_s) {
+  constexpr double kSmall = 0.5;
+  constexpr int kMostTerms = 20;  // 0.5²⁰/20! is 4e-25
+  int squarings = 0;
+  double part_s = interval_s;
+  for (; norm_ * part_s > kSmall; part_s *= 0.5) ++squarings;
+  scaled_ = generator_ * part_s;
+  term_.setIdentity();
+  transition_.setIdentity();
+  for (int k = 1; k <= kMostTerms; ++k) {
+    work_.noalias() = term_ * scaled_;
+    term_ = work_ / k;
+    work_ = transition_ + term_;
+    if (work_ == transition_) break;
+    transition_ = work_;
+  }
+  for (; squarings > 0; --squarings) {
+    work_.noalias() = transition_ * transition_;
+    transition_ = work_;
+  }
 }
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// Linear time-invariant plants and their discretisation with a zero-order hold.
+// Linear time-invariant plants: their discretisation with a zero-order hold, and observability.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,5 +27,36 @@ StateSpace zero_order_hold(const StateSpace& continuous, double period_s);
 /// Extends a plant by one step-type disturbance per input (ḋ = 0, Eq. 2.4). The result has
 /// Ā = [A −B; 0 0], B̄ = [B; 0], C̄ = [C 0] (Eqs. 2.9, 2.10, 2.54, 2.55).
 StateSpace extend_by_input_disturbance(const StateSpace& continuous);
+
+/// Rank of U_o = [C; C A; …; C Aⁿ⁻¹] ((p·n)×n), with balanced columns. The units of the states and
+/// a short sampling period do not affect it. The pair is observable if the rank is n
+/// (Eqs. 2.13, 2.14).
+Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C);
+
+/// The smallest pivot of a matrix with at least as many columns as rows, relative to the largest.
+double smallest_pivot(const Eigen::MatrixXd& matrix);
+
+/// zero_order_hold() for one interval after another of any length, without allocation. It uses the
+/// series of the matrix exponential with scaling and squaring.
+class VariableHold {
+ public:
+  /// Throws std::invalid_argument as check() does.
+  explicit VariableHold(const StateSpace& continuous);
+
+  /// Sets the interval; `interval_s` must be positive.
+  void over(double interval_s);
+
+  auto A() const { return transition_.topLeftCorner(states_, states_); }
+  auto B() const { return transition_.topRightCorner(states_, transition_.cols() - states_); }
+
+ private:
+  Eigen::Index states_;
+  Eigen::MatrixXd generator_;   // [A B; 0 0]
+  double norm_;                 // largest column sum
+  Eigen::MatrixXd scaled_;      // the generator times a part of the interval
+  Eigen::MatrixXd transition_;  // its exponential
+  Eigen::MatrixXd term_;
+  Eigen::MatrixXd work_;
+};
 
 }  // namespace breakwater

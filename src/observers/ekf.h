@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include <breakwater/observers/nonlinear_kalman.h>
-#include <breakwater/observers/sparse_square.h>
 
 namespace breakwater {
 

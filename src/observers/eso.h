@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <breakwater/linear/state_space.h>
-#include <breakwater/observers/guarded.h>
+#include <breakwater/observers/guarded_kalman.h>
 
 namespace breakwater {
 

@@ -5,7 +5,7 @@
 #include <array>
 
 #include <breakwater/math/functions.h>
-#include <breakwater/observers/mixture.h>
+#include <breakwater/observers/guarded_kalman.h>
 
 namespace breakwater {
 namespace {

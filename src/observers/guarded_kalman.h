@@ -1,14 +1,60 @@
-// The common part of the published Kalman filters of an axis.
+// The common parts of the published observers, which must survive any input, and of those that
+// are Kalman filters.
 #pragma once
 
+#include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
-#include <breakwater/observers/guarded.h>
+#include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/kalman_estimator.h>
 #include <breakwater/observers/sensor_error.h>
 
 namespace breakwater {
+
+/// An estimator with one input and one output. A measurement that is not finite is not used: the
+/// estimator only predicts. An input that is not finite counts as the last one. If the estimate is
+/// not finite after a sample, the estimator starts again at the measurement.
+template <typename Base = DisturbanceEstimator>
+class Guarded : public Base {
+ public:
+  using Vector = DisturbanceEstimator::Vector;
+
+  void update(const Vector& held_input, const Vector& y) final {
+    if (std::isfinite(held_input(0))) last_input_ = held_input;
+    is_measured_ = std::isfinite(y(0));
+    step(last_input_, y);
+    if (is_sound()) return;
+    start_.setZero(this->state().size());
+    if (is_measured_) start_(0) = y(0);
+    this->reset(start_);
+  }
+
+ protected:
+  template <typename... Arguments>
+  explicit Guarded(Arguments&&... arguments) : Base(std::forward<Arguments>(arguments)...) {}
+
+  /// One sample with a finite input. It must not use y unless is_measured_.
+  virtual void step(const Vector& held_input, const Vector& y) = 0;
+  /// Whether every published number is finite.
+  virtual bool is_sound() const {
+    for (const Signal& signal : this->signals()) {
+      for (const double value : signal.values) {
+        if (!std::isfinite(value)) return false;
+      }
+    }
+    return this->state().allFinite() && this->disturbance().allFinite();
+  }
+
+  bool is_measured_ = false;
+
+ private:
+  Eigen::VectorXd last_input_ = Eigen::VectorXd::Zero(1);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 8, 1> start_;  // without a heap
+};
 
 /// Q = `q` on the disturbance's highest derivative, R from the sensor's error, P0 diagonal. The
 /// published filters depend on these numbers themselves, unlike those of the thesis.
@@ -67,6 +113,20 @@ std::unique_ptr<DisturbanceEstimator> of_axis_size(const KalmanDesign& design,
       return std::make_unique<Filter<kMostAxisStates>>(design, arguments...);
     default:
       throw std::invalid_argument("Kalman filter: the axis must have 3 to 5 extended states");
+  }
+}
+
+/// The first `count` of `parts` have a mean x and a covariance P. Their weights(i) add up to 1.
+/// Writes
+///     x = Σ w_i x_i,   P = Σ w_i (P_i + (x_i − x)(x_i − x)ᵀ).
+template <typename Parts, typename Weights, typename State, typename Covariance>
+void mix(const Parts& parts, std::size_t count, const Weights& weights, State& x, Covariance& P) {
+  x.setZero();
+  for (std::size_t i = 0; i < count; ++i) x += weights(static_cast<long>(i)) * parts[i].x;
+  P.setZero();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto offset = (parts[i].x - x).eval();
+    P += weights(static_cast<long>(i)) * (parts[i].P + offset * offset.transpose());
   }
 }
 

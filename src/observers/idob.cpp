@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include <breakwater/linear/observability.h>
+#include <breakwater/linear/state_space.h>
 
 namespace breakwater {
 namespace {

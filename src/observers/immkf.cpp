@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include <breakwater/math/functions.h>
-#include <breakwater/observers/mixture.h>
+#include <breakwater/observers/guarded_kalman.h>
 
 namespace breakwater {
 namespace {

@@ -1,5 +1,9 @@
 #include <breakwater/observers/kalman_estimator.h>
 
+#include <stdexcept>
+#include <string>
+
+#include <breakwater/linear/riccati.h>
 #include <breakwater/observers/record_intervals.h>
 
 namespace breakwater {
@@ -165,6 +169,165 @@ void KalmanEstimator::correct(const Eigen::MatrixXd& R) {
 void KalmanEstimator::correct(double R, double D_inverse, double inflation) {
   kernel_->correct(output_cross_.data(), C_.data(), measures_first_, innovation_(0), R, D_inverse,
                    inflation, gain_.data(), extended_state_.data(), covariance_.data());
+}
+
+}  // namespace breakwater
+
+namespace breakwater::one_output {
+namespace {
+
+/// Σ term(i), summed in pairs for speed.
+template <int N, typename Term>
+double sum(const Term& term) {
+  double terms[N];
+  for (int i = 0; i < N; ++i) terms[i] = term(i);
+  for (int width = 1; width < N; width *= 2) {
+    for (int i = 0; i + width < N; i += 2 * width) terms[i] += terms[i + width];
+  }
+  return terms[0];
+}
+
+/// The sum of `count` terms with a distance of `stride`, by halves. This and the two functions
+/// below keep the order of Eigen's products of fixed size, and so the bits of earlier runs.
+template <int count, int stride>
+double halves(const double* terms) {
+  if constexpr (count == 1) {
+    return terms[0];
+  } else {
+    constexpr int half = count / 2;
+    return halves<half, stride>(terms) + halves<count - half, stride>(terms + half * stride);
+  }
+}
+
+template <int N>
+double output(const double* c, const double* __restrict x) {
+  double terms[N];
+  for (int i = 0; i < N; ++i) terms[i] = c[i] * x[i];
+  const double pairs = halves<N / 2, 2>(terms) + halves<N / 2, 2>(terms + 1);
+  return N % 2 == 0 ? pairs : pairs + terms[N - 1];
+}
+
+template <int N>
+void predict(const double* A, const double* b, const double* Q, double u, double* __restrict x,
+             double* __restrict P) {
+  double Ax[N];
+  for (int i = 0; i < N; ++i) {
+    Ax[i] = A[i] * x[0];
+    for (int k = 1; k < N; ++k) Ax[i] += A[i + k * N] * x[k];
+  }
+  if (N % 2 != 0) {
+    double last[N];
+    for (int k = 0; k < N; ++k) last[k] = A[N - 1 + k * N] * x[k];
+    Ax[N - 1] = halves<N, 1>(last);
+  }
+  for (int i = 0; i < N; ++i) x[i] = Ax[i] + b[i] * u;
+
+  double AP[N][N];
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j < N; ++j) {
+      AP[i][j] = sum<N>([&](int k) { return A[i + k * N] * P[k + j * N]; });
+    }
+  }
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      P[i + j * N] = P[j + i * N] =
+          Q[i + j * N] + sum<N>([&](int k) { return AP[i][k] * A[j + k * N]; });
+    }
+  }
+}
+
+template <int N>
+void times(const double* __restrict P, const double* c, bool is_first, double* __restrict result) {
+  for (int i = 0; i < N; ++i) {
+    result[i] = is_first ? P[i] : sum<N>([&](int k) { return P[i + k * N] * c[k]; });
+  }
+}
+
+template <int N>
+double measure(const double* __restrict P, const double* __restrict x, const double* c,
+               bool is_first, double* __restrict h, double* __restrict variance) {
+  times<N>(P, c, is_first, h);
+  *variance = is_first ? h[0] : sum<N>([&](int k) { return h[k] * c[k]; });
+  return output<N>(c, x);
+}
+
+// Joseph's form is
+//     (I − K cᵀ) P (I − K cᵀ)ᵀ + K R Kᵀ = M + w Kᵀ + K wᵀ   with   M = P − K hᵀ,
+//     w = (K R − M c)/2.
+template <int N>
+void correct(const double* __restrict h, const double* c, bool is_first, double e, double R,
+             double D_inverse, double inflation, double* __restrict gain, double* __restrict x,
+             double* __restrict P) {
+  double K[N], M[N * N], w[N];
+  for (int i = 0; i < N; ++i) {
+    gain[i] = K[i] = h[i] * D_inverse;
+    x[i] += K[i] * e;
+  }
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j <= i; ++j) M[i + j * N] = M[j + i * N] = P[i + j * N] - K[i] * h[j];
+  }
+  times<N>(M, c, is_first, w);
+  for (int i = 0; i < N; ++i) w[i] = 0.5 * (K[i] * R - w[i]);
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      P[i + j * N] = P[j + i * N] = (M[i + j * N] + (w[i] * K[j] + w[j] * K[i])) * inflation;
+    }
+  }
+}
+
+template <int N>
+constexpr Kernel kKernel = {predict<N>, output<N>, measure<N>, correct<N>};
+constexpr const Kernel* kKernels[] = {&kKernel<2>, &kKernel<3>, &kKernel<4>, &kKernel<5>,
+                                      &kKernel<6>};
+
+}  // namespace
+
+const Kernel* kernel(Eigen::Index states) {
+  return states >= 2 && states <= 6 ? kKernels[states - 2] : nullptr;
+}
+
+}  // namespace breakwater::one_output
+
+namespace breakwater {
+namespace {
+
+constexpr double kLargest = 1e100;  // products of larger covariances overflow
+
+void require(bool fulfilled, Eigen::Index size, const std::string& what) {
+  if (fulfilled) return;
+  throw std::invalid_argument("Kalman filter: " + what + " and " + std::to_string(size) + "×" +
+                              std::to_string(size));
+}
+
+}  // namespace
+
+void check(const KalmanDesign& design) {
+  const Eigen::Index N = design.plant.states();
+  const Eigen::Index p = design.plant.outputs();
+  require(design.Q.rows() == N && is_positive_semidefinite(design.Q), N,
+          "Q must be symmetric positive semidefinite");
+  require(design.R.rows() == p && is_positive_definite(design.R), p,
+          "R must be symmetric positive definite");
+  require(design.P0.rows() == N && is_positive_definite(design.P0), N,
+          "P0 must be symmetric positive definite");
+  for (const Eigen::MatrixXd* covariance : {&design.Q, &design.R, &design.P0}) {
+    if (covariance->cwiseAbs().maxCoeff() <= kLargest) continue;
+    throw std::invalid_argument("Kalman filter: Q, R and P0 must be at most 1e100");
+  }
+}
+
+Eigen::MatrixXd input_noise(const ExtendedPlant& plant, double q) {
+  return plant.sampled.B * q * plant.sampled.B.transpose();
+}
+
+Eigen::MatrixXd uniform_noise(const ExtendedPlant& plant, double q) {
+  return q * Eigen::MatrixXd::Identity(plant.states(), plant.states());
+}
+
+Eigen::MatrixXd disturbance_noise(const ExtendedPlant& plant, double q) {
+  Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(plant.states(), plant.states());
+  Q.diagonal().tail(plant.inputs()).setConstant(q);
+  return Q;
 }
 
 }  // namespace breakwater

@@ -1,4 +1,5 @@
-// The Kalman recursion that all Kalman filters with disturbance estimation share.
+// The design of a Kalman filter of a plant, and the recursion that all Kalman filters with
+// disturbance estimation share.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -6,10 +7,59 @@
 #include <optional>
 #include <vector>
 
-#include <breakwater/linear/variable_hold.h>
+#include <breakwater/linear/state_space.h>
 #include <breakwater/observers/disturbance_estimator.h>
-#include <breakwater/observers/kalman_design.h>
-#include <breakwater/observers/one_output.h>
+#include <breakwater/observers/disturbance_model.h>
+
+namespace breakwater {
+
+/// The estimates depend on the ratios of Q, R and P0 alone.
+struct KalmanDesign {
+  ExtendedPlant plant;
+  Eigen::MatrixXd Q;   ///< N×N: covariance of the process noise in one sample
+  Eigen::MatrixXd R;   ///< p×p: covariance of the measurement noise (Eq. 3.6)
+  Eigen::MatrixXd P0;  ///< N×N: P(0|−1), the covariance before the first measurement
+};
+
+/// Throws std::invalid_argument unless the shapes fit, Q is symmetric positive semidefinite, and R
+/// and P0 are symmetric positive definite. No value may be above 1e100.
+void check(const KalmanDesign& design);
+
+/// The process noise of the KFD. It enters like the input: Q = B̅ q B̅ᵀ (Eqs. 3.5, 3.8, 4.12). The
+/// disturbance has no process noise, so its gain falls as 1/k.
+Eigen::MatrixXd input_noise(const ExtendedPlant& plant, double q);
+
+/// The other process noise of a KFD, Q = q·I on every state.
+Eigen::MatrixXd uniform_noise(const ExtendedPlant& plant, double q);
+
+/// The process noise of the disturbance Kalman filter (DKF): on d (order 0) or its highest
+/// derivative alone.
+Eigen::MatrixXd disturbance_noise(const ExtendedPlant& plant, double q);
+
+}  // namespace breakwater
+
+namespace breakwater::one_output {
+
+/// The operations on matrices that are stored by columns. P is symmetric, before and after.
+struct Kernel {
+  /// x ← A x + b u, P ← A P Aᵀ + Q.
+  void (*predict)(const double* A, const double* b, const double* Q, double u, double* x,
+                  double* P);
+  /// cᵀ x.
+  double (*output)(const double* c, const double* x);
+  /// h ← P c, variance ← cᵀ P c. Returns cᵀ x. If `is_first`, c = (1, 0, …).
+  double (*measure)(const double* P, const double* x, const double* c, bool is_first, double* h,
+                    double* variance);
+  /// K ← h/D, x ← x + K e. Replaces P(k|k−1) by P(k|k), multiplied by `inflation`, for h = P c and
+  /// the noise variance R.
+  void (*correct)(const double* h, const double* c, bool is_first, double e, double R,
+                  double D_inverse, double inflation, double* K, double* x, double* P);
+};
+
+/// The operations for `states`; nullptr if there are none for this number.
+const Kernel* kernel(Eigen::Index states);
+
+}  // namespace breakwater::one_output
 
 namespace breakwater {
 

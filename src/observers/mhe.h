@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <breakwater/linear/qp.h>
-#include <breakwater/observers/guarded.h>
-#include <breakwater/observers/kalman_design.h>
+#include <breakwater/observers/guarded_kalman.h>
+#include <breakwater/observers/kalman_estimator.h>
 #include <breakwater/observers/sensor_error.h>
 
 namespace breakwater {

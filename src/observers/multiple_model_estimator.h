@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include <breakwater/linear/variable_hold.h>
+#include <breakwater/linear/state_space.h>
 #include <breakwater/observers/code_sensor.h>
 #include <breakwater/observers/disturbance_estimator.h>
 

@@ -13,7 +13,7 @@ KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error, do
 
 /// A KFD without process noise. It inflates the covariance before the gain if the innovation leaves
 /// a gate. The gate covers the sensor's error and the estimate's own uncertainty, for rounding and
-/// truncation (qvff.h):
+/// truncation (vfakfd.h):
 ///     if |ê| > Δ + 5σ + 2 √P₁₁:  P ← P · clip(4 ê²/(P₁₁ + R), 1, 1e6),   P₁₁ = C̅ P(k|k−1) C̅ᵀ.
 /// P₁₁ + R is then about 4 ê²: the innovation is half a standard deviation. Between the inflations
 /// the gain and the noise of the estimate fall as 1/k. A disturbance that keeps changing is

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include <breakwater/observers/guarded.h>
+#include <breakwater/observers/guarded_kalman.h>
 #include <breakwater/observers/mdob.h>
 
 namespace breakwater {

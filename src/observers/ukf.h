@@ -2,14 +2,20 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
 
 #include <breakwater/observers/nonlinear_kalman.h>
-#include <breakwater/observers/raise_eigenvalues.h>
-#include <breakwater/observers/sparse_square.h>
 
 namespace breakwater {
+
+constexpr int kMostStates = 32;  ///< the largest n
+
+/// Raises the eigenvalues of a symmetric n×n matrix, n ≤ kMostStates, to at least `floor` times the
+/// largest one. Reads the lower triangle, writes both. Allocates nothing.
+void raise_eigenvalues(Eigen::Ref<Eigen::MatrixXd> matrix, double floor);
+
 namespace detail {
 
 /// Maps the symmetric set x ± √n L e_j through the process. `mean` is the mean of the results. T

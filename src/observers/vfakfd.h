@@ -1,7 +1,9 @@
-// Variable forgetting factor-based adaptive Kalman filter (VFAKFD): thesis 4.3.1.
+// Variable forgetting factor-based adaptive Kalman filter (VFAKFD): thesis 4.3.1. Quantisation-
+// aware variable forgetting factor (QVFF): the VFAKFD with a dead zone for the sensor's error.
 #pragma once
 
 #include <breakwater/observers/kalman_estimator.h>
+#include <breakwater/observers/sensor_error.h>
 
 namespace breakwater {
 
@@ -24,7 +26,7 @@ inline double vfakfd_alpha(double pulses_per_revolution, double period_s) {
 /// Both places use λ(k) of the current innovation. The design's R is not used.
 ///
 /// For p outputs, with ẽ_i = ê_i/√α_i: λ(k) = λ_max − ẽᵀ (I + C̅ P C̅ᵀ)⁻¹ ẽ and D(k) = C̅ P C̅ᵀ +
-/// λ(k)·I. For p = 1 this is Eq. 4.20. The dead zone is first subtracted from |ê| (qvff.h).
+/// λ(k)·I. For p = 1 this is Eq. 4.20. The dead zone is first subtracted from |ê| (qvff_design()).
 class Vfakfd final : public KalmanEstimator {
  public:
   /// Throws std::invalid_argument unless α > 0, dead zone ≥ 0 and 0 < λ_min ≤ λ_max ≤ 1.
@@ -46,5 +48,23 @@ class Vfakfd final : public KalmanEstimator {
   Eigen::MatrixXd observation_covariance_;  // λ(k)·I
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
+
+/// The λ(k) of the VFAKFD reacts to ê², from a disturbance or from the encoder. With α = 1/(b_reso
+/// T_s) it reacts from ê² ≈ 0.2 α on: 3 to 144 counts, depending on resolution and period. QVFF
+/// first subtracts from ê the sensor's own error, and then reacts to small errors:
+///     |ê| → max(0, |ê| − Δ − 4.5 σ),   α = max((Δ/2)², (1.5 σ)², α_floor),   P0 = 1e-6·I.
+/// Δ covers the rounding ±Δ/2 of the measurement and that of the prediction. Seven samples in a
+/// million exceed 4.5 σ. Truncation has an error of up to Δ, always towards 0. The errors of two
+/// measurements on one side of 0 then also differ by less than Δ.
+/// P0 is a number without a unit, against R = 1: the estimate depends on the unit of the position.
+/// Derivation and limits: docs/explanation/methods/disturbance-kalman-filters.md.
+///
+/// Throws as check(SensorError) does.
+VfakfdDesign qvff_design(const SensorError& error);
+
+/// The Kalman design of a VFAKFD: Q = 0 and P0 = p0·I; R is not used.
+KalmanDesign variable_forgetting_design(const ExtendedPlant& plant, double p0);
+
+constexpr double kQvffInitialCovariance = 1e-6;
 
 }  // namespace breakwater

@@ -12,7 +12,7 @@
 
 #include <breakwater/experiment/version.h>
 #include <breakwater/pictures/replay_data.h>
-#include <breakwater/record/file_bytes.h>
+#include <breakwater/record/input_file.h>
 #include <breakwater/render/identity.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>

@@ -4,7 +4,7 @@
 #include <string>
 
 #include <breakwater/record/hdf5_log.h>
-#include <breakwater/record/metric_definition.h>
+#include <breakwater/record/recording.h>
 
 namespace breakwater {
 

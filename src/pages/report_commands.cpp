@@ -1,4 +1,4 @@
-#include <breakwater/pages/report_commands.h>
+#include <breakwater/pages/run_report.h>
 
 #include <fmt/format.h>
 
@@ -15,7 +15,6 @@
 #include <breakwater/pages/compare.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/replay_part.h>
-#include <breakwater/pages/run_report.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/shell/child_program.h>

@@ -42,4 +42,8 @@ PageData printed_lines(const ReferenceValue& reference, double measured);
 /// A run's shot list; an empty one where there is none that can be read.
 ShotList shots_of(const Catalogue& catalogue, const SavedRun& run);
 
+/// `report`, `compare` and `replay`. Exit statuses: 0 success, 1 an internal error, 2 usage or
+/// input, 4 a picture could not be made, 130 interrupted.
+std::vector<CommandKind> report_commands();
+
 }  // namespace breakwater

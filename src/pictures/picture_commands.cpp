@@ -14,7 +14,6 @@
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/render/colour_converter.h>
 #include <breakwater/render/frame_farm.h>
 #include <breakwater/render/picture.h>
 #include <breakwater/render/render_error.h>
@@ -22,7 +21,7 @@
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
-#include <breakwater/sim/opengl_asked.h>
+#include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include <breakwater/experiment/command_kind.h>
+#include <breakwater/experiment/catalogue.h>
 
 namespace breakwater {
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include <breakwater/experiment/differing_keys.h>
-#include <breakwater/sim/named_elements.h>
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 namespace {

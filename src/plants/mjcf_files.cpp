@@ -1,4 +1,4 @@
-#include <breakwater/plants/mjcf_files.h>
+#include <breakwater/plants/mjcf_tree.h>
 
 #include <tinyxml2.h>
 

@@ -1,4 +1,5 @@
-// MJCF as a tree of elements that can be changed.
+// MJCF as a tree of elements that can be changed; the files of a model and the check of their
+// numbers.
 #pragma once
 
 #include <array>
@@ -114,5 +115,18 @@ MjcfPose mjcf_pose(const MjcfElement& root, const MjcfClasses& classes, const Mj
                    const std::string& inherited);
 /// Whether angles of the file are in degrees.
 bool has_degrees(const MjcfElement& root);
+
+/// An MJCF file, its includes, the models that it attaches, and the meshes, height fields, skins
+/// and textures of all of them. Each existing file occurs once, the main file first. A file that is
+/// not XML gives only itself, and Model::load() reports its error. Throws as check_ends() does for
+/// each file.
+std::vector<std::filesystem::path> mjcf_files(const std::filesystem::path& mjcf);
+
+/// Throws std::invalid_argument `FILE[:LINE]: reason` if an MJCF file or one of its includes cannot
+/// be read, is not XML or has a wrong number. More than `most_elements` elements are refused too,
+/// with those of a <composite>. A number must be finite and within ±1e30. Masses, colours and sizes
+/// in pixels must not be negative, and a size of <size> must fit into memory. The engine accepts
+/// NaN, 1e300 and a negative mass without a warning.
+void check_mjcf(const std::string& file, std::uint64_t most_elements);
 
 }  // namespace breakwater

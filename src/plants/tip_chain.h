@@ -1,7 +1,9 @@
-// Kinematics of a serial manipulator, in the coordinates of its tip that a controller holds.
+// Kinematics of a serial manipulator, in the coordinates of its tip that a controller holds; in
+// space.
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <memory>
 #include <string>
 #include <utility>
@@ -75,6 +77,46 @@ class TipChain {
 
  private:
   std::shared_ptr<const TipKinematics> kinematics_;
+};
+
+/// A hinge or slide and the link that it moves.
+struct SpatialJoint {
+  /// The link's frame in that of the link before it, at the position `zero`.
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();     ///< a unit vector in the link's frame
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();  ///< a point of the axis, there
+  bool slides = false;
+  double zero = 0.0;  ///< [rad or m]
+  double effort_limit = 0.0;
+};
+
+/// The tip of a chain of joints in a contact frame: x along the force, y and z across it. Its
+/// coordinates there are its position x, y, z [m] and the rotation vector rx, ry, rz from its
+/// orientation at the start [rad]. The Jacobian is taken at no rotation. It holds, in this order,
+/// all that its joints can move independently. A two-link holds x and y; a SCARA x, y, z and the
+/// turn about its axes; six joints hold all. The
+/// rotation must stay below half a turn. The velocity limits are infinite.
+class SpatialChain final : public TipKinematics {
+ public:
+  /// `tip` is in the last link's frame, `contact` in the world. Throws std::invalid_argument if
+  /// there is no joint, or if the tip cannot move along x.
+  SpatialChain(std::vector<SpatialJoint> joints, const Eigen::Isometry3d& tip,
+               const Eigen::Isometry3d& contact, const Eigen::VectorXd& start_angles_rad);
+
+  TipVector pose(const Angles& q_rad) const override;
+  void jacobian(const Angles& q_rad, TaskJacobian& J) const override;
+  TipVector bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const override;
+
+ private:
+  template <typename Visit>
+  Eigen::Isometry3d walk(const Angles& q_rad, Visit&& visit) const;
+  TipVector held_of(const Eigen::Vector3d& position, const Eigen::Vector3d& turn) const;
+
+  std::vector<SpatialJoint> joints_;
+  Eigen::Isometry3d tip_;
+  Eigen::Isometry3d to_contact_;  // from the world
+  Eigen::Matrix3d start_;         // the tip's orientation
+  std::vector<int> rows_;         // the held ones among the six coordinates
 };
 
 }  // namespace breakwater

@@ -22,9 +22,8 @@
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
-#include <breakwater/shell/terminal.h>
+#include <breakwater/sim/engine_guard.h>
 #include <breakwater/sim/mjcf_conversion.h>
-#include <breakwater/sim/opengl_asked.h>
 
 namespace breakwater {
 namespace {

@@ -21,11 +21,10 @@
 #include <breakwater/render/video_file.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/shell/terminal.h>
 #include <breakwater/signals/environment.h>
 #include <breakwater/sim/engine_guard.h>
-#include <breakwater/sim/opengl_asked.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

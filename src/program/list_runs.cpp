@@ -10,15 +10,14 @@
 #include <string>
 
 #include <breakwater/experiment/differing_keys.h>
-#include <breakwater/experiment/main_metrics.h>
 #include <breakwater/experiment/run_list.h>
 #include <breakwater/program/commands.h>
+#include <breakwater/record/recording.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/shell/terminal.h>
 #include <breakwater/study/study_folder.h>
 
 namespace breakwater {

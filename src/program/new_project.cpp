@@ -1,4 +1,4 @@
-#include <breakwater/program/new_project.h>
+#include <breakwater/program/commands.h>
 
 #include <fmt/format.h>
 
@@ -11,8 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include <breakwater/program/commands.h>
-#include <breakwater/record/file_bytes.h>
+#include <breakwater/record/input_file.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include <breakwater/analysis/analysis_outputs.h>
-#include <breakwater/config/scenario_name.h>
-#include <breakwater/experiment/command_kind.h>
+#include <breakwater/config/config.h>
+#include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/version.h>
 #include <breakwater/identification/identification_outputs.h>
-#include <breakwater/pages/report_commands.h>
+#include <breakwater/pages/run_report.h>
 #include <breakwater/pictures/picture_commands.h>
 #include <breakwater/program/command_line.h>
 #include <breakwater/program/commands.h>

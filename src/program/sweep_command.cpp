@@ -16,11 +16,10 @@
 #include <vector>
 
 #include <breakwater/cluster/slurm_queue.h>
-#include <breakwater/config/scenario_name.h>
+#include <breakwater/config/config.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/study_report.h>
 #include <breakwater/program/study_command.h>
-#include <breakwater/program/sweep_options.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>

@@ -1,4 +1,4 @@
-#include <breakwater/program/sweep_options.h>
+#include <breakwater/program/study_command.h>
 
 #include <fmt/format.h>
 

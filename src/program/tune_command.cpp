@@ -21,7 +21,6 @@
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/study_report.h>
 #include <breakwater/program/study_command.h>
-#include <breakwater/program/sweep_options.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/search/tuning_plan.h>

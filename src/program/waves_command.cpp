@@ -13,7 +13,6 @@
 #include <breakwater/math/functions.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
-#include <breakwater/world/jonswap.h>
 #include <breakwater/world/waves.h>
 
 namespace breakwater {

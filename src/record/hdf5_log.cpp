@@ -30,7 +30,6 @@
 
 #include <breakwater/record/hdf5_library.h>
 #include <breakwater/record/interrupted.h>
-#include <breakwater/record/stop_asked.h>
 #include <breakwater/record/text_outputs.h>
 
 namespace breakwater {

@@ -1,4 +1,4 @@
-// A file that a user names, to be read.
+// A file that a user names, to be read; all its bytes.
 #pragma once
 
 #include <unistd.h>
@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -33,6 +34,18 @@ inline std::ifstream open_input(const std::filesystem::path& file) {
     reason = std::generic_category().message(errno);
   }
   throw std::invalid_argument(file.string() + ": cannot be read (" + reason + ")");
+}
+
+/// Throws std::invalid_argument `FILE: cannot be read (REASON)`.
+inline std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream bytes;
+  if (stream) bytes << stream.rdbuf();
+  if (!stream || bytes.bad()) {
+    throw std::invalid_argument(file.string() + ": cannot be read (" +
+                                std::generic_category().message(errno) + ")");
+  }
+  return bytes.str();
 }
 
 }  // namespace breakwater

@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <breakwater/record/data_file.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/record/text_outputs.h>

@@ -61,4 +61,19 @@ struct Recording {
   std::optional<double> metric(const std::string& name) const;
 };
 
+/// The meaning of a metric or a cost.
+struct MetricDefinition {
+  std::string name;  ///< as in the Metric
+  std::string unit;  ///< as in the Metric
+  std::string text;  ///< one sentence without a full stop
+};
+
+/// The `metrics` with these `names` (Scenario::main_metrics), in that order. If empty, the first
+/// two.
+std::vector<Metric> main_metrics(const std::vector<std::string>& names,
+                                 const std::vector<Metric>& metrics);
+
+/// "free_motion_time_s 0.5302  peak_force_filtered_N 2.317".
+std::string brief(const std::vector<Metric>& metrics);
+
 }  // namespace breakwater

@@ -18,9 +18,8 @@
 #include <thread>
 #include <tuple>
 
-#include <breakwater/record/data_file.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/record/on_disk.h>
+#include <breakwater/record/partial_file.h>
 #include <breakwater/record/process_name.h>
 
 namespace breakwater {

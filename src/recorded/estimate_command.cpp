@@ -1,4 +1,4 @@
-#include <breakwater/recorded/estimate_command.h>
+#include <breakwater/recorded/recorded_estimation.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,12 +8,11 @@
 #include <filesystem>
 #include <memory>
 
-#include <breakwater/config/scenario_name.h>
+#include <breakwater/config/config.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/run_tables.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>

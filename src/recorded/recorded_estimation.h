@@ -1,4 +1,4 @@
-// An estimator of an axis on recorded data, without a simulation.
+// An estimator of an axis on recorded data, without a simulation: keys, scenario, command.
 #pragma once
 
 #include <cstdint>
@@ -6,13 +6,28 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/config/fields.h>
+#include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/record/recording.h>
-#include <breakwater/recorded/record_keys.h>
 #include <breakwater/recorded/recorded_axis.h>
 #include <breakwater/rigs/axis_parts.h>
+#include <breakwater/signals/encoder_rounding.h>
 
 namespace breakwater {
+
+enum class InputActs { after, before };
+
+/// csv.time_column, …, csv.input_acts.
+void bind_record_format(Fields& fields, RecordFormat& format, InputActs& input_acts);
+
+/// Refuses scales of 0.
+void check_record_format(const Config& config);
+
+/// "key=value" with 12 digits, for --set.
+std::string number_set(const char* key, double value);
+/// encoder.rounding, for --set.
+std::string rounding_set(EncoderRounding rounding);
 
 /// Compares innovations e with R = Δ²/12 + σ², the variance of the sensor's error, plus that of the
 /// error of the instant. An encoder that truncates has Δ²/3. Estimators' variances have no common
@@ -108,5 +123,8 @@ class RecordedEstimation final : public Scenario {
 
 /// It with the file of its cases, as if it were a scenario that the catalogue has.
 ScenarioKind recorded_estimation();
+
+/// Runs an estimator of the catalogue on recorded data, and writes a folder like that of a run.
+CommandKind estimate_command();
 
 }  // namespace breakwater

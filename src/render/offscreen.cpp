@@ -10,7 +10,7 @@
 #include <cstring>
 
 #include <breakwater/record/loaded_library.h>
-#include <breakwater/sim/opengl_asked.h>
+#include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
 namespace {

@@ -1,7 +1,5 @@
 // Breakwater's controllers of an axis: their keys, and the functions that make them.
 #include <breakwater/control/disturbance_cancelling_pd.h>
-#include <breakwater/control/lqr_control.h>
-#include <breakwater/control/resonance_ratio.h>
 #include <breakwater/control/state_feedback.h>
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/predictive_settings.h>

@@ -4,9 +4,9 @@
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mdob.h>
 #include <breakwater/observers/multiple_model_estimator.h>
-#include <breakwater/observers/qvff.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
+#include <breakwater/observers/vfakfd.h>
 #include <breakwater/rigs/estimator_settings.h>
 
 namespace breakwater {

@@ -32,7 +32,7 @@ struct NominalAxis {
   int joint = 0;   ///< index in a manipulator, from 0 ...
   int joints = 1;  ///< ... and the manipulator's number of joints
 
-  // With a transmission (transmission_settings.h).
+  // With a transmission (drive_settings.h).
   Side measured = Side::load;
   double measured_ratio = 1.0;  ///< motion of the measured side for one of the load at rest
   std::optional<TwoInertia> inertias = {};  ///< the nominal numbers, if known

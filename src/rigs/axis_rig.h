@@ -13,7 +13,7 @@
 #include <breakwater/record/held_reference.h>
 #include <breakwater/rigs/axis_settings.h>
 #include <breakwater/sim/contact.h>
-#include <breakwater/sim/held_force.h>
+#include <breakwater/sim/external_force.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
 

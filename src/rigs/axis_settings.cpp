@@ -13,7 +13,7 @@
 #include <breakwater/config/column_table.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/linear_model.h>
-#include <breakwater/sim/named_elements.h>
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 

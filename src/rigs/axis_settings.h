@@ -15,7 +15,6 @@
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/drive_settings.h>
 #include <breakwater/rigs/plant_extras.h>
-#include <breakwater/rigs/transmission_settings.h>
 #include <breakwater/world/disturbance.h>
 
 namespace breakwater {

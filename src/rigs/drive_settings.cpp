@@ -3,6 +3,8 @@
 #include <numbers>
 
 #include <breakwater/config/column_table.h>
+#include <breakwater/plants/damped_inertia.h>
+#include <breakwater/sim/joint_friction.h>
 
 namespace breakwater {
 namespace {
@@ -114,6 +116,238 @@ void TimingSettings::check(const Config& config, const PhysicsSettings& physics)
   const char* key = jitter_ == Jitter::csv ? "control.jitter_file" : "control.delay_s";
   config.blame(
       key, [&] { CommandTiming(delays(), 0, physics.timestep_s, physics.steps_per_sample(), 1); });
+}
+
+void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u,
+                                      const std::string& inertia_suffix,
+                                      const std::string& friction_suffix) {
+  const std::string stiffness =
+      "transmission.stiffness_" + u.force_suffix + "_" + u.position_suffix;
+  const std::string position = "_" + u.position_suffix, friction = "_" + friction_suffix;
+  const std::string torque_per = u.force + " per ";
+  fields.optional_number("transmission.ratio", design.ratio, positive(),
+                         "N: motion of the motor for one of the load");
+  fields.optional_number(stiffness, design.stiffness, not_negative(),
+                         "K: stiffness between motor and load, at the load; 0: rigid [" +
+                             torque_per + u.position + "]");
+  fields.optional_number("transmission.damping" + friction, design.damping, not_negative(),
+                         "damping of this spring [" + torque_per + u.velocity + "]");
+  fields.optional_number("transmission.backlash" + position, design.backlash, not_negative(),
+                         "b: play of the load while the motor stands [" + u.position + "]");
+  fields.optional_number("transmission.kinematic_error" + position, design.kinematic_error, any(),
+                         "amplitude of the transmission's error, at the load [" + u.position + "]");
+  fields.optional_number("transmission.kinematic_error_per_turn", design.error_per_turn, any(),
+                         "periods of this error in a turn of the motor");
+  motor_inertia_key_ = "motor_inertia_" + inertia_suffix;
+  fields.optional_number(
+      "transmission." + motor_inertia_key_, motor_inertia, not_negative(),
+      "inertia of the motor, in place of its joint's (0: the joint's own). Without a joint it adds "
+      "to the armature of the axis' joint");
+  fields.optional_number("transmission.motor_viscous_friction" + friction, motor_friction,
+                         not_negative(),
+                         "viscous friction of the motor, besides that of its joint in the model [" +
+                             torque_per + u.velocity + "]");
+  const auto side = [&fields](const std::string& key, Side& target, const std::string& what) {
+    fields.choice(key, target, {{"load", Side::load}, {"motor", Side::motor}},
+                  "side of the transmission with the " + what);
+    fields.standard(key, {std::string("load")});
+  };
+  side("friction.side", friction_side, "dry friction");
+  side("encoder.side", measured, "encoder");
+  fields.only_where(
+      {"transmission.damping" + friction, "transmission.backlash" + position,
+       "transmission.kinematic_error" + position, "transmission.kinematic_error_per_turn",
+       "transmission.motor_viscous_friction" + friction, "friction.side", "encoder.side"},
+      stiffness + " is not 0", [this] { return is_elastic(); });
+}
+
+void TransmissionSettings::bind(Fields& fields, const AxisUnits& u,
+                                const std::string& inertia_suffix,
+                                const std::string& friction_suffix) {
+  bind_plant(fields, u, inertia_suffix, friction_suffix);
+  const std::string stiffness = "_" + u.force_suffix + "_" + u.position_suffix;
+  const std::string friction = "_" + friction_suffix, torque_per = u.force + " per ";
+  fields.optional_number(
+      "transmission.motor_coulomb_friction_" + u.force_suffix, motor_coulomb, not_negative(),
+      "Coulomb friction of the motor, besides that of its joint in the model [" + u.force + "]");
+  fields.text("transmission.motor_joint", motor_joint,
+              "joint of the motor in the model, for a transmission with a stiffness; empty: the "
+              "model has none");
+  fields.standard("transmission.motor_joint", {std::string()});
+  fields.choice("nominal.model", nominal_model,
+                {{"rigid", NominalModel::rigid},
+                 {"motor", NominalModel::motor},
+                 {"spring", NominalModel::spring}},
+                "model of controller and observer: motor and load as one inertia, the motor alone, "
+                "or both with the spring");
+  fields.standard("nominal.model", {std::string("rigid")});
+  fields.optional_number("nominal." + motor_inertia_key_, nominal_motor_inertia, not_negative(),
+                         "nominal inertia of the motor");
+  fields.optional_number("nominal.stiffness" + stiffness, nominal_stiffness, not_negative(),
+                         "nominal stiffness of the transmission [" + torque_per + u.position + "]");
+  fields.optional_number("nominal.damping" + friction, nominal_damping, not_negative(),
+                         "nominal damping of the transmission [" + torque_per + u.velocity + "]");
+  fields.optional_number("nominal.motor_viscous_friction" + friction, nominal_motor_friction,
+                         not_negative(),
+                         "nominal viscous friction of the motor [" + torque_per + u.velocity + "]");
+
+  const std::string elastic = "transmission.stiffness" + stiffness + " is not 0";
+  // Resonance ratio control and controllers of all axes use them with a rigid nominal model too.
+  fields.only_where({"nominal.stiffness" + stiffness, "nominal.damping" + friction},
+                    elastic + ", or nominal.model is motor or spring",
+                    [this] { return is_elastic() || nominal_model != NominalModel::rigid; });
+  fields.only_where(
+      {"transmission.motor_joint", "transmission.motor_coulomb_friction_" + u.force_suffix},
+      elastic, [this] { return is_elastic(); });
+}
+
+double TransmissionSettings::rotor_inertia(const Model& model, const std::string& load) const {
+  const int dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, load)];
+  return motor_inertia + model->dof_armature[dof] / (design.ratio * design.ratio);
+}
+
+void TransmissionSettings::check_motor(const Model& model, const std::string& load) const {
+  if (!is_elastic()) return;
+  if (!adds_rotor()) {
+    blame("transmission.motor_joint", [&] { model.id(mjOBJ_JOINT, motor_joint); });
+  } else if (!(rotor_inertia(model, load) > 0.0)) {
+    throw WrongKey(
+        "transmission." + motor_inertia_key_,
+        "must be above 0 where the transmission has a stiffness. There is no joint "
+        "of the motor (in a plant transmission.motor_joint names it), and no armature of "
+        "the load's joint");
+  }
+}
+
+void TransmissionSettings::author(Model& model, const std::string& load, int actuator) const {
+  const int joint = model.id(mjOBJ_JOINT, load);
+  if (!is_elastic()) {
+    if (design.ratio == 1.0 && motor_inertia == 0.0) return;
+    model.add_gear(actuator, joint, design.ratio, motor_inertia);
+    return;
+  }
+  const int dof = model->jnt_dofadr[joint];
+  if (adds_rotor()) {
+    const double inertia = rotor_inertia(model, load);
+    model.get()->dof_armature[dof] = 0.0;
+    model.add_rotor(actuator, joint, design.ratio, inertia, motor(load));
+  }
+  const int motor_id = model.id(mjOBJ_JOINT, motor(load));
+  const int motor_dof = model->jnt_dofadr[motor_id];
+  if (!adds_rotor() && motor_inertia > 0.0) {
+    // The motor of the file may have more than that.
+    model.add_armature(motor_id, motor_inertia - model->dof_M0[motor_dof]);
+  }
+  double dry = 0.0;
+  if (friction_side == Side::motor) {
+    dry = model->dof_frictionloss[dof];
+    set_coulomb_friction(model, joint, 0.0);
+  }
+  author_friction(model, motor_id, model->dof_damping[motor_dof] + motor_friction,
+                  model->dof_frictionloss[motor_dof] + motor_coulomb + dry);
+}
+
+std::unique_ptr<Transmission> TransmissionSettings::make(const Model& model,
+                                                         const std::string& load) const {
+  auto transmission = std::make_unique<Transmission>(model, motor(load), load, design);
+  transmission->check_stability(model);
+  return transmission;
+}
+
+TwoInertia TransmissionSettings::true_numbers(const Model& model, const Eigen::MatrixXd& M,
+                                              const std::string& load) const {
+  const auto dof = [&](const std::string& joint) {
+    return model->jnt_dofadr[model.id(mjOBJ_JOINT, joint)];
+  };
+  TwoInertia numbers{.load_inertia = M(dof(load), dof(load)),
+                     .load_friction = model->dof_damping[dof(load)],
+                     .ratio = design.ratio};
+  if (!is_elastic()) return numbers;
+  numbers.motor_inertia = M(dof(motor(load)), dof(motor(load)));
+  numbers.motor_friction = model->dof_damping[dof(motor(load))];
+  numbers.stiffness = design.stiffness;
+  numbers.damping = design.damping;
+  return numbers;
+}
+
+TwoInertia TransmissionSettings::nominal_numbers(double load_inertia, double load_friction) const {
+  return {.motor_inertia = nominal_motor_inertia,
+          .load_inertia = load_inertia,
+          .stiffness = nominal_stiffness,
+          .damping = nominal_damping,
+          .motor_friction = nominal_motor_friction,
+          .load_friction = load_friction,
+          .ratio = design.ratio};
+}
+
+TransmissionDesign TransmissionSettings::linear_design(NominalFrom from) const {
+  TransmissionDesign linear = design;
+  linear.backlash = linear.kinematic_error = 0.0;
+  if (from == NominalFrom::keys) {
+    linear.stiffness = nominal_stiffness;
+    linear.damping = nominal_damping;
+  }
+  return linear;
+}
+
+StateSpace TransmissionSettings::linear(const TwoInertia& numbers) const {
+  if (is_elastic()) return motor_and_load(numbers, measured);
+  StateSpace plant = damped_inertia(numbers.load_inertia, numbers.load_friction);
+  plant.B *= numbers.ratio;
+  return plant;
+}
+
+void TransmissionSettings::describe(NominalAxis& axis, const TwoInertia& numbers,
+                                    NominalFrom from) const {
+  if (measured == Side::motor && !is_elastic() && design.ratio != 1.0) {
+    throw WrongKey("encoder.side",
+                   "motor needs a transmission with a stiffness: see encoder.gear_ratio for a "
+                   "rigid one");
+  }
+  const double N = numbers.ratio;
+  axis.measured = measured;
+  axis.measured_ratio = measured_ratio();
+  const auto need = [](double number, const std::string& key, const char* model) {
+    if (number > 0.0) return;
+    throw WrongKey(key, std::string("must be positive for nominal.model = \"") + model + '"');
+  };
+  const std::string stiffness = (from == NominalFrom::keys ? "nominal" : "transmission") +
+                                (".stiffness_" + axis.units.force_suffix) + "_" +
+                                axis.units.position_suffix;
+  const std::string motor_inertia_key =
+      (from == NominalFrom::keys ? "nominal." : "transmission.") + motor_inertia_key_;
+  if (!(numbers.stiffness > 0.0)) {
+    axis.why_no_inertias = stiffness;
+  } else if (!(numbers.motor_inertia > 0.0)) {
+    axis.why_no_inertias = motor_inertia_key;
+  } else {
+    axis.inertias = numbers;
+  }
+  switch (nominal_model) {
+    case NominalModel::rigid: {
+      const double scale = axis.measured_ratio * axis.measured_ratio;
+      axis.plant = damped_inertia((numbers.load_inertia + N * N * numbers.motor_inertia) / scale,
+                                  (numbers.load_friction + N * N * numbers.motor_friction) / scale);
+      axis.plant.B *= N / axis.measured_ratio;
+      return;
+    }
+    case NominalModel::motor:
+      if (measured != Side::motor) {
+        throw WrongKey("encoder.side", "must be motor for nominal.model = \"motor\"");
+      }
+      if (from == NominalFrom::model) need(numbers.stiffness, stiffness, "motor");
+      need(numbers.motor_inertia, motor_inertia_key, "motor");
+      axis.plant = damped_inertia(numbers.motor_inertia, numbers.motor_friction);
+      return;
+    case NominalModel::spring:
+      need(numbers.stiffness, stiffness, "spring");
+      need(numbers.motor_inertia, motor_inertia_key, "spring");
+      axis.plant = motor_and_load(numbers, measured);
+      axis.E = load_torque_input(numbers, measured);
+      axis.controlled = measured == Side::load ? 0 : 2;
+      axis.inertia = (numbers.load_inertia + N * N * numbers.motor_inertia) / axis.measured_ratio;
+      return;
+  }
 }
 
 }  // namespace breakwater

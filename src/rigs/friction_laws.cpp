@@ -1,5 +1,5 @@
 // Breakwater's friction laws: the keys of each, and how it is made of them.
-#include <breakwater/rigs/friction_parts.h>
+#include <breakwater/rigs/drive_settings.h>
 
 namespace breakwater {
 namespace {

@@ -6,12 +6,53 @@
 #include <utility>
 #include <vector>
 
+#include <breakwater/config/fields.h>
 #include <breakwater/control/reference.h>
-#include <breakwater/rigs/disturbance_settings.h>
-#include <breakwater/rigs/force_sensor_settings.h>
 #include <breakwater/rigs/wall_settings.h>
+#include <breakwater/sim/sensing.h>
+#include <breakwater/world/disturbance.h>
 
 namespace breakwater {
+
+/// Keys sensor.force_… and force.filter_time_constant_s, each of which is off at 0.
+struct ForceSensorSettings {
+  double low_pass_s = 0.0;    ///< time constant
+  double noise_N = 0.0;       ///< standard deviation at each sample
+  double tool_mass_kg = 0.0;  ///< before the sensor: it reads what this mass' inertia takes
+  double resonance_Hz = 0.0;
+  double damping_ratio = 0.0;
+  SensorElectronics electronics;
+  double weighed_kg = 0.0;
+  double tare_at_s = SensorChannel::kNever;
+
+  void bind_filter(Fields& fields);
+  void bind_noise(Fields& fields);
+  /// All other keys.
+  void bind(Fields& fields);
+  /// Throws std::invalid_argument, blaming a key, if a time is no multiple of the timestep.
+  void check(const Config& config, double timestep_s) const;
+  bool has_body() const { return resonance_Hz > 0.0; }
+  /// Adds the channels "force", behind the low-pass, and "force_raw", before it, of a channel that
+  /// says what is measured.
+  void add_channels(SensingSetup& setup, SensorChannel raw) const;
+};
+
+/// A disturbance by the keys disturbance.…
+struct DisturbanceSettings {
+  Disturbance shape;
+  std::string file;    ///< table of the kind csv
+  double end_s = 0.0;  ///< 0: the end of the run
+
+  /// `suffix` and `unit` are those of the amplitude: "Nm", "N m".
+  void bind(Fields& fields, const std::string& suffix, const std::string& unit);
+
+  /// Reads the table of the kind csv, and checks the end. Throws std::invalid_argument `ORIGIN:
+  /// KEY: reason`.
+  void load(const Config& config);
+
+  /// The disturbance, where noise has the run's seed and the stream `channel`.
+  Disturbance make(std::uint64_t seed, const std::string& channel) const;
+};
 
 /// A force on a body: keys push.NAME.….
 struct PushSettings {

@@ -1,4 +1,5 @@
-// The interface between a plant with named axes and the controllers of all its axes.
+// The interface between a plant with named axes and the controllers of all its axes, those of an
+// arm for its tip among them.
 #pragma once
 
 #include <Eigen/Core>
@@ -102,5 +103,15 @@ std::vector<PlantControllerKind> plant_controllers();
 /// The catalogue with "none" among the estimators and the controllers of an axis, and "model" among
 /// the contact laws.
 Catalogue with_none(Catalogue catalogue);
+
+/// The task of a plant's tip. It is the site of tip.sensor, or the centre of the geom that touches.
+/// The contact frame is that of the plane in tip.contact: x is opposite to the plane's normal. Each
+/// joint from the world to the tip must have an axis with an actuator and a sensor at the joint.
+/// There must be no other axis. Throws std::invalid_argument.
+TipTask tip_task(const AxisPlant& plant);
+
+/// An arm's controllers of the catalogue as controllers of a plant. Their estimator stands for each
+/// joint by itself, with the nominal inertia of the joint's axis.
+std::vector<PlantControllerKind> tip_controllers(const Catalogue& catalogue);
 
 }  // namespace breakwater

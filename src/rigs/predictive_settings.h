@@ -3,7 +3,6 @@
 
 #include <breakwater/control/predictive_control.h>
 #include <breakwater/linear/riccati.h>
-#include <breakwater/record/metric_definition.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/rigs/axis_parts.h>
 

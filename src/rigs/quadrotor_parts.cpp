@@ -7,7 +7,7 @@
 
 #include <breakwater/control/wave_mpc.h>
 #include <breakwater/math/functions.h>
-#include <breakwater/observers/resonator_fit.h>
+#include <breakwater/observers/resonator.h>
 #include <breakwater/rigs/sea_forecasts.h>
 #include <breakwater/world/waves.h>
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include <breakwater/control/quadrotor_process.h>
-#include <breakwater/sim/named_elements.h>
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 namespace {

@@ -6,7 +6,7 @@
 #include <breakwater/config/column_table.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/sim/contact.h>
-#include <breakwater/sim/named_elements.h>
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 namespace {

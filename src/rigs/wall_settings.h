@@ -1,15 +1,27 @@
-// The wall that a mechanism strikes: contact law, motion, tilt.
+// The wall that a mechanism strikes: contact laws, motion, tilt.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include <breakwater/experiment/parts.h>
 #include <breakwater/experiment/settings.h>
-#include <breakwater/rigs/contact_parts.h>
 #include <breakwater/sim/wall_contact.h>
+#include <breakwater/world/contact_law.h>
 
 namespace breakwater {
+
+/// A contact law by its name: key contact.law, or contact.NAME.law of a plant. Its keys are bound
+/// without that prefix: "stiffness_N_m".
+struct ContactLawKind : PartKind<ContactForceLaw> {
+  using PartKind::PartKind;
+  static constexpr const char* kWhat = "contact law";
+};
+
+/// Breakwater's own.
+std::vector<ContactLawKind> contact_laws();
 
 /// Keys of the contact and of the wall's motion, and what they make.
 class WallSettings {

@@ -1,7 +1,8 @@
-// The library of search/engines.h.
-#include <breakwater/search/engines.h>
+// The library of search/search.h.
+#include <breakwater/search/search.h>
 
 #include <tbb/global_control.h>
+
 #include <algorithm>
 #include <exception>
 #include <nlopt.hpp>

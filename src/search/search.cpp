@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include <breakwater/record/loaded_library.h>
-#include <breakwater/search/engines.h>
 #include <breakwater/shell/paths.h>
 
 namespace breakwater {

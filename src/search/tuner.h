@@ -11,7 +11,7 @@
 
 #include <breakwater/search/tuning.h>
 #include <breakwater/search/tuning_plan.h>
-#include <breakwater/statistics/confidence_interval.h>
+#include <breakwater/statistics/distribution.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/study_folder.h>
 

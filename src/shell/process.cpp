@@ -15,7 +15,7 @@
 #include <system_error>
 #include <utility>
 
-#include <breakwater/record/stop_asked.h>
+#include <breakwater/record/interrupted.h>
 #include <breakwater/record/track.h>
 #include <breakwater/shell/did_you_mean.h>
 

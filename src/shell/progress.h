@@ -1,8 +1,9 @@
-// Progress on a terminal.
+// Progress and colours on a terminal.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
+#include <cstdio>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -45,5 +46,15 @@ class Progress {
 
 /// The width of tables: that of the terminal on stdout, otherwise COLUMNS or 80.
 std::size_t output_width();
+
+enum class Tone { good, doubtful, bad, faint };
+
+/// Whether output to `stream` may be coloured: it is a terminal, `TERM` is not `dumb`, and NO_COLOR
+/// is unset or empty (no-color.org).
+bool is_colourful(std::FILE* stream);
+
+/// The text between the escape codes of this colour if `colourful`. Pad before: codes have no
+/// width.
+std::string toned(const std::string& text, Tone tone, bool colourful);
 
 }  // namespace breakwater

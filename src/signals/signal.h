@@ -1,4 +1,4 @@
-// A named quantity for the log.
+// A named quantity for the log, and the input of a controller at a sampling instant.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,5 +28,12 @@ std::span<const double> view(const Eigen::PlainObjectBase<Derived>& values) {
 inline std::span<const double> view(const Eigen::Map<const Eigen::VectorXd>& values) {
   return {values.data(), static_cast<std::size_t>(values.size())};
 }
+
+/// The sensors' values at one sampling instant. Each controller says which entries of `y` it
+/// expects, and in which units. The rig connects the sensors accordingly.
+struct Sample {
+  double time_s = 0.0;
+  Eigen::VectorXd y;
+};
 
 }  // namespace breakwater

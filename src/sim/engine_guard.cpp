@@ -1,13 +1,15 @@
 #include <breakwater/sim/engine_guard.h>
 
-#include <mujoco/mujoco.h>
-#include <sys/mman.h>
-
 #include <dlfcn.h>
 #include <link.h>
+#include <mujoco/mujoco.h>
+#include <sys/mman.h>
 #include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
+#include <cctype>
+#include <charconv>
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
@@ -17,9 +19,11 @@
 #include <new>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/signals/environment.h>
 
 namespace breakwater {
 namespace {
@@ -213,6 +217,45 @@ const std::vector<std::string>& engine_functions() {
   static const std::vector<std::string> functions =
       redirect_elementary_functions(mj_versionString());
   return functions;
+}
+
+namespace {
+
+constexpr const char* kLibraryKey = "MUJOCO_GL";
+constexpr const char* kDeviceKey = "MUJOCO_EGL_DEVICE_ID";
+
+// The value of MUJOCO_GL in lower case.
+std::string library_asked() {
+  const std::string text = environment(kLibraryKey).value_or("");
+  std::string name = text;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (name.empty() || name == "osmesa" || name == "egl") return name;
+  throw std::invalid_argument(std::string(kLibraryKey) + ": \"" + text +
+                              "\": must be egl or osmesa, which need no screen, or unset");
+}
+
+std::optional<int> device_asked() {
+  const auto text = environment(kDeviceKey);
+  if (!text) return std::nullopt;
+  int number = 0;
+  const char* const end = text->data() + text->size();
+  const auto read = std::from_chars(text->data(), end, number);
+  if (read.ec != std::errc() || read.ptr != end || number < 0) {
+    throw std::invalid_argument(std::string(kDeviceKey) + ": \"" + *text +
+                                "\": must be a whole number: which of EGL's devices, from 0");
+  }
+  return number;
+}
+
+}  // namespace
+
+OpenGlAsked opengl_asked() {
+  const std::string library = library_asked();
+  const std::optional<int> device = device_asked();
+  // MuJoCo's programs read the device only for EGL. A machine may set it for them.
+  if (library == "osmesa") return {};
+  return {device, library.empty()};
 }
 
 }  // namespace breakwater

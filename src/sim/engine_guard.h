@@ -1,7 +1,9 @@
 // Keeps MuJoCo's errors and warnings from stopping the process or printing, and gives it the
-// elementary functions of math/.
+// elementary functions of math/. The device of EGL that the user selects, by the environment
+// variables of MuJoCo's programs.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -56,5 +58,15 @@ std::vector<std::string> redirect_elementary_functions(const void* inside);
 /// The functions of MuJoCo that are redirected. The first call redirects them; call_engine() makes
 /// it. Throws as redirect_elementary_functions() does. Thread-safe.
 const std::vector<std::string>& engine_functions();
+
+struct OpenGlAsked {
+  std::optional<int> device;  ///< number in EGL's list
+  bool software_only = true;  ///< false: the first device that works, a GPU if there is one
+};
+
+/// Reads MUJOCO_GL, in upper or lower case: `egl` is any device; `osmesa`, unset or empty is Mesa's
+/// software renderer. Reads MUJOCO_EGL_DEVICE_ID, a whole number without effect with `osmesa`.
+/// Throws std::invalid_argument, one line, for other values.
+OpenGlAsked opengl_asked();
 
 }  // namespace breakwater

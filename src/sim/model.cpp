@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include <breakwater/plants/mjcf_files.h>
+#include <breakwater/plants/mjcf_tree.h>
 #include <breakwater/sim/engine_guard.h>
 #include <breakwater/sim/mjcf_conversion.h>
 #include <breakwater/sim/model_draft.h>

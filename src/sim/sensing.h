@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/signals/sample.h>
+#include <breakwater/signals/signal.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/world/delay_line.h>
 #include <breakwater/world/disturbance.h>

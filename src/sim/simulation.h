@@ -18,7 +18,6 @@
 #include <breakwater/sim/state_hash.h>
 #include <breakwater/world/command_timing.h>
 #include <breakwater/world/motor_drive.h>
-#include <breakwater/world/pwm.h>
 
 namespace breakwater {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <breakwater/math/functions.h>
-#include <breakwater/sim/contact_stability.h>
+#include <breakwater/sim/contact.h>
 
 namespace breakwater {
 namespace {

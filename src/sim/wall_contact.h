@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/sim/contact_stability.h>
+#include <breakwater/sim/contact.h>
 #include <breakwater/sim/external_force.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/world/contact_law.h>
@@ -28,7 +28,7 @@ struct ContactFriction {
 /// If the law is MuJoCo's own (for_engine()), it applies nothing and only measures. Then the
 /// engine's contact of the two is on, the wall stands, and nothing else constrains the sphere.
 ///
-/// In contact it checks each step whether the integrator is stable (contact_stability.h). It uses
+/// In contact it checks each step whether the integrator is stable (contact.h). It uses
 /// the law's local stiffness and damping, and the mass that the contact meets. It does the same
 /// across the normal with the friction's μ N/v_s. If it is not stable, it throws RunFailure, which
 /// names the longest stable timestep.

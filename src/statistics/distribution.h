@@ -1,13 +1,24 @@
-// The distribution of a varied key.
+// The distribution of a varied key, and confidence intervals.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
-#include <breakwater/statistics/confidence_interval.h>
-
 namespace breakwater {
+
+struct ConfidenceInterval {
+  double lower;
+  double upper;
+};
+
+/// Settings of bootstrap intervals, which resample with replacement.
+struct BootstrapSettings {
+  int replicates = 1000;
+  double level = 0.95;     ///< coverage of the intervals
+  std::uint64_t seed = 1;  ///< random seed of the draws
+};
 
 /// P(X ≤ 0) … P(X ≤ n) of a binomial X: n ≥ 1 trials with success probability p, 0 < p < 1. The
 /// error is below 1e-11. The bits are the same on every processor.

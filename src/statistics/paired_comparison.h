@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/statistics/confidence_interval.h>
+#include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/goal.h>
 
 namespace breakwater {

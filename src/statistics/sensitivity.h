@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include <breakwater/statistics/confidence_interval.h>
+#include <breakwater/statistics/distribution.h>
 
 namespace breakwater {
 

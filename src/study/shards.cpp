@@ -17,7 +17,7 @@
 #include <utility>
 
 #include <breakwater/record/file_hash.h>
-#include <breakwater/record/on_disk.h>
+#include <breakwater/record/partial_file.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>

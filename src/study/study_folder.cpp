@@ -11,8 +11,8 @@
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/version.h>
-#include <breakwater/record/file_bytes.h>
 #include <breakwater/record/file_hash.h>
+#include <breakwater/record/input_file.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/statistics/quantile.h>

@@ -18,7 +18,7 @@
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/pictures/staging.h>
-#include <breakwater/record/file_bytes.h>
+#include <breakwater/record/input_file.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/experiment/command_kind.h>
+#include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/thesis/printed_results.h>
 #include <breakwater/thesis/reproduction.h>

@@ -1,5 +1,7 @@
-// The electric part of a drive: current loop, limits, ripple.
+// The electric part of a drive: current loop, limits, ripple, steps of the PWM.
 #pragma once
+
+#include <cmath>
 
 #include <breakwater/world/force_sensor.h>
 #include <breakwater/world/position_sine.h>
@@ -60,6 +62,16 @@ class MotorDrive {
   double current_A_ = 0.0;
   double next_A_ = 0.0;
   double mean_A_ = 0.0;
+};
+
+/// Rounds a command to the nearest multiple of one step of the pulse width.
+struct Pwm {
+  double resolution = 0.0;  ///< one step, in the command's unit; 0: not quantised
+
+  double output(double command) const {
+    if (resolution == 0.0) return command;
+    return resolution * std::round(command / resolution);
+  }
 };
 
 }  // namespace breakwater

@@ -5,7 +5,7 @@
 #include <breakwater/analysis/analysis_outputs.h>
 #include <breakwater/analysis/loop_analysis.h>
 #include <breakwater/linear/riccati.h>
-#include <breakwater/observers/kalman_design.h>
+#include <breakwater/observers/kalman_estimator.h>
 #include <breakwater/plants/damped_inertia.h>
 #include <breakwater/rigs/loop_response.h>
 #include "catalogue.h"

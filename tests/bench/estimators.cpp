@@ -19,7 +19,6 @@
 #include <breakwater/observers/mdob.h>
 #include <breakwater/observers/mhe.h>
 #include <breakwater/observers/multiple_model_estimator.h>
-#include <breakwater/observers/qvff.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/observers/tracking_differentiator.h>
 #include <breakwater/observers/vbakf.h>

@@ -3,8 +3,8 @@
 
 #include <breakwater/control/controller.h>
 #include <breakwater/control/lmpc.h>
-#include <breakwater/control/lqr_control.h>
 #include <breakwater/control/predictive_control.h>
+#include <breakwater/control/state_feedback.h>
 #include <breakwater/linear/riccati.h>
 #include <breakwater/observers/disturbance_model.h>
 #include <breakwater/observers/idob.h>

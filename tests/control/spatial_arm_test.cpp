@@ -4,7 +4,7 @@
 #include <breakwater/control/energy_admittance.h>
 #include <breakwater/control/implicit_force_pfc.h>
 #include <breakwater/control/workspace_control.h>
-#include <breakwater/plants/spatial_chain.h>
+#include <breakwater/plants/tip_chain.h>
 #include "control/controller_signal.h"
 #include "support.h"
 

@@ -3,7 +3,6 @@
 
 #include <breakwater/control/disturbance_cancelling_pd.h>
 #include <breakwater/control/predictive_control.h>
-#include <breakwater/control/resonance_ratio.h>
 #include <breakwater/control/state_feedback.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>

@@ -4,7 +4,7 @@
 
 #include <breakwater/control/quadrotor_estimator.h>
 #include <breakwater/control/quadrotor_filters.h>
-#include <breakwater/observers/resonator_fit.h>
+#include <breakwater/observers/resonator.h>
 #include <breakwater/observers/wave_force_bank.h>
 #include <breakwater/world/waves.h>
 #include "support.h"

@@ -1,6 +1,6 @@
 // Models in XML: a URDF, and an MJCF as far as it is checked before the engine reads it.
 
-#include <breakwater/plants/mjcf_files.h>
+#include <breakwater/plants/mjcf_tree.h>
 #include <breakwater/plants/planar_chain.h>
 #include "fuzz/input.h"
 

@@ -2,8 +2,8 @@
 // contacts and metrics on a small MJCF. A plant that is read and printed is read again as the same.
 #include <breakwater/config/config.h>
 #include <breakwater/rigs/axis_parts.h>
-#include <breakwater/rigs/contact_parts.h>
-#include <breakwater/rigs/friction_parts.h>
+#include <breakwater/rigs/drive_settings.h>
+#include <breakwater/rigs/wall_settings.h>
 #include <breakwater/sim/model.h>
 #include "fuzz/input.h"
 #include "plant/plant.h"

@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 
 #include <breakwater/linear/active_set.h>
-#include <breakwater/linear/hildreth.h>
 #include "linear/random_qp.h"
 #include "python.h"
 

@@ -3,7 +3,6 @@
 
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/linear/high_pass.h>
-#include <breakwater/linear/observability.h>
 #include <breakwater/linear/pole_placement.h>
 #include <breakwater/linear/pseudo_inverse.h>
 #include <breakwater/linear/state_space.h>

@@ -4,7 +4,6 @@
 
 #include <breakwater/math/error_function.h>
 #include <breakwater/math/functions.h>
-#include <breakwater/math/mills_ratio.h>
 #include "support.h"
 
 namespace breakwater::functions_test {

@@ -7,11 +7,10 @@
 #include <breakwater/observers/disturbance_model.h>
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/idob.h>
-#include <breakwater/observers/kalman_design.h>
+#include <breakwater/observers/kalman_estimator.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mdob.h>
 #include <breakwater/observers/observer_poles.h>
-#include <breakwater/observers/qvff.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/observers/vfakfd.h>
 #include <breakwater/plants/damped_inertia.h>

@@ -10,8 +10,8 @@
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
-#include <breakwater/observers/qvff.h>
 #include <breakwater/observers/stf.h>
+#include <breakwater/observers/vfakfd.h>
 #include <breakwater/shell/all_cores.h>
 #include "observers/motor_loop.h"
 #include "support.h"

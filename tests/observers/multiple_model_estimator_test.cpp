@@ -6,7 +6,7 @@
 
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/linear/riccati.h>
-#include <breakwater/observers/code_likelihood.h>
+#include <breakwater/observers/code_sensor.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/plants/damped_inertia.h>
 #include "observers/motor_loop.h"

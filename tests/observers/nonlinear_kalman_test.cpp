@@ -1,6 +1,5 @@
 // EKF and UKF against the linear Kalman filter, each other, and statistics.
 #include <breakwater/observers/ekf.h>
-#include <breakwater/observers/raise_eigenvalues.h>
 #include <breakwater/observers/ukf.h>
 #include "support.h"
 

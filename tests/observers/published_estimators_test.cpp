@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 
 #include <breakwater/linear/riccati.h>
-#include <breakwater/observers/code_likelihood.h>
+#include <breakwater/observers/code_sensor.h>
 #include <breakwater/observers/eso.h>
 #include <breakwater/observers/gsf.h>
 #include <breakwater/observers/immkf.h>

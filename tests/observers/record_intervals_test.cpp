@@ -1,8 +1,8 @@
 // Records with irregular samples: the held inputs, and the estimators' treatment of them.
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/observers/kfd.h>
-#include <breakwater/observers/pole_predictor.h>
 #include <breakwater/observers/record_intervals.h>
+#include <breakwater/observers/state_observer.h>
 #include <breakwater/plants/damped_inertia.h>
 #include "support.h"
 

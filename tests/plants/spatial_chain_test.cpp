@@ -3,7 +3,7 @@
 #include <kdl/chainjnttojacdotsolver.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 
-#include <breakwater/plants/spatial_chain.h>
+#include <breakwater/plants/tip_chain.h>
 #include "kdl_support.h"
 #include "support.h"
 

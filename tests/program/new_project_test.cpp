@@ -1,4 +1,4 @@
-#include <breakwater/program/new_project.h>
+#include <breakwater/program/commands.h>
 
 #include <breakwater/record/text_outputs.h>
 

@@ -7,7 +7,6 @@
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/interrupted.h>
 #include <breakwater/record/run_folder.h>
-#include <breakwater/record/stop_asked.h>
 #include "record/damaged_log.h"
 #include "support.h"
 

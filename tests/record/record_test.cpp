@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include <breakwater/record/data_file.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/loaded_library.h>

@@ -10,10 +10,10 @@
 #include <breakwater/observers/mckf.h>
 #include <breakwater/observers/mdob.h>
 #include <breakwater/observers/multiple_model_estimator.h>
-#include <breakwater/observers/qvff.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/observers/vbakf.h>
+#include <breakwater/observers/vfakfd.h>
 #include <breakwater/plants/damped_inertia.h>
 #include "linear/random_qp.h"
 #include "regression/run_case.h"

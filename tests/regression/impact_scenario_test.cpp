@@ -1,6 +1,6 @@
 // impact_test against closed forms, an integration of its own, momentum and energy.
-#include <breakwater/rigs/contact_parts.h>
-#include <breakwater/sim/contact_stability.h>
+#include <breakwater/rigs/wall_settings.h>
+#include <breakwater/sim/contact.h>
 #include "regression/run_case.h"
 
 namespace breakwater::impact_scenario_test {

@@ -1,5 +1,5 @@
 // The planar arm, whose controllers know it as a chain in space.
-#include <breakwater/plants/spatial_chain.h>
+#include <breakwater/plants/tip_chain.h>
 #include <breakwater/rigs/arm_parts.h>
 #include "catalogue.h"
 

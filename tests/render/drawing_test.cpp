@@ -2,9 +2,9 @@
 #include "support.h"
 
 #include <breakwater/render/chart.h>
-#include <breakwater/render/colour_converter.h>
 #include <breakwater/render/identity.h>
 #include <breakwater/render/picture.h>
+#include <breakwater/render/video_file.h>
 
 namespace breakwater::drawing_test {
 

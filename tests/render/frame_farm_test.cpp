@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include <breakwater/record/output_error.h>
-#include <breakwater/render/colour_converter.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/render/video_file.h>
 #include "support.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <breakwater/pictures/staging.h>
-#include <breakwater/sim/named_elements.h>
+#include <breakwater/sim/model.h>
 #include "catalogue.h"
 #include "cli/program.h"
 #include "environment.h"

@@ -5,7 +5,7 @@
 #include <kdl/chaindynparam.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 
-#include <breakwater/plants/spatial_chain.h>
+#include <breakwater/plants/tip_chain.h>
 #include <breakwater/sim/linear_model.h>
 #include <breakwater/sim/model.h>
 #include "kdl_support.h"

@@ -1,8 +1,7 @@
 // Contacts of the engine and of own laws against closed forms.
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/sim/contact.h>
-#include <breakwater/sim/contact_stability.h>
-#include <breakwater/sim/named_elements.h>
+#include <breakwater/sim/model.h>
 #include <breakwater/sim/simulation.h>
 #include <breakwater/sim/wall_contact.h>
 #include "sim/small_models.h"

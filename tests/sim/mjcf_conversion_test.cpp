@@ -3,7 +3,7 @@
 #include <mujoco/mujoco.h>
 #include <cstdint>
 
-#include <breakwater/plants/mjcf_files.h>
+#include <breakwater/plants/mjcf_tree.h>
 #include <breakwater/sim/mjcf_conversion.h>
 #include <breakwater/sim/model.h>
 #include "shell.h"

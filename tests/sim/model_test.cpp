@@ -4,12 +4,10 @@
 #include <thread>
 
 #include <breakwater/plants/planar_chain.h>
-#include <breakwater/sim/apparent_mass.h>
 #include <breakwater/sim/engine_guard.h>
-#include <breakwater/sim/held_force.h>
+#include <breakwater/sim/external_force.h>
 #include <breakwater/sim/linear_model.h>
 #include <breakwater/sim/model.h>
-#include <breakwater/sim/opengl_asked.h>
 #include <breakwater/sim/transmission.h>
 #include "environment.h"
 #include "sim/small_models.h"

@@ -17,7 +17,6 @@
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/program/program.h>
-#include <breakwater/render/colour_converter.h>
 #include <breakwater/render/picture.h>
 #include <breakwater/render/video_file.h>
 

@@ -5,7 +5,6 @@
 #include <breakwater/world/disturbance.h>
 #include <breakwater/world/encoder.h>
 #include <breakwater/world/motor_drive.h>
-#include <breakwater/world/pwm.h>
 #include <breakwater/world/wall_motion.h>
 #include "support.h"
 

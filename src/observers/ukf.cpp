@@ -1,4 +1,4 @@
-#include <breakwater/observers/raise_eigenvalues.h>
+#include <breakwater/observers/ukf.h>
 
 #include <Eigen/Eigenvalues>
 

@@ -1,4 +1,4 @@
-#include <breakwater/sim/held_force.h>
+#include <breakwater/sim/external_force.h>
 
 #include <stdexcept>
 

@@ -1,4 +1,4 @@
-// The orthogonal factor of a working set of a quadratic program.
+// The factors of the working set of a quadratic program: S = L D Lᵀ, and Q R.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,6 +7,52 @@
 #include <breakwater/linear/qp.h>
 
 namespace breakwater {
+
+/// The factor of a symmetric positive definite matrix S (k×k, k ≤ capacity) with L unit lower
+/// triangular and D diagonal. A new row and its column are added at the end. Any row can be
+/// removed. Nothing is allocated after construction. k is the size of all vectors here.
+class LdlFactor {
+ public:
+  explicit LdlFactor(Eigen::Index capacity)
+      : L_(Eigen::MatrixXd::Zero(capacity, capacity)),
+        D_(Eigen::VectorXd::Zero(capacity)),
+        D_inverse_(D_),
+        falling_(D_) {}
+
+  Eigen::Index size() const { return size_; }
+  void clear() { size_ = 0; }
+  /// The diagonal element of row j after elimination of the rows before it, or more.
+  double pivot(Eigen::Index j) const { return D_(j); }
+
+  /// x ← D⁻¹ L⁻¹ x. Returns xᵀ S⁻¹ x for the old x.
+  double forward_solve(double* x) const;
+  /// x ← L⁻ᵀ x. After forward_solve(), the result is S⁻¹ x.
+  void backward_solve(double* x) const;
+  void solve(double* x) const {
+    forward_solve(x);
+    backward_solve(x);
+  }
+
+  /// Adds the row s of S: `half` is D⁻¹ L⁻¹ s, `pivot` (> 0) its diagonal element minus sᵀ S⁻¹ s.
+  void add(const double* half, double pivot) {
+    for (Eigen::Index j = 0; j < size_; ++j) L_(size_, j) = half[j];
+    D_(size_) = pivot;
+    D_inverse_(size_) = 1.0 / pivot;
+    ++size_;
+  }
+
+  /// Removes row and column `position`. The rows below gain the rank-one term d l lᵀ of the removed
+  /// column (P. E. Gill, G. H. Golub, W. Murray, M. A. Saunders, Math. Comp. 28 (1974) 505–535,
+  /// method C1).
+  void remove(Eigen::Index position);
+
+ private:
+  Eigen::Index size_ = 0;
+  Eigen::MatrixXd L_;  // below the diagonal, in the top left corner
+  Eigen::VectorXd D_;
+  Eigen::VectorXd D_inverse_;
+  Eigen::VectorXd falling_;  // the rest of l
+};
 
 /// The rows of a working set as vectors c = L⁻¹ Ω_iᵀ, with H = L Lᵀ. Each is extended by √softness
 /// in a component of its own. They are factored as Q R. Unlike the factor of S = Rᵀ R, this does

@@ -1,4 +1,4 @@
-#include <breakwater/math/mills_ratio.h>
+#include <breakwater/math/error_function.h>
 
 #include <breakwater/math/functions.h>
 

@@ -1,4 +1,4 @@
-#include <breakwater/observers/resonator_fit.h>
+#include <breakwater/observers/resonator.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
