@@ -31,10 +31,14 @@ breakwater_outside_loop(breakwater_precompiled_outside_loop)
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/include/breakwater SYMBOLIC)
 
-# breakwater_room(NAME [OUTSIDE_LOOP] SOURCES ... [PUBLIC ...] [PRIVATE ...]): a folder as the
-# library Breakwater::NAME, which links the rooms below it.
+# breakwater_room(NAME [OUTSIDE_LOOP] SOURCES ... [BEYOND_ARM ...] [PUBLIC ...] [PRIVATE ...]): a
+# folder as the library Breakwater::NAME, which links the rooms below it. The programs of the arm
+# link none of the sources BEYOND_ARM, so the demo does not compile them.
 function(breakwater_room name)
-  cmake_parse_arguments(ROOM "OUTSIDE_LOOP" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ROOM "OUTSIDE_LOOP" "" "SOURCES;BEYOND_ARM;PUBLIC;PRIVATE" ${ARGN})
+  if(BREAKWATER_TOOLS)
+    list(APPEND ROOM_SOURCES ${ROOM_BEYOND_ARM})
+  endif()
   if(ROOM_SOURCES)
     set(scope PUBLIC)
     add_library(breakwater_${name} STATIC ${ROOM_SOURCES})
@@ -49,6 +53,8 @@ function(breakwater_room name)
     # one file.
     if(name STREQUAL published)
       set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 2)
+    elseif(name STREQUAL experiment)
+      set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 7)
     elseif(name MATCHES "^(observers|linear|control|quadrotor|rigs|identification)$")
       set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 4)
     endif()

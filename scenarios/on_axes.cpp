@@ -1,17 +1,15 @@
-#include <breakwater/program/scenario_program.h>
-#include <breakwater/rigs/arm_parts.h>
-#include <breakwater/rigs/axis_scenario.h>
-#include <breakwater/thesis/printed_references.h>
-
 #include "on_axes.h"
+
+#include <breakwater/program/scenario_program.h>
+#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/plant_parts.h>
+
 #include "plant/plant.h"
 
 namespace breakwater {
 
 Catalogue axes_catalogue() {
-  Catalogue catalogue;
-  catalogue.add(arm_wall_contact());
-  catalogue.add(arm_push());
+  Catalogue catalogue = arm_catalogue();
   catalogue.add(cart_position());
   catalogue.add(cart_offset_free());
   catalogue.add(cart_constrained());
@@ -24,13 +22,9 @@ Catalogue axes_catalogue() {
                            "TOML file"));
   catalogue.add(
       plant_kind("robot_wall_contact", "force control of a seven-joint arm against a wall"));
-  for (ArmControllerKind& kind : arm_controllers()) catalogue.add(std::move(kind));
-  for (ContactLawKind& kind : contact_laws()) catalogue.add(std::move(kind));
-  for (FrictionKind& kind : friction_laws()) catalogue.add(std::move(kind));
-  for (AxisEstimatorKind& kind : axis_estimators()) catalogue.add(std::move(kind));
+  for (AxisEstimatorKind& kind : published_estimators()) catalogue.add(std::move(kind));
   for (AxisControllerKind& kind : axis_controllers()) catalogue.add(std::move(kind));
   for (PlantControllerKind& kind : plant_controllers()) catalogue.add(std::move(kind));
-  catalogue.add(printed_references());
   return catalogue;
 }
 

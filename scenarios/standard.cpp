@@ -8,7 +8,7 @@
 namespace breakwater {
 
 Catalogue standard_catalogue() {
-  Catalogue catalogue = whole_axes_catalogue();
+  Catalogue catalogue = axes_catalogue();
   catalogue.add(
       ScenarioKind{"quadrotor_waves", [](const Catalogue& all) -> std::unique_ptr<Scenario> {
                      return std::make_unique<QuadrotorWaves>(all);

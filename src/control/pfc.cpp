@@ -1,9 +1,9 @@
 #include <breakwater/control/pfc.h>
 
-#include <Eigen/QR>
 #include <cmath>
 #include <stdexcept>
 
+#include <breakwater/linear/eigenvalues.h>
 #include <breakwater/math/functions.h>
 
 namespace breakwater {
@@ -73,9 +73,7 @@ Pfc::Pfc(const PfcDesign& design) {
   Eigen::MatrixXd y_b = basis_responses(points_, design.basis_functions, design.period_s);
   const Eigen::RowVectorXd scale = y_b.colwise().norm();
   for (Eigen::Index l = 0; l < y_b.cols(); ++l) y_b.col(l) /= scale(l);
-  const Eigen::MatrixXd inverse =
-      y_b.colPivHouseholderQr().solve(Eigen::MatrixXd::Identity(y_b.rows(), y_b.rows()));
-  const Eigen::RowVectorXd first_row = inverse.row(0) / scale(0);
+  const Eigen::RowVectorXd first_row = left_inverse(y_b).row(0) / scale(0);
 
   for (std::size_t j = 0; j < points_.size(); ++j) {
     const double weight = first_row(static_cast<Eigen::Index>(j));

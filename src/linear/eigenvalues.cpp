@@ -5,6 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
+namespace Eigen::internal {
+
+// A vector has one column. Eigen reflects more than one in blocks, and compiles that for both.
+template <>
+inline void apply_block_householder_on_the_left(Block<VectorXd, Dynamic, Dynamic>&,
+                                                const Block<MatrixXd, Dynamic, Dynamic>&,
+                                                const VectorBlock<const VectorXd>&, bool) {}
+
+}  // namespace Eigen::internal
+
 namespace breakwater {
 
 // The steps of Eigen::EigenSolver, which takes twice as long to compile for its vectors.
@@ -70,6 +80,25 @@ double spectral_radius(const Eigen::MatrixXd& A) {
 
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   return A.completeOrthogonalDecomposition().solve(b);
+}
+
+// ColPivHouseholderQR::solve() gives the same, and takes longer to compile.
+Eigen::MatrixXd left_inverse(const Eigen::MatrixXd& A) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
+  const Eigen::Index n = A.rows(), rank = qr.nonzeroPivots();
+  Eigen::MatrixXd QR = qr.matrixQR(), reflected = Eigen::MatrixXd::Identity(n, n);
+  Eigen::VectorXd workspace(n);
+  for (Eigen::Index k = 0; k < rank; ++k) {
+    reflected.bottomRightCorner(n - k, n).applyHouseholderOnTheLeft(
+        QR.col(k).tail(n - k - 1), qr.hCoeffs()(k), workspace.data());
+  }
+  auto solved = reflected.topRows(rank);
+  QR.topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solveInPlace(solved);
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(A.cols(), n);
+  for (Eigen::Index k = 0; k < rank; ++k) {
+    inverse.row(qr.colsPermutation().indices()(k)) = solved.row(k);
+  }
+  return inverse;
 }
 
 }  // namespace breakwater

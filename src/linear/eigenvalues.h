@@ -34,4 +34,7 @@ double spectral_radius(const Eigen::MatrixXd& A);
 /// The smallest x that minimises ‖A x − b‖, by a complete orthogonal decomposition of A.
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
+/// The inverse of A, or its left inverse (AᵀA)⁻¹Aᵀ if it has fewer columns than rows.
+Eigen::MatrixXd left_inverse(const Eigen::MatrixXd& A);
+
 }  // namespace breakwater

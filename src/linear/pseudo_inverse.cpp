@@ -2,6 +2,17 @@
 
 #include <Eigen/Eigenvalues>
 
+namespace Eigen::internal {
+
+// Six reflections. Eigen takes 48 or more in blocks, and compiles that for any number.
+template <>
+inline void apply_block_householder_on_the_left(
+    Block<Matrix<double, Dynamic, Dynamic, 0, 6, 6>, Dynamic, Dynamic>&,
+    const Block<Matrix<double, Dynamic, Dynamic, 0, 6, 6>, Dynamic, Dynamic>&,
+    const VectorBlock<const Matrix<double, Dynamic, 1, 0, 5, 1>>&, bool) {}
+
+}  // namespace Eigen::internal
+
 namespace breakwater {
 namespace {
 
@@ -38,6 +49,12 @@ void pseudo_inverse(const Jacobian& J, double tolerance, Inverse J_plus) {
 
 void damped_pseudo_inverse(const Jacobian& J, double tolerance, Inverse J_plus) {
   invert(J, tolerance, 1.0 / (tolerance * tolerance), J_plus);
+}
+
+Eigen::VectorXd singular_values(const Jacobian& J) {
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+  const Eigen::SelfAdjointEigenSolver<Square> eigen(Square(J.lazyProduct(J.transpose())));
+  return eigen.eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt();
 }
 
 void multiply(const Eigen::MatrixXd& J_plus, const Eigen::Ref<const Eigen::VectorXd>& x,

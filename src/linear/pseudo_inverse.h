@@ -1,4 +1,4 @@
-// Moore–Penrose inverse of a task Jacobian.
+// Moore–Penrose inverse and singular values of a task Jacobian.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,6 +16,9 @@ void pseudo_inverse(const Eigen::Ref<const Eigen::MatrixXd>& J, double tolerance
 /// continuous, and 0 at σ = 0.
 void damped_pseudo_inverse(const Eigen::Ref<const Eigen::MatrixXd>& J, double tolerance,
                            Eigen::Ref<Eigen::MatrixXd> J_plus);
+
+/// The singular values of J (c×n, c ≤ 6), the largest first: c of them, exact to 1e-7·‖J‖.
+Eigen::VectorXd singular_values(const Eigen::Ref<const Eigen::MatrixXd>& J);
 
 /// Calls `compute` with the number c as a constant: 3, with its order of additions, or
 /// Eigen::Dynamic for all other numbers.

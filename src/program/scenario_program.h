@@ -17,8 +17,8 @@ Catalogue standard_catalogue();
 /// The part of it that needs no quadrotor and no recorded data. The component `axes_scenarios`
 /// contains it.
 Catalogue axes_catalogue();
-/// The same with the estimators that others published.
-Catalogue whole_axes_catalogue();
+/// The part of this that the scenarios of the planar arm name.
+Catalogue arm_catalogue();
 
 namespace detail {
 int scenario_program(int argc, const char* const* argv, const Catalogue& catalogue,

@@ -1,10 +1,11 @@
 #include <breakwater/sim/robot_scene.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include <breakwater/linear/pseudo_inverse.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/sim/mjcf_conversion.h>
 #include <breakwater/sim/model.h>
@@ -85,10 +86,9 @@ TipMotion motion_of(const Model& model, mjData& data, const TipPlace& tip,
   return motion;
 }
 
-// The singular values of the Jacobian, the largest first.
 Eigen::VectorXd singular_values(TipMotion motion) {
   motion.jacobian.bottomRows<3>() *= kLever_m;
-  return Eigen::JacobiSVD<Eigen::MatrixXd>(motion.jacobian).singularValues();
+  return breakwater::singular_values(Eigen::MatrixXd(motion.jacobian));
 }
 
 // Sets the pose of the joints to that with the largest manipulability. It is the product of the
