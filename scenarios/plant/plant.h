@@ -32,6 +32,9 @@ class Plant final : public LoopScenario {
   const RunSettings& run_settings() const override { return plant_.run; }
   std::vector<std::string> warnings() const override { return warnings_; }
   Recording run(const RunControl& control) const override;
+  void prepare_scene(Model& model) const override {
+    for (const ContactSettings& one : plant_.contacts) one.prepare(model);
+  }
   /// All axes hold the pose of start.keyframe.
   std::vector<AxisOfPlant> loops() const override;
 

@@ -237,6 +237,13 @@ void print_ineffective_sets(const std::string& scenario, const std::vector<Prepa
   }
 }
 
+bool is_of_several_and_all(const std::vector<PreparedRun>& runs, const std::string& warning) {
+  return runs.size() > 1 && std::all_of(runs.begin(), runs.end(), [&](const PreparedRun& run) {
+           const std::vector<std::string> own = run.scenario->warnings();
+           return std::find(own.begin(), own.end(), warning) != own.end();
+         });
+}
+
 void print_warnings(const std::string& scenario, const std::vector<PreparedRun>& runs) {
   print_ineffective_sets(scenario, runs);
   std::set<std::string> models;
@@ -249,7 +256,13 @@ void print_warnings(const std::string& scenario, const std::vector<PreparedRun>&
       warn(which,
            {fmt::format("{}: {}: {}", ineffective.origin, ineffective.key, ineffective.reason)});
     }
-    warn(which, run.scenario->warnings());
+    for (const std::string& warning : run.scenario->warnings()) {
+      if (!is_of_several_and_all(runs, warning)) {
+        warn(which, {warning});
+      } else if (&run == &runs.front()) {
+        warn(scenario, {warning});
+      }
+    }
   }
 }
 

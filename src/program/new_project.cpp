@@ -106,6 +106,7 @@ void add_robot(const fs::path& project, const std::string& name, const std::stri
                const std::string& tip) {
   for (const std::string& line : conversion_warnings(mjcf)) fmt::print("{}\n", line);
   RobotScene scene = robot_before_wall(mjcf, tip);
+  fmt::print("the tip: {}\n", scene.tip);
   bring_assets(scene.root, project);
   write_text_file((project / (name + ".xml")).string(), mjcf_text(scene.root));
   std::string axes;

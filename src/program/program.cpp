@@ -114,7 +114,7 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
         analyze_main}});
   add("Thesis", {reproduce_command()});
   add(CommandKind().group,
-      {{"new", "make a project of your own: new controller|observer|plant|scenario NAME",
+      {{"new", "make a project of your own: new controller|observer|plant|robot|scenario NAME",
         new_project_main}});
   add(CommandKind().group, catalogue.all<CommandKind>());
   add(CommandKind().group, {identify_command()});

@@ -58,7 +58,8 @@ void WallSettings::bind(Fields& fields) {
 void WallSettings::bind_wall(Fields& fields) {
   const Fields::Under under(fields, wall_);
   fields.number("wall.angle_rad", angle_rad_, between(-kLargestTilt_rad, kLargestTilt_rad),
-                "tilt of the wall about the vertical, counter-clockwise seen from above [rad]");
+                "tilt of the wall about its axis nearest to the vertical, or its y axis if it is "
+                "horizontal, counter-clockwise seen from above [rad]");
   fields.standard("wall.angle_rad", {0.0});
   fields.choice(kMotion, motion_.kind,
                 {{"fixed", WallMotionKind::fixed},

@@ -15,6 +15,7 @@
 namespace breakwater {
 namespace {
 
+constexpr double kHorizontal = 1e-3;      // sine of a plane's normal with the vertical
 constexpr double kSoftImpedance = 0.001;  // d, ten times the engine's smallest
 
 int world_plane(const Model& model, const std::string& wall) {
@@ -91,21 +92,26 @@ void tilt_wall(Model& model, const std::string& wall, double angle_rad) {
   const int plane = world_plane(model, wall);
   if (angle_rad == 0.0) return;
   mjModel& m = *model.get();
-  const math::SineCosine turn = math::sincos(angle_rad);
+  const auto geom_frame = [&m](int geom) { return m.geom_quat + static_cast<ptrdiff_t>(4) * geom; };
+  mjtNum frame[9], axis[3], pivot[3], rotation[4];
+  mju_quat2Mat(frame, geom_frame(plane));
+  const mjtNum normal[3] = {frame[2], frame[5], frame[8]};
+  for (int i = 0; i < 3; ++i) axis[i] = (i == 2 ? 1.0 : 0.0) - normal[2] * normal[i];
+  if (mju_normalize3(axis) < kHorizontal) {
+    for (int i = 0; i < 3; ++i) axis[i] = frame[3 * i + 1];
+  }
   const math::SineCosine half = math::sincos(0.5 * angle_rad);
-  const mjtNum rotation[4] = {half.cosine, 0.0, 0.0, half.sine};
-  const mjtNum pivot_x = m.geom_pos[3 * plane];
-  const mjtNum pivot_y = m.geom_pos[3 * plane + 1];
+  rotation[0] = half.cosine;
+  mju_scl3(rotation + 1, axis, half.sine);
+  mju_copy3(pivot, m.geom_pos + static_cast<ptrdiff_t>(3) * plane);
   for (const int part : parts_of(model, wall)) {
     mjtNum* position = m.geom_pos + static_cast<ptrdiff_t>(3) * part;
-    const mjtNum x = position[0] - pivot_x;
-    const mjtNum y = position[1] - pivot_y;
-    position[0] = pivot_x + turn.cosine * x - turn.sine * y;
-    position[1] = pivot_y + turn.sine * x + turn.cosine * y;
-    mjtNum* own = m.geom_quat + static_cast<ptrdiff_t>(4) * part;
-    mjtNum turned[4];
-    mju_mulQuat(turned, rotation, own);
-    std::copy_n(turned, 4, own);
+    mjtNum from_pivot[3], turned[4];
+    mju_sub3(from_pivot, position, pivot);
+    mju_rotVecQuat(position, from_pivot, rotation);
+    mju_addTo3(position, pivot);
+    mju_mulQuat(turned, rotation, geom_frame(part));
+    std::copy_n(turned, 4, geom_frame(part));
   }
 }
 

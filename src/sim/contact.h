@@ -34,8 +34,9 @@ void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law);
 /// begins with `wall_` move too. Throws std::invalid_argument if there is no such plane.
 void place_wall(Model& model, const std::string& wall, double x_m);
 
-/// Turns that plane, together with the same geoms, about the vertical through its own position,
-/// counter-clockwise seen from above. Throws as place_wall().
+/// Turns that plane, together with the same geoms, about an axis in it through its own position.
+/// This axis is the one nearest to the vertical, counter-clockwise seen from above. A horizontal
+/// plane turns about its y axis. Throws as place_wall().
 void tilt_wall(Model& model, const std::string& wall, double angle_rad);
 
 /// Two geoms that may touch by the engine's contact, which is measured in each step.

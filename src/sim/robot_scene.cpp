@@ -239,6 +239,9 @@ RobotScene robot_before_wall(const std::string& file, const std::string& tip_nam
     const Eigen::Vector3d along = motion.rotation.col(axis);
     if ((along.transpose() * motion.jacobian.topRows<3>()).norm() < 0.1 * most) continue;
     towards = along;
+    scene.tip = (tip.site >= 0 ? "site \"" + name_in(model, mjOBJ_SITE, tip.site)
+                               : "origin of body \"" + name_in(model, mjOBJ_BODY, tip.body)) +
+                "\"; its " + "xyz"[axis] + " axis faces the wall";
     break;
   }
   show_robot(scene.root, model);

@@ -15,6 +15,7 @@ struct RobotScene {
 
   MjcfElement root;                 ///< the model with the three elements of these names
   std::vector<std::string> joints;  ///< from the base to the tip
+  std::string tip;                  ///< which one it is, and its axis that faces the wall
 };
 
 /// Adds a ball at the tip, a plane before it, and a keyframe to a model of any MuJoCo. `tip` is a

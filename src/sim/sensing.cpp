@@ -71,7 +71,7 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
                          LowPass(channel.low_pass_s, step_s),
                          SampledReading(channel.electronics, step_s, setup.seed, channel.name),
                          Noise(setup.seed, channel.name), DelayLine(channel.delay_samples)});
-    if (channel.weighed_kg == 0.0) continue;
+    if (channel.weighed_kg == 0.0 || channel.source != nullptr) continue;
     const int id = model.id(mjOBJ_SENSOR, channel.sensor);
     if (model->sensor_type[id] != mjSENS_FORCE) {
       throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor +

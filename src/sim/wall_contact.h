@@ -29,9 +29,9 @@ struct ContactFriction {
 /// engine's contact of the two is on, the wall stands, and nothing else constrains the sphere.
 ///
 /// In contact it checks each step whether the integrator is stable (contact.h). It uses
-/// the law's local stiffness and damping, and the mass that the contact meets. It does the same
-/// across the normal with the friction's μ N/v_s. If it is not stable, it throws RunFailure, which
-/// names the longest stable timestep.
+/// the law's local stiffness and damping, and the mass that the contact meets. If it is not stable,
+/// it throws RunFailure, which names the longest stable timestep. The friction is a damper of at
+/// most m/h, with at least half of the smallest mass across the normal and the timestep.
 class WallContact final : public StagedForce {
  public:
   /// Throws std::invalid_argument if the model has no such sphere, or no such plane of the world.
@@ -93,10 +93,10 @@ class WallContact final : public StagedForce {
   ContactState state_at_stage() const;
   double force_of_law(Stage& stage) const;
   double engine_force_N(const mjData& data) const;
-  ContactSlopes slopes_across(const mjModel& model, const mjData& data, double force_N);
+  void find_mass_across(const mjModel& model, const mjData& data);
   double mass_along(const mjModel& model, const mjData& data,
                     const std::array<double, 3>& direction);
-  void find_friction(Stage& stage) const;
+  void find_friction(const mjModel& model, const mjData& data, Stage& stage);
   void add_wrench(mjData& data, const Stage& stage) const;
 
   int sphere_;
@@ -120,6 +120,7 @@ class WallContact final : public StagedForce {
   Stage first_;
   double impulse_Ns_ = 0.0;
   double mass_kg_ = 0.0;
+  double mass_across_kg_ = 0.0;
   double transient_N_ = 0.0;
   std::array<double, 3> normal_{};  // out of the wall
   std::vector<double> jacobian_;    // 3 × n, of a point of the sphere

@@ -238,10 +238,36 @@ TEST(WallContact, AFreeWallHasTheClosedFormsMotion) {
   }
 }
 
+// A plane of any normal turns by the whole angle, and a geom with it.
+TEST(TiltWall, TurnsThePlaneByTheAngle) {
+  for (const char* zaxis : {"-1 0 0", "0.3 -0.2 -0.9", "0 0 1", "0 0 -1"}) {
+    SCOPED_TRACE(zaxis);
+    Model model = testing::model_of(
+        std::string(R"(<mujoco><worldbody><geom name="wall" type="plane" size="1 1 1" pos="1 2 3"
+        zaxis=")") +
+        zaxis + R"("/><geom name="wall_mark" size="0.1" pos="2 2 3"/></worldbody></mujoco>)");
+    mjModel& m = *model.get();
+    const auto normal = [&m] {
+      mjtNum frame[9];
+      mju_quat2Mat(frame, m.geom_quat);
+      return Eigen::Vector3d(frame[2], frame[5], frame[8]);
+    };
+    const Eigen::Vector3d before = normal(), place(m.geom_pos), mark(m.geom_pos + 3);
+    tilt_wall(model, "wall", 0.5);
+    EXPECT_NEAR(normal().dot(before), std::cos(0.5), 1e-12);
+    const bool is_horizontal = before.z() * before.z() == 1.0;
+    EXPECT_TRUE(is_horizontal || before.cross(normal()).z() > 0.0);  // counter-clockwise
+    EXPECT_EQ(Eigen::Vector3d(m.geom_pos), place);
+    const Eigen::Vector3d moved(m.geom_pos + 3);
+    EXPECT_NEAR((moved - place).norm(), 1.0, 1e-12);
+    EXPECT_NEAR((moved - place).dot(normal()), (mark - place).dot(before), 1e-12);
+  }
+}
+
 // A ball of 1 kg on a rough plane. The gravity is tilted in place of the plane.
 class Slope {
  public:
-  Slope(const std::string& joints, double slope, double coefficient)
+  Slope(const std::string& joints, double slope, double coefficient, double stick_m_s = kStick_m_s)
       : controller_([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {}),
         simulation_(testing::model_of(
                         "<mujoco><option timestep=\"2e-5\" gravity=\"" + std::to_string(slope) +
@@ -252,7 +278,7 @@ class Slope {
                     controller_, {}, 1),
         contact_(simulation_.model(), "ball", "wall",
                  std::make_unique<KelvinVoigt>(1e4, 200.0, KelvinVoigt::By::force), {},
-                 {coefficient, kStick_m_s}) {
+                 {coefficient, stick_m_s}) {
     contact_.set_solid(true);
     simulation_.add(contact_);
     for (int k = 0; k < 25000; ++k) simulation_.step();
@@ -291,6 +317,16 @@ TEST(WallContact, FrictionCreepsWhereItWouldStick) {
   const Slope slope(Slope::kSlides, 5.0, 1.0);
   EXPECT_NEAR(slope.speed_m_s_, Slope::kStick_m_s * 0.5 / std::sqrt(1.0 - 0.25), 1e-8);
   EXPECT_NEAR(slope.acceleration_m_s2_, 0.0, 1e-6);
+}
+
+// As a damper of m/h it would be stable for every mass; that of half the mass is used.
+TEST(WallContact, FrictionIsStableAtAnyStickVelocity) {
+  const double timestep_s = 2e-5;
+  const Slope sticks(Slope::kSlides, 5.0, 1.0, 1e-9);
+  EXPECT_NEAR(sticks.speed_m_s_, 5.0 * timestep_s / 0.5, 1e-8);
+  EXPECT_NEAR(sticks.acceleration_m_s2_, 0.0, 1e-6);
+  const Slope slides(Slope::kSlides, 5.0, 0.3, 1e-9);
+  EXPECT_NEAR(slides.acceleration_m_s2_, 5.0 - 0.3 * 10.0, 1e-6);
 }
 
 // A ball that does not slide rolls: its inertia is 2/5 m r^2.
