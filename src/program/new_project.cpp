@@ -104,8 +104,8 @@ std::string how_to_build(const fs::path& templates, const fs::path& out) {
 // Writes the robot's model and its axes into a project of the template robot.
 void add_robot(const fs::path& project, const std::string& name, const std::string& mjcf,
                const std::string& tip) {
-  for (const std::string& line : conversion_warnings(mjcf)) fmt::print("{}\n", line);
   RobotScene scene = robot_before_wall(mjcf, tip);
+  for (const std::string& line : conversion_warnings(mjcf)) fmt::print("{}\n", line);
   fmt::print("the tip: {}\n", scene.tip);
   bring_assets(scene.root, project);
   write_text_file((project / (name + ".xml")).string(), mjcf_text(scene.root));

@@ -357,6 +357,7 @@ TipTask tip_task(const AxisPlant& plant) {
   std::optional<Tip> touching;
   double radius_m = 0.0;
   std::optional<Eigen::Isometry3d> contact;
+  std::string plane_name;
   for (const ContactSettings& one : plant.contacts) {
     if (one.name != settings.contact) continue;
     const auto [geom, plane] = one.geoms(model);
@@ -366,6 +367,7 @@ TipTask tip_task(const AxisPlant& plant) {
                                   one.name + "\": its normal is the direction of the force");
     }
     touching = tip_of_geom(model, ball);
+    plane_name = plane;
     if (model->geom_type[ball] == mjGEOM_SPHERE) radius_m = model->geom_size[3 * ball];
     contact = frame_of(model->geom_pos + 3 * wall, model->geom_quat + 4 * wall);
     contact->linear() = along(-contact->linear().col(2), contact->linear().col(1));
@@ -391,7 +393,9 @@ TipTask tip_task(const AxisPlant& plant) {
   if (radius_m > 0.0 && touching->body == tip.body) {
     const SpatialChain ball(joints, body * touching->frame, *contact, start);
     const double ball_x_m = ball.pose(start)(0);
-    if (ball_x_m > 0.0) throw std::invalid_argument("the tip starts behind the contact's plane");
+    if (ball_x_m > 0.0) {
+      throw std::invalid_argument("the tip starts behind the plane \"" + plane_name + '"');
+    }
     task.wall_x_m = chain->pose(start)(0) - ball_x_m - radius_m;
   }
   return task;

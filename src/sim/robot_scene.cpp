@@ -56,8 +56,9 @@ TipPlace find_tip(const Model& model, const std::string& tip) {
   throw std::invalid_argument(
       (tip.empty() ? "--tip: is needed"
                    : "--tip: " + model.file() + " has no site or body \"" + tip + '"') +
-      (sites.empty() ? "; its last bodies are " + joined(ends)
-                     : "; its sites are " + joined(sites)));
+      (!sites.empty()  ? "; its sites are " + joined(sites)
+       : !ends.empty() ? "; its last bodies are " + joined(ends)
+                       : "; it has no body"));
 }
 
 // Position (3), rotation (3×3) and Jacobian (6×n) of the tip in the pose of the data.
@@ -191,6 +192,7 @@ void show_robot(MjcfElement& root, const Model& model) {
 RobotScene robot_before_wall(const std::string& file, const std::string& tip_name) {
   RobotScene scene;
   scene.root = convert_mjcf(file, ModelFile::kMostElements).root;
+  if (scene.root.name != "mujoco") throw std::invalid_argument(file + ": is no MJCF");
   const Model model = Model::load(file);
   const TipPlace tip = find_tip(model, tip_name);
   std::vector<int> joints;
