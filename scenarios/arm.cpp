@@ -1,3 +1,5 @@
+#include <utility>
+
 #include <breakwater/program/scenario_program.h>
 #include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_parts.h>

@@ -4,7 +4,8 @@
 
 namespace Eigen::internal {
 
-// Six reflections. Eigen takes 48 or more in blocks, and compiles that for any number.
+// Never called: Eigen reflects in blocks from 48 reflections on, and here are at most six. The
+// empty body saves the compilation of the blocks.
 template <>
 inline void apply_block_householder_on_the_left(
     Block<Matrix<double, Dynamic, Dynamic, 0, 6, 6>, Dynamic, Dynamic>&,
@@ -53,7 +54,8 @@ void damped_pseudo_inverse(const Jacobian& J, double tolerance, Inverse J_plus) 
 
 Eigen::VectorXd singular_values(const Jacobian& J) {
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
-  const Eigen::SelfAdjointEigenSolver<Square> eigen(Square(J.lazyProduct(J.transpose())));
+  const Eigen::SelfAdjointEigenSolver<Square> eigen(Square(J.lazyProduct(J.transpose())),
+                                                    Eigen::EigenvaluesOnly);
   return eigen.eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt();
 }
 

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <ranges>
 #include <set>
 #include <stdexcept>
@@ -237,18 +238,15 @@ void print_ineffective_sets(const std::string& scenario, const std::vector<Prepa
   }
 }
 
-bool is_of_several_and_all(const std::vector<PreparedRun>& runs, const std::string& warning) {
-  return runs.size() > 1 && std::all_of(runs.begin(), runs.end(), [&](const PreparedRun& run) {
-           const std::vector<std::string> own = run.scenario->warnings();
-           return std::find(own.begin(), own.end(), warning) != own.end();
-         });
-}
-
 void print_warnings(const std::string& scenario, const std::vector<PreparedRun>& runs) {
   print_ineffective_sets(scenario, runs);
   std::set<std::string> models;
   for (const PreparedRun& run : runs) models.insert(run.model_files.begin(), run.model_files.end());
   for (const std::string& model : models) warn(scenario, conversion_warnings(model));
+  std::map<std::string, std::set<const PreparedRun*>> runs_with;
+  for (const PreparedRun& run : runs) {
+    for (const std::string& warning : run.scenario->warnings()) runs_with[warning].insert(&run);
+  }
   for (const PreparedRun& run : runs) {
     const std::string which = fmt::format("{} {}", scenario, run.case_name);
     for (const IneffectiveKey& ineffective : run.ineffective) {
@@ -257,7 +255,7 @@ void print_warnings(const std::string& scenario, const std::vector<PreparedRun>&
            {fmt::format("{}: {}: {}", ineffective.origin, ineffective.key, ineffective.reason)});
     }
     for (const std::string& warning : run.scenario->warnings()) {
-      if (!is_of_several_and_all(runs, warning)) {
+      if (runs.size() == 1 || runs_with[warning].size() < runs.size()) {
         warn(which, {warning});
       } else if (&run == &runs.front()) {
         warn(scenario, {warning});

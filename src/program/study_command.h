@@ -125,14 +125,6 @@ class StudyCommand {
   int run_task(const ShardIndex& before);
 };
 
-}  // namespace breakwater
-
-namespace CLI {
-class App;
-}
-
-namespace breakwater {
-
 struct SweepOptions {
   StudyOptions study;
   RunChanges run;

@@ -96,10 +96,6 @@ class AxisRig {
   }
   /// The true force of the tip's contact; 0 if it has none.
   double contact_force_N() const { return contact_force_ != nullptr ? *contact_force_ : 0.0; }
-  /// The force that must hold the reference: the true one, or the sensor's if there is none.
-  double judged_force_N() const {
-    return contact_force_ != nullptr ? *contact_force_ : filtered_force_N();
-  }
 
   /// Runs for the duration of the settings, with a sample at the end. It is record_run(), where
   /// each step is `step(k)`, which steps this rig. It warns if a position or the tip's force
@@ -116,7 +112,10 @@ class AxisRig {
         held[i].add(time_s, axis.reference.at(time_s) -
                                 this->measured(i) / axis.transmission.measured_ratio());
       }
-      if (plant_.tip) held.back().add(time_s, force_reference_ - judged_force_N());
+      if (plant_.tip) {
+        const double force_N = contact_force_ != nullptr ? *contact_force_ : filtered_force_N();
+        held.back().add(time_s, force_reference_ - force_N);
+      }
       ++samples;
       if (saturated_ > 0.0) ++saturated;
       sample(time_s);

@@ -87,11 +87,6 @@ TipMotion motion_of(const Model& model, mjData& data, const TipPlace& tip,
   return motion;
 }
 
-Eigen::VectorXd singular_values(TipMotion motion) {
-  motion.jacobian.bottomRows<3>() *= kLever_m;
-  return breakwater::singular_values(Eigen::MatrixXd(motion.jacobian));
-}
-
 // Sets the pose of the joints to that with the largest manipulability. It is the product of the
 // singular values without those that are 0 in every pose.
 void choose_pose(const Model& model, mjData& data, const TipPlace& tip,
@@ -116,7 +111,9 @@ void choose_pose(const Model& model, mjData& data, const TipPlace& tip,
       data.qpos[model->jnt_qposadr[joint]] =
           is_limited ? range[0] + share * (range[1] - range[0]) : middle + 4.0 * (share - 0.5);
     }
-    const Eigen::VectorXd values = singular_values(motion_of(model, data, tip, joints));
+    Eigen::MatrixXd jacobian = motion_of(model, data, tip, joints).jacobian;
+    jacobian.bottomRows<3>() *= kLever_m;
+    const Eigen::VectorXd values = singular_values(jacobian);
     const Eigen::Index now = (values.array() > kSmall * values(0)).count();
     const double reached = values.head(now).prod();
     if (now < rank || (now == rank && !(reached > (1.0 + kSmall) * most))) continue;

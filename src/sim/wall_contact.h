@@ -31,7 +31,8 @@ struct ContactFriction {
 /// In contact it checks each step whether the integrator is stable (contact.h). It uses
 /// the law's local stiffness and damping, and the mass that the contact meets. If it is not stable,
 /// it throws RunFailure, which names the longest stable timestep. The friction is a damper of at
-/// most m/h, with at least half of the smallest mass across the normal and the timestep.
+/// most m/h. h is the timestep. m is at least half of the smallest mass across the normal, and at
+/// most all of it.
 class WallContact final : public StagedForce {
  public:
   /// Throws std::invalid_argument if the model has no such sphere, or no such plane of the world.

@@ -319,7 +319,7 @@ TEST(WallContact, FrictionCreepsWhereItWouldStick) {
   EXPECT_NEAR(slope.acceleration_m_s2_, 0.0, 1e-6);
 }
 
-// As a damper of m/h it would be stable for every mass; that of half the mass is used.
+// The largest damping is m/h. The ball slides in two directions, so that m is half of its mass.
 TEST(WallContact, FrictionIsStableAtAnyStickVelocity) {
   const double timestep_s = 2e-5;
   const Slope sticks(Slope::kSlides, 5.0, 1.0, 1e-9);
