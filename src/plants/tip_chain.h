@@ -1,5 +1,5 @@
-// Kinematics of a serial manipulator, in the coordinates of its tip that a controller holds; in
-// space.
+// Kinematics of a serial manipulator in the coordinates of its tip that a controller holds.
+// SpatialChain: a manipulator in space.
 #pragma once
 
 #include <Eigen/Core>

@@ -15,9 +15,9 @@ void set_places(const Catalogue& catalogue, const char* installation);
 Catalogue standard_catalogue();
 
 /// The part of it that needs no quadrotor and no recorded data. The component `axes_scenarios`
-/// contains it.
+/// contains it, but not in a build without BREAKWATER_TOOLS.
 Catalogue axes_catalogue();
-/// The part of this that the scenarios of the planar arm name.
+/// The part of this that the scenarios of the planar arm name. Every build has it.
 Catalogue arm_catalogue();
 
 namespace detail {

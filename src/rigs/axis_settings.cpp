@@ -573,11 +573,19 @@ void AxisPlant::check_geoms(const Config& config) const {
 void AxisPlant::check_contacts(const Model& model, const Config& config) const {
   std::map<std::string, std::string> authored;  // the geoms whose parameters a law sets
   std::map<std::pair<std::string, std::string>, std::string> known;
+  std::map<std::string, std::string> tilted;  // the walls
   for (const ContactSettings& one : contacts) {
     const Config own = config.under(one.prefix());
     one.wall.check(config, physics);
     const auto [same, is_new] = known.emplace(std::minmax(one.geom_1, one.geom_2), one.name);
     if (!is_new) own.fail("geom_1", "contact \"" + same->second + "\" has the same two geoms");
+    if (one.wall.angle_rad() != 0.0) {
+      const auto [other, is_first] = tilted.emplace(one.geom_2, one.name);
+      if (!is_first) {
+        own.fail("wall.angle_rad",
+                 fmt::format("contact \"{}\" tilts \"{}\" already", other->second, one.geom_2));
+      }
+    }
     check_law_is_chosen(one, config);
     const int first = geom_id(model, one.geom_1), second = geom_id(model, one.geom_2);
     const bool may_touch = (model->geom_contype[first] & model->geom_conaffinity[second]) != 0 ||

@@ -1,4 +1,5 @@
-// Parts of a plant with named axes besides the axes: forces on bodies, contacts, the tip's sensor.
+// Parts of a plant with named axes besides the axes: disturbances, forces on bodies, contacts, the
+// tip with its force sensor.
 #pragma once
 
 #include <memory>

@@ -52,7 +52,7 @@ void WallSettings::bind(Fields& fields) {
                          "sliding speed below which the friction is a damper: the contact creeps "
                          "where it would stick [m/s]");
   fields.only_where({"friction_stick_m_s"}, contact_ + "friction_coefficient is not 0",
-                    [this] { return friction_.coefficient > 0.0; });
+                    [this] { return has_friction(); });
 }
 
 void WallSettings::bind_wall(Fields& fields) {
@@ -113,7 +113,7 @@ void WallSettings::check(const Config& config, const PhysicsSettings& physics) c
     own.fail(motion_.kind != WallMotionKind::fixed ? kMotion : "wall.angle_rad",
              "needs a law: the contact of the model file knows no such wall");
   }
-  if (!has_law && friction_.coefficient > 0.0) {
+  if (!has_law && has_friction()) {
     config.under(contact_).fail("friction_coefficient",
                                 "needs a law: the contact of the model file has its own");
   }
@@ -133,7 +133,7 @@ WallMotion WallSettings::motion() const {
 std::unique_ptr<ContactForceLaw> WallSettings::make_law() const {
   std::unique_ptr<ContactForceLaw> law = law_->make();
   const KelvinVoigt* engine = law ? law->for_engine() : nullptr;
-  const bool is_smooth = friction_.coefficient == 0.0;
+  const bool is_smooth = !has_friction();
   if (engine == nullptr || (is_smooth && motion_.kind == WallMotionKind::fixed)) return law;
   // MuJoCo's contact knows neither this friction nor the speed of a wall that moves.
   return std::make_unique<KelvinVoigt>(engine->stiffness_N_m(), engine->damping_Ns_m(),

@@ -57,6 +57,7 @@ class WallSettings {
   std::unique_ptr<WallContact> make(const Model& model, const std::string& sphere,
                                     const std::string& wall) const;
   double angle_rad() const { return angle_rad_; }
+  bool has_friction() const { return friction_.coefficient > 0.0; }
 
   static constexpr const char* kOfModel = "model";
 

@@ -35,6 +35,11 @@ std::vector<int> parts_of(const Model& model, const std::string& wall) {
   return parts;
 }
 
+// The engine computes no frame of a geom whose frame was its body's in the file.
+void free_frame(mjModel& m, int geom) {
+  m.geom_sameframe[geom] = 0;
+}
+
 }  // namespace
 
 void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law) {
@@ -84,7 +89,10 @@ void place_wall(Model& model, const std::string& wall, double x_m) {
   const int plane = world_plane(model, wall);
   mjModel& m = *model.get();
   const double moved_m = x_m - m.geom_pos[3 * plane];
-  for (const int part : parts_of(model, wall)) m.geom_pos[3 * part] += moved_m;
+  for (const int part : parts_of(model, wall)) {
+    free_frame(m, part);
+    m.geom_pos[3 * part] += moved_m;
+  }
   m.geom_pos[3 * plane] = x_m;
 }
 
@@ -105,6 +113,7 @@ void tilt_wall(Model& model, const std::string& wall, double angle_rad) {
   mju_scl3(rotation + 1, axis, half.sine);
   mju_copy3(pivot, m.geom_pos + static_cast<ptrdiff_t>(3) * plane);
   for (const int part : parts_of(model, wall)) {
+    free_frame(m, part);
     mjtNum* position = m.geom_pos + static_cast<ptrdiff_t>(3) * part;
     mjtNum from_pivot[3], turned[4];
     mju_sub3(from_pivot, position, pivot);

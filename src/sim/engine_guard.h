@@ -1,6 +1,6 @@
 // Keeps MuJoCo's errors and warnings from stopping the process or printing, and gives it the
-// elementary functions of math/. The device of EGL that the user selects, by the environment
-// variables of MuJoCo's programs.
+// elementary functions of math/. OpenGlAsked: the device of EGL that the user selects by the
+// environment variables of MuJoCo's programs.
 #pragma once
 
 #include <optional>

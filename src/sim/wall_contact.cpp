@@ -64,6 +64,7 @@ WallContact::WallContact(const Model& model, const std::string& sphere, const st
 void WallContact::begin_step() {
   number_ = 0;
   impulse_Ns_ = 0.0;
+  mass_across_kg_ = 0.0;
 }
 
 WallPosition WallContact::wall_at_stage() const {
@@ -113,11 +114,11 @@ void WallContact::find_geometry(double time_s, const mjModel& model, const mjDat
 void WallContact::find_friction(const mjModel& model, const mjData& data, Stage& stage) {
   const std::array<double, 3>& v = stage.sliding_m_s;
   const double squared = dot(v, v.data());
-  if (number_ == 0 && stage.force_N > 0.0) find_mass_across(model, data);
+  if (mass_across_kg_ == 0.0 && stage.force_N > 0.0) find_mass_across(model, data);
   // A larger damping than m/h would turn the velocity around within a step.
   stage.drag_Ns_m = std::min(friction_.coefficient * stage.force_N /
                                  std::sqrt(squared + friction_.stick_m_s * friction_.stick_m_s),
-                             mass_across_kg_ / timestep_s_);
+                             mass_across_kg_ / timestep_s_ / rough_contacts_);
   stage.friction_N = stage.drag_Ns_m * std::sqrt(squared);
 }
 

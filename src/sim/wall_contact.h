@@ -31,8 +31,8 @@ struct ContactFriction {
 /// In contact it checks each step whether the integrator is stable (contact.h). It uses
 /// the law's local stiffness and damping, and the mass that the contact meets. If it is not stable,
 /// it throws RunFailure, which names the longest stable timestep. The friction is a damper of at
-/// most m/h. h is the timestep. m is at least half of the smallest mass across the normal, and at
-/// most all of it.
+/// most m/(h n). h is the timestep and n the number of contacts with friction. m is at least half
+/// of the smallest mass across the normal, and at most all of it.
 class WallContact final : public StagedForce {
  public:
   /// Throws std::invalid_argument if the model has no such sphere, or no such plane of the world.
@@ -42,6 +42,8 @@ class WallContact final : public StagedForce {
 
   /// Switches the contact on or off; it begins off.
   void set_solid(bool is_solid) { is_solid_ = is_solid; }
+  /// How many contacts with friction the model has: n ≥ 1. They may act on one body.
+  void set_rough_contacts(int number) { rough_contacts_ = number; }
 
   void begin_step() override;
   void apply(double time_s, const mjModel& model, mjData& data) override;
@@ -111,6 +113,7 @@ class WallContact final : public StagedForce {
   WallMotion motion_;
   ContactFriction friction_;
   bool is_solid_ = false;
+  int rough_contacts_ = 1;
 
   // At the beginning of the step.
   WallPosition wall_;

@@ -1,4 +1,6 @@
 // Contacts of the engine and of own laws against closed forms.
+#include <fmt/format.h>
+
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/sim/contact.h>
 #include <breakwater/sim/model.h>
@@ -239,29 +241,48 @@ TEST(WallContact, AFreeWallHasTheClosedFormsMotion) {
 }
 
 // A plane of any normal turns by the whole angle, and a geom with it.
+// The frames are those that the engine computes.
 TEST(TiltWall, TurnsThePlaneByTheAngle) {
   for (const char* zaxis : {"-1 0 0", "0.3 -0.2 -0.9", "0 0 1", "0 0 -1"}) {
-    SCOPED_TRACE(zaxis);
-    Model model = testing::model_of(
-        std::string(R"(<mujoco><worldbody><geom name="wall" type="plane" size="1 1 1" pos="1 2 3"
-        zaxis=")") +
-        zaxis + R"("/><geom name="wall_mark" size="0.1" pos="2 2 3"/></worldbody></mujoco>)");
-    mjModel& m = *model.get();
-    const auto normal = [&m] {
-      mjtNum frame[9];
-      mju_quat2Mat(frame, m.geom_quat);
-      return Eigen::Vector3d(frame[2], frame[5], frame[8]);
-    };
-    const Eigen::Vector3d before = normal(), place(m.geom_pos), mark(m.geom_pos + 3);
-    tilt_wall(model, "wall", 0.5);
-    EXPECT_NEAR(normal().dot(before), std::cos(0.5), 1e-12);
-    const bool is_horizontal = before.z() * before.z() == 1.0;
-    EXPECT_TRUE(is_horizontal || before.cross(normal()).z() > 0.0);  // counter-clockwise
-    EXPECT_EQ(Eigen::Vector3d(m.geom_pos), place);
-    const Eigen::Vector3d moved(m.geom_pos + 3);
-    EXPECT_NEAR((moved - place).norm(), 1.0, 1e-12);
-    EXPECT_NEAR((moved - place).dot(normal()), (mark - place).dot(before), 1e-12);
+    for (const char* pos : {"1 2 3", "0 0 0"}) {
+      SCOPED_TRACE(zaxis);
+      Model model = testing::model_of(
+          fmt::format(R"(<mujoco><worldbody><geom name="wall" type="plane" size="1 1 1" pos="{}"
+          zaxis="{}"/><geom name="wall_mark" size="0.1"/></worldbody></mujoco>)",
+                      pos, zaxis));
+      const DataPointer data = model.make_data();
+      const auto compute = [&] { mj_kinematics(model.get(), data.get()); };
+      const auto normal = [&] {
+        const mjtNum* frame = data->geom_xmat;
+        return Eigen::Vector3d(frame[2], frame[5], frame[8]);
+      };
+      const auto place = [&](int geom) { return Eigen::Vector3d(data->geom_xpos + 3 * geom); };
+      compute();
+      const Eigen::Vector3d before = normal(), wall = place(0), mark = place(1);
+      tilt_wall(model, "wall", 0.5);
+      compute();
+      EXPECT_NEAR(normal().dot(before), std::cos(0.5), 1e-12);
+      if (before.z() * before.z() == 1.0) {
+        EXPECT_NEAR(normal().y(), 0.0, 1e-12);  // about the plane's own y axis
+        EXPECT_NEAR(normal().x(), std::sin(0.5), 1e-12);
+      } else {
+        EXPECT_GT(before.cross(normal()).z(), 0.0);  // counter-clockwise
+      }
+      EXPECT_EQ(place(0), wall);
+      EXPECT_NEAR((place(1) - wall).norm(), (mark - wall).norm(), 1e-12);
+      EXPECT_NEAR((place(1) - wall).dot(normal()), (mark - wall).dot(before), 1e-12);
+    }
   }
+}
+
+// A floor's frame is its body's.
+TEST(PlaceWall, MovesAFloor) {
+  Model model = testing::model_of(
+      R"(<mujoco><worldbody><geom name="wall" type="plane" size="1 1 1"/></worldbody></mujoco>)");
+  const DataPointer data = model.make_data();
+  place_wall(model, "wall", 0.25);
+  mj_kinematics(model.get(), data.get());
+  EXPECT_EQ(data->geom_xpos[0], 0.25);
 }
 
 // A ball of 1 kg on a rough plane. The gravity is tilted in place of the plane.
@@ -327,6 +348,57 @@ TEST(WallContact, FrictionIsStableAtAnyStickVelocity) {
   EXPECT_NEAR(sticks.acceleration_m_s2_, 0.0, 1e-6);
   const Slope slides(Slope::kSlides, 5.0, 0.3, 1e-9);
   EXPECT_NEAR(slides.acceleration_m_s2_, 5.0 - 0.3 * 10.0, 1e-6);
+}
+
+// Three balls of one body stick: their dampers together are at most m/h.
+TEST(WallContact, FrictionsOfOneBodyAreStable) {
+  std::string balls;
+  for (const char* name : {"a", "b", "c"}) {
+    balls +=
+        fmt::format(R"(<geom name="{}" size="0.1" mass="1" contype="0" conaffinity="0"/>)", name);
+  }
+  testing::FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {});
+  Simulation simulation(
+      testing::model_of(R"(<mujoco><option timestep="2e-5" gravity="5 0 -10"/><worldbody>
+      <geom name="wall" type="plane" size="9 9 1" contype="0" conaffinity="0"/><body pos="0 0 0.1">)" +
+                        std::string(Slope::kSlides) + balls + "</body></worldbody></mujoco>"),
+      controller, {}, 1);
+  std::vector<std::unique_ptr<WallContact>> contacts;
+  for (const char* name : {"a", "b", "c"}) {
+    contacts.push_back(std::make_unique<WallContact>(
+        simulation.model(), name, "wall",
+        std::make_unique<KelvinVoigt>(1e4, 200.0, KelvinVoigt::By::force), WallMotion(),
+        ContactFriction{1.0, 1e-9}));
+    contacts.back()->set_solid(true);
+    contacts.back()->set_rough_contacts(3);
+    simulation.add(*contacts.back());
+  }
+  for (int k = 0; k < 5000; ++k) simulation.step();
+  // The load over all dampers. Each ball slides in two directions, so that its m is half of 3 kg.
+  EXPECT_NEAR(simulation.data().qvel[0], 3.0 * 5.0 / (1.5 / 2e-5), 1e-8);
+}
+
+// The first touch is in a later stage of RK4's step.
+TEST(WallContact, FrictionActsFromTheFirstTouch) {
+  testing::FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {});
+  Simulation simulation(
+      testing::model_of(
+          R"(<mujoco><option timestep="1e-3" gravity="0 0 0" integrator="RK4"/><worldbody>
+      <geom name="wall" type="plane" size="9 9 1" contype="0" conaffinity="0"/>
+      <body pos="0 0 0.1001">)" +
+          std::string(Slope::kSlides) +
+          R"(<geom name="ball" size="0.1" mass="1" contype="0" conaffinity="0"/></body></worldbody>
+      </mujoco>)"),
+      controller, {}, 1);
+  WallContact contact(simulation.model(), "ball", "wall",
+                      std::make_unique<KelvinVoigt>(1e4, 200.0, KelvinVoigt::By::force), {}, {0.5});
+  contact.set_solid(true);
+  simulation.add(contact);
+  simulation.set_velocity(std::array{1.0, 0.0, -0.5});
+  simulation.step();
+  EXPECT_EQ(contact.force_N(), 0.0);
+  EXPECT_GT(contact.impulse_Ns(), 0.0);
+  EXPECT_NEAR(1.0 - simulation.data().qvel[0], 0.5 * contact.impulse_Ns(), 1e-6);
 }
 
 // A ball that does not slide rolls: its inertia is 2/5 m r^2.
