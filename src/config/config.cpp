@@ -209,7 +209,7 @@ void Config::set(const std::string& assignment) {
     const ConfigEntry* array = find(whole);
     if (array == nullptr) {
       std::vector<std::string> keys;
-      for (const auto& [name, entry] : entries_) keys.push_back(name);
+      for (const auto& [name, entry] : *entries_) keys.push_back(name);
       throw std::invalid_argument(origin + ": " + file_ + " has no " + shown(whole) +
                                   did_you_mean(whole, keys));
     }
@@ -221,11 +221,12 @@ void Config::set(const std::string& assignment) {
     }
     value = std::move(changed);
   }
-  entries_[whole] = {std::move(value), kSetOrigin, true};
+  own_entries()[whole] = {std::move(value), kSetOrigin, true};
 }
 
 void Config::apply(const Entries& overrides) {
-  for (const auto& [key, entry] : overrides) entries_[key] = entry;
+  Entries& entries = own_entries();
+  for (const auto& [key, entry] : overrides) entries[key] = entry;
 }
 
 Config Config::under(const std::string& prefix) const {
@@ -235,8 +236,8 @@ Config Config::under(const std::string& prefix) const {
 }
 
 const ConfigEntry* Config::find(const std::string& key) const {
-  const auto found = entries_.find(prefix_.empty() ? key : prefix_ + key);
-  return found != entries_.end() ? &found->second : nullptr;
+  const auto found = entries_->find(prefix_.empty() ? key : prefix_ + key);
+  return found != entries_->end() ? &found->second : nullptr;
 }
 
 std::size_t ConfigEntry::line() const {
@@ -248,7 +249,7 @@ std::size_t ConfigEntry::line() const {
 
 std::vector<std::string> Config::names_in(const std::string& table) const {
   std::vector<std::pair<std::size_t, std::string>> lines;  // with the first line of each name
-  for (const auto& [key, entry] : entries_) {
+  for (const auto& [key, entry] : *entries_) {
     const std::size_t end = key.find('.', table.size() + 1);
     if (!key.starts_with(table + ".") || end == std::string::npos) continue;
     const std::string name = key.substr(table.size() + 1, end - table.size() - 1);
@@ -310,7 +311,7 @@ std::string Config::origin_of(const std::string& key) const {
   const std::string path = prefix_ + key;
   const std::string named = path.substr(0, path.find('.', path.find('.') + 1)) + ".";
   bool is_from_set = false;
-  for (const auto& [other, entry] : entries_) {
+  for (const auto& [other, entry] : *entries_) {
     if (!other.starts_with(named)) continue;
     if (!entry.is_set()) return file_;
     is_from_set = true;

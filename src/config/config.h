@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -47,7 +48,9 @@ using Aliases = std::map<std::string, std::string>;
 class Config {
  public:
   Config(std::string file, std::map<std::string, ConfigEntry> entries, Aliases aliases = {})
-      : file_(std::move(file)), entries_(std::move(entries)), aliases_(std::move(aliases)) {}
+      : file_(std::move(file)),
+        entries_(std::make_shared<Entries>(std::move(entries))),
+        aliases_(std::make_shared<const Aliases>(std::move(aliases))) {}
 
   /// Applies one `key.path=value`. A value that is not TOML is taken as a string. The key may name
   /// an element of an array that is there (whole_key()). Throws std::invalid_argument if the form
@@ -57,7 +60,7 @@ class Config {
   /// Overwrites with all of `overrides`.
   void apply(const std::map<std::string, ConfigEntry>& overrides);
 
-  void remove(const std::string& key) { entries_.erase(key); }
+  void remove(const std::string& key) { own_entries().erase(key); }
 
   /// The same values, where each key is found and reported with `prefix` before it: "joint" in
   /// under("axis.x.") is "axis.x.joint".
@@ -68,9 +71,9 @@ class Config {
   std::optional<std::string> text(const std::string& key) const;
   /// The number of a key; nothing if the key is missing or is not a number.
   std::optional<double> number(const std::string& key) const;
-  const std::map<std::string, ConfigEntry>& entries() const { return entries_; }
+  const std::map<std::string, ConfigEntry>& entries() const { return *entries_; }
   /// Further names that the file gives.
-  const Aliases& aliases() const { return aliases_; }
+  const Aliases& aliases() const { return *aliases_; }
   /// The names of the tables [TABLE.NAME], in the file's order; those of --set alone come last.
   /// Throws as fail() does unless a name is made of A-Z, a-z, 0-9 and '_', as the names of signals
   /// are.
@@ -96,11 +99,17 @@ class Config {
   }
 
  private:
+  using Entries = std::map<std::string, ConfigEntry>;
+
   std::string origin_of(const std::string& key) const;
+  Entries& own_entries() {
+    if (entries_.use_count() > 1) entries_ = std::make_shared<Entries>(*entries_);
+    return *entries_;
+  }
 
   std::string file_;
-  std::map<std::string, ConfigEntry> entries_;
-  Aliases aliases_;
+  std::shared_ptr<Entries> entries_;  ///< shared with copies until one of them changes
+  std::shared_ptr<const Aliases> aliases_;
   std::string prefix_;
 };
 
