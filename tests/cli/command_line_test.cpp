@@ -139,7 +139,7 @@ TEST_F(LargeModels, RefusesMoreElementsThanTheKeyAllows) {
   motor_with("");
   expect_refused(
       run_ + " model.most_elements=9",
-      "HERE/motor.xml:58: <body>: here the model has 10 elements: model.most_elements allows 9");
+      "HERE/motor.xml:59: <body>: here the model has 10 elements: model.most_elements allows 9");
   ran(run_ + " model.most_elements=100");
 }
 
