@@ -103,7 +103,7 @@ void check_tables(Fields& fields, std::span<const Config> tables, const Assign& 
       std::set<std::string> keys;
       for (const auto& field : fields) {
         keys.insert(field.key);
-        if (const std::string other = without_name(field.key); !other.empty()) keys.insert(other);
+        if (!field.unnamed.empty()) keys.insert(field.unnamed);
       }
       const std::string& key = unknown->second;
       table.fail(key, "unknown key" + did_you_mean(key, {keys.begin(), keys.end()}));
@@ -358,7 +358,7 @@ void Fields::add(const std::string& name, Variable variable) {
   const std::string key = prefix_ + name;
   variable.is_left_out = is_left_out_;
   Field* field = find_key(fields_, key);
-  if (field == nullptr) field = &fields_.emplace_back(Field{key, {}});
+  if (field == nullptr) field = &fields_.emplace_back(Field{key, {}, without_name(key)});
   for (const Variable& other : field->variables) {
     if (other.part == variable.part) throw std::logic_error("the key " + key + " is bound twice");
   }
@@ -476,7 +476,7 @@ Config Fields::without_aliases(const Config& config) const {
     // into.
     const std::string end = alias.substr(alias.rfind('.') + 1);
     const bool is_key = std::any_of(fields_.begin(), fields_.end(), [&](const Field& field) {
-      return field.key.ends_with(end) && (field.key == alias || without_name(field.key) == alias);
+      return field.key.ends_with(end) && (field.key == alias || field.unnamed == alias);
     });
     if (is_key) {
       config.fail("alias." + alias, "is a key itself: choose another name");
@@ -510,9 +510,9 @@ Config Fields::spread(const Config& given) {
     return !is_of_axes || !is_of_controller || key == "controller.name" ||
            (is_replaced && !entry.is_chosen);
   };
-  std::unordered_map<std::string, std::vector<Field*>> named;
+  std::unordered_map<std::string_view, std::vector<Field*>> named;
   for (Field& field : fields_) {
-    if (const std::string key = without_name(field.key); !key.empty()) named[key].push_back(&field);
+    if (!field.unnamed.empty()) named[field.unnamed].push_back(&field);
   }
   Config whole = config;
   if (named.empty()) return whole;
@@ -590,7 +590,7 @@ template <typename What>
 void Fields::unite_axes(std::vector<Shown<What>>& all) const {
   std::map<std::string, std::size_t> axes;  // the number of axes that have a key
   for (const Field& field : fields_) {
-    if (!axis_in(field.key).empty()) ++axes[without_name(field.key)];
+    if (!axis_in(field.key).empty()) ++axes[field.unnamed];
   }
   std::map<std::string, std::vector<Shown<What>*>> groups;
   for (Shown<What>& one : all) {

@@ -247,6 +247,7 @@ class Fields {
   struct Field {
     std::string key;
     std::vector<Variable> variables;
+    std::string unnamed;  // the key without the name of its table, if it may be given so
     bool was_read = false;
     bool is_missing = false;  // missing in an incomplete file, without a default value
     std::size_t suited = 0;   // the first variable that the value suits
