@@ -1,10 +1,7 @@
 #include "on_axes.h"
 
 #include <breakwater/program/scenario_program.h>
-#include <breakwater/rigs/axis_parts.h>
-#include <breakwater/rigs/plant_parts.h>
-
-#include "plant/plant.h"
+#include <breakwater/rigs/axis_scenario.h>
 
 namespace breakwater {
 
@@ -17,11 +14,10 @@ Catalogue axes_catalogue() {
   catalogue.add(motor_estimation());
   catalogue.add(two_inertia());
   catalogue.add(impact_test());
-  catalogue.add(plant_kind("plant",
-                           "any plant of hinges and slides, described by its MJCF and a "
-                           "TOML file"));
+  catalogue.add(axis_kind(
+      {"plant", "any plant of hinges and slides, described by its MJCF and a TOML file"}));
   catalogue.add(
-      plant_kind("robot_wall_contact", "force control of a seven-joint arm against a wall"));
+      axis_kind({"robot_wall_contact", "force control of a seven-joint arm against a wall"}));
   for (AxisEstimatorKind& kind : published_estimators()) catalogue.add(std::move(kind));
   for (AxisControllerKind& kind : axis_controllers()) catalogue.add(std::move(kind));
   for (PlantControllerKind& kind : plant_controllers()) catalogue.add(std::move(kind));

@@ -115,7 +115,7 @@ class CartEstimation final : public AxisScenario {
       double noise_N = 0.0;
       double rate_N_s = 0.0;
     };
-    const auto quiet = std::make_shared<Quiet>(parts_, task(), without_noise(plant()));
+    const auto quiet = std::make_shared<Quiet>(parts(), task(), without_noise(plant()));
     quiet->loop.controller->set_watched(false);
     AxisAdditions own;
     own.logged = {{"d_hat_noise_N", "N", "part of the estimated disturbance that the noise causes",

@@ -535,7 +535,7 @@ void add_loops(const PreparedRun& run, const Arguments& arguments,
                std::vector<AnalysedLoop>& loops) {
   std::vector<std::string> names;
   const std::size_t before = loops.size();
-  for (AxisOfPlant& axis : dynamic_cast<const LoopScenario&>(*run.scenario).loops()) {
+  for (AxisOfPlant& axis : dynamic_cast<const AxisScenario&>(*run.scenario).loops()) {
     const std::string& name = names.emplace_back(axis.settings().axis.name);
     if (!arguments.axis.empty() && arguments.axis != name) continue;
     loops.push_back({{run.case_name}, std::move(axis)});
@@ -568,7 +568,7 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
     arguments.config = std::exchange(arguments.scenario, scenario_name_in(arguments.scenario));
   }
   const auto& kind = catalogue.get<ScenarioKind>(arguments.scenario);
-  if (dynamic_cast<const LoopScenario*>(kind.make(catalogue).get()) == nullptr) {
+  if (dynamic_cast<const AxisScenario*>(kind.make(catalogue).get()) == nullptr) {
     throw std::invalid_argument(kind.name +
                                 ": expected a scenario of axes (a scenario of your own must be an "
                                 "AxisScenario)");

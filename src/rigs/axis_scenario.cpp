@@ -1,15 +1,201 @@
 #include <breakwater/rigs/axis_scenario.h>
 
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include <breakwater/control/axes_control.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/rigs/predictive_settings.h>
 
 namespace breakwater {
-namespace {
+
+AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design)
+    : Scenario(design.axis ? MetricRows(catalogue, design.name, design.reductions) : MetricRows()),
+      design_(std::move(design)),
+      catalogue_(with_none(catalogue)),
+      plant_(catalogue_) {
+  if (design_.axis) {
+    plant_.axes.emplace_back(*design_.axis, catalogue_);
+    axis_parts_.emplace_back(catalogue, design_.controller);
+  } else {
+    whole_.emplace(catalogue_);
+  }
+}
+
+void AxisScenario::learn(const Config& config) {
+  Scenario::learn(config);
+  if (!whole_) return;
+  plant_.learn(config);
+  for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
+    axis_parts_.emplace_back(catalogue_, "none", "none");
+  }
+}
+
+Fields AxisScenario::fields() {
+  Fields fields;
+  whole_ ? plant_.bind_named(fields) : plant_.bind(fields);
+  if (whole_) whole_->bind(fields);
+  for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
+    const std::string prefix = plant_.axes[i].axis.prefix();
+    const Fields::Under under(fields, prefix);
+    axis_parts_[i].bind(fields);
+  }
+  for (const AxisSettings& one : plant_.axes) {
+    if (!whole_) continue;
+    fields.only_for({one.axis.prefix() + "controller.name", one.axis.prefix() + "observer.name"},
+                    "controller.name", {"axes"});
+  }
+  bind(fields);
+  rows_.bind(fields);
+  return fields;
+}
+
+void AxisScenario::bind_step(Fields& fields) {
+  Reference& reference = plant_.axis().reference;
+  const AxisUnits& units = plant_.axis().axis.units;
+  fields.number("task.reference_" + units.position_suffix, reference.value, any(),
+                "y_ref: reference of the position [" + units.position + "]");
+  fields.number("task.reference_from_s", reference.from_s, not_negative(),
+                "time of the step to the reference [s]");
+}
+
+AxisTask AxisScenario::task() const {
+  const AxisPlant plant = this->plant();
+  return {.axis = plant.nominal(), .reference = plant.axis().reference};
+}
+
+PlantTask AxisScenario::whole_task() const {
+  if (!whole_) return {.axes = {task()}, .driven = {0}};
+  PlantTask task = plant_task(plant_);
+  task.observes_axes = whole_->moves_tip();
+  task.tip = [this, found = std::make_shared<std::optional<TipTask>>()] {
+    if (!*found) *found = tip_task(plant_);
+    return **found;
+  };
+  task.own_controllers = [this, axes = task.axes] { return axes_control(axes); };
+  return task;
+}
+
+AxisLoop AxisScenario::make_loop(const PlantTask& task) const {
+  return whole_ ? whole_->make(task) : parts().make(task.axes.front());
+}
+
+std::unique_ptr<Controller> AxisScenario::axes_control(const std::vector<AxisTask>& tasks,
+                                                       std::unique_ptr<Controller> other,
+                                                       std::size_t replaced) const {
+  std::vector<AxisControl> controls;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const Axis& axis = plant_.axes[i].axis;
+    const bool is_other = other != nullptr && i == replaced;
+    controls.push_back({axis.name,
+                        is_other ? std::move(other) : axis_parts_[i].make(tasks[i]).controller,
+                        axis.is_driven()});
+  }
+  return std::make_unique<AxesControl>(std::move(controls), plant_.senses_true_state ? 3 : 1);
+}
+
+std::vector<AxisOfPlant> AxisScenario::loops() const {
+  if (!whole_) return {{plant(), task(), &parts()}};
+  if (whole_->controller_name() != "axes") {
+    throw std::invalid_argument("controller.name: \"" + whole_->controller_name() +
+                                "\" controls all axes at once, so an axis has no loop of its own; "
+                                "analyze needs \"axes\". Python has the eigenvalues of the whole "
+                                "loop: setup.A, setup.B and K of bw.lqr()");
+  }
+  AxisPlant held = plant_;
+  for (AxisSettings& axis : held.axes) axis.reference.kind = ReferenceShape::hold;
+  const std::vector<AxisTask> tasks = plant_task(held).axes;
+  std::vector<AxisOfPlant> loops;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    if (!held.axes[i].axis.is_driven() || !has_own_loop(i)) continue;
+    loops.push_back(
+        {held, tasks[i], &axis_parts_[i], i, [this, tasks, i](std::unique_ptr<Controller> own) {
+           return axes_control(tasks, std::move(own), i);
+         }});
+  }
+  return loops;
+}
+
+void AxisScenario::check(const Config& config) {
+  plant_.judged_to_s = config.number("metrics.to_s").value_or(0.0);
+  check_plant(plant_, config);
+  whole_ ? check_whole(config) : parts().check(config, task());
+  MetricContext context = complete(config);
+  // A contact is shorter than a sample.
+  context.fast_signals = {"force_true_N", "force_sensor_N", "force_filtered_N"};
+  for (const ContactSettings& one : plant_.contacts) {
+    for (const char* what :
+         {"N", "penetration_m", "approach_m_s", "mass_kg", "transient_N", "friction_N"}) {
+      context.fast_signals.push_back(one.signal(what));
+    }
+  }
+  const bool has_contact = plant_.tip && plant_.tip->contact != TipSettings::kNone;
+  if (has_contact) context.events = {"first_contact"};
+  rows_.check(
+      config, [this] { return fields(); }, plant_.physics, context);
+  warnings_ = plant().warnings();
+  if (!whole_) return;
+  if (whole_->moves_tip()) warn_of_free_coordinates(whole_task().tip().kinematics->coordinates);
+  warn_of_missing_signals(config);
+}
+
+void AxisScenario::check_whole(const Config& config) {
+  for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
+    // A tip leaves its pose when it presses; its force is judged then.
+    const bool holds = whole_->controller_name() != "axes" && !whole_->moves_tip();
+    plant_.axes[i].is_controlled = holds || has_own_loop(i);
+  }
+  const PlantTask task = whole_task();
+  if (whole_->controller_name() == "axes") {
+    for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
+      axis_parts_[i].check(config.under(plant_.axes[i].axis.prefix()), task.axes[i]);
+    }
+  } else if (!task.observes_axes && whole_->estimator_name() != "none" &&
+             !task.why_not_linear.empty()) {
+    config.fail("controller.name", task.why_not_linear);
+  }
+  whole_->check(config, task);
+}
+
+void AxisScenario::warn_of_missing_signals(const Config& config) {
+  const AxisLoop loop = make_loop(whole_task());
+  const AxisRig rig(plant_, *loop.controller);
+  const std::vector<Signal> signals = rig.signals();
+  for (const MetricRow& row : rows_.rows()) {
+    const std::string missing = config.under(row.prefix()).blame("of", [&] {
+      return missing_signal(row, rows_.kind_of(row), signals);
+    });
+    // Another case may have a controller or an estimator that publishes it.
+    if (!missing.empty()) warnings_.push_back(missing + ": the metric is absent");
+  }
+}
+
+void AxisScenario::warn_of_free_coordinates(const std::vector<TipCoordinate>& held) {
+  constexpr std::size_t kAll = 6;
+  if (held.size() == kAll) return;
+  std::string names;
+  for (const TipCoordinate& one : held) names += (names.empty() ? "" : ", ") + one.name;
+  warnings_.push_back("the tip holds " + names +
+                      " of the contact's frame: its joints move no other coordinate independently");
+}
+
+bool AxisScenario::has_own_loop(std::size_t i) const {
+  return !whole_ ||
+         (whole_->controller_name() == "axes" && axis_parts_[i].controller_name() != "none");
+}
+
+std::vector<MetricDefinition> AxisScenario::metric_definitions() const {
+  return design_.optimises ? with_qp_metrics(rows_.definitions()) : rows_.definitions();
+}
 
 // The signals for metrics. The first one of a name counts.
-std::vector<Signal> metric_signals(const AxisAdditions& own, const AxisRig& rig,
-                                   const AxisLoop& loop, const AxisUnits& units) {
+std::vector<Signal> AxisScenario::metric_signals(const AxisAdditions& own, const AxisRig& rig,
+                                                 const AxisLoop& loop) const {
   std::vector<Signal> signals = own.unlogged;
+  if (whole_) return signals;
+  const AxisUnits& units = plant_.axis().axis.units;
   const auto add = [&](const std::string& name, const std::string& unit, const double& value) {
     signals.push_back({name, unit, "", view(value)});
   };
@@ -25,67 +211,33 @@ std::vector<Signal> metric_signals(const AxisAdditions& own, const AxisRig& rig,
   return signals;
 }
 
-}  // namespace
-
-AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design)
-    : LoopScenario(MetricRows(catalogue, design.name, design.reductions)),
-      plant_(design.axis, catalogue),
-      parts_(catalogue, design.controller),
-      design_(std::move(design)) {}
-
-Fields AxisScenario::fields() {
-  Fields fields;
-  plant_.bind(fields);
-  parts_.bind(fields);
-  bind(fields);
-  rows_.bind(fields);
-  return fields;
-}
-
-void AxisScenario::bind_step(Fields& fields) {
-  Reference& reference = plant_.axis().reference;
-  const AxisUnits& units = plant_.axis().axis.units;
-  fields.number("task.reference_" + units.position_suffix, reference.value, any(),
-                "y_ref: reference of the position [" + units.position + "]");
-  fields.number("task.reference_from_s", reference.from_s, not_negative(),
-                "time of the step to the reference [s]");
-}
-
-void AxisScenario::check(const Config& config) {
-  plant_.judged_to_s = config.number("metrics.to_s").value_or(0.0);
-  check_plant(plant_, config);
-  parts_.check(config, task());
-  const MetricContext context = complete(config);
-  rows_.check(
-      config, [this] { return fields(); }, plant().physics, context);
-}
-
-AxisTask AxisScenario::task() const {
-  const AxisPlant plant = this->plant();
-  return {.axis = plant.nominal(), .reference = plant.axis().reference};
-}
-
-std::vector<MetricDefinition> AxisScenario::metric_definitions() const {
-  return design_.optimises ? with_qp_metrics(rows_.definitions()) : rows_.definitions();
-}
-
 Recording AxisScenario::run(const RunControl& control) const {
   const math::FloatEnvironment floats;
   const AxisPlant plant = this->plant();
-  const AxisTask task = this->task();
-  const AxisLoop loop = parts_.make(task);
+  const PlantTask task = whole_task();
+  const AxisLoop loop = make_loop(task);
   AxisRig rig(plant, *loop.controller);
-  rig.know_loop(parts_, task);
+  for (std::size_t i : task.driven) {
+    if (has_own_loop(i)) rig.know_loop(axis_parts_[i], task.axes[i], i);
+  }
   const AxisAdditions own = additions(rig, loop);
   std::vector<Signal> logged = rig.signals();
   logged.insert(logged.end(), own.logged.begin(), own.logged.end());
-  std::vector<Signal> signals = metric_signals(own, rig, loop, plant.axis().axis.units);
+  std::vector<Signal> signals = metric_signals(own, rig, loop);
   signals.insert(signals.end(), logged.begin(), logged.end());
-  MetricValues values(rows_, signals, plant.run.duration_s);
+  double first_contact_s = std::numeric_limits<double>::infinity();
+  MetricExpression::Events events;
+  if (plant.tip) events = {{"first_contact", &first_contact_s}};
+  MetricValues values(rows_, signals, plant.run.duration_s, events);
+  const double from_s = plant.tip ? plant.tip->reference.from_s : 0.0;
   const auto step = [&](std::int64_t k) {
     loop.controller->set_watched(control.logs || values.watches(rig.simulation().time_of(k)));
     rig.step();
     if (own.step) own.step();
+    const double time_s = rig.simulation().time_s();
+    if (rig.contact_force_N() > 0.0 && time_s >= from_s) {
+      first_contact_s = std::min(first_contact_s, time_s);
+    }
   };
   const auto sample = [&](double time_s) {
     if (own.sample) own.sample(time_s);

@@ -1,8 +1,9 @@
-// Scenarios whose axes have loops of their own.
+// Scenarios of a plant of axes.
 #pragma once
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/axis_rig.h>
+#include <breakwater/rigs/plant_parts.h>
 
 namespace breakwater {
 
@@ -25,19 +27,6 @@ struct AxisOfPlant {
   const AxisSettings& settings() const { return plant.axes[index]; }
 };
 
-/// A scenario that describes the loops of its axes, so that `analyze` can build and probe them.
-class LoopScenario : public Scenario {
- public:
-  /// The driven axes that have a controller. Valid after the settings are read and checked, and
-  /// while the scenario lives. Throws std::invalid_argument if an axis has no controller of its
-  /// own.
-  virtual std::vector<AxisOfPlant> loops() const = 0;
-
- protected:
-  LoopScenario() = default;
-  explicit LoopScenario(MetricRows rows) : Scenario(std::move(rows)) {}
-};
-
 /// The further signals of a scenario's run. The functions own the values of the signals.
 struct AxisAdditions {
   std::vector<Signal> logged = {};
@@ -46,45 +35,57 @@ struct AxisAdditions {
   std::function<void(double time_s)> sample = {};  ///< is called after each sample
 };
 
-/// A scenario of one axis: its name, its axis and its standard controller.
+/// The name of a scenario of axes, and what its file need not say.
 struct AxisScenarioDesign {
   std::string name;
   std::string summary;
-  Axis axis;
-  std::string controller = {};  ///< the default one; empty: the file names it
-  bool optimises = false;       ///< the metrics of predictive control's optimisations belong to it
+  std::optional<Axis> axis = {};  ///< its only axis, without a name; empty: the file names the axes
+  std::string controller = {};    ///< the default one of its only axis; empty: the file names it
+  bool optimises = false;  ///< the metrics of predictive control's optimisations belong to it
   std::vector<MetricKind> reductions = {};  ///< its own
 };
 
-/// A scenario of one axis. Its members are valid after its settings are read and checked.
+/// A scenario of a plant of axes. The file names the axes ([axis.NAME]), the forces on bodies
+/// ([push.NAME]), the contacts ([contact.NAME]), the force sensor ([tip]) and the metrics
+/// ([metric.NAME]). Each axis has its own reference, disturbance, estimator and controller, or one
+/// controller drives all axes. Or there is one axis without a name, whose keys have no prefix. Its
+/// members are valid after its settings are read and checked.
 ///
-/// Its metrics may be of every signal of the log, and of `reference_…` of the load. The estimates
-/// position_hat_…, velocity_hat_… and d_hat_… are there for each controller with an estimator.
-class AxisScenario : public LoopScenario {
+/// Its metrics may be of every signal of the log. An axis without a name also has `reference_…`,
+/// and position_hat_…, velocity_hat_… and d_hat_… for each controller with an estimator.
+class AxisScenario : public Scenario {
  public:
+  AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design);
+
   std::string name() const override { return design_.name; }
   std::string summary() const override { return design_.summary; }
-  /// Binds the keys of the plant, of its controller and its estimator, then bind(), then the rows
+  void learn(const Config& config) override;
+  /// Binds the keys of the plant, of its controllers and its estimators, then bind(), then the rows
   /// of the metrics.
   Fields fields() override;
   /// Also calls complete().
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return plant_.run; }
   std::vector<MetricDefinition> metric_definitions() const override;
-  std::vector<std::string> warnings() const override { return plant().warnings(); }
-  std::vector<AxisOfPlant> loops() const final { return {{plant(), task(), &parts_}}; }
+  std::vector<std::string> warnings() const override { return warnings_; }
   Recording run(const RunControl& control) const override;
+  void prepare_scene(Model& model) const override {
+    for (const ContactSettings& one : plant_.contacts) one.prepare(model);
+  }
+
+  /// The driven axes that have a controller, for `analyze`. Several axes hold the pose of
+  /// start.keyframe. Valid while the scenario lives. Throws std::invalid_argument if an axis has no
+  /// controller of its own.
+  std::vector<AxisOfPlant> loops() const;
 
   /// The plant of this case.
   virtual AxisPlant plant() const { return plant_; }
-  /// The task of its controller: the axis follows its reference.
+  /// The task of the controller of the only axis, which follows its reference.
   virtual AxisTask task() const;
 
  protected:
-  AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design);
-
   /// Binds the scenario's own keys.
-  virtual void bind(Fields& fields) = 0;
+  virtual void bind(Fields& /*fields*/) {}
   /// Reads and checks what only this scenario has, after the plant's settings. Returns the names
   /// for the rows of its metrics. Throws as check().
   virtual MetricContext complete(const Config& /*config*/) { return {}; }
@@ -93,13 +94,43 @@ class AxisScenario : public LoopScenario {
   }
   /// Binds task.reference_… and task.reference_from_s, a step of the reference from 0.
   void bind_step(Fields& fields);
-
-  AxisPlant plant_;
-  AxisParts parts_;
+  /// The parts of the only axis.
+  const AxisParts& parts() const { return axis_parts_.front(); }
 
  private:
+  PlantTask whole_task() const;
+  AxisLoop make_loop(const PlantTask& task) const;
+  void check_whole(const Config& config);
+  void warn_of_missing_signals(const Config& config);
+  /// Warns if the tip holds fewer coordinates than there are.
+  void warn_of_free_coordinates(const std::vector<TipCoordinate>& held);
+  /// Whether the axis has a controller of its own.
+  bool has_own_loop(std::size_t i) const;
+  /// The axes' own controllers, with `other` at the axis `replaced` if it is there.
+  std::unique_ptr<Controller> axes_control(const std::vector<AxisTask>& tasks,
+                                           std::unique_ptr<Controller> other = nullptr,
+                                           std::size_t replaced = 0) const;
+  std::vector<Signal> metric_signals(const AxisAdditions& own, const AxisRig& rig,
+                                     const AxisLoop& loop) const;
+
   AxisScenarioDesign design_;
+  Catalogue catalogue_;
+
+ protected:
+  AxisPlant plant_;
+
+ private:
+  std::vector<AxisParts> axis_parts_;  // in the order of the axes
+  std::optional<PlantParts> whole_;    // only with named axes
+  std::vector<std::string> warnings_;
 };
+
+/// A scenario that is a file alone.
+inline ScenarioKind axis_kind(const AxisScenarioDesign& design) {
+  return {design.name, [design](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+            return std::make_unique<AxisScenario>(catalogue, design);
+          }};
+}
 
 /// The kind of a scenario with a constructor that takes the catalogue.
 template <typename OneScenario>

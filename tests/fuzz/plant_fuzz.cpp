@@ -1,12 +1,11 @@
 // Models for MuJoCo's compiler: an MJCF through our loader, and the file of a plant with its axes,
 // contacts and metrics on a small MJCF. A plant that is read and printed is read again as the same.
 #include <breakwater/config/config.h>
-#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/rigs/drive_settings.h>
 #include <breakwater/rigs/wall_settings.h>
 #include <breakwater/sim/model.h>
 #include "fuzz/input.h"
-#include "plant/plant.h"
 
 namespace breakwater {
 namespace {
@@ -56,7 +55,7 @@ std::string printed(const std::string& text) {
   const ScenarioFile file(fuzz::folder().write("plant.toml", text), "plant");
   const std::string name = file.default_case();
   const Config config = file.config(name);
-  Plant plant(parts());
+  AxisScenario plant(parts(), {"plant", "any plant"});
   plant.learn(config);
   Fields fields = plant.fields();
   fields.check(file);

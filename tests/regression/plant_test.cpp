@@ -60,7 +60,7 @@ TEST(PlantTest, CartPositionAsAPlant) {
 }
 
 LoopAnalysis analysed(const PreparedRun& run) {
-  const auto& scenario = dynamic_cast<const LoopScenario&>(*run.scenario);
+  const auto& scenario = dynamic_cast<const AxisScenario&>(*run.scenario);
   return analyse({{{"it"}, scenario.loops().front()}},
                  {.from_rad_s = 0.5, .points = 3, .settle_s = 1.0})
       .front();
@@ -501,7 +501,7 @@ PlantTask task_of(const Sets& sets) {
               "axis.cart.controller.kp=1.0", "axis.cart.controller.kd=1.0"};
   all.insert(all.end(), sets.begin(), sets.end());
   const PreparedRun run = prepare_pendulum("lqr", all);
-  return plant_task(dynamic_cast<const LoopScenario&>(*run.scenario).loops().front().plant);
+  return plant_task(dynamic_cast<const AxisScenario&>(*run.scenario).loops().front().plant);
 }
 
 TEST(PendulumTest, TheTruePlantChangesNoNominalModel) {
