@@ -1,5 +1,10 @@
-// The time of a warm solve, for every solver on the same recorded sequences.
-//     qp_bench [RUNS] [SEQUENCES]
+// The time of a warm solve, for every solver on the same sequences of quadratic programs.
+//     qp_bench [RUNS]
+//
+// The sequences are the programs of the cart's predictive controllers along closed loops with
+// noise, active constraints and a disturbance in the second half. Infeasible programs, which the
+// controller softens, are left out. A sequence has the name of its variables and one-sided
+// constraints.
 //
 // A run replays each sequence many times and alternates the solvers. The time of a step is its
 // median over the replays, against other load. The output has the median and the largest time over
@@ -8,6 +13,7 @@
 // cache. The first step does not count, since it starts from the last one.
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -15,8 +21,16 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/control/lmpc.h>
+#include <breakwater/linear/riccati.h>
+#include <breakwater/linear/state_space.h>
+#include <breakwater/observers/disturbance_model.h>
+#include <breakwater/plants/damped_inertia.h>
+#include <breakwater/world/noise.h>
 #include "qp_contender.h"
-#include "qp_sequence.h"
+#ifdef BREAKWATER_DAQP
+#include "daqp_contender.h"
+#endif
 
 using namespace breakwater;
 
@@ -27,6 +41,120 @@ using Clock = std::chrono::steady_clock;
 constexpr int kTurns = 7;    // repetitions of each solver in a run
 constexpr int kReplays = 5;  // replays in a repetition, after one for warming up
 constexpr int kSweeps = 40;  // Hildreth's limit in the cart's cases
+
+struct Loop {
+  std::string name;  // variables x one-sided constraints
+  double period_s;
+  int prediction_steps;
+  int control_steps;
+  Eigen::Matrix2d Q;
+  double last_factor;  // 0: the regulator's P
+  double r;
+  double change_N;  // 0: no bound
+  double input_N;
+  double position_m;  // 0: no bound
+  double velocity_m_s;
+  int state_steps;
+  Eigen::Vector2d start;
+  double reference_m;
+  double noise_m;
+  double disturbance_N;  // begins in the middle
+  int samples;
+};
+
+LmpcDesign design_of(const Loop& loop, const StateSpace& plant) {
+  const StateSpace extended = extend_by_disturbance_model(plant, 0, loop.period_s).sampled;
+  LmpcDesign design;
+  design.A = extended.A;
+  design.B = extended.B;
+  design.prediction_steps = loop.prediction_steps;
+  design.control_steps = loop.control_steps;
+  const Eigen::MatrixXd R = Eigen::MatrixXd::Constant(1, 1, loop.r);
+  design.Q = design.Q_last = Eigen::MatrixXd::Zero(3, 3);
+  design.Q.topLeftCorner(2, 2) = loop.Q;
+  design.Q_last.topLeftCorner(2, 2) = loop.last_factor > 0.0
+                                          ? Eigen::MatrixXd(loop.last_factor * loop.Q)
+                                          : dlqr(plant.A, plant.B, loop.Q, R).P;
+  design.R = R;
+  const std::vector<int> moves = first_steps(loop.control_steps);
+  const std::vector<int> states = spread_steps(loop.state_steps, loop.prediction_steps);
+  if (loop.change_N > 0.0) design.change_bounds = {{0, -loop.change_N, loop.change_N, moves}};
+  design.input_bounds = {{0, -loop.input_N, loop.input_N, moves}};
+  if (loop.position_m > 0.0) {
+    design.state_bounds.push_back({0, -10.0, loop.position_m, states});
+  }
+  if (loop.velocity_m_s > 0.0) {
+    design.state_bounds.push_back({1, -loop.velocity_m_s, loop.velocity_m_s, states});
+  }
+  design.max_iterations = 40;
+  design.softness = 1e-6;
+  return design;
+}
+
+struct QpSequence {
+  QpModel model;
+  std::vector<QpInput> inputs;
+};
+
+QpSequence record(const Loop& loop) {
+  const StateSpace plant = zero_order_hold(damped_inertia(0.625, 0.78), loop.period_s);
+  Lmpc lmpc(design_of(loop, plant));
+  Eigen::VectorXd reference = Eigen::VectorXd::Zero(3 * loop.prediction_steps);
+  for (int i = 0; i < loop.prediction_steps; ++i) reference(3 * i) = loop.reference_m;
+  QpSequence sequence{lmpc.qp_model(), {}};
+
+  const Noise noise(1, "position");
+  const Noise speed_noise(1, "velocity");
+  Eigen::VectorXd x = loop.start;
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
+  double d_hat = 0.0;
+  for (int k = 0; k < loop.samples; ++k) {
+    const double d = k >= loop.samples / 2 ? loop.disturbance_N : 0.0;
+    d_hat += 0.1 * (d - d_hat);  // an estimator that needs some samples
+    const auto sample = static_cast<std::uint64_t>(k);
+    const Eigen::Vector3d estimate(x(0) + loop.noise_m * noise(sample),
+                                   x(1) + loop.noise_m * speed_noise(sample), d_hat);
+    const std::int64_t unsolved = lmpc.statistics().unsolved;
+    u += lmpc.optimise(estimate, u, reference, Eigen::VectorXd::Zero(1));
+    // Not every solver can soften rows.
+    if (lmpc.statistics().unsolved == unsolved) {
+      sequence.inputs.push_back(lmpc.qp_input());
+      sequence.inputs.back().softness.setZero();
+    }
+    x = plant.A * x + plant.B * (u.array() - d).matrix();
+  }
+  return sequence;
+}
+
+std::vector<Loop> loops() {
+  const Eigen::Matrix2d fast = Eigen::Vector2d(2e3, 1e2).asDiagonal();
+  const Eigen::Matrix2d position = Eigen::Vector2d(1e2, 1.0).asDiagonal();
+  const Eigen::Matrix2d even = Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d rest = Eigen::Vector2d::Zero();
+  return {
+      {"5x60", 0.1, 20, 5, fast, 3.0, 0.1, 40.0, 2.074, 0.5, 0.0, 20, rest, 1.0, 3e-3, 0.5, 2000},
+      {"3x52", 1e-3, 30, 3, position, 1.0, 1.0, 40.0, 2.0, 0.05, 1.0, 10, rest, 0.1, 1e-5, 0.3,
+       4000},
+      {"3x212", 1e-3, 100, 3, position, 1.0, 1.0, 40.0, 2.0, 0.05, 1.0, 50, rest, 0.1, 1e-5, 0.3,
+       4000},
+      {"114x456",
+       1e-2,
+       114,
+       114,
+       even,
+       0.0,
+       1.0,
+       0.0,
+       2.0,
+       0.0,
+       1.0,
+       114,
+       {1.5, 0.9},
+       0.0,
+       1e-3,
+       2.0,
+       1200}};
+}
 
 struct Contestant {
   std::string name;
@@ -41,11 +169,15 @@ std::vector<Contestant> contestants(const QpSequence& sequence) {
   };
   std::vector<Contestant> all = {{"active_set", own(QpSolverKind::active_set)},
                                  {"hildreth, 40 sweeps", own(QpSolverKind::hildreth)}};
-  for (const bool simple : {false, true}) {
-    if (make_daqp(sequence, simple) == nullptr) continue;
-    all.push_back({simple ? "DAQP, simple bounds" : "DAQP",
-                   [&sequence, simple] { return make_daqp(sequence, simple); }});
+#ifdef BREAKWATER_DAQP
+  const auto daqp = [&](int simple) {
+    return [&sequence, simple] { return std::make_unique<DaqpContender>(sequence.model, simple); };
+  };
+  all.push_back({"DAQP", daqp(0)});
+  if (const int simple = leading_unit_rows(sequence.model); simple > 0) {
+    all.push_back({"DAQP, simple bounds", daqp(simple)});
   }
+#endif
   return all;
 }
 
@@ -84,13 +216,12 @@ double residual_of(const QpSequence& sequence, const QpInput& input, const QpSol
 }
 
 // Solves each program once and collects status and residual.
-void examine(const QpSequence& sequence, const std::vector<QpInput>& inputs, QpContender& solver,
-             Account& account) {
-  for (const QpInput& input : inputs) {
+void examine(const QpSequence& sequence, QpContender& solver, Account& account) {
+  for (const QpInput& input : sequence.inputs) {
     solver.prepare(input);
     solver.solve();
     const QpSolution& solution = solver.solution();
-    account.changes += solution.iterations / static_cast<double>(inputs.size());
+    account.changes += solution.iterations / static_cast<double>(sequence.inputs.size());
     if (solution.status == QpStatus::solved) {
       account.residual = std::max(account.residual, residual_of(sequence, input, solution));
     } else {
@@ -146,9 +277,8 @@ void report(const std::string& name, const std::vector<Contestant>& all,
 
 int main(int argc, char** argv) {
   const int runs = argc > 1 ? std::atoi(argv[1]) : 5;
-  const std::string folder = argc > 2 ? argv[2] : BREAKWATER_QP_SEQUENCES;
   if (runs < 1) {
-    std::fprintf(stderr, "usage: qp_bench [RUNS] [SEQUENCES]\n");
+    std::fprintf(stderr, "usage: qp_bench [RUNS]\n");
     return 2;
   }
   std::printf(
@@ -159,19 +289,18 @@ int main(int argc, char** argv) {
       "| variables/rows | solver | median | largest | changes | unsolved | residual | "
       "active_set over it: median | largest |\n|---|---|---|---|---|---|---|---|---|\n");
   try {
-    for (const char* name : {"5x60", "3x52", "3x212", "114x456"}) {
-      const QpSequence sequence = read_qp_sequence(folder + "/" + name + ".h5");
-      std::vector<QpInput> inputs;
-      for (std::size_t k = 0; k < sequence.size(); ++k) inputs.push_back(sequence.input(k));
+    for (const Loop& loop : loops()) {
+      const QpSequence sequence = record(loop);
+      const std::vector<QpInput>& inputs = sequence.inputs;
       const std::vector<Contestant> all = contestants(sequence);
       std::vector<Account> accounts(all.size());
       std::vector<std::unique_ptr<QpContender>> solvers;
       for (std::size_t s = 0; s < all.size(); ++s) {
         solvers.push_back(all[s].make());
-        examine(sequence, inputs, *solvers[s], accounts[s]);
+        examine(sequence, *solvers[s], accounts[s]);
       }
       for (int run = 0; run < runs; ++run) measure(inputs, solvers, accounts);
-      report(name, all, accounts);
+      report(loop.name, all, accounts);
     }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "qp_bench: %s\n", error.what());

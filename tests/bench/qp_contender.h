@@ -2,10 +2,8 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include <breakwater/linear/qp.h>
-#include "qp_sequence.h"
 
 namespace breakwater {
 
@@ -41,11 +39,5 @@ class OwnQpContender final : public QpContender {
   QpInput input_;
   QpSolution solution_;
 };
-
-/// DAQP (https://github.com/darnstrom/daqp) with persistent workspace, working set and factor. It
-/// needs a build with its sources (-DBREAKWATER_DAQP=DIR). With `simple`, leading constraints on
-/// one variable each are simple bounds. nullptr without DAQP, or with `simple` if there are no such
-/// constraints.
-std::unique_ptr<QpContender> make_daqp(const QpSequence& sequence, bool simple);
 
 }  // namespace breakwater

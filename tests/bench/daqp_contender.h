@@ -1,18 +1,20 @@
-#include <cmath>
-
-#include "qp_contender.h"
+// DAQP (https://github.com/darnstrom/daqp) with persistent workspace, working set and factor. It
+// needs its sources (-DBREAKWATER_DAQP=DIR).
+#pragma once
 
 #include <api.h>
 #include <constants.h>
 #include <utils.h>
 
+#include "qp_contender.h"
+
 namespace breakwater {
-namespace {
 
 constexpr double kPrimalTolerance = 5e-9;  // allowed violation of a constraint, as in our solver
 
-// The number of leading constraints that bound one variable each, in order.
-int leading_unit_rows(const QpModel& model) {
+// The number of leading constraints that bound one variable each, in order. DAQP may take them as
+// simple bounds.
+inline int leading_unit_rows(const QpModel& model) {
   Eigen::Index count = 0;
   while (count < std::min(model.H.rows(), model.Omega.rows()) &&
          model.Omega.row(count) == Eigen::RowVectorXd::Unit(model.H.rows(), count)) {
@@ -73,13 +75,5 @@ class DaqpContender final : public QpContender {
   DAQPWorkspace workspace_{};
   DAQPResult result_{};
 };
-
-}  // namespace
-
-std::unique_ptr<QpContender> make_daqp(const QpSequence& sequence, bool simple) {
-  const int units = leading_unit_rows(sequence.model);
-  if (simple && units == 0) return nullptr;
-  return std::make_unique<DaqpContender>(sequence.model, simple ? units : 0);
-}
 
 }  // namespace breakwater
