@@ -6,7 +6,6 @@ namespace breakwater::drive_test {
 
 // The drive as it is, in the scenarios of axes and arms.
 using testing::completed_run;
-using testing::prepare;
 using Sets = std::vector<std::string>;
 
 constexpr const char* kMotor = "motor_estimation";
@@ -71,46 +70,6 @@ TEST(Drive, EachPartChangesTheMotorAndLogsItsSignals) {
   }
 }
 
-const Sets kElastic = {"transmission.stiffness_Nm_rad=[2e4,1e4,5e3]",
-                       "transmission.damping_Nms_rad=5", "sensor.encoder_side=motor",
-                       "friction.side=motor"};
-
-// The link is light without the inertia of its motor, and needs a hand with less damping.
-constexpr const char* kSoftHand = "push.damping_Nms_rad=10";
-
-// At rest under the hand's moment M about joint 3, the spring of this joint has the twist −M/K.
-TEST(Drive, SpringOfAJointOfTheArmTwistsByTheHandsMoment) {
-  const Recording run =
-      completed_run("arm_push", "proposed-link3", with(kElastic, {kSoftHand, "run.duration_s=5"}));
-  // The value of the last joint at the last sample.
-  const auto last = [&](const char* name) { return run.track("control").values(name).back(); };
-  const double moment_Nm = last("push_moment_Nm");
-  EXPECT_GT(std::abs(moment_Nm), 5.0);
-  EXPECT_NEAR(last("motor_q_true_rad") - last("q_true_rad"), -moment_Nm / 5e3,
-              0.01 * std::abs(moment_Nm) / 5e3);
-  EXPECT_NEAR(last("transmission_Nm"), -moment_Nm, 0.01 * std::abs(moment_Nm));
-  EXPECT_EQ(run.track("control").signal(0).name, "qpos");
-  EXPECT_EQ(run.track("control").signal(0).values.size(), 3U);
-}
-
-// A rigid joint beside it gets the true torque of its motor.
-TEST(Drive, RigidJointOfAnElasticArmGetsTheTorqueOfItsMotor) {
-  const Recording run = completed_run(
-      "arm_push", "proposed-link3",
-      {"transmission.stiffness_Nm_rad=[2e4,0,0]", "transmission.damping_Nms_rad=5",
-       "sensor.encoder_side=motor", "friction.side=motor", "drive.current_bandwidth_rad_s=2000",
-       "drive.current_damping_ratio=0.7", kSoftHand, "run.duration_s=5"});
-  // The values of joint 3, the last of each sample.
-  const auto of_joint_3 = [&](const char* name) {
-    const std::vector<double> all = run.track("control").values(name);
-    std::vector<double> own;
-    for (std::size_t i = 2; i < all.size(); i += 3) own.push_back(all[i]);
-    return own;
-  };
-  EXPECT_EQ(of_joint_3("transmission_Nm"), of_joint_3("motor_Nm"));
-  EXPECT_NE(of_joint_3("transmission_Nm"), of_joint_3("torque_applied_Nm"));
-}
-
 // Without load dependence the law has the bits of the engine's friction. The log has that of all.
 TEST(Drive, ALawOfOneJointLeavesTheOthersTheirFriction) {
   const auto run = [](Sets sets) {
@@ -129,15 +88,6 @@ TEST(Drive, ALawOfOneJointLeavesTheOthersTheirFriction) {
     EXPECT_NEAR(friction[i], -std::copysign(4.0, speed[i]), 0.02) << i;
   }
   EXPECT_GT(sliding, 0);
-}
-
-TEST(Drive, AListIsInTheEffectiveConfiguration) {
-  const PreparedRun run =
-      prepare("arm_push", "proposed-link1", {"transmission.stiffness_Nm_rad=[0,0,5e3]"});
-  for (const char* part : {"[axis.joint3.transmission]\n", "stiffness_Nm_rad = 5000.0\n"}) {
-    EXPECT_TRUE(has(run.config_text, part)) << run.config_text;
-  }
-  EXPECT_TRUE(run.ineffective.empty());
 }
 
 // Scenario two_inertia, and transmissions in the axis rig.

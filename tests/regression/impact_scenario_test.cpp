@@ -223,32 +223,6 @@ TEST(ImpactScenario, AMovingWallIsAnImpactAtTheRelativeSpeed) {
   }
 }
 
-TEST(ImpactScenario, TheSensorsChainReachesTheSamplesAndNotTheMotion) {
-  const Sets brief = {"run.duration_s=0.05"};
-  const Recording plain = completed_run(kScenario, "hertz", brief);
-  for (const char* link :
-       {"sensor.force_bias_N=1", "sensor.force_drift_N_sqrt_s=1", "sensor.force_range_N=2",
-        "sensor.force_quantum_N=0.5", "sensor.force_period_s=2e-3", "sensor.force_delay_s=1e-3",
-        "sensor.force_resonance_Hz=50"}) {
-    const Recording run = completed_run(kScenario, "hertz", {brief[0], link});
-    EXPECT_EQ(run.state_hash, plain.state_hash) << link;
-    const auto measured = [](const Recording& of) {
-      const auto values = of.track("control").values("force_measured_N");
-      return std::vector<double>(values.begin(), values.end());
-    };
-    EXPECT_NE(measured(run), measured(plain)) << link;
-  }
-}
-
-TEST(ImpactScenario, ItsDurationFitsTheSlowestImpact) {
-  for (const Law& law : laws(100.0, 0.01)) {
-    Sets sets = {"contact.stiffness_N_m=100", "impact.speed_m_s=0.01", "physics.timestep_s=1e-4"};
-    sets.insert(sets.end(), law.keys.begin(), law.keys.end());
-    const Recording run = completed_run(kScenario, law.name, sets, testing::kWithoutLog);
-    EXPECT_TRUE(run.metric("restitution")) << law.name;
-  }
-}
-
 // A law from outside, by a function.
 struct Cubic final : ContactForceLaw {
   explicit Cubic(double k) : stiffness(k) {}

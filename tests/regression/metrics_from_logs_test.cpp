@@ -411,8 +411,4 @@ TEST(SignalsOfMetrics, LagOfASineIsTheDelayThatFitsBest) {
   for (const double off_s : {-1.0, 1.0}) EXPECT_LT(misfit(lag_s), misfit(lag_s + off_s));
 }
 
-TEST(SignalsOfMetrics, AStepHasNoLag) {
-  EXPECT_FALSE(run_case("cart_estimation", "order1").metric("disturbance_lag_s"));
-}
-
 }  // namespace breakwater::metrics_from_logs_test

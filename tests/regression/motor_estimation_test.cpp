@@ -167,17 +167,7 @@ TEST(MotorEstimation, PolesOfVariableAndOfFixedFactors) {
   EXPECT_LT(slowest_at_end("fakfd-095"), 0.995);
 }
 
-TEST(MotorEstimation, IdobKeepsItsPoles) {
-  const Recording run = testing::run_case("motor_estimation", "idob", cell("1e-2", 8));
-  const auto re = run.track("control").values("poles_continuous_re_rad_s");
-  for (std::size_t i = 0; i < re.size(); i += 3) {
-    EXPECT_NEAR(re[i], -30.0, 1e-5);
-    EXPECT_NEAR(re[i + 1], -20.0, 1e-5);
-    EXPECT_NEAR(re[i + 2], -10.0, 1e-5);
-  }
-}
-
-// The keys define the disturbance. Files without the newer keys have the shipped values.
+// The keys define the disturbance.
 TEST(MotorEstimation, TwoSinesAndAChirpHaveTheirKeys) {
   const auto acting = [](const Sets& sets) {
     const Recording run = testing::run_case("motor_estimation", "idob", sets);
@@ -191,32 +181,6 @@ TEST(MotorEstimation, TwoSinesAndAChirpHaveTheirKeys) {
                              "disturbance.frequency_rad_s=2", "disturbance.end_frequency_rad_s=6",
                              "disturbance.sweep_s=2"});
   EXPECT_NEAR(chirp[4000], 3.0 * std::sin(8.0 + 6.0), 1e-9);
-}
-
-TEST(MotorEstimation, OldFilesHaveTheShippedValuesOfNewerKeys) {
-  const ScenarioFile shipped = testing::scenario_file("motor_estimation");
-  const auto path = testing::temporary_path("motor_estimation.toml");
-  std::ofstream older(path);
-  std::istringstream lines(shipped.text());
-  int left_out = 0;
-  for (std::string line; std::getline(lines, line);) {
-    const bool is_newer = line.starts_with("second_") || line.starts_with("end_frequency") ||
-                          line.starts_with("sweep_s");
-    left_out += is_newer ? 1 : 0;
-    if (!is_newer) older << line << '\n';
-  }
-  older.close();
-  EXPECT_EQ(left_out, 4);
-  for (const char* kind : {"step", "two_sines", "chirp"}) {
-    const Sets sets = {"disturbance.kind=" + std::string(kind)};
-    const PreparedRun run =
-        prepare_run(testing::catalogue(), "motor_estimation",
-                    ScenarioFile(path.string(), "motor_estimation"), "idob", sets);
-    EXPECT_EQ(run.scenario->run({}).state_hash,
-              testing::run_case("motor_estimation", "idob", sets).state_hash)
-        << kind;
-  }
-  std::filesystem::remove(path);
 }
 
 }  // namespace breakwater::motor_estimation_test
