@@ -5,9 +5,11 @@ Pages are served locally. A page reports by POSTing JSON.
 
 import http.server
 import json
+import pathlib
 import shutil
 import subprocess
 import sys
+import tempfile
 import threading
 
 # For a page that looks at others: faint(document) names the texts that are hard to read.
@@ -53,6 +55,32 @@ function faint(page) {
 }
 """
 
+# A page that looks at others by its function look(), and reports `seen`.
+READER = """<!doctype html><body style="margin:0"><script>
+"use strict";
+const seen = {errors: []};
+const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+const until = async (what, test) => {
+  for (;;) { const value = test(); if (value) return value; await wait(25); }
+};
+// Until what has changed is laid out and drawn.
+const laidOut = (page) => new Promise((done) => page.requestAnimationFrame(() => page.requestAnimationFrame(done)));
+// A page in a frame, alone.
+async function open(name, width, height) {
+  const frame = document.createElement("iframe");
+  frame.style.cssText = `border:0;width:${width}px;height:${height}px`;
+  frame.src = name + ".html";
+  document.body.replaceChildren(frame);
+  await new Promise((done) => frame.addEventListener("load", done, {once: true}));
+  const page = frame.contentWindow, dom = frame.contentDocument;
+  page.addEventListener("error", (e) => seen.errors.push(e.message));
+  dom.addEventListener("securitypolicyviolation", (e) => seen.errors.push("asked for " + e.blockedURI));
+  return {frame, page, dom};
+}
+LOOK
+look().catch((e) => seen.errors.push(String(e.stack))).then(() => fetch("/seen", {method: "POST", body: JSON.stringify(seen)}));
+</script>"""
+SOFTWARE_GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 
 HANGS_S = 900  # no page takes as long, even on a machine with much other work
 
@@ -112,3 +140,22 @@ def visit(pages, folder, flags):
     if not reported:
         sys.exit("the page did not report:\n" + text[-3000:])
     return seen, text, asked
+
+
+def read(look, pages, folder, flags):
+    """What the script `look` sees of `pages` (name: HTML), which ask for nothing and log nothing."""
+    html = "text/html; charset=utf-8"
+    served = {f"/{name}.html": (page, html) for name, page in pages.items()}
+    served["/"] = (READER.replace("LOOK", look).encode(), html)
+    seen, log, asked = visit(served, folder, [*SOFTWARE_GL, "--enable-logging=stderr", *flags])
+    assert seen["errors"] == [], seen["errors"]
+    console = [line for line in log.splitlines() if "CONSOLE" in line and "GPU stall" not in line]
+    assert console == [], console
+    assert sorted(set(asked) - {"/favicon.ico"}) == sorted(served), asked
+    return seen
+
+
+def run(test):
+    """Calls a test with the folder of the programs, the first argument, and one of its own."""
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        test(pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(folder))

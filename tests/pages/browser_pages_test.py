@@ -10,10 +10,9 @@ import json
 import pathlib
 import subprocess
 import sys
-import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from chromium import CONTRAST, visit  # noqa: E402
+from chromium import CONTRAST, read, run  # noqa: E402
 
 CASES = ["idob", "dkf"]
 SHORT = ["run.duration_s=2", "metrics.from_s=1", "metrics.to_s=2"]
@@ -42,21 +41,12 @@ rmse_velocity_rad_s = {{ goal = "min" }}
 rms_torque_Nm = {{ goal = "min" }}
 """
 
-READER = """<!doctype html><body style="margin:0"><script>
-const seen = {errors: [], pages: {}};
+LOOK = """
+seen.pages = {};
 const FIRST = %(first)s, CASES = %(cases)s;
-const wait = (ms) => new Promise((done) => setTimeout(done, ms));
-// Until what has changed is laid out and drawn.
-const laidOut = (page) => new Promise((done) => page.requestAnimationFrame(() => page.requestAnimationFrame(done)));
 %(contrast)s
-async function look(name) {
-  const frame = document.createElement("iframe");
-  frame.style.cssText = "border:0;width:1280px;height:900px";
-  frame.src = name + ".html";
-  document.body.replaceChildren(frame);
-  await new Promise((done) => frame.addEventListener("load", done, {once: true}));
-  const page = frame.contentWindow, dom = frame.contentDocument;
-  page.addEventListener("error", (e) => seen.errors.push(e.message));
+async function lookAt(name) {
+  const {frame, page, dom} = await open(name, 1280, 900);
   while (!page.pageData || (dom.querySelector(".chart") && !dom.querySelector(".chart[data-drawn]"))) await wait(25);
   const found = seen.pages[name] = {};
   // The head of each is in sight, if not all of it.
@@ -90,10 +80,8 @@ async function look(name) {
   found.clipped = Array.from(dom.querySelectorAll("table")).filter((table) =>
     table.getClientRects().length && !table.closest(".scroll") && table.scrollWidth > table.parentElement.clientWidth).length;
 }
-(async () => { for (const name of Object.keys(FIRST)) await look(name); })()
-  .catch((e) => seen.errors.push(String(e.stack)))
-  .then(() => fetch("/seen", {method: "POST", body: JSON.stringify(seen)}));
-</script>"""
+async function look() { for (const name of Object.keys(FIRST)) await lookAt(name); }
+""" % {"first": json.dumps(FIRST), "cases": json.dumps(CASES), "contrast": CONTRAST}
 
 
 def make_pages(program, folder):
@@ -115,27 +103,13 @@ def make_pages(program, folder):
             "tune": "tune/report.html", "analysis": "analysis/report.html"}
 
 
-def read(files, folder, flags):
-    html = "text/html; charset=utf-8"
-    reader = READER % {"first": json.dumps(FIRST), "cases": json.dumps(CASES), "contrast": CONTRAST}
-    pages = {"/": (reader.encode(), html)}
-    for name, file in files.items():
-        pages[f"/{name}.html"] = ((folder / file).read_bytes(), html)
-    flags = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--window-size=1300,920", *flags]
-    return visit(pages, folder, flags)[0]
-
-
-def main():
-    program = pathlib.Path(sys.argv[1]).resolve() / "breakwater"
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
-        folder = pathlib.Path(name)
-        files = make_pages(program, folder)
-        sizes = {name: (folder / file).stat().st_size for name, file in files.items()}
-        light = read(files, folder, [])
-        dark = read(files, folder, ["--force-dark-mode", "--blink-settings=preferredColorScheme=0"])
+def test(bin_folder, folder):
+    pages = {name: (folder / file).read_bytes() for name, file in make_pages(bin_folder / "breakwater", folder).items()}
+    sizes = {name: len(page) for name, page in pages.items()}
+    light, dark = (read(LOOK, pages, folder, ["--window-size=1300,920", *flags])
+                   for flags in ([], ["--force-dark-mode", "--blink-settings=preferredColorScheme=0"]))
     print(json.dumps([sizes, light, dark], indent=1))
     for seen in (light, dark):
-        assert seen["errors"] == [], seen["errors"]
         colours = {}
         for name, found in seen["pages"].items():
             assert found["below"] == [], (name, found["below"])
@@ -152,4 +126,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    run(test)

@@ -11,29 +11,15 @@ import pathlib
 import re
 import subprocess
 import sys
-import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from chromium import visit  # noqa: E402
+from chromium import read, run  # noqa: E402
 
 EXPERIMENTS = pathlib.Path(__file__).with_name("browser_report.toml")
 
-# The reader. `page` is the report's window.
-READER = """<!doctype html><body style="margin:0"><script>
-const seen = {errors: []};
-const wait = (ms) => new Promise((done) => setTimeout(done, ms));
-const until = async (what, test) => { while (!test()) await wait(50); };
-// Until what has changed is laid out and drawn.
-const drawn = (page) => new Promise((done) => page.requestAnimationFrame(() => page.requestAnimationFrame(done)));
-const frame = document.createElement("iframe");
-frame.style.cssText = "border:0;width:1440px;height:900px";
-frame.src = "report.html";
-document.body.appendChild(frame);
-
+LOOK = """
 async function look() {
-  const page = frame.contentWindow, dom = frame.contentDocument;
-  page.addEventListener("error", (e) => seen.errors.push(e.message));
-  dom.addEventListener("securitypolicyviolation", (e) => seen.errors.push("asked for " + e.blockedURI));
+  const {frame, page, dom} = await open("report", 1440, 900);
   const boxes = Array.from(dom.querySelectorAll(".chart"));
   seen.charts = boxes.length;
 
@@ -63,7 +49,7 @@ async function look() {
   const motor = find("figure-4-32-1"), other = find("figure-4-34-1");
   motor.scrollIntoView({block: "center", behavior: "instant"});
   mouse(motor, "mousemove", 0.5);
-  await drawn(page);
+  await laidOut(page);
   seen.hover = values(motor);
   seen.hoverElsewhere = values(other);
   seen.clock = motor.querySelector(".time").textContent;
@@ -74,12 +60,12 @@ async function look() {
   mouse(motor, "mousemove", 0.4);
   mouse(motor, "mousemove", 0.5);
   mouse(motor, "mouseup", 0.5);
-  await drawn(page);
+  await laidOut(page);
   seen.zoomed = motor.chart.graph.xAxisRange();
   seen.linked = other.chart.graph.xAxisRange();
   seen.unlinked = String(before) === String(arm.chart.graph.xAxisRange());
   motor.querySelector(".plot").dispatchEvent(new page.KeyboardEvent("keydown", {key: "0", bubbles: true}));
-  await drawn(page);
+  await laidOut(page);
   seen.reset = other.chart.graph.xAxisRange();
 
   // The button of a signal.
@@ -122,31 +108,18 @@ async function look() {
   seen.overflow = {};
   for (const width of [390, 1440]) {
     frame.style.width = width + "px";
-    await drawn(page);
+    await laidOut(page);
     seen.overflow[width] = dom.scrollingElement.scrollWidth - dom.scrollingElement.clientWidth;
     seen["chart" + width] = arm.querySelector("canvas").getBoundingClientRect().width;
   }
 }
-
-frame.addEventListener("load", () => look().catch((e) => seen.errors.push(String(e.stack)))
-  .then(() => fetch("/seen", {method: "POST", body: JSON.stringify(seen)})));
-</script>"""
+"""
 
 
 def make_report(bin_folder, folder):
     subprocess.run([bin_folder / "breakwater", "reproduce", "--quiet", "--experiments", EXPERIMENTS,
                     "--out", folder / "out"], check=True)
     return (folder / "out" / "report.html").read_bytes()
-
-
-def read(report, folder):
-    html = "text/html; charset=utf-8"
-    pages = {"/": (READER.encode(), html), "/report.html": (report, html)}
-    seen, log, asked = visit(pages, folder, ["--enable-logging=stderr", "--window-size=1500,1000", "--use-angle=swiftshader",
-                                         "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"])
-    seen["console"] = [line for line in log.splitlines() if "CONSOLE" in line and "GPU stall" not in line]
-    seen["asked"] = [path for path in asked if path != "/favicon.ico"]
-    return seen
 
 
 def printed_canvases(folder):
@@ -159,18 +132,12 @@ def printed_canvases(folder):
     return paper.read_bytes().count(b"/Subtype /Image")
 
 
-def main():
-    bin_folder = pathlib.Path(sys.argv[1]).resolve()
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
-        folder = pathlib.Path(name)
-        report = make_report(bin_folder, folder)
-        seen = read(report, folder)
-        seen["printed"] = printed_canvases(folder)
+def test(bin_folder, folder):
+    report = make_report(bin_folder, folder)
+    seen = read(LOOK, {"report": report}, folder, ["--window-size=1500,1000"])
+    seen["printed"] = printed_canvases(folder)
     print(json.dumps(seen, indent=1))
 
-    assert seen["errors"] == [], seen["errors"]
-    assert seen["console"] == [], seen["console"]
-    assert seen["asked"] == ["/", "/report.html"], seen["asked"]
     html = report.decode()
     sources = re.findall(r"""(?:src|href|action|poster)\s*=\s*["']([^"']*)""", re.sub(r"<script.*?</script>", "", html, flags=re.S))
     assert sources and all(s.startswith(("#", "data:")) for s in sources), sources
@@ -199,4 +166,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    run(test)

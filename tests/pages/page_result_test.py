@@ -14,8 +14,10 @@ import pathlib
 import re
 import subprocess
 import sys
-import tempfile
 import zlib
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from chromium import run  # noqa: E402
 
 BLOCKS = {"about", "card", "code", "command", "drawings", "failure", "figures", "finding", "fold", "legend", "list", "machine",
           "paragraph", "picture", "replay", "score", "subheading", "table", "text", "video"}
@@ -135,20 +137,16 @@ def check_latex():
         r"x [rad/s$^2$] & $-3.2 \times 10^{-5}$ \\", r"d & -- \\", r"\bottomrule", r"\end{tabular}"]
 
 
-def main():
-    bin_folder = pathlib.Path(sys.argv[1]).resolve()
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
+def test(bin_folder, folder):
+    def call(*words):
+        return subprocess.run([bin_folder / "breakwater", *words], cwd=folder, check=True, text=True,
+                              stdout=subprocess.PIPE).stdout
 
-        def call(*words):
-            return subprocess.run([bin_folder / "breakwater", *words], cwd=folder, check=True, text=True,
-                                  stdout=subprocess.PIPE).stdout
-
-        check_latex()
-        check_analysis(call, folder)
-        check_runs(call, folder)
-        check_hostile(call, folder, pathlib.Path(__file__).resolve().parents[2] / "data/identify/bench1.csv")
+    check_latex()
+    check_analysis(call, folder)
+    check_runs(call, folder)
+    check_hostile(call, folder, pathlib.Path(__file__).resolve().parents[2] / "data/identify/bench1.csv")
 
 
 if __name__ == "__main__":
-    main()
+    run(test)

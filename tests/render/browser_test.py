@@ -8,10 +8,9 @@ Usage: browser_test.py BUILD_BIN_FOLDER
 import pathlib
 import subprocess
 import sys
-import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from chromium import visit  # noqa: E402
+from chromium import run, visit  # noqa: E402
 
 PAGE = """<!doctype html><video id="v" muted playsinline src="video.mp4"></video><script>
 const v = document.getElementById("v");
@@ -48,11 +47,8 @@ def play(video, folder):
     return visit(pages, folder, ["--autoplay-policy=no-user-gesture-required"])[0]
 
 
-def main():
-    bin_folder = pathlib.Path(sys.argv[1]).resolve()
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
-        folder = pathlib.Path(name)
-        seen = play(make_video(bin_folder, folder), folder)
+def test(bin_folder, folder):
+    seen = play(make_video(bin_folder, folder), folder)
     print(seen)
     assert "error" not in seen, seen
     assert (seen["width"], seen["height"]) == (640, 360), seen
@@ -62,4 +58,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    run(test)
