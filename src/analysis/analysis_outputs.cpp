@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <functional>
+#include <iterator>
 #include <memory>
 #include <numbers>
 #include <utility>
@@ -32,140 +32,11 @@ namespace {
 constexpr double kInDegrees = 180.0 / std::numbers::pi;
 constexpr double kDeep_dB = 120.0, kLow_dB = -60.0;  // values below both limits are not drawn
 
-double dB(double gain) {
+double in_dB(double gain) {
   return 20.0 * std::log10(gain);
 }
 
-std::vector<double> gains(const BodeCurve& curve) {
-  std::vector<double> result;
-  for (const std::complex<double>& gain : curve.gain) result.push_back(dB(std::abs(gain)));
-  return result;
-}
-
-// Unwrapped phases in degrees, the first within ±180.
-std::vector<double> phases(const BodeCurve& curve) {
-  std::vector<double> result;
-  for (const std::complex<double>& gain : curve.gain) {
-    double phase = std::arg(gain) * kInDegrees;
-    if (!result.empty()) phase += 360.0 * std::round((result.back() - phase) / 360.0);
-    result.push_back(phase);
-  }
-  return result;
-}
-
-// The value of a line at a frequency, or at the next one that it has.
-double at(const BodeCurve& line, const std::vector<double>& values, double omega_rad_s) {
-  const auto& all = line.omega_rad_s;
-  const auto next = std::lower_bound(all.begin(), all.end(), omega_rad_s) - all.begin();
-  return values[std::min(static_cast<std::size_t>(next), values.size() - 1)];
-}
-
-double nearest_turn(double phase, double to) {
-  return phase + 360.0 * std::round((to - phase) / 360.0);
-}
-
-// The designed line and the measured marks; those that are not sure are grey.
-void add_series(const BodeLoop& loop, const std::vector<double>& line,
-                const std::vector<double>& marks, PageChart& chart) {
-  const auto series = [&](const char* what, Identity look, const char* kind) {
-    ChartSeries one{.label = loop.label + what, .identity = look, .has_line = *kind == '\0'};
-    one.marks = kind;
-    return one;
-  };
-  ChartSeries designed = series("", loop.look, "");
-  ChartSeries measured = series(", measured", loop.look, "dot");
-  ChartSeries unsure = series(", not reliable", kReferenceIdentity, "dot");
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    designed.values.times_s.push_back(std::log10(loop.line.omega_rad_s[k]));
-    designed.values.values.push_back(line[k]);
-  }
-  for (std::size_t k = 0; k < marks.size(); ++k) {
-    Series& values =
-        (loop.marks.is_unsure.empty() || !loop.marks.is_unsure[k] ? measured : unsure).values;
-    values.times_s.push_back(std::log10(loop.marks.omega_rad_s[k]));
-    values.values.push_back(marks[k]);
-  }
-  for (ChartSeries& one : {std::ref(designed), std::ref(measured), std::ref(unsure)}) {
-    if (!one.values.values.empty()) chart.series.push_back(std::move(one));
-  }
-}
-
-// The phase margin at the crossover, from a half turn to the line; the gain margin below 0 dB.
-void add_margins(const BodeLoop& loop, const std::vector<double>& line, PageChart& gain,
-                 PageChart& phase) {
-  const LoopMargins& margins = *loop.margins;
-  if (std::isfinite(margins.phase_margin_rad)) {
-    const double end = at(loop.line, line, margins.crossover_rad_s);
-    phase.brackets.push_back({std::log10(margins.crossover_rad_s), nearest_turn(-180.0, end), end,
-                              fmt::format("{}, phase margin {:.1f} deg", loop.label,
-                                          margins.phase_margin_rad * kInDegrees),
-                              loop.look});
-  }
-  if (std::isfinite(margins.gain_margin)) {
-    const double margin = dB(margins.gain_margin);
-    gain.brackets.push_back({std::log10(margins.gain_margin_rad_s), 0.0, -margin,
-                             fmt::format("{}, gain margin {:.1f} dB", loop.label, margin),
-                             loop.look});
-  }
-}
-
-// Leaves a gap where a line is too low to be drawn, and no mark.
-void cut_below(double lowest, PageChart& chart) {
-  for (ChartSeries& one : chart.series) {
-    for (double& value : one.values.values) {
-      if (value < lowest) value = std::nan("");
-    }
-  }
-}
-
-}  // namespace
-
-PageData bode_charts(const std::string& id, const std::string& unit,
-                     const std::vector<BodeLoop>& loops) {
-  PageChart gain{.id = id + "-gain", .group = id, .title = "gain"}, phase = gain;
-  phase.id = id + "-phase";
-  phase.title = "phase [deg]";
-  gain.title += unit.empty() ? " [dB]" : " [dB of " + unit + "]";
-  double highest = -kDeep_dB;
-  for (PageChart* chart : {&gain, &phase}) {
-    chart->x_title = "frequency [rad/s]";
-    chart->is_log_x = true;
-  }
-  for (const BodeLoop& loop : loops) {
-    add_series(loop, gains(loop.line), gains(loop.marks), gain);
-    const std::vector<double> line = phases(loop.line);
-    std::vector<double> marks = phases(loop.marks);
-    // Marks are too far apart to be unwrapped alone.
-    for (std::size_t k = 0; k < marks.size() && !line.empty(); ++k) {
-      marks[k] = nearest_turn(marks[k], at(loop.line, line, loop.marks.omega_rad_s[k]));
-    }
-    add_series(loop, line, marks, phase);
-    if (loop.margins) add_margins(loop, line, gain, phase);
-  }
-  for (const ChartSeries& one : gain.series) {
-    for (const double value : one.values.values) highest = std::max(highest, value);
-  }
-  cut_below(std::min(highest - kDeep_dB, kLow_dB), gain);
-  if (gain.series.empty()) return PageData::array();
-  return {gain.json(), phase.json()};
-}
-
-namespace fs = std::filesystem;
-namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-// A frequency response in the charts and tables.
-struct Response {
-  const char* name;  // name of its columns
-  std::complex<double> LoopPoint::*value;
-  bool needs_estimator;
-  std::string title;
-  std::string about;
-  std::string unit;
-};
-
-std::vector<Response> responses(const AxisUnits& units) {
+std::vector<BodeResponse> responses(const AxisUnits& units) {
   return {
       {"d_hat_over_d", &LoopPoint::d_hat_over_d, true, "From the disturbance to its estimate",
        "1 means that the estimate equals the disturbance. The loop is closed.", ""},
@@ -186,92 +57,84 @@ std::vector<Response> responses(const AxisUnits& units) {
        ""}};
 }
 
-struct Way {
-  const char* name;
-  LoopCurve LoopAnalysis::*curve;
-};
-constexpr std::array<Way, 2> kWays = {
-    {{"designed", &LoopAnalysis::designed}, {"measured", &LoopAnalysis::measured}}};
-
 // An existing curve of a loop, designed or measured.
 struct NamedCurve {
   const LoopAnalysis& loop;
-  const Way& way;
+  bool is_measured;
   const LoopCurve& curve;
+
+  const char* way() const { return is_measured ? "measured" : "designed"; }
 };
 
 std::vector<NamedCurve> curves_of(const std::vector<LoopAnalysis>& loops) {
   std::vector<NamedCurve> curves;
   for (const LoopAnalysis& loop : loops) {
-    for (const Way& way : kWays) {
-      const LoopCurve& curve = loop.*way.curve;
-      if (!curve.points.empty()) curves.push_back({loop, way, curve});
-    }
+    if (!loop.designed.points.empty()) curves.push_back({loop, false, loop.designed});
+    if (!loop.measured.points.empty()) curves.push_back({loop, true, loop.measured});
   }
   return curves;
-}
-
-double in_dB(double gain) {
-  return 20.0 * std::log10(gain);
 }
 
 struct Quantity {
   const char* column;
   const char* words;
-  std::function<double(const LoopCurve&)> of;
-  // The frequency at which it is read. Empty: none stands for it.
-  std::function<double(const LoopCurve&)> at_rad_s = {};
+  double (*of)(const LoopCurve&);
+  // The frequency at which it is read. Null: none stands for it.
+  double (*at_rad_s)(const LoopCurve&);
 };
 
-const std::vector<Quantity>& quantities() {
-  const auto bandwidth = [](const LoopCurve& c) { return c.bandwidth_rad_s; };
-  const auto crossover = [](const LoopCurve& c) { return c.margins.crossover_rad_s; };
-  const auto phase_crossover = [](const LoopCurve& c) { return c.margins.gain_margin_rad_s; };
-  static const std::vector<Quantity> all = {
-      {"bandwidth_rad_s", "bandwidth of d_hat/d, −3 dB [rad/s]", bandwidth, bandwidth},
-      {"crossover_rad_s", "crossover |L| = 1 [rad/s]", crossover, crossover},
-      {"phase_margin_deg", "phase margin [deg]",
-       [](const LoopCurve& c) { return c.margins.phase_margin_rad * kDegrees; }, crossover},
-      {"gain_margin_dB", "gain margin [dB]",
-       [](const LoopCurve& c) { return in_dB(c.margins.gain_margin); }, phase_crossover},
-      {"gain_reduction_margin_dB", "gain reduction margin [dB]",
-       [](const LoopCurve& c) { return in_dB(c.margins.gain_reduction_margin); }},
-      {"delay_margin_ms", "delay margin [ms]",
-       [](const LoopCurve& c) { return 1e3 * c.margins.delay_margin_s; }, crossover},
-      {"sensitivity_peak_1", "M_s, largest sensitivity",
-       [](const LoopCurve& c) { return c.margins.sensitivity_peak; }},
-      {"complementary_peak_1", "M_t, largest complementary sensitivity",
-       [](const LoopCurve& c) { return c.margins.complementary_peak; }}};
-  return all;
+double bandwidth_of(const LoopCurve& curve) {
+  return curve.bandwidth_rad_s;
 }
+double crossover_of(const LoopCurve& curve) {
+  return curve.margins.crossover_rad_s;
+}
+double phase_crossover_of(const LoopCurve& curve) {
+  return curve.margins.gain_margin_rad_s;
+}
+
+constexpr std::array<Quantity, 8> kQuantities = {
+    {{"bandwidth_rad_s", "bandwidth of d_hat/d, −3 dB [rad/s]", bandwidth_of, bandwidth_of},
+     {"crossover_rad_s", "crossover |L| = 1 [rad/s]", crossover_of, crossover_of},
+     {"phase_margin_deg", "phase margin [deg]",
+      [](const LoopCurve& c) { return c.margins.phase_margin_rad * kInDegrees; }, crossover_of},
+     {"gain_margin_dB", "gain margin [dB]",
+      [](const LoopCurve& c) { return in_dB(c.margins.gain_margin); }, phase_crossover_of},
+     {"gain_reduction_margin_dB", "gain reduction margin [dB]",
+      [](const LoopCurve& c) { return in_dB(c.margins.gain_reduction_margin); }, nullptr},
+     {"delay_margin_ms", "delay margin [ms]",
+      [](const LoopCurve& c) { return 1e3 * c.margins.delay_margin_s; }, crossover_of},
+     {"sensitivity_peak_1", "M_s, largest sensitivity",
+      [](const LoopCurve& c) { return c.margins.sensitivity_peak; }, nullptr},
+     {"complementary_peak_1", "M_t, largest complementary sensitivity",
+      [](const LoopCurve& c) { return c.margins.complementary_peak; }, nullptr}}};
 
 std::string digits(double value) {
   return std::isfinite(value) ? fmt::format("{:.17g}", value) : "";
 }
 
-std::string points_csv(const std::vector<LoopAnalysis>& loops, const std::vector<Response>& all) {
+std::string points_csv(const std::vector<LoopAnalysis>& loops,
+                       const std::vector<BodeResponse>& all) {
   std::vector<std::string> header = {"case", "axis", "way", "omega_rad_s"};
-  for (const Response& response : all) {
+  for (const BodeResponse& response : all) {
     header.push_back(std::string(response.name) + "_gain");
     header.push_back(std::string(response.name) + "_phase_deg");
   }
   header.insert(header.end(), {"spread_1", "saturated_1"});
   std::string text = csv_line(header);
-  for (const LoopAnalysis& loop : loops) {
-    for (const Way& way : kWays) {
-      for (const LoopPoint& point : (loop.*way.curve).points) {
-        std::vector<std::string> row = {loop.name.case_name, loop.name.axis, way.name,
-                                        digits(point.omega_rad_s)};
-        for (const Response& response : all) {
-          const bool is_there = loop.estimates || !response.needs_estimator;
-          const std::complex<double> value = point.*response.value;
-          row.push_back(is_there ? digits(std::abs(value)) : "");
-          row.push_back(is_there ? digits(std::arg(value) * kDegrees) : "");
-        }
-        row.push_back(digits(point.spread));
-        row.push_back(digits(point.saturated));
-        text += csv_line(row);
+  for (const NamedCurve& one : curves_of(loops)) {
+    for (const LoopPoint& point : one.curve.points) {
+      std::vector<std::string> row = {one.loop.name.case_name, one.loop.name.axis, one.way(),
+                                      digits(point.omega_rad_s)};
+      for (const BodeResponse& response : all) {
+        const bool is_there = one.loop.estimates || !response.needs_estimator;
+        const std::complex<double> value = point.*response.value;
+        row.push_back(is_there ? digits(std::abs(value)) : "");
+        row.push_back(is_there ? digits(std::arg(value) * kInDegrees) : "");
       }
+      row.push_back(digits(point.spread));
+      row.push_back(digits(point.saturated));
+      text += csv_line(row);
     }
   }
   return text;
@@ -279,11 +142,11 @@ std::string points_csv(const std::vector<LoopAnalysis>& loops, const std::vector
 
 std::string margins_csv(const std::vector<LoopAnalysis>& loops) {
   std::vector<std::string> header = {"case", "axis", "way"};
-  for (const Quantity& quantity : quantities()) header.emplace_back(quantity.column);
+  for (const Quantity& quantity : kQuantities) header.emplace_back(quantity.column);
   std::string text = csv_line(header);
-  for (const auto& [loop, way, curve] : curves_of(loops)) {
-    std::vector<std::string> row = {loop.name.case_name, loop.name.axis, way.name};
-    for (const Quantity& quantity : quantities()) row.push_back(digits(quantity.of(curve)));
+  for (const NamedCurve& one : curves_of(loops)) {
+    std::vector<std::string> row = {one.loop.name.case_name, one.loop.name.axis, one.way()};
+    for (const Quantity& quantity : kQuantities) row.push_back(digits(quantity.of(one.curve)));
     text += csv_line(row);
   }
   return text;
@@ -306,7 +169,7 @@ std::pair<const LoopPoint&, const LoopPoint&> around(const std::vector<LoopPoint
 
 // Whether a number in the table is measured at points that cannot be relied on.
 bool is_unsure(const NamedCurve& one, const Quantity& quantity) {
-  if (one.way.curve != &LoopAnalysis::measured || !quantity.at_rad_s) return false;
+  if (!one.is_measured || quantity.at_rad_s == nullptr) return false;
   const double at_rad_s = quantity.at_rad_s(one.curve);
   if (!std::isfinite(at_rad_s) || one.curve.points.size() < 2) return false;
   const auto [below, above] = around(one.curve.points, at_rad_s);
@@ -338,15 +201,33 @@ std::string reason_of_difference(const LoopAnalysis& loop) {
       loop.name.label(), a, b, low, high, why);
 }
 
-BodeCurve curve_of(const LoopAnalysis& loop, const LoopCurve& curve, const Response& response) {
-  BodeCurve result;
-  if (!loop.estimates && response.needs_estimator) return result;
-  for (const LoopPoint& point : curve.points) {
-    result.omega_rad_s.push_back(point.omega_rad_s);
-    result.gain.push_back(point.*response.value);
-    result.is_unsure.push_back(!is_reliable(point));
+double nearest_turn(double phase, double to) {
+  return phase + 360.0 * std::round((to - phase) / 360.0);
+}
+
+// The value of a line at log10 of a frequency, or at the next one that it has.
+double at(const Series& line, double x) {
+  const auto next = std::ranges::lower_bound(line.times_s, x) - line.times_s.begin();
+  return line.values[std::min(static_cast<std::size_t>(next), line.values.size() - 1)];
+}
+
+// The phase margin at the crossover, from a half turn to the line; the gain margin below 0 dB.
+void add_margins(const LoopAnalysis& loop, Identity look, const Series& phases, PageChart& gain,
+                 PageChart& phase) {
+  const LoopMargins& margins = loop.designed.margins;
+  if (std::isfinite(margins.phase_margin_rad)) {
+    const double x = std::log10(margins.crossover_rad_s), end = at(phases, x);
+    phase.brackets.push_back({x, nearest_turn(-180.0, end), end,
+                              fmt::format("{}, phase margin {:.1f} deg", loop.name.label(),
+                                          margins.phase_margin_rad * kInDegrees),
+                              look});
   }
-  return result;
+  if (std::isfinite(margins.gain_margin)) {
+    const double margin = in_dB(margins.gain_margin);
+    gain.brackets.push_back({std::log10(margins.gain_margin_rad_s), 0.0, -margin,
+                             fmt::format("{}, gain margin {:.1f} dB", loop.name.label(), margin),
+                             look});
+  }
 }
 
 // One column per loop and way. Numbers beside a grey dot are marked.
@@ -355,10 +236,9 @@ PageData margins_of(const std::vector<LoopAnalysis>& loops) {
   PageData table = {
       {"label", "Margins"}, {"columns", PageData::array({""})}, {"rows", PageData::array()}};
   for (const NamedCurve& one : curves) {
-    table["columns"].push_back(one.loop.name.label() +
-                               (one.way.curve == &LoopAnalysis::measured ? " measured" : ""));
+    table["columns"].push_back(one.loop.name.label() + (one.is_measured ? " measured" : ""));
   }
-  for (const Quantity& quantity : quantities()) {
+  for (const Quantity& quantity : kQuantities) {
     PageData row = {quantity.words};
     for (const NamedCurve& one : curves) {
       const double value = quantity.of(one.curve);
@@ -376,7 +256,7 @@ PageData margins_of(const std::vector<LoopAnalysis>& loops) {
 // The result of the command: what its page shows.
 PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& scenario,
                    const std::vector<std::string>& cases, const std::string& command,
-                   const AxisUnits& units) {
+                   const std::vector<BodeResponse>& responses) {
   std::vector<std::string> names;
   for (const LoopAnalysis& loop : loops) names.push_back(loop.name.label());
   const std::vector<Identity> looks = candidate_identities(names, cases);
@@ -405,17 +285,8 @@ PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& sc
            "The loop is opened at the plant’s input. The gain may fall by the reduction margin. "
            "Grey numbers are not reliable: they are measured beside a grey dot."}}}}});
   auto figures = PageData::array();
-  for (const Response& response : responses(units)) {
-    std::vector<BodeLoop> drawn;
-    for (const LoopAnalysis& loop : loops) {
-      drawn.push_back({loop.name.label(), looks[drawn.size()],
-                       curve_of(loop, loop.designed, response),
-                       curve_of(loop, loop.measured, response)});
-      if (response.value == &LoopPoint::loop_gain && !loop.designed.points.empty()) {
-        drawn.back().margins = loop.designed.margins;
-      }
-    }
-    const PageData charts = bode_charts(anchor(response.name), response.unit, drawn);
+  for (const BodeResponse& response : responses) {
+    const PageData charts = bode_charts(response, loops, looks);
     if (charts.empty()) continue;
     figures.push_back({{"caption", response.title}, {"charts", charts}, {"note", response.about}});
   }
@@ -425,6 +296,61 @@ PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& sc
 }
 
 }  // namespace
+
+PageData bode_charts(const BodeResponse& response, const std::vector<LoopAnalysis>& loops,
+                     const std::vector<Identity>& looks) {
+  const std::string id = anchor(response.name);
+  PageChart gain{.id = id + "-gain", .group = id, .x_title = "frequency [rad/s]", .is_log_x = true};
+  PageChart phase = gain;
+  gain.title = response.unit.empty() ? "gain [dB]" : "gain [dB of " + response.unit + "]";
+  phase.id = id + "-phase";
+  phase.title = "phase [deg]";
+  double highest = -kDeep_dB;
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    const LoopAnalysis& loop = loops[i];
+    if (!loop.estimates && response.needs_estimator) continue;
+    const auto series = [&](const char* what, Identity look, const char* marks) {
+      return ChartSeries{.label = loop.name.label() + what,
+                         .identity = look,
+                         .has_line = *marks == '\0',
+                         .marks = marks};
+    };
+    // The designed line, and the measured marks; those that are not sure are grey.
+    ChartSeries gains[] = {series("", looks[i], ""), series(", measured", looks[i], "dot"),
+                           series(", not reliable", kReferenceIdentity, "dot")};
+    ChartSeries phases[] = {gains[0], gains[1], gains[2]};
+    Series& line = phases[0].values;
+    double last = 0.0;  // the first phase is within ±180
+    for (const LoopCurve* curve : {&loop.designed, &loop.measured}) {
+      for (const LoopPoint& point : curve->points) {
+        const std::complex<double> value = point.*response.value;
+        const double x = std::log10(point.omega_rad_s), dB = in_dB(std::abs(value));
+        const std::size_t kind = curve == &loop.designed ? 0 : is_reliable(point) ? 1 : 2;
+        // Marks beside a line are too far apart to be unwrapped alone.
+        if (kind > 0 && !line.values.empty()) last = at(line, x);
+        last = nearest_turn(std::arg(value) * kInDegrees, last);
+        gains[kind].values.times_s.push_back(x);
+        gains[kind].values.values.push_back(dB);
+        phases[kind].values.times_s.push_back(x);
+        phases[kind].values.values.push_back(last);
+        highest = std::max(highest, dB);
+      }
+    }
+    const bool has_margins = response.value == &LoopPoint::loop_gain && !line.values.empty();
+    if (has_margins) add_margins(loop, looks[i], line, gain, phase);
+    for (auto [from, to] : {std::pair(gains, &gain), std::pair(phases, &phase)}) {
+      std::copy_if(from, from + 3, std::back_inserter(to->series),
+                   [](const ChartSeries& one) { return !one.values.values.empty(); });
+    }
+  }
+  if (gain.series.empty()) return PageData::array();
+  // A line that is too low to be drawn has a gap, and no mark.
+  const double lowest = std::min(highest - kDeep_dB, kLow_dB);
+  for (ChartSeries& one : gain.series) {
+    for (double& value : one.values.values) value = value < lowest ? std::nan("") : value;
+  }
+  return {gain.json(), phase.json()};
+}
 
 std::vector<std::string> notes(const LoopAnalysis& loop) {
   std::vector<std::string> texts;
@@ -436,20 +362,6 @@ std::vector<std::string> notes(const LoopAnalysis& loop) {
   }
   texts.insert(texts.end(), loop.hints.begin(), loop.hints.end());
   return texts;
-}
-
-std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width) {
-  return printed_table(margins_of(loops), width);
-}
-
-void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& scenario,
-                    const std::vector<std::string>& cases, const std::string& command,
-                    const AxisUnits& units, const fs::path& folder) {
-  const std::string html = html_page("analysis", result_of(loops, scenario, cases, command, units));
-  fs::create_directories(folder);
-  replace_file(folder / "analysis.csv", points_csv(loops, responses(units)));
-  replace_file(folder / "margins.csv", margins_csv(loops));
-  replace_file(folder / "report.html", html);
 }
 
 namespace fs = std::filesystem;
@@ -606,10 +518,16 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
   if (std::all_of(results.begin(), results.end(), is_unstable)) return kRunFailed;
   const fs::path folder =
       arguments.out.empty() ? fs::path("runs") / kAnalyze / kind.name : fs::path(arguments.out);
-  write_analysis(results, kind.name, file.cases(), command,
-                 loops.front().axis.settings().axis.units, folder);
+  const std::vector<BodeResponse> all = responses(loops.front().axis.settings().axis.units);
+  const std::string html =
+      html_page("analysis", result_of(results, kind.name, file.cases(), command, all));
+  fs::create_directories(folder);
+  replace_file(folder / "analysis.csv", points_csv(results, all));
+  replace_file(folder / "margins.csv", margins_csv(results));
+  replace_file(folder / "report.html", html);
   if (arguments.quiet) return kSuccess;
-  fmt::print("results: {}\n\n{}", folder.string(), margins_table(results, output_width()));
+  fmt::print("results: {}\n\n{}", folder.string(),
+             printed_table(margins_of(results), output_width()));
   return kSuccess;
 }
 

@@ -138,19 +138,21 @@ TEST(LoopAnalysis, MeasuredMatchesTheDesignWithoutAnEncoder) {
 
 // A delay of 1 s lowers the phase by ω rad. The marks are more than half a turn apart.
 TEST(BodeChart, MarksAreOnTheTurnOfTheLine) {
-  BodeLoop loop;
-  loop.label = "it";
-  const auto add = [](BodeCurve& curve, double omega) {
-    curve.omega_rad_s.push_back(omega);
-    curve.gain.push_back(std::polar(1.0, -omega));
+  LoopAnalysis loop;
+  const auto add = [](LoopCurve& curve, double omega) {
+    LoopPoint& point = curve.points.emplace_back();
+    point.omega_rad_s = omega;
+    point.sensitivity = point.complementary = std::polar(1.0, -omega);
   };
-  for (double omega = 0.1; omega < 20.0; omega += 0.1) add(loop.line, omega);
-  for (const double omega : {0.5, 4.0, 15.0}) add(loop.marks, omega);
-  const PageData marks = bode_charts("it", "", {loop}).at(1).at("data").at("series").at(1);
+  for (double omega = 0.1; omega < 20.0; omega += 0.1) add(loop.designed, omega);
+  for (const double omega : {0.5, 4.0, 15.0}) add(loop.measured, omega);
+  const BodeResponse response{"it", &LoopPoint::sensitivity, false, "", "", ""};
+  const PageData marks = bode_charts(response, {loop}, {0}).at(1).at("data").at("series").at(1);
   double phase_deg = marks.at("from");
-  for (std::size_t k = 0; k < loop.marks.omega_rad_s.size(); ++k) {
+  for (std::size_t k = 0; k < loop.measured.points.size(); ++k) {
     phase_deg += marks.at("v").at(k).get<double>() * marks.at("step").get<double>();
-    EXPECT_NEAR(phase_deg, -loop.marks.omega_rad_s[k] * 180.0 / std::numbers::pi, 0.1);
+    const double omega = loop.measured.points[k].omega_rad_s;
+    EXPECT_NEAR(phase_deg, -omega * 180.0 / std::numbers::pi, 0.1);
   }
 }
 
