@@ -143,7 +143,7 @@ def visit(pages, folder, flags):
 
 
 def read(look, pages, folder, flags):
-    """What the script `look` sees of `pages` (name: HTML), which ask for nothing and log nothing."""
+    """The report of the script `look` on `pages` (name: HTML), which ask for nothing and log nothing."""
     html = "text/html; charset=utf-8"
     served = {f"/{name}.html": (page, html) for name, page in pages.items()}
     served["/"] = (READER.replace("LOOK", look).encode(), html)

@@ -166,28 +166,6 @@ class Estimate(unittest.TestCase):
         done = estimate(self.folder, "--print-config", "--set", "plant.inertai=1", status=2)
         self.assertRegex(done.stderr, "did you mean plant.inertia")
 
-    def test_nonsense_is_one_line_and_leaves_nothing(self):
-        (self.folder / "bad.csv").write_text("time_s,u,y\n0,0,0\n1e-3,x,0\n")
-        for arguments, line in (
-            (["--csv", "nowhere.csv"], r'^--set: csv.file: .*nowhere.csv'),
-            ([], r"csv.file: is missing.*--csv FILE.*missing too: plant.inertia, encoder.quantum$"),
-            (["--csv", "motor.csv"], r"plant.inertia: is missing.*--set plant.inertia=VALUE"),
-            (["--csv", "bad.csv"], r'^\S*bad.csv:3: u: must be a finite number, is "x"$'),
-            (["--csv", "motor.csv", "--observer", "stff"], r'observer.name.*did you mean stf'),
-            (["--csv", "motor.csv", "--set", "encoder.quantum=-1"], r"^--set: encoder.quantum: must"),
-            (["--csv", "motor.csv", "--set", "plant.inertai=1"], r"did you mean plant.inertia"),
-            (["--csv", "motor.csv", "--set", "csv.input_scale=0"], r"csv.input_scale: must not be 0"),
-            (["--csv", "motor.csv", "--observer", "vfakfd"], r"observer.alpha: must be positive: 0 selects"),
-            (["--csv", "motor.csv", "--observer", "kfd", "--set", "observer.initial_covariance=[1,1]"],
-             r"observer.initial_covariance: needs one"),
-        ):
-            with self.subTest(line):
-                needed = [] if "is missing" in line else ["--set", "plant.inertia=1", "encoder.quantum=0"]
-                done = estimate(self.folder, *needed, *arguments, "--out", "none", status=2)
-                self.assertRegex(done.stderr, line)
-                self.assertEqual(done.stderr.count("\n"), 1)
-        self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["bad.csv", "motor.csv"])
-
 
 class Log(unittest.TestCase):
     def test_datasets_have_units_and_scales(self):
