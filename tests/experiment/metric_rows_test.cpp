@@ -360,40 +360,4 @@ TEST(MetricRowsTest, Refuses) {
 
 // ---- a scenario's own rows ---------------------------------------------------------------------
 
-// A file without the rows has them. One that has them as they are is as shipped.
-TEST(MetricRowsTest, AFileOfAScenarioHasTheScenariosRows) {
-  const PreparedRun shipped = testing::prepare("cart_position", "idob", {"run.duration_s=1"});
-  EXPECT_FALSE(has(shipped.config_text, "[metric."));
-  const testing::TemporaryPath path("without.toml", shipped.config_text);
-  const ScenarioFile without(path, "cart_position");
-  const PreparedRun again = prepare_run(testing::catalogue(), "cart_position", without, "idob", {});
-  EXPECT_EQ(again.config_text, shipped.config_text);
-  EXPECT_EQ(again.scenario->main_metrics(), shipped.scenario->main_metrics());
-  EXPECT_EQ(again.scenario->run({}).metrics.size(), shipped.scenario->run({}).metrics.size());
-}
-
-TEST(MetricRowsTest, AFileChangesARowAndAddsOne) {
-  const auto run = [](const std::vector<std::string>& sets) {
-    return testing::prepare("cart_position", "idob", sets);
-  };
-  const PreparedRun own = run({"metric.max_position_m.to_s=1.0", "metric.speed.kind=peak",
-                               "metric.speed.of=velocity_true_m_s", "metric.no.kind=rms",
-                               "metric.no.of=velocity_tru_m_s"});
-  EXPECT_TRUE(has(own.config_text, "[metric.max_position_m]", "[metric.speed]"));
-  EXPECT_FALSE(has(own.config_text, "[metric.settling_time_s]"));
-  const testing::TemporaryPath path("own.toml", own.config_text);
-  const PreparedRun again = prepare_run(testing::catalogue(), "cart_position",
-                                        ScenarioFile(path, "cart_position"), "idob", {});
-  EXPECT_EQ(again.config_text, own.config_text);
-  const Recording changed = own.scenario->run({}), shipped = run({}).scenario->run({});
-  EXPECT_EQ(changed.state_hash, shipped.state_hash);
-  EXPECT_LT(*changed.metric("max_position_m"), *shipped.metric("max_position_m"));
-  EXPECT_GT(*changed.metric("speed_m_s"), 0.0);
-  EXPECT_EQ(changed.metric("settling_time_s"), shipped.metric("settling_time_s"));
-  EXPECT_EQ(changed.absent.back().name, "no_m_s");
-  EXPECT_EQ(changed.absent.back().reason,
-            "metric.no.of: the log has no signal \"velocity_tru_m_s\" (did you mean "
-            "velocity_true_m_s?)");
-}
-
 }  // namespace breakwater::metric_rows_test

@@ -157,27 +157,6 @@ TEST_F(ClusterRuns, MayRunElsewhereInTheSameTuning) {
   write("t.toml", kSmall + "[slurm]\naccount = \"ours\"\n");
   done(on_slurm("s --quiet"));
   EXPECT_TRUE(has(read("s/slurm/4/job.sh"), "--account=\"ours\""));
-  write("t.toml", kSmall + "[slurm]\nacount = \"mine\"\n");
-  expect_refused(kOnSlurm + "s", "t.toml:12: slurm.acount: unknown key (did you mean account?)");
-}
-
-// A newline would begin a new command in the script.
-TEST_F(ClusterRuns, WriteNoControlCharactersIntoScripts) {
-  for (const std::string key :
-       {"account", "partition", "constraint", "modules", "environment", "options"}) {
-    write("t.toml", kSmall + "[slurm]\n" + key + " = \"a=b\\nrm -rf x\"\n");
-    expect_refused(kOnSlurm + "s", "t.toml:12: slurm." + key +
-                                       ": must have no newline and no other control character, is "
-                                       "a=b\\nrm -rf x");
-  }
-  write("t.toml", kSmall);
-  for (const std::string& command :
-       {kOnSlurm, std::string("breakwater sweep motor_estimation --print-tasks --out ")}) {
-    expect_refused(
-        command + "'s\nrm -rf x'",
-        "HERE/s\\nrm -rf x: has a newline or another control character, which no script may "
-        "have: choose another folder");
-  }
 }
 
 TEST_F(ClusterRuns, WarnOfASearchWithOneCandidateAtATime) {
@@ -220,17 +199,6 @@ TEST_F(ClusterRuns, StayInTheQueue) {
 }
 
 TEST_F(ClusterRuns, NonsenseIsOneLineAndStatus2) {
-  for (const std::string minutes : {"0", "soon"}) {
-    const ProgramResult result = on_slurm("s --minutes " + minutes);
-    EXPECT_EQ(result.status, 2);
-    EXPECT_TRUE(has(result.err, "tune: --minutes: Value " + minutes + " not in range 0"));
-  }
-  expect_refusals("ishigami_lab tune t.toml ",
-                  {{"--out s --slurm --parallel 0",
-                    "tune: --parallel: Value 0 not in range 1 to 1000000 (see --help)"},
-                   {"--out s --slurm --jobs 2", "tune: --jobs excludes --slurm (see --help)"},
-                   {"--minutes 3", "tune: --minutes requires --slurm (see --help)"},
-                   {"--out s --status", "HERE/s: has no tune.toml: nothing was begun"}});
   program("sbatch", "#!/bin/sh\necho sbatch: error: invalid partition >&2\nexit 1\n");
   const ProgramResult failed = on_slurm("s --tasks 1");
   EXPECT_EQ(failed.status, 2);

@@ -61,217 +61,83 @@ TEST(Verdict, AValueThatRoundsToThePrintedDigitsIsReproduced) {
   EXPECT_EQ(judge(461.2, {461.0, "461", 0.5}, at_least), Verdict::not_reproduced);
 }
 
-TEST(Verdict, AMeasuredNumberGetsTheWordOfItsBand) {
-  const PrintedResults& printed = printed_results();
-  const std::string path = "cart_estimation.table_4_4.ramp.first";
-  const PrintedResult result = printed.find(path).value();
-  EXPECT_EQ(result.word, "P");
-  EXPECT_EQ(judge(0.049, result, printed.standard(path)), Verdict::reproduced);
-  EXPECT_EQ(judge(0.051, result, printed.standard(path)), Verdict::not_reproduced);
-  // A high sine must be ignored, so following it is wrong.
-  const std::string high = "cart_estimation.table_4_4.high_sine.first";
-  EXPECT_EQ(judge(1.0, *printed.find(high), printed.standard(high)), Verdict::reproduced);
-  EXPECT_EQ(judge(0.02, *printed.find(high), printed.standard(high)), Verdict::not_reproduced);
-}
-
-TEST(Verdict, AnInfiniteTimeIsAResult) {
-  const PrintedResults& printed = printed_results();
-  const std::string path = "cart_estimation.table_4_7.step.conventional";
-  EXPECT_EQ(judge(kNever, *printed.find(path), printed.standard(path)), Verdict::reproduced);
-  EXPECT_EQ(judge(5.0, *printed.find(path), printed.standard(path)), Verdict::not_reproduced);
-}
-
-// A cell with metric `metric` of run "any".
-CellSpec cell_of(const std::string& metric, const std::string& printed = "") {
+// A cell with a printed number, or with a bound as its statement, and with these options.
+CellSpec cell_of(const std::vector<std::string>& words) {
   CellSpec cell;
-  cell.quantity = {"any", metric};
-  cell.printed = printed;
+  cell.quantity = {"any", "m"};
+  const std::map<std::string, std::function<void()>> options = {
+      {"over",
+       [&] {
+         cell.over = Quantity{"other", "m"};
+       }},
+      {"zero_if_failed", [&] { cell.if_failed = 0.0; }},
+      {"absent_is_never", [&] { cell.absent_is_never = true; }},
+      {"share", [&] { cell.is_share = true; }},
+      {"shows", [&] { cell.shows = "not claimed"; }},
+      {"why", [&] { cell.why = "too hard"; }},
+      {"vacuous", [&] { cell.vacuous = "nothing moves"; }},
+      {"without", [&] { cell.without = "other"; }},
+      {"reading", [&] { cell.reading = "if it were soft"; }}};
+  for (const std::string& word : words) {
+    if (const auto option = options.find(word); option != options.end()) {
+      option->second();
+    } else if (word[0] == '>' || word[0] == '<') {
+      cell.says = "so";
+      (word[0] == '>' ? cell.holds.above : cell.holds.below) = std::stod(word.substr(1));
+    } else {
+      cell.printed = word;
+    }
+  }
   return cell;
 }
 
-// A statement that the metric lies above a bound.
-CellSpec statement_of(const std::string& metric, double above) {
-  CellSpec cell = cell_of(metric);
-  cell.says = "so";
-  cell.holds.above = above;
-  return cell;
-}
-
-// Runs "any" with these values of the metric.
-Measured runs_of(const std::string& metric, const std::vector<double>& values) {
-  Measured measured;
-  for (const double value : values) measured["any"].emplace_back().values[metric] = value;
-  return measured;
-}
-
-Judged judged(const CellSpec& cell, const Measured& measured) {
-  return judge_cell(cell, measured, printed_results());
-}
-
-// Every number of a page is judged here. Only the measured value matters.
-TEST(Verdict, FlipsWithTheMeasuredValue) {
-  const std::string metric = "free_motion_time_s";
-  const CellSpec cell = cell_of(metric, "arm_wall_contact.force_2N.proposed.free_motion_time_s");
-  const auto verdict = [&](const std::vector<double>& values) {
-    return judged(cell, runs_of(metric, values)).verdict;
-  };
-  EXPECT_EQ(verdict({0.528}), Verdict::reproduced);
-  EXPECT_EQ(verdict({0.560}), Verdict::within_class);
-  EXPECT_EQ(verdict({0.700}), Verdict::not_reproduced);
-  EXPECT_EQ(verdict({0.1, 0.528, 0.9}), Verdict::reproduced) << "the median decides";
-  EXPECT_EQ(verdict({0.1, 0.2, 0.528}), Verdict::not_reproduced);
-}
-
-TEST(Verdict, AFailedRunIsNotReproduced) {
-  CellSpec cell = cell_of("converged", "quadrotor_waves.converges.ukf_second");
-  cell.if_failed = 0.0;
-  Measured measured;
-  measured["any"].emplace_back().failed = true;
-  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
-  cell.printed = "quadrotor_waves.converges.ekf_second";
-  EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
-}
-
-TEST(Verdict, AFailedRunHasNoValueUnlessTheCellDefinesOne) {
-  CellSpec cell = statement_of("max_speed_m_s", 1.0);
-  cell.if_failed = std::numeric_limits<double>::quiet_NaN();
-  Measured measured = runs_of("max_speed_m_s", {1.2, 1.2, 1.2});
-  EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
-  measured["any"][1].failed = true;
-  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
-  EXPECT_EQ(judged(cell, measured).measured, "1 of 3 runs fail");
-  // The same for a denominator.
-  measured["any"][1].failed = false;
-  cell.over = Quantity{"other", cell.quantity.metric};
-  measured["other"].emplace_back().failed = true;
-  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
-}
-
-TEST(Verdict, AnAbsentMetricIsNotMeasuredUnlessTheCellDefinesItAsInfinite) {
-  CellSpec cell = statement_of("setling_time_s", 1.0);
-  Measured measured = runs_of("settling_time_s", {0.1});
-  const Judged misspelt = judged(cell, measured);
-  EXPECT_EQ(misspelt.verdict, Verdict::not_measured);
-  EXPECT_EQ(misspelt.measured, "not measured");
-  EXPECT_EQ(misspelt.numbers, 0U);
-  cell.absent_is_never = true;
-  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured)
-      << "no other run has it, so nothing says that it is a metric at all";
-  measured["any"][0].absent.insert("setling_time_s");
-  EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
-  EXPECT_EQ(judged(cell, measured).measured, "never");
-  // A value that is not a number is not measured, whatever an absent value means.
-  measured["any"][0].values["setling_time_s"] = NAN;
-  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured);
-}
-
-TEST(Verdict, OneRunWithoutTheMetricLeavesTheCellNotMeasured) {
-  CellSpec cell = cell_of("converged", "quadrotor_waves.converges.ukf_second");
-  Measured measured = runs_of("converged", {1.0, 1.0});
-  measured["any"].emplace_back();
-  for (const bool is_share : {false, true}) {
-    cell.is_share = is_share;
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured);
-    EXPECT_EQ(judged(cell, measured).numbers, 2U);
+// Runs with these values of the metric.
+std::vector<Measurement> runs_of(const std::vector<std::string>& words) {
+  std::vector<Measurement> runs;
+  for (const std::string& word : words) {
+    Measurement& run = runs.emplace_back();
+    run.failed = word == "failed";
+    if (word == "absent" || word == "nan") run.absent.insert("m");
+    if (word != "failed" && word != "absent" && word != "none") run.values["m"] = std::stod(word);
   }
+  return runs;
 }
 
-TEST(Verdict, ARatioWithoutDenominatorIsNotMeasured) {
-  CellSpec cell = statement_of("peak_N", -1e300);
-  cell.over = Quantity{"other", "peak_N"};
-  cell.absent_is_never = true;
-  Measured measured = runs_of("peak_N", {1.0});
-  Measurement& other = measured["other"].emplace_back();
-  for (const double nothing : {0.0, -0.0, double(NAN)}) {
-    other.values["peak_N"] = nothing;
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured) << nothing;
+// Every number of a page is judged here. Only the measured values matter.
+TEST(Verdict, IsThatOfItsRow) {
+  for (const auto& row : testing::rows_of("Verdicts")) {
+    const CellSpec cell = cell_of(testing::words_in(row.at(0)));
+    Measured measured = {{"any", runs_of(testing::words_in(row.at(1)))}};
+    if (!row.at(2).empty()) measured["other"] = runs_of(testing::words_in(row.at(2)));
+    const Judged judged = judge_cell(cell, measured, printed_results());
+    const std::string reason = reason_of(judged, cell);
+    const std::string place = row.at(0) + " | " + row.at(1) + " | " + row.at(2);
+    EXPECT_EQ(verdict_word(judged, cell, false) + (reason.empty() ? "" : ", ") + reason, row.at(3))
+        << place;
+    if (row.size() > 4) {
+      EXPECT_EQ(judged.measured, row.at(4)) << place;
+    }
+    if (row.size() > 5) {
+      EXPECT_EQ(judged.numbers, std::stoul(row.at(5))) << place;
+    }
   }
-  other.values.clear();
-  other.absent.insert("peak_N");
-  EXPECT_EQ(judged(cell, measured).median, 0.0) << "no part of never";
-  measured["any"][0].values.clear();
-  measured["any"][0].absent.insert("peak_N");
-  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured) << "never over never";
-  measured["any"][0].values["peak_N"] = 1.0;
-  other.values["peak_N"] = 2.0;
-  EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
 }
 
 TEST(Verdict, ARatioOfMetricsOfOneRunIsComputedPerRun) {
-  CellSpec cell = statement_of("|error_N|", 1.0);
+  CellSpec cell = cell_of({">1"});
+  cell.quantity.metric = "|error_N|";
   cell.over = Quantity{"any", "error_of_zero_N"};
   cell.divisor = 2.0;
-  Measured measured = runs_of("error_N", {-6.0, 8.0, 10.0});
-  const double of_zero[] = {1.0, 2.0, 10.0};
-  for (std::size_t i = 0; i < 3; ++i) measured["any"][i].values["error_of_zero_N"] = of_zero[i];
+  Measured measured;
+  for (const auto& [error_N, of_zero_N] : {std::pair(-6.0, 1.0), {8.0, 2.0}, {10.0, 10.0}}) {
+    measured["any"].emplace_back().values = {{"error_N", error_N}, {"error_of_zero_N", of_zero_N}};
+  }
   EXPECT_EQ(values_of(cell, measured), (std::vector<double>{3.0, 2.0, 0.5}));
-  EXPECT_EQ(judged(cell, measured).median, 2.0);
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).median, 2.0);
   // Relative to another run: all values divided by its median.
   measured["other"] = measured["any"];
   cell.over->run = "other";
   EXPECT_EQ(values_of(cell, measured), (std::vector<double>{1.5, 2.0, 2.5}));
-}
-
-TEST(Verdict, AShownCellHasNoVerdict) {
-  CellSpec cell = cell_of("peak_N");
-  cell.shows = "not claimed";
-  const Judged shown = judged(cell, runs_of("peak_N", {3.0}));
-  EXPECT_EQ(shown.measured, "3");
-  EXPECT_EQ(verdict_word(shown, cell, false), "shown");
-}
-
-TEST(Verdict, VacuousCellsAndOtherReadingsAreLabelled) {
-  CellSpec cell = cell_of("peak_N");
-  cell.says = "small";
-  cell.holds.below = 2.0;
-  const auto word_and_reason = [&](double value) {
-    const Judged one = judged(cell, runs_of("peak_N", {value}));
-    return verdict_word(one, cell, false) + ", " + reason_of(one, cell);
-  };
-  cell.why = "too hard";
-  cell.vacuous = "nothing moves";
-  EXPECT_EQ(word_and_reason(1.0), "vacuous, nothing moves");
-  EXPECT_EQ(word_and_reason(3.0), "not reproduced, too hard") << "so it was no construction";
-  cell.vacuous = "";
-  cell.reading = "if it were soft";
-  EXPECT_EQ(word_and_reason(1.0), "other reading: reproduced, if it were soft");
-  EXPECT_EQ(word_and_reason(3.0), "other reading: not reproduced, if it were soft");
-}
-
-// A statement is vacuous only if a run without what it is about does as well.
-TEST(Verdict, IsVacuousIfTheRunWithoutItHoldsToo) {
-  CellSpec cell = cell_of("peak_N");
-  cell.says = "small";
-  cell.holds.below = 2.0;
-  cell.vacuous = "nothing moves";
-  cell.without = "other";
-  Measured measured = runs_of("peak_N", {1.0});
-  measured["other"].emplace_back().values["peak_N"] = 3.0;
-  EXPECT_FALSE(judged(cell, measured).is_vacuous);
-  measured["other"][0].values["peak_N"] = 1.9;
-  EXPECT_TRUE(judged(cell, measured).is_vacuous);
-  measured["any"][0].values["peak_N"] = 2.5;
-  EXPECT_FALSE(judged(cell, measured).is_vacuous);
-}
-
-// A class that contains zero holds for any loop that settles.
-TEST(Verdict, APrintedNumberWithinItsClassCanBeVacuous) {
-  CellSpec cell =
-      cell_of("mean_force_error_N", "arm_wall_contact.force_2N.proposed.mean_force_error_N");
-  cell.vacuous = "zero";
-  for (const auto& [value, is_vacuous] :
-       {std::pair(0.0030, true), std::pair(0.0, true), std::pair(0.01, false)}) {
-    EXPECT_EQ(judged(cell, runs_of("mean_force_error_N", {value})).is_vacuous, is_vacuous) << value;
-  }
-}
-
-TEST(Verdict, SixOfTenDoNotConverge) {
-  CellSpec cell = cell_of("converged", "quadrotor_waves.converges.ukf_second");
-  cell.is_share = true;
-  EXPECT_EQ(judged(cell, runs_of("converged", std::vector<double>(10, 1.0))).verdict,
-            Verdict::reproduced);
-  EXPECT_EQ(judged(cell, runs_of("converged", {0, 0, 0, 0, 1, 1, 1, 1, 1, 1})).verdict,
-            Verdict::not_reproduced);
 }
 
 TEST(Median, IsTheMiddleValue) {
