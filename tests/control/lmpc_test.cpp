@@ -6,7 +6,6 @@
 #include <breakwater/control/predictive_control.h>
 #include <breakwater/control/state_feedback.h>
 #include <breakwater/linear/riccati.h>
-#include <breakwater/observers/disturbance_model.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/plants/damped_inertia.h>
 #include "support.h"
@@ -146,23 +145,6 @@ TEST(Lmpc, SatisfiesOptimalityAtEveryStepOfARun) {
   EXPECT_EQ(lmpc.statistics().unsolved, 0);
 }
 
-TEST(Lmpc, DisturbanceWeightHasNoEffect) {
-  const StateSpace plant = cart(0.1);
-  const StateSpace extended = extend_by_disturbance_model(plant, 0, 0.1).sampled;
-  const auto changes = [&](double q_disturbance) {
-    LmpcDesign design = cart_design(20, 5, 0.1);
-    design.A = extended.A;
-    design.B = extended.B;
-    design.Q = Eigen::Vector3d(100.0, 10.0, q_disturbance).asDiagonal();
-    design.Q_last = 3.0 * design.Q;
-    Lmpc lmpc(design);
-    return lmpc.optimise(Eigen::Vector3d(0.3, -0.1, 1.7), 0.4 * kOne.col(0),
-                         Eigen::VectorXd::Zero(60), kNothing)(0);
-  };
-  EXPECT_NEAR(changes(0.0), changes(1e6), 1e-9);
-  EXPECT_NE(changes(0.0), 0.0);
-}
-
 TEST(Lmpc, ReservedInputMovesTheBounds) {
   LmpcDesign design = cart_design(10, 3);
   design.input_bounds = {{0, -1.0, 1.0, steps(0, 2)}};
@@ -254,15 +236,6 @@ TEST(Lmpc, AtTheIterationLimitTheInputStaysWithinItsBounds) {
   }
   EXPECT_GT(lmpc.statistics().capped, 10);
   EXPECT_GE(lmpc.statistics().unsolved, lmpc.statistics().capped);
-}
-
-TEST(Lmpc, StopsIfConfigured) {
-  LmpcDesign design = impossible_design();
-  design.on_infeasible = OnInfeasible::stop;
-  Lmpc lmpc(design);
-  EXPECT_THROW(
-      lmpc.optimise(Eigen::Vector2d(-5.0, 1.0), kNothing, Eigen::VectorXd::Zero(20), kNothing),
-      ControlFailure);
 }
 
 TEST(Lmpc, NanIsAFailure) {

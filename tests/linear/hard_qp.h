@@ -1,4 +1,4 @@
-// Ill-conditioned quadratic programs with dependent constraints, for a test and a study.
+// Ill-conditioned quadratic programs with dependent constraints.
 #pragma once
 
 #include <cstdio>

@@ -89,6 +89,14 @@ TEST_P(QpProperty, AResultIsOptimalOrSaysThatItIsNot) {
   EXPECT_GT(statuses[3], count / 20);
 }
 
+TEST(HardQpProperty, FeasibleProgramsAreSolved) {
+  testing::expect_hard_feasible_qps_are_solved(testing::property_count(4000));
+}
+
+TEST(HardQpProperty, InfeasibleProgramsAreProven) {
+  testing::expect_hard_infeasible_qps_are_proven(testing::property_count(4000));
+}
+
 // In any units. No wrong point is solved, and the active-set solver solves nearly all.
 TEST_P(QpProperty, AKnownSolutionIsFoundInAnyUnits) {
   const int count = testing::property_count(3400);

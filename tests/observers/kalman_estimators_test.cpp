@@ -320,12 +320,10 @@ TEST(Stf, InflatesToHalfAStandardDeviation) {
   EXPECT_REFUSED(stf_design(plant, error, 0.0));
 }
 
-// One estimator of each kind on the same plant.
-Filters one_of_each(const KalmanDesign& design, double alpha) {
+// One estimator of each kind on the same plant. `quiet` is the design of those that adapt.
+Filters one_of_each(const KalmanDesign& design, const KalmanDesign& quiet, double alpha,
+                    const SensorError& error) {
   const Eigen::Index p = design.plant.outputs();
-  const SensorError error = sensor(std::sqrt(alpha), p);
-  KalmanDesign quiet = design;
-  quiet.Q.setZero();
   Filters filters;
   filters.push_back(std::make_unique<Kfd>(design));
   filters.push_back(std::make_unique<Fakfd>(design, scalar_gamma(design.plant, 1.05)));
@@ -375,15 +373,8 @@ TEST(KalmanEstimators, CovarianceOfRandomPlantsStaysPositiveDefinite) {
     KalmanDesign design = random_design(random, 2, 1, p, order);
     const Eigen::Index n = design.plant.states();
     design.Q = 1e-4 * Eigen::MatrixXd::Identity(n, n);
-    const SensorError error = sensor(0.2, p);
-    Filters filters;
-    filters.push_back(std::make_unique<Kfd>(design));
-    filters.push_back(std::make_unique<Fakfd>(design, scalar_gamma(design.plant, 1.05)));
-    filters.push_back(std::make_unique<Fakfd>(design, diagonal_gamma(design.plant, 1.05)));
-    filters.push_back(std::make_unique<Vfakfd>(design, forgetting(0.05, p)));
-    filters.push_back(std::make_unique<Vfakfd>(design, qvff_design(error)));
-    // With order 2 it winds up, as its docstring says.
-    if (order < 2) filters.push_back(std::make_unique<Stf>(design, error));
+    Filters filters = one_of_each(design, design, 0.05, sensor(0.2, p));
+    if (order == 2) filters.pop_back();  // the STF winds up, as its docstring says
     const StateSpace plant{design.plant.sampled.A.topLeftCorner(2, 2),
                            design.plant.sampled.B.topRows(2), design.plant.sampled.C.leftCols(2)};
     Eigen::VectorXd x = Eigen::VectorXd::Zero(2);
@@ -412,7 +403,9 @@ TEST(DisturbanceEstimators, FindAConstantDisturbanceOnTheNominalPlant) {
     KalmanDesign design = random_design(random, 2, 1, 1, 0);
     design.plant = extend_by_disturbance_model(zero_order_hold(continuous, 0.1), 0, 0.1);
     const StateSpace& s = design.plant.sampled;
-    for (const auto& filter : one_of_each(design, 1e-4)) {
+    KalmanDesign quiet = design;
+    quiet.Q.setZero();
+    for (const auto& filter : one_of_each(design, quiet, 1e-4, sensor(1e-2))) {
       Eigen::VectorXd x = Eigen::VectorXd::Zero(3);
       x(2) = 2.5;
       filter->reset(Eigen::Vector2d::Zero());
