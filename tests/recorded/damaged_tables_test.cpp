@@ -31,56 +31,12 @@ struct Damage {
   char separator = ',';
 };
 
-void replace(Lines& lines, std::size_t line, const std::string& text) {
-  lines.at(line - 1) = text;
-}
-
+// The damages that are not in texts.txt.
 const std::vector<Damage> kDamages = {
-    {"nothing", [](Lines&) {}, ""},
-    {"repeated_row", [](Lines& l) { l.insert(l.begin() + 12, l[11]); },
-     "1 row with a repeated time left out (in line 13)"},
-    {"each_row_twice",
-     [](Lines& l) {
-       Lines twice = {l[0]};
-       for (std::size_t k = 1; k < l.size(); ++k) twice.insert(twice.end(), 2, l[k]);
-       l = twice;
-     },
-     "40 rows with a repeated time left out (the first in line 3)"},
-    {"coarse_clock",
-     [](Lines& l) {
-       for (int k = 0; k < 40; ++k) {
-         replace(l, static_cast<std::size_t>(k) + 2,
-                 fmt::format("{:.2f},{},{}", 0.04 * (k / 4), k, 2 * k));
-       }
-     },
-     "30 times of a coarse clock spread evenly (the first in line 3)"},
-    {"swapped_rows", [](Lines& l) { std::swap(l[11], l[12]); },
-     "1 row out of order sorted (in line 13)"},
-    {"late_row",
-     [](Lines& l) {
-       l.insert(l.begin() + 14, l[10]);
-       l.erase(l.begin() + 10);
-     },
-     "1 row out of order sorted (in line 14)"},
-    {"missing_rows", [](Lines& l) { l.erase(l.begin() + 20, l.begin() + 25); }, "", 35},
-    {"footer", [](Lines& l) { l.push_back("end of measurement"); },
-     "the last line is not whole and was left out"},
-    {"trailing_separators",
-     [](Lines& l) {
-       for (std::size_t k = 1; k < l.size(); ++k) l[k] += ",";
-     },
-     ""},
     {"windows_ends",
      [](Lines& l) {
        for (std::string& line : l) line += "\r";
        l[0].insert(0, "\xef\xbb\xbf");
-     },
-     ""},
-    {"quoted_decimal_commas",
-     [](Lines& l) {
-       for (int k = 0; k < 40; ++k) {
-         replace(l, static_cast<std::size_t>(k) + 2, fmt::format("\"0,{:02}\",{},{}", k, k, 2 * k));
-       }
      },
      ""},
     {"decimal_commas",
@@ -88,91 +44,46 @@ const std::vector<Damage> kDamages = {
        for (std::string& line : l) std::replace(line.begin(), line.end(), '.', ',');
      },
      "", 40, true, ';'},
-    {"units_in_brackets",
-     [](Lines& l) {
-       l = {"time [ms],u [N m],y [rad]"};
-       for (int k = 0; k < 40; ++k) l.push_back(fmt::format("{},{},{}", 10 * k, k, 2 * k));
-     },
-     "the unit ms of the first lines: 1 is 0.001 in SI units"},
-    {"row_of_units",
-     [](Lines& l) {
-       l = {"time,u,y", "ms,mNm,rad"};
-       for (int k = 0; k < 40; ++k) l.push_back(fmt::format("{},{},{}", 10 * k, 1000 * k, 2 * k));
-     },
-     "the unit ms of the first lines: 1 is 0.001 in SI units; the unit mNm of the first lines: 1 "
-     "is 0.001 in SI units"},
-    {"slow_input",
-     [](Lines& l) {
-       for (std::size_t k = 1; k < l.size(); ++k) {
-         if (k % 4 != 1)
-           l[k] = fmt::format("{:.2f},,{}", 0.01 * static_cast<double>(k - 1), 2 * (k - 1));
-       }
-     },
-     "30 inputs missing: the input has a lower rate and was held (the first in line 3)", 40, false},
-    {"slow_position",
-     [](Lines& l) {
-       for (std::size_t k = 1; k < l.size(); ++k) {
-         if (k % 4 != 1) l[k] = fmt::format("{:.2f},{},", 0.01 * static_cast<double>(k - 1), k - 1);
-       }
-     },
-     "30 rows without a position left out: the position has a lower rate, and the input became its "
-     "mean (the first in line 3)",
-     10, false},
-    {"wrapped_counter",
-     [](Lines& l) {
-       for (int k = 0; k < 40; ++k) {
-         replace(l, static_cast<std::size_t>(k) + 2,
-                 fmt::format("{:.2f},{},{}", 0.01 * k, k, k < 30 ? 2 * k : 2 * k - 65536));
-       }
-     },
-     "1 wrap of a counter of 65536 unwrapped (in line 32)"},
-    {"wrapped_angle",
-     [](Lines& l) {
-       for (int k = 0; k < 40; ++k) {
-         replace(l, static_cast<std::size_t>(k) + 2,
-                 fmt::format("{:.2f},{},{}", 0.01 * k, k, k < 30 ? 2 * k : 2 * k - 360));
-       }
-     },
-     "1 wrap of a counter of 360 unwrapped (in line 32)"},
-    {"reset_counter",
-     [](Lines& l) {
-       for (int k = 0; k < 40; ++k) {
-         replace(l, static_cast<std::size_t>(k) + 2,
-                 fmt::format("{:.2f},{},{}", 0.01 * k, k, k < 30 ? 2 * k : 2 * k - 60));
-       }
-     },
-     "1 reset of the counter to 0 undone (in line 32)"},
     {"second_record",
      [](Lines& l) {
        const Lines again(l.begin() + 1, l.end());
        l.insert(l.end(), again.begin(), again.end());
      },
      "42: time_s: goes back by more than 8 rows: is this a second record?", 0},
-    {"second_header", [](Lines& l) { l.insert(l.begin() + 20, l[0]); },
-     "21: time_s: must be a finite number, is \"time_s\"", 0},
-    {"short_row", [](Lines& l) { replace(l, 12, "0.10,10"); }, "12: has 2 values, the first line 3",
-     0},
     {"wide_text", [](Lines& l) { l[0].insert(0, "\xff\xfe"); },
      "1: the text is in UTF-16: save it as UTF-8", 0},
-    {"no_rows", [](Lines& l) { l.resize(1); }, " has fewer than two rows with different times", 0},
-    {"one_time",
-     [](Lines& l) {
-       for (std::size_t k = 1; k < l.size(); ++k) l[k].replace(0, 4, "0.00");
-     },
-     " has fewer than two rows with different times", 0},
-    {"no_input",
-     [](Lines& l) {
-       for (std::size_t k = 1; k < l.size(); ++k) l[k] = fmt::format("{},,{}", k, k);
-     },
-     " no row has an input", 0},
-    {"no_position",
-     [](Lines& l) {
-       for (std::size_t k = 1; k < l.size(); ++k) l[k] = fmt::format("{},{},", k, k);
-     },
-     " no row has a position", 0},
 };
 
-// And those of texts.txt, which replace lines.
+// The row k of a template.
+std::string row_of(const std::string& text, int k) {
+  using fmt::arg;
+  return fmt::format(fmt::runtime(text), arg("k", k), arg("y", 2 * k), arg("ms", 10 * k),
+                     arg("t", fmt::format("{:.2f}", 0.01 * k)), arg("m", 1000 * k),
+                     arg("slow", fmt::format("{:.2f}", 0.04 * (k / 4))), arg("word", 2 * k - 65536),
+                     arg("turn", 2 * k - 360), arg("reset", 2 * k - 60));
+}
+
+// "LINE: text" replaces a line. "+LINE: text" inserts one. "-LINE: n" takes n away. "rows: text" is
+// a template for all rows, "late: text" for the rows from 30 on. "most: text" is for three of four.
+void damage_by(Lines& lines, const std::string& what, const std::string& text) {
+  if (what == "rows" || what == "late" || what == "most") {
+    for (int k = what == "late" ? 30 : 0; k < 40; ++k) {
+      if (what != "most" || k % 4 != 0) {
+        lines.at(static_cast<std::size_t>(k) + 1) = row_of(text, k);
+      }
+    }
+    return;
+  }
+  const auto line = lines.begin() + std::abs(std::stoi(what)) - 1;
+  if (what[0] == '+') {
+    lines.insert(line, text);
+  } else if (what[0] == '-') {
+    lines.erase(line, line + std::stoi(text));
+  } else {
+    *line = text;
+  }
+}
+
 std::vector<Damage> all_damages() {
   std::vector<Damage> all = kDamages;
   for (const auto& row : testing::rows_of("DamagedTables")) {
@@ -180,7 +91,8 @@ std::vector<Damage> all_damages() {
       for (std::size_t at = 0; at < changes.size();) {
         const std::size_t colon = changes.find(": ", at);
         const std::size_t end = std::min(changes.find("; ", at), changes.size());
-        replace(lines, std::stoul(changes.substr(at)), changes.substr(colon + 2, end - colon - 2));
+        damage_by(lines, changes.substr(at, colon - at),
+                  changes.substr(colon + 2, end - colon - 2));
         at = end + 2;
       }
     };
