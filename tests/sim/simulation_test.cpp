@@ -47,13 +47,6 @@ TEST(Simulation, Rk4IntegratesAHeldTorqueExactly) {
   EXPECT_EQ(controller.resets, 1);
 }
 
-TEST(Simulation, EulerDoesNotIntegrateExactly) {
-  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1.0; });
-  Simulation simulation(motor(1e-3, Integrator::euler), controller, shaft(), 10);
-  run(simulation, 1000);
-  EXPECT_GT(std::abs(simulation.data().qpos[0] - 0.5), 1e-4);
-}
-
 TEST(Simulation, CartMovesByItsMassAndFriction) {
   const double M = 0.625, C = 0.78, F = 2.0;
   FunctionController controller([F](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = F; });
@@ -160,14 +153,6 @@ TEST(Simulation, ForcesActInTheSameStep) {
   EXPECT_NEAR(simulation.data().qvel[0], 3.0 / 0.625 * 0.5, 0.01);
 }
 
-TEST(Simulation, HoldsASampleThroughTheEnginesFourStages) {
-  // With RK4 the callback runs four times per step. The controller must run once.
-  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
-  Simulation simulation(motor(1e-3, Integrator::rk4), controller, shaft(), 1);
-  run(simulation, 25);
-  EXPECT_EQ(controller.updates, 25);
-}
-
 TEST(Simulation, IgnoresOtherDataOfTheSameEngine) {
   // The control law steps scratch data of its own, for example to linearise.
   const Model scratch_model = motor();
@@ -256,21 +241,6 @@ TEST(Simulation, DropsBrokenMeasurementsIfAsked) {
   FunctionController another([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
   Simulation broken(motor(), another, setup, 10);
   EXPECT_DOUBLE_EQ(failure_of(broken, 200).time_s(), 0.12);
-}
-
-TEST(Simulation, QuantisesAndAddsNoiseInThatOrder) {
-  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
-  SensingSetup setup = shaft();
-  setup.channels[0].encoder.quantum = 0.01;
-  setup.channels[0].noise_std = 1e-4;
-  setup.seed = 5;
-  Simulation simulation(motor(), controller, setup, 1);
-  const Noise noise(5, "q");
-  for (int k = 0; k < 500; ++k) {
-    simulation.step();
-    const double quantised = 0.01 * std::round(simulation.qpos()[0] / 0.01);
-    EXPECT_DOUBLE_EQ(simulation.sample().y(0), quantised + 1e-4 * noise(k));
-  }
 }
 
 std::uint64_t hash_of_a_run(double torque) {
@@ -405,15 +375,6 @@ SensingSetup rail() {
 FunctionController pushes(double force_N) {
   return FunctionController(
       [force_N](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = force_N; });
-}
-
-TEST(Friction, ViscousFrictionGivesItsTerminalSpeed) {
-  Model model = cart();
-  author_friction(model, 0, 2.0, 0.0);
-  FunctionController controller = pushes(1.0);
-  Simulation simulation(std::move(model), controller, rail(), 1);
-  run(simulation, 5000);
-  EXPECT_NEAR(simulation.qvel()[0], 0.5, 1e-6);
 }
 
 TEST(Friction, CoulombFrictionHoldsSmallForcesAndReducesLargeOnes) {
