@@ -13,6 +13,7 @@
 #include <breakwater/study/study_folder.h>
 #include "environment.h"
 #include "study/sweep_folder.h"
+#include "tables.h"
 
 namespace breakwater::sweep_test {
 namespace fs = std::filesystem;
@@ -20,6 +21,15 @@ using testing::ProgramResult;
 
 class Sweep : public testing::SweepFolder {
  protected:
+  // A sweep at work, with its folder s.
+  ReadProgram begun(const std::string& words,
+                    const std::string& program = "../tests/ishigami_lab") const {
+    std::vector<std::string> all = {(testing::bin_folder() / program).string(), "sweep"};
+    for (const std::string& word : testing::words_in(words)) {
+      all.push_back(word == "s" ? (folder_ / word).string() : word);
+    }
+    return ReadProgram(all, true);
+  }
   // Until the study s has a result.
   void wait_for_a_result() const {
     while (!has_results("s")(0)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -189,10 +199,7 @@ TEST_F(Sweep, AStudyGrowsBetweenKillsAndInTasks) {
 
 TEST_F(Sweep, AStudyAtWorkDoesNotGrow) {
   const std::string study = "ishigami --set trouble.takes_s=0.1 --out s --vary x.first=";
-  ReadProgram first(
-      {(testing::bin_folder() / "../tests/ishigami_lab").string(), "sweep", "ishigami", "--set",
-       "trouble.takes_s=0.1", "--vary", "x.first=lin(0,1,400)", "--out", (folder_ / "s").string()},
-      true);
+  ReadProgram first = begun(study + "lin(0,1,400)");
   wait_for_a_result();
   EXPECT_TRUE(has(sweep(study + "lin(0,2,799)").err, " is at this study: it grows after that\n"));
   first.interrupt();
@@ -208,11 +215,9 @@ TEST_F(Sweep, ACrashHasTheKeyOfItsPoint) {
 }
 
 TEST_F(Sweep, APointOfAnotherProcessIsNotTheCrashedOne) {
-  ReadProgram study(
-      {(testing::bin_folder() / "../tests/ishigami_lab").string(), "sweep", "ishigami", "--vary",
-       "x.first=lin(-3,3,64)", "--set", "trouble.crashes_above=2", "--set", "trouble.takes_s=0.04",
-       "--isolate", "--jobs", "1", "--out", (folder_ / "s").string()},
-      true);
+  ReadProgram study = begun(
+      "ishigami --vary x.first=lin(-3,3,64) --set trouble.crashes_above=2 --set "
+      "trouble.takes_s=0.04 --isolate --jobs 1 --out s");
   wait_for_a_result();
   swept("s --points 50-52");
   while (study.next()) continue;
@@ -235,9 +240,7 @@ TEST_F(Sweep, APointOfAnotherProcessIsNotTheCrashedOne) {
 
 TEST_F(Sweep, TwoProcessesWithTheSamePointsBothSucceed) {
   swept("ishigami --vary x.first=lin(0,1,24) --set trouble.takes_s=0.03 --print-tasks --out s");
-  ReadProgram first({(testing::bin_folder() / "../tests/ishigami_lab").string(), "sweep",
-                     (folder_ / "s").string(), "--points", "0-23", "--isolate", "--jobs", "1"},
-                    true);
+  ReadProgram first = begun("s --points 0-23 --isolate --jobs 1");
   swept("s --points 0-23 --isolate --jobs 1");
   while (first.next()) continue;
   EXPECT_EQ(first.wait(), 0);
@@ -306,21 +309,11 @@ TEST_F(Sweep, TwoStudiesCannotBeginInOneFolder) {
 }
 
 TEST_F(Sweep, WarnsOfTwoSweepsOfOneStudy) {
-  const std::vector<std::string> study = {
-      (testing::bin_folder() / "../tests/ishigami_lab").string(),
-      "sweep",
-      "ishigami",
-      "--vary",
-      "x.first=lin(0,1,400)",
-      "--set",
-      "trouble.takes_s=0.1",
-      "--jobs",
-      "1",
-      "--out",
-      (folder_ / "s").string()};
-  ReadProgram first(study, true);
+  const std::string study =
+      "ishigami --vary x.first=lin(0,1,400) --set trouble.takes_s=0.1 --jobs 1 --out s";
+  ReadProgram first = begun(study);
   wait_for_a_result();
-  ReadProgram second(study, true);
+  ReadProgram second = begun(study);
   std::string said;
   while (said.find("points may be run twice") == std::string::npos) {
     const auto line = second.next();
@@ -337,11 +330,11 @@ TEST_F(Sweep, WarnsOfTwoSweepsOfOneStudy) {
 // Each process runs one point, so it alone would not notice the change.
 TEST_F(Sweep, AModelThatChangesBetweenProcessesEndsTheStudy) {
   fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml");
-  ReadProgram study(
-      {(testing::bin_folder() / "breakwater").string(), "sweep", "motor_estimation", "--set",
-       "model.mjcf=" + (folder_ / "own.xml").string(), "--seeds", "1..7", "--duration", "0.01",
-       "--isolate", "--jobs", "1", "--out", (folder_ / "s").string()},
-      true);
+  ReadProgram study = begun(
+      "motor_estimation --seeds 1..7 --duration 0.01 --isolate --jobs 1 "
+      "--out s --set model.mjcf=" +
+          (folder_ / "own.xml").string(),
+      "breakwater");
   wait_for_a_result();
   std::ofstream(folder_ / "own.xml", std::ios::app) << "<!-- changed -->\n";
   std::string said;
