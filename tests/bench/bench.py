@@ -83,14 +83,24 @@ def cpu_and_wall_seconds(command, copies=1):
 
 
 def bench_starting(folder):
-    """The smallest processor time of a nearly empty process."""
+    """The smallest processor time of a nearly empty process, and its ratio to that of /bin/true."""
     print("starting up, least of 40 ...", flush=True)
-    brief = ["--quiet", "--duration", "0.01", "--out", pathlib.Path(folder) / "brief"]
-    motor = BUILD / "bin" / "motor_estimation"
-    for what, command, goal in (("a run of 0.01 s with its log", [motor, *brief], 13),
-                                ("its configuration, no log", [motor, "--print-config"], 10)):
-        least = min(cpu_and_wall_seconds(command)[0] for _ in range(40))
-        measured(what, f"{1e3 * least:.1f} ms", f"at most {goal}")
+    programs, out = BUILD / "bin", pathlib.Path(folder) / "brief"
+    breakwater, motor, arm = (programs / name for name in
+                              ("breakwater", "motor_estimation", "arm_wall_contact"))
+    brief = ["--quiet", "--out", out, "--duration"]
+    for what, command, goal in (
+            ("a run of 0.01 s with its log", [motor, *brief, "0.01"], "13 ms"),
+            ("its configuration, no log", [motor, "--print-config"], "10 ms"),
+            ("breakwater --version", [breakwater, "--version"], "9 times"),
+            ("breakwater ls", [breakwater, "ls", folder], "9 times"),
+            ("breakwater --help", [breakwater, "--help"], "9 times"),
+            ("arm_wall_contact --version", [arm, "--version"], "4 times"),
+            ("one step of the arm with its log", [arm, *brief, "0.0005"], "9 times")):
+        pairs = [[cpu_and_wall_seconds(one)[0] for one in (command, ["/bin/true"])]
+                 for _ in range(40)]
+        least, of_true = (min(column) for column in zip(*pairs))
+        measured(what, f"{1e3 * least:.1f} ms, {least / of_true:.1f} times /bin/true", f"at most {goal}")
 
 
 def bench_videos(run):
