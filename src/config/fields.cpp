@@ -475,9 +475,10 @@ Config Fields::without_aliases(const Config& config) const {
     // Every case of a file comes here. Few keys end as the alias does, and only they are looked
     // into.
     const std::string end = alias.substr(alias.rfind('.') + 1);
-    const bool is_key = std::any_of(fields_.begin(), fields_.end(), [&](const Field& field) {
-      return field.key.ends_with(end) && (field.key == alias || field.unnamed == alias);
-    });
+    const bool is_key =
+        std::any_of(fields_.begin(), fields_.end(), [&, &alias = alias](const Field& field) {
+          return field.key.ends_with(end) && (field.key == alias || field.unnamed == alias);
+        });
     if (is_key) {
       config.fail("alias." + alias, "is a key itself: choose another name");
     }
