@@ -19,8 +19,10 @@ import base64
 import itertools
 import json
 import math
+import os
 import re
 import sys
+import tempfile
 import zlib
 from pathlib import Path
 
@@ -169,6 +171,23 @@ def draw(charts, window, width):
     return figure
 
 
+def replace(name, write):
+    """The whole file or the one before, also after a power cut."""
+    mask = os.umask(0)
+    os.umask(mask)
+    place = Path(name)
+    with tempfile.NamedTemporaryFile(dir=place.parent, prefix=f".{place.name}.partial-", delete=False) as file:
+        try:
+            write(file)
+            file.flush()
+            os.fchmod(file.fileno(), 0o666 & ~mask)
+            os.fsync(file.fileno())
+            os.replace(file.name, place)
+        except BaseException:
+            os.unlink(file.name)
+            raise
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("page", nargs="?", metavar="PAGE")
@@ -187,7 +206,8 @@ def main():
         parser.error("give PAGE and --out")
     result = result_of(arguments.page)
     if arguments.out.endswith(".tex"):
-        Path(arguments.out).write_text("\n".join(["% needs \\usepackage{booktabs}", *map(latex, tables_of(result))]))
+        text = "\n".join(["% needs \\usepackage{booktabs}", *map(latex, tables_of(result))])
+        replace(arguments.out, lambda file: file.write(text.encode()))
         return
     everything = list(charts_of(result))
     charts = [chart for chart, is_folded in everything
@@ -195,8 +215,9 @@ def main():
     if not charts:
         refuse(f"{arguments.page}: has no such chart (there are {', '.join(chart['id'] for chart, _ in everything) or 'none'})")
     figure = draw(charts, (arguments.start, arguments.end), arguments.width)
-    metadata = {"Date": None} if arguments.out.endswith(".svg") else None
-    figure.savefig(arguments.out, dpi=200, metadata=metadata)
+    kind = Path(arguments.out).suffix[1:]
+    metadata = {"Date": None} if kind == "svg" else None
+    replace(arguments.out, lambda file: figure.savefig(file, format=kind or "png", dpi=200, metadata=metadata))
 
 
 if __name__ == "__main__":
