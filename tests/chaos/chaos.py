@@ -13,6 +13,7 @@ import argparse
 import concurrent.futures
 import ctypes
 import dataclasses
+import errno
 import json
 import os
 import pathlib
@@ -34,11 +35,11 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import power_cut  # noqa: E402
 from workloads import WORKLOADS  # noqa: E402
 
-# The order and the number of faults are those of faults.cpp.
+# Classes, the most faults and the page are those of faults.cpp.
 CLASSES = ("write", "open", "rename", "sync", "mmap", "fork", "thread", "clock", "read", "remove", "mkdir",
            "close", "memory")
 MOST_FAULTS = 8
-PAGE = struct.Struct(f"<{len(CLASSES) + MOST_FAULTS}Q")
+PAGE = struct.Struct(f"<{len(CLASSES) + MOST_FAULTS + 5 * MOST_FAULTS + 2}q")
 ERRORS = {
     "write": ["ENOSPC", "EIO", "EINTR", "short"], "open": ["EACCES", "EMFILE", "EIO"],
     "rename": ["EIO", "EACCES", "EINVAL"], "sync": ["EIO", "ENOSPC"], "mmap": ["ENOMEM"], "fork": ["EAGAIN", "ENOMEM"],
@@ -48,6 +49,7 @@ ERRORS = {
 PROGRAMS = ("breakwater", "cart_position", "impact_test")  # these have HDF5 in them
 ENDS = ["kill", "term", "int", "cut"]
 SIGNALS = {"kill": signal.SIGKILL, "cut": signal.SIGKILL, "term": signal.SIGTERM, "int": signal.SIGINT}
+DEFECTS = ("no_fsync", "unchecked_write")
 INTERRUPTED = 130
 STATUSES = {0, 2, 4}  # documented, and possible here
 LIMIT_S = 60.0
@@ -65,6 +67,26 @@ OF_PARTS = {"results.csv", "results.sqlite", "comparison.csv", "comparison_by_ke
 
 class Found(Exception):
     """A defect, in one line."""
+
+
+def action_of(what):
+    """The action of faults.cpp and its value."""
+    if what.startswith("step"):
+        return 4, int(what.removeprefix("step"))
+    if what in SIGNALS:  # Ctrl-C and a power cut reach all processes of a command
+        return 3 if what in ("int", "cut") else 2, SIGNALS[what]
+    return (1, 0) if what == "short" else (0, getattr(errno, what))
+
+
+def page_of(faults, defect):
+    """Counters of the calls and of the fired faults, then the faults and the planted defect."""
+    numbers = [0] * (PAGE.size // 8)
+    for i, fault in enumerate(fault for fault in faults if not fault.startswith("end:")):
+        kind, number, what = fault.split(":")
+        begin = len(CLASSES) + MOST_FAULTS + 5 * i
+        numbers[begin:begin + 5] = CLASSES.index(kind), int(number.rstrip("+")), number.endswith("+"), *action_of(what)
+    numbers[-2:] = [defect == name for name in DEFECTS]
+    return PAGE.pack(*numbers)
 
 
 def normal(name, content):
@@ -153,8 +175,7 @@ class Place:
             shutil.rmtree(folder, ignore_errors=True)
         shutil.copytree(fixture, self.work)
         self.synced.mkdir()
-        for page in (self.page, self.others_page):
-            page.write_bytes(bytes(PAGE.size))
+        self.page.write_bytes(bytes(PAGE.size))
 
     def start(self, words, faults=None, defect="", stderr="stderr", page=None):
         """Starts a program, with the layer if there is a list of faults."""
@@ -164,10 +185,10 @@ class Place:
                        "PYTHONWARNINGS": "ignore",
                        "PATH": f"{self.work}/slurm:/usr/bin:/bin"}
         if faults is not None:
-            environment.update(LD_PRELOAD=str(self.build / "tests" / "libchaos_faults.so"),
-                               CHAOS_PAGE=str(page or self.page), CHAOS_PROGRAMS=str(self.build), CHAOS_SPARED=self.spared,
-                               CHAOS_FAULTS=",".join(f for f in faults if not f.startswith("end:")),
-                               CHAOS_DEFECT=defect, CHAOS_SYNCED=str(self.synced))
+            page = page or self.page
+            page.write_bytes(page_of(faults, defect))
+            environment.update(self.spared, LD_PRELOAD=str(self.build / "tests" / "libchaos_faults.so"), CHAOS_PAGE=str(page),
+                               CHAOS_PROGRAMS=str(self.build), CHAOS_SYNCED=str(self.synced))
         with open(self.base / stderr, "w") as errors, open(self.base / "stdout", "a") as out:
             return subprocess.Popen([paths.get(program, self.build / "bin" / program), *words[1:]], cwd=self.work,
                                     env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=errors,
@@ -183,7 +204,7 @@ class Place:
         self.reapers.append(Reaper(process.pid))
         numbers = PAGE.unpack(self.page.read_bytes())
         return Ended(process.returncode, (self.base / stderr).read_text(errors="replace"),
-                     list(numbers[len(CLASSES):]), dict(zip(CLASSES, numbers)))
+                     numbers[len(CLASSES):], dict(zip(CLASSES, numbers)))
 
     def wait_for_all(self):
         """Waits for processes that survived their command."""
@@ -192,7 +213,6 @@ class Place:
 
     def call(self, words, stderr="stderr", **how):
         return self.end_of(self.start(words, stderr=stderr, **how), stderr)
-
 
 
 def adopt_orphans():
@@ -232,7 +252,7 @@ def code_of_hdf5(program):
         if not parts or address > parts[-1][1] + 0x10000:
             parts.append([address, address])
         parts[-1][1] = address
-    return ",".join(f"{program.name}:{begin:x}-{end:x}" for begin, end in parts)
+    return ",".join(f"{begin:x}-{end:x}" for begin, end in parts)
 
 
 class Chaos:
@@ -240,7 +260,8 @@ class Chaos:
 
     def __init__(self, build, base, defect):
         self.base, self.defect = base, defect
-        self.place = Place(build, base / "place", ",".join(code_of_hdf5(build / "bin" / name) for name in PROGRAMS))
+        spared = {f"CHAOS_SPARED_{name}": code_of_hdf5(build / "bin" / name) for name in PROGRAMS}
+        self.place = Place(build, base / "place", spared)
         self.known = {}
 
     def fixture(self, workload):
@@ -496,7 +517,7 @@ def main():
                         help="default: one for each core; one has all seeds of a workload")
     parser.add_argument("--workload", choices=names, metavar="NAME", help=f"this one alone: {', '.join(names)}")
     parser.add_argument("--faults", type=read_faults, metavar="LIST", help="these ones, instead of those of the seed")
-    parser.add_argument("--planted", choices=("no_fsync", "unchecked_write"), default="", help="let the programs have a defect")
+    parser.add_argument("--planted", choices=DEFECTS, default="", help="let the programs have a defect")
     parser.add_argument("--check", action="store_true", help=argparse.SUPPRESS)  # the arguments alone
     asked = parser.parse_args()
     if asked.check:

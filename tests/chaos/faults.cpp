@@ -1,30 +1,22 @@
 // Preloaded library between a program and the system. It counts the calls of each class, and lets
 // one fail or ends the process there. tests/chaos/chaos.py draws the faults.
 //
-// - CHAOS_PAGE=FILE: counters of all processes: kClasses numbers, then one for each fired fault
+// - CHAOS_PAGE=FILE: the Page of all processes
 // - CHAOS_PROGRAMS=DIR: counts in the programs below DIR from main() on, in Python from
 //   chaos_begin() on
-// - CHAOS_FAULTS=CLASS:NUMBER:FAULT,...: the fault at this call. NUMBER+: at all later ones too
-// - CHAOS_SPARED=PROGRAM:BEGIN-END,...: code whose allocations do not fail, as offsets in a program
+// - CHAOS_SPARED_PROGRAM=BEGIN-END,...: code whose allocations do not fail, as offsets in a program
 // - CHAOS_SYNCED=DIR: gets what a power cut leaves (power_cut.py)
-// - CHAOS_DEFECT=NAME: plants a defect: no_fsync (no file is synced), unchecked_write (a write that
-//   fails is taken for a whole one)
 //
 // Calls inside libc do not pass here. stdio is covered by its own functions.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <link.h>
-#include <poll.h>
-#include <pthread.h>
-#include <spawn.h>
 #include <sys/mman.h>
-#include <sys/sendfile.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
 #include <sys/uio.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -33,7 +25,6 @@
 #include <cerrno>
 #include <climits>
 #include <csignal>
-#include <cstdarg>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -51,9 +42,6 @@ void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 namespace {
 
-constexpr std::array<std::string_view, 13> kClasses = {
-    "write", "open", "rename", "sync",  "mmap",  "fork",  "thread",
-    "clock", "read", "remove", "mkdir", "close", "memory"};
 enum Class : unsigned {
   kWrite,
   kOpen,
@@ -67,84 +55,46 @@ enum Class : unsigned {
   kRemove,
   kMkdir,
   kClose,
-  kMemory
+  kMemory,
+  kClasses
 };
-constexpr unsigned kMostFaults = 8;
-constexpr unsigned kMostRanges = 64;
-
-struct Page {
-  std::array<std::atomic<std::uint64_t>, kClasses.size()> counts;
-  std::array<std::atomic<std::uint64_t>, kMostFaults> fired;
-};
-static_assert(std::atomic<std::uint64_t>::is_always_lock_free, "shared between processes");
+enum Action : std::int64_t { kError, kShort, kEndProcess, kEndAll, kStepClock };
 
 struct Fault {
-  unsigned kind;  // a Class
-  std::uint64_t number;
-  bool goes_on;
-  std::string_view what;
+  std::int64_t kind;    // a Class
+  std::int64_t number;  // its call; 0: there is no fault
+  std::int64_t goes_on;
+  Action action;
+  std::int64_t value;  // an error, a signal or seconds
 };
-
-struct Range {
-  std::uintptr_t begin, end;
+struct Page {
+  std::array<std::atomic<std::int64_t>, kClasses> counts;
+  std::array<std::atomic<std::int64_t>, 8> fired;
+  std::array<Fault, 8> faults;
+  std::int64_t syncs_nothing;    // a planted defect: no file is synced
+  std::int64_t checks_no_write;  // another one: a write that fails is taken for a whole one
 };
+static_assert(std::atomic<std::int64_t>::is_always_lock_free, "shared between processes");
 
 Page* page = nullptr;
-std::array<Fault, kMostFaults> faults;
-unsigned fault_count = 0;
 std::atomic<bool> counts = false;
+
+// The code whose allocations count: not that of libraries which end the process without memory.
 struct Ranges {
-  std::array<Range, kMostRanges> all;
+  std::array<std::array<std::uintptr_t, 2>, 64> all;
   unsigned count = 0;
 
   void add(std::uintptr_t begin, std::uintptr_t end) {
-    if (count < kMostRanges) all[count++] = {begin, end};
+    if (count < all.size()) all[count++] = {begin, end};
   }
   bool has(const void* caller) const {
     const auto address = reinterpret_cast<std::uintptr_t>(caller);
-    return std::any_of(all.begin(), all.begin() + count, [&](const Range& range) {
-      return address >= range.begin && address < range.end;
+    return std::any_of(all.begin(), all.begin() + count, [&](const auto& range) {
+      return address >= range[0] && address < range[1];
     });
   }
 };
-
-// The code whose allocations count: not that of libraries which end the process without memory.
 Ranges own_code, spared_code;
-const char* synced = nullptr;
-bool syncs_nothing = false;
-bool checks_no_write = false;
-
-const char* setting(const char* name) {
-  const char* const value = std::getenv(name);
-  return value != nullptr && *value != '\0' ? value : nullptr;
-}
-
-struct ErrorName {
-  std::string_view name;
-  int error;
-};
-constexpr std::array<ErrorName, 8> kErrors = {{{"ENOSPC", ENOSPC},
-                                               {"EIO", EIO},
-                                               {"EINTR", EINTR},
-                                               {"EACCES", EACCES},
-                                               {"EMFILE", EMFILE},
-                                               {"ENOMEM", ENOMEM},
-                                               {"EAGAIN", EAGAIN},
-                                               {"EINVAL", EINVAL}}};
-
-std::string_view take_until(std::string_view& text, char end) {
-  const std::size_t at = std::min(text.find(end), text.size());
-  const std::string_view part = text.substr(0, at);
-  text.remove_prefix(std::min(at + 1, text.size()));
-  return part;
-}
-
-Fault read_fault(std::string_view text) {
-  const auto* const kind = std::find(kClasses.begin(), kClasses.end(), take_until(text, ':'));
-  const std::string_view number = take_until(text, ':');
-  return {static_cast<unsigned>(kind - kClasses.begin()), std::strtoull(number.data(), nullptr, 10),
-          number.ends_with('+'), text};
-}
 
 // Loads the real function of this name.
 template <typename Function>
@@ -164,20 +114,16 @@ Outcome count(Class kind) {
   if (!counts) return {};
   Outcome outcome;
   const int before = errno;
-  const std::uint64_t number = ++page->counts[kind];
-  for (unsigned i = 0; i < fault_count; ++i) {
-    const Fault& fault = faults[i];
-    if (fault.kind != kind) continue;
-    if (number != fault.number && !(fault.goes_on && number > fault.number)) continue;
+  const std::int64_t number = ++page->counts[kind];
+  for (std::size_t i = 0; i < page->faults.size(); ++i) {
+    const auto& [its_kind, first, goes_on, action, value] = page->faults[i];
+    if (its_kind != kind || first == 0 || number < first) continue;
+    if (number > first && goes_on == 0) continue;
     ++page->fired[i];
-    if (fault.what == "cut") kill(0, SIGKILL);
-    if (fault.what == "int") kill(0, SIGINT);  // Ctrl-C reaches all processes of a command
-    if (fault.what == "term") raise(SIGTERM);
-    if (fault.what == "kill") raise(SIGKILL);
-    outcome.is_short |= fault.what == "short";
-    for (const ErrorName& error : kErrors) {
-      if (error.name == fault.what) outcome.error = error.error;
-    }
+    if (action == kEndAll) kill(0, static_cast<int>(value));
+    if (action == kEndProcess) raise(static_cast<int>(value));
+    if (action == kError) outcome.error = static_cast<int>(value);
+    outcome.is_short |= action == kShort;
   }
   errno = before;
   return outcome;
@@ -194,8 +140,7 @@ bool is_spared(const void* caller) {
 }
 
 // Whether a call of this class has to fail; errno says how.
-bool fails(Class kind, const void* caller = nullptr) {
-  if (!counts || (caller != nullptr && is_spared(caller))) return false;
+bool fails(Class kind) {
   const Outcome outcome = count(kind);
   if (outcome.error != 0) errno = outcome.error;
   return outcome.error != 0;
@@ -215,18 +160,20 @@ bool is_written(Size& size, int pipe = -1) {
 }
 
 ssize_t unwritten(std::size_t size) {
-  return checks_no_write ? static_cast<ssize_t>(size) : -1;
+  return page->checks_no_write != 0 ? static_cast<ssize_t>(size) : -1;
 }
 
 // Settings of the system's fonts: another system has others, and fontconfig does without them.
-bool is_of_fontconfig(std::string_view path) {
-  return path.find("/font") != std::string_view::npos &&
-         path.find(".ttf") == std::string_view::npos;
+bool is_of_fontconfig(long path) {
+  const std::string_view name = reinterpret_cast<const char*>(path);
+  return name.find("/font") != std::string_view::npos &&
+         name.find(".ttf") == std::string_view::npos;
 }
 
 // Files the content of a synced file, or the inodes and names in a synced folder, under
 // KIND-DEVICE-INODE.
 void keep(int descriptor) {
+  static const char* const synced = std::getenv("CHAOS_SYNCED");
   struct stat status;
   if (synced == nullptr || fstat(descriptor, &status) != 0) return;
   char opened[64], made[PATH_MAX], kept[PATH_MAX];
@@ -268,13 +215,12 @@ int add_code(dl_phdr_info* info, std::size_t, void*) {
     if (part.p_type != PT_LOAD || (part.p_flags & PF_X) == 0) continue;
     own_code.add(info->dlpi_addr + part.p_vaddr, info->dlpi_addr + part.p_vaddr + part.p_memsz);
   }
-  const char* const list = setting("CHAOS_SPARED");
-  for (std::string_view rest = list != nullptr && is_program ? list : ""; !rest.empty();) {
-    std::string_view entry = take_until(rest, ',');
-    if (take_until(entry, ':') != program_invocation_short_name) continue;
-    char* end = nullptr;
-    const std::uintptr_t begin = std::strtoul(entry.data(), &end, 16);
-    spared_code.add(info->dlpi_addr + begin, info->dlpi_addr + std::strtoul(end + 1, nullptr, 16));
+  if (!is_program) return 0;
+  char setting[NAME_MAX];
+  std::snprintf(setting, sizeof setting, "CHAOS_SPARED_%s", program_invocation_short_name);
+  for (char* at = std::getenv(setting); at != nullptr && *at != '\0'; at += *at == ',' ? 1 : 0) {
+    const std::uintptr_t first = std::strtoul(at, &at, 16);
+    spared_code.add(info->dlpi_addr + first, info->dlpi_addr + std::strtoul(at + 1, &at, 16));
   }
   return 0;
 }
@@ -287,7 +233,7 @@ int (*real_main)(int, char**, char**) = nullptr;
 
 // Programs that Breakwater calls, such as a shell, are left alone.
 bool is_counted_program() {
-  const char* const below = setting("CHAOS_PROGRAMS");
+  const char* const below = std::getenv("CHAOS_PROGRAMS");
   char program[PATH_MAX] = "";
   return below != nullptr &&
          syscall(SYS_readlink, "/proc/self/exe", program, sizeof program - 1) > 0 &&
@@ -299,21 +245,13 @@ bool is_counted_program() {
 extern "C" {
 
 void chaos_begin() {
-  const char* const file = setting("CHAOS_PAGE");
+  const char* const file = std::getenv("CHAOS_PAGE");
   if (file == nullptr || counts) return;
   const int descriptor = static_cast<int>(syscall(SYS_open, file, O_RDWR | O_CLOEXEC));
   page = static_cast<Page*>(reinterpret_cast<void*>(
       syscall(SYS_mmap, nullptr, sizeof(Page), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0)));
   syscall(SYS_close, descriptor);
   if (page == MAP_FAILED) _exit(125);
-  const char* const list = setting("CHAOS_FAULTS");
-  for (std::string_view rest = list != nullptr ? list : ""; !rest.empty();) {
-    faults[fault_count++] = read_fault(take_until(rest, ','));
-  }
-  synced = setting("CHAOS_SYNCED");
-  const char* const defect = setting("CHAOS_DEFECT");
-  syncs_nothing = defect != nullptr && std::strcmp(defect, "no_fsync") == 0;
-  checks_no_write = defect != nullptr && std::strcmp(defect, "unchecked_write") == 0;
   dl_iterate_phdr(add_code, nullptr);
   counts = true;
 }
@@ -333,14 +271,69 @@ int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, v
                                                                 fini, rtld_fini, stack_end);
 }
 
-// A function that is counted and may fail. The last argument is the caller if it may be spared.
-#define COUNTED(kind, failure, result, name, parameters, arguments, ...)      \
-  result name parameters {                                                    \
-    static auto* const real = next<result parameters>(#name);                 \
-    return fails(kind __VA_OPT__(, ) __VA_ARGS__) ? failure : real arguments; \
+// A table of functions: each fails if the condition holds. Arguments are whole numbers and pointers
+// alone, which pass in registers as they came.
+#define FAILING(name, failure, condition)                                            \
+  long failing_##name(long a, long b, long c, long d, long e, long f) asm(#name);    \
+  long failing_##name(long a, long b, long c, long d, long e, long f) {              \
+    static auto* const real = next<long(long, long, long, long, long, long)>(#name); \
+    return counts && (condition) ? (failure) : real(a, b, c, d, e, f);               \
   }
 
+FAILING(open, -1, !is_of_fontconfig(a) && fails(kOpen))
+FAILING(open64, -1, !is_of_fontconfig(a) && fails(kOpen))
+FAILING(openat, -1, !is_of_fontconfig(b) && fails(kOpen))
+FAILING(openat64, -1, !is_of_fontconfig(b) && fails(kOpen))
+FAILING(fopen, 0, !is_of_fontconfig(a) && fails(kOpen))
+FAILING(fopen64, 0, !is_of_fontconfig(a) && fails(kOpen))
+FAILING(opendir, 0, !is_of_fontconfig(a) && fails(kOpen))
+FAILING(rename, -1, fails(kRename))
+FAILING(renameat2, -1, fails(kRename))
+FAILING(link, -1, fails(kRename))
+FAILING(unlink, -1, fails(kRemove))
+FAILING(unlinkat, -1, fails(kRemove))
+FAILING(rmdir, -1, fails(kRemove))
+FAILING(remove, -1, fails(kRemove))
+FAILING(mkdir, -1, fails(kMkdir))
+FAILING(ftruncate, -1, fails(kWrite))
+FAILING(ftruncate64, -1, fails(kWrite))
+FAILING(fork, -1, fails(kFork))
+FAILING(posix_spawn, errno, fails(kFork))
+FAILING(posix_spawnp, errno, fails(kFork))
+FAILING(pthread_create, errno, !is_spared(__builtin_return_address(0)) && fails(kThread))
+FAILING(mmap, -1, !is_spared(__builtin_return_address(0)) && fails(kMmap))
+FAILING(mmap64, -1, !is_spared(__builtin_return_address(0)) && fails(kMmap))
+// Closing and waiting: here only signals arrive.
+FAILING(fclose, EOF, fails(kClose))
+FAILING(close, -1, fails(kClose))
+FAILING(read, -1, fails(kRead))
+FAILING(pread, -1, fails(kRead))
+FAILING(pread64, -1, fails(kRead))
+FAILING(waitpid, -1, fails(kRead))
+FAILING(poll, -1, fails(kRead))
+
 // ---- Writing ------------------------------------------------------------------------------------
+
+// A stream that cannot be written has its error flag set.
+bool stream_fails(long stream) {
+  auto* const file = reinterpret_cast<std::FILE*>(stream);
+  if (file == nullptr || file == stderr) return false;
+  const Outcome outcome = count(kWrite);
+  if (outcome.error == 0 || outcome.error == EINTR) return false;
+  constexpr int kErrorSeen = 0x20;  // _IO_ERR_SEEN
+  file->_flags |= kErrorSeen;
+  errno = outcome.error;
+  return true;
+}
+
+bool has_bytes(long stream) {
+  const auto* const file = reinterpret_cast<const std::FILE*>(stream);
+  return file != nullptr && file->_IO_write_ptr > file->_IO_write_base;
+}
+
+FAILING(fwrite, 0, stream_fails(d))
+FAILING(fputs, EOF, stream_fails(b))
+FAILING(fflush, EOF, has_bytes(a) && stream_fails(a))
 
 ssize_t write(int descriptor, const void* bytes, std::size_t size) {
   REAL(write);
@@ -354,9 +347,7 @@ ssize_t pwrite64(int descriptor, const void* bytes, std::size_t size, off64_t of
   return is_written(size) ? real(descriptor, bytes, size, offset) : unwritten(size);
 }
 
-ssize_t pwrite(int descriptor, const void* bytes, std::size_t size, off_t offset) {
-  return pwrite64(descriptor, bytes, size, offset);
-}
+extern decltype(pwrite64) pwrite [[gnu::alias("pwrite64")]];
 
 ssize_t writev(int descriptor, const iovec* parts, int number) {
   REAL(writev);
@@ -370,152 +361,17 @@ ssize_t sendfile(int out, int in, off_t* offset, std::size_t size) noexcept {
   return is_written(size) ? real(out, in, offset, size) : -1;
 }
 
-COUNTED(kWrite, -1, int, ftruncate64, (int descriptor, off64_t size) noexcept, (descriptor, size))
-
-int ftruncate(int descriptor, off_t size) noexcept {
-  return ftruncate64(descriptor, size);
-}
-
-// A stream that cannot be written has its error flag set.
-bool stream_fails(std::FILE* file) {
-  if (!counts || file == nullptr || file == stderr) return false;
-  const Outcome outcome = count(kWrite);
-  if (outcome.error == 0 || outcome.error == EINTR) return false;
-  constexpr int kErrorSeen = 0x20;  // _IO_ERR_SEEN
-  file->_flags |= kErrorSeen;
-  errno = outcome.error;
-  return true;
-}
-
-std::size_t fwrite(const void* bytes, std::size_t size, std::size_t number, std::FILE* file) {
-  REAL(fwrite);
-  return stream_fails(file) ? 0 : real(bytes, size, number, file);
-}
-
-int fputs(const char* text, std::FILE* file) {
-  REAL(fputs);
-  return stream_fails(file) ? EOF : real(text, file);
-}
-
-int fflush(std::FILE* file) {
-  REAL(fflush);
-  const bool has_bytes = file != nullptr && file->_IO_write_ptr > file->_IO_write_base;
-  return has_bytes && stream_fails(file) ? EOF : real(file);
-}
-
 int fsync(int descriptor) {
   REAL(fsync);
   if (fails(kSync)) return -1;
-  if (syncs_nothing) return 0;
+  if (counts && page->syncs_nothing != 0) return 0;
   const int status = real(descriptor);
   if (status == 0) keep(descriptor);
   return status;
 }
+extern decltype(fsync) fdatasync [[gnu::alias("fsync")]];
 
-int fdatasync(int descriptor) {
-  return fsync(descriptor);
-}
-
-// ---- Names --------------------------------------------------------------------------------------
-
-int openat64(int folder, const char* path, int flags, ...) {
-  REAL(openat64);
-  va_list values;
-  va_start(values, flags);
-  const mode_t mode = va_arg(values, mode_t);  // any value if the caller passes none
-  va_end(values);
-  if (!is_of_fontconfig(path) && fails(kOpen)) return -1;
-  return real(folder, path, flags, mode);
-}
-
-#define OPENING(name, folder, ...)                                        \
-  int name(__VA_ARGS__ __VA_OPT__(, ) const char* path, int flags, ...) { \
-    va_list values;                                                       \
-    va_start(values, flags);                                              \
-    const mode_t mode = va_arg(values, mode_t);                           \
-    va_end(values);                                                       \
-    return openat64(folder, path, flags, mode);                           \
-  }
-OPENING(openat, folder, int folder)
-OPENING(open64, AT_FDCWD)
-OPENING(open, AT_FDCWD)
-
-std::FILE* fopen64(const char* path, const char* mode) {
-  REAL(fopen64);
-  return !is_of_fontconfig(path) && fails(kOpen) ? nullptr : real(path, mode);
-}
-
-std::FILE* fopen(const char* path, const char* mode) {
-  return fopen64(path, mode);
-}
-
-DIR* opendir(const char* path) {
-  REAL(opendir);
-  return !is_of_fontconfig(path) && fails(kOpen) ? nullptr : real(path);
-}
-
-COUNTED(kRename, -1, int, renameat2,
-        (int from_folder, const char* from, int to_folder, const char* to, unsigned flags) noexcept,
-        (from_folder, from, to_folder, to, flags))
-COUNTED(kRename, -1, int, rename, (const char* from, const char* to) noexcept, (from, to))
-COUNTED(kRename, -1, int, link, (const char* from, const char* to) noexcept, (from, to))
-COUNTED(kRemove, -1, int, unlinkat, (int folder, const char* path, int flags) noexcept,
-        (folder, path, flags))
-COUNTED(kMkdir, -1, int, mkdir, (const char* path, mode_t mode) noexcept, (path, mode))
-
-int unlink(const char* path) noexcept {
-  return unlinkat(AT_FDCWD, path, 0);
-}
-
-int rmdir(const char* path) noexcept {
-  return unlinkat(AT_FDCWD, path, AT_REMOVEDIR);
-}
-
-int remove(const char* path) noexcept {
-  const int status = unlinkat(AT_FDCWD, path, 0);
-  return status != 0 && errno == EISDIR ? unlinkat(AT_FDCWD, path, AT_REMOVEDIR) : status;
-}
-
-// ---- Closing and waiting: here only signals arrive ----------------------------------------------
-
-COUNTED(kClose, EOF, int, fclose, (std::FILE * file), (file))
-COUNTED(kClose, -1, int, close, (int descriptor), (descriptor))
-COUNTED(kRead, -1, ssize_t, read, (int descriptor, void* bytes, std::size_t size),
-        (descriptor, bytes, size))
-COUNTED(kRead, -1, ssize_t, pread64,
-        (int descriptor, void* bytes, std::size_t size, off64_t offset),
-        (descriptor, bytes, size, offset))
-COUNTED(kRead, -1, pid_t, waitpid, (pid_t process, int* status, int options),
-        (process, status, options))
-COUNTED(kRead, -1, int, poll, (pollfd * descriptors, nfds_t number, int timeout),
-        (descriptors, number, timeout))
-
-ssize_t pread(int descriptor, void* bytes, std::size_t size, off_t offset) {
-  return pread64(descriptor, bytes, size, offset);
-}
-
-// ---- Processes, threads, memory, time -----------------------------------------------------------
-
-COUNTED(kFork, -1, pid_t, fork, () noexcept, ())
-COUNTED(kFork, errno, int, posix_spawn,
-        (pid_t * process, const char* path, const posix_spawn_file_actions_t* actions,
-         const posix_spawnattr_t* attributes, char* const* words, char* const* environment),
-        (process, path, actions, attributes, words, environment))
-COUNTED(kFork, errno, int, posix_spawnp,
-        (pid_t * process, const char* path, const posix_spawn_file_actions_t* actions,
-         const posix_spawnattr_t* attributes, char* const* words, char* const* environment),
-        (process, path, actions, attributes, words, environment))
-COUNTED(kThread, errno, int, pthread_create,
-        (pthread_t * thread, const pthread_attr_t* attributes, void* (*body)(void*), void* data),
-        (thread, attributes, body, data), __builtin_return_address(0))
-COUNTED(kMmap, MAP_FAILED, void*, mmap64,
-        (void* address, std::size_t size, int protection, int flags, int descriptor,
-         off64_t offset) noexcept,
-        (address, size, protection, flags, descriptor, offset), __builtin_return_address(0))
-COUNTED(kMmap, MAP_FAILED, void*, mmap,
-        (void* address, std::size_t size, int protection, int flags, int descriptor,
-         off_t offset) noexcept,
-        (address, size, protection, flags, descriptor, offset), __builtin_return_address(0))
+// ---- Memory and time ----------------------------------------------------------------------------
 
 void* malloc(std::size_t size) {
   return lacks_memory(__builtin_return_address(0)) ? nullptr : __libc_malloc(size);
@@ -544,11 +400,9 @@ long stepped_s() {
   if (!counts) return 0;
   count(kClock);
   long step = 0;
-  for (unsigned i = 0; i < fault_count; ++i) {
-    const bool has_come = faults[i].kind == kClock && page->counts[kClock] >= faults[i].number;
-    if (has_come && faults[i].what.starts_with("step")) {
-      step += std::strtol(faults[i].what.data() + 4, nullptr, 10);
-    }
+  for (const Fault& fault : page->faults) {
+    const bool has_come = fault.action == kStepClock && page->counts[kClock] >= fault.number;
+    if (has_come) step += fault.value;
   }
   return step;
 }
