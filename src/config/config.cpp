@@ -243,7 +243,7 @@ const ConfigEntry* Config::find(const std::string& key) const {
 std::size_t ConfigEntry::line() const {
   std::size_t number = std::numeric_limits<std::size_t>::max();
   const char* const text_end = origin.data() + origin.size();
-  std::from_chars(origin.data() + origin.rfind(':') + 1, text_end, number);
+  std::from_chars(origin.data() + (origin.rfind(':') + 1), text_end, number);
   return number;
 }
 
