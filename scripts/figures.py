@@ -4,7 +4,7 @@
     scripts/figures.py PAGE.html [--chart ID ...] --out FIGURE.pdf [--from S] [--to S] [--width INCHES]
     scripts/figures.py PAGE.html --out TABLES.tex
 
-PAGE is a page of any command that has charts: of compare, report, analyze, tune, identify, reproduce. The figure has a
+PAGE is a page of any command that has charts: of compare, report, analyze, sweep, tune, identify, reproduce. The figure has a
 panel per chart, by default for those that the page does not fold away, and their first time window. FIGURE is .pdf,
 .svg or .png. Fonts are embedded. TABLES has each table of the page, as LaTeX's package booktabs sets it.
 

@@ -161,12 +161,16 @@
         valueRange: this.wholeRange(),
         xRangePad: data.x ? 12 : 0,  // a ring is whole
         axes: {y: {axisLabelWidth: 54, ticker: data.log ? logTicks(25) : fourTicks},
-               x: {drawGrid: true, ...(data.x ? {ticker: data.x.log ? logTicks(50) : fourTicks} : {})}},
+               x: {drawGrid: true, ...(data.x ? {ticker: this.x.labels ? () => this.x.labels.map(([v, label]) => ({v, label}))
+                                                           : data.x.log ? logTicks(50) : fourTicks} : {})}},
         underlayCallback: (context, area, graph) => this.underlay(context, area, graph),
         highlightCallback: (event, time) => this.isPlayed ? this.showValues(time) : setTime(this.group, time),
         unhighlightCallback: () => this.isPlayed ? this.showValues(this.group.time) : setTime(this.group, null),
         drawCallback: (graph, isFirst) => { if (!isFirst) this.drawn(); },
-        clickCallback: (event, time) => setTime(this.group, time, this),
+        clickCallback: (event, time) => {
+          setTime(this.group, time, this);
+          this.choose(time, event.offsetY);
+        },
       });
       this.cursor = element("div", "cursor", this.plot);
       this.cursor.hidden = true;
@@ -179,10 +183,17 @@
       box.dataset.drawn = "yes";
     }
 
-    // Over another quantity than time all values are in sight, those of lines and brackets too.
+    // The points of a band's edge, "low" or "high".
+    edge(series, name) {
+      const x = this.xOf(series), y = numbers(series[name] || [], series.from, series.step);
+      return Array.from(y, (value, i) => [x[i], value]).filter(([, value]) => Number.isFinite(value));
+    }
+
+    // Over another quantity than time all values are in sight, those of lines, bands and brackets too.
     wholeRange() {
       if (!this.data.x) return null;
-      const all = this.data.lines.concat(...this.data.brackets.map((b) => b.ends), ...this.rows.map((row) => row.slice(1)))
+      const all = this.data.lines.concat(...this.data.brackets.map((b) => b.ends), ...this.rows.map((row) => row.slice(1)),
+        ...this.series.flatMap((s) => [...this.edge(s, "low"), ...this.edge(s, "high")].map(([, y]) => y)))
         .filter((value) => value !== null && Number.isFinite(value));
       return all.length === 0 ? null : padded(all);
     }
@@ -228,6 +239,16 @@
         points.forEach(([x, y], i) => (i % 2 ? context.lineTo(x, y) : context.moveTo(x, y)));
         context.stroke();
       };
+      this.series.forEach((series, i) => {
+        const around = series.low && graph.visibility()[i] ? this.edge(series, "low").concat(this.edge(series, "high").reverse()) : [];
+        context.globalAlpha = 0.16;
+        context.fillStyle = context.strokeStyle = this.colours[i];
+        context.beginPath();
+        around.forEach(([x, y], k) => context[k ? "lineTo" : "moveTo"](graph.toDomXCoord(x), graph.toDomYCoord(y)));
+        context.fill();
+        context.stroke();  // one value has a band without width
+        context.globalAlpha = 1;
+      });
       for (const {x, ends, colour} of this.data.brackets || []) {
         context.strokeStyle = cssValue("--c" + colour);
         context.lineWidth = 2;
@@ -257,16 +278,33 @@
 
     setWindow(range) { this.graph.updateOptions({dateWindow: range}); }
 
+    textOfX(x) {
+      const named = (this.x.labels || []).find(([at]) => at === x);
+      return named ? named[1] : shown(this.x.log ? 10 ** x : x);
+    }
+
+    // The value of a series, and what its mark says.
+    textAt(time, i) {
+      const series = this.series[i], value = time === null ? null : this.at(time, i + 1);
+      const place = value === null || !series.names?.length ? -1 : this.placeOf(series, time);
+      return shown(value !== null && this.data.log ? 10 ** value : value) + (place >= 0 ? " " + series.names[place] : "");
+    }
+
     showValues(time) {
-      const {title, log} = this.x;
       this.clock.textContent = time === null ? ""
-        : title ? title + ": " + shown(log ? 10 ** time : time) : "t = " + Number(time.toPrecision(6)) + " s";
-      this.series.forEach((series, i) => {
-        const value = time === null ? null : this.at(time, i + 1);
-        this.values[i].textContent = shown(value !== null && this.data.log ? 10 ** value : value);
-        const place = value === null || !series.names?.length ? -1 : this.placeOf(series, time);
-        if (place >= 0) this.values[i].textContent += " " + series.names[place];
-      });
+        : this.x.title ? this.x.title + ": " + this.textOfX(time) : "t = " + Number(time.toPrecision(6)) + " s";
+      this.series.forEach((series, i) => { this.values[i].textContent = this.textAt(time, i); });
+    }
+
+    // Gives the marks at x to the page's script: the nearest one to `y`, or all.
+    choose(x, y) {
+      if (!window.chooseMarks || x === null) return;
+      const far = ({i}) => Math.abs(this.graph.toDomYCoord(this.at(x, i + 1)) - y);
+      const marks = this.series.map((series, i) => ({i, runs: series.runs?.[this.placeOf(series, x)],
+          text: `${series.label}, ${this.x.title} = ${this.textOfX(x)}: ${this.textAt(x, i)}`}))
+        .filter(({i, runs}) => runs?.length && this.graph.visibility()[i]);
+      if (y !== undefined) marks.sort((a, b) => far(a) - far(b)).splice(1);
+      window.chooseMarks(marks);
     }
 
     xOf(series) { return numbers(series.t, this.x.from, this.x.step); }
@@ -331,12 +369,16 @@
       const [from, to] = this.graph.xAxisRange();
       const step = (to - from) / (event.shiftKey ? 10 : 100);
       const time = this.group.time === null ? (from + to) / 2 : this.group.time;
+      // The next value of another quantity.
+      const nextOf = (by) => this.data.x ? (by > 0 ? this.rows.find(([x]) => x > time) : this.rows.findLast(([x]) => x < time))?.[0] ?? time
+                                         : time + by * step;
       const zoomTo = (factor) => zoom(this.axis, [time - (time - from) * factor, time + (to - time) * factor], null);
       switch (event.key) {
-        case "ArrowLeft": setTime(this.group, time - step, this); break;
-        case "ArrowRight": setTime(this.group, time + step, this); break;
+        case "ArrowLeft": setTime(this.group, nextOf(-1), this); break;
+        case "ArrowRight": setTime(this.group, nextOf(1), this); break;
         case "+": zoomTo(0.6); break;
         case "-": zoomTo(1.6); break;
+        case "Enter": this.choose(this.group.time); break;
         case "0": case "Escape": zoom(this.axis, null, null); break;
         default: return;
       }
@@ -428,7 +470,7 @@
   });
   const draw = (box) => { if (!box.dataset.drawn) new Chart(box); };
   // Draws all at once, for printing and for tests.
-  window.drawAllCharts = () => charts.forEach(draw);
+  window.drawAllCharts = () => charts.filter((box) => !box.closest("[hidden]")).forEach(draw);
 
   // Draws the other charts when the page is idle or scrolls to them.
   function drawTheRest() {
@@ -460,14 +502,15 @@
   window.addEventListener("beforeprint", () => {
     drawAllCharts();
     document.body.classList.add("paper");
-    for (const box of charts) {
-      const plot = box.chart.plot;
+    for (const {chart} of charts) {
+      if (!chart) continue;
+      const plot = chart.plot;
       plot.style.zoom = Math.min(1, plot.clientWidth / plot.firstElementChild.offsetWidth);
     }
   });
   window.addEventListener("afterprint", () => {
     document.body.classList.remove("paper");
-    for (const box of charts) box.chart.plot.style.zoom = "";
+    for (const {chart} of charts) if (chart) chart.plot.style.zoom = "";
     redrawAll();
   });
   dark.addEventListener("change", redrawAll);

@@ -13,12 +13,12 @@ namespace breakwater {
 
 /// A frequency response in the charts and tables.
 struct BodeResponse {
-  const char* name;  ///< of its columns
+  const char* name;  ///< begins the names of its columns
   std::complex<double> LoopPoint::*value;
   bool needs_estimator;
   std::string title;
   std::string about;
-  std::string unit;  ///< of the gain; "" for a number
+  std::string unit;  ///< unit of the gain; "" for a number
 };
 
 /// Two charts, in dB and degrees. None if no loop has a curve.

@@ -21,6 +21,7 @@
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/record/text_outputs.h>
+#include <breakwater/recorded/identified_scenario.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
@@ -42,8 +43,15 @@ double time_step_of(const AxisData& data) {
   return step_s;
 }
 
-}  // namespace
+// The table of a record, as its user named and scaled it.
+struct RecordSource {
+  std::string file;
+  std::string config;  // a file of `estimate` with further keys, or empty
+  RecordFormat format;
+  InputActs input_acts = InputActs::after;
+};
 
+// estimate.toml, a file of `breakwater estimate` with this table, plant, encoder and noise.
 std::string estimate_toml(const Catalogue& catalogue, const Identification& identification,
                           const RecordSource& source) {
   const IdentifiedPlant plant = identified_plant(identification);
@@ -71,6 +79,8 @@ std::string estimate_toml(const Catalogue& catalogue, const Identification& iden
   return fields.print("estimate", file.default_case());
 }
 
+// Each parameter's value, interval and identifiability, and "fit" with the errors, the whiteness
+// and the notes.
 std::string identified_json(const Identification& identification) {
   nlohmann::ordered_json json;
   const AxisParameter known = identification.data.model->known_inertia;
@@ -126,6 +136,7 @@ std::string identified_toml(const Catalogue& catalogue, const Identification& id
   return prepare_run(catalogue, scenario.name, *file, scenario.case_name, sets).config_text;
 }
 
+// "yes" or "no", and whether the interval is too narrow, because the residuals are not white.
 std::string identifiable_text(const Identification& identification,
                               const ParameterEstimate& estimate) {
   if (!estimate.is_identifiable) return "no";
@@ -163,15 +174,7 @@ std::string two_inertia_toml(const Catalogue& catalogue, const Identification& i
              .config_text;
 }
 
-namespace {
-
 constexpr double kNormal99 = 2.5758293035489;
-
-PageData figure(const std::string& caption, const std::string& note, const PageChart& chart) {
-  PageData figure = {{"caption", caption}, {"note", note}, {"charts", PageData::array()}};
-  figure["charts"].push_back(chart.json());
-  return figure;
-}
 
 PageData parameters(const Identification& identification) {
   auto rows = PageData::array();
@@ -239,9 +242,9 @@ PageData fit_figures(const Identification& identification) {
                         .values = {stretch.times_s, residuals},
                         .identity = 0}};
     residual.lines = {-identification.data.quantum, identification.data.quantum};
-    figures.push_back(figure("Position" + which, "Measured, and the fit above it.", position));
-    figures.push_back(figure("Residuals" + which,
-                             "Measured minus fitted. The dashed lines are one count.", residual));
+    figures.push_back(figure_of(position, "Position" + which, "Measured, and the fit above it."));
+    figures.push_back(figure_of(residual, "Residuals" + which,
+                                "Measured minus fitted. The dashed lines are one count."));
   }
   const double band = kNormal99 / std::sqrt(static_cast<double>(positions.size()));
   PageChart chart{.id = "correlation", .group = "correlation", .title = "correlation"};
@@ -253,13 +256,12 @@ PageData fit_figures(const Identification& identification) {
     values.times_s.push_back(static_cast<double>(values.times_s.size() + 1));
     values.values.push_back(r);
   }
-  figures.push_back(figure(
-      "Correlation of the residuals",
+  figures.push_back(figure_of(
+      chart, "Correlation of the residuals",
       fmt::format("Scores of the likelihood. White ones stay between the dashed lines (99 % each). "
                   "Ljung and Box: {:.4g}, limit {:.4g}: {}.",
                   identification.whiteness.statistic, identification.whiteness.limit,
-                  identification.whiteness.is_white() ? "white" : "not white"),
-      chart));
+                  identification.whiteness.is_white() ? "white" : "not white")));
   return figures;
 }
 
@@ -278,18 +280,11 @@ PageData profile_figures(const Identification& identification) {
       chart.series[0].values.times_s.push_back(value - estimate.value);
       chart.series[0].values.values.push_back(rise);
     }
-    figures.push_back(figure(
-        name,
-        fmt::format("Estimate {}. The interval ends at the dashed line.", text_of(estimate.value)),
-        chart));
+    figures.push_back(figure_of(chart, name,
+                                fmt::format("Estimate {}. The interval ends at the dashed line.",
+                                            text_of(estimate.value))));
   }
   return figures;
-}
-
-}  // namespace
-
-std::string parameter_table(const Identification& identification, std::size_t width) {
-  return printed_table(parameters(identification), width);
 }
 
 PageData identification_result(const Identification& identification,
@@ -333,7 +328,6 @@ PageData identification_result(const Identification& identification,
 }
 
 namespace fs = std::filesystem;
-namespace {
 
 constexpr const char* kIdentify = "identify";
 constexpr const char* kTwoInertia = "two_inertia";
@@ -467,7 +461,8 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
                                        [](const RecordedAxis& one) { return !one.doubts.empty(); });
   if (!arguments.quiet) {
     if (!is_doubtful) warn(kIdentify, notes);
-    fmt::print("results: {}\n\n{}", arguments.out, parameter_table(result, output_width()));
+    fmt::print("results: {}\n\n{}", arguments.out,
+               printed_table(parameters(result), output_width()));
   }
   if (!result.is_converged) {
     warn(kIdentify, {"the fit did not converge: the values are not to be used"});

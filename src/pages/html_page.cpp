@@ -207,7 +207,7 @@ std::string html_page(const std::string& name, PageData data) {
   page.set("script", bytes_of(part("unpack.js")));
   page.set("contents_script", bytes_of(part("contents.js")));
   page.set("version", std::string(kVersion) + " (" + kGitCommit + ")");
-  return mustache::mustache(bytes_of(part("page.mustache"))).render(page);
+  return mustache::mustache("{{>page}}").render(page);
 }
 
 std::string data_address(const fs::path& file, const std::string& type) {

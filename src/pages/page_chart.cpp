@@ -70,7 +70,41 @@ std::pair<double, double> packing(const std::vector<double>& values, double step
   return {low <= high ? low : 0.0, high > low ? (high - low) / steps : 1.0};
 }
 
+// Whether a range of positive values has a logarithmic axis: it extends over decades.
+bool is_for_log(const std::vector<double>& values) {
+  constexpr double kWide = 300.0;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double value : values) {
+    if (std::isnan(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  return low > 0.0 && high > kWide * low;
+}
+
 }  // namespace
+
+PageChart PageChart::scaled() const {
+  PageChart chart = *this;
+  std::vector<double> x, y;
+  for (const ChartSeries& one : series) {
+    x.insert(x.end(), one.values.times_s.begin(), one.values.times_s.end());
+    for (const auto* values : {&one.values.values, &one.low, &one.high}) {
+      y.insert(y.end(), values->begin(), values->end());
+    }
+  }
+  chart.is_log_x = is_for_log(x);
+  chart.is_log_y = is_for_log(y);
+  const auto scale = [](bool is_log, std::vector<double>& values) {
+    for (double& value : values) value = is_log ? std::log10(value) : value;
+  };
+  for (ChartSeries& one : chart.series) {
+    scale(chart.is_log_x, one.values.times_s);
+    for (auto* values : {&one.values.values, &one.low, &one.high}) scale(chart.is_log_y, *values);
+  }
+  for (auto& [place, label] : chart.x_labels) place = chart.is_log_x ? std::log10(place) : place;
+  return chart;
+}
 
 std::string PageChart::axis_title() const {
   if (series.empty()) return title;
@@ -84,13 +118,12 @@ std::string PageChart::alternative_text() const {
   std::string text =
       fmt::format("Chart of {} over {}", axis_title(), x_title.empty() ? "time" : x_title);
   for (const ChartSeries& one : series) {
-    if (one.values.values.empty()) {
-      text += "; " + one.label;
-      continue;
-    }
-    const auto [low, high] =
-        std::minmax_element(one.values.values.begin(), one.values.values.end());
-    text += fmt::format("; {} from {:.3g} to {:.3g}", one.label, *low, *high);
+    std::vector<double> known = one.values.values;
+    std::erase_if(known, [](double value) { return std::isnan(value); });
+    text += "; " + one.label;
+    if (known.empty()) continue;
+    const auto [low, high] = std::ranges::minmax(known);
+    text += fmt::format(" from {:.3g} to {:.3g}", low, high);
     if (!one.unit.empty() && one.unit != "1") text += " " + one.unit;
   }
   return text;
@@ -116,7 +149,10 @@ PageData PageChart::json() const {
   for (std::size_t i = 0; i < series.size(); ++i) {
     const ChartSeries& one = series[i];
     const Series thin = one.marks.empty() ? thinned(one.values, from_s, to_s) : one.values;
-    const auto [first, unit] = packing(thin.values, kSteps);
+    std::vector<double> all = thin.values;
+    for (const auto* edge : {&one.low, &one.high})
+      all.insert(all.end(), edge->begin(), edge->end());
+    const auto [first, unit] = packing(all, kSteps);
     PageData entry = {{"label", one.label},
                       {"unit", one.unit == "1" ? "" : one.unit},
                       {"about", one.description}};
@@ -130,12 +166,18 @@ PageData PageChart::json() const {
     if (!one.marks.empty()) {
       entry.update({{"marks", one.marks}, {"line", one.has_line}, {"names", one.names}});
     }
+    if (!one.low.empty()) {
+      entry["low"] = differences(one.low, first, unit);
+      entry["high"] = differences(one.high, first, unit);
+    }
+    if (!one.runs.empty()) entry["runs"] = one.runs;
     list.push_back(std::move(entry));
   }
   PageData data = {{"title", axis_title()}, {"lines", lines}, {"series", list}};
   if (from_s && to_s) data["window"] = {*from_s, *to_s};
   if (!is_over_time) {
     data["x"] = {{"title", x_title}, {"from", x_first}, {"step", x_unit}, {"log", is_log_x}};
+    if (!x_labels.empty()) data["x"]["labels"] = x_labels;
     data["log"] = is_log_y;
     data["brackets"] = PageData::array();
     for (const Bracket& bracket : brackets) {

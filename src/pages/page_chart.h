@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <breakwater/pages/html_page.h>
@@ -16,11 +17,13 @@ struct ChartSeries {
   std::string unit;
   std::string description;
   Series values;
-  bool is_off = false;                  ///< hidden at first
-  std::optional<Identity> identity;     ///< its look, if it is the first here with that
-  bool has_line = true;                 ///< between the values
-  std::string marks;                    ///< at the values: "", "dot", "cross" or "ring"
-  std::vector<std::string> names = {};  ///< one for each mark, or none
+  bool is_off = false;                              ///< hidden at first
+  std::optional<Identity> identity;                 ///< its look, if it is the first here with that
+  bool has_line = true;                             ///< between the values
+  std::string marks;                                ///< at the values: "", "dot", "cross" or "ring"
+  std::vector<std::string> names = {};              ///< one for each mark, or none
+  std::vector<double> low = {}, high = {};          ///< a band around the values, or none
+  std::vector<std::vector<std::size_t>> runs = {};  ///< the page's runs behind each mark, or none
 };
 
 /// Series over one axis: time, or another quantity.
@@ -42,7 +45,10 @@ struct PageChart {
     Identity identity;
   };
   std::vector<Bracket> brackets;
+  std::vector<std::pair<double, std::string>> x_labels;  ///< instead of round numbers
 
+  /// The same over logarithmic axes, where positive values extend over decades.
+  PageChart scaled() const;
   /// "title [unit]", if all series have one.
   std::string axis_title() const;
   /// A description in words.
@@ -53,8 +59,12 @@ struct PageChart {
 };
 
 /// A figure with one chart.
-inline PageData figure_of(const PageChart& chart) {
-  return {{"charts", PageData::array({chart.json()})}};
+inline PageData figure_of(const PageChart& chart, const std::string& caption = "",
+                          const std::string& note = "") {
+  PageData figure = {{"charts", PageData::array({chart.json()})}};
+  if (!caption.empty()) figure["caption"] = caption;
+  if (!note.empty()) figure["note"] = note;
+  return figure;
 }
 
 /// The part of a series from `from_s` to `to_s`, both included.

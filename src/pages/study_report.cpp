@@ -17,6 +17,7 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
+#include <breakwater/pages/page_chart.h>
 #include <breakwater/pages/study_numbers.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
@@ -44,12 +45,37 @@ constexpr const char* kFailuresId = "failures";
 class RunList {
  public:
   // Adds a point and returns its index in the list.
-  std::size_t add(std::size_t point);
+  std::size_t add(std::size_t point) {
+    const auto [place, is_new] = places_.emplace(point, points_.size());
+    if (is_new) points_.push_back(point);
+    return place->second;
+  }
+
   // The list for the page's script: "runs" (each with key, candidate, seed and varied values) and
   // the names of candidates and keys.
-  PageData json(const Plan& plan, const ShardIndex& index) const;
+  PageData json(const Plan& plan, const ShardIndex& index) const {
+    PageData json = {{"candidates", PageData::array()},
+                     {"keys", PageData::array()},
+                     {"runs", PageData::array()}};
+    for (const Candidate& one : plan.candidates()) json["candidates"].push_back(one.label);
+    for (const VariedKey& key : plan.study().vary) json["keys"].push_back(key.key);
+    for (const std::size_t number : points_) {
+      const StudyPoint point = plan.point(number);
+      PageData run = {index.read(number).key, point.candidate,
+                      point.seed ? std::to_string(*point.seed) : ""};
+      for (const std::string& value : point.values) {
+        const auto number_of_value = number_in(value);
+        run.push_back(number_of_value ? fmt::format("{:.6g}", *number_of_value)
+                                      : plain_text(value));
+      }
+      json["runs"].push_back(std::move(run));
+    }
+    return {{"id", "study-runs"}, {"data", json}};
+  }
+
+  std::string new_id() { return fmt::format("drawing-{}", ++drawings_); }
   // A drawing with these marks: "id", and "data" for data/report/study.js.
-  PageData drawing(const PageData& data);
+  PageData drawing(const PageData& data) { return {{"id", new_id()}, {"data", data}}; }
 
  private:
   std::vector<std::size_t> points_;
@@ -58,7 +84,9 @@ class RunList {
 };
 
 // A block with drawings. `kind` is the class of their place: charts or key-bar.
-PageData drawings(const char* kind, const PageData& all);
+PageData drawings(const char* kind, const PageData& all) {
+  return {{"drawings", all}, {"kind", kind}};
+}
 
 // Makes the sections of one study's metrics.
 class StudySections {
@@ -79,8 +107,8 @@ class StudySections {
   struct Output;  // a metric or the failures
   static std::string title_of(const Output& output);
   std::vector<QuantileBand> bands_of(const Output& output) const;
-  PageData line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
-                      bool& has_crosses) const;
+  PageChart line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
+                       bool& has_crosses) const;
   void add_legend(PageData& blocks) const;
   void add_line_charts(const Output& output, PageData& blocks) const;
   void add_heat_maps(const Output& output, PageData& blocks) const;
@@ -106,21 +134,16 @@ constexpr std::size_t kMostCompared = 100;  // candidates in a table
 constexpr std::size_t kMostMetrics = 60;    // with charts
 constexpr std::size_t kOfAGroup = 8;        // smallest number of samples in a group of a drawn key
 
-// A summary such as "median 0.12 (0.1 to 0.2), 20 runs, 1 failed", with the 10 and 90 % quantiles
-// in parentheses.
-std::string in_words(const QuantileBand& band) {
-  std::string text = band.measured > 0 ? fmt::format("median {} ({} to {})", in_digits(band.median),
-                                                     in_digits(band.q10), in_digits(band.q90))
-                                       : "not measured";
-  text += ", " + number_of(band.runs, "run");
+// A summary behind a median: "(0.1 to 0.2), 20 runs, 1 failed", with the 10 and 90 % quantiles. Or
+// behind a share of failures: "(1 of 20 runs failed)".
+std::string in_words(const QuantileBand& band, bool is_share) {
+  if (is_share) return fmt::format("({} of {} failed)", band.failed, number_of(band.runs, "run"));
+  std::string text = fmt::format("({} to {}), {}", in_digits(band.q10), in_digits(band.q90),
+                                 number_of(band.runs, "run"));
   if (band.failed > 0) text += fmt::format(", {} failed", band.failed);
   const std::size_t absent = band.runs - band.failed - band.measured;
   if (absent > 0 && band.measured > 0) text += fmt::format(", {} without it", absent);
   return text;
-}
-
-std::string share_in_words(const QuantileBand& band) {
-  return fmt::format("{} of {} failed", band.failed, number_of(band.runs, "run"));
 }
 
 PageData with_interval(const SensitivityIndex& index) {
@@ -160,45 +183,6 @@ StudyDetail study_detail(const Plan& plan, std::size_t metrics) {
 // Whether two keys are crossed, so that heat maps exist.
 bool has_heat_maps(const Study& study) {
   return study.vary.size() == 2 && study.method == Method::grid;
-}
-
-PageData drawings(const char* kind, const PageData& all) {
-  return {{"drawings", all}, {"kind", kind}};
-}
-
-PageData RunList::drawing(const PageData& data) {
-  PageData made = {{"id", fmt::format("drawing-{}", ++drawings_)}, {"data", data}};
-  if (data.contains("x_title")) {
-    made["about"] = text_of(data["y_title"]) + " over " + text_of(data["x_title"]);
-  }
-  return made;
-}
-
-std::size_t RunList::add(std::size_t point) {
-  const auto [place, is_new] = places_.emplace(point, points_.size());
-  if (is_new) points_.push_back(point);
-  return place->second;
-}
-
-PageData RunList::json(const Plan& plan, const ShardIndex& index) const {
-  PageData json;
-  json["candidates"] = PageData::array();
-  for (const Candidate& candidate : plan.candidates())
-    json["candidates"].push_back(candidate.label);
-  json["keys"] = PageData::array();
-  for (const VariedKey& key : plan.study().vary) json["keys"].push_back(key.key);
-  json["runs"] = PageData::array();
-  for (const std::size_t number : points_) {
-    const StudyPoint point = plan.point(number);
-    PageData run = {index.read(number).key, point.candidate,
-                    point.seed ? std::to_string(*point.seed) : ""};
-    for (const std::string& value : point.values) {
-      const auto number_of_value = number_in(value);
-      run.push_back(number_of_value ? fmt::format("{:.6g}", *number_of_value) : plain_text(value));
-    }
-    json["runs"].push_back(std::move(run));
-  }
-  return {{"id", "study-runs"}, {"data", json}};
 }
 
 struct StudySections::Output {
@@ -261,49 +245,62 @@ std::vector<QuantileBand> StudySections::by_candidate(std::size_t metric) const 
   return bands_of({numbers_.metrics[metric], false, column, in_order(column)});
 }
 
-PageData StudySections::line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
-                                   bool& has_crosses) const {
+PageChart StudySections::line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
+                                    bool& has_crosses) const {
   const std::vector<QuantileBand> all =
       bands(numbers_, output.column, output.order, (drawn_.size() + 1) * key.size(),
             [&](const StudyRun& run) {
               return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
             });
-  auto looks = PageData::array();
-  auto lines = PageData::array();
+  PageChart chart{.id = runs_.new_id(), .title = title_of(output)};
+  chart.group = chart.id;
+  chart.x_title = key_label_with_unit(key.name, unit_of(key.name));
+  if (output.is_failures) chart.lines = {0.0, 1.0};
+  if (!key.is_number || (!key.is_binned && key.size() <= 8)) {
+    for (std::size_t g = 0; g < key.size(); ++g) {
+      chart.x_labels.emplace_back(key.centre[g], key.labels[g]);
+    }
+  }
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const QuantileBand& band : all) {
+    if (band.measured > 0) lowest = std::min(lowest, band.q10);
+  }
   for (std::size_t i = 0; i < drawn_.size(); ++i) {
-    looks.push_back(series_class(looks_[drawn_[i]]));
-    auto line = PageData::array();
+    ChartSeries line{.label = labels_[drawn_[i]], .identity = looks_[drawn_[i]], .marks = "dot"};
+    ChartSeries crosses{.label = line.label + ", some failed",
+                        .identity = line.identity,
+                        .has_line = false,
+                        .marks = "cross"};
     for (std::size_t g = 0; g < key.size(); ++g) {
       const QuantileBand& band = all[i * key.size() + g];
-      auto runs = PageData::array();
-      if (band.measured > 0) runs.push_back(runs_.add(band.at_middle));
-      if (band.failed > 0) runs.push_back(runs_.add(band.first_failed));
-      PageData mark = {
-          {"text", fmt::format("{}, {} = {}: {}", labels_[drawn_[i]], key.name, key.labels[g],
-                               output.is_failures ? share_in_words(band) : in_words(band))},
-          {"runs", runs}};
+      const auto add = [&](ChartSeries& to, double y, const std::string& text, bool has_run,
+                           std::size_t run) {
+        to.values.times_s.push_back(key.centre[g]);
+        to.values.values.push_back(y);
+        to.names.push_back(text);
+        to.runs.emplace_back();
+        if (has_run) to.runs.back().push_back(runs_.add(run));
+      };
       if (output.is_failures) {
-        mark["y"] = band.failed_share();
-      } else {
-        mark.update({{"y", band.median}, {"low", band.q10}, {"high", band.q90}});
-        mark["failed"] = band.failed > 0;
-        has_bands |= band.q10 < band.q90;
-        has_crosses |= band.failed > 0;
+        add(line, band.failed_share(), in_words(band, true), band.failed > 0, band.first_failed);
+        continue;
       }
-      line.push_back(std::move(mark));
+      add(line, band.median, in_words(band, false), band.measured > 0, band.at_middle);
+      line.low.push_back(band.q10);
+      line.high.push_back(band.q90);
+      has_bands |= band.q10 < band.q90;
+      if (band.failed == 0) continue;
+      add(crosses,
+          band.measured > 0       ? band.median
+          : std::isfinite(lowest) ? lowest
+                                  : 0.0,
+          in_words(band, true), true, band.first_failed);
     }
-    lines.push_back(std::move(line));
+    has_crosses |= !crosses.names.empty();
+    chart.series.push_back(std::move(line));
+    if (!crosses.names.empty()) chart.series.push_back(std::move(crosses));
   }
-  const bool has_labels = !key.is_number || (!key.is_binned && key.size() <= 8);
-  return runs_.drawing({{"kind", "lines"},
-                        {"x_title", key_label_with_unit(key.name, unit_of(key.name))},
-                        {"y_title", title_of(output)},
-                        {"log", key.is_log},
-                        {"share", output.is_failures},
-                        {"at", key.centre},
-                        {"labels", has_labels ? PageData(key.labels) : PageData::array()},
-                        {"looks", looks},
-                        {"lines", lines}});
+  return chart.scaled();
 }
 
 void StudySections::add_legend(PageData& blocks) const {
@@ -325,12 +322,12 @@ void StudySections::add_line_charts(const Output& output, PageData& blocks) cons
   auto lines = PageData::array();
   bool has_bands = false, has_crosses = false;
   for (const KeyGroups& key : keys_) {
-    lines.push_back(line_chart(output, key, has_bands, has_crosses));
+    lines.push_back(figure_of(line_chart(output, key, has_bands, has_crosses)));
   }
   if (lines.empty()) return;
-  blocks.push_back(drawings("charts", lines));
+  add_block(blocks, "figures", lines);
   add_block(blocks, "text",
-            fmt::format("{}{}{} Point at a mark to see its numbers.",
+            fmt::format("{}{}{} Choose a mark to see its numbers and runs.",
                         output.is_failures ? "The share of the runs with this value."
                                            : "A mark is the median of the runs with this value.",
                         has_bands ? " The band has the runs from 10 to 90 %." : "",
@@ -378,6 +375,7 @@ void StudySections::add_heat_maps(const Output& output, PageData& blocks) const 
                                   {"about", fmt::format("{} of {} over {} and {}", output.name,
                                                         labels_[drawn_[i]], x.name, y.name)}});
     map["caption"] = labels_[drawn_[i]];
+    map["about"] = map["data"]["about"];
     maps.push_back(std::move(map));
   }
   blocks.push_back(drawings("charts", maps));

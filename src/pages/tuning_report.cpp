@@ -30,37 +30,9 @@ double value_of(const std::optional<Evaluation>& evaluation, std::size_t objecti
   return evaluation->objectives[objective].value;
 }
 
-// A range of positive values over decades has a logarithmic axis.
-bool is_for_log(const std::vector<double>& values) {
-  constexpr double kWide = 300.0;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const double value : values) {
-    if (std::isnan(value)) continue;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  return low > 0.0 && high > kWide * low;
-}
-
-// Brings the values of a chart to the scale of its axes.
-PageData with_scales(PageChart chart) {
-  std::vector<double> x, y;
-  for (const ChartSeries& one : chart.series) {
-    x.insert(x.end(), one.values.times_s.begin(), one.values.times_s.end());
-    y.insert(y.end(), one.values.values.begin(), one.values.values.end());
-  }
-  chart.is_log_x = is_for_log(x);
-  chart.is_log_y = is_for_log(y);
-  for (ChartSeries& one : chart.series) {
-    for (double& value : one.values.times_s) value = chart.is_log_x ? std::log10(value) : value;
-    for (double& value : one.values.values) value = chart.is_log_y ? std::log10(value) : value;
-  }
-  return chart.json();
-}
-
 // The points of all cases as the search measured them, and on fresh worlds. `chosen` is a number.
-PageData front_chart(const Tuning& tuning, const TuningResult& result,
-                     const std::vector<Identity>& looks, std::size_t chosen) {
+PageChart front_chart(const Tuning& tuning, const TuningResult& result,
+                      const std::vector<Identity>& looks, std::size_t chosen) {
   const auto title = [&](const Objective& one) {
     return fmt::format("{}, {}", metric_label_with_unit(one.metric, unit_of(one.metric)),
                        name_of(over_names(), one.over));
@@ -104,11 +76,11 @@ PageData front_chart(const Tuning& tuning, const TuningResult& result,
     }
   }
   if (!ring.names.empty()) chart.series.push_back(ring);
-  return with_scales(chart);
+  return chart.scaled();
 }
 
-PageData progress_chart(const Tuning& tuning, const TuningResult& result,
-                        const std::vector<Identity>& looks) {
+PageChart progress_chart(const Tuning& tuning, const TuningResult& result,
+                         const std::vector<Identity>& looks) {
   const std::string& metric = tuning.objectives.front().metric;
   PageChart chart{.id = "progress", .group = "progress"};
   chart.title =
@@ -122,7 +94,7 @@ PageData progress_chart(const Tuning& tuning, const TuningResult& result,
     }
     chart.series.push_back(line);
   }
-  return with_scales(chart);
+  return chart.scaled();
 }
 
 // The point that is nearest to the best of all objectives, each over its range on the fronts: of
@@ -267,18 +239,15 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   }
   auto blocks = PageData::array();
   const auto add = [&blocks](const char* name, const PageData& value) {
-    blocks.push_back(PageData{{name, value}});
-  };
-  const auto figure = [](const PageData& chart, const std::string& note) {
-    PageData one = {{"charts", PageData::array({chart})}, {"note", note}};
-    return PageData::array({one});
+    add_block(blocks, name, value);
   };
   if (ranking) add("table", text_table("Ranking", ranking_table(*ranking)));
   if (tuning.objectives.size() > 1 && !table.rows.empty()) {
     add("figures",
-        figure(front_chart(tuning, result, looks, chosen.label),
-               "The ring marks the best compromise. A dot is a point as the search measured it; a "
-               "cross is the same point on fresh worlds."));
+        PageData::array({figure_of(
+            front_chart(tuning, result, looks, chosen.label), "",
+            "The ring marks the best compromise. A dot is a point as the search measured "
+            "it; a cross is the same point on fresh worlds.")}));
   }
   add("table", cases_table(tuning, result, looks));
   if (has_front && !table.rows.empty()) {
@@ -300,10 +269,11 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
                       {"heading", has_front ? "Pareto front" : "Tuned cases"},
                       {"blocks", std::exchange(blocks, PageData::array())}});
   if (!table.rows.empty()) {
-    add("figures", figure(progress_chart(tuning, result, looks),
-                          fmt::format("A line that still {} at its end says that the budget was "
-                                      "small.",
-                                      has_front ? "climbs" : "changes")));
+    add("figures", PageData::array({figure_of(
+                       progress_chart(tuning, result, looks), "",
+                       fmt::format("A line that still {} at its end says that the budget "
+                                   "was small.",
+                                   has_front ? "climbs" : "changes"))}));
   }
   sections.push_back({{"id", "budget"},
                       {"heading", "Progress over the budget"},

@@ -20,7 +20,7 @@ SHORT = ["run.duration_s=2", "metrics.from_s=1", "metrics.to_s=2"]
 FIRST = {
     "run": [".card div:nth-child(4)", ".replay .picture"],
     "compare": ["#metrics tbody tr:nth-child(4)", "#keys"],
-    "study": [".finding", "svg.lines"],
+    "study": [".finding", ".chart"],
     "tune": [".finding", "#front .chart canvas"],
     "analysis": ["#margins tbody tr:last-child", ".legend"],
 }
