@@ -14,8 +14,8 @@
 #include <breakwater/config/toml_text.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/record/text_outputs.h>
 #include <breakwater/statistics/quantile.h>
+#include <breakwater/study/result_row.h>
 
 namespace breakwater {
 namespace {
@@ -282,28 +282,24 @@ std::vector<OutputIndices> study_indices(const StudyNumbers& numbers, std::size_
 
 void write_indices(const std::vector<OutputIndices>& all, const StudyNumbers& numbers,
                    const std::vector<std::string>& labels, const std::filesystem::path& file) {
-  std::string text = csv_line({"candidate", "output", "key", "first_order", "first_order_lower",
-                               "first_order_upper", "total", "total_lower", "total_upper", "rows",
-                               "dropped_rows"});
-  const auto add = [](std::vector<std::string>& cells, const std::vector<SensitivityIndex>& indices,
-                      std::size_t k) {
-    const bool is_there = k < indices.size();
-    const bool has_interval = is_there && indices[k].interval;
-    cells.push_back(is_there ? fmt::format("{:.17g}", indices[k].value) : "");
-    cells.push_back(has_interval ? fmt::format("{:.17g}", indices[k].interval->lower) : "");
-    cells.push_back(has_interval ? fmt::format("{:.17g}", indices[k].interval->upper) : "");
-  };
+  std::vector<ResultRow> rows;
   for (const OutputIndices& one : all) {
     for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
-      std::vector<std::string> cells = {labels[one.candidate], one.output, numbers.keys[k].name};
-      add(cells, one.indices.first_order, k);
-      add(cells, one.indices.total, k);
-      cells.push_back(std::to_string(one.indices.rows));
-      cells.push_back(std::to_string(one.indices.dropped_rows));
-      text += csv_line(cells);
+      ResultRow& row = rows.emplace_back();
+      row.put("candidate", labels[one.candidate]);
+      row.put("output", one.output);
+      row.put("key", numbers.keys[k].name);
+      const SensitivityIndices& indices = one.indices;
+      if (k < indices.first_order.size()) row.put("first_order", indices.first_order[k]);
+      if (k < indices.total.size()) row.put("total", indices.total[k]);
+      row.put("rows", std::to_string(indices.rows));
+      row.put("dropped_rows", std::to_string(indices.dropped_rows));
     }
   }
-  replace_file(file, text);
+  replace_file(file, csv_table({"candidate", "output", "key", "first_order", "first_order_lower",
+                                "first_order_upper", "total", "total_lower", "total_upper", "rows",
+                                "dropped_rows"},
+                               rows));
 }
 
 }  // namespace breakwater

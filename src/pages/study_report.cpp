@@ -146,13 +146,13 @@ std::string in_words(const QuantileBand& band, bool is_share) {
   return text;
 }
 
-PageData with_interval(const SensitivityIndex& index) {
+PageData with_interval(const EstimatedValue& index) {
   auto values = PageData::array({index.value});
   if (index.interval) values.insert(values.end(), {index.interval->lower, index.interval->upper});
   return values;
 }
 
-std::string index_text(const SensitivityIndex& index) {
+std::string index_text(const EstimatedValue& index) {
   const auto two = [](double value) { return fmt::format("{:.2f}", value == 0.0 ? 0.0 : value); };
   if (!index.interval) return two(index.value);
   return fmt::format("{} [{}, {}]", two(index.value), two(index.interval->lower),

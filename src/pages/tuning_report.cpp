@@ -153,7 +153,7 @@ std::string in_words(const Tuning& tuning, const TuningResult& result, const Cho
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < tuning.objectives.size(); ++i) {
     const std::string& metric = tuning.objectives[i].metric;
-    const GatheredValue& value = shown.objectives[i];
+    const EstimatedValue& value = shown.objectives[i];
     const std::string unit = unit_of(metric);
     std::string text = fmt::format("{} {}{}", metric_label(metric, unit), short_text(value.value),
                                    unit_after(unit));
@@ -206,7 +206,7 @@ PageData points_table(const FrontTable& table, const std::string& chosen) {
   auto rows = PageData::array();
   for (const FrontRow& row : table.rows) {
     auto cells = PageData::array();
-    for (const std::string& cell : row.cells) cells.push_back(readable(cell));
+    for (const std::string& cell : row.cells.in(table.columns)) cells.push_back(readable(cell));
     rows.push_back(cells);
     if (row.label != chosen) continue;
     for (PageData& cell : rows.back()) cell = {{"value", cell}, {"tone", "chosen"}};

@@ -43,11 +43,11 @@ std::optional<ConfidenceInterval> interval_of(std::vector<double> values, Over o
   return std::nullopt;
 }
 
-GatheredValue gather(const std::vector<PointResult>& runs, const std::string& metric, Over over,
-                     bool large_is_bad, bool with_interval) {
+EstimatedValue gather(const std::vector<PointResult>& runs, const std::string& metric, Over over,
+                      bool large_is_bad, bool with_interval) {
   std::vector<double> values;
   for (const PointResult& run : runs) values.push_back(*metric_of(run, metric));
-  GatheredValue result{gathered(values, over, large_is_bad)};
+  EstimatedValue result{gathered(values, over, large_is_bad)};
   if (with_interval) result.interval = interval_of(values, over, large_is_bad);
   return result;
 }

@@ -17,19 +17,13 @@
 
 namespace breakwater {
 
-/// One number from many runs, with a 95 % confidence interval if there is one.
-struct GatheredValue {
-  double value;
-  std::optional<ConfidenceInterval> interval = {};
-};
-
 /// The evaluation of one candidate over all its runs. A run fails if it does not end or lacks a
 /// named metric.
 struct Evaluation {
   std::size_t runs = 0;
   std::size_t failures = 0;
-  std::vector<GatheredValue> objectives;   ///< empty after a failure
-  std::vector<GatheredValue> constraints;  ///< empty after a failure
+  std::vector<EstimatedValue> objectives;   ///< empty after a failure
+  std::vector<EstimatedValue> constraints;  ///< empty after a failure
   double violation = 0.0;  ///< Σ of the distances to violated bounds, relative to the bounds
 
   bool is_feasible() const { return failures == 0 && violation == 0.0; }

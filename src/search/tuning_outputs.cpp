@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,7 +12,6 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/record/text_outputs.h>
 #include <breakwater/search/search.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
@@ -78,21 +78,23 @@ bool is_at_bound(const VariedKey& key, const std::string& value) {
   return *number == *least || *number == *most;
 }
 
-}  // namespace
-
-std::optional<Ranking> rank_tuned(const TuningPlan& plan, const TuningResult& result) {
-  const Tuning& tuning = plan.tuning();
-  const std::vector<std::size_t> cases = tuned_cases(result);
-  if (tuning.has_front() || !tuning.validation || cases.size() < 2) return std::nullopt;
-  const Objective& objective = tuning.objectives.front();
-  return rank_candidates(fresh_results(plan, result, cases), objective.metric, objective.goal);
+// The searched keys of a case whose values are in the outer hundredths of their ranges, or are the
+// smallest or largest of their numbers. A better value may lie beyond.
+std::vector<std::string> keys_at_bound(const TunedCase& tuned,
+                                       const std::vector<std::string>& values) {
+  std::vector<std::string> keys;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (is_at_bound(tuned.search[i], values[i])) keys.push_back(tuned.search[i].key);
+  }
+  return keys;
 }
 
+// The cases with a feasible candidate in the order of the ranking, or of the tuned objective.
 std::vector<std::size_t> tuned_order(const Tuning& tuning, const TuningResult& result,
                                      const std::optional<Ranking>& ranking) {
-  const std::vector<std::size_t> cases = tuned_cases(result);
-  std::vector<std::size_t> order = cases;
+  std::vector<std::size_t> order = tuned_cases(result);
   if (ranking) {
+    const std::vector<std::size_t> cases = order;
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = cases[ranking->rows[i].candidate];
     return order;
   }
@@ -103,13 +105,14 @@ std::vector<std::size_t> tuned_order(const Tuning& tuning, const TuningResult& r
   return order;
 }
 
-std::vector<std::string> keys_at_bound(const TunedCase& tuned,
-                                       const std::vector<std::string>& values) {
-  std::vector<std::string> keys;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (is_at_bound(tuned.search[i], values[i])) keys.push_back(tuned.search[i].key);
-  }
-  return keys;
+}  // namespace
+
+std::optional<Ranking> rank_tuned(const TuningPlan& plan, const TuningResult& result) {
+  const Tuning& tuning = plan.tuning();
+  const std::vector<std::size_t> cases = tuned_cases(result);
+  if (tuning.has_front() || !tuning.validation || cases.size() < 2) return std::nullopt;
+  const Objective& objective = tuning.objectives.front();
+  return rank_candidates(fresh_results(plan, result, cases), objective.metric, objective.goal);
 }
 
 namespace {
@@ -117,10 +120,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostShown = 12;  // points of a front without validation
-
-std::string digits(double value) {
-  return fmt::format("{:.17g}", value);
-}
 
 // The searched keys of all cases, each key once.
 std::vector<std::string> searched_keys(const Tuning& tuning) {
@@ -145,30 +144,8 @@ std::vector<std::string> world_keys(const Tuning& tuning) {
   return keys;
 }
 
-// Cells by column name. Missing cells are empty.
-class Cells {
- public:
-  void put(const std::string& column, const std::string& text) { cells_[column] = text; }
-  void put(const std::string& column, const GatheredValue& number) {
-    put(column, digits(number.value));
-    if (!number.interval) return;
-    put(column + "_lower", digits(number.interval->lower));
-    put(column + "_upper", digits(number.interval->upper));
-  }
-  std::vector<std::string> in(const std::vector<std::string>& columns) const {
-    std::vector<std::string> row;
-    for (const std::string& column : columns) {
-      const auto found = cells_.find(column);
-      row.push_back(found == cells_.end() ? "" : found->second);
-    }
-    return row;
-  }
-
- private:
-  std::map<std::string, std::string> cells_;
-};
-
-void put_values(const TuningPlan& plan, std::size_t tuned, std::size_t evaluation, Cells& cells) {
+void put_values(const TuningPlan& plan, std::size_t tuned, std::size_t evaluation,
+                ResultRow& cells) {
   const std::vector<VariedKey>& keys = plan.tuning().cases[tuned].search;
   const std::vector<std::string>& values = plan.values_of(tuned, evaluation);
   for (std::size_t i = 0; i < keys.size(); ++i) cells.put(keys[i].key, plain_text(values[i]));
@@ -186,12 +163,12 @@ std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
       if (known.insert(name).second) columns.push_back(name);
     }
   }
-  std::string text = csv_line(columns);
+  std::vector<ResultRow> rows;
   for (const PointResult& run : result.runs) {
     const TuningRun one = plan.run(run.number);
     const Worlds& worlds = plan.worlds(one.is_validation);
     const std::vector<std::string> world = worlds.values(one.world);
-    Cells cells;
+    ResultRow cells;
     cells.put("point", run.key);
     cells.put("case", tuning.cases[one.tuned].name);
     cells.put("evaluation", std::to_string(one.evaluation));
@@ -203,26 +180,23 @@ std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
     }
     cells.put("status", name_of(run.status));
     cells.put("state_hash", run.state_hash);
-    for (const auto& [name, value] : run.metrics) cells.put(name, digits(value));
-    text += csv_line(cells.in(columns));
+    for (const auto& [name, value] : run.metrics) cells.put(name, value);
+    rows.push_back(std::move(cells));
   }
-  return text;
+  return csv_table(columns, rows);
 }
 
 std::string hypervolume_csv(const TuningResult& result) {
-  std::string text = csv_line({"case", "evaluations", "hypervolume"});
+  std::vector<ResultRow> rows;
   for (const TunedFront& front : result.fronts) {
     for (const auto& [evaluations, volume] : front.progress) {
-      text += csv_line({front.case_name, std::to_string(evaluations), digits(volume)});
+      ResultRow& row = rows.emplace_back();
+      row.put("case", front.case_name);
+      row.put("evaluations", std::to_string(evaluations));
+      row.put("hypervolume", volume);
     }
   }
-  return text;
-}
-
-std::string brief(const GatheredValue& number) {
-  if (!number.interval) return in_digits(number.value);
-  return fmt::format("{} [{}, {}]", in_digits(number.value), in_digits(number.interval->lower),
-                     in_digits(number.interval->upper));
+  return csv_table({"case", "evaluations", "hypervolume"}, rows);
 }
 
 }  // namespace
@@ -250,7 +224,7 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
   for (const std::size_t c : order) {
     for (const FrontPoint& point : result.fronts[c].points) {
       const std::string number = std::to_string(table.rows.size() + 1);
-      Cells cells;
+      ResultRow cells;
       cells.put("case", result.fronts[c].case_name);
       cells.put("front", number);
       if (ranking) cells.put("place", std::to_string(ranking->rows[table.rows.size()].place));
@@ -274,7 +248,7 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
       }
       table.rows.push_back({c, point.evaluation,
                             tuning.has_front() ? number : result.fronts[c].case_name,
-                            cells.in(table.columns)});
+                            std::move(cells)});
     }
   }
   return table;
@@ -289,13 +263,13 @@ void write_outputs(const TuningPlan& plan, const TuningResult& result,
   const FrontTable table = front_table(plan, result, ranking);
   fs::remove_all(folder / kind);
   fs::create_directories(folder / kind);
-  std::string text = csv_line(table.columns);
+  std::vector<ResultRow> rows;
   for (const FrontRow& row : table.rows) {
-    text += csv_line(row.cells);
+    rows.push_back(row.cells);
     replace_file(folder / kind / (row.label + ".toml"),
                  plan.config_text(row.tuned, row.evaluation));
   }
-  replace_file(folder / (kind + ".csv"), text);
+  replace_file(folder / (kind + ".csv"), csv_table(table.columns, rows));
 }
 
 std::string in_short(const std::string& value, int digits) {
@@ -305,47 +279,51 @@ std::string in_short(const std::string& value, int digits) {
 
 namespace {
 
-// The points of a front for a screen: the validated ones, or evenly spaced ones.
-std::vector<std::size_t> shown_points(const TunedFront& front) {
-  std::vector<std::size_t> shown;
-  for (std::size_t i = 0; i < front.points.size(); ++i) {
-    if (front.points[i].fresh) shown.push_back(i);
-  }
-  if (shown.empty()) shown = evenly_spaced(front.points.size(), kMostShown);
-  return shown;
+// "3 [2.1, 3.8]" of a column with an interval.
+std::string brief_text(const ResultRow& row, const std::string& column) {
+  const auto number = number_in(row.at(column));
+  const auto lower = number_in(row.at(column + "_lower")),
+             upper = number_in(row.at(column + "_upper"));
+  if (!number) return "-";
+  return brief({*number, lower ? std::optional(ConfidenceInterval{*lower, *upper}) : std::nullopt});
 }
 
-std::string front_text(const TuningPlan& plan, const TuningResult& result, std::size_t c,
-                       std::size_t first_label, std::size_t width) {
-  const Tuning& tuning = plan.tuning();
-  const TunedFront& front = result.fronts[c];
-  std::vector<std::string> keys;
-  for (const VariedKey& key : tuning.cases[c].search) keys.push_back(key.key);
+// The validated points of a case's front, or evenly spaced ones.
+std::string front_text(const Tuning& tuning, const FrontTable& table, std::size_t c,
+                       std::size_t width) {
+  std::vector<FrontRow> rows, shown;
+  for (const FrontRow& row : table.rows) {
+    if (row.tuned == c) rows.push_back(row);
+  }
+  std::ranges::copy_if(rows, std::back_inserter(shown),
+                       [](const FrontRow& row) { return !row.cells.at("fresh_failures").empty(); });
+  if (shown.empty()) {
+    for (const std::size_t i : evenly_spaced(rows.size(), kMostShown)) shown.push_back(rows[i]);
+  }
   std::vector<std::string> header = {"front"};
-  header.insert(header.end(), keys.begin(), keys.end());
+  for (const VariedKey& key : tuning.cases[c].search) header.push_back(key.key);
   for (const Objective& one : tuning.objectives) {
     header.push_back(one.metric);
     if (tuning.validation) header.emplace_back("on fresh worlds");
   }
-  Table table(header);
-  const std::vector<std::size_t> shown = shown_points(front);
-  for (const std::size_t i : shown) {
-    const FrontPoint& point = front.points[i];
-    std::vector<std::string> row = {std::to_string(first_label + i)};
-    Cells cells;
-    put_values(plan, c, point.evaluation, cells);
-    for (const std::string& value : cells.in(keys)) row.push_back(in_short(value, shown_digits()));
-    for (std::size_t k = 0; k < tuning.objectives.size(); ++k) {
-      row.push_back(brief(point.tuned.objectives[k]));
-      if (!tuning.validation) continue;
-      row.push_back(!point.fresh                ? "-"
-                    : point.fresh->failures > 0 ? fmt::format("{} failed", point.fresh->failures)
-                                                : brief(point.fresh->objectives[k]));
+  Table printed(header);
+  for (const FrontRow& row : shown) {
+    std::vector<std::string> line = {row.label};
+    for (const VariedKey& key : tuning.cases[c].search) {
+      line.push_back(in_short(row.cells.at(key.key), shown_digits()));
     }
-    table.add(row);
+    const std::string failures = row.cells.at("fresh_failures");
+    const bool has_failed = !failures.empty() && failures != "0";
+    for (const Objective& one : tuning.objectives) {
+      line.push_back(brief_text(row.cells, one.metric));
+      if (!tuning.validation) continue;
+      line.push_back(has_failed ? failures + " failed"
+                                : brief_text(row.cells, one.metric + "_fresh"));
+    }
+    printed.add(line);
   }
-  const std::size_t more = front.points.size() - shown.size();
-  return table.print(width) + (more > 0 ? fmt::format("and {} more\n", more) : "");
+  const std::size_t more = rows.size() - shown.size();
+  return printed.print(width) + (more > 0 ? fmt::format("and {} more\n", more) : "");
 }
 
 }  // namespace
@@ -375,39 +353,36 @@ std::string tuned_sentence(const TuningPlan& plan, const TuningResult& result,
 std::string result_text(const TuningPlan& plan, const TuningResult& result,
                         const std::optional<Ranking>& ranking, std::size_t width) {
   const Tuning& tuning = plan.tuning();
+  const FrontTable table = front_table(plan, result, ranking);
   if (!tuning.has_front()) {
     std::string text =
         ranking
             ? ranking_text(*ranking, width)
             : fmt::format("{}\n",
                           fmt::join(wrapped(tuned_sentence(plan, result, ranking), width), "\n"));
-    for (const std::size_t c : tuned_order(tuning, result, ranking)) {
-      const FrontPoint& best = result.fronts[c].points.front();
-      const std::vector<std::string>& values = plan.values_of(c, best.evaluation);
-      const std::vector<std::string> at_bound = keys_at_bound(tuning.cases[c], values);
+    for (const FrontRow& row : table.rows) {
+      const std::string at_bound = " " + row.cells.at("at_bound") + " ";
       std::vector<std::string> parts;
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        const std::string& key = tuning.cases[c].search[i].key;
-        const bool is_at_bound = std::find(at_bound.begin(), at_bound.end(), key) != at_bound.end();
-        parts.push_back(fmt::format("{} = {}{}", key, in_short(values[i], shown_digits()),
+      for (const VariedKey& key : tuning.cases[row.tuned].search) {
+        const bool is_at_bound = at_bound.find(" " + key.key + " ") != std::string::npos;
+        parts.push_back(fmt::format("{} = {}{}", key.key,
+                                    in_short(row.cells.at(key.key), shown_digits()),
                                     is_at_bound ? " (at its bound)" : ""));
       }
-      const std::string line =
-          fmt::format("{}: {} as tuned, with {}", result.fronts[c].case_name,
-                      brief(best.tuned.objectives.front()), fmt::join(parts, ", "));
+      const std::string line = fmt::format("{}: {} as tuned, with {}", row.label,
+                                           brief_text(row.cells, tuning.objectives.front().metric),
+                                           fmt::join(parts, ", "));
       text += fmt::format("{}\n", fmt::join(wrapped(line, width), "\n"));
     }
     return text;
   }
   std::string text;
-  std::size_t label = 1;
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
     const TunedFront& front = result.fronts[c];
     if (front.points.empty()) continue;
     if (!text.empty()) text += '\n';
     if (result.fronts.size() > 1) text += front.case_name + "\n";
-    text += front_text(plan, result, c, label, width);
-    label += front.points.size();
+    text += front_text(tuning, table, c, width);
   }
   return text;
 }

@@ -10,6 +10,7 @@
 #include <breakwater/search/tuner.h>
 #include <breakwater/search/tuning_plan.h>
 #include <breakwater/statistics/ranking.h>
+#include <breakwater/study/result_row.h>
 
 namespace breakwater {
 
@@ -18,22 +19,13 @@ namespace breakwater {
 /// for fewer than two cases with a feasible candidate.
 std::optional<Ranking> rank_tuned(const TuningPlan& plan, const TuningResult& result);
 
-/// The cases with a feasible candidate in the order of the ranking, or of the tuned objective.
-std::vector<std::size_t> tuned_order(const Tuning& tuning, const TuningResult& result,
-                                     const std::optional<Ranking>& ranking);
-
-/// The searched keys of a case whose values are in the outer hundredths of their ranges, or are the
-/// smallest or largest of their numbers. A better value may lie beyond.
-std::vector<std::string> keys_at_bound(const TunedCase& tuned,
-                                       const std::vector<std::string>& values);
-
-/// One row of front.csv or tuned.csv, with a cell for each column. `label` is its number in
+/// One row of front.csv or tuned.csv. `label` is its number in
 /// front/LABEL.toml, or its case in tuned/LABEL.toml.
 struct FrontRow {
   std::size_t tuned = 0;
   std::size_t evaluation = 0;
   std::string label;
-  std::vector<std::string> cells;
+  ResultRow cells;
 };
 
 struct FrontTable {

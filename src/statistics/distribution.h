@@ -13,6 +13,12 @@ struct ConfidenceInterval {
   double upper;
 };
 
+/// One number from many runs, with a confidence interval if there is one.
+struct EstimatedValue {
+  double value;
+  std::optional<ConfidenceInterval> interval = {};
+};
+
 /// Settings of bootstrap intervals, which resample with replacement.
 struct BootstrapSettings {
   int replicates = 1000;

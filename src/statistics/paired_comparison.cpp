@@ -299,7 +299,7 @@ std::vector<std::string> never_measured(const PairedResults& results, std::size_
 
 }  // namespace
 
-EstimatedMedian estimated_median(std::vector<double> values, double level) {
+EstimatedValue estimated_median(std::vector<double> values, double level) {
   std::sort(values.begin(), values.end());
   const auto interval = quantile_interval(values, 0.5, level);
   return {sample_median(values), interval};

@@ -51,13 +51,8 @@ enum class ComparisonVerdict {
 };
 const std::string& name_of(ComparisonVerdict verdict);
 
-struct EstimatedMedian {
-  double value;
-  std::optional<ConfidenceInterval> interval;
-};
-
 /// The median of a sample that is not empty, with quantile_interval() at this level.
-EstimatedMedian estimated_median(std::vector<double> values, double level);
+EstimatedValue estimated_median(std::vector<double> values, double level);
 
 /// The rows of `results` by block. Samples in which all of these candidates have the runs of an
 /// earlier sample are left out.
@@ -72,8 +67,8 @@ struct MetricComparison {
   Goal goal = Goal::none;
   std::size_t candidate = 0, reference = 0;
   std::size_t pairs = 0, blocks = 0;
-  EstimatedMedian median{}, reference_median{};
-  EstimatedMedian difference{};  ///< pseudo-median of x − y, with its interval at Holm's level
+  EstimatedValue median{}, reference_median{};
+  EstimatedValue difference{};  ///< pseudo-median of x − y, with its interval at Holm's level
   std::size_t smaller = 0, larger = 0;     ///< blocks with x < y and with x > y
   std::optional<std::size_t> needed = {};  ///< differences_needed(), at Holm's level
   double p = 1.0;                          ///< SignedRank of x − y

@@ -33,7 +33,7 @@ struct RankedCandidate {
   std::size_t failed = 0;     ///< blocks in which a run failed
   std::size_t met = 0;        ///< blocks that meet the requirement
   ConfidenceInterval share = {0.0, 1.0};  ///< share_interval() of met
-  EstimatedMedian median = {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
+  EstimatedValue median = {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
   /// This candidate less the first one; nothing for the first, if it is not ranked, or if the two
   /// have no block in common.
   std::optional<MetricComparison> to_first = {};

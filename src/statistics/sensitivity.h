@@ -2,24 +2,17 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include <breakwater/statistics/distribution.h>
 
 namespace breakwater {
 
-struct SensitivityIndex {
-  double value;
-  std::optional<ConfidenceInterval> interval;
-};
-
 struct SensitivityIndices {
-  std::vector<SensitivityIndex>
-      first_order;                      ///< S_i: share of the variance that x_i explains alone
-  std::vector<SensitivityIndex> total;  ///< T_i: share that remains if all but x_i are known
-  Eigen::Index rows = 0;                ///< N, used rows
-  Eigen::Index dropped_rows = 0;        ///< rows with a missing output
+  std::vector<EstimatedValue> first_order;  ///< S_i: share of the variance that x_i explains alone
+  std::vector<EstimatedValue> total;        ///< T_i: share that remains if all but x_i are known
+  Eigen::Index rows = 0;                    ///< N, used rows
+  Eigen::Index dropped_rows = 0;            ///< rows with a missing output
 };
 
 /// The indices of an output y = f(x₁ … x_d) of independent x. `f` is N × (d + 2): the outputs f_A,

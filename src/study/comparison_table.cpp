@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include <breakwater/config/names.h>
-#include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 
@@ -18,40 +16,11 @@ namespace {
 
 constexpr const char* kOfTheOther = "of the other";  // a column that a terminal has no room for
 
-std::string digits(double value) {
-  return fmt::format("{:.17g}", value);
-}
-
-// A row, with access to its cells by column name.
-class Row {
- public:
-  void put(const std::string& column, const std::string& text) { cells_[column] = text; }
-  void put(const std::string& column, double value) { put(column, digits(value)); }
-  void put(const std::string& column, const EstimatedMedian& median) {
-    put(column, median.value);
-    if (!median.interval) return;
-    put(column + "_lower", median.interval->lower);
-    put(column + "_upper", median.interval->upper);
-  }
-
-  std::string print(const std::vector<std::string>& columns) const {
-    std::vector<std::string> line;
-    for (const std::string& column : columns) {
-      const auto found = cells_.find(column);
-      line.push_back(found == cells_.end() ? "" : found->second);
-    }
-    return csv_line(line);
-  }
-
- private:
-  std::map<std::string, std::string> cells_;
-};
-
 // The first cells of a pair's row.
 template <typename Comparison>
-Row begun_row(const CandidateComparison& comparison, const Comparison& one,
-              const std::string& metric) {
-  Row row;
+ResultRow begun_row(const CandidateComparison& comparison, const Comparison& one,
+                    const std::string& metric) {
+  ResultRow row;
   row.put("metric", metric);
   row.put("candidate", comparison.candidates[one.candidate]);
   row.put("reference", comparison.candidates[one.reference]);
@@ -69,62 +38,56 @@ std::string percent(double share) {
 
 }  // namespace
 
-std::string brief(const EstimatedMedian& median) {
-  if (!median.interval) return in_digits(median.value);
-  return fmt::format("{} [{}, {}]", in_digits(median.value), in_digits(median.interval->lower),
-                     in_digits(median.interval->upper));
-}
-
 std::string p_text(double p, const std::string& equals) {
   return p < 1e-15 ? "< 1e-15" : fmt::format("{}{:.2g}", equals, p);
 }
 
 std::string comparison_csv(const CandidateComparison& comparison) {
-  const std::vector<std::string> columns = {"metric",
-                                            "goal",
-                                            "candidate",
-                                            "reference",
-                                            "pairs",
-                                            "median",
-                                            "median_lower",
-                                            "median_upper",
-                                            "reference_median",
-                                            "reference_median_lower",
-                                            "reference_median_upper",
-                                            "difference",
-                                            "difference_lower",
-                                            "difference_upper",
-                                            "p",
-                                            "p_holm",
-                                            "probability_smaller",
-                                            "probability_better",
-                                            "verdict",
-                                            "failures",
-                                            "reference_failures",
-                                            "failures_alone",
-                                            "reference_failures_alone",
-                                            "blocks"};
-  std::string text = csv_line(columns);
+  std::vector<ResultRow> rows;
   for (const MetricComparison& one : comparison.metrics) {
-    Row row = begun_row(comparison, one, one.metric);
+    ResultRow row = begun_row(comparison, one, one.metric);
     if (one.goal != Goal::none) row.put("goal", name_of(goal_names(), one.goal));
     row.put("median", one.median);
     row.put("reference_median", one.reference_median);
     row.put("difference", one.difference);
     row.put("probability_smaller", one.probability_smaller);
     if (one.probability_better) row.put("probability_better", *one.probability_better);
-    text += row.print(columns);
+    rows.push_back(std::move(row));
   }
   for (const FailureComparison& one : comparison.failures) {
-    Row row = begun_row(comparison, one, kFailure);
+    ResultRow row = begun_row(comparison, one, kFailure);
     row.put("goal", name_of(goal_names(), Goal::min));
     row.put("failures", std::to_string(one.failures));
     row.put("reference_failures", std::to_string(one.reference_failures));
     row.put("failures_alone", std::to_string(one.alone));
     row.put("reference_failures_alone", std::to_string(one.reference_alone));
-    text += row.print(columns);
+    rows.push_back(std::move(row));
   }
-  return text;
+  return csv_table({"metric",
+                    "goal",
+                    "candidate",
+                    "reference",
+                    "pairs",
+                    "median",
+                    "median_lower",
+                    "median_upper",
+                    "reference_median",
+                    "reference_median_lower",
+                    "reference_median_upper",
+                    "difference",
+                    "difference_lower",
+                    "difference_upper",
+                    "p",
+                    "p_holm",
+                    "probability_smaller",
+                    "probability_better",
+                    "verdict",
+                    "failures",
+                    "reference_failures",
+                    "failures_alone",
+                    "reference_failures_alone",
+                    "blocks"},
+                   rows);
 }
 
 std::size_t blocks_for_verdict(std::size_t blocks, std::size_t tests) {
@@ -215,7 +178,7 @@ nlohmann::ordered_json comparison_pairs(const CandidateComparison& comparison) {
     if (!line.empty()) cell["lines"].push_back({{"text", line}, {"kind", "spread"}});
     return cell;
   };
-  const auto median = [&](const EstimatedMedian& one) {
+  const auto median = [&](const EstimatedValue& one) {
     return with_line(in_digits(one.value),
                      one.interval ? fmt::format("{} to {}", in_digits(one.interval->lower),
                                                 in_digits(one.interval->upper))

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <breakwater/statistics/paired_comparison.h>
+#include <breakwater/study/result_row.h>
 
 namespace breakwater {
 
@@ -16,9 +17,6 @@ inline constexpr const char* kFailure = "failure";
 /// comparison.csv: a row per metric and pair of candidates, then a row for the failures of each
 /// pair (`metric` is "failure"). Numbers have 17 digits. Cells that do not apply are empty.
 std::string comparison_csv(const CandidateComparison& comparison);
-
-/// "3 [2.1, 3.8]": a value with its interval.
-std::string brief(const EstimatedMedian& median);
 
 /// A p value behind `equals`, such as "0.012". Below the rounding error it is "< 1e-15".
 std::string p_text(double p, const std::string& equals = "");

@@ -50,8 +50,8 @@ std::string text_of(const Requirement& requirement) {
 }
 
 // How much worse a candidate is than the first one.
-EstimatedMedian behind(const Ranking& ranking, const MetricComparison& to_first) {
-  EstimatedMedian difference = to_first.difference;
+EstimatedValue behind(const Ranking& ranking, const MetricComparison& to_first) {
+  EstimatedValue difference = to_first.difference;
   if (ranking.goal != Goal::max) return difference;
   difference.value = -difference.value;
   if (auto& interval = difference.interval) *interval = {-interval->upper, -interval->lower};
@@ -148,7 +148,7 @@ class Sentence {
 
   std::string best() const {
     const MetricComparison& next = *rows_[1].to_first;
-    const EstimatedMedian by = behind(ranking_, next);
+    const EstimatedValue by = behind(ranking_, next);
     return fmt::format("{} has the {} {}: {}, {} {} the next ({}), {} {} to {}, in {} of {}.",
                        name(rows_[0]), extreme(), ranking_.metric, value(rows_[0].median.value),
                        value(by.value), ranking_.goal == Goal::max ? "above" : "below",
@@ -193,7 +193,7 @@ nlohmann::ordered_json number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
 }
 
-nlohmann::ordered_json json_of(const EstimatedMedian& median) {
+nlohmann::ordered_json json_of(const EstimatedValue& median) {
   const ConfidenceInterval none = {kNone, kNone};
   const ConfidenceInterval interval = median.interval.value_or(none);
   return {{"value", number(median.value)},

@@ -72,7 +72,7 @@ TEST(Sensitivity, ForALinearModelFirstOrderEqualsTotal) {
     const double truth = kGains(i) * kGains(i) / kGains.squaredNorm();
     EXPECT_NEAR(indices.first_order[i].value, truth, 0.01) << i;
     EXPECT_NEAR(indices.total[i].value, truth, 0.01) << i;
-    for (const SensitivityIndex& index : {indices.first_order[i], indices.total[i]}) {
+    for (const EstimatedValue& index : {indices.first_order[i], indices.total[i]}) {
       ASSERT_TRUE(index.interval);
       EXPECT_LT(index.interval->lower, truth);
       EXPECT_GT(index.interval->upper, truth);
@@ -125,7 +125,7 @@ TEST(Sensitivity, IntervalsHaveTheirNominalCoverage) {
         {.replicates = 300, .level = 0.9, .seed = static_cast<std::uint64_t>(trial)});
     for (int i = 0; i < 3; ++i) {
       const double truth = kGains(i) * kGains(i) / kGains.squaredNorm();
-      const auto holds = [&](const SensitivityIndex& index) {
+      const auto holds = [&](const EstimatedValue& index) {
         return index.interval->lower <= truth && truth <= index.interval->upper;
       };
       first_order(i) += holds(indices.first_order[i]);

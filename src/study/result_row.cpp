@@ -1,0 +1,44 @@
+#include <breakwater/study/result_row.h>
+
+#include <fmt/format.h>
+
+#include <breakwater/record/text_outputs.h>
+#include <breakwater/shell/digits.h>
+
+namespace breakwater {
+
+void ResultRow::put(const std::string& column, double number) {
+  put(column, fmt::format("{:.17g}", number));
+}
+
+void ResultRow::put(const std::string& column, const EstimatedValue& number) {
+  put(column, number.value);
+  if (!number.interval) return;
+  put(column + "_lower", number.interval->lower);
+  put(column + "_upper", number.interval->upper);
+}
+
+std::string ResultRow::at(const std::string& column) const {
+  const auto found = cells_.find(column);
+  return found == cells_.end() ? "" : found->second;
+}
+
+std::vector<std::string> ResultRow::in(const std::vector<std::string>& columns) const {
+  std::vector<std::string> row;
+  for (const std::string& column : columns) row.push_back(at(column));
+  return row;
+}
+
+std::string csv_table(const std::vector<std::string>& columns, const std::vector<ResultRow>& rows) {
+  std::string text = csv_line(columns);
+  for (const ResultRow& row : rows) text += csv_line(row.in(columns));
+  return text;
+}
+
+std::string brief(const EstimatedValue& number) {
+  if (!number.interval) return in_digits(number.value);
+  return fmt::format("{} [{}, {}]", in_digits(number.value), in_digits(number.interval->lower),
+                     in_digits(number.interval->upper));
+}
+
+}  // namespace breakwater

@@ -1,0 +1,34 @@
+// A row of a result by column name: CSV files and tables for readers are made from it.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <breakwater/statistics/distribution.h>
+
+namespace breakwater {
+
+class ResultRow {
+ public:
+  void put(const std::string& column, const std::string& text) { cells_[column] = text; }
+  /// With 17 digits.
+  void put(const std::string& column, double number);
+  /// Its interval is in COLUMN_lower and COLUMN_upper.
+  void put(const std::string& column, const EstimatedValue& number);
+
+  /// Empty if there is nothing in it.
+  std::string at(const std::string& column) const;
+  std::vector<std::string> in(const std::vector<std::string>& columns) const;
+
+ private:
+  std::map<std::string, std::string> cells_;
+};
+
+/// The rows as a CSV file.
+std::string csv_table(const std::vector<std::string>& columns, const std::vector<ResultRow>& rows);
+
+/// "3 [2.1, 3.8]": a value with its interval, for readers.
+std::string brief(const EstimatedValue& number);
+
+}  // namespace breakwater
