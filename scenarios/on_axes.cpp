@@ -8,22 +8,12 @@ namespace breakwater {
 Catalogue axes_catalogue() {
   Catalogue catalogue = arm_catalogue();
   catalogue.add(cart_position());
+  catalogue.add(cart_offset_free());
   catalogue.add(cart_constrained());
   catalogue.add(cart_estimation());
+  catalogue.add(motor_estimation());
   catalogue.add(two_inertia());
   catalogue.add(impact_test());
-  catalogue.add(axis_kind(
-      {.name = "motor_estimation",
-       .summary = "disturbance estimators on a motor: encoder quantisation and white noise",
-       .axis = motor_axis(),
-       .controller = "pd"}));
-  catalogue.add(axis_kind({.name = "cart_offset_free",
-                           .summary = "predictive control of a cart under input and output "
-                                      "disturbance: the remaining error",
-                           .axis = cart_axis(),
-                           .controller = "mpc",
-                           .disturbance = "step",
-                           .optimises = true}));
   catalogue.add(axis_kind(
       {"plant", "any plant of hinges and slides, described by its MJCF and a TOML file"}));
   catalogue.add(

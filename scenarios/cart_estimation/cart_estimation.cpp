@@ -7,7 +7,7 @@ namespace {
 
 // The same cart without noise.
 AxisPlant without_noise(AxisPlant plant) {
-  plant.axis().has_noise = false;
+  plant.axis().noise_std = plant.axis().input_noise_std = 0.0;
   return plant;
 }
 
@@ -79,7 +79,7 @@ class CartEstimation final : public AxisScenario {
 
  private:
   void bind(Fields& fields) override {
-    plant_.axis().bind_reference(fields);
+    bind_step(fields);
     std::vector<std::pair<std::string, std::size_t>> kinds;
     for (Shape& shape : shapes_) kinds.emplace_back(shape.name, kinds.size());
     fields.choice("disturbance.kind", shape_, kinds,

@@ -20,7 +20,7 @@ class CartPosition final : public AxisScenario {
 
  private:
   void bind(Fields& fields) override {
-    AxisScenario::bind(fields);
+    bind_step(fields);
     fields.number(
         "metrics.high_pass_Hz", high_pass_Hz_, positive(),
         "passband of the high-pass behind which the noise of the estimate is measured [Hz]");

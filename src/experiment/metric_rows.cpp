@@ -315,13 +315,10 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
     if (!bound) bound = fields();
     return *bound;
   };
-  const Aliases aliases = scenario_ ? scenario_->scenario_file()->aliases() : Aliases();
   const auto number = [&](const std::string& name) -> std::optional<double> {
     if (const auto known = known_.find(name); known != known_.end()) return known->second;
-    const auto alias = aliases.find(name);
-    const std::string& key = alias == aliases.end() ? name : alias->second;
-    auto found = config.number(key);
-    if (!found) found = all().number_of(key);
+    auto found = config.number(name);
+    if (!found) found = all().number_of(name);
     if (found) known_[name] = *found;
     return found;
   };

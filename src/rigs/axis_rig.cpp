@@ -91,7 +91,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
                                                rubs_load ? transmission.get() : nullptr)
              : nullptr,
          rubs_load, std::move(transmission), motor_at, motor_rate_at,
-         one.measured_joint() != one.axis.joint, Noise(plant.run.seed, one.axis.own("input"))});
+         Noise(plant.run.seed, one.axis.own("input"))});
   }
   for (const PushSettings& one : plant.pushes) {
     pushes_.push_back({one.disturbance.make(plant.run.seed, "push." + one.name),
@@ -153,7 +153,7 @@ void AxisRig::step() {
     axis.reference = plant_.axes[i].reference.at(time_s);
     if (!axis.force) continue;
     axis.disturbance = plant_.axes[i].force.value(time_s);
-    const double std = plant_.axes[i].input_noise();
+    const double std = plant_.axes[i].input_noise_std;
     if (k % steps_per_sample_ == 0 && std > 0.0) {
       axis.input_noise_value =
           std * axis.input_noise(static_cast<std::uint64_t>(k / steps_per_sample_));
@@ -169,13 +169,6 @@ void AxisRig::step() {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     DrivenAxis& axis = axes_[i];
     if (axis.friction && axis.rubs_load) axis.disturbance -= axis.friction->force();
-    if (simulation_->sampled()) {
-      const double before = std::exchange(axis.last_measured, measured(i));
-      axis.velocity_raw =
-          k == 0 ? 0.0 : (axis.last_measured - before) / plant_.physics.control_period_s;
-      axis.measurement_error =
-          axis.last_measured - (axis.measures_motor ? motor_position(i) : position(i));
-    }
     if (!axis.transmission) continue;
     axis.torque =
         axis.transmission->torque(motor_position(i), motor_velocity(i), position(i), velocity(i));
@@ -278,12 +271,6 @@ std::vector<Signal> AxisRig::signals() const {
     add("position_measured_" + u.position_suffix, u.position, "sampled position", measured(i));
     if (!axis.name.empty()) {
       add("reference_" + u.position_suffix, u.position, "reference", axes_[i].reference);
-    } else {
-      add("velocity_raw_" + u.velocity_suffix, u.velocity,
-          "raw difference of the measured position over a sample; 0 at the first",
-          axes_[i].velocity_raw);
-      add("measurement_error_" + u.position_suffix, u.position, "sampled minus true position",
-          axes_[i].measurement_error);
     }
     if (axis.is_driven()) {
       add("command_" + u.force_suffix, u.force, "commanded input", command(i));

@@ -143,15 +143,11 @@ class AxisRig {
     std::unique_ptr<Transmission> transmission;  // nullptr: rigid
     std::size_t motor_qpos;                      // the axis itself, if it is rigid
     std::size_t motor_qvel;
-    bool measures_motor;
     Noise input_noise;
     double input_noise_value = 0.0;
     double disturbance = 0.0;
     double torque = 0.0;  // torque of the transmission, if it is elastic
     double reference = 0.0;
-    double last_measured = 0.0;
-    double velocity_raw = 0.0;  // no controller uses it
-    double measurement_error = 0.0;
   };
 
   // The parts of an axis' loop.

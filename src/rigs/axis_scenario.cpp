@@ -18,7 +18,6 @@ AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design
       plant_(catalogue_) {
   if (design_.axis) {
     plant_.axes.emplace_back(*design_.axis, catalogue_);
-    plant_.axis().standard_disturbance = design_.disturbance;
     axis_parts_.emplace_back(catalogue, design_.controller);
   } else {
     whole_.emplace(catalogue_);
@@ -36,7 +35,7 @@ void AxisScenario::learn(const Config& config) {
 
 Fields AxisScenario::fields() {
   Fields fields;
-  plant_.bind(fields);
+  whole_ ? plant_.bind_named(fields) : plant_.bind(fields);
   if (whole_) whole_->bind(fields);
   for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
     const std::string prefix = plant_.axes[i].axis.prefix();
@@ -53,15 +52,18 @@ Fields AxisScenario::fields() {
   return fields;
 }
 
-void AxisScenario::bind(Fields& fields) {
-  if (!whole_) plant_.axis().bind_task(fields);
+void AxisScenario::bind_step(Fields& fields) {
+  Reference& reference = plant_.axis().reference;
+  const AxisUnits& units = plant_.axis().axis.units;
+  fields.number("task.reference_" + units.position_suffix, reference.value, any(),
+                "y_ref: reference of the position [" + units.position + "]");
+  fields.number("task.reference_from_s", reference.from_s, not_negative(),
+                "time of the step to the reference [s]");
 }
 
 AxisTask AxisScenario::task() const {
   const AxisPlant plant = this->plant();
-  return {.axis = plant.nominal(),
-          .reference = plant.axis().reference,
-          .senses_true_state = plant.senses_true_state};
+  return {.axis = plant.nominal(), .reference = plant.axis().reference};
 }
 
 PlantTask AxisScenario::whole_task() const {

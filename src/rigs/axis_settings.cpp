@@ -108,18 +108,6 @@ Axis named_axis(const std::string& name, const std::string& joint, const std::st
 }
 
 void AxisSettings::bind_nominal(Fields& fields) {
-  const AxisUnits& u = axis.units;
-  const char* const from = "nominal.from";
-  fields.choice(from, nominal_from, {{"model", NominalFrom::model}, {"keys", NominalFrom::keys}},
-                "source of the nominal numbers: keys, or the model at the pose of start.keyframe "
-                "with all other joints held, and the keys of the transmission");
-  fields.standard(from, {std::string(axis.name.empty() ? "keys" : "model")});
-  fields.only_for({"nominal.motor_inertia_" + axis.inertia_suffix,
-                   "nominal.motor_viscous_friction_" + axis.friction_suffix,
-                   "nominal.stiffness_" + u.force_suffix + "_" + u.position_suffix,
-                   "nominal.damping_" + axis.friction_suffix},
-                  from, {"keys"});
-  const Fields::OfPart keys(fields, from, "keys");
   const char* const doc = "nominal value for the controller and the observer";
   fields.number("nominal." + axis.inertia_name + "_" + axis.inertia_suffix, nominal_inertia,
                 positive(), doc);
@@ -127,11 +115,25 @@ void AxisSettings::bind_nominal(Fields& fields) {
                 not_negative(), doc);
 }
 
-void AxisSettings::bind(Fields& fields) {
+void AxisSettings::bind_named(Fields& fields) {
   const Fields::Under under(fields, axis.prefix());
   bind_parts(fields);
-  bind_nominal(fields);
-  if (axis.name.empty()) return;
+  const AxisUnits& u = axis.units;
+  const char* const from = "nominal.from";
+  fields.choice(from, nominal_from, {{"model", NominalFrom::model}, {"keys", NominalFrom::keys}},
+                "source of the nominal numbers: keys, or the model at the pose of start.keyframe "
+                "with all other joints held, and the keys of the transmission");
+  fields.standard(from, {std::string("model")});
+  fields.only_for({"nominal.motor_inertia_" + axis.inertia_suffix,
+                   "nominal.motor_viscous_friction_" + axis.friction_suffix,
+                   "nominal.stiffness_" + u.force_suffix + "_" + u.position_suffix,
+                   "nominal.damping_" + axis.friction_suffix},
+                  from, {"keys"});
+  {
+    const Fields::OfPart keys(fields, from, "keys");
+    bind_nominal(fields);
+  }
+  const std::string unit = " [" + u.position + "]";
   fields.text("joint", axis.joint, "hinge or slide of the model");
   fields.text("actuator", axis.actuator,
               "actuator of the joint or of transmission.motor_joint; a motor with gear 1 "
@@ -140,31 +142,10 @@ void AxisSettings::bind(Fields& fields) {
   fields.text("position_sensor", axis.position_sensor,
               "sensor of the model that measures the position; joint: the joint itself");
   fields.standard("position_sensor", {std::string(Axis::kJoint)});
-  bind_task(fields);
-}
-
-void AxisSettings::bind_task(Fields& fields) {
-  const AxisUnits& u = axis.units;
-  fields.optional_number(
-      "start.position_" + u.position_suffix, start_position, any(),
-      "distance of the start from the pose of start.keyframe [" + u.position + "]");
+  fields.optional_number("start.position_" + u.position_suffix, start_position, any(),
+                         "distance of the start from the pose of start.keyframe" + unit);
   fields.optional_number("start.velocity_" + u.velocity_suffix, start_velocity, any(),
                          "velocity at the start [" + u.velocity + "]");
-  bind_reference(fields);
-  disturbance.bind(fields, u.force_suffix, u.force);
-  fields.standard("disturbance.kind", {standard_disturbance});
-  // Without a kind the reference holds, and nothing disturbs.
-  fields.standard("disturbance.amplitude_" + u.force_suffix, {0.0});
-  fields.standard("disturbance.frequency_rad_s", {0.0});
-  fields.standard("disturbance.start_s", {0.0});
-  fields.optional_number(
-      "disturbance.output_" + u.position_suffix, output.amplitude, any(),
-      "d_o: step of the measured position at disturbance.start_s [" + u.position + "]");
-}
-
-void AxisSettings::bind_reference(Fields& fields) {
-  const AxisUnits& u = axis.units;
-  const std::string unit = " [" + u.position + "]";
   const char* const kind = "reference.kind";
   fields.choice(kind, reference.kind,
                 {{"hold", ReferenceShape::hold},
@@ -180,7 +161,7 @@ void AxisSettings::bind_reference(Fields& fields) {
                          "start of the step, the sine or the table [s]");
   fields.optional_number("reference.frequency_rad_s", reference.frequency_rad_s, any(),
                          "frequency of a sine [rad/s]");
-  fields.standard(kind, {std::string(axis.name.empty() ? "step" : "hold")});
+  fields.standard(kind, {std::string("hold")});
   fields.only_for({value}, kind, {"step", "sine"});
   fields.only_for({"reference.from_s"}, kind, {"step", "sine", "csv"});
   fields.only_for({"reference.frequency_rad_s"}, kind, {"sine"});
@@ -189,6 +170,17 @@ void AxisSettings::bind_reference(Fields& fields) {
     fields.file("reference.file", reference_file,
                 "table with the columns time_s, from reference.from_s, and value" + unit);
   }
+  disturbance.bind(fields, u.force_suffix, u.force);
+  fields.standard("disturbance.kind", {std::string("none")});
+  // Without a kind the reference holds, and nothing disturbs.
+  fields.standard("disturbance.amplitude_" + u.force_suffix, {0.0});
+  fields.standard("disturbance.frequency_rad_s", {0.0});
+  fields.standard("disturbance.start_s", {0.0});
+}
+
+void AxisSettings::bind(Fields& fields) {
+  bind_nominal(fields);
+  bind_parts(fields);
 }
 
 void AxisSettings::bind_parts(Fields& fields) {
@@ -235,17 +227,12 @@ void AxisSettings::bind_parts(Fields& fields) {
       {"encoder." + key("phase", u.position_suffix), "encoder.origin", "encoder.rounding"},
       "the encoder is quantised", [this] { return quantum() != 0.0; });
   scale.bind(fields, u);
-  fields.flag("noise.enabled", has_noise, "add the noise");
-  fields.standard("noise.enabled", {true});
   fields.optional_number(
       "noise." + key("std", u.position_suffix), noise_std, not_negative(),
       "standard deviation of the measurement's white noise [" + u.position + "]");
   fields.optional_number(
       "noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),
       "standard deviation of a random force, constant in each sample [" + u.force + "]");
-  fields.only_where(
-      {"noise." + key("std", u.position_suffix), "noise." + key("input_std", u.force_suffix)},
-      "noise.enabled is true", [this] { return has_noise; });
   fields.optional_count("sensor.delay_samples", delay_samples, between(0, 1e6),
                         "delay of the measurement in control periods");
   transmission.bind(fields, u, axis.inertia_suffix, axis.friction_suffix);
@@ -334,27 +321,41 @@ void AxisPlant::learn(const Config& config) {
 }
 
 void AxisPlant::bind(Fields& fields) {
+  bind_whole(fields);
+  axis().bind(fields);
+  bind_faults(fields);
+}
+
+void AxisPlant::bind_whole(Fields& fields) {
   bind_model(fields, mjcf);
   physics.bind(fields);
   timing.bind(fields);
   run.bind(fields);
   fields.optional_number("plant.inertia_ratio", inertia_ratio, positive(),
                          "the plant's inertia, or mass, divided by that of its model file");
+}
+
+void AxisPlant::bind_faults(Fields& fields) {
+  std::vector<std::string> channels;
+  for (const AxisSettings& one : axes) channels.push_back(one.axis.channel);
+  if (tip) channels.insert(channels.end(), {"force", "force_raw"});
+  faults.bind(fields, fmt::format("{}", fmt::join(channels, ", ")), run.duration_s);
+}
+
+void AxisPlant::bind_named(Fields& fields) {
+  bind_whole(fields);
   fields.text("start.keyframe", keyframe,
               "keyframe of the pose that axes hold and models are linearised about; "
               "none: the joints' own");
   fields.standard("start.keyframe", {std::string(Axis::kNone)});
   fields.flag("sensor.true_state", senses_true_state,
               "samples also have the true positions and the true velocities of all axes");
-  fields.standard("sensor.true_state", {senses_true_state});
-  for (AxisSettings& one : axes) one.bind(fields);
+  fields.standard("sensor.true_state", {false});
+  for (AxisSettings& one : axes) one.bind_named(fields);
   for (PushSettings& one : pushes) one.bind(fields);
   for (ContactSettings& one : contacts) one.bind(fields);
   if (tip) tip->bind(fields);
-  std::vector<std::string> channels;
-  for (const AxisSettings& one : axes) channels.push_back(one.axis.channel);
-  if (tip) channels.insert(channels.end(), {"force", "force_raw"});
-  faults.bind(fields, fmt::format("{}", fmt::join(channels, ", ")), run.duration_s);
+  bind_faults(fields);
 }
 
 void AxisPlant::complete(const Config& config) {
@@ -382,10 +383,6 @@ void AxisPlant::complete(const Config& config) {
     }
     one.disturbance.load(own);
     one.force = one.disturbance.make(run.seed, one.axis.own("disturbance"));
-    if (one.output.amplitude != 0.0) {
-      one.output.kind = DisturbanceKind::step;
-      one.output.start_s = one.force.start_s;
-    }
     one.model_numbers = one.transmission.true_numbers(model, inertia, one.axis.joint);
     if (!one.axis.is_driven()) continue;
     const int actuator = actuator_id(model, one.axis);
@@ -397,13 +394,12 @@ void AxisPlant::complete(const Config& config) {
 
 NominalAxis AxisPlant::nominal(std::size_t i) const {
   const AxisSettings& one = axes[i];
-  NominalAxis axis{
-      .period_s = physics.control_period_s,
-      .force_limit = one.force_limit(),
-      .sensor = {Eigen::VectorXd::Constant(1, one.quantum()),
-                 Eigen::VectorXd::Constant(1, one.measurement_noise()), one.encoder_rounding},
-      .pulses_per_revolution = one.pulses_per_revolution(),
-      .units = one.axis.units};
+  NominalAxis axis{.period_s = physics.control_period_s,
+                   .force_limit = one.force_limit(),
+                   .sensor = {Eigen::VectorXd::Constant(1, one.quantum()),
+                              Eigen::VectorXd::Constant(1, one.noise_std), one.encoder_rounding},
+                   .pulses_per_revolution = one.pulses_per_revolution(),
+                   .units = one.axis.units};
   one.transmission.describe(
       axis,
       one.nominal_from == NominalFrom::model
@@ -722,7 +718,7 @@ SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
                               .reading = is_own ? Reading::joint_position : Reading::component,
                               .disturbance = one.output,
                               .encoder = one.encoder(),
-                              .noise_std = one.measurement_noise(),
+                              .noise_std = one.noise_std,
                               .delay_samples = one.delay_samples});
   }
   const auto add_true = [&](const std::string& what, Reading reading) {

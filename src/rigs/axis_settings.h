@@ -62,12 +62,12 @@ struct AxisSettings {
 
   Axis axis;
 
+  // Not all scenarios have keys for these.
   double start_position = 0.0;  ///< distance of the start from the model's pose
   double start_velocity = 0.0;
-  Reference reference;                        ///< reference of the position
-  Disturbance force;                          ///< d, which opposes the drive (Eqs. 2.5, 2.36)
-  Disturbance output;                         ///< d_o, added to the measurement (Eq. 2.37)
-  std::string standard_disturbance = "none";  ///< the default value of disturbance.kind
+  Reference reference;  ///< reference of the position
+  Disturbance force;    ///< d, which opposes the drive (Eqs. 2.5, 2.36)
+  Disturbance output;   ///< d_o, added to the measurement (Eq. 2.37)
 
   double viscous_friction = -1.0;  ///< friction of the plant; negative: that of the model file
   double coulomb_friction = -1.0;
@@ -86,14 +86,14 @@ struct AxisSettings {
   double encoder_phase = 0.0;
   EncoderOrigin encoder_origin = EncoderOrigin::counted;
   EncoderRounding encoder_rounding = EncoderRounding::nearest;
-  ScaleSettings scale;  ///< errors of the encoder's scale
-  bool has_noise = true;
+  ScaleSettings scale;     ///< errors of the encoder's scale
   double noise_std = 0.0;  ///< noise of the measurement
   double input_noise_std =
       0.0;  ///< standard deviation of a random force that is drawn at each control sample
   int delay_samples = 0;
   TransmissionSettings transmission;
 
+  // Only for named axes.
   std::string reference_file;
   DisturbanceSettings disturbance;
   /// A controller has its reference, so that the end of a hold is judged.
@@ -102,17 +102,15 @@ struct AxisSettings {
   TwoInertia model_numbers;
   double model_limit = std::numeric_limits<double>::infinity();
 
-  /// The keys of an axis. One with a name also has those of what it is, and those of bind_task().
+  /// The keys of the only axis of a plant.
   void bind(Fields& fields);
-  /// The keys start.…, reference.… and disturbance.…, with default values.
-  void bind_task(Fields& fields);
-  void bind_reference(Fields& fields);
+  /// The keys axis.NAME.…, with default values: those of bind(), and what the axis is, its start,
+  /// its reference and its disturbance.
+  void bind_named(Fields& fields);
 
   /// The joint of the side with the encoder.
   std::string measured_joint() const { return transmission.measured_joint(axis.joint); }
   Encoder encoder() const;
-  double measurement_noise() const { return has_noise ? noise_std : 0.0; }
-  double input_noise() const { return has_noise ? input_noise_std : 0.0; }
   double quantum() const;                ///< Δ of the encoder; 0: not quantised
   double pulses_per_revolution() const;  ///< b_reso, or counts per metre; 0: not quantised
   double force_limit() const;            ///< limit of the drive; infinity: none
@@ -159,7 +157,10 @@ struct AxisPlant {
   AxisSettings& axis() { return axes.front(); }
   const AxisSettings& axis() const { return axes.front(); }
 
+  /// The keys of a plant with one axis.
   void bind(Fields& fields);
+  /// The keys of a plant with named axes.
+  void bind_named(Fields& fields);
 
   /// Reads the tables that the keys name, and takes from the model what they leave to it. Throws
   /// std::invalid_argument `ORIGIN: KEY: reason`.
@@ -190,6 +191,8 @@ struct AxisPlant {
   SensingSetup sensing(const double* contact_force_N) const;
 
  private:
+  void bind_whole(Fields& fields);
+  void bind_faults(Fields& fields);
   Model load_model(const Config* config) const;  // checks the names of the keys, if it is there
   Model model_of_file() const;  // load_model() without the keys plant.… and the tool
   void check_names(const Model& model, const Config& config) const;
