@@ -5,8 +5,8 @@ function(breakwater_shareable target)
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
 
-# breakwater_outside_loop(TARGET): code that no control step calls, tests, and the Python module,
-# whose steps wait for Python. It compiles in two thirds of the time with less optimisation.
+# breakwater_outside_loop(TARGET): code that no control step calls, and the Python module, whose
+# steps wait for Python. It compiles in two thirds of the time with less optimisation.
 function(breakwater_outside_loop target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()

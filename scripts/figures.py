@@ -153,8 +153,13 @@ def draw(charts, window, width):
             if series["off"]:
                 continue
             dash = DASHES[series["dash"]] if series.get("line", True) else ""
-            points = list(zip(values_of(series["t"], x["from"], x["step"], x["log"]),
-                              values_of(series["v"], series["from"], series["step"], data.get("log"))))
+            places, values, *band = (
+                values_of(series[name], *((x["from"], x["step"], x["log"]) if name == "t"
+                                          else (series["from"], series["step"], data.get("log"))))
+                for name in ("t", "v", "low", "high") if name in series)
+            points = list(zip(places, values))
+            if band:
+                axis.fill_between(places, *band, color=COLOURS[series["colour"]], alpha=0.16, linewidth=0)
             axis.plot(*zip(*[point for point in points if low <= point[0] <= high] or [(math.nan, math.nan)]),
                       label=series["label"], color=COLOURS[series["colour"]], linestyle=dash, fillstyle="none",
                       marker=MARKS[series.get("marks", "")])
@@ -163,7 +168,11 @@ def draw(charts, window, width):
         axis.set_xscale("log" if x["log"] else "linear")
         axis.set_yscale("log" if data.get("log") else "linear")
         axis.set_ylabel(**axis_label(data["title"], PANEL_HEIGHT))
-    axes[-1, 0].set_xlabel(x["title"])
+        if "labels" in x:
+            axis.set_xticks(*zip(*((10**place if x["log"] else place, label) for place, label in x["labels"])), minor=False)
+            axis.set_xticks([], minor=True)
+        if axis is axes[-1, 0] or len({chart["data"].get("x", x)["title"] for chart in charts}) > 1:
+            axis.set_xlabel(x["title"])
     lines, labels = axes[0, 0].get_legend_handles_labels()
     if len(lines) > 1:
         axes[0, 0].legend(lines, labels, loc="lower left", bbox_to_anchor=(0, 1), ncols=columns(labels, width), borderpad=0,
@@ -175,7 +184,7 @@ def replace(name, write):
     """The whole file or the one before, also after a power cut."""
     mask = os.umask(0)
     os.umask(mask)
-    place = Path(name)
+    place = Path(name).resolve()  # a link stays
     with tempfile.NamedTemporaryFile(dir=place.parent, prefix=f".{place.name}.partial-", delete=False) as file:
         try:
             write(file)
@@ -216,8 +225,10 @@ def main():
         refuse(f"{arguments.page}: has no such chart (there are {', '.join(chart['id'] for chart, _ in everything) or 'none'})")
     figure = draw(charts, (arguments.start, arguments.end), arguments.width)
     kind = Path(arguments.out).suffix[1:]
+    if not kind:
+        parser.error(f"--out {arguments.out}: must end with .pdf, .svg, .png or .tex")
     metadata = {"Date": None} if kind == "svg" else None
-    replace(arguments.out, lambda file: figure.savefig(file, format=kind or "png", dpi=200, metadata=metadata))
+    replace(arguments.out, lambda file: figure.savefig(file, format=kind, dpi=200, metadata=metadata))
 
 
 if __name__ == "__main__":

@@ -279,7 +279,7 @@
     setWindow(range) { this.graph.updateOptions({dateWindow: range}); }
 
     textOfX(x) {
-      const named = (this.x.labels || []).find(([at]) => at === x);
+      const named = (this.x.labels || []).find(([at]) => Math.abs(at - x) <= this.x.step);
       return named ? named[1] : shown(this.x.log ? 10 ** x : x);
     }
 
@@ -296,14 +296,17 @@
       this.series.forEach((series, i) => { this.values[i].textContent = this.textAt(time, i); });
     }
 
-    // Gives the marks at x to the page's script: the nearest one to `y`, or all.
+    // Gives the marks at x to the page's script: the nearest to `y`, or all.
     choose(x, y) {
       if (!window.chooseMarks || x === null) return;
       const far = ({i}) => Math.abs(this.graph.toDomYCoord(this.at(x, i + 1)) - y);
-      const marks = this.series.map((series, i) => ({i, runs: series.runs?.[this.placeOf(series, x)],
+      let marks = this.series.map((series, i) => ({i, runs: series.runs?.[this.placeOf(series, x)],
           text: `${series.label}, ${this.x.title} = ${this.textOfX(x)}: ${this.textAt(x, i)}`}))
         .filter(({i, runs}) => runs?.length && this.graph.visibility()[i]);
-      if (y !== undefined) marks.sort((a, b) => far(a) - far(b)).splice(1);
+      if (y !== undefined) {
+        const nearest = Math.min(...marks.map(far));
+        marks = marks.filter((mark) => far(mark) === nearest);  // a cross may lie on a dot
+      }
       window.chooseMarks(marks);
     }
 
@@ -322,6 +325,7 @@
       const rows = this.rows;
       let low = 0, high = rows.length - 1;
       if (high < 0 || time < rows[0][0] || time > rows[high][0]) return null;
+      if (time === rows[high][0]) return rows[high][column];
       while (high - low > 1) {
         const middle = (low + high) >> 1;
         if (rows[middle][0] <= time) low = middle; else high = middle;

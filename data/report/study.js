@@ -212,7 +212,7 @@
     } else if (step && mark.matches(".heat td")) {
       const line = mark.closest("table").rows[mark.parentNode.rowIndex + step[0]];
       const next = line && line.cells[mark.cellIndex + step[1]];
-      if (!next || !next.dataset.r) return;
+      if (!next || next.dataset.r === undefined) return;
       next.focus();
       activate(next);
     } else {

@@ -138,7 +138,7 @@ class ArmWallContact final : public ArmScenario {
       const double away_m = tip_offset.head<2>().norm();
       if (sim.steps() == 1) held_pose.ask(away_m);
       held_pose.add(time_s, away_m);
-      held_force.add(time_s, force_reference_N_ - rig.filtered_force_N());
+      held_force.add(time_s, force_reference_N_ - rig.contact_force_N());
     };
     Recording recording =
         record_run(sim, physics, steps, rig.signals(), control, step, sample, &values);

@@ -93,8 +93,8 @@ PageChart PageChart::scaled() const {
       y.insert(y.end(), values->begin(), values->end());
     }
   }
-  chart.is_log_x = is_for_log(x);
-  chart.is_log_y = is_for_log(y);
+  chart.is_log_x = is_log_x || is_for_log(x);
+  chart.is_log_y = lines.empty() && is_for_log(y);
   const auto scale = [](bool is_log, std::vector<double>& values) {
     for (double& value : values) value = is_log ? std::log10(value) : value;
   };

@@ -47,7 +47,8 @@ struct PageChart {
   std::vector<Bracket> brackets;
   std::vector<std::pair<double, std::string>> x_labels;  ///< instead of round numbers
 
-  /// The same over logarithmic axes, where positive values extend over decades.
+  /// The same over logarithmic axes, where positive values extend over decades or is_log_x is set.
+  /// A chart with `lines` has a linear y.
   PageChart scaled() const;
   /// "title [unit]", if all series have one.
   std::string axis_title() const;

@@ -255,6 +255,7 @@ PageChart StudySections::line_chart(const Output& output, const KeyGroups& key, 
   PageChart chart{.id = runs_.new_id(), .title = title_of(output)};
   chart.group = chart.id;
   chart.x_title = key_label_with_unit(key.name, unit_of(key.name));
+  chart.is_log_x = key.is_log;
   if (output.is_failures) chart.lines = {0.0, 1.0};
   if (!key.is_number || (!key.is_binned && key.size() <= 8)) {
     for (std::size_t g = 0; g < key.size(); ++g) {

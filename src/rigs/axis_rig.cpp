@@ -98,11 +98,11 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
                        std::make_unique<BodyForce>(
                            model, one.body, Eigen::Map<const Eigen::Vector3d>(one.along.data()))});
   }
-  const auto rough = std::count_if(plant.contacts.begin(), plant.contacts.end(),
-                                   [](const auto& one) { return one.wall.has_friction(); });
+  const auto with_friction = std::count_if(plant.contacts.begin(), plant.contacts.end(),
+                                           [](const auto& one) { return one.wall.has_friction(); });
   for (const ContactSettings& one : plant.contacts) {
     if (std::unique_ptr<WallContact> wall = one.make(model)) {
-      wall->set_rough_contacts(static_cast<int>(rough));
+      wall->set_contacts_with_friction(static_cast<int>(with_friction));
       const WallContact* known = wall.get();
       contacts_.push_back({std::move(wall), &known->force_N(), known});
     } else {

@@ -38,14 +38,14 @@ Fields AxisScenario::fields() {
   whole_ ? plant_.bind_named(fields) : plant_.bind(fields);
   if (whole_) whole_->bind(fields);
   for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
-    const std::string prefix = plant_.axes[i].axis.prefix();
-    const Fields::Under under(fields, prefix);
+    const Fields::Under under(fields, plant_.axes[i].axis.prefix());
     axis_parts_[i].bind(fields);
   }
-  for (const AxisSettings& one : plant_.axes) {
-    if (!whole_) continue;
-    fields.only_for({one.axis.prefix() + "controller.name", one.axis.prefix() + "observer.name"},
-                    "controller.name", {"axes"});
+  if (whole_) {
+    for (const AxisSettings& one : plant_.axes) {
+      fields.only_for({one.axis.prefix() + "controller.name", one.axis.prefix() + "observer.name"},
+                      "controller.name", {"axes"});
+    }
   }
   bind(fields);
   rows_.bind(fields);
@@ -121,10 +121,16 @@ std::vector<AxisOfPlant> AxisScenario::loops() const {
 void AxisScenario::check(const Config& config) {
   plant_.judged_to_s = config.number("metrics.to_s").value_or(0.0);
   check_plant(plant_, config);
-  whole_ ? check_whole(config) : parts().check(config, task());
+  if (whole_) {
+    check_whole(config);
+  } else {
+    parts().check(config, task());
+  }
   MetricContext context = complete(config);
   // A contact is shorter than a sample.
-  context.fast_signals = {"force_true_N", "force_sensor_N", "force_filtered_N"};
+  for (const char* force : {"force_true_N", "force_sensor_N", "force_filtered_N"}) {
+    context.fast_signals.push_back(force);
+  }
   for (const ContactSettings& one : plant_.contacts) {
     for (const char* what :
          {"N", "penetration_m", "approach_m_s", "mass_kg", "transient_N", "friction_N"}) {
@@ -132,7 +138,7 @@ void AxisScenario::check(const Config& config) {
     }
   }
   const bool has_contact = plant_.tip && plant_.tip->contact != TipSettings::kNone;
-  if (has_contact) context.events = {"first_contact"};
+  if (has_contact) context.events.push_back("first_contact");
   rows_.check(
       config, [this] { return fields(); }, plant_.physics, context);
   warnings_ = plant().warnings();

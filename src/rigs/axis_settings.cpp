@@ -580,10 +580,10 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
     const auto [same, is_new] = known.emplace(std::minmax(one.geom_1, one.geom_2), one.name);
     if (!is_new) own.fail("geom_1", "contact \"" + same->second + "\" has the same two geoms");
     if (one.wall.angle_rad() != 0.0) {
-      const auto [other, is_first] = tilted.emplace(one.geom_2, one.name);
+      const auto [other, is_first] = tilted.emplace(one.geoms(model).second, one.name);
       if (!is_first) {
         own.fail("wall.angle_rad",
-                 fmt::format("contact \"{}\" tilts \"{}\" already", other->second, one.geom_2));
+                 fmt::format("contact \"{}\" tilts \"{}\" already", other->second, other->first));
       }
     }
     check_law_is_chosen(one, config);

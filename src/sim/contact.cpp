@@ -36,7 +36,7 @@ std::vector<int> parts_of(const Model& model, const std::string& wall) {
 }
 
 // The engine computes no frame of a geom whose frame was its body's in the file.
-void free_frame(mjModel& m, int geom) {
+void compute_own_frame(mjModel& m, int geom) {
   m.geom_sameframe[geom] = 0;
 }
 
@@ -90,7 +90,7 @@ void place_wall(Model& model, const std::string& wall, double x_m) {
   mjModel& m = *model.get();
   const double moved_m = x_m - m.geom_pos[3 * plane];
   for (const int part : parts_of(model, wall)) {
-    free_frame(m, part);
+    compute_own_frame(m, part);
     m.geom_pos[3 * part] += moved_m;
   }
   m.geom_pos[3 * plane] = x_m;
@@ -113,7 +113,7 @@ void tilt_wall(Model& model, const std::string& wall, double angle_rad) {
   mju_scl3(rotation + 1, axis, half.sine);
   mju_copy3(pivot, m.geom_pos + static_cast<ptrdiff_t>(3) * plane);
   for (const int part : parts_of(model, wall)) {
-    free_frame(m, part);
+    compute_own_frame(m, part);
     mjtNum* position = m.geom_pos + static_cast<ptrdiff_t>(3) * part;
     mjtNum from_pivot[3], turned[4];
     mju_sub3(from_pivot, position, pivot);

@@ -118,7 +118,7 @@ void WallContact::find_friction(const mjModel& model, const mjData& data, Stage&
   // A larger damping than m/h would turn the velocity around within a step.
   stage.drag_Ns_m = std::min(friction_.coefficient * stage.force_N /
                                  std::sqrt(squared + friction_.stick_m_s * friction_.stick_m_s),
-                             mass_across_kg_ / timestep_s_ / rough_contacts_);
+                             mass_across_kg_ / timestep_s_ / contacts_with_friction_);
   stage.friction_N = stage.drag_Ns_m * std::sqrt(squared);
 }
 

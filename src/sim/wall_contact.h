@@ -43,7 +43,7 @@ class WallContact final : public StagedForce {
   /// Switches the contact on or off; it begins off.
   void set_solid(bool is_solid) { is_solid_ = is_solid; }
   /// How many contacts with friction the model has: n ≥ 1. They may act on one body.
-  void set_rough_contacts(int number) { rough_contacts_ = number; }
+  void set_contacts_with_friction(int number) { contacts_with_friction_ = number; }
 
   void begin_step() override;
   void apply(double time_s, const mjModel& model, mjData& data) override;
@@ -113,7 +113,7 @@ class WallContact final : public StagedForce {
   WallMotion motion_;
   ContactFriction friction_;
   bool is_solid_ = false;
-  int rough_contacts_ = 1;
+  int contacts_with_friction_ = 1;
 
   // At the beginning of the step.
   WallPosition wall_;

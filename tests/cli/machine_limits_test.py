@@ -90,7 +90,7 @@ class MachineLimits(Folder):
     def test_a_study_without_memory_is_no_study_of_refused_runs(self):
         self.call(*STUDY, "--jobs", "1", "--out", "one")
         ends = set()
-        for mega_bytes in range(40, 380, 8):
+        for mega_bytes in range(24, 380, 8):
             out = f"of_{mega_bytes}_MB"
             status, text = self.limited(*STUDY, "--jobs", "1", "--out", out,
                                         limits={resource.RLIMIT_AS: mega_bytes * 1_000_000})

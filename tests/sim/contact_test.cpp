@@ -248,7 +248,7 @@ TEST(TiltWall, TurnsThePlaneByTheAngle) {
       SCOPED_TRACE(zaxis);
       Model model = testing::model_of(
           fmt::format(R"(<mujoco><worldbody><geom name="wall" type="plane" size="1 1 1" pos="{}"
-          zaxis="{}"/><geom name="wall_mark" size="0.1"/></worldbody></mujoco>)",
+          zaxis="{}"/><geom name="wall_mark" size="0.1" pos="4 -1 2"/></worldbody></mujoco>)",
                       pos, zaxis));
       const DataPointer data = model.make_data();
       const auto compute = [&] { mj_kinematics(model.get(), data.get()); };
@@ -370,7 +370,7 @@ TEST(WallContact, FrictionsOfOneBodyAreStable) {
         std::make_unique<KelvinVoigt>(1e4, 200.0, KelvinVoigt::By::force), WallMotion(),
         ContactFriction{1.0, 1e-9}));
     contacts.back()->set_solid(true);
-    contacts.back()->set_rough_contacts(3);
+    contacts.back()->set_contacts_with_friction(3);
     simulation.add(*contacts.back());
   }
   for (int k = 0; k < 5000; ++k) simulation.step();
