@@ -24,7 +24,7 @@ namespace {
 constexpr const char* kNone = "none";
 constexpr const char* kZero = "0.0";
 constexpr const char* kLevel = "level";
-constexpr const char* kWatched = "poles_";  // signals that estimators compute only if asked
+constexpr const char* kWatched = "poles_";  // in the names of signals that are computed if asked
 const std::string kIsThere = " is there";
 const std::string kIsReached = " is reached";
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -592,7 +592,7 @@ MetricValues::MetricValues(const MetricRows& rows, const std::vector<Signal>& si
       continue;
     }
     (rows.is_at_step(row) ? at_steps_ : at_samples_).push_back(made.value.get());
-    if (row.of.starts_with(kWatched)) watched_.push_back(made.value.get());
+    if (row.of.find(kWatched) != std::string::npos) watched_.push_back(made.value.get());
   }
 }
 
