@@ -121,10 +121,11 @@ std::vector<AxisOfPlant> AxisScenario::loops() const {
 void AxisScenario::check(const Config& config) {
   plant_.judged_to_s = config.number("metrics.to_s").value_or(0.0);
   check_plant(plant_, config);
+  PlantTask task;
   if (whole_) {
-    check_whole(config);
+    task = check_whole(config);
   } else {
-    parts().check(config, task());
+    parts().check(config, this->task());
   }
   MetricContext context = complete(config);
   // A contact is shorter than a sample.
@@ -143,17 +144,17 @@ void AxisScenario::check(const Config& config) {
       config, [this] { return fields(); }, plant_.physics, context);
   warnings_ = plant().warnings();
   if (!whole_) return;
-  if (whole_->moves_tip()) warn_of_free_coordinates(whole_task().tip().kinematics->coordinates);
-  warn_of_missing_signals(config);
+  if (whole_->moves_tip()) warn_of_free_coordinates(task.tip().kinematics->coordinates);
+  warn_of_missing_signals(config, task);
 }
 
-void AxisScenario::check_whole(const Config& config) {
+PlantTask AxisScenario::check_whole(const Config& config) {
   for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
     // A tip leaves its pose when it presses; its force is judged then.
     const bool holds = whole_->controller_name() != "axes" && !whole_->moves_tip();
     plant_.axes[i].is_controlled = holds || has_own_loop(i);
   }
-  const PlantTask task = whole_task();
+  PlantTask task = whole_task();
   if (whole_->controller_name() == "axes") {
     for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
       axis_parts_[i].check(config.under(plant_.axes[i].axis.prefix()), task.axes[i]);
@@ -163,10 +164,11 @@ void AxisScenario::check_whole(const Config& config) {
     config.fail("controller.name", task.why_not_linear);
   }
   whole_->check(config, task);
+  return task;
 }
 
-void AxisScenario::warn_of_missing_signals(const Config& config) {
-  const AxisLoop loop = make_loop(whole_task());
+void AxisScenario::warn_of_missing_signals(const Config& config, const PlantTask& task) {
+  const AxisLoop loop = make_loop(task);
   const AxisRig rig(plant_, *loop.controller);
   const std::vector<Signal> signals = rig.signals();
   for (const MetricRow& row : rows_.rows()) {

@@ -100,8 +100,9 @@ class AxisScenario : public Scenario {
  private:
   PlantTask whole_task() const;
   AxisLoop make_loop(const PlantTask& task) const;
-  void check_whole(const Config& config);
-  void warn_of_missing_signals(const Config& config);
+  /// Checks a plant of named axes, and returns its task.
+  PlantTask check_whole(const Config& config);
+  void warn_of_missing_signals(const Config& config, const PlantTask& task);
   /// Warns if the tip holds fewer coordinates than there are.
   void warn_of_free_coordinates(const std::vector<TipCoordinate>& held);
   /// Whether the axis has a controller of its own.

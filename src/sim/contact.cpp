@@ -27,17 +27,15 @@ int world_plane(const Model& model, const std::string& wall) {
   return plane;
 }
 
-std::vector<int> parts_of(const Model& model, const std::string& wall) {
+// The wall and its parts, to be moved. The engine computes no frame of a geom whose frame was its
+// body's in the file, unless it is told that this is over.
+std::vector<int> movable_parts(Model& model, const std::string& wall) {
   std::vector<int> parts = {geom_id(model, wall)};
   for (const int geom : model.geoms_named(wall + "_")) {
     if (model->geom_bodyid[geom] == 0) parts.push_back(geom);
   }
+  for (const int part : parts) model.get()->geom_sameframe[part] = 0;
   return parts;
-}
-
-// The engine computes no frame of a geom whose frame was its body's in the file.
-void compute_own_frame(mjModel& m, int geom) {
-  m.geom_sameframe[geom] = 0;
 }
 
 }  // namespace
@@ -89,10 +87,7 @@ void place_wall(Model& model, const std::string& wall, double x_m) {
   const int plane = world_plane(model, wall);
   mjModel& m = *model.get();
   const double moved_m = x_m - m.geom_pos[3 * plane];
-  for (const int part : parts_of(model, wall)) {
-    compute_own_frame(m, part);
-    m.geom_pos[3 * part] += moved_m;
-  }
+  for (const int part : movable_parts(model, wall)) m.geom_pos[3 * part] += moved_m;
   m.geom_pos[3 * plane] = x_m;
 }
 
@@ -112,8 +107,7 @@ void tilt_wall(Model& model, const std::string& wall, double angle_rad) {
   rotation[0] = half.cosine;
   mju_scl3(rotation + 1, axis, half.sine);
   mju_copy3(pivot, m.geom_pos + static_cast<ptrdiff_t>(3) * plane);
-  for (const int part : parts_of(model, wall)) {
-    compute_own_frame(m, part);
+  for (const int part : movable_parts(model, wall)) {
     mjtNum* position = m.geom_pos + static_cast<ptrdiff_t>(3) * part;
     mjtNum from_pivot[3], turned[4];
     mju_sub3(from_pivot, position, pivot);
