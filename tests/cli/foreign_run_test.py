@@ -10,7 +10,7 @@ import subprocess
 import sys
 import unittest
 
-MUTATIONS = 3000 if "--study" in sys.argv else 25
+MUTATIONS, PLACES_APART = (3000, 1) if "--study" in sys.argv else (12, 4)
 if "--study" in sys.argv:
     sys.argv.remove("--study")
 
@@ -95,7 +95,7 @@ class ForeignRun(Folder):
         """HDF5 1.10.8 reads beyond its memory and sometimes crashes."""
         places = [match.start() for match in re.finditer(rb"units\0", self.bytes)]
         self.assertGreater(len(places), 10)
-        for place in places:
+        for place in places[::PLACES_APART]:
             damaged = bytearray(self.bytes)
             damaged[place - 3] = 255  # the size of its type, high byte
             self.log.write_bytes(damaged)

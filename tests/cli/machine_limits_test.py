@@ -1,15 +1,20 @@
 """Limits of a machine: full devices, files that cannot grow, little memory.
 
-Usage: machine_limits_test.py BIN_FOLDER
+Usage: machine_limits_test.py BIN_FOLDER [--study]
 """
 
 import os
 import resource
 import shutil
 import subprocess
+import sys
 import unittest
 
 from called_program import BIN, Folder
+
+STEP_MB = 8 if "--study" in sys.argv else 24
+if "--study" in sys.argv:
+    sys.argv.remove("--study")
 
 STUDY = ["breakwater", "sweep", "cart_position", "--seeds", "1..40", "--duration", "0.2", "--quiet"]
 
@@ -90,7 +95,7 @@ class MachineLimits(Folder):
     def test_a_study_without_memory_is_no_study_of_refused_runs(self):
         self.call(*STUDY, "--jobs", "1", "--out", "one")
         ends = set()
-        for mega_bytes in range(24, 380, 8):
+        for mega_bytes in range(24, 380, STEP_MB):
             out = f"of_{mega_bytes}_MB"
             status, text = self.limited(*STUDY, "--jobs", "1", "--out", out,
                                         limits={resource.RLIMIT_AS: mega_bytes * 1_000_000})

@@ -66,7 +66,7 @@ std::string shortest(double value) {
 }
 
 TEST(PrintedConfig, PropertyReadsAsItself) {
-  const int count = testing::property_count(250);
+  const int count = testing::property_count(100);
   const Catalogue& catalogue = testing::catalogue();
   const testing::TemporaryPath path("printed.toml");
   testing::Random random(12);

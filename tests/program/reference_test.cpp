@@ -1,6 +1,7 @@
 // `breakwater reference`: its pages agree with the program's output.
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
 
 #include <breakwater/program/commands.h>
 
@@ -69,11 +70,13 @@ TEST_F(Reference, HasEveryKeyAndCaseOfEveryScenario) {
   for (const std::string& scenario : testing::scenario_names()) {
     const std::string text = page("scenarios/" + scenario + ".md");
     const ScenarioFile file = testing::scenario_file(scenario);
+    std::set<std::string> seen;  // cases have most keys in common
     for (const std::string& name : file.cases()) {
       EXPECT_TRUE(has_row(text, name)) << scenario << " " << name;
       const std::vector<std::string> keys = keys_of(testing::prepare(scenario, name).config_text);
       EXPECT_GT(keys.size(), 10u);
       for (const std::string& key : keys) {
+        if (!seen.insert(key).second) continue;
         // A key of all axes may be without their names.
         EXPECT_TRUE(has_row(text, key) || has_row(text, on_page(key)) ||
                     has_row(text, "axis.NAME." + key))
