@@ -236,6 +236,7 @@ void bind_runs(py::module_& module) {
       .def_property_readonly(
           "is_cut", [](const FolderRun& run) { return run.failure() && run.failure()->is_cut; })
       .def_property_readonly("notes", &FolderRun::notes)
+      .def_property_readonly("warnings", &FolderRun::warnings)
       .def(
           "array",
           [](const py::object& self, const std::string& group, const std::string& name) {

@@ -570,7 +570,7 @@ def load(folder: str | os.PathLike[str]) -> Run:
     """
     path = folder_path(folder)
     saved = _saved(path)
-    return Run(saved, path, saved.notes)
+    return Run(saved, path, saved.notes + saved.warnings)
 
 
 def scenarios() -> dict[str, str]:

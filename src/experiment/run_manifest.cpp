@@ -100,6 +100,13 @@ RunManifest read_manifest(const std::filesystem::path& folder) {
       manifest.absent.push_back({name, "", reason.get<std::string>()});
     }
   }
+  if (const json* warnings = reader.find("warnings")) {
+    if (!warnings->is_array()) reader.fail("warnings", "must be a list");
+    for (const json& line : *warnings) {
+      if (!line.is_string()) reader.fail("warnings", "must have texts");
+      manifest.warnings.push_back(line.get<std::string>());
+    }
+  }
   return manifest;
 }
 

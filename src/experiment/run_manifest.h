@@ -25,6 +25,7 @@ struct RunManifest {
   std::string program;             ///< program_hash()
   ModelHashes models;
   std::vector<AbsentMetric> absent;  ///< without units
+  std::vector<std::string> warnings;
 };
 
 /// Throws std::invalid_argument `FILE: KEY: reason` if the manifest is missing or damaged.

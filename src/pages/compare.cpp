@@ -108,8 +108,7 @@ std::vector<std::string> differences_in_words(const std::vector<std::optional<do
     }
     const double first = *values.front();
     const double percent = 100.0 * (*value - first) / std::abs(first);
-    const bool is_same = *value == first || (largest < kManifold && std::abs(percent) < 0.05);
-    words.push_back(is_same                ? "same"
+    words.push_back(*value == first        ? "same"
                     : largest < kManifold  ? fmt::format("{:+.1f} %", percent)
                     : largest < kNoMeasure ? fmt::format("×{:.2f}", *value / first)
                                            : fmt::format("{:+.3g}", *value - first));

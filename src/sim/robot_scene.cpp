@@ -14,8 +14,9 @@ namespace breakwater {
 namespace {
 
 constexpr double kRadius_m = 0.01;
-constexpr double kGap_m = 0.05;
-constexpr double kLever_m = 0.3;  // makes a turn a motion
+constexpr double kMostGap_m = 0.05;
+constexpr double kGapOfReach = 0.1;  // a small robot stays bent
+constexpr double kLever_m = 0.3;     // makes a turn a motion
 constexpr int kPoses = 1000;
 constexpr double kSmall = 1e-3;  // share of the largest value that counts as none
 
@@ -252,7 +253,9 @@ RobotScene robot_before_wall(const std::string& file, const std::string& tip_nam
   }
   ball.set("rgba", "0.86 0.16 0.14 1");
   MjcfElement wall = geom(RobotScene::kWall, "plane");
-  const Eigen::Vector3d place = motion.position + (kGap_m + kRadius_m) * towards;
+  const Eigen::Vector3d first(data->xanchor + 3 * joints.front());
+  const double gap_m = std::min(kMostGap_m, kGapOfReach * (motion.position - first).norm());
+  const Eigen::Vector3d place = motion.position + (gap_m + kRadius_m) * towards;
   const Eigen::Vector3d normal = -towards;
   wall.set("size", "0.15 0.15 0.01");
   wall.set("pos", std::span<const double>(place.data(), 3));

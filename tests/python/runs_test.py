@@ -111,8 +111,10 @@ class Warnings(unittest.TestCase):
         self.assertEqual(said(set={"noise.std_rad": 0.01}), [])
 
     def test_of_a_reference_that_is_not_held(self):
-        with self.assertWarnsRegex(UserWarning, "does not hold its reference"):
-            run = bw.run("cart_position", "idob", set={"controller.kp": 1e-3})
+        with temporary_folder() as folder:
+            with self.assertWarnsRegex(UserWarning, "does not hold its reference"):
+                run = bw.run("cart_position", "idob", set={"controller.kp": 1e-3}, out=folder / "far")
+            self.assertEqual(bw.load(folder / "far").warnings, run.warnings)
         self.assertIn("does not hold its reference", run.warnings[0])
         self.assertIn(", 1 warning,", repr(run))
         with warnings.catch_warnings():

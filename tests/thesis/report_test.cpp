@@ -498,7 +498,7 @@ TEST(Differences, AreOfOneKindInARow) {
   for (const auto& [values, words] : {
            std::pair(Values{2.0, 2.0, 2.082}, Words{"same", "same", "+4.1 %"}),
            std::pair(Values{-1.0, -1.5, -2.99}, Words{"same", "-50.0 %", "-199.0 %"}),
-           std::pair(Values{1.0, 0.01, 1.0 + 1e-9}, Words{"same", "-99.0 %", "same"}),
+           std::pair(Values{1.0, 0.01, 1.0 + 1e-9}, Words{"same", "-99.0 %", "+0.0 %"}),
            std::pair(Values{1.0, 7.996, 0.5}, Words{"same", "×8.00", "×0.50"}),
            std::pair(Values{0.0004, 0.0444, 0.0005}, Words{"same", "+0.044", "+0.0001"}),
            std::pair(Values{2.0, -1.0, 2.1}, Words{"same", "-3", "+0.1"}),
