@@ -188,17 +188,10 @@ class Sentence {
   const std::vector<RankedCandidate>& rows_;
 };
 
-// JSON has no NaN.
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
-}
-
-nlohmann::ordered_json json_of(const EstimatedValue& median) {
-  const ConfidenceInterval none = {kNone, kNone};
-  const ConfidenceInterval interval = median.interval.value_or(none);
-  return {{"value", number(median.value)},
-          {"lower", number(interval.lower)},
-          {"upper", number(interval.upper)}};
+// NaN is null in the file.
+nlohmann::ordered_json json_of(const EstimatedValue& one) {
+  const ConfidenceInterval interval = one.interval.value_or(ConfidenceInterval{kNone, kNone});
+  return {{"value", one.value}, {"lower", interval.lower}, {"upper", interval.upper}};
 }
 
 std::string in_middle(const std::string& text, std::size_t most) {
@@ -266,7 +259,7 @@ nlohmann::ordered_json ranking_json(const Ranking& ranking) {
                      {"confidence", ranking.requirement.confidence},
                      {"bounds", nlohmann::ordered_json::object()}};
   for (const Bound& one : ranking.requirement.bounds) {
-    json["require"]["bounds"][one.metric] = {{"min", number(one.min)}, {"max", number(one.max)}};
+    json["require"]["bounds"][one.metric] = {{"min", one.min}, {"max", one.max}};
   }
   json["candidates"] = nlohmann::ordered_json::array();
   for (const RankedCandidate& one : ranking.rows) {

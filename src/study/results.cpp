@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -10,7 +11,7 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <utility>
+#include <set>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/partial_file.h>
@@ -51,13 +52,21 @@ std::string quoted_name(const std::string& name) {
 
 }  // namespace
 
-ResultsTable::ResultsTable(const Plan& plan, const ShardIndex& index) : plan_(plan), index_(index) {
+std::vector<std::string> metrics_of(const ShardIndex& index) {
+  std::vector<std::string> metrics;
+  std::set<std::string> known;
   for (std::size_t point = 0; point < index.points(); ++point) {
     if (!index.has(point)) continue;
     for (const auto& [name, value] : index.read(point).metrics) {
-      if (columns_.emplace(name, metrics_.size()).second) metrics_.push_back(name);
+      if (known.insert(name).second) metrics.push_back(name);
     }
   }
+  return metrics;
+}
+
+ResultsTable::ResultsTable(const Plan& plan, const ShardIndex& index)
+    : plan_(plan), index_(index), metrics_(metrics_of(index)) {
+  for (std::size_t i = 0; i < metrics_.size(); ++i) columns_.emplace(metrics_[i], i);
 }
 
 std::vector<std::string> ResultsTable::header() const {
@@ -163,88 +172,21 @@ namespace {
 
 constexpr std::size_t kMostInALine = 4;  // metrics in a line
 
-// Counts for each metric the complete runs of each candidate that have it.
-class MetricCounts {
- public:
-  explicit MetricCounts(const Plan& plan) : plan_(plan), complete_(plan.candidates().size()) {}
-
-  void add(const PointResult& run) {
-    if (run.status != PointStatus::complete) return;
-    const std::size_t candidate = run.number % complete_.size();
-    ++complete_[candidate];
-    for (const auto& [name, value] : run.metrics) {
-      counts_.try_emplace(name, complete_.size()).first->second[candidate]++;
-    }
+// "12 of 40 complete runs of hpfc-2N" for each candidate of which only some runs have a metric. One
+// that no run of a candidate has does not apply to it.
+std::string missing(const Plan& plan, const std::vector<std::size_t>& counts,
+                    const std::vector<std::size_t>& complete) {
+  std::vector<std::string> parts;
+  for (std::size_t c = 0; c < counts.size(); ++c) {
+    if (counts[c] == 0 || counts[c] == complete[c]) continue;
+    parts.push_back(fmt::format("{} of {} complete runs of {}", complete[c] - counts[c],
+                                complete[c], plan.candidates()[c].label));
   }
-
-  // Metrics that are missing in the same runs share a line.
-  std::vector<std::string> lines() const {
-    std::map<std::string, std::vector<std::string>> metrics;
-    for (const auto& [name, counts] : counts_) {
-      const std::string where = missing(counts);
-      if (!where.empty()) metrics[where].push_back(name);
-    }
-    std::vector<std::string> lines;
-    for (auto& [where, names] : metrics) {
-      const std::size_t more = names.size() > kMostInALine ? names.size() - kMostInALine : 0;
-      names.resize(names.size() - more);
-      lines.push_back(fmt::format("{}{} missing: in {}", fmt::join(names, ", "),
-                                  more > 0 ? fmt::format(" and {} more are", more)
-                                           : std::string(names.size() > 1 ? " are" : " is"),
-                                  where));
-    }
-    return lines;
-  }
-
- private:
-  // A text such as "12 of 40 complete runs of hpfc-2N"; empty if the metric is in no run.
-  std::string missing(const std::vector<std::size_t>& counts) const {
-    std::vector<std::string> parts;
-    for (std::size_t c = 0; c < counts.size(); ++c) {
-      // A metric that no run of a candidate has does not apply to it.
-      if (counts[c] == 0 || counts[c] == complete_[c]) continue;
-      parts.push_back(fmt::format("{} of {} complete runs of {}", complete_[c] - counts[c],
-                                  complete_[c], plan_.candidates()[c].label));
-    }
-    if (parts.size() > kMostInALine) {
-      const std::size_t more = parts.size() - kMostInALine;
-      parts.resize(kMostInALine);
-      parts.push_back(fmt::format("of {} more candidates", more));
-    }
-    return fmt::format("{}", fmt::join(parts, ", "));
-  }
-
-  const Plan& plan_;
-  std::vector<std::size_t> complete_;
-  std::map<std::string, std::vector<std::size_t>> counts_;
-};
-
-// Checks whether all seeds of every sample and candidate gave the same run.
-class SeedEffect {
- public:
-  explicit SeedEffect(const Plan& plan) : plan_(plan), first_(plan.candidates().size()) {}
-
-  // Adds a run, in the order of the points.
-  void add(const PointResult& run) {
-    const std::size_t world = run.number / first_.size();
-    auto& first = first_[run.number % first_.size()];
-    const std::size_t sample = world / plan_.seeds();
-    if (!first || first->first != sample) {
-      first.emplace(sample, run);
-      return;
-    }
-    ++pairs_;
-    differs_ = differs_ || !are_same_run(run, first->second);
-  }
-  bool is_none() const { return pairs_ > 0 && !differs_; }
-
- private:
-  const Plan& plan_;
-  // Per candidate: a sample and its first run.
-  std::vector<std::optional<std::pair<std::size_t, PointResult>>> first_;
-  std::size_t pairs_ = 0;
-  bool differs_ = false;
-};
+  const std::size_t more = parts.size() - std::min(parts.size(), kMostInALine);
+  parts.resize(parts.size() - more);
+  if (more > 0) parts.push_back(fmt::format("of {} more candidates", more));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
 
 }  // namespace
 
@@ -253,19 +195,50 @@ bool are_same_run(const PointResult& one, const PointResult& other) {
 }
 
 std::vector<std::string> notes(const Plan& plan, const ShardIndex& index) {
-  MetricCounts metrics(plan);
-  SeedEffect seeds(plan);
+  const std::size_t candidates = plan.candidates().size();
+  std::vector<std::size_t> complete(candidates);
+  std::map<std::string, std::vector<std::size_t>> counts;     // the runs with each metric
+  std::vector<std::optional<PointResult>> first(candidates);  // in the last sample of each candidate
+  const auto sample_of = [&](const PointResult& run) {
+    return run.number / candidates / plan.seeds();
+  };
+  std::size_t pairs = 0, different = 0;
   for (std::size_t point = 0; point < index.points(); ++point) {
-    if (!index.has(point)) continue;
+    if (!index.has(point) || index.status(point) != PointStatus::complete) continue;
     const PointResult run = index.read(point);
-    metrics.add(run);
-    if (run.status == PointStatus::complete) seeds.add(run);
+    const std::size_t candidate = point % candidates;
+    ++complete[candidate];
+    for (const auto& [name, value] : run.metrics) {
+      ++counts.try_emplace(name, candidates).first->second[candidate];
+    }
+    std::optional<PointResult>& other = first[candidate];
+    if (!other || sample_of(*other) != sample_of(run)) {
+      other = run;
+      continue;
+    }
+    ++pairs;
+    different += are_same_run(run, *other) ? 0 : 1;
   }
-  std::vector<std::string> lines = metrics.lines();
+  // Metrics that are missing in the same runs share a line.
+  std::map<std::string, std::vector<std::string>> metrics;
+  for (const auto& [name, of_candidates] : counts) {
+    const std::string where = missing(plan, of_candidates, complete);
+    if (!where.empty()) metrics[where].push_back(name);
+  }
+  std::vector<std::string> lines;
+  for (auto& [where, names] : metrics) {
+    const std::size_t more = names.size() - std::min(names.size(), kMostInALine);
+    names.resize(names.size() - more);
+    lines.push_back(fmt::format("{}{} missing: in {}", fmt::join(names, ", "),
+                                more > 0           ? fmt::format(" and {} more are", more)
+                                : names.size() > 1 ? " are"
+                                                   : " is",
+                                where));
+  }
   if (plan.seeds() == 1 && !plan.study().goals.empty()) {
     lines.emplace_back("seeds: one, so any noise is one draw of it (--dry-run looks for noise)");
   }
-  if (seeds.is_none()) {
+  if (pairs > 0 && different == 0) {
     lines.push_back(
         fmt::format("seeds: the {} of each sample gave the same run: {}", plan.seeds(), kNoNoise));
   }

@@ -11,6 +11,9 @@
 
 namespace breakwater {
 
+/// All metrics, in the order in which the points first have them.
+std::vector<std::string> metrics_of(const ShardIndex& index);
+
 /// The table of a study. Columns: `point`, `case`, `seed`, the compared and varied keys, `status`,
 /// `state_hash`, and all metrics in the order in which the points first have them. The table
 /// depends on the results alone, not on the order or place of the runs.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <set>
 #include <stdexcept>
 #include <unordered_map>
 #include <utility>
@@ -14,25 +13,13 @@
 #include <breakwater/record/file_hash.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/study/plan.h>
+#include <breakwater/study/results.h>
 
 namespace breakwater {
 namespace {
 
 constexpr std::size_t kMostWithoutBaseline = 20, kMostRanked = 100;
 constexpr double kMostCompared = 2e8;
-
-// All metrics, in the order in which the points first have them.
-std::vector<std::string> metrics_of(const ShardIndex& index) {
-  std::vector<std::string> metrics;
-  std::set<std::string> known;
-  for (std::size_t point = 0; point < index.points(); ++point) {
-    if (!index.has(point)) continue;
-    for (const auto& [name, value] : index.read(point).metrics) {
-      if (known.insert(name).second) metrics.push_back(name);
-    }
-  }
-  return metrics;
-}
 
 // The outcome of a run. Runs with equal outcomes are equal if they have a hash.
 std::string outcome(const PointResult& result) {
