@@ -19,11 +19,17 @@ inline void add_block(PageData& blocks, const char* kind, PageData value) {
   blocks.push_back(PageData{{kind, std::move(value)}});
 }
 
+/// Appends a section to a list of them.
+inline void add_section(PageData& sections, const std::string& id, const std::string& heading,
+                        PageData blocks) {
+  sections.push_back({{"id", id}, {"heading", heading}, {"blocks", std::move(blocks)}});
+}
+
 /// Draws `data`, the page of the command `name`, with data/report/page.mustache. It has "title" and
 /// "sections", and may have "toc", a list of "href" and "label", if the contents are not the
 /// sections' headings. The templates get a value as text_of() it, and has_NAME of a list. A list in
 /// a list is a row of cells for them; "data" and empty texts are not there. The scripts get no
-/// picture, no video, and no "copy" or "machine". The page allows no network request. Throws
+/// picture, no video, and no "machine". The page allows no network request. Throws
 /// std::runtime_error if a template is missing or damaged.
 std::string html_page(const std::string& name, PageData data);
 

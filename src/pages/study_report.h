@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/search/tuner.h>
@@ -26,5 +27,9 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
 void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
                          const TuningResult& result, const std::optional<Ranking>& ranking,
                          const std::filesystem::path& folder);
+
+/// The result of a tuning for a terminal: with one objective its sentence or ranking, and a table.
+std::string tuning_text(const TuningPlan& plan, const TuningResult& result,
+                        const std::optional<Ranking>& ranking, std::size_t width);
 
 }  // namespace breakwater

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <tuple>
@@ -23,11 +22,16 @@
 namespace breakwater {
 namespace {
 
-constexpr int kDigits = 5;  // for readers
+using Mark = std::tuple<double, double, std::string>;
 
-double value_of(const std::optional<Evaluation>& evaluation, std::size_t objective) {
-  if (!evaluation || evaluation->failures > 0) return std::nan("");
-  return evaluation->objectives[objective].value;
+// Adds marks in the order of x.
+void add_marks(ChartSeries& to, std::vector<Mark> marks) {
+  std::ranges::sort(marks);
+  for (const auto& [x, y, name] : marks) {
+    to.values.times_s.push_back(x);
+    to.values.values.push_back(y);
+    to.names.push_back(name);
+  }
 }
 
 // The points of all cases as the search measured them, and on fresh worlds. `chosen` is a number.
@@ -46,33 +50,29 @@ PageChart front_chart(const Tuning& tuning, const TuningResult& result,
   std::size_t number = 0;
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
     const TunedFront& front = result.fronts[c];
-    std::vector<std::tuple<double, double, std::string>> points, fresh;
-    for (const FrontPoint& point : front.points) {
-      const std::string name = fmt::format("(point {})", ++number);
-      points.emplace_back(point.tuned.objectives[0].value, point.tuned.objectives[1].value, name);
-      const double x = value_of(point.fresh, 0), y = value_of(point.fresh, 1);
-      if (!std::isnan(x)) fresh.emplace_back(x, y, name);
-      if (number != chosen) continue;
-      ring.values = {{std::get<0>(points.back())}, {std::get<1>(points.back())}};
-      ring.names = {name};
-    }
     // With three objectives the front is not a line.
     ChartSeries tuned{.label = front.case_name,
                       .identity = looks[c],
                       .has_line = tuning.objectives.size() == 2,
                       .marks = "dot"};
-    ChartSeries again{.label = front.case_name + ", fresh",
+    ChartSeries fresh{.label = front.case_name + ", fresh",
                       .identity = looks[c],
                       .has_line = false,
                       .marks = "cross"};
-    for (auto [from, to] : {std::pair(&points, &tuned), std::pair(&fresh, &again)}) {
-      std::ranges::sort(*from);
-      for (const auto& [x, y, name] : *from) {
-        to->values.times_s.push_back(x);
-        to->values.values.push_back(y);
-        to->names.push_back(name);
-      }
-      if (!from->empty()) chart.series.push_back(*to);
+    std::vector<Mark> dots, crosses;
+    for (const FrontPoint& point : front.points) {
+      const std::string name = fmt::format("(point {})", ++number);
+      const auto mark = [&](const Evaluation& one) {
+        return Mark(one.objectives[0].value, one.objectives[1].value, name);
+      };
+      dots.push_back(mark(point.tuned));
+      if (point.fresh && point.fresh->failures == 0) crosses.push_back(mark(*point.fresh));
+      if (number == chosen) add_marks(ring, {dots.back()});
+    }
+    add_marks(tuned, dots);
+    add_marks(fresh, crosses);
+    for (ChartSeries* const series : {&tuned, &fresh}) {
+      if (!series->names.empty()) chart.series.push_back(*series);
     }
   }
   if (!ring.names.empty()) chart.series.push_back(ring);
@@ -104,48 +104,33 @@ struct ChosenPoint {
   std::size_t label = 0;  // from 1; 0: there is none
 };
 ChosenPoint chosen_point(const Tuning& tuning, const TuningResult& result) {
-  std::vector<std::vector<double>> values;
-  std::vector<ChosenPoint> points;
+  std::vector<std::pair<ChosenPoint, std::vector<double>>> points;  // with their objectives
   std::size_t label = 0;
   for (std::size_t f = 0; f < result.fronts.size(); ++f) {
     for (std::size_t k = 0; k < result.fronts[f].points.size(); ++k) {
       const FrontPoint& point = result.fronts[f].points[k];
       ++label;
       if (point.fresh && point.fresh->failures > 0) continue;
-      values.push_back(minimised(tuning, point.fresh.value_or(point.tuned)));
-      points.push_back({f, k, label});
+      points.emplace_back(ChosenPoint{f, k, label},
+                          minimised(tuning, point.fresh.value_or(point.tuned)));
     }
   }
-  const double infinity = std::numeric_limits<double>::infinity();
-  std::vector<std::pair<double, double>> ranges(tuning.objectives.size(), {infinity, -infinity});
-  for (const auto& all : values) {
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      ranges[i] = {std::min(ranges[i].first, all[i]), std::max(ranges[i].second, all[i])};
+  if (points.empty()) return {};
+  std::vector<double> distances(points.size());
+  for (std::size_t i = 0; i < tuning.objectives.size(); ++i) {
+    const auto value = [i](const auto& point) { return point.second[i]; };
+    const double low = std::ranges::min(points, {}, value).second[i];
+    const double high = std::ranges::max(points, {}, value).second[i];
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double part = high > low ? (points[k].second[i] - low) / (high - low) : 0.0;
+      distances[k] += part * part;
     }
   }
-  ChosenPoint chosen;
-  double least = infinity;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    double distance = 0.0;
-    for (std::size_t i = 0; i < ranges.size(); ++i) {
-      const auto [low, high] = ranges[i];
-      const double part = high > low ? (values[k][i] - low) / (high - low) : 0.0;
-      distance += part * part;
-    }
-    if (distance < least) {
-      least = distance;
-      chosen = points[k];
-    }
-  }
-  return chosen;
+  return points[static_cast<std::size_t>(std::ranges::min_element(distances) - distances.begin())]
+      .first;
 }
 
-// Four digits: the axis of a front may be so short that three are all the same.
-std::string short_text(double value) {
-  return fmt::format("{:.4g}", value);
-}
-
-// "Point 3 of hpfc-2N is the best compromise, …: Peak force, filtered 2.3 N (95 %: 2.2 to 2.4), …".
+// "Point 3 of hpfc-2N is the best compromise, …: Peak force, filtered 2.3 [2.2, 2.4] N, …".
 std::string in_words(const Tuning& tuning, const TuningResult& result, const ChosenPoint& chosen) {
   const TunedFront& front = result.fronts[chosen.front];
   const FrontPoint& point = front.points[chosen.point];
@@ -155,35 +140,12 @@ std::string in_words(const Tuning& tuning, const TuningResult& result, const Cho
     const std::string& metric = tuning.objectives[i].metric;
     const EstimatedValue& value = shown.objectives[i];
     const std::string unit = unit_of(metric);
-    std::string text = fmt::format("{} {}{}", metric_label(metric, unit), short_text(value.value),
-                                   unit_after(unit));
-    if (value.interval) {
-      text += fmt::format(" (95 %: {} to {})", short_text(value.interval->lower),
-                          short_text(value.interval->upper));
-    }
-    parts.push_back(text);
+    parts.push_back(
+        fmt::format("{} {}{}", metric_label(metric, unit), brief(value), unit_after(unit)));
   }
   return fmt::format(
       "Point {} of {} is the best compromise{}, nearest to the best value of every objective: {}.",
       chosen.label, front.case_name, point.fresh ? " on fresh worlds" : "", fmt::join(parts, ", "));
-}
-
-PageData cases_table(const Tuning& tuning, const TuningResult& result,
-                     const std::vector<Identity>& looks) {
-  PageData columns = {"case", "evaluations", "feasible"};
-  if (tuning.has_front()) columns.push_back("points on the front");
-  columns.push_back(tuning.has_front() ? "hypervolume" : "best value");
-  auto rows = PageData::array();
-  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    const TunedFront& front = result.fronts[c];
-    PageData row = {{{"value", front.case_name}, {"look", series_class(looks[c])}},
-                    front.evaluations.size(),
-                    std::ranges::count_if(front.evaluations, &Evaluation::is_feasible)};
-    if (tuning.has_front()) row.push_back(front.points.size());
-    row.push_back(front.progress.empty() ? PageData() : PageData(front.progress.back().second));
-    rows.push_back(row);
-  }
-  return {{"label", "Cases"}, {"columns", columns}, {"rows", rows}};
 }
 
 // The reference point of the hypervolume: "peak_N = 12, free_motion_s = 1.5".
@@ -197,21 +159,36 @@ std::string reference_text(const Tuning& tuning, const TuningResult& result) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// Whole numbers are counts, and stay as they are.
-std::string readable(const std::string& cell) {
-  return cell.find('.') == std::string::npos ? cell : in_short(cell, kDigits);
-}
+constexpr std::size_t kMostPrinted = 12;  // points of a front without validation, in a terminal
 
-PageData points_table(const FrontTable& table, const std::string& chosen) {
-  auto rows = PageData::array();
-  for (const FrontRow& row : table.rows) {
-    auto cells = PageData::array();
-    for (const std::string& cell : row.cells.in(table.columns)) cells.push_back(readable(cell));
-    rows.push_back(cells);
-    if (row.label != chosen) continue;
-    for (PageData& cell : rows.back()) cell = {{"value", cell}, {"tone", "chosen"}};
+// The points or tuned cases, each objective as tuned and on fresh worlds. That of `chosen` is
+// marked.
+PageData points_table(const std::vector<std::string>& columns, const std::vector<FrontRow>& rows,
+                      const std::string& chosen = "") {
+  constexpr const char* kFresh = "_fresh";
+  PageData table = {
+      {"label", "What was found"}, {"columns", PageData::array()}, {"rows", PageData::array()}};
+  std::vector<std::string> shown;
+  for (const std::string& column : columns) {
+    const bool is_end = column.ends_with("_fresh_lower") || column.ends_with("_fresh_upper");
+    const bool has_any = std::ranges::any_of(rows, [&](const FrontRow& row) {
+      const std::string text = row.cells.at(column);
+      return !text.empty() && (column != "fresh_failures" || text != "0");
+    });
+    if (is_end || !has_any || column == "evaluation") continue;
+    shown.push_back(column);
+    table["columns"].push_back(column.ends_with(kFresh) ? "on fresh worlds" : column);
   }
-  return {{"label", "What was found"}, {"columns", table.columns}, {"rows", rows}};
+  for (const FrontRow& row : rows) {
+    auto cells = PageData::array();
+    for (const std::string& column : shown) {
+      PageData cell = {{"value", row.cells.shown(column)}};
+      if (row.label == chosen) cell["tone"] = "chosen";
+      cells.push_back(cell);
+    }
+    table["rows"].push_back(cells);
+  }
+  return table;
 }
 
 }  // namespace
@@ -249,7 +226,11 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
             "The ring marks the best compromise. A dot is a point as the search measured "
             "it; a cross is the same point on fresh worlds.")}));
   }
-  add("table", cases_table(tuning, result, looks));
+  for (const TunedFront& front : result.fronts) {
+    add("text", fmt::format("{}: {} of {} evaluations are feasible.", front.case_name,
+                            std::ranges::count_if(front.evaluations, &Evaluation::is_feasible),
+                            front.evaluations.size()));
+  }
   if (has_front && !table.rows.empty()) {
     add("text", "Hypervolumes have the reference point " + reference_text(tuning, result) + ".");
   }
@@ -265,9 +246,8 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
               : "Nothing was validated: the numbers are those that were tuned on, and so too "
                 "good."));
   auto sections = PageData::array();
-  sections.push_back({{"id", "front"},
-                      {"heading", has_front ? "Pareto front" : "Tuned cases"},
-                      {"blocks", std::exchange(blocks, PageData::array())}});
+  add_section(sections, "front", has_front ? "Pareto front" : "Tuned cases",
+              std::exchange(blocks, PageData::array()));
   if (!table.rows.empty()) {
     add("figures", PageData::array({figure_of(
                        progress_chart(tuning, result, looks), "",
@@ -275,22 +255,43 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
                                    "was small.",
                                    has_front ? "climbs" : "changes"))}));
   }
-  sections.push_back({{"id", "budget"},
-                      {"heading", "Progress over the budget"},
-                      {"blocks", std::exchange(blocks, PageData::array())}});
+  add_section(sections, "budget", "Progress over the budget",
+              std::exchange(blocks, PageData::array()));
   add("text", has_front
                   ? fmt::format("front/N.toml is point N: {}N.toml. front.csv has all digits.", run)
                   : "tuned/CASE.toml is a tuned case. A key in at_bound has its best value "
                     "at a bound of its range: a better one may lie beyond. tuned.csv has all "
                     "digits.");
-  add("table", points_table(table, label));
-  sections.push_back({{"id", "points"},
-                      {"heading", has_front ? "Points of the front" : "Tuned values"},
-                      {"blocks", blocks}});
+  add("table", points_table(table.columns, table.rows, label));
+  add_section(sections, "points", has_front ? "Points of the front" : "Tuned values", blocks);
   replace_file(folder / "report.html",
                html_page("tuning", {{"title", "Tuning of " + tuning.scenario},
                                     {"lead", lead},
                                     {"sections", sections}}));
+}
+
+std::string tuning_text(const TuningPlan& plan, const TuningResult& result,
+                        const std::optional<Ranking>& ranking, std::size_t width) {
+  const FrontTable table = front_table(plan, result, ranking);
+  std::vector<FrontRow> rows = table.rows;
+  std::string text;
+  if (!plan.tuning().has_front()) {
+    text = ranking ? ranking_text(*ranking, width)
+                   : fmt::format(
+                         "{}\n",
+                         fmt::join(wrapped(tuned_sentence(plan, result, ranking), width), "\n"));
+  } else if (plan.tuning().validation) {
+    std::erase_if(rows, [](const FrontRow& row) { return row.cells.at("fresh_failures").empty(); });
+  } else if (rows.size() > kMostPrinted) {
+    rows.clear();
+    for (const std::size_t i : evenly_spaced(table.rows.size(), kMostPrinted)) {
+      rows.push_back(table.rows[i]);
+    }
+  }
+  if (rows.empty()) return text;
+  const std::size_t more = table.rows.size() - rows.size();
+  return text + printed_table(points_table(table.columns, rows), width) +
+         (more > 0 ? fmt::format("and {} more\n", more) : "");
 }
 
 }  // namespace breakwater

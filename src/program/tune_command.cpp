@@ -316,7 +316,7 @@ bool print_result(const TuningPlan& plan, const TuningResult& result,
   }
   if (quiet) return has_all;
   const std::string kind = plan.tuning().has_front() ? "front" : "tuned";
-  fmt::print("{}\n{}: {}\n", result_text(plan, result, ranking, output_width()), kind,
+  fmt::print("{}\n{}: {}\n", tuning_text(plan, result, ranking, output_width()), kind,
              (folder.path() / (kind + ".csv")).string());
   fmt::print("report: {}\n", (folder.path() / "report.html").string());
   return has_all;

@@ -119,29 +119,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostShown = 12;  // points of a front without validation
-
-// The searched keys of all cases, each key once.
-std::vector<std::string> searched_keys(const Tuning& tuning) {
-  std::vector<std::string> keys;
-  for (const TunedCase& tuned : tuning.cases) {
-    for (const VariedKey& key : tuned.search) {
-      if (std::find(keys.begin(), keys.end(), key.key) == keys.end()) keys.push_back(key.key);
-    }
+void add_new(const std::vector<VariedKey>& keys, std::vector<std::string>& names) {
+  for (const VariedKey& key : keys) {
+    if (std::find(names.begin(), names.end(), key.key) == names.end()) names.push_back(key.key);
   }
-  return keys;
-}
-
-std::vector<std::string> world_keys(const Tuning& tuning) {
-  std::vector<std::string> keys;
-  const auto add = [&](const Worlds& worlds) {
-    for (const VariedKey& key : worlds.keys) {
-      if (std::find(keys.begin(), keys.end(), key.key) == keys.end()) keys.push_back(key.key);
-    }
-  };
-  add(tuning.worlds);
-  if (tuning.validation) add(*tuning.validation);
-  return keys;
 }
 
 void put_values(const TuningPlan& plan, std::size_t tuned, std::size_t evaluation,
@@ -154,8 +135,9 @@ void put_values(const TuningPlan& plan, std::size_t tuned, std::size_t evaluatio
 std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
   const Tuning& tuning = plan.tuning();
   std::vector<std::string> columns = {"point", "case", "evaluation", "use", "seed"};
-  for (const std::string& key : searched_keys(tuning)) columns.push_back(key);
-  for (const std::string& key : world_keys(tuning)) columns.push_back(key);
+  for (const TunedCase& tuned : tuning.cases) add_new(tuned.search, columns);
+  add_new(tuning.worlds.keys, columns);
+  if (tuning.validation) add_new(tuning.validation->keys, columns);
   columns.insert(columns.end(), {"status", "state_hash"});
   std::set<std::string> known;
   for (const PointResult& run : result.runs) {
@@ -206,7 +188,7 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
   const Tuning& tuning = plan.tuning();
   FrontTable table;
   table.columns = {"case", tuning.has_front() ? "front" : "place", "evaluation"};
-  for (const std::string& key : searched_keys(tuning)) table.columns.push_back(key);
+  for (const TunedCase& tuned : tuning.cases) add_new(tuned.search, table.columns);
   const auto add = [&](const std::string& name) {
     table.columns.push_back(name);
     if (!tuning.validation) return;
@@ -272,62 +254,6 @@ void write_outputs(const TuningPlan& plan, const TuningResult& result,
   replace_file(folder / (kind + ".csv"), csv_table(table.columns, rows));
 }
 
-std::string in_short(const std::string& value, int digits) {
-  const auto number = number_in(value);
-  return number ? fmt::format("{:.{}g}", *number, digits) : value;
-}
-
-namespace {
-
-// "3 [2.1, 3.8]" of a column with an interval.
-std::string brief_text(const ResultRow& row, const std::string& column) {
-  const auto number = number_in(row.at(column));
-  const auto lower = number_in(row.at(column + "_lower")),
-             upper = number_in(row.at(column + "_upper"));
-  if (!number) return "-";
-  return brief({*number, lower ? std::optional(ConfidenceInterval{*lower, *upper}) : std::nullopt});
-}
-
-// The validated points of a case's front, or evenly spaced ones.
-std::string front_text(const Tuning& tuning, const FrontTable& table, std::size_t c,
-                       std::size_t width) {
-  std::vector<FrontRow> rows, shown;
-  for (const FrontRow& row : table.rows) {
-    if (row.tuned == c) rows.push_back(row);
-  }
-  std::ranges::copy_if(rows, std::back_inserter(shown),
-                       [](const FrontRow& row) { return !row.cells.at("fresh_failures").empty(); });
-  if (shown.empty()) {
-    for (const std::size_t i : evenly_spaced(rows.size(), kMostShown)) shown.push_back(rows[i]);
-  }
-  std::vector<std::string> header = {"front"};
-  for (const VariedKey& key : tuning.cases[c].search) header.push_back(key.key);
-  for (const Objective& one : tuning.objectives) {
-    header.push_back(one.metric);
-    if (tuning.validation) header.emplace_back("on fresh worlds");
-  }
-  Table printed(header);
-  for (const FrontRow& row : shown) {
-    std::vector<std::string> line = {row.label};
-    for (const VariedKey& key : tuning.cases[c].search) {
-      line.push_back(in_short(row.cells.at(key.key), shown_digits()));
-    }
-    const std::string failures = row.cells.at("fresh_failures");
-    const bool has_failed = !failures.empty() && failures != "0";
-    for (const Objective& one : tuning.objectives) {
-      line.push_back(brief_text(row.cells, one.metric));
-      if (!tuning.validation) continue;
-      line.push_back(has_failed ? failures + " failed"
-                                : brief_text(row.cells, one.metric + "_fresh"));
-    }
-    printed.add(line);
-  }
-  const std::size_t more = rows.size() - shown.size();
-  return printed.print(width) + (more > 0 ? fmt::format("and {} more\n", more) : "");
-}
-
-}  // namespace
-
 std::string tuned_sentence(const TuningPlan& plan, const TuningResult& result,
                            const std::optional<Ranking>& ranking) {
   if (ranking) return ranking_sentence(*ranking);
@@ -348,43 +274,6 @@ std::string tuned_sentence(const TuningPlan& plan, const TuningResult& result,
           ? fmt::format(" In fresh ones {} failed.", number_of(fresh->failures, "run"))
       : fresh ? ""
               : " Nothing was validated: the value is too good.");
-}
-
-std::string result_text(const TuningPlan& plan, const TuningResult& result,
-                        const std::optional<Ranking>& ranking, std::size_t width) {
-  const Tuning& tuning = plan.tuning();
-  const FrontTable table = front_table(plan, result, ranking);
-  if (!tuning.has_front()) {
-    std::string text =
-        ranking
-            ? ranking_text(*ranking, width)
-            : fmt::format("{}\n",
-                          fmt::join(wrapped(tuned_sentence(plan, result, ranking), width), "\n"));
-    for (const FrontRow& row : table.rows) {
-      const std::string at_bound = " " + row.cells.at("at_bound") + " ";
-      std::vector<std::string> parts;
-      for (const VariedKey& key : tuning.cases[row.tuned].search) {
-        const bool is_at_bound = at_bound.find(" " + key.key + " ") != std::string::npos;
-        parts.push_back(fmt::format("{} = {}{}", key.key,
-                                    in_short(row.cells.at(key.key), shown_digits()),
-                                    is_at_bound ? " (at its bound)" : ""));
-      }
-      const std::string line = fmt::format("{}: {} as tuned, with {}", row.label,
-                                           brief_text(row.cells, tuning.objectives.front().metric),
-                                           fmt::join(parts, ", "));
-      text += fmt::format("{}\n", fmt::join(wrapped(line, width), "\n"));
-    }
-    return text;
-  }
-  std::string text;
-  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    const TunedFront& front = result.fronts[c];
-    if (front.points.empty()) continue;
-    if (!text.empty()) text += '\n';
-    if (result.fronts.size() > 1) text += front.case_name + "\n";
-    text += front_text(tuning, table, c, width);
-  }
-  return text;
 }
 
 }  // namespace breakwater

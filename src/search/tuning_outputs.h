@@ -46,14 +46,8 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
 void write_outputs(const TuningPlan& plan, const TuningResult& result,
                    const std::optional<Ranking>& ranking, const std::filesystem::path& folder);
 
-/// A number with this many digits. Other texts stay as they are.
-std::string in_short(const std::string& value, int digits);
-
 /// The result of a tuning with one objective, in one or two sentences.
 std::string tuned_sentence(const TuningPlan& plan, const TuningResult& result,
                            const std::optional<Ranking>& ranking);
-/// A text table of the fronts, or of the tuned cases, for readers.
-std::string result_text(const TuningPlan& plan, const TuningResult& result,
-                        const std::optional<Ranking>& ranking, std::size_t width);
 
 }  // namespace breakwater

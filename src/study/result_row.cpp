@@ -2,17 +2,21 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include <breakwater/config/toml_text.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/digits.h>
 
 namespace breakwater {
 
 void ResultRow::put(const std::string& column, double number) {
-  put(column, fmt::format("{:.17g}", number));
+  if (std::isfinite(number)) put(column, fmt::format("{:.17g}", number));
 }
 
 void ResultRow::put(const std::string& column, const EstimatedValue& number) {
   put(column, number.value);
+  numbers_.insert_or_assign(column, number);
   if (!number.interval) return;
   put(column + "_lower", number.interval->lower);
   put(column + "_upper", number.interval->upper);
@@ -21,6 +25,14 @@ void ResultRow::put(const std::string& column, const EstimatedValue& number) {
 std::string ResultRow::at(const std::string& column) const {
   const auto found = cells_.find(column);
   return found == cells_.end() ? "" : found->second;
+}
+
+std::string ResultRow::shown(const std::string& column) const {
+  const auto found = numbers_.find(column);
+  if (found != numbers_.end()) return brief(found->second);
+  const std::string text = at(column);
+  const auto number = number_in(text);
+  return text.empty() ? "-" : number ? in_digits(*number) : text;
 }
 
 std::vector<std::string> ResultRow::in(const std::vector<std::string>& columns) const {

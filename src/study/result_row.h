@@ -12,17 +12,20 @@ namespace breakwater {
 class ResultRow {
  public:
   void put(const std::string& column, const std::string& text) { cells_[column] = text; }
-  /// With 17 digits.
+  /// With 17 digits. One that is not finite has no text.
   void put(const std::string& column, double number);
   /// Its interval is in COLUMN_lower and COLUMN_upper.
   void put(const std::string& column, const EstimatedValue& number);
 
   /// Empty if there is nothing in it.
   std::string at(const std::string& column) const;
+  /// For readers: a number in digits, with its interval; "-" if there is nothing in it.
+  std::string shown(const std::string& column) const;
   std::vector<std::string> in(const std::vector<std::string>& columns) const;
 
  private:
   std::map<std::string, std::string> cells_;
+  std::map<std::string, EstimatedValue> numbers_;
 };
 
 /// The rows as a CSV file.
