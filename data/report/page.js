@@ -189,10 +189,10 @@
       return Array.from(y, (value, i) => [x[i], value]).filter(([, value]) => Number.isFinite(value));
     }
 
-    // Over another quantity than time all values are in sight, those of lines, bands and brackets too.
+    // Over another quantity than time all values are in sight, those of lines and bands too.
     wholeRange() {
       if (!this.data.x) return null;
-      const all = this.data.lines.concat(...this.data.brackets.map((b) => b.ends), ...this.rows.map((row) => row.slice(1)),
+      const all = this.data.lines.concat(...this.rows.map((row) => row.slice(1)),
         ...this.series.flatMap((s) => [...this.edge(s, "low"), ...this.edge(s, "high")].map(([, y]) => y)))
         .filter((value) => value !== null && Number.isFinite(value));
       return all.length === 0 ? null : padded(all);
@@ -234,11 +234,6 @@
 
     underlay(context, area, graph) {
       context.save();
-      const stroke = (...points) => {
-        context.beginPath();
-        points.forEach(([x, y], i) => (i % 2 ? context.lineTo(x, y) : context.moveTo(x, y)));
-        context.stroke();
-      };
       this.series.forEach((series, i) => {
         const around = series.low && graph.visibility()[i] ? this.edge(series, "low").concat(this.edge(series, "high").reverse()) : [];
         context.globalAlpha = 0.16;
@@ -249,18 +244,15 @@
         context.stroke();  // one value has a band without width
         context.globalAlpha = 1;
       });
-      for (const {x, ends, colour} of this.data.brackets || []) {
-        context.strokeStyle = cssValue("--c" + colour);
-        context.lineWidth = 2;
-        const at = graph.toDomXCoord(x), [from, to] = ends.map((end) => graph.toDomYCoord(end));
-        stroke([at, from], [at, to], [at - 4, from], [at + 4, from], [at - 4, to], [at + 4, to]);
-      }
-      context.lineWidth = 1;
       context.strokeStyle = cssValue("--soft");
       context.setLineDash([5, 4]);
       for (const value of this.data.lines) {
         const y = graph.toDomYCoord(value);
-        if (y >= area.y && y <= area.y + area.h) stroke([area.x, y], [area.x + area.w, y]);
+        if (y < area.y || y > area.y + area.h) continue;
+        context.beginPath();
+        context.moveTo(area.x, y);
+        context.lineTo(area.x + area.w, y);
+        context.stroke();
       }
       context.restore();
     }

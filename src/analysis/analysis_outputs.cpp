@@ -17,13 +17,13 @@
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/sim/model.h>
+#include <breakwater/study/result_row.h>
 #include <breakwater/study/study.h>
 
 namespace breakwater {
@@ -53,8 +53,7 @@ std::vector<BodeResponse> responses(const AxisUnits& units) {
       {"complementary", &LoopPoint::complementary, false, "Complementary sensitivity T = L/(1 + L)",
        "Reaction of the drive to a disturbance. Its peak is M_t.", ""},
       {"loop_gain", &LoopPoint::loop_gain, false, "Loop gain L",
-       "The loop is opened at the plant’s input. Brackets: the designed phase and gain margins.",
-       ""}};
+       "The loop is opened at the plant’s input.", ""}};
 }
 
 // An existing curve of a loop, designed or measured.
@@ -109,47 +108,50 @@ constexpr std::array<Quantity, 8> kQuantities = {
      {"complementary_peak_1", "M_t, largest complementary sensitivity",
       [](const LoopCurve& c) { return c.margins.complementary_peak; }, nullptr}}};
 
-std::string digits(double value) {
-  return std::isfinite(value) ? fmt::format("{:.17g}", value) : "";
+// The first cells of a row of a CSV file.
+ResultRow begun_row(const NamedCurve& one) {
+  ResultRow row;
+  row.put("case", one.loop.name.case_name);
+  row.put("axis", one.loop.name.axis);
+  row.put("way", one.way());
+  return row;
 }
 
 std::string points_csv(const std::vector<LoopAnalysis>& loops,
                        const std::vector<BodeResponse>& all) {
-  std::vector<std::string> header = {"case", "axis", "way", "omega_rad_s"};
+  std::vector<std::string> columns = {"case", "axis", "way", "omega_rad_s"};
   for (const BodeResponse& response : all) {
-    header.push_back(std::string(response.name) + "_gain");
-    header.push_back(std::string(response.name) + "_phase_deg");
+    for (const char* part : {"_gain", "_phase_deg"})
+      columns.push_back(response.name + std::string(part));
   }
-  header.insert(header.end(), {"spread_1", "saturated_1"});
-  std::string text = csv_line(header);
+  columns.insert(columns.end(), {"spread_1", "saturated_1"});
+  std::vector<ResultRow> rows;
   for (const NamedCurve& one : curves_of(loops)) {
     for (const LoopPoint& point : one.curve.points) {
-      std::vector<std::string> row = {one.loop.name.case_name, one.loop.name.axis, one.way(),
-                                      digits(point.omega_rad_s)};
+      ResultRow& row = rows.emplace_back(begun_row(one));
+      row.put("omega_rad_s", point.omega_rad_s);
       for (const BodeResponse& response : all) {
-        const bool is_there = one.loop.estimates || !response.needs_estimator;
-        const std::complex<double> value = point.*response.value;
-        row.push_back(is_there ? digits(std::abs(value)) : "");
-        row.push_back(is_there ? digits(std::arg(value) * kInDegrees) : "");
+        if (!one.loop.estimates && response.needs_estimator) continue;
+        const std::string name = response.name;
+        row.put(name + "_gain", std::abs(point.*response.value));
+        row.put(name + "_phase_deg", std::arg(point.*response.value) * kInDegrees);
       }
-      row.push_back(digits(point.spread));
-      row.push_back(digits(point.saturated));
-      text += csv_line(row);
+      row.put("spread_1", point.spread);
+      row.put("saturated_1", point.saturated);
     }
   }
-  return text;
+  return csv_table(columns, rows);
 }
 
 std::string margins_csv(const std::vector<LoopAnalysis>& loops) {
-  std::vector<std::string> header = {"case", "axis", "way"};
-  for (const Quantity& quantity : kQuantities) header.emplace_back(quantity.column);
-  std::string text = csv_line(header);
+  std::vector<std::string> columns = {"case", "axis", "way"};
+  for (const Quantity& quantity : kQuantities) columns.emplace_back(quantity.column);
+  std::vector<ResultRow> rows;
   for (const NamedCurve& one : curves_of(loops)) {
-    std::vector<std::string> row = {one.loop.name.case_name, one.loop.name.axis, one.way()};
-    for (const Quantity& quantity : kQuantities) row.push_back(digits(quantity.of(one.curve)));
-    text += csv_line(row);
+    ResultRow& row = rows.emplace_back(begun_row(one));
+    for (const Quantity& quantity : kQuantities) row.put(quantity.column, quantity.of(one.curve));
   }
-  return text;
+  return csv_table(columns, rows);
 }
 
 // A measured point counts if its windows agree, and the drive does anything about the probe.
@@ -158,47 +160,16 @@ bool is_reliable(const LoopPoint& point) {
   return point.spread <= kMostSpread && std::abs(point.complementary) > 1e-9;
 }
 
-// The measured points on both sides of a frequency, which lies between them. Needs two points.
-std::pair<const LoopPoint&, const LoopPoint&> around(const std::vector<LoopPoint>& points,
-                                                     double omega_rad_s) {
+// Whether a number in the table is measured beside points that cannot be relied on.
+bool is_unsure(const NamedCurve& one, const Quantity& quantity) {
+  const std::vector<LoopPoint>& points = one.curve.points;
+  if (!one.is_measured || quantity.at_rad_s == nullptr || points.size() < 2) return false;
+  const double at_rad_s = quantity.at_rad_s(one.curve);
+  if (!std::isfinite(at_rad_s)) return false;
   const auto above =
       std::find_if(points.begin() + 1, points.end() - 1,
-                   [&](const LoopPoint& point) { return point.omega_rad_s >= omega_rad_s; });
-  return {*(above - 1), *above};
-}
-
-// Whether a number in the table is measured at points that cannot be relied on.
-bool is_unsure(const NamedCurve& one, const Quantity& quantity) {
-  if (!one.is_measured || quantity.at_rad_s == nullptr) return false;
-  const double at_rad_s = quantity.at_rad_s(one.curve);
-  if (!std::isfinite(at_rad_s) || one.curve.points.size() < 2) return false;
-  const auto [below, above] = around(one.curve.points, at_rad_s);
-  return !is_reliable(below) || !is_reliable(above);
-}
-
-// Why a measured margin is far from the designed one; empty where it is not.
-std::string reason_of_difference(const LoopAnalysis& loop) {
-  constexpr double kFar_dB = 3.0, kWide = 1.6;
-  if (loop.designed.points.empty() || loop.measured.points.empty()) return "";
-  const LoopMargins &designed = loop.designed.margins, &measured = loop.measured.margins;
-  const double a = in_dB(designed.gain_margin), b = in_dB(measured.gain_margin);
-  if (!(std::abs(a - b) > kFar_dB)) return "";
-  const auto [below, above] = around(loop.measured.points, measured.gain_margin_rad_s);
-  const double low = below.omega_rad_s, high = above.omega_rad_s;
-  std::string why =
-      "The design leaves out encoder, limits and friction, and these change the loop there";
-  if (!is_reliable(above) || !is_reliable(below)) {
-    why =
-        "A dot there is not reliable (grey), because the probe moves the encoder by too few "
-        "counts. "
-        "Trust the designed margin, or probe with a larger --amplitude";
-  } else if (high > kWide * low) {
-    why = "The points are far apart there: --points tells more";
-  }
-  return fmt::format(
-      "{}: the gain margin is {:.1f} dB as designed and {:.1f} dB as measured. The measured phase "
-      "crossover is between the measured frequencies {:.4g} and {:.4g} rad/s. {}.",
-      loop.name.label(), a, b, low, high, why);
+                   [&](const LoopPoint& point) { return point.omega_rad_s >= at_rad_s; });
+  return !is_reliable(*(above - 1)) || !is_reliable(*above);
 }
 
 double nearest_turn(double phase, double to) {
@@ -209,25 +180,6 @@ double nearest_turn(double phase, double to) {
 double at(const Series& line, double x) {
   const auto next = std::ranges::lower_bound(line.times_s, x) - line.times_s.begin();
   return line.values[std::min(static_cast<std::size_t>(next), line.values.size() - 1)];
-}
-
-// The phase margin at the crossover, from a half turn to the line; the gain margin below 0 dB.
-void add_margins(const LoopAnalysis& loop, Identity look, const Series& phases, PageChart& gain,
-                 PageChart& phase) {
-  const LoopMargins& margins = loop.designed.margins;
-  if (std::isfinite(margins.phase_margin_rad)) {
-    const double x = std::log10(margins.crossover_rad_s), end = at(phases, x);
-    phase.brackets.push_back({x, nearest_turn(-180.0, end), end,
-                              fmt::format("{}, phase margin {:.1f} deg", loop.name.label(),
-                                          margins.phase_margin_rad * kInDegrees),
-                              look});
-  }
-  if (std::isfinite(margins.gain_margin)) {
-    const double margin = in_dB(margins.gain_margin);
-    gain.brackets.push_back({std::log10(margins.gain_margin_rad_s), 0.0, -margin,
-                             fmt::format("{}, gain margin {:.1f} dB", loop.name.label(), margin),
-                             look});
-  }
 }
 
 // One column per loop and way. Numbers beside a grey dot are marked.
@@ -253,6 +205,19 @@ PageData margins_of(const std::vector<LoopAnalysis>& loops) {
   return table;
 }
 
+// Says why a loop has no designed curve (it is not stable, or not linear), then its hints.
+std::vector<std::string> notes(const LoopAnalysis& loop) {
+  std::vector<std::string> texts;
+  const std::string& reason = loop.designed.reason;
+  if (loop.designed.is_unstable) {
+    texts.push_back("the loop is not stable: " + reason + ". It has no margins");
+  } else if (!reason.empty()) {
+    texts.push_back("only measured, because the loop is not linear: " + reason);
+  }
+  texts.insert(texts.end(), loop.hints.begin(), loop.hints.end());
+  return texts;
+}
+
 // The result of the command: what its page shows.
 PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& scenario,
                    const std::vector<std::string>& cases, const std::string& command,
@@ -271,27 +236,22 @@ PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& sc
     for (const std::string& note : notes(loops[i])) {
       lead.push_back({{"text", fmt::format("{}: {}.", names[i], note)}});
     }
-    lead.push_back({{"text", reason_of_difference(loops[i])}});
   }
   lead.push_back({{"command", command}});
   lead.push_back({{"legend", {{"entries", legend}}}});
-  auto sections = PageData::array();
-  sections.push_back(
-      {{"id", "margins"},
-       {"heading", "Margins"},
-       {"blocks",
-        {{{"table", margins_of(loops)}},
-         {{"text",
-           "The loop is opened at the plant’s input. The gain may fall by the reduction margin. "
-           "Grey numbers are not reliable: they are measured beside a grey dot."}}}}});
-  auto figures = PageData::array();
+  auto sections = PageData::array(), figures = PageData::array();
+  add_section(
+      sections, "margins", "Margins",
+      {{{"table", margins_of(loops)}},
+       {{"text",
+         "The loop is opened at the plant’s input. The gain may fall by the reduction margin. Grey "
+         "numbers are not reliable: they are measured beside a grey dot."}}});
   for (const BodeResponse& response : responses) {
     const PageData charts = bode_charts(response, loops, looks);
     if (charts.empty()) continue;
     figures.push_back({{"caption", response.title}, {"charts", charts}, {"note", response.about}});
   }
-  sections.push_back(
-      {{"id", "responses"}, {"heading", "Responses"}, {"blocks", {{{"figures", figures}}}}});
+  add_section(sections, "responses", "Responses", PageData::array({{{"figures", figures}}}));
   return {{"title", "Frequency response of " + scenario}, {"lead", lead}, {"sections", sections}};
 }
 
@@ -336,8 +296,6 @@ PageData bode_charts(const BodeResponse& response, const std::vector<LoopAnalysi
         highest = std::max(highest, dB);
       }
     }
-    const bool has_margins = response.value == &LoopPoint::loop_gain && !line.values.empty();
-    if (has_margins) add_margins(loop, looks[i], line, gain, phase);
     for (auto [from, to] : {std::pair(gains, &gain), std::pair(phases, &phase)}) {
       std::copy_if(from, from + 3, std::back_inserter(to->series),
                    [](const ChartSeries& one) { return !one.values.values.empty(); });
@@ -350,18 +308,6 @@ PageData bode_charts(const BodeResponse& response, const std::vector<LoopAnalysi
     for (double& value : one.values.values) value = value < lowest ? std::nan("") : value;
   }
   return {gain.json(), phase.json()};
-}
-
-std::vector<std::string> notes(const LoopAnalysis& loop) {
-  std::vector<std::string> texts;
-  const std::string& reason = loop.designed.reason;
-  if (loop.designed.is_unstable) {
-    texts.push_back("the loop is not stable: " + reason + ". It has no margins");
-  } else if (!reason.empty()) {
-    texts.push_back("only measured, because the loop is not linear: " + reason);
-  }
-  texts.insert(texts.end(), loop.hints.begin(), loop.hints.end());
-  return texts;
 }
 
 namespace fs = std::filesystem;

@@ -25,9 +25,6 @@ struct BodeResponse {
 PageData bode_charts(const BodeResponse& response, const std::vector<LoopAnalysis>& loops,
                      const std::vector<Identity>& looks);
 
-/// Says why a loop has no designed curve (it is not stable, or not linear), then its hints.
-std::vector<std::string> notes(const LoopAnalysis& loop);
-
 inline constexpr const char* kAnalyze = "analyze";
 
 /// `PROGRAM analyze SCENARIO|FILE.toml [OPTION...]`: frequency responses of loops of one axis.

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/runner.h>
@@ -136,11 +139,8 @@ std::string identified_toml(const Catalogue& catalogue, const Identification& id
   return prepare_run(catalogue, scenario.name, *file, scenario.case_name, sets).config_text;
 }
 
-// "yes" or "no", and whether the interval is too narrow, because the residuals are not white.
-std::string identifiable_text(const Identification& identification,
-                              const ParameterEstimate& estimate) {
-  if (!estimate.is_identifiable) return "no";
-  return identification.whiteness.is_white() ? "yes" : "yes, interval too narrow";
+std::string unknown_text(const ParameterEstimate& estimate) {
+  return estimate.reason + ". This would help: " + estimate.excitation;
 }
 
 std::string two_inertia_toml(const Catalogue& catalogue, const Identification& identification,
@@ -183,11 +183,12 @@ PageData parameters(const Identification& identification) {
     const auto shown = [&estimate](double value) {
       return estimate.is_identifiable ? fmt::format("{:.7g}", value) : "-";
     };
-    PageData answer = {{"value", identifiable_text(identification, estimate)}};
+    PageData answer = {{"value", !estimate.is_identifiable ? "no"
+                                 : identification.whiteness.is_white()
+                                     ? "yes"
+                                     : "yes, interval too narrow"}};
     if (!estimate.is_identifiable) {
-      answer["lines"].push_back(
-          {{"text", fmt::format("{}. This would help: {}", estimate.reason, estimate.excitation)},
-           {"kind", "spread"}});
+      answer["lines"].push_back({{"text", unknown_text(estimate)}, {"kind", "spread"}});
     }
     rows.push_back(PageData::array({parameter_key(estimate.parameter), shown(estimate.value),
                                     shown(estimate.low), shown(estimate.high),
@@ -213,35 +214,27 @@ PageData errors(const Identification& identification) {
 
 PageData fit_figures(const Identification& identification) {
   auto figures = PageData::array();
-  const std::vector<double> positions = fitted_positions(identification.data, identification.fit);
-  std::size_t from = 0;
-  std::size_t count = 0;
-  for (const AxisStretch& stretch : identification.data.stretches) {
-    const auto first = positions.begin() + static_cast<std::ptrdiff_t>(from);
-    const std::vector<double> fitted(first,
-                                     first + static_cast<std::ptrdiff_t>(stretch.times_s.size()));
+  const AxisData& data = identification.data;
+  const std::vector<double> positions = fitted_positions(data, identification.fit);
+  auto next = positions.begin();
+  for (const AxisStretch& stretch : data.stretches) {
+    const auto first = std::exchange(next, next + std::ssize(stretch.times_s));
+    const std::vector<double> fitted(first, next);
     std::vector<double> residuals;
-    for (std::size_t k = 0; k < fitted.size(); ++k) {
-      residuals.push_back(stretch.positions[k] - fitted[k]);
-    }
-    from += fitted.size();
-    const std::string number = std::to_string(++count);
-    const std::string which =
-        identification.data.stretches.size() > 1 ? ", stretch " + number : std::string();
+    std::ranges::transform(stretch.positions, fitted, std::back_inserter(residuals),
+                           std::minus<>());
+    const auto line = [&](const char* label, const std::vector<double>& values, Identity look) {
+      return ChartSeries{
+          .label = label, .unit = "rad", .values = {stretch.times_s, values}, .identity = look};
+    };
+    const std::string number = std::to_string(&stretch - data.stretches.data() + 1);
+    const std::string which = data.stretches.size() > 1 ? ", stretch " + number : "";
     PageChart position{.id = "position-" + number, .group = "stretch-" + number};
-    position.title = "position";
-    position.series = {
-        {.label = "measured",
-         .unit = "rad",
-         .values = {stretch.times_s, stretch.positions},
-         .identity = 0},
-        {.label = "fitted", .unit = "rad", .values = {stretch.times_s, fitted}, .identity = 1}};
     PageChart residual{.id = "residuals-" + number, .group = position.group, .title = "residual"};
-    residual.series = {{.label = "residual",
-                        .unit = "rad",
-                        .values = {stretch.times_s, residuals},
-                        .identity = 0}};
-    residual.lines = {-identification.data.quantum, identification.data.quantum};
+    position.title = "position";
+    position.series = {line("measured", stretch.positions, 0), line("fitted", fitted, 1)};
+    residual.series = {line("residual", residuals, 0)};
+    residual.lines = {-data.quantum, data.quantum};
     figures.push_back(figure_of(position, "Position" + which, "Measured, and the fit above it."));
     figures.push_back(figure_of(residual, "Residuals" + which,
                                 "Measured minus fitted. The dashed lines are one count."));
@@ -287,6 +280,21 @@ PageData profile_figures(const Identification& identification) {
   return figures;
 }
 
+// Sentences that a user must know before the numbers.
+std::vector<std::string> findings_of(const Identification& identification) {
+  std::vector<std::string> findings;
+  if (!identification.is_converged) {
+    findings.emplace_back("the fit did not converge: the values are not to be used");
+  }
+  if (!identification.holds()) {
+    findings.push_back(
+        fmt::format("the held-out records disagree: their errors are {:.3g} times those that "
+                    "noise, encoder and uncertainty explain (at most 2)",
+                    identification.held_out->normalised));
+  }
+  return findings;
+}
+
 PageData identification_result(const Identification& identification,
                                const std::vector<std::string>& warnings,
                                const std::string& command) {
@@ -298,29 +306,27 @@ PageData identification_result(const Identification& identification,
                             identification.data.rows(), identification.data.quantum,
                             identification.fit.noise_std)}}};
   const auto find = [&](const std::string& text) { lead.push_back(PageData{{"finding", text}}); };
-  if (!identification.is_converged) find("The fit did not converge.");
-  if (!identification.holds()) find("The held-out records disagree with the fit.");
+  for (const std::string& text : findings_of(identification)) find(text);
   for (const std::string& text : identification.notes) find(text);
   for (const std::string& text : warnings) find(text);
   lead.push_back(PageData{{"command", command}});
   auto sections = PageData::array();
-  const auto add = [&](const char* id, const char* heading, const PageData& blocks) {
-    sections.push_back({{"id", id}, {"heading", heading}, {"blocks", blocks}});
-  };
-  add("parameters", "Parameters",
-      {{{"table", parameters(identification)}},
-       {{"text", fmt::format("From low to high: 95 %, by {}.", identification.is_bootstrapped
-                                                                   ? "parametric bootstrap"
-                                                                   : "profile likelihood")}}});
-  add("errors", "Errors",
-      {{{"table", errors(identification)}},
-       {{"text",
-         "The plain model has inertia and viscous friction alone. Noise, encoder and the "
-         "intervals explain an error of 1; above 2 the held-out records disagree."}}});
-  add("fit", "Fit and residuals", {{{"figures", fit_figures(identification)}}});
+  add_section(sections, "parameters", "Parameters",
+              {{{"table", parameters(identification)}},
+               {{"text", fmt::format("From low to high: 95 %, by {}.",
+                                     identification.is_bootstrapped ? "parametric bootstrap"
+                                                                    : "profile likelihood")}}});
+  add_section(sections, "errors", "Errors",
+              {{{"table", errors(identification)}},
+               {{"text",
+                 "The plain model has inertia and viscous friction alone. Noise, encoder and the "
+                 "intervals explain an error of 1; above 2 the held-out records disagree."}}});
+  add_section(sections, "fit", "Fit and residuals",
+              PageData::array({{{"figures", fit_figures(identification)}}}));
   const PageData profiles = profile_figures(identification);
   if (!profiles.empty()) {
-    add("profiles", "Profiles of the likelihood", {{{"figures", profiles}}});
+    add_section(sections, "profiles", "Profiles of the likelihood",
+                PageData::array({{{"figures", profiles}}}));
   }
   return {{"title", is_axis ? "Identification of an axis" : "Identification of a motor and a load"},
           {"lead", lead},
@@ -452,9 +458,8 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
                                   parameter_key(kOffset)));
     }
     if (estimate.is_identifiable) continue;
-    notes.push_back(fmt::format("{} is not identifiable: {}. This would help: {}",
-                                parameter_key(estimate.parameter), estimate.reason,
-                                estimate.excitation));
+    notes.push_back(fmt::format("{} is not identifiable: {}", parameter_key(estimate.parameter),
+                                unknown_text(estimate)));
   }
   // A forgotten scale is one cause. Its consequences would hide it.
   const bool is_doubtful = std::any_of(records.begin(), records.end(),
@@ -464,18 +469,9 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
     fmt::print("results: {}\n\n{}", arguments.out,
                printed_table(parameters(result), output_width()));
   }
-  if (!result.is_converged) {
-    warn(kIdentify, {"the fit did not converge: the values are not to be used"});
-    return kRunFailed;
-  }
-  if (!result.holds()) {
-    warn(kIdentify,
-         {fmt::format("the held-out records disagree: their errors are {:.3g} times those that "
-                      "noise, encoder and uncertainty explain (at most 2)",
-                      result.held_out->normalised)});
-    return kRunFailed;
-  }
-  return kSuccess;
+  const std::vector<std::string> findings = findings_of(result);
+  warn(kIdentify, findings);
+  return findings.empty() ? kSuccess : kRunFailed;
 }
 
 int identify_main(const Catalogue& catalogue, int argc, const char* const* argv) {

@@ -61,24 +61,14 @@ PageData differences(const std::vector<double>& values, double first, double uni
 
 // Where the values begin, and the unit that divides their range into `steps`.
 std::pair<double, double> packing(const std::vector<double>& values, double steps) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  return {low <= high ? low : 0.0, high > low ? (high - low) / steps : 1.0};
+  const auto [low, high] = range_of(values);
+  return {std::isnan(low) ? 0.0 : low, high > low ? (high - low) / steps : 1.0};
 }
 
 // Whether a range of positive values has a logarithmic axis: it extends over decades.
 bool is_for_log(const std::vector<double>& values) {
   constexpr double kWide = 300.0;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const double value : values) {
-    if (std::isnan(value)) continue;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
+  const auto [low, high] = range_of(values);
   return low > 0.0 && high > kWide * low;
 }
 
@@ -118,11 +108,9 @@ std::string PageChart::alternative_text() const {
   std::string text =
       fmt::format("Chart of {} over {}", axis_title(), x_title.empty() ? "time" : x_title);
   for (const ChartSeries& one : series) {
-    std::vector<double> known = one.values.values;
-    std::erase_if(known, [](double value) { return std::isnan(value); });
+    const auto [low, high] = range_of(one.values.values);
     text += "; " + one.label;
-    if (known.empty()) continue;
-    const auto [low, high] = std::ranges::minmax(known);
+    if (std::isnan(low)) continue;
     text += fmt::format(" from {:.3g} to {:.3g}", low, high);
     if (!one.unit.empty() && one.unit != "1") text += " " + one.unit;
   }
@@ -142,9 +130,6 @@ PageData PageChart::json() const {
   // All series have one unit of x, so that equal ones stay equal.
   const auto [x_first, x_unit] =
       is_over_time ? std::pair(0.0, kMicrosecond) : packing(all_x, 10.0 * kSteps);
-  const auto look = [](Identity identity) -> PageData {
-    return {{"colour", colour_number(identity)}, {"dash", dash_number(identity)}};
-  };
   auto list = PageData::array();
   for (std::size_t i = 0; i < series.size(); ++i) {
     const ChartSeries& one = series[i];
@@ -153,16 +138,18 @@ PageData PageChart::json() const {
     for (const auto* edge : {&one.low, &one.high})
       all.insert(all.end(), edge->begin(), edge->end());
     const auto [first, unit] = packing(all, kSteps);
+    // Over time two series differ in their looks. A mark has the look of its line.
+    const Identity look = is_over_time ? distinct[i] : one.identity.value_or(distinct[i]);
     PageData entry = {{"label", one.label},
                       {"unit", one.unit == "1" ? "" : one.unit},
-                      {"about", one.description}};
-    // Over time two series differ in their looks. A mark has the look of its line.
-    entry.update(look(is_over_time ? distinct[i] : one.identity.value_or(distinct[i])));
-    entry.update({{"off", one.is_off},
-                  {"t", differences(thin.times_s, x_first, x_unit)},
-                  {"from", first},
-                  {"step", unit},
-                  {"v", differences(thin.values, first, unit)}});
+                      {"about", one.description},
+                      {"colour", colour_number(look)},
+                      {"dash", dash_number(look)},
+                      {"off", one.is_off},
+                      {"t", differences(thin.times_s, x_first, x_unit)},
+                      {"from", first},
+                      {"step", unit},
+                      {"v", differences(thin.values, first, unit)}};
     if (!one.marks.empty()) {
       entry.update({{"marks", one.marks}, {"line", one.has_line}, {"names", one.names}});
     }
@@ -179,12 +166,6 @@ PageData PageChart::json() const {
     data["x"] = {{"title", x_title}, {"from", x_first}, {"step", x_unit}, {"log", is_log_x}};
     if (!x_labels.empty()) data["x"]["labels"] = x_labels;
     data["log"] = is_log_y;
-    data["brackets"] = PageData::array();
-    for (const Bracket& bracket : brackets) {
-      data["brackets"].push_back(look(bracket.identity));
-      data["brackets"].back().update(
-          {{"x", bracket.x}, {"ends", {bracket.from, bracket.to}}, {"text", bracket.text}});
-    }
   }
   return {{"id", id},
           {"group", group},
@@ -193,6 +174,16 @@ PageData PageChart::json() const {
           {"alt", alternative_text()},
           {"over", is_over_time ? "t [s]" : ""},
           {"data", data}};
+}
+
+std::pair<double, double> range_of(const std::vector<double>& values) {
+  double low = std::nan(""), high = low;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    low = std::fmin(low, value);
+    high = std::fmax(high, value);
+  }
+  return {low, high};
 }
 
 Series cut(const Series& series, double from_s, double to_s) {

@@ -38,13 +38,6 @@ struct PageChart {
   std::optional<double> to_s;
   std::string x_title;  ///< for a quantity that is not time; then all values are in sight
   bool is_log_x = false, is_log_y = false;  ///< the series have decimal logarithms of x, of y
-  /// Vertical, with a tick at each end: the x, both ends, a text and the look.
-  struct Bracket {
-    double x, from, to;
-    std::string text;
-    Identity identity;
-  };
-  std::vector<Bracket> brackets;
   std::vector<std::pair<double, std::string>> x_labels;  ///< instead of round numbers
 
   /// The same over logarithmic axes, where positive values extend over decades or is_log_x is set.
@@ -58,6 +51,9 @@ struct PageChart {
   /// (docs/explanation/decisions/0023-a-page-is-data.md).
   PageData json() const;
 };
+
+/// The smallest and the largest of the numbers; NaN if there is none.
+std::pair<double, double> range_of(const std::vector<double>& values);
 
 /// A figure with one chart.
 inline PageData figure_of(const PageChart& chart, const std::string& caption = "",
