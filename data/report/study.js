@@ -1,4 +1,4 @@
-// A study's report: heat maps, bars in tables, selection of the metric, tips of the marks, and commands
+// A study's report: heat maps, selection of the metric, tips of the marks, and commands
 // of the runs.
 "use strict";
 (() => {
@@ -53,33 +53,7 @@
     for (const share of [0, 0.25, 0.5, 0.75, 1]) element("span", values, shownNumber(back(share)));
   }
 
-  function part(place, name, from, to) {
-    const made = element("i", place);
-    made.className = name;
-    made.style.left = 100 * from + "%";
-    made.style.width = 100 * (to - from) + "%";
-  }
-
-  // 10 to 90 % as a line, the quartiles as a box, and the median, on an axis common to all rows.
-  function box(place, {look, low, high, values}) {
-    const [q10, q25, median, q75, q90] = values.map(placeIn(low, high));
-    place.className = "box " + look;
-    part(place, "line", q10, q90);
-    part(place, "half", q25, q75);
-    part(place, "middle", median, median);
-  }
-
-  // A first-order and a total index with their intervals, on an axis from 0 to 1.
-  function indices(place, {look, values}) {
-    place.className = "box indices " + look;
-    values.forEach((index, i) => {
-      const [value, low, high] = index.map((one) => isNumber(one) ? Math.min(1, Math.max(0, one)) : null);
-      part(place, i ? "half" : "full", 0, value);
-      if (isNumber(low)) part(place, "whisker", low, high);
-    });
-  }
-
-  const kinds = {heat, bar, box, indices};
+  const kinds = {heat, bar};
   const tip = element("div", document.body);
   const panel = element("aside", document.body);
   tip.id = "tip";

@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
+#include <regex>
 #include <unordered_map>
 
 #include <breakwater/config/toml_text.h>
@@ -40,91 +38,43 @@ Eigen::MatrixXd design(const StudyNumbers& numbers, std::size_t candidate, Quant
 
 constexpr std::size_t kMostKinds = 200;    // kinds of failures; further ones are "other reasons"
 constexpr std::size_t kPointsOfAKind = 5;  // points named per kind
-constexpr std::size_t kListedTexts = 6;    // listed values of a key that is not numeric
 
 // "at 3.1 s: diverged" and "at 4 s: diverged" are one kind.
 std::string without_numbers(const std::string& reason) {
-  std::string text;
-  for (std::size_t i = 0; i < reason.size();) {
-    if (std::isdigit(static_cast<unsigned char>(reason[i])) == 0) {
-      text += reason[i++];
-      continue;
-    }
-    const char* const begin = reason.data() + i;
-    double value = 0.0;
-    const char* const end = std::from_chars(begin, reason.data() + reason.size(), value).ptr;
-    text += '#';
-    i += static_cast<std::size_t>(end - begin);
-  }
-  return text;
+  static const std::regex number("[0-9]+([.][0-9]*)?(e[-+]?[0-9]+)?");
+  return std::regex_replace(reason, number, "#");
 }
 
-// Collects the failures of one kind.
-struct Gathered {
-  FailureKind kind;
-  std::vector<double> smallest;
-  std::vector<double> largest;
-  std::vector<std::set<std::size_t>> texts;
-};
-
+// Counts the failures of each kind.
 class Failures {
  public:
-  Failures(const std::vector<StudyKey>& keys, std::size_t candidates)
-      : keys_(keys), candidates_(candidates) {}
+  explicit Failures(std::size_t candidates) : candidates_(candidates) {}
 
-  void add(const PointResult& result, std::size_t candidate, const std::vector<double>& values) {
+  void add(const PointResult& result, std::size_t candidate) {
     std::pair<PointStatus, std::string> name = {result.status, without_numbers(result.reason)};
     if (kinds_.size() >= kMostKinds && !kinds_.contains(name)) name.second.clear();
-    Gathered& gathered = kinds_[name];
-    FailureKind& kind = gathered.kind;
-    if (kind.runs == 0) {
+    FailureKind& kind = kinds_[name];
+    if (kind.runs++ == 0) {
       kind.status = result.status;
       kind.reason = name.second.empty() && !result.reason.empty() ? "other reasons" : result.reason;
       kind.of_candidate.resize(candidates_);
-      gathered.smallest = gathered.largest = values;
-      gathered.texts.resize(keys_.size());
     }
-    ++kind.runs;
     ++kind.of_candidate[candidate];
     if (kind.first.size() < kPointsOfAKind) kind.first.push_back(result.number);
-    for (std::size_t k = 0; k < keys_.size(); ++k) {
-      gathered.smallest[k] = std::min(gathered.smallest[k], values[k]);
-      gathered.largest[k] = std::max(gathered.largest[k], values[k]);
-      if (!keys_[k].is_number) gathered.texts[k].insert(static_cast<std::size_t>(values[k]));
-    }
   }
 
   // Most runs first.
   std::vector<FailureKind> kinds() const {
     std::vector<FailureKind> all;
-    for (const auto& [name, gathered] : kinds_) {
-      all.push_back(gathered.kind);
-      for (std::size_t k = 0; k < keys_.size(); ++k) all.back().where.push_back(where(gathered, k));
-    }
+    for (const auto& [name, kind] : kinds_) all.push_back(kind);
     std::stable_sort(all.begin(), all.end(),
                      [](const auto& a, const auto& b) { return a.runs > b.runs; });
     return all;
   }
 
  private:
-  std::string where(const Gathered& gathered, std::size_t k) const {
-    const StudyKey& key = keys_[k];
-    if (key.is_number) {
-      const double low = gathered.smallest[k], high = gathered.largest[k];
-      return low == high ? fmt::format("{} = {:.10g}", key.name, low)
-                         : fmt::format("{} from {:.4g} to {:.4g}", key.name, low, high);
-    }
-    std::vector<std::string> some;
-    for (const std::size_t text : gathered.texts[k]) {
-      if (some.size() < kListedTexts) some.push_back(key.texts[text]);
-    }
-    const std::string more = gathered.texts[k].size() > some.size() ? ", …" : "";
-    return fmt::format("{} = {}{}", key.name, fmt::join(some, ", "), more);
-  }
-
-  const std::vector<StudyKey>& keys_;
   std::size_t candidates_;
-  std::map<std::pair<PointStatus, std::string>, Gathered> kinds_;
+  std::map<std::pair<PointStatus, std::string>, FailureKind> kinds_;
 };
 
 // Maps a number to its place in a pseudo-random order: SplitMix64's output function (G. L. Steele,
@@ -152,7 +102,7 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
   };
   numbers.is_sample = share < 1.0;
 
-  Failures failures(numbers.keys, candidates);
+  Failures failures(candidates);
   std::vector<std::string> metrics = first;
   std::vector<std::vector<double>> columns(first.size());
   std::unordered_map<std::string, std::size_t> column_of;
@@ -180,7 +130,7 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
         values.push_back(key_number(numbers.keys[k], point.values[k]));
       }
     }
-    if (run.failed) failures.add(result, run.candidate, values);
+    if (run.failed) failures.add(result, run.candidate);
     const std::size_t block_of_plan = sample / block_size;
     if (!is_chosen(block_of_plan, run.seed)) continue;
     if (block_of_plan != block) ++numbers.blocks;

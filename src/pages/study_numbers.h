@@ -34,7 +34,6 @@ struct FailureKind {
   std::string reason;  ///< reason of the first run
   std::size_t runs = 0;
   std::vector<std::size_t> of_candidate;  ///< number of runs per candidate
-  std::vector<std::string> where;         ///< for each varied key: "key from A to B" or "key A, B"
   std::vector<std::size_t> first;         ///< numbers of the first points
 };
 

@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -31,7 +30,7 @@
 namespace breakwater {
 namespace {
 
-// Limits that keep the page below 2 MB.
+// How much of a study the page shows.
 struct StudyDetail {
   std::size_t metrics = 0;  // metrics with charts
   std::size_t groups = 24;  // per key in a line chart
@@ -88,81 +87,34 @@ PageData drawings(const char* kind, const PageData& all) {
   return {{"drawings", all}, {"kind", kind}};
 }
 
-// Makes the sections of one study's metrics.
-class StudySections {
- public:
-  // `labels` and `looks` are the names of the candidates. All references must outlive the object.
-  StudySections(const Plan& plan, const ShardIndex& index, const StudyNumbers& numbers,
-                const std::vector<OutputIndices>& indices, const std::vector<std::string>& labels,
-                const std::vector<Identity>& looks, RunList& runs);
-
-  const StudyDetail& detail() const { return detail_; }
-
-  // The section of a metric, or of the failures without `metric`.
-  PageData section(std::optional<std::size_t> metric) const;
-  // The metric over all runs of each candidate.
-  std::vector<QuantileBand> by_candidate(std::size_t metric) const;
-
- private:
-  struct Output;  // a metric or the failures
-  static std::string title_of(const Output& output);
-  std::vector<QuantileBand> bands_of(const Output& output) const;
-  PageChart line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
-                       bool& has_crosses) const;
-  void add_legend(PageData& blocks) const;
-  void add_line_charts(const Output& output, PageData& blocks) const;
-  void add_heat_maps(const Output& output, PageData& blocks) const;
-  void add_indices(const Output& output, PageData& blocks) const;
-  void add_candidates(const Output& output, PageData& blocks) const;
-
-  const Plan& plan_;
-  const ShardIndex& index_;
-  const StudyNumbers& numbers_;
-  const std::vector<OutputIndices>& indices_;
-  const std::vector<std::string>& labels_;
-  const std::vector<Identity>& looks_;
-  RunList& runs_;
-  StudyDetail detail_;
-  std::vector<std::size_t> drawn_;
-  std::vector<std::size_t> place_of_;  // by candidate in drawn_; drawn_.size(): not drawn
-  std::vector<KeyGroups> keys_;        // for line charts
-  std::vector<KeyGroups> sides_;       // for heat maps
-};
-
+// Limits that keep the page below 2 MB.
 constexpr std::size_t kMostDrawn = 12;      // candidates, each with a colour or a dash pattern
 constexpr std::size_t kMostCompared = 100;  // candidates in a table
 constexpr std::size_t kMostMetrics = 60;    // with charts
 constexpr std::size_t kOfAGroup = 8;        // smallest number of samples in a group of a drawn key
 
+std::string label_of(const std::string& metric) {
+  return metric_label_with_unit(metric, unit_of(metric));
+}
+
+std::string range(double low, double high) {
+  return in_digits(low) + " to " + in_digits(high);
+}
+
+std::string first_of(std::size_t shown, std::size_t all, const char* what) {
+  return fmt::format("The first {} of {} {}", shown, all, what);
+}
+
 // A summary behind a median: "(0.1 to 0.2), 20 runs, 1 failed", with the 10 and 90 % quantiles. Or
 // behind a share of failures: "(1 of 20 runs failed)".
 std::string in_words(const QuantileBand& band, bool is_share) {
   if (is_share) return fmt::format("({} of {} failed)", band.failed, number_of(band.runs, "run"));
-  std::string text = fmt::format("({} to {}), {}", in_digits(band.q10), in_digits(band.q90),
-                                 number_of(band.runs, "run"));
+  std::string text =
+      fmt::format("({}), {}", range(band.q10, band.q90), number_of(band.runs, "run"));
   if (band.failed > 0) text += fmt::format(", {} failed", band.failed);
   const std::size_t absent = band.runs - band.failed - band.measured;
   if (absent > 0 && band.measured > 0) text += fmt::format(", {} without it", absent);
   return text;
-}
-
-PageData with_interval(const EstimatedValue& index) {
-  auto values = PageData::array({index.value});
-  if (index.interval) values.insert(values.end(), {index.interval->lower, index.interval->upper});
-  return values;
-}
-
-std::string index_text(const EstimatedValue& index) {
-  const auto two = [](double value) { return fmt::format("{:.2f}", value == 0.0 ? 0.0 : value); };
-  if (!index.interval) return two(index.value);
-  return fmt::format("{} [{}, {}]", two(index.value), two(index.interval->lower),
-                     two(index.interval->upper));
-}
-
-// The colours of heat maps and lines with their values.
-void add_bar(RunList& runs, double low, double high, PageData& blocks) {
-  blocks.push_back(drawings(
-      "key-bar", PageData::array({runs.drawing({{"kind", "bar"}, {"low", low}, {"high", high}})})));
 }
 
 StudyDetail study_detail(const Plan& plan, std::size_t metrics) {
@@ -185,327 +137,313 @@ bool has_heat_maps(const Study& study) {
   return study.vary.size() == 2 && study.method == Method::grid;
 }
 
-struct StudySections::Output {
-  std::string name;
-  bool is_failures = false;
-  const std::vector<double>& column;
-  std::vector<std::uint32_t> order;
-};
-
-std::string StudySections::title_of(const Output& output) {
-  return output.is_failures ? output.name
-                            : metric_label_with_unit(output.name, unit_of(output.name));
-}
-
-StudySections::StudySections(const Plan& plan, const ShardIndex& index, const StudyNumbers& numbers,
-                             const std::vector<OutputIndices>& indices,
-                             const std::vector<std::string>& labels,
-                             const std::vector<Identity>& looks, RunList& runs)
-    : plan_(plan),
-      index_(index),
-      numbers_(numbers),
-      indices_(indices),
-      labels_(labels),
-      looks_(looks),
-      runs_(runs),
-      detail_(study_detail(plan, numbers.metrics.size())) {
-  for (std::size_t c = 0; c < std::min(labels.size(), kMostDrawn); ++c) drawn_.push_back(c);
-  for (std::size_t c = kMostDrawn; c < labels.size(); ++c) {
-    if (plan.candidates()[c].label == plan.study().baseline) drawn_.back() = c;
-  }
-  place_of_.assign(labels.size(), drawn_.size());
-  for (std::size_t i = 0; i < drawn_.size(); ++i) place_of_[drawn_[i]] = i;
-
-  if (has_heat_maps(plan.study())) {
-    std::size_t columns = numbers.keys[0].values.size(), rows = columns;
-    for (std::size_t* side : {&columns, &rows}) {
-      *side = std::min<std::size_t>(
-          *side, std::max<std::size_t>(1, plan.study().vary[side == &rows ? 1 : 0].values.size()));
+// Makes the sections of one study's metrics.
+class StudySections {
+ public:
+  // `labels` and `looks` are the names of the candidates. All references must outlive the object.
+  StudySections(const Plan& plan, const ShardIndex& index, const StudyNumbers& numbers,
+                const std::vector<OutputIndices>& indices, const std::vector<std::string>& labels,
+                const std::vector<Identity>& looks, RunList& runs)
+      : plan_(plan),
+        index_(index),
+        numbers_(numbers),
+        indices_(indices),
+        labels_(labels),
+        looks_(looks),
+        runs_(runs),
+        detail_(study_detail(plan, numbers.metrics.size())) {
+    for (std::size_t c = 0; c < std::min(labels.size(), kMostDrawn); ++c) drawn_.push_back(c);
+    for (std::size_t c = kMostDrawn; c < labels.size(); ++c) {
+      if (plan.candidates()[c].label == plan.study().baseline) drawn_.back() = c;
     }
-    while (columns * rows > detail_.cells) --(columns > rows ? columns : rows);
-    sides_ = {group_values(numbers.keys[0], columns), group_values(numbers.keys[1], rows)};
-  } else {
-    for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
-      const StudyKey& key = numbers.keys[k];
-      const std::size_t enough = std::max<std::size_t>(4, key.values.size() / kOfAGroup);
-      const bool is_drawn = plan.study().vary[k].distribution.has_value();
-      keys_.push_back(
-          group_values(key, is_drawn ? std::min(enough, detail_.groups) : detail_.groups));
-    }
-  }
-}
+    place_of_.assign(labels.size(), drawn_.size());
+    for (std::size_t i = 0; i < drawn_.size(); ++i) place_of_[drawn_[i]] = i;
 
-std::vector<QuantileBand> StudySections::bands_of(const Output& output) const {
-  return bands(numbers_, output.column, output.order, labels_.size(),
-               [](const StudyRun& run) { return run.candidate; });
-}
-
-std::vector<QuantileBand> StudySections::by_candidate(std::size_t metric) const {
-  const std::vector<double>& column = numbers_.columns[metric];
-  return bands_of({numbers_.metrics[metric], false, column, in_order(column)});
-}
-
-PageChart StudySections::line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
-                                    bool& has_crosses) const {
-  const std::vector<QuantileBand> all =
-      bands(numbers_, output.column, output.order, (drawn_.size() + 1) * key.size(),
-            [&](const StudyRun& run) {
-              return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
-            });
-  PageChart chart{.id = runs_.new_id(), .title = title_of(output)};
-  chart.group = chart.id;
-  chart.x_title = key_label_with_unit(key.name, unit_of(key.name));
-  chart.is_log_x = key.is_log;
-  if (output.is_failures) chart.lines = {0.0, 1.0};
-  if (!key.is_number || (!key.is_binned && key.size() <= 8)) {
-    for (std::size_t g = 0; g < key.size(); ++g) {
-      chart.x_labels.emplace_back(key.centre[g], key.labels[g]);
-    }
-  }
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const QuantileBand& band : all) {
-    if (band.measured > 0) lowest = std::min(lowest, band.q10);
-  }
-  for (std::size_t i = 0; i < drawn_.size(); ++i) {
-    ChartSeries line{.label = labels_[drawn_[i]], .identity = looks_[drawn_[i]], .marks = "dot"};
-    ChartSeries crosses{.label = line.label + ", some failed",
-                        .identity = line.identity,
-                        .has_line = false,
-                        .marks = "cross"};
-    for (std::size_t g = 0; g < key.size(); ++g) {
-      const QuantileBand& band = all[i * key.size() + g];
-      const auto add = [&](ChartSeries& to, double y, const std::string& text, bool has_run,
-                           std::size_t run) {
-        to.values.times_s.push_back(key.centre[g]);
-        to.values.values.push_back(y);
-        to.names.push_back(text);
-        to.runs.emplace_back();
-        if (has_run) to.runs.back().push_back(runs_.add(run));
-      };
-      if (output.is_failures) {
-        add(line, band.failed_share(), in_words(band, true), band.failed > 0, band.first_failed);
-        continue;
+    if (has_heat_maps(plan.study())) {
+      std::size_t columns = numbers.keys[0].values.size(), rows = columns;
+      for (std::size_t* side : {&columns, &rows}) {
+        *side = std::min<std::size_t>(
+            *side,
+            std::max<std::size_t>(1, plan.study().vary[side == &rows ? 1 : 0].values.size()));
       }
-      add(line, band.median, in_words(band, false), band.measured > 0, band.at_middle);
-      line.low.push_back(band.q10);
-      line.high.push_back(band.q90);
-      has_bands |= band.q10 < band.q90;
-      if (band.failed == 0) continue;
-      add(crosses,
-          band.measured > 0       ? band.median
-          : std::isfinite(lowest) ? lowest
-                                  : 0.0,
-          in_words(band, true), true, band.first_failed);
+      while (columns * rows > detail_.cells) --(columns > rows ? columns : rows);
+      sides_ = {group_values(numbers.keys[0], columns), group_values(numbers.keys[1], rows)};
+    } else {
+      for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
+        const StudyKey& key = numbers.keys[k];
+        const std::size_t enough = std::max<std::size_t>(4, key.values.size() / kOfAGroup);
+        const bool is_drawn = plan.study().vary[k].distribution.has_value();
+        keys_.push_back(
+            group_values(key, is_drawn ? std::min(enough, detail_.groups) : detail_.groups));
+      }
     }
-    has_crosses |= !crosses.names.empty();
-    chart.series.push_back(std::move(line));
-    if (!crosses.names.empty()) chart.series.push_back(std::move(crosses));
   }
-  return chart.scaled();
-}
 
-void StudySections::add_legend(PageData& blocks) const {
-  auto entries = PageData::array();
-  for (const std::size_t c : drawn_) {
-    const bool is_baseline = labels_[c] == plan_.study().baseline;
-    entries.push_back({{"entry", labels_[c] + (is_baseline ? " (baseline)" : "")},
-                       {"look", series_class(looks_[c])}});
-  }
-  if (entries.size() > 1) add_block(blocks, "legend", {{"entries", entries}});
-  if (labels_.size() > drawn_.size()) {
-    add_block(blocks, "text",
-              fmt::format("Charts have {} of {} candidates; tables have more.", drawn_.size(),
-                          labels_.size()));
-  }
-}
+  const StudyDetail& detail() const { return detail_; }
 
-void StudySections::add_line_charts(const Output& output, PageData& blocks) const {
-  auto lines = PageData::array();
-  bool has_bands = false, has_crosses = false;
-  for (const KeyGroups& key : keys_) {
-    lines.push_back(figure_of(line_chart(output, key, has_bands, has_crosses)));
+  // The section of a metric, or of the failures without `metric`.
+  PageData section(std::optional<std::size_t> metric) const {
+    static const std::vector<double> kNone;
+    const std::vector<double>& column = metric ? numbers_.columns[*metric] : kNone;
+    const Output output = {metric ? numbers_.metrics[*metric] : kFailedOutput, !metric, column,
+                           in_order(column)};
+    auto blocks = PageData::array();
+    if (labels_.size() > drawn_.size()) {
+      add_block(blocks, "text",
+                first_of(drawn_.size(), labels_.size(), "candidates") + " have charts.");
+    }
+    if (!numbers_.runs.empty() && (metric || !numbers_.failures.empty())) {
+      if (!sides_.empty()) add_heat_maps(output, blocks);
+      add_line_charts(output, blocks);
+      if (plan_.study().method == Method::saltelli) add_indices(output, blocks);
+    }
+    add_candidates(output, blocks);
+    return {{"id", metric ? fmt::format("metric-{}", *metric + 1) : kFailuresId},
+            {"heading", metric ? title_of(output) : "Failed runs"},
+            {"tip", metric ? output.name : ""},
+            {"kind", metric ? "metric" : "metric-free"},
+            {"blocks", blocks}};
   }
-  if (lines.empty()) return;
-  add_block(blocks, "figures", lines);
-  add_block(blocks, "text",
-            fmt::format("{}{}{} Choose a mark to see its numbers and runs.",
-                        output.is_failures ? "The share of the runs with this value."
-                                           : "A mark is the median of the runs with this value.",
-                        has_bands ? " The band has the runs from 10 to 90 %." : "",
-                        has_crosses ? " A cross: some of the runs failed." : ""));
-}
 
-void StudySections::add_heat_maps(const Output& output, PageData& blocks) const {
-  const KeyGroups &x = sides_[0], &y = sides_[1];
-  const std::size_t cells = x.size() * y.size();
-  const std::vector<QuantileBand> all = bands(
-      numbers_, output.column, output.order, (drawn_.size() + 1) * cells, [&](const StudyRun& run) {
-        return place_of_[run.candidate] * cells + y.of_sample[run.sample] * x.size() +
-               x.of_sample[run.sample];
-      });
-  const auto value_of_cell = [&](const QuantileBand& band) {
-    return output.is_failures ? band.failed_share() : band.median;
+  // The metric over all runs of each candidate.
+  std::vector<QuantileBand> by_candidate(std::size_t metric) const {
+    const std::vector<double>& column = numbers_.columns[metric];
+    return bands_of({numbers_.metrics[metric], false, column, in_order(column)});
+  }
+
+ private:
+  struct Output {  // a metric or the failures
+    std::string name;
+    bool is_failures = false;
+    const std::vector<double>& column;
+    std::vector<std::uint32_t> order;
   };
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (std::size_t i = 0; i < drawn_.size() * cells; ++i) {
-    const double value = value_of_cell(all[i]);
-    if (!std::isfinite(value)) continue;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  if (output.is_failures) low = 0.0, high = 1.0;
-  auto maps = PageData::array();
-  for (std::size_t i = 0; i < drawn_.size(); ++i) {
-    auto list = PageData::array();
-    for (std::size_t cell = 0; cell < cells; ++cell) {
-      const QuantileBand& band = all[i * cells + cell];
-      const bool has_run = band.measured > 0 || band.failed > 0;
-      const std::size_t point = band.measured > 0 ? band.at_middle : band.first_failed;
-      list.push_back(PageData::array({value_of_cell(band), band.runs, band.failed,
-                                      output.is_failures ? band.runs - band.failed : band.measured,
-                                      has_run ? PageData(runs_.add(point)) : PageData()}));
-    }
-    PageData map = runs_.drawing({{"kind", "heat"},
-                                  {"x_title", x.name},
-                                  {"y_title", y.name},
-                                  {"x", x.labels},
-                                  {"y", y.labels},
-                                  {"cells", list},
-                                  {"low", low},
-                                  {"high", high},
-                                  {"about", fmt::format("{} of {} over {} and {}", output.name,
-                                                        labels_[drawn_[i]], x.name, y.name)}});
-    map["caption"] = labels_[drawn_[i]];
-    map["about"] = map["data"]["about"];
-    maps.push_back(std::move(map));
-  }
-  blocks.push_back(drawings("charts", maps));
-  if (low <= high) add_bar(runs_, low, high, blocks);
-  add_block(blocks, "text",
-            output.is_failures ? "The share of a cell’s runs that failed; a cross: all of them."
-                               : "Medians over the runs of a cell. A cross: all of them failed. A "
-                                 "corner: some did. A dash: no run has it. A dash at the lower "
-                                 "edge: only some have it, and the median is of them.");
-}
 
-void StudySections::add_indices(const Output& output, PageData& blocks) const {
-  auto rows = PageData::array();
-  Eigen::Index dropped = 0, counted = 0;
-  for (const OutputIndices& one : indices_) {
-    if (one.output != output.name) continue;
-    dropped += one.indices.dropped_rows;
-    counted += one.indices.rows;
+  static std::string title_of(const Output& output) {
+    return output.is_failures ? output.name : label_of(output.name);
   }
-  for (std::size_t k = 0; k < numbers_.keys.size(); ++k) {
+
+  std::vector<QuantileBand> bands_of(const Output& output) const {
+    return bands(numbers_, output.column, output.order, labels_.size(),
+                 [](const StudyRun& run) { return run.candidate; });
+  }
+
+  PageChart line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
+                       bool& has_crosses) const {
+    const std::vector<QuantileBand> all =
+        bands(numbers_, output.column, output.order, (drawn_.size() + 1) * key.size(),
+              [&](const StudyRun& run) {
+                return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
+              });
+    PageChart chart{.id = runs_.new_id(), .title = title_of(output)};
+    chart.group = chart.id;
+    chart.x_title = key_label_with_unit(key.name, unit_of(key.name));
+    chart.is_log_x = key.is_log;
+    if (output.is_failures) chart.lines = {0.0, 1.0};
+    if (!key.is_number || (!key.is_binned && key.size() <= 8)) {
+      for (std::size_t g = 0; g < key.size(); ++g) {
+        chart.x_labels.emplace_back(key.centre[g], key.labels[g]);
+      }
+    }
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const QuantileBand& band : all) {
+      if (band.measured > 0) lowest = std::min(lowest, band.q10);
+    }
+    for (std::size_t i = 0; i < drawn_.size(); ++i) {
+      ChartSeries line{.label = labels_[drawn_[i]], .identity = looks_[drawn_[i]], .marks = "dot"};
+      ChartSeries crosses{.label = line.label + ", some failed",
+                          .identity = line.identity,
+                          .has_line = false,
+                          .marks = "cross"};
+      for (std::size_t g = 0; g < key.size(); ++g) {
+        const QuantileBand& band = all[i * key.size() + g];
+        const auto add = [&](ChartSeries& to, double y, const std::string& text, bool has_run,
+                             std::size_t run) {
+          to.values.times_s.push_back(key.centre[g]);
+          to.values.values.push_back(y);
+          to.names.push_back(text);
+          to.runs.emplace_back();
+          if (has_run) to.runs.back().push_back(runs_.add(run));
+        };
+        if (output.is_failures) {
+          add(line, band.failed_share(), in_words(band, true), band.failed > 0, band.first_failed);
+          continue;
+        }
+        add(line, band.median, in_words(band, false), band.measured > 0, band.at_middle);
+        line.low.push_back(band.q10);
+        line.high.push_back(band.q90);
+        has_bands |= band.q10 < band.q90;
+        if (band.failed == 0) continue;
+        add(crosses,
+            band.measured > 0       ? band.median
+            : std::isfinite(lowest) ? lowest
+                                    : 0.0,
+            in_words(band, true), true, band.first_failed);
+      }
+      has_crosses |= !crosses.names.empty();
+      chart.series.push_back(std::move(line));
+      if (!crosses.names.empty()) chart.series.push_back(std::move(crosses));
+    }
+    return chart.scaled();
+  }
+
+  void add_line_charts(const Output& output, PageData& blocks) const {
+    auto lines = PageData::array();
+    bool has_bands = false, has_crosses = false;
+    for (const KeyGroups& key : keys_) {
+      lines.push_back(figure_of(line_chart(output, key, has_bands, has_crosses)));
+    }
+    if (lines.empty()) return;
+    add_block(blocks, "figures", lines);
+    add_block(blocks, "text",
+              fmt::format("{}{}{} Choose a mark to see its numbers and runs.",
+                          output.is_failures ? "The share of the runs with this value."
+                                             : "A mark is the median of the runs with this value.",
+                          has_bands ? " The band has the runs from 10 to 90 %." : "",
+                          has_crosses ? " A cross: some of the runs failed." : ""));
+  }
+
+  void add_heat_maps(const Output& output, PageData& blocks) const {
+    const KeyGroups &x = sides_[0], &y = sides_[1];
+    const std::size_t cells = x.size() * y.size();
+    const std::vector<QuantileBand> all =
+        bands(numbers_, output.column, output.order, (drawn_.size() + 1) * cells,
+              [&](const StudyRun& run) {
+                return place_of_[run.candidate] * cells + y.of_sample[run.sample] * x.size() +
+                       x.of_sample[run.sample];
+              });
+    const auto value_of_cell = [&](const QuantileBand& band) {
+      return output.is_failures ? band.failed_share() : band.median;
+    };
+    std::vector<double> values;
+    for (std::size_t i = 0; i < drawn_.size() * cells; ++i) values.push_back(value_of_cell(all[i]));
+    const auto [low, high] = output.is_failures ? std::pair(0.0, 1.0) : range_of(values);
+    auto maps = PageData::array();
+    for (std::size_t i = 0; i < drawn_.size(); ++i) {
+      auto list = PageData::array();
+      for (std::size_t cell = 0; cell < cells; ++cell) {
+        const QuantileBand& band = all[i * cells + cell];
+        const bool has_run = band.measured > 0 || band.failed > 0;
+        const std::size_t point = band.measured > 0 ? band.at_middle : band.first_failed;
+        list.push_back(
+            PageData::array({value_of_cell(band), band.runs, band.failed,
+                             output.is_failures ? band.runs - band.failed : band.measured,
+                             has_run ? PageData(runs_.add(point)) : PageData()}));
+      }
+      PageData map = runs_.drawing({{"kind", "heat"},
+                                    {"x_title", x.name},
+                                    {"y_title", y.name},
+                                    {"x", x.labels},
+                                    {"y", y.labels},
+                                    {"cells", list},
+                                    {"low", low},
+                                    {"high", high},
+                                    {"about", fmt::format("{} of {} over {} and {}", output.name,
+                                                          labels_[drawn_[i]], x.name, y.name)}});
+      map["caption"] = labels_[drawn_[i]];
+      map["about"] = map["data"]["about"];
+      maps.push_back(std::move(map));
+    }
+    blocks.push_back(drawings("charts", maps));
+    if (low <= high) {
+      const PageData bar = runs_.drawing({{"kind", "bar"}, {"low", low}, {"high", high}});
+      blocks.push_back(drawings("key-bar", PageData::array({bar})));
+    }
+    add_block(blocks, "text",
+              output.is_failures
+                  ? "The share of a cell’s runs that failed; a cross: all of them."
+                  : "Medians over the runs of a cell. A cross: all of them failed. A "
+                    "corner: some did. A dash: no run has it. A dash at the lower "
+                    "edge: only some have it, and the median is of them.");
+  }
+
+  void add_indices(const Output& output, PageData& blocks) const {
+    auto rows = PageData::array();
+    Eigen::Index dropped = 0, counted = 0;
     for (const OutputIndices& one : indices_) {
-      if (one.output != output.name || one.indices.total.empty()) continue;
-      const auto& [first, total] = std::tie(one.indices.first_order[k], one.indices.total[k]);
-      const PageData bars =
-          runs_.drawing({{"kind", "indices"},
-                         {"look", series_class(looks_[one.candidate])},
-                         {"values", {with_interval(first), with_interval(total)}}});
-      rows.push_back({numbers_.keys[k].name,
-                      labels_[one.candidate],
-                      index_text(first),
-                      index_text(total),
-                      {{"value", ""}, {"drawing", bars}}});
+      if (one.output != output.name) continue;
+      dropped += one.indices.dropped_rows;
+      counted += one.indices.rows;
+    }
+    for (std::size_t k = 0; k < numbers_.keys.size(); ++k) {
+      for (const OutputIndices& one : indices_) {
+        if (one.output != output.name || one.indices.total.empty()) continue;
+        rows.push_back({numbers_.keys[k].name, labels_[one.candidate],
+                        brief(one.indices.first_order[k]), brief(one.indices.total[k])});
+      }
+    }
+    add_block(blocks, "subheading", "Sensitivity");
+    if (rows.empty()) {
+      add_block(blocks, "text",
+                "There are no indices: it does not vary, or fewer than two rows of the design are "
+                "there.");
+      return;
+    }
+    add_block(blocks, "table",
+              {{"label", "Sensitivity indices"},
+               {"columns", {"key", "candidate", "first order (95 %)", "total (95 %)"}},
+               {"rows", rows}});
+    add_block(
+        blocks, "text",
+        fmt::format("The share of variance that a key makes alone, and with all its "
+                    "interactions; of means over seeds. {} rows of the design count, {} have a "
+                    "run without it and do not. indices.csv has all digits.",
+                    counted, dropped));
+  }
+
+  void add_candidates(const Output& output, PageData& blocks) const {
+    const std::vector<QuantileBand> all = bands_of(output);
+    PageData columns = {"candidate", "runs", "failed"};
+    if (!output.is_failures) {
+      columns.insert(columns.end(),
+                     {"without it", "median", "quartiles", "10 to 90 %", "smallest", "largest"});
+    }
+    auto rows = PageData::array();
+    for (std::size_t c = 0; c < std::min(all.size(), kMostCompared); ++c) {
+      const QuantileBand& band = all[c];
+      const std::string share =
+          output.is_failures ? fmt::format(" ({:.3g} %)", 100.0 * band.failed_share()) : "";
+      PageData row = {
+          labels_[c],
+          band.runs,
+          {{"value", std::to_string(band.failed) + share}, {"tone", band.failed > 0 ? "off" : ""}}};
+      if (!output.is_failures) row.push_back(band.runs - band.failed - band.measured);
+      if (band.measured > 0) {
+        const auto run = [&](double value, std::size_t point) -> PageData {
+          return {{"value", value}, {"tip", index_.read(point).key}, {"run", runs_.add(point)}};
+        };
+        row.insert(row.end(), {run(band.median, band.at_middle), range(band.q25, band.q75),
+                               range(band.q10, band.q90), run(band.smallest, band.at_smallest),
+                               run(band.largest, band.at_largest)});
+      }
+      while (row.size() < columns.size()) row.push_back(nullptr);
+      rows.push_back(row);
+    }
+    add_block(blocks, "subheading", "Candidates");
+    add_block(blocks, "table",
+              {{"label", "Candidates"},
+               {"kind", "numbers candidates"},
+               {"columns", columns},
+               {"rows", rows}});
+    if (labels_.size() > kMostCompared) {
+      add_block(blocks, "text",
+                first_of(kMostCompared, labels_.size(), "candidates") + "; results.csv has all.");
     }
   }
-  add_block(blocks, "subheading", "Sensitivity");
-  if (rows.empty()) {
-    add_block(blocks, "text",
-              "There are no indices: it does not vary, or fewer than two rows of the design are "
-              "there.");
-    return;
-  }
-  add_block(blocks, "table",
-            {{"label", "Sensitivity indices"},
-             {"columns", {"key", "candidate", "first order", "total", "from 0 to 1"}},
-             {"rows", rows}});
-  add_block(blocks, "text",
-            fmt::format("The share of variance that a key makes alone (full bar), and with all its "
-                        "interactions (hollow bar), with 95 % intervals; of means over seeds. {} "
-                        "rows of the design count, {} have a run without it and do not. "
-                        "indices.csv has all digits.",
-                        counted, dropped));
-}
 
-void StudySections::add_candidates(const Output& output, PageData& blocks) const {
-  const std::vector<QuantileBand> all = bands_of(output);
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const QuantileBand& band : all) {
-    if (band.measured == 0) continue;
-    low = std::min(low, band.q10);
-    high = std::max(high, band.q90);
-  }
-  PageData columns = {"candidate", "runs", "failed"};
-  if (!output.is_failures) {
-    columns.insert(columns.end(),
-                   {"without it", "median", "quartiles", "10 to 90 %", "", "smallest", "largest"});
-  }
-  auto rows = PageData::array();
-  for (std::size_t c = 0; c < std::min(all.size(), kMostCompared); ++c) {
-    const QuantileBand& band = all[c];
-    const std::string share =
-        output.is_failures ? fmt::format(" ({:.3g} %)", 100.0 * band.failed_share()) : "";
-    PageData row = {
-        labels_[c],
-        band.runs,
-        {{"value", std::to_string(band.failed) + share}, {"tone", band.failed > 0 ? "off" : ""}}};
-    if (!output.is_failures) row.push_back(band.runs - band.failed - band.measured);
-    if (band.measured > 0) {
-      const auto run = [&](double value, std::size_t point) {
-        row.push_back(
-            {{"value", value}, {"tip", index_.read(point).key}, {"run", runs_.add(point)}});
-      };
-      run(band.median, band.at_middle);
-      row.push_back(in_digits(band.q25) + " to " + in_digits(band.q75));
-      row.push_back(in_digits(band.q10) + " to " + in_digits(band.q90));
-      const PageData box =
-          runs_.drawing({{"kind", "box"},
-                         {"look", series_class(looks_[c])},
-                         {"low", low},
-                         {"high", high},
-                         {"values", {band.q10, band.q25, band.median, band.q75, band.q90}}});
-      row.push_back({{"value", ""}, {"drawing", box}});
-      run(band.smallest, band.at_smallest);
-      run(band.largest, band.at_largest);
-    }
-    while (row.size() < columns.size()) row.push_back(nullptr);
-    rows.push_back(row);
-  }
-  add_block(blocks, "subheading", "Candidates");
-  add_block(blocks, "table",
-            {{"label", "Candidates"},
-             {"kind", "numbers candidates"},
-             {"columns", columns},
-             {"rows", rows}});
-  if (labels_.size() > kMostCompared) {
-    add_block(blocks, "text",
-              fmt::format("The first {} of {} candidates; results.csv has all.", kMostCompared,
-                          labels_.size()));
-  }
-}
-
-PageData StudySections::section(std::optional<std::size_t> metric) const {
-  static const std::vector<double> kNone;
-  const std::vector<double>& column = metric ? numbers_.columns[*metric] : kNone;
-  const Output output = {metric ? numbers_.metrics[*metric] : kFailedOutput, !metric, column,
-                         in_order(column)};
-  auto blocks = PageData::array();
-  add_legend(blocks);
-  if (!numbers_.runs.empty() && (metric || !numbers_.failures.empty())) {
-    if (!sides_.empty()) add_heat_maps(output, blocks);
-    add_line_charts(output, blocks);
-    if (plan_.study().method == Method::saltelli) add_indices(output, blocks);
-  }
-  add_candidates(output, blocks);
-  return {{"id", metric ? fmt::format("metric-{}", *metric + 1) : kFailuresId},
-          {"heading", metric ? title_of(output) : "Failed runs"},
-          {"tip", metric ? output.name : ""},
-          {"kind", metric ? "metric" : "metric-free"},
-          {"blocks", blocks}};
-}
+  const Plan& plan_;
+  const ShardIndex& index_;
+  const StudyNumbers& numbers_;
+  const std::vector<OutputIndices>& indices_;
+  const std::vector<std::string>& labels_;
+  const std::vector<Identity>& looks_;
+  RunList& runs_;
+  StudyDetail detail_;
+  std::vector<std::size_t> drawn_;
+  std::vector<std::size_t> place_of_;  // by candidate in drawn_; drawn_.size(): not drawn
+  std::vector<KeyGroups> keys_;        // for line charts
+  std::vector<KeyGroups> sides_;       // for heat maps
+};
 
 constexpr std::size_t kMostColumns = 6;       // in the table of all metrics
 constexpr std::size_t kMostListedKinds = 30;  // kinds of failures in their table
@@ -525,8 +463,7 @@ PageData this_machine(const ShardIndex& index, const std::string& go_on) {
   if (index.done() > 0) {
     const double cost_s = index.cost_s();
     add_block(blocks, "text",
-              fmt::format("{:.1f} {} of processor time, {} s a run.",
-                          cost_s < 7200.0 ? cost_s : cost_s / 3600.0, cost_s < 7200.0 ? "s" : "h",
+              fmt::format("{} of processor time, {} s a run.", duration_text(cost_s),
                           in_digits(cost_s / static_cast<double>(index.done()))));
   }
   if (index.done() < index.points()) {
@@ -570,24 +507,21 @@ PageData failure_blocks(const StudyNumbers& numbers, const ShardIndex& index,
       if (kind.of_candidate[c] > 0)
         of.push_back(fmt::format("{}: {}", labels[c], kind.of_candidate[c]));
     }
-    auto points = PageData::array(), where = PageData::array(), what = PageData::array();
-    what.push_back({{"text", shortened(kind.reason)}, {"kind", ""}});
-    what.push_back({{"text", fmt::format("{}", fmt::join(of, "; "))}, {"kind", "spread"}});
-    for (const std::string& text : kind.where) where.push_back({{"text", text}, {"kind", ""}});
+    auto points = PageData::array();
     for (const std::size_t point : kind.first) {
       points.push_back(
           {{"text", index.read(point).key}, {"kind", "code"}, {"run", runs.add(point)}});
     }
-    const auto lines = [](const std::string& value, const PageData& list) {
-      return PageData{{"value", value}, {"lines", list}};
-    };
-    rows.push_back(PageData::array({std::to_string(kind.runs), lines(name_of(kind.status), what),
-                                    lines("", where), lines("", points)}));
+    rows.push_back({kind.runs,
+                    {{"value", name_of(kind.status)},
+                     {"lines", {{{"text", shortened(kind.reason)}, {"kind", ""}}}}},
+                    fmt::format("{}", fmt::join(of, "; ")),
+                    {{"value", ""}, {"lines", points}}});
   }
   add_block(blocks, "table",
             {{"label", "Kinds of failures"},
              {"kind", "kinds"},
-             {"columns", {"runs", "what", "where", "points"}},
+             {"columns", {"runs", "what", "of", "points"}},
              {"rows", rows}});
   if (numbers.failures.size() > kMostListedKinds) {
     add_block(blocks, "text",
@@ -616,55 +550,32 @@ bool is_varying(const StudyNumbers& numbers, const std::vector<double>& column) 
 // little. Where all are flat, the order stays.
 void begin_with_varying(StudyNumbers& numbers, const std::vector<std::string>& keys) {
   for (const std::string& key : keys) {
-    const auto place = std::find(numbers.metrics.begin(), numbers.metrics.end(), key);
-    if (place == numbers.metrics.end()) continue;
-    const auto at = place - numbers.metrics.begin();
-    const auto column = numbers.columns.begin() + at;
-    if (!is_varying(numbers, *column)) continue;
+    const auto place = std::ranges::find(numbers.metrics, key);
+    const auto column = numbers.columns.begin() + (place - numbers.metrics.begin());
+    if (place == numbers.metrics.end() || !is_varying(numbers, *column)) continue;
     std::rotate(numbers.metrics.begin(), place, place + 1);
     std::rotate(numbers.columns.begin(), column, column + 1);
     return;
   }
 }
 
-std::string label_of(const std::string& metric) {
-  return metric_label_with_unit(metric, unit_of(metric));
-}
-
 // The pairs of one metric, or of the failures.
 void add_pairs(const CandidateComparison& comparison, const PageData& pairs,
                const std::string& metric, PageData& blocks) {
-  const bool is_failure = metric == kFailure;
-  // The verdict comes first, and the metric is that of the section.
-  const auto arranged = [](PageData row) {
-    std::rotate(row.begin() + 3, row.end() - 1, row.end());
-    row.erase(0);
-    return row;
-  };
-  PageData table = {{"label", pairs["label"]},
-                    {"columns", arranged(pairs["columns"])},
-                    {"rows", PageData::array()}};
-  if (is_failure) std::ranges::replace(table["columns"], PageData("median"), PageData("failed"));
+  PageData table = {
+      {"label", pairs["label"]}, {"columns", pairs["columns"]}, {"rows", PageData::array()}};
   for (const PageData& row : pairs["rows"]) {
-    if (row[0] == metric) table["rows"].push_back(arranged(row));
+    if (row[0] == metric) table["rows"].push_back(row);
   }
   if (table["rows"].empty()) return;
   add_block(blocks, "subheading", "Paired, in the same worlds");
   add_block(blocks, "table", table);
-  add_block(
-      blocks, "text",
-      fmt::format(
-          "{} “No difference shown” is not “equal”. comparison.csv has all digits. {}.",
-          is_failure
-              ? "Alone: blocks in which more of its runs failed than of the other’s. p: McNemar’s "
-                "exact test of these blocks, with Holm’s correction over all pairs."
-              : "A block is one combination of the varied keys, and its seeds repeat it. The "
-                "median over the seeds of a block counts; medians, 95 % intervals and tests are "
-                "over blocks. p: Wilcoxon’s signed-rank test of the differences. Holm’s correction "
-                "is over all metrics and pairs of this study; the ranking above corrects over its "
-                "own pairs. The difference is the pseudo-median, and its interval belongs to the "
-                "test: it excludes 0 where p ≤ 0.05.",
-          fmt::join(comparison_notes(comparison), ". ")));
+  std::string text =
+      "“No difference shown” is not “equal”. comparison.csv has all digits, and "
+      "docs/how-to/comparing.md says what the columns are. Holm’s correction is over all metrics "
+      "and pairs of this study.";
+  for (const std::string& note : comparison_notes(comparison)) text += " " + note + ".";
+  add_block(blocks, "text", text);
 }
 
 // The table of all metrics: the median for each of the first candidates.
@@ -683,12 +594,11 @@ PageData overview(const StudySections& sections, const StudyNumbers& numbers,
   }
   std::string note = "Medians over all runs of a candidate.";
   if (labels.size() > shown) {
-    note += fmt::format(" The first {} of {} candidates; each metric’s table has more.", shown,
-                        labels.size());
+    note += " " + first_of(shown, labels.size(), "candidates; each metric’s table has more.");
   }
   if (sections.detail().metrics < numbers.metrics.size()) {
-    note += fmt::format(" The first {} of {} metrics have charts; results.csv has all.",
-                        sections.detail().metrics, numbers.metrics.size());
+    note += " " + first_of(sections.detail().metrics, numbers.metrics.size(),
+                           "metrics have charts; results.csv has all.");
   }
   auto blocks = PageData::array();
   add_block(blocks, "text", note);
@@ -721,20 +631,15 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
       candidate_identities(labels, cases_of(catalogue, study.scenario));
   const StudySections sections(plan, index, numbers, indices, labels, looks, runs);
 
-  auto toc = PageData::array(), lead = PageData::array(), all = PageData::array();
-  const auto contents = [&](const std::string& href, const std::string& label) {
-    toc.push_back({{"href", href}, {"label", label}});
-  };
-  contents("content", "Finding");
+  auto lead = PageData::array(), all = PageData::array(), set_up = PageData::array();
   add_block(lead, "about", scenario->summary());
   if (ranking) {
     add_block(lead, "finding", ranking_sentence(*ranking));
     add_block(lead, "table", text_table("Ranking", ranking_table(*ranking)));
     add_block(lead, "text",
-              "Behind: how much worse than the first, the pseudo-median over the conditions that "
-              "both have, with the interval of its signed-rank test. p and interval: with Holm’s "
-              "correction over all pairs of ranked candidates. Equal places: no difference is "
-              "shown. “-”: not ranked. ranking.json has every pair.");
+              "Behind: how much worse than the first, with the interval of its test, after Holm’s "
+              "correction. Equal places: no difference is shown. “-”: not ranked. ranking.json has "
+              "every pair.");
   }
   add_block(lead, "score", score(index));
 
@@ -743,7 +648,6 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     const std::string& metric = numbers.metrics[m];
     PageData section = sections.section(m);
     if (comparison) add_pairs(*comparison, pairs, metric, section["blocks"]);
-    contents(section["id"], section["heading"]);
     all.push_back(std::move(section));
   }
   if (!numbers.failures.empty() || study.method == Method::saltelli) {
@@ -752,15 +656,9 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     blocks.insert(blocks.end(), section["blocks"].begin(), section["blocks"].end());
     if (comparison) add_pairs(*comparison, pairs, kFailure, blocks);
     section["blocks"] = blocks;
-    contents(section["id"], section["heading"]);
     all.push_back(std::move(section));
   }
-  if (!numbers.metrics.empty()) {
-    contents("metrics", "All metrics");
-    all.push_back(overview(sections, numbers, labels));
-  }
-  contents("set-up", "Set-up");
-  auto set_up = PageData::array(), last = PageData::array();
+  if (!numbers.metrics.empty()) all.push_back(overview(sections, numbers, labels));
   if (numbers.is_sample) {
     add_block(set_up, "text",
               fmt::format("Charts and tables are of {} runs, chosen evenly among the study’s "
@@ -771,13 +669,11 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
             this_machine(index, fmt::format("{} {} {}", own_program_name(), kSweep.command,
                                             shell_word(folder.path().string()))));
   add_block(set_up, "code", {{"summary", "Study file"}, {"text", study.print()}});
-  add_block(last, "fold", {{"id", "set-up"}, {"summary", "Set-up"}, {"blocks", set_up}});
-  all.push_back({{"id", "study"}, {"blocks", last}});
+  add_section(all, "set-up", "Set-up", set_up);
   replace_file(folder.path() / "report.html",
                html_page("study", {{"title", "Study of " + study.scenario},
                                    {"lead", lead},
                                    {"sections", all},
-                                   {"toc", toc},
                                    {"runs", runs.json(plan, index)}}));
 }
 

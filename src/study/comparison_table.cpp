@@ -63,31 +63,14 @@ std::string comparison_csv(const CandidateComparison& comparison) {
     row.put("reference_failures_alone", std::to_string(one.reference_alone));
     rows.push_back(std::move(row));
   }
-  return csv_table({"metric",
-                    "goal",
-                    "candidate",
-                    "reference",
-                    "pairs",
-                    "median",
-                    "median_lower",
-                    "median_upper",
-                    "reference_median",
-                    "reference_median_lower",
-                    "reference_median_upper",
-                    "difference",
-                    "difference_lower",
-                    "difference_upper",
-                    "p",
-                    "p_holm",
-                    "probability_smaller",
-                    "probability_better",
-                    "verdict",
-                    "failures",
-                    "reference_failures",
-                    "failures_alone",
-                    "reference_failures_alone",
-                    "blocks"},
-                   rows);
+  std::vector<std::string> columns = {"metric", "goal", "candidate", "reference", "pairs"};
+  for (const std::string name : {"median", "reference_median", "difference"}) {
+    for (const char* end : {"", "_lower", "_upper"}) columns.push_back(name + end);
+  }
+  columns.insert(columns.end(),
+                 {"p", "p_holm", "probability_smaller", "probability_better", "verdict", "failures",
+                  "reference_failures", "failures_alone", "reference_failures_alone", "blocks"});
+  return csv_table(columns, rows);
 }
 
 std::size_t blocks_for_verdict(std::size_t blocks, std::size_t tests) {
@@ -168,10 +151,9 @@ std::string signed_text(const CandidateComparison& comparison) {
 nlohmann::ordered_json comparison_pairs(const CandidateComparison& comparison) {
   using Json = nlohmann::ordered_json;
   const bool has_repeats = comparison.has_repeats();
-  Json columns = {"metric", "candidate", "reference", "blocks"};
+  Json columns = {"metric", "candidate", "reference", "verdict", "blocks"};
   if (has_repeats) columns.push_back("pairs");
-  columns.insert(columns.end(),
-                 {"median", kOfTheOther, "difference (95 %)", "p", "better in", "verdict"});
+  columns.insert(columns.end(), {"median", kOfTheOther, "difference (95 %)", "p", "better in"});
   auto rows = Json::array();
   const auto with_line = [](const std::string& value, const std::string& line) {
     Json cell = {{"value", value}, {"lines", Json::array()}};
@@ -185,25 +167,27 @@ nlohmann::ordered_json comparison_pairs(const CandidateComparison& comparison) {
                                   : "");
   };
   const auto add = [&](const std::string& metric, const auto& one, const std::vector<Json>& numbers,
-                       const Json& share, Json verdict) {
-    Json row = {metric, comparison.candidates[one.candidate], comparison.candidates[one.reference],
+                       const Json& share) {
+    const char* const tone = one.verdict == ComparisonVerdict::better  ? "good"
+                             : one.verdict == ComparisonVerdict::worse ? "off"
+                             : one.verdict == ComparisonVerdict::no_difference_shown ||
+                                     one.verdict == ComparisonVerdict::too_few_blocks
+                                 ? "unknown"
+                                 : "";
+    Json row = {metric,
+                comparison.candidates[one.candidate],
+                comparison.candidates[one.reference],
+                {{"value", name_of(one.verdict)}, {"tone", tone}},
                 fmt::format("{}{}", one.blocks, one.blocks < comparison.blocks ? " *" : "")};
     if (has_repeats) row.push_back(std::to_string(one.pairs));
     for (const Json& number : numbers) row.push_back(number);
-    verdict["tone"] = one.verdict == ComparisonVerdict::better  ? "good"
-                      : one.verdict == ComparisonVerdict::worse ? "off"
-                      : one.verdict == ComparisonVerdict::no_difference_shown ||
-                              one.verdict == ComparisonVerdict::too_few_blocks
-                          ? "unknown"
-                          : "";
-    row.insert(row.end(), {p_text(one.p_holm), share, verdict});
+    row.insert(row.end(), {p_text(one.p_holm), share});
     rows.push_back(row);
   };
   for (const MetricComparison& one : comparison.metrics) {
     add(one.metric, one, {median(one.median), median(one.reference_median), brief(one.difference)},
         one.probability_better ? Json(percent(*one.probability_better))
-                               : with_line("-", "smaller in " + percent(one.probability_smaller)),
-        with_line(name_of(one.verdict), ""));
+                               : with_line("-", "smaller in " + percent(one.probability_smaller)));
   }
   for (const FailureComparison& one : comparison.failures) {
     const auto difference = static_cast<long>(one.failures - one.reference_failures);
@@ -211,7 +195,7 @@ nlohmann::ordered_json comparison_pairs(const CandidateComparison& comparison) {
         {std::to_string(one.failures), std::to_string(one.reference_failures),
          with_line(fmt::format("{:+d}", difference),
                    fmt::format("{} alone, the other {}", one.alone, one.reference_alone))},
-        "-", with_line(name_of(one.verdict), ""));
+        "-");
   }
   return {{"label", "Paired comparison"}, {"columns", columns}, {"rows", rows}};
 }
@@ -235,14 +219,15 @@ std::vector<std::string> comparison_notes(const CandidateComparison& comparison)
 
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width) {
   const nlohmann::ordered_json pairs = comparison_pairs(comparison);
+  constexpr std::size_t kLabels = 3;
   const auto place = std::ranges::find(pairs["columns"], kOfTheOther);
   const auto texts = [&](const nlohmann::ordered_json& cells) {
     std::vector<std::string> all;
     for (const auto& cell : cells) all.push_back(cell.is_object() ? cell["value"] : cell);
     all.erase(all.begin() + (place - pairs["columns"].begin()));
+    std::rotate(all.begin() + kLabels, all.begin() + kLabels + 1, all.end());  // verdict: last
     return all;
   };
-  constexpr std::size_t kLabels = 3;
   Table table(texts(pairs["columns"]), kLabels);
   for (const auto& row : pairs["rows"]) table.add(texts(row));
   std::string text = table.print(width);

@@ -197,8 +197,9 @@ bool are_same_run(const PointResult& one, const PointResult& other) {
 std::vector<std::string> notes(const Plan& plan, const ShardIndex& index) {
   const std::size_t candidates = plan.candidates().size();
   std::vector<std::size_t> complete(candidates);
-  std::map<std::string, std::vector<std::size_t>> counts;     // the runs with each metric
-  std::vector<std::optional<PointResult>> first(candidates);  // in the last sample of each candidate
+  std::map<std::string, std::vector<std::size_t>> counts;  // the runs with each metric
+  std::vector<std::optional<PointResult>> first(
+      candidates);  // in the last sample of each candidate
   const auto sample_of = [&](const PointResult& run) {
     return run.number / candidates / plan.seeds();
   };
