@@ -1,6 +1,13 @@
 #include <breakwater/experiment/references.h>
 
+#include <fmt/format.h>
+
 namespace breakwater {
+
+std::string ReferenceValue::deviation(double measured) const {
+  return is_near_zero ? fmt::format("{:+.1g}", measured - number)
+                      : fmt::format("{:+.1f} %", 100.0 * (measured / number - 1.0));
+}
 
 std::vector<ReferenceValue> reference_values(const Catalogue& catalogue,
                                              const std::string& scenario,

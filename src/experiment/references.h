@@ -13,7 +13,7 @@ namespace breakwater {
 /// Whether a measured number agrees with a reference value, in words.
 struct Agreement {
   bool is_met;
-  std::string text;  ///< "reproduced", "near: 28 % below"
+  std::string text;  ///< "reproduced", "near"
   std::string rule;  ///< which numbers agree, for a tooltip
   std::string tone;  ///< style of the text on a page: good, near, off or unknown
 };
@@ -25,6 +25,9 @@ struct ReferenceValue {
   std::string text;                                  ///< as the source writes it
   bool is_near_zero;                                 ///< a relative deviation is meaningless
   std::function<Agreement(double measured)> agrees;  ///< how a measured number agrees with it
+
+  /// "+1.2 %": how far a measured number is from it.
+  std::string deviation(double measured) const;
 };
 
 /// A source of reference values: a kind of the catalogue.

@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 
 #include <breakwater/experiment/references.h>
@@ -37,27 +36,17 @@ std::string with_legend(const Catalogue& catalogue, const std::string& text) {
   return text.find(" *") != std::string::npos ? reference_legend(catalogue) + text : text;
 }
 
-std::optional<ReferenceValue> printed_value(const std::vector<ReferenceValue>& values,
-                                            const std::string& metric) {
-  const auto found = std::find_if(values.begin(), values.end(),
-                                  [&](const ReferenceValue& v) { return v.metric == metric; });
-  if (found == values.end()) return std::nullopt;
-  return *found;
+// The item with this name, or null.
+template <typename Item>
+const Item* find(const std::vector<Item>& items, std::string Item::*name,
+                 const std::string& wanted) {
+  const auto found = std::ranges::find(items, wanted, name);
+  return found == items.end() ? nullptr : &*found;
 }
 
-std::optional<Metric> find_metric(const std::vector<Metric>& metrics, const std::string& name) {
-  const auto found =
-      std::find_if(metrics.begin(), metrics.end(), [&](const Metric& m) { return m.name == name; });
-  if (found == metrics.end()) return std::nullopt;
-  return *found;
-}
-
-// "+1.2 %".
-std::string format_deviation(const ReferenceValue& printed, double measured) {
-  const std::string text =
-      printed.is_near_zero ? fmt::format("{:+.1g}", measured - printed.number)
-                           : fmt::format("{:+.1f} %", 100.0 * (measured / printed.number - 1.0));
-  return printed.agrees(measured).is_met ? text : text + " *";
+// "+1.2 %", with a mark if the number does not agree.
+std::string marked_deviation(const ReferenceValue& printed, double measured) {
+  return printed.deviation(measured) + (printed.agrees(measured).is_met ? "" : " *");
 }
 
 }  // namespace
@@ -70,19 +59,18 @@ std::string metrics_table(const std::string& scenario, const RunSummary& run,
   Table table(header);
   for (const Metric& metric : run.metrics) {
     std::vector<std::string> row = {metric.name, in_digits(metric.value), metric.unit};
-    if (const auto value = printed_value(printed, metric.name)) {
+    if (const auto* value = find(printed, &ReferenceValue::metric, metric.name)) {
       row.push_back(value->text);
-      row.push_back(format_deviation(*value, metric.value));
+      row.push_back(marked_deviation(*value, metric.value));
     }
     table.add(row);
   }
   std::vector<std::pair<std::string, std::vector<std::string>>> reasons;  // with their metrics
   for (const AbsentMetric& metric : run.absent) {
     table.add({metric.name, "–", metric.unit});
-    const auto known = std::find_if(reasons.begin(), reasons.end(),
-                                    [&](const auto& one) { return one.first == metric.reason; });
-    auto& named = known == reasons.end() ? reasons.emplace_back(metric.reason, 0) : *known;
-    named.second.push_back(metric.name);
+    auto known = std::ranges::find(reasons, metric.reason, &decltype(reasons)::value_type::first);
+    if (known == reasons.end()) known = reasons.insert(known, {metric.reason, {}});
+    known->second.push_back(metric.name);
   }
   std::string text = table.print(std::numeric_limits<std::size_t>::max());
   if (!reasons.empty()) text += "\n";
@@ -110,7 +98,7 @@ std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& r
       std::vector<std::string> row = {runs[i].case_name};
       for (std::size_t j = 0; j < matrix.values.size(); ++j) {
         const RunSummary& run = runs[j * cases + i];
-        const auto metric = find_metric(run.metrics, name);
+        const Metric* metric = find(run.metrics, &Metric::name, name);
         const std::string missing = run.failure ? "failed" : "-";
         row.push_back(metric ? in_digits(metric->value) : missing);
       }
@@ -150,7 +138,7 @@ std::string runs_json(const std::string& scenario, const std::vector<RunSummary>
     const std::vector<ReferenceValue> printed = printed_for(catalogue, scenario, run);
     for (const Metric& metric : run.metrics) {
       entry["metrics"][metric.name] = metric.value;
-      if (const auto value = printed_value(printed, metric.name)) {
+      if (const auto* value = find(printed, &ReferenceValue::metric, metric.name)) {
         entry["printed"][metric.name] = {{"value", value->number},
                                          {"agrees", value->agrees(metric.value).is_met}};
       }
@@ -167,12 +155,13 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
   for (const RunSummary& run : runs) {
     auto position = rows.begin();
     for (const Metric& metric : run.metrics) {
-      const auto found = std::find_if(rows.begin(), rows.end(),
-                                      [&](const Metric& m) { return m.name == metric.name; });
+      const auto found = std::ranges::find(rows, metric.name, &Metric::name);
       position = found != rows.end() ? found + 1 : rows.insert(position, metric) + 1;
     }
     for (const AbsentMetric& metric : run.absent) {
-      if (!find_metric(rows, metric.name)) rows.emplace_back(metric.name, metric.unit, 0.0);
+      if (!find(rows, &Metric::name, metric.name)) {
+        rows.emplace_back(metric.name, metric.unit, 0.0);
+      }
     }
   }
   std::vector<std::vector<ReferenceValue>> printed;
@@ -189,13 +178,13 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
     std::vector<std::string> deviations = {"  deviation", ""};
     bool any_printed = false;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      const auto measured = find_metric(runs[i].metrics, metric.name);
-      const auto value = printed_value(printed[i], metric.name);
+      const Metric* measured = find(runs[i].metrics, &Metric::name, metric.name);
+      const ReferenceValue* value = find(printed[i], &ReferenceValue::metric, metric.name);
       const std::string missing = runs[i].failure ? "failed" : "-";
       values.push_back(measured ? in_digits(measured->value) : missing);
       printed_row.push_back(value ? value->text : "-");
-      deviations.push_back(value && measured ? format_deviation(*value, measured->value) : "-");
-      any_printed |= value.has_value();
+      deviations.push_back(value && measured ? marked_deviation(*value, measured->value) : "-");
+      any_printed |= value != nullptr;
     }
     table.add(values);
     if (any_printed) {
@@ -204,9 +193,8 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
     }
   }
   std::string text = table.print(width);
-  const bool any_changed = std::any_of(runs.begin(), runs.end(), [&](const RunSummary& run) {
-    return is_changed(catalogue, scenario, run);
-  });
+  const bool any_changed = std::ranges::any_of(
+      runs, [&](const RunSummary& run) { return is_changed(catalogue, scenario, run); });
   if (any_changed) text = kChanged + text;
   return with_legend(catalogue, text);
 }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/config/config.h>
 #include <breakwater/experiment/differing_keys.h>
@@ -32,47 +33,28 @@ void check(const std::vector<SavedRun>& runs) {
   if (runs.size() < kFewestRuns) {
     throw std::invalid_argument("compare: give two runs or more");
   }
+  check_one_scenario(runs);
   for (const SavedRun& run : runs) {
-    if (run.scenario() != runs.front().scenario()) {
-      throw std::invalid_argument(
-          fmt::format("{} is a run of {}, {} of {}: compare runs of one scenario",
-                      runs.front().folder().string(), runs.front().scenario(),
-                      run.folder().string(), run.scenario()));
-    }
-    if (run.failure() && !run.failure()->is_cut) {
-      throw std::invalid_argument(fmt::format(
-          "{}: the run failed at {:.6g} s and has no metrics: leave it out, or look at it "
-          "with {} report",
-          run.folder().string(), run.failure()->time_s, own_program_name()));
-    }
+    if (!run.failure() || run.failure()->is_cut) continue;
+    throw std::invalid_argument(fmt::format(
+        "{}: the run failed at {:.6g} s and has no metrics: leave it out, or look at it with {} "
+        "report",
+        run.folder().string(), run.failure()->time_s, own_program_name()));
   }
 }
 
-// In the order of the first run that has them.
+// The chosen metrics, or all.
 std::vector<Metric> choose_metrics(const std::vector<SavedRun>& runs,
                                    const std::vector<std::string>& chosen) {
-  std::vector<Metric> all;
-  for (const SavedRun& run : runs) {
-    for (const Metric& metric : run.metrics()) {
-      const bool is_known = std::any_of(all.begin(), all.end(),
-                                        [&](const Metric& m) { return m.name == metric.name; });
-      if (!is_known) all.push_back(metric);
-    }
-  }
-  if (chosen.empty()) return all;
+  const std::vector<Metric> all = metrics_of(runs);
+  std::vector<std::string> names;
+  for (const Metric& metric : all) names.push_back(metric.name);
   std::vector<Metric> metrics;
   for (const std::string& name : chosen) {
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const Metric& m) { return m.name == name; });
-    if (found == all.end()) {
-      std::vector<std::string> names;
-      for (const Metric& metric : all) names.push_back(metric.name);
-      throw std::invalid_argument("--metric " + name + ": no run has it" +
-                                  did_you_mean(name, names));
-    }
-    metrics.push_back(*found);
+    check_known("--metric", name, names);
+    metrics.push_back(*std::ranges::find(all, name, &Metric::name));
   }
-  return metrics;
+  return chosen.empty() ? all : metrics;
 }
 
 // A signal's name, or those of all its values.
@@ -91,6 +73,33 @@ const SavedRun* first_with(const std::vector<SavedRun>& runs, const std::string&
 }
 
 }  // namespace
+
+void check_one_scenario(const std::vector<SavedRun>& runs) {
+  const SavedRun& first = runs.front();
+  for (const SavedRun& run : runs) {
+    if (run.scenario() == first.scenario()) continue;
+    throw std::invalid_argument(fmt::format(
+        "{} is a run of {}, {} of {}: compare runs of one scenario", first.folder().string(),
+        first.scenario(), run.folder().string(), run.scenario()));
+  }
+}
+
+std::vector<Metric> metrics_of(const std::vector<SavedRun>& runs) {
+  std::vector<Metric> all;
+  for (const SavedRun& run : runs) {
+    for (const Metric& metric : run.metrics()) {
+      if (std::ranges::find(all, metric.name, &Metric::name) == all.end()) all.push_back(metric);
+    }
+  }
+  return all;
+}
+
+void check_known(const char* option, const std::string& name,
+                 const std::vector<std::string>& names) {
+  if (std::ranges::find(names, name) != names.end()) return;
+  throw std::invalid_argument(
+      fmt::format("{}: {}: no run has it{}", option, name, did_you_mean(name, names)));
+}
 
 std::vector<std::string> differences_in_words(const std::vector<std::optional<double>>& values) {
   constexpr double kManifold = 3.0, kNoMeasure = 10.0;
@@ -182,64 +191,57 @@ PageData Comparison::row_of(
 
 // The chosen signals, or the signals that all runs have, the most important first.
 void Comparison::choose_signals() {
+  const SavedRun& front = runs_.front();
+  const auto is_common = [&](const std::string& signal) {
+    return std::ranges::all_of(runs_, [&](const SavedRun& run) {
+      return run.has_signal(signal) && run.entry(signal).width == front.entry(signal).width;
+    });
+  };
+  // In one of the runs, or between them. A vector does.
+  const auto changes = [&](const std::string& signal) {
+    if (front.entry(signal).width > 1 && signal.find('[') == std::string::npos) return true;
+    const double first = front.signal(signal).values.front();
+    return std::ranges::any_of(runs_, [&](const SavedRun& run) {
+      return std::ranges::any_of(run.signal(signal).values, [&](double v) { return v != first; });
+    });
+  };
+  const auto differs = [&](const std::string& signal) {  // between the runs
+    const std::vector<double> first = front.signal(signal).values;
+    return std::ranges::any_of(
+        runs_, [&](const SavedRun& run) { return run.signal(signal).values != first; });
+  };
+  const auto add = [&](const std::string& name, const LogEntry& entry) {
+    for (const std::string& one : expanded(name, entry.width)) {
+      const bool is_there = std::ranges::find(signals_, one) != signals_.end();
+      if (!is_there && (!choice_.signals.empty() || changes(one))) signals_.push_back(one);
+    }
+  };
   for (const std::string& name : choice_.signals) {
     const SavedRun* run = first_with(runs_, name);
-    const LogEntry& entry = run != nullptr ? run->entry(name) : runs_.front().entry(name);
-    const auto names = expanded(name, entry.width);
-    signals_.insert(signals_.end(), names.begin(), names.end());
+    add(name, (run != nullptr ? *run : front).entry(name));
   }
   keys_ = signals_.size();
-  if (!choice_.signals.empty()) return;
+  if (keys_ > 0) return;
   // The first of each of the page's charts is what runs are compared by.
   for (const ShotPage::KeyChart& chart : shots_.page.charts) {
-    const auto place =
-        std::find_if(chart.signals.begin(), chart.signals.end(),
-                     [&](const std::string& name) { return is_common(name) && changes(name); });
-    if (place == chart.signals.end()) continue;
-    const auto names = expanded(*place, runs_.front().entry(*place).width);
-    signals_.insert(signals_.end(), names.begin(), names.end());
+    const auto place = std::ranges::find_if(
+        chart.signals, [&](const std::string& name) { return is_common(name) && changes(name); });
+    if (place != chart.signals.end()) add(*place, front.entry(*place));
   }
-  const std::vector<LoggedQuantity> logged = quantities(runs_.front().signals(), shots_);
+  const std::vector<LoggedQuantity> logged = quantities(front.signals(), shots_);
   // Without such a list they are compared by the first quantities that differ.
-  if (shots_.page.charts.empty()) {
-    for (const LoggedQuantity& quantity : logged) {
-      if (signals_.size() >= kKeySignals) break;
-      const LogEntry& entry = quantity.kinds.front();
-      const std::string path = signal_path(entry);
-      if (entry.width == 1 && is_common(path) && differs(path)) signals_.push_back(path);
-    }
+  for (const LoggedQuantity& quantity : logged) {
+    if (!shots_.page.charts.empty() || signals_.size() >= kKeySignals) break;
+    const LogEntry& entry = quantity.kinds.front();
+    const std::string path = signal_path(entry);
+    if (entry.width == 1 && is_common(path) && differs(path)) add(path, entry);
   }
   keys_ = signals_.size();
   for (const LoggedQuantity& quantity : logged) {
     for (const LogEntry& entry : quantity.kinds) {
-      if (!is_common(signal_path(entry))) continue;
-      for (const std::string& name : expanded(signal_path(entry), entry.width)) {
-        const bool is_there = std::find(signals_.begin(), signals_.end(), name) != signals_.end();
-        if (!is_there && changes(name)) signals_.push_back(name);
-      }
+      if (is_common(signal_path(entry))) add(signal_path(entry), entry);
     }
   }
-}
-
-bool Comparison::is_common(const std::string& signal) const {
-  return std::all_of(runs_.begin(), runs_.end(), [&](const SavedRun& run) {
-    return run.has_signal(signal) && run.entry(signal).width == runs_.front().entry(signal).width;
-  });
-}
-
-bool Comparison::changes(const std::string& signal) const {
-  if (runs_.front().entry(signal).width > 1 && signal.find('[') == std::string::npos) return true;
-  const double first = runs_.front().signal(signal).values.front();
-  return std::any_of(runs_.begin(), runs_.end(), [&](const SavedRun& run) {
-    const std::vector<double> values = run.signal(signal).values;
-    return std::any_of(values.begin(), values.end(), [&](double v) { return v != first; });
-  });
-}
-
-bool Comparison::differs(const std::string& signal) const {
-  const std::vector<double> first = runs_.front().signal(signal).values;
-  return std::any_of(runs_.begin() + 1, runs_.end(),
-                     [&](const SavedRun& run) { return run.signal(signal).values != first; });
 }
 
 std::string Comparison::text(std::size_t width) const {
@@ -284,22 +286,20 @@ std::string Comparison::json() const {
 }
 
 std::string Comparison::csv() const {
-  std::vector<std::string> header = {"metric", "unit"};
-  for (const std::string& label : labels_) header.push_back(csv_text(label));
+  std::vector<std::string> columns = {"metric", "unit"};
+  for (const std::string& label : labels_) columns.push_back(csv_text(label));
   for (std::size_t i = 1; i < runs_.size(); ++i) {
-    header.push_back(csv_text(labels_[i] + " minus " + labels_[0]));
+    columns.push_back(csv_text(labels_[i] + " minus " + labels_[0]));
   }
-  std::string text = csv_line(header);
+  std::string text = csv_line(columns);
   for (const auto& [name, row] : rows_.items()) {
-    std::vector<std::string> line = {name, row[0]["unit"].get<std::string>()};
-    const auto add = [&](std::size_t from, const char* what) {
-      for (std::size_t i = from; i < row.size(); ++i) {
-        const PageData& number = row[i][what];
+    std::vector<std::string> line = {name, row[0]["unit"]};
+    for (const auto& [from, what] : {std::pair(1, "value"), std::pair(2, "difference")}) {
+      for (auto cell = row.begin() + from; cell != row.end(); ++cell) {
+        const PageData& number = (*cell)[what];
         line.push_back(number.is_null() ? "" : fmt::format("{}", number.get<double>()));
       }
-    };
-    add(1, "value");
-    add(2, "difference");
+    }
     text += csv_line(line);
   }
   return text;
@@ -316,17 +316,11 @@ PageChart Comparison::chart_of(const std::string& signal) const {
       capitalised(quantity.empty() || quantity == label ? label : quantity + ", " + label) +
       (open == std::string::npos ? "" : " " + signal.substr(open));
   for (std::size_t i = 0; i < runs_.size(); ++i) {
-    ChartSeries series;
-    series.label = labels_[i];
-    series.unit = one.unit(signal);
-    series.description = signal + ": " + entry.description;
+    ChartSeries series{.label = labels_[i] + ": –",
+                       .unit = one.unit(signal),
+                       .description = "this run's log does not have it"};
+    if (runs_[i].has_signal(signal)) series = series_of(runs_[i], signal, labels_[i]);
     series.identity = identities_[i];
-    if (runs_[i].has_signal(signal)) {
-      series.values = runs_[i].signal(signal);
-    } else {
-      series.label += ": –";
-      series.description = "this run's log does not have it";
-    }
     chart.series.push_back(series);
   }
   return chart;
@@ -338,46 +332,47 @@ std::vector<std::string> Comparison::findings() const {
   for (const ShownMetric& key : shown_) {
     if (!key.is_key) continue;
     const PageData& row = rows_[key.metric.name];
-    std::vector<std::pair<double, std::size_t>> here, there;
-    for (std::size_t i = 0; i < runs_.size(); ++i) {
-      const PageData &value = row[i + 1]["value"], &printed = row[i + 1]["printed"];
-      if (!value.is_null()) here.emplace_back(value.get<double>(), i);
-      if (!printed.is_null()) there.emplace_back(printed.get<double>(), i);
-    }
-    if (here.size() != runs_.size()) continue;
-    std::sort(here.begin(), here.end());
-    std::sort(there.begin(), there.end());
-    const std::string unit = unit_after(key.metric.unit);
+    // The runs by a number, the smallest first; none without all numbers.
+    const auto ordered = [&](const char* number) {
+      std::vector<std::pair<double, std::size_t>> all;
+      for (std::size_t i = 0; i < runs_.size(); ++i) {
+        const PageData& cell = row[i + 1][number];
+        if (cell.is_null()) return decltype(all){};
+        all.emplace_back(cell.get<double>(), i);
+      }
+      std::sort(all.begin(), all.end());
+      return all;
+    };
+    const auto here = ordered("value"), there = ordered("printed");
+    if (here.empty()) continue;
     if (sentences.size() < kMostFindings && here.front().first != here.back().first) {
       const auto one = [&](const auto& entry) {
-        return fmt::format("{} ({}{})", labels_[entry.second], in_digits(entry.first), unit);
+        return fmt::format("{} ({}{})", labels_[entry.second], in_digits(entry.first),
+                           unit_after(key.metric.unit));
       };
       sentences.push_back(fmt::format("{} is smallest for {} and largest for {}.", key.label,
                                       one(here.front()), one(here.back())));
     }
-    const auto order = [&](const auto& entries) {
-      std::vector<std::string> names;
-      for (const auto& entry : entries) names.push_back(labels_[entry.second]);
-      return fmt::format("{}", fmt::join(names, ", "));
+    const auto names = [&](const auto& entries) {
+      std::vector<std::string> all;
+      for (const auto& [number, run] : entries) all.push_back(labels_[run]);
+      return fmt::format("{}", fmt::join(all, ", "));
     };
     // A printed value that is less than that of the run before it. Equal ones have no order.
-    bool is_other_order = false;
-    for (std::size_t i = 1; i < here.size() && there.size() == here.size(); ++i) {
-      const auto printed = [&](std::size_t place) {
-        return row[here[place].second + 1]["printed"].get<double>();
-      };
-      is_other_order |= here[i - 1].first < here[i].first && printed(i - 1) > printed(i);
-    }
-    if (is_other_order) {
+    const auto is_other = [&](const auto& one, const auto& next) {
+      return one.first < next.first &&
+             row[one.second + 1]["printed"] > row[next.second + 1]["printed"];
+    };
+    if (!there.empty() && std::ranges::adjacent_find(here, is_other) != here.end()) {
       orders.push_back(fmt::format(
           "{}: the order differs from the thesis. From the smallest: here {}; in the thesis {}.",
-          key.label, order(here), order(there)));
+          key.label, names(here), names(there)));
     }
   }
-  std::vector<std::string> all;
-  if (!sentences.empty()) all.push_back(fmt::format("{}", fmt::join(sentences, " ")));
-  all.insert(all.end(), orders.begin(), orders.end());
-  return all;
+  if (!sentences.empty()) {
+    orders.insert(orders.begin(), fmt::format("{}", fmt::join(sentences, " ")));
+  }
+  return orders;
 }
 
 std::string Comparison::html(std::vector<std::string>& notes) const {
@@ -397,36 +392,34 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
   } else if (replay) {
     window = replay->window;
   }
-  PageData columns = {"metric"}, key_columns = {"key"};
+  PageData columns = {"metric"};
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     columns.push_back({{"value", labels_[i]},
                        {"look", series_class(identities_[i])},
                        {"tip", runs_[i].folder().string()}});
-    key_columns.push_back({{"value", labels_[i]}, {"tip", runs_[i].folder().string()}});
   }
   auto rows = PageData::array(), other_rows = PageData::array();
   for (const ShownMetric& shown : shown_) {
     (shown.is_key ? rows : other_rows).push_back(rows_[shown.metric.name]);
   }
-  const auto table = [](const char* label, const PageData& heads, const PageData& cells) {
-    return PageData{
-        {"label", label}, {"kind", "numbers measured"}, {"columns", heads}, {"rows", cells}};
+  // A table, or what is folded away.
+  const auto add_table = [&columns](PageData& blocks, const char* label, const char* kind,
+                                    const PageData& cells) {
+    add_block(blocks, "table",
+              {{"label", label}, {"kind", kind}, {"columns", columns}, {"rows", cells}});
   };
-  const auto folded = [](const std::string& summary, bool is_open, const char* kind,
-                         const PageData& value) {
-    auto blocks = PageData::array();
-    add_block(blocks, kind, value);
-    return PageData{{"summary", summary}, {"is_open", is_open}, {"blocks", blocks}};
+  const auto add_fold = [](PageData& blocks, const std::string& summary, bool is_open,
+                           const PageData& folded) {
+    add_block(blocks, "fold", {{"summary", summary}, {"is_open", is_open}, {"blocks", folded}});
   };
   auto lead = PageData::array(), metrics = PageData::array(), keys = PageData::array(),
-       signals = PageData::array(), sections = PageData::array();
+       signals = PageData::array(), folded = PageData::array();
   add_block(lead, "about", fmt::format("Runs of {}.", runs_.front().scenario()));
   for (const std::string& text : findings()) add_block(lead, "finding", text);
-  add_block(metrics, "table", table("Metrics", columns, rows));
+  add_table(metrics, "Metrics", "numbers measured", rows);
   if (!other_rows.empty()) {
-    add_block(
-        metrics, "fold",
-        folded("All metrics", false, "table", table("All other metrics", columns, other_rows)));
+    add_table(folded, "All other metrics", "numbers measured", other_rows);
+    add_fold(metrics, "All metrics", false, std::exchange(folded, PageData::array()));
   }
   auto key_rows = PageData::array();
   for (const DifferingKey& key : differing_keys(runs_)) {
@@ -436,47 +429,35 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
   if (key_rows.empty()) {
     add_block(keys, "text", "The runs have the same settings.");
   } else {
-    PageData differing = table("Settings that differ", key_columns, key_rows);
-    differing["kind"] = "numbers keys-table";
-    add_block(keys, "fold",
-              folded(fmt::format("Settings that differ: {}", key_rows.size()),
-                     key_rows.size() <= kManyKeys, "table", differing));
+    columns[0] = "key";
+    add_table(folded, "Settings that differ", "numbers keys-table", key_rows);
+    add_fold(keys, number_of(key_rows.size(), "setting"), key_rows.size() <= kManyKeys,
+             std::exchange(folded, PageData::array()));
   }
   if (replay) add_block(keys, "replay", replay->box);
-  auto figures = PageData::array(), other_figures = PageData::array();
+  std::vector<PageChart> charts, other_charts;
   for (std::size_t i = 0; i < signals_.size(); ++i) {
-    PageChart chart = chart_of(signals_[i]);
+    PageChart& chart = (i < keys_ ? charts : other_charts).emplace_back(chart_of(signals_[i]));
     chart.id = fmt::format("signal-{}", i + 1);
-    if (window) {
-      chart.from_s = window->from_s;
-      chart.to_s = window->to_s;
-    }
-    (i < keys_ ? figures : other_figures).push_back(figure_of(chart));
   }
   add_block(signals, "text",
             "Drag to zoom in all charts at once, double-click to see all again; keys + − 0 and the "
             "arrows do the same. A signal's button switches it off and on. t = 0 is the start of "
             "each run.");
   if (window) signals.back()["window"] = window_data(*window, "compare");
-  add_block(signals, "figures", figures);
-  if (!other_figures.empty()) {
-    add_block(signals, "fold",
-              folded(fmt::format("All signals: {} more charts", other_figures.size()), false,
-                     "figures", other_figures));
+  add_block(signals, "figures", figures_of(charts, window));
+  if (!other_charts.empty()) {
+    add_block(folded, "figures", figures_of(other_charts, window));
+    add_fold(signals, fmt::format("All signals: {} more charts", other_charts.size()), false,
+             folded);
   }
-  sections.push_back({{"id", "metrics"}, {"blocks", metrics}});
-  sections.push_back({{"id", "keys"}, {"blocks", keys}});
-  sections.push_back({{"id", "signals"}, {"heading", "Signals"}, {"blocks", signals}});
-  auto toc = PageData::array();
-  for (const auto& [href, label] :
-       {std::pair("metrics", "Metrics"), std::pair("keys", "Settings that differ"),
-        std::pair("signals", "Signals")}) {
-    toc.push_back({{"href", href}, {"label", label}});
-  }
+  auto sections = PageData::array();
+  add_section(sections, "metrics", "Metrics", metrics);
+  add_section(sections, "keys", "Settings that differ", keys);
+  add_section(sections, "signals", "Signals", signals);
   return html_page("compare", {{"title", fmt::format("{} compared", fmt::join(labels_, ", "))},
                                {"lead", lead},
-                               {"sections", sections},
-                               {"toc", toc}});
+                               {"sections", sections}});
 }
 
 }  // namespace breakwater

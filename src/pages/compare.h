@@ -28,6 +28,16 @@ struct CompareChoice {
 /// differences. An equal value has "same", and a missing one "-".
 std::vector<std::string> differences_in_words(const std::vector<std::optional<double>>& values);
 
+/// Throws std::invalid_argument if a run is of another scenario than the first.
+void check_one_scenario(const std::vector<SavedRun>& runs);
+
+/// All metrics, in the order of the first run that has them.
+std::vector<Metric> metrics_of(const std::vector<SavedRun>& runs);
+
+/// Throws std::invalid_argument `OPTION: NAME: no run has it` if it is none of the names.
+void check_known(const char* option, const std::string& name,
+                 const std::vector<std::string>& names);
+
 /// The metrics and signals of some runs, compared with the first run.
 class Comparison {
  public:
@@ -49,9 +59,6 @@ class Comparison {
  private:
   PageData row_of(const ShownMetric& shown,
                   const std::vector<std::map<std::string, ReferenceValue>>& printed) const;
-  bool is_common(const std::string& signal) const;
-  bool changes(const std::string& signal) const;  // in one of the runs, or between them
-  bool differs(const std::string& signal) const;  // between the runs
   // The runs with the least and the most of the first key metrics, and metrics whose printed values
   // have another order.
   std::vector<std::string> findings() const;

@@ -90,10 +90,8 @@ double begin_of(const ShotList& shots, const FinishedRun& run, const Window& win
   return std::max(run.times_s().front(), *time_s - kShare * (window.to_s - window.from_s));
 }
 
-}  // namespace
-
 ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
-                       const ReplayOptions& options) {
+                       const ReplayOptions& options, std::vector<std::string>& notes) {
   ReplayPart part;
   const ShotList shots = shot_list(runs.front().shots_file());
   std::vector<LabelledRun> labelled;
@@ -103,7 +101,7 @@ ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<st
   part.window = data.window;
   part.is_whole =
       data.window.to_s - data.window.from_s > 0.98 * (data.whole.to_s - data.whole.from_s);
-  part.notes = data.notes;
+  notes.insert(notes.end(), data.notes.begin(), data.notes.end());
   if (!shots.lines.empty()) {
     part.chart = chart_of(shots, data, labels, options);
     part.chart->from_s = part.window.from_s;
@@ -113,22 +111,24 @@ ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<st
   const std::string about =
       fmt::format("{} in three dimensions: {}", fmt::join(labels, ", "),
                   shots.title.empty() ? runs.front().scenario().summary() : shots.title);
-  part.box["id"] = options.id;
-  part.box["group"] = options.group;
-  part.box["time"] = fmt::format("{:.6g}", begin_of(shots, runs.front(), part.window));
-  part.box["alt"] = about;
-  part.box["data"] = data.json;
   auto strips = PageData::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const std::string strip = strip_address(runs[i], shots, options.camera, part.notes);
+    const std::string strip = strip_address(runs[i], shots, options.camera, notes);
     if (strip.empty()) break;  // the others have none either
     strips.push_back({{"address", strip},
                       {"alt", "Pictures of the run " + labels[i] + " in a row"},
                       {"label", runs.size() > 1 ? PageData(labels[i]) : PageData()}});
   }
-  part.box["strip"] = strips;
+  part.box = {{"id", options.id},
+              {"group", options.group},
+              {"time", fmt::format("{:.6g}", begin_of(shots, runs.front(), part.window))},
+              {"alt", about},
+              {"data", data.json},
+              {"strip", strips}};
   return part;
 }
+
+}  // namespace
 
 std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
                                     const std::vector<fs::path>& folders,
@@ -137,9 +137,7 @@ std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
   try {
     std::deque<FinishedRun> runs;
     for (const fs::path& folder : folders) runs.emplace_back(catalogue, folder);
-    ReplayPart part = replay_part(runs, labels, options);
-    notes.insert(notes.end(), part.notes.begin(), part.notes.end());
-    return part;
+    return replay_part(runs, labels, options, notes);
   } catch (const NothingMoved&) {
     // The scenario has nothing to show in three dimensions, so no note is needed.
   } catch (const std::invalid_argument& error) {
@@ -151,17 +149,14 @@ std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
 }
 
 PageData window_data(const Window& window, const std::string& axis) {
-  PageData data;
-  data["axis"] = axis;
-  data["from_s"] = fmt::format("{:g}", window.from_s);
-  data["to_s"] = fmt::format("{:g}", window.to_s);
-  return data;
+  return {{"axis", axis},
+          {"from_s", fmt::format("{:g}", window.from_s)},
+          {"to_s", fmt::format("{:g}", window.to_s)}};
 }
 
 std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
                         const std::string& camera, std::vector<std::string>& notes) {
-  const ReplayPart part = replay_part(runs, labels, {"replay", "replay", camera});
-  notes.insert(notes.end(), part.notes.begin(), part.notes.end());
+  const ReplayPart part = replay_part(runs, labels, {"replay", "replay", camera}, notes);
   auto blocks = PageData::array();
   add_block(blocks, "replay", part.box);
   if (part.chart) add_block(blocks, "figures", PageData::array({figure_of(*part.chart)}));
@@ -181,15 +176,15 @@ std::optional<PageData> video_data(const Catalogue& catalogue, const SavedRun& r
   finished.emplace_back(catalogue, run.folder());
   const ShotList shots = shot_list(finished.front().shots_file());
   const Window window = choose_window(pointers_to(finished), shots, {});
-  PageData data;
-  data["address"] = data_address(file, "video/mp4");
-  data["group"] = group;
-  data["from_s"] = fmt::format("{:g}", window.from_s);
-  data["speed"] = fmt::format("{:g}", window.speed);
-  data["length_s"] = fmt::format("{:g}", static_cast<double>(window.frames(shots.fps)) / shots.fps);
-  data["alt"] = fmt::format("Video of the run {}: {}, {:g} times slower than life",
-                            run.folder().filename().string(), shots.title, 1.0 / window.speed);
-  return data;
+  const double length_s = static_cast<double>(window.frames(shots.fps)) / shots.fps;
+  return PageData{
+      {"address", data_address(file, "video/mp4")},
+      {"group", group},
+      {"from_s", fmt::format("{:g}", window.from_s)},
+      {"speed", fmt::format("{:g}", window.speed)},
+      {"length_s", fmt::format("{:g}", length_s)},
+      {"alt", fmt::format("Video of the run {}: {}, {:g} times slower than life",
+                          run.folder().filename().string(), shots.title, 1.0 / window.speed)}};
 }
 
 }  // namespace breakwater

@@ -19,7 +19,6 @@ struct ReplayPart {
   std::optional<PageChart> chart;  ///< the lines of the shot list
   Window window;                   ///< the time window of the shot list for these runs
   bool is_whole = false;           ///< the window covers nearly the whole run
-  std::vector<std::string> notes;  ///< one line for each missing part
 };
 
 struct ReplayOptions {
@@ -28,14 +27,10 @@ struct ReplayOptions {
   std::string camera;  ///< replaces the camera of the shot list if not empty
 };
 
-/// The replay of one to four runs of one scenario, with a label each. A browser without WebGL shows
-/// a strip of pictures of each run; it is drawn if the run's folder has none. Throws
-/// std::invalid_argument or RenderError.
-ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
-                       const ReplayOptions& options);
-
-/// The same from the folders of runs, for a page that also works without a replay. If there is no
-/// replay, a note says why: this program lacks the scenario, or the log is too short.
+/// The replay of one to four runs of one scenario from their folders, with a label each, for a page
+/// that also works without it. A browser without WebGL shows a strip of pictures of each run; it is
+/// drawn if the run's folder has none. `notes` gets a line for each missing part, or why there is
+/// no replay: this program lacks the scenario, or the log is too short.
 std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
                                     const std::vector<std::filesystem::path>& folders,
                                     const std::vector<std::string>& labels,

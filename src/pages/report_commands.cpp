@@ -43,7 +43,8 @@ int call_figures(const char* name, const std::vector<std::string>& words) {
 struct RunsArguments {
   std::vector<std::string> runs;
   CompareChoice choice;
-  std::string out = ".";
+  std::string out;
+  std::string camera;
   bool paired = false;
   std::string baseline;
   std::vector<std::string> goals;
@@ -140,25 +141,6 @@ std::map<std::string, Goal> read_goals(const std::vector<std::string>& texts) {
   return goals;
 }
 
-std::vector<std::string> metrics_of_runs(const std::vector<SavedRun>& runs) {
-  std::vector<std::string> names;
-  for (const SavedRun& run : runs) {
-    for (const Metric& metric : run.metrics()) {
-      if (std::find(names.begin(), names.end(), metric.name) == names.end()) {
-        names.push_back(metric.name);
-      }
-    }
-  }
-  return names;
-}
-
-void check_known(const char* option, const std::string& name,
-                 const std::vector<std::string>& names) {
-  if (std::find(names.begin(), names.end(), name) != names.end()) return;
-  throw std::invalid_argument(
-      fmt::format("{}: {}: no run has it{}", option, name, did_you_mean(name, names)));
-}
-
 // Pairs runs of one scenario. The cases are the candidates, in the order of their first run. The
 // seeds that all cases have are the test conditions. `metrics` selects the metrics; empty means
 // all. `baseline` is a case or empty. Throws std::invalid_argument if there is only one case, a
@@ -166,15 +148,11 @@ void check_known(const char* option, const std::string& name,
 PairedResults paired_runs(const std::vector<SavedRun>& runs,
                           const std::vector<std::string>& metrics, const std::string& baseline,
                           const std::map<std::string, Goal>& goals) {
+  check_one_scenario(runs);
   PairedResults results;
   std::vector<std::string> seeds;
   std::map<std::pair<std::string, std::string>, const SavedRun*> found;  // by case and seed
   for (const SavedRun& run : runs) {
-    if (run.scenario() != runs.front().scenario()) {
-      throw std::invalid_argument(
-          fmt::format("{}: is of {}, {} of {}: compare runs of one scenario", run.folder().string(),
-                      run.scenario(), runs.front().folder().string(), runs.front().scenario()));
-    }
     if (run.failure() && run.failure()->is_cut) {
       throw std::invalid_argument(run.folder().string() +
                                   ": was cut and has no metrics: leave it out");
@@ -183,30 +161,28 @@ PairedResults paired_runs(const std::vector<SavedRun>& runs,
       throw std::invalid_argument(fmt::format("{}: {} with seed {} is there twice",
                                               run.folder().string(), run.case_name(), run.seed()));
     }
-    const auto add = [](std::vector<std::string>& to, const std::string& name) {
-      if (std::find(to.begin(), to.end(), name) == to.end()) to.push_back(name);
-    };
-    add(results.candidates, run.case_name());
-    add(seeds, run.seed());
+    for (const auto& [names, name] :
+         {std::pair(&results.candidates, run.case_name()), std::pair(&seeds, run.seed())}) {
+      if (std::ranges::find(*names, name) == names->end()) names->push_back(name);
+    }
   }
   if (results.candidates.size() < 2) {
     throw std::invalid_argument("--paired: all runs are of one case: there is nothing to compare");
   }
   std::erase_if(seeds, [&](const std::string& seed) {
-    return !std::all_of(results.candidates.begin(), results.candidates.end(),
-                        [&](const std::string& name) {
-                          return found.contains({name, seed});
-                        });
+    return !std::ranges::all_of(results.candidates, [&](const std::string& name) {
+      return found.contains({name, seed});
+    });
   });
   if (seeds.empty()) throw std::invalid_argument("--paired: no seed is common to all cases");
-  const std::vector<std::string> all = metrics_of_runs(runs);
+  std::vector<std::string> all;
+  for (const Metric& metric : metrics_of(runs)) all.push_back(metric.name);
   for (const std::string& metric : metrics) check_known("--metric", metric, all);
   for (const auto& [metric, goal] : goals) check_known("--goal", metric, all);
   if (!baseline.empty()) {
     check_known("--baseline", baseline, results.candidates);
-    results.baseline = static_cast<std::size_t>(
-        std::find(results.candidates.begin(), results.candidates.end(), baseline) -
-        results.candidates.begin());
+    results.baseline = static_cast<std::size_t>(std::ranges::find(results.candidates, baseline) -
+                                                results.candidates.begin());
   }
   results.metrics = metrics.empty() ? all : metrics;
   results.goals = goals;
@@ -283,14 +259,7 @@ int report(const Catalogue& catalogue, const RunsArguments& arguments) {
   return kSuccess;
 }
 
-struct ReplayArguments {
-  std::vector<std::string> runs;
-  std::string camera;
-  std::string out;
-  bool quiet = false;
-};
-
-int replay(const Catalogue& catalogue, const ReplayArguments& arguments) {
+int replay(const Catalogue& catalogue, const RunsArguments& arguments) {
   const std::deque<FinishedRun> runs = open_runs(catalogue, arguments.runs);
   const fs::path file =
       arguments.out.empty() ? runs.front().folder() / "replay.html" : fs::path(arguments.out);
@@ -307,37 +276,32 @@ int replay(const Catalogue& catalogue, const ReplayArguments& arguments) {
   return kSuccess;
 }
 
-int replay_main(const Catalogue& catalogue, int argc, const char* const* argv) {
-  CLI::App app(
-      own_program_name() + " replay: finished runs in three dimensions, as a page for any browser.",
-      "replay");
-  ReplayArguments arguments;
-  app.add_option("RUN", arguments.runs,
-                 "folders of finished runs of one scenario, up to 4: in one scene, or side by side")
-      ->required();
-  app.add_option("--camera", arguments.camera,
-                 "the camera to begin with: one of the model's (default: the shot list's)")
-      ->type_name("NAME");
-  app.add_option("--out", arguments.out, "the page (default: RUN/replay.html)")->type_name("FILE");
-  app.add_flag("--quiet", arguments.quiet, "print errors only");
-  app.footer(
-      "The page is one file and needs no network. It plays what the run's log has, with the\n"
-      "arrows and chart of the scenario's shots.toml; nothing is simulated again.\n"
-      "Exit status: 0 success, 1 a defect, 2 usage or input, 4 it could not be made or written.");
-  if (const auto status = parse(app, argc, argv)) return *status;
-  return replay(catalogue, arguments);
-}
-
-int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const char* const* argv) {
-  CLI::App app(own_program_name() +
-                   (is_comparison ? " compare: metrics and signals of finished runs side by side."
-                                  : " report: one page about finished runs."),
-               argv[0]);
+int runs_main(const Catalogue& catalogue, int argc, const char* const* argv) {
+  const std::string name = argv[0];
+  const bool is_comparison = name == "compare", is_replay = name == "replay";
+  CLI::App app(own_program_name() + " " + name +
+                   (is_comparison ? ": metrics and signals of finished runs side by side."
+                    : is_replay ? ": finished runs in three dimensions, as a page for any browser."
+                                : ": one page about finished runs."),
+               name);
   RunsArguments arguments;
-  app.add_option("RUN", arguments.runs, "the folders of finished runs")->required();
-  app.add_option("--out", arguments.out, "the folder for what is written, or the page's .html")
-      ->type_name("DIR")
-      ->capture_default_str();
+  app.add_option("RUN", arguments.runs,
+                 is_replay ? "folders of finished runs of one scenario, up to 4: in one scene, or "
+                             "side by side"
+                           : "the folders of finished runs")
+      ->required();
+  if (is_replay) {
+    app.add_option("--camera", arguments.camera,
+                   "the camera to begin with: one of the model's (default: the shot list's)")
+        ->type_name("NAME");
+    app.add_option("--out", arguments.out, "the page (default: RUN/replay.html)")
+        ->type_name("FILE");
+  } else {
+    arguments.out = ".";
+    app.add_option("--out", arguments.out, "the folder for what is written, or the page's .html")
+        ->type_name("DIR")
+        ->capture_default_str();
+  }
   if (is_comparison) {
     app.add_option("--metric", arguments.choice.metrics,
                    "which metrics (default: all); may be given again")
@@ -370,23 +334,27 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
     app.add_flag("--svg", arguments.svg, "write compare.svg: the signals, for a paper");
     app.add_flag("--pdf", arguments.pdf, "write compare.pdf: the same");
   }
-  app.add_flag("!--no-replay", arguments.choice.with_replay, "leave out the replay");
+  if (!is_replay) {
+    app.add_flag("!--no-replay", arguments.choice.with_replay, "leave out the replay");
+  }
   app.add_flag("--quiet", arguments.quiet, "print errors only");
-  app.footer(is_comparison
-                 ? "It writes compare.html, a page that needs no network. Figures are drawn by\n"
-                   "scripts/figures.py (python3-matplotlib), which you may copy."
-                 : "It writes report.html, a page that needs no network.");
+  app.footer(
+      is_comparison ? "It writes compare.html, a page that needs no network. Figures are drawn by\n"
+                      "scripts/figures.py (python3-matplotlib), which you may copy."
+      : is_replay   ? "The page is one file and needs no network. It plays what the run's log has, "
+                      "with the\n"
+                      "arrows and chart of the scenario's shots.toml; nothing is simulated again.\n"
+                      "Exit status: 0 success, 1 a defect, 2 usage or input, 4 it could not be made "
+                      "or written."
+                    : "It writes report.html, a page that needs no network.");
   if (const auto status = parse(app, argc, argv)) return *status;
+  if (is_replay) return replay(catalogue, arguments);
   if (arguments.paired) return compare_paired(catalogue, arguments);
   return is_comparison ? compare(catalogue, arguments) : report(catalogue, arguments);
 }
 
 int report_main(const Catalogue& catalogue, int argc, const char* const* argv) {
-  return guarded(argv[0], [&] {
-    const std::string name = argv[0];
-    if (name == "replay") return replay_main(catalogue, argc, argv);
-    return runs_main(catalogue, name == "compare", argc, argv);
-  });
+  return guarded(argv[0], [&] { return runs_main(catalogue, argc, argv); });
 }
 
 }  // namespace

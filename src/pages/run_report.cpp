@@ -64,18 +64,6 @@ void add_reference(const PageChart& shown, std::vector<PageChart>& charts) {
   }
 }
 
-PageData figures_of(std::vector<PageChart>& charts, const std::optional<Window>& window) {
-  auto figures = PageData::array();
-  for (PageChart& chart : charts) {
-    if (window) {
-      chart.from_s = window->from_s;
-      chart.to_s = window->to_s;
-    }
-    figures.push_back(figure_of(chart));
-  }
-  return figures;
-}
-
 }  // namespace
 
 std::map<std::string, ReferenceValue> printed_of(const Catalogue& catalogue, const SavedRun& run) {
@@ -203,11 +191,24 @@ std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::st
   return all;
 }
 
+PageData figures_of(const std::vector<PageChart>& charts, const std::optional<Window>& window) {
+  auto figures = PageData::array();
+  for (PageChart chart : charts) {
+    if (window) {
+      chart.from_s = window->from_s;
+      chart.to_s = window->to_s;
+    }
+    figures.push_back(figure_of(chart));
+  }
+  return figures;
+}
+
 PageData printed_lines(const ReferenceValue& reference, double measured) {
   const Agreement agreement = reference.agrees(measured);
-  return {
-      {{"text", "thesis " + reference.text}, {"kind", "printed"}},
-      {{"text", agreement.text}, {"kind", "verdict " + agreement.tone}, {"tip", agreement.rule}}};
+  return {{{"text", "thesis " + reference.text}, {"kind", "printed"}},
+          {{"text", agreement.text + ": " + reference.deviation(measured)},
+           {"kind", "verdict " + agreement.tone},
+           {"tip", agreement.rule}}};
 }
 
 ShotList shots_of(const Catalogue& catalogue, const SavedRun& run) {

@@ -2,14 +2,16 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/references.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/pages/html_page.h>
+#include <breakwater/pages/page_chart.h>
 #include <breakwater/pictures/shot_list.h>
+#include <breakwater/pictures/staging.h>
 #include <breakwater/record/recording.h>
 
 namespace breakwater {
@@ -35,6 +37,9 @@ struct ShownMetric {
 /// after them.
 std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::string& scenario,
                                        const ShotList& shots, const std::vector<Metric>& metrics);
+
+/// A figure for each chart, which begins with the window.
+PageData figures_of(const std::vector<PageChart>& charts, const std::optional<Window>& window);
 
 /// The lines of a metric's cell: "thesis 2.83", and whether the measured value agrees.
 PageData printed_lines(const ReferenceValue& reference, double measured);

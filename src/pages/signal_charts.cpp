@@ -29,8 +29,7 @@ std::string bare(const std::string& name) {
 
 // Another group may have the same signal at another rate.
 void add_kind(std::vector<LogEntry>& kinds, const LogEntry& entry) {
-  const auto same = std::find_if(kinds.begin(), kinds.end(),
-                                 [&](const LogEntry& kind) { return kind.name == entry.name; });
+  const auto same = std::ranges::find(kinds, entry.name, &LogEntry::name);
   if (same == kinds.end()) {
     kinds.push_back(entry);
   } else if (entry.rows > same->rows) {
@@ -53,20 +52,40 @@ class Charts {
   void add(const std::string& title, const std::vector<OneSignal>& signals,
            std::vector<PageChart>& to) {
     std::vector<PageChart> made;
+    const auto chart_with = [&made](const std::string& unit) {
+      return std::ranges::find_if(
+          made, [&](const PageChart& chart) { return chart.series.front().unit == unit; });
+    };
+    std::vector<ChartSeries> constant;
     for (const OneSignal& one : signals) {
-      const std::string name = place_of(one);
       // The same of another group counts too.
       if (!used_.emplace(one.entry.name, one.index).second) continue;
-      ChartSeries series = series_of(one, name);
-      const auto& values = series.values.values;
-      if (std::all_of(values.begin(), values.end(),
-                      [&](double value) { return value == values.front(); })) {
-        waiting_.emplace_back(name, std::move(series));
+      const std::string index = one.entry.width == 1 ? "" : fmt::format("[{}]", one.index);
+      ChartSeries series = series_of(run_, signal_path(one.entry) + index,
+                                     signal_label(one.entry) + (index.empty() ? "" : " " + index));
+      series.identity = role_of_signal(one.entry.name);
+      const std::vector<double>& values = series.values.values;
+      if (std::ranges::all_of(values, [&](double value) { return value == values.front(); })) {
+        constant.push_back(std::move(series));
         continue;
       }
-      chart_of(series.unit, title, made).series.push_back(std::move(series));
+      auto chart = chart_with(series.unit);
+      if (chart == made.end()) {
+        chart = made.insert(made.end(), PageChart{.group = id_, .title = title});
+      }
+      chart->series.push_back(std::move(series));
     }
-    add_constant_references(made);
+    // A reference that stands still says where the others should be.
+    for (ChartSeries& series : constant) {
+      const auto chart = chart_with(series.unit);
+      if (series.identity == kReferenceIdentity && chart != made.end()) {
+        chart->series.push_back(std::move(series));
+      } else if (!series.values.values.empty()) {
+        const std::string& about = series.description;
+        constants_.push_back(fmt::format("{} = {}", about.substr(0, about.find(':')),
+                                         in_digits(series.values.values.front())));
+      }
+    }
     for (PageChart& chart : made) {
       chart.id = fmt::format("{}-{}", id_, ++count_);
       // Another chart has the rest of the quantity already.
@@ -79,55 +98,11 @@ class Charts {
   const std::vector<std::string>& constants() const { return constants_; }
 
  private:
-  static std::string place_of(const OneSignal& one) {
-    return signal_path(one.entry) + (one.entry.width == 1 ? "" : fmt::format("[{}]", one.index));
-  }
-
-  ChartSeries series_of(const OneSignal& one, const std::string& name) const {
-    ChartSeries series;
-    series.label =
-        signal_label(one.entry) + (one.entry.width == 1 ? "" : fmt::format(" [{}]", one.index));
-    series.unit = one.entry.unit_of(one.index);
-    series.description = name + ": " + one.entry.description;
-    series.values = run_.signal(name);
-    series.identity = role_of_signal(one.entry.name);
-    return series;
-  }
-
-  PageChart& chart_of(const std::string& unit, const std::string& title,
-                      std::vector<PageChart>& made) const {
-    for (PageChart& chart : made) {
-      if (chart.series.front().unit == unit) return chart;
-    }
-    PageChart& chart = made.emplace_back();
-    chart.group = id_;
-    chart.title = title;
-    return chart;
-  }
-
-  // A reference that stands still says where the others should be.
-  void add_constant_references(std::vector<PageChart>& made) {
-    for (auto& [name, series] : waiting_) {
-      const std::string& unit = series.unit;
-      const bool is_reference = series.identity == kReferenceIdentity;
-      const auto chart = std::find_if(made.begin(), made.end(), [&](const PageChart& one) {
-        return one.series.front().unit == unit;
-      });
-      if (is_reference && chart != made.end()) {
-        chart->series.push_back(std::move(series));
-      } else if (!series.values.values.empty()) {
-        constants_.push_back(fmt::format("{} = {}", name, in_digits(series.values.values.front())));
-      }
-    }
-    waiting_.clear();
-  }
-
   const SavedRun& run_;
   const std::string& id_;
   std::size_t count_ = 0;
   std::set<std::pair<std::string, std::size_t>> used_;
   std::vector<std::string> constants_;
-  std::vector<std::pair<std::string, ChartSeries>> waiting_;  // constant ones of one chart
 };
 
 std::vector<OneSignal> values_of(const LogEntry& entry) {
@@ -198,6 +173,11 @@ std::string signal_path(const LogEntry& entry) {
   return entry.group == "control" ? entry.name : entry.group + "/" + entry.name;
 }
 
+ChartSeries series_of(const SavedRun& run, const std::string& signal, const std::string& label) {
+  return {label, run.unit(signal), signal + ": " + run.entry(signal).description,
+          run.signal(signal)};
+}
+
 std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
                                        const ShotList& shots) {
   std::vector<std::string> shown;
@@ -223,9 +203,7 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
   join_references(all);
   name_inputs(all);
   for (LoggedQuantity& quantity : all) {
-    std::stable_sort(
-        quantity.kinds.begin(), quantity.kinds.end(),
-        [](const LogEntry& a, const LogEntry& b) { return order_of(a) < order_of(b); });
+    std::ranges::stable_sort(quantity.kinds, {}, order_of);
     const bool is_true = order_of(quantity.kinds.front()) == 0;
     quantity.rank = shown.size() + (quantity.kinds.size() == 1 ? 2 : is_true ? 0 : 1);
     for (const LogEntry& kind : quantity.kinds) {
@@ -235,9 +213,7 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
     }
     quantity.title = capitalised(quantity.title);
   }
-  std::stable_sort(all.begin(), all.end(), [](const LoggedQuantity& a, const LoggedQuantity& b) {
-    return a.rank < b.rank;
-  });
+  std::ranges::stable_sort(all, {}, &LoggedQuantity::rank);
   return all;
 }
 

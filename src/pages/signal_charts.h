@@ -26,6 +26,9 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals, con
 /// "physics/force_true_N"; a signal of the group `control` goes without "force_true_N".
 std::string signal_path(const LogEntry& entry);
 
+/// A signal of a run, or one of its values: "torque_Nm[2]".
+ChartSeries series_of(const SavedRun& run, const std::string& signal, const std::string& label);
+
 struct SignalCharts {
   std::vector<PageChart> key;  ///< the shot list's page has them, or they are the first quantities
   std::vector<PageChart> others;       ///< one for each other quantity. A vector of several values

@@ -2,35 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include <breakwater/thesis/printed_results.h>
 
 namespace breakwater {
 namespace {
-
-// "28 % below".
-std::string deviation(const PrintedValue& printed, double measured) {
-  const double off = measured - printed.number();
-  return fmt::format("{} {}",
-                     printed.standard.within.absolute
-                         ? fmt::format("{:.2g}", std::abs(off))
-                         : fmt::format("{:.2g} %", 100.0 * std::abs(off / printed.number())),
-                     off < 0.0 ? "below" : "above");
-}
-
-// The verdict for a reader who does not know the classes.
-std::string in_words(const PrintedValue& printed, double measured) {
-  switch (printed.verdict(measured)) {
-    case Verdict::within_class:
-      return "near: " + deviation(printed, measured);
-    case Verdict::not_reproduced:
-      return std::isfinite(measured) ? "not reproduced: " + deviation(printed, measured)
-                                     : text(Verdict::not_reproduced);
-    default:
-      return text(printed.verdict(measured));
-  }
-}
 
 std::vector<ReferenceValue> of_case(const std::string& scenario, const std::string& case_name) {
   std::vector<ReferenceValue> values;
@@ -40,7 +15,7 @@ std::vector<ReferenceValue> of_case(const std::string& scenario, const std::stri
                         const Verdict verdict = printed.verdict(measured);
                         return Agreement{
                             verdict == Verdict::reproduced || verdict == Verdict::within_class,
-                            in_words(printed, measured),
+                            verdict == Verdict::within_class ? "near" : text(verdict),
                             fmt::format("{} ({})", text(verdict), rule_text(printed.standard)),
                             css_class(verdict)};
                       }});

@@ -15,6 +15,14 @@
 namespace breakwater {
 namespace {
 
+// In the order of the enumeration.
+constexpr struct {
+  const char *text, *tone;
+} kVerdicts[] = {{"reproduced", "good"},
+                 {"within the class", "near"},
+                 {"not reproduced", "off"},
+                 {"not measured", "unknown"}};
+
 bool matches(const char* pattern, const char* path) {
   if (*pattern == '*')
     return matches(pattern + 1, path) || (*path != '\0' && matches(pattern, path + 1));
@@ -145,31 +153,11 @@ Verdict judge(double measured, const PrintedResult& printed, const Standard& sta
 }
 
 std::string css_class(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::reproduced:
-      return "good";
-    case Verdict::within_class:
-      return "near";
-    case Verdict::not_reproduced:
-      return "off";
-    case Verdict::not_measured:
-      break;
-  }
-  return "unknown";
+  return kVerdicts[static_cast<std::size_t>(verdict)].tone;
 }
 
 std::string text(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::reproduced:
-      return "reproduced";
-    case Verdict::within_class:
-      return "within the class";
-    case Verdict::not_reproduced:
-      return "not reproduced";
-    case Verdict::not_measured:
-      break;
-  }
-  return "not measured";
+  return kVerdicts[static_cast<std::size_t>(verdict)].text;
 }
 
 std::string rule_text(const Standard& standard) {

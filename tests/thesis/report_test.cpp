@@ -482,12 +482,13 @@ TEST(PrintedReferences, SayHowFarANumberIsFromThePrint) {
     return one.metric == "peak_force_filtered_N";
   });
   ASSERT_NE(peak, values.end());
-  for (const auto& [factor, text, verdict] :
-       {std::tuple(1.01, "reproduced", "reproduced ("),
-        std::tuple(0.8, "near: 20 % below", "within the class ("),
-        std::tuple(1.6, "not reproduced: 60 % above", "not reproduced (")}) {
+  for (const auto& [factor, text, deviation, verdict] :
+       {std::tuple(1.01, "reproduced", "+1.0 %", "reproduced ("),
+        std::tuple(0.8, "near", "-20.0 %", "within the class ("),
+        std::tuple(1.6, "not reproduced", "+60.0 %", "not reproduced (")}) {
     const Agreement agreement = peak->agrees(factor * peak->number);
     EXPECT_EQ(agreement.text, text);
+    EXPECT_EQ(peak->deviation(factor * peak->number), deviation);
     EXPECT_TRUE(agreement.rule.starts_with(verdict)) << agreement.rule;
   }
 }
