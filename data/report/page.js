@@ -460,10 +460,7 @@
   }
 
   const charts = Array.from(document.querySelectorAll(".chart"));
-  document.querySelectorAll("video[data-group]").forEach((video) => {
-    if (!video.hasAttribute("src")) video.src = document.querySelector("video[src]").src;  // the same video
-    new Video(video);
-  });
+  document.querySelectorAll("video[data-group]").forEach((video) => new Video(video));
   const draw = (box) => { if (!box.dataset.drawn) new Chart(box); };
   // Draws all at once, for printing and for tests.
   window.drawAllCharts = () => charts.filter((box) => !box.closest("[hidden]")).forEach(draw);

@@ -131,7 +131,7 @@ void take_apart(PageData& data, bool& has_charts, bool& has_replays) {
   if (data.is_string() && data.get_ref<const std::string&>().starts_with("data:")) data = nullptr;
   if (!data.is_structured()) return;
   if (data.is_object()) {
-    for (const char* name : {"copy", "machine"}) data.erase(name);
+    data.erase("machine");
     has_charts |= data.contains("over");
     has_replays |= data.contains("time") && data.contains("strip");
   }
@@ -152,7 +152,9 @@ PageData contents_of(const PageData& data) {
   if (data.contains("toc")) return data["toc"];
   auto toc = PageData::array();
   for (const PageData& section : data.value("sections", PageData::array())) {
-    toc.push_back({{"href", section["id"]}, {"label", section.value("heading", "")}});
+    toc.push_back({{"href", section["id"]},
+                   {"label", section.value("heading", "")},
+                   {"number", section.value("number", "")}});
   }
   return toc;
 }

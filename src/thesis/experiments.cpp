@@ -18,8 +18,6 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t kMostPanels = 1000;
-
 // One of `words`; empty if the entry is missing.
 std::string word_or_nothing(const TomlEntry& entry, const std::vector<std::string>& words) {
   std::string word = entry.text_or_nothing();
@@ -114,9 +112,8 @@ CellSpec read_cell(const TomlEntry& cell, const std::string& reading) {
   return spec;
 }
 
-// The place of a name in a list.
-std::size_t place_of(const std::string& name, const std::vector<std::string>& names) {
-  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+void add_once(std::vector<std::string>& names, const std::string& name) {
+  if (!name.empty() && std::ranges::find(names, name) == names.end()) names.push_back(name);
 }
 
 // The rows of a table are those of its cells, in their order.
@@ -129,19 +126,20 @@ TableSpec read_table(const TomlEntry& table) {
   spec.columns = texts(table["columns"]);
   if (spec.columns.empty()) table["columns"].fail("is missing");
   for (const TomlEntry& cell : table["cells"].elements()) {
-    const std::size_t r = place_of(cell["row"].text(), spec.rows);
-    if (r == spec.rows.size()) {
-      spec.rows.push_back(cell["row"].text());
-      spec.cells.emplace_back(spec.columns.size());
-    }
+    const std::string row = cell["row"].text();
+    add_once(spec.rows, row);
     const bool has_one = spec.columns.size() == 1 && !cell["column"];
-    const std::size_t c = has_one ? 0 : place_of(cell["column"].text(), spec.columns);
-    if (c == spec.columns.size()) {
-      cell["column"].fail("there is no such column" +
-                          did_you_mean(cell["column"].text(), spec.columns));
+    const std::string column = has_one ? spec.columns.front() : cell["column"].text();
+    if (std::ranges::find(spec.columns, column) == spec.columns.end()) {
+      cell["column"].fail("there is no such column" + did_you_mean(column, spec.columns));
     }
-    if (spec.cells[r][c]) cell.fail("there is such a cell already");
-    spec.cells[r][c] = read_cell(cell, table["reading"].text_or_nothing());
+    const auto is_there = [&](const CellSpec& other) {
+      return other.row == row && other.column == column;
+    };
+    if (std::ranges::any_of(spec.cells, is_there)) cell.fail("there is such a cell already");
+    spec.cells.push_back(read_cell(cell, table["reading"].text_or_nothing()));
+    spec.cells.back().row = row;
+    spec.cells.back().column = column;
   }
   return spec;
 }
@@ -232,7 +230,7 @@ void choose_readings(const TomlEntry& rows, const std::vector<std::string>& name
     experiments.readings.push_back(std::move(reading));
   }
   for (const std::string& name : names) {
-    if (place_of(name, known) == known.size()) {
+    if (std::ranges::find(known, name) == known.end()) {
       throw std::invalid_argument(
           fmt::format("--reading {}: there is no such reading{}; --list-readings shows them", name,
                       did_you_mean(name, known)));
@@ -241,68 +239,40 @@ void choose_readings(const TomlEntry& rows, const std::vector<std::string>& name
 }
 
 // Checks that all references exist.
-class Check {
- public:
-  Check(const Experiments& experiments, const PrintedResults& printed)
-      : experiments_(experiments), printed_(printed) {}
-
-  void all() const {
-    for (const SectionSpec& section : experiments_.sections) {
-      for (const std::string& name : {section.video, section.strip}) run(name, section.line);
-      for (const TableSpec& table : section.tables) {
-        for (const auto& row : table.cells) {
-          for (const auto& cell : row) {
-            if (cell) this->cell(*cell);
-          }
+void check(const Experiments& experiments, const PrintedResults& printed) {
+  const auto fail = [&](std::size_t line, const std::string& what) {
+    throw std::invalid_argument(fmt::format("{}:{}: {}", experiments.file, line, what));
+  };
+  const auto check_run = [&](const std::string& name, std::size_t line) {
+    if (name.empty() || experiments.runs.contains(name)) return;
+    std::vector<std::string> names;
+    for (const auto& [known, spec] : experiments.runs) names.push_back(known);
+    fail(line, "there is no run " + name + did_you_mean(name, names));
+  };
+  for (const SectionSpec& section : experiments.sections) {
+    for (const std::string& name : {section.video, section.strip}) check_run(name, section.line);
+    for (const TableSpec& table : section.tables) {
+      for (const CellSpec& cell : table.cells) {
+        for (const Quantity& quantity : cell.quantities()) check_run(quantity.run, cell.line);
+        check_run(cell.without, cell.line);
+        if (!cell.printed.empty() && !printed.find(cell.printed)) {
+          fail(cell.line, "nothing is printed at " + cell.printed);
         }
       }
-      for (const FigureSpec& figure : section.figures) {
-        for (const FigureRun& one : figure.runs) run(one.run, figure.line);
-      }
     }
-    for (const HeroSpec& hero : experiments_.heroes) this->hero(hero);
-  }
-
- private:
-  [[noreturn]] void fail(std::size_t line, const std::string& what) const {
-    throw std::invalid_argument(fmt::format("{}:{}: {}", experiments_.file, line, what));
-  }
-
-  void run(const std::string& name, std::size_t line) const {
-    if (name.empty() || experiments_.runs.contains(name)) return;
-    std::vector<std::string> names;
-    for (const auto& [known, spec] : experiments_.runs) names.push_back(known);
-    fail(line, "there is no run " + name + did_you_mean(name, names));
-  }
-
-  void cell(const CellSpec& cell) const {
-    for (const Quantity& quantity : cell.quantities()) run(quantity.run, cell.line);
-    run(cell.without, cell.line);
-    if (!cell.printed.empty() && !printed_.find(cell.printed)) {
-      fail(cell.line, "nothing is printed at " + cell.printed);
+    for (const FigureSpec& figure : section.figures) {
+      for (const FigureRun& one : figure.runs) check_run(one.run, figure.line);
     }
-  }
-
-  void hero(const HeroSpec& hero) const {
-    for (const SectionSpec& section : experiments_.sections) {
-      for (const FigureSpec& figure : section.figures) {
-        if (figure.number == hero.figure && hero.panel < figure.panels.size()) return;
-      }
-    }
-    fail(hero.line, fmt::format("there is no panel {} of a figure {}", hero.panel, hero.figure));
-  }
-
-  const Experiments& experiments_;
-  const PrintedResults& printed_;
-};
-
-void add_once(std::vector<std::string>& names, const std::string& name) {
-  if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) {
-    names.push_back(name);
   }
 }
 
 }  // namespace
+
+std::vector<std::string> RunSpec::sets_of(std::size_t repetition) const {
+  std::vector<std::string> all = sets;
+  all.insert(all.end(), repetitions[repetition].begin(), repetitions[repetition].end());
+  return all;
+}
 
 std::string Quantity::name() const {
   return is_magnitude() ? metric.substr(1, metric.size() - 2) : metric;
@@ -327,12 +297,9 @@ std::vector<std::string> SectionSpec::logged_runs() const {
 std::vector<std::string> SectionSpec::runs() const {
   std::vector<std::string> names = logged_runs();
   for (const TableSpec& table : tables) {
-    for (const auto& row : table.cells) {
-      for (const auto& cell : row) {
-        if (!cell) continue;
-        for (const Quantity& quantity : cell->quantities()) add_once(names, quantity.run);
-        add_once(names, cell->without);
-      }
+    for (const CellSpec& cell : table.cells) {
+      for (const Quantity& quantity : cell.quantities()) add_once(names, quantity.run);
+      add_once(names, cell.without);
     }
   }
   return names;
@@ -342,24 +309,17 @@ Experiments read_experiments(const std::string& file, Effort effort,
                              const std::vector<std::string>& readings) {
   const toml::table tables = parse_toml_file(file);
   const TomlEntry root(tables, file);
-  root.allow({"title", "hero", "video", "readings", "form", "section"});
+  root.allow({"title", "readings", "form", "section"});
   Experiments experiments;
   experiments.file = file;
   std::error_code ignored;
   experiments.is_own = !fs::equivalent(file, data_file("data/experiments.toml"), ignored);
   experiments.title = root["title"].text_or_nothing();
-  experiments.video = root["video"].text_or_nothing();
   for (const TomlEntry& section : root["section"].elements()) {
     experiments.sections.push_back(read_section(section, root["form"], effort, experiments.runs));
   }
   choose_readings(root["readings"], readings, experiments);
-  for (const TomlEntry& hero : root["hero"].elements()) {
-    const TomlEntry panel = hero["panel"];
-    experiments.heroes.push_back({hero["figure"].text(),
-                                  static_cast<std::size_t>(panel ? panel.whole(0, kMostPanels) : 0),
-                                  hero["caption"].text(), hero.line()});
-  }
-  Check(experiments, printed_results()).all();
+  check(experiments, printed_results());
   return experiments;
 }
 

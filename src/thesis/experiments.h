@@ -23,6 +23,9 @@ struct RunSpec {
   std::vector<std::vector<std::string>>
       repetitions;       ///< further sets of each repetition; at least one
   std::size_t line = 0;  ///< line of the file, here and below
+
+  /// All sets of a repetition.
+  std::vector<std::string> sets_of(std::size_t repetition) const;
 };
 
 /// A metric of a run.
@@ -37,6 +40,7 @@ struct Quantity {
 
 /// One measured number and the printed result or statement to compare it with.
 struct CellSpec {
+  std::string row, column;  ///< its place in the table
   Quantity quantity;
   /// Divisor, by repetition for the same run; otherwise its median.
   std::optional<Quantity> over;
@@ -71,7 +75,7 @@ struct TableSpec {
   std::string note;  ///< text below the table; may be empty
   std::vector<std::string> rows;
   std::vector<std::string> columns;
-  std::vector<std::vector<std::optional<CellSpec>>> cells;  ///< rows × columns
+  std::vector<CellSpec> cells;  ///< one at most for each row and column
 };
 
 struct PanelSpec {
@@ -134,14 +138,6 @@ struct ReadingSpec {
   bool is_chosen = false;
 };
 
-/// A picture at the top of the page: one panel of a figure.
-struct HeroSpec {
-  std::string figure;
-  std::size_t panel = 0;
-  std::string caption;
-  std::size_t line = 0;
-};
-
 struct Experiments {
   std::string file;
   /// A user's own list. Its statements hold or do not hold; "reproduced" is only for results of the
@@ -150,9 +146,7 @@ struct Experiments {
   std::string title;  ///< title of the page; default: that of the thesis' reproduction
   std::map<std::string, RunSpec> runs;
   std::vector<SectionSpec> sections;
-  std::vector<HeroSpec> heroes;
   std::vector<ReadingSpec> readings;
-  std::string video;  ///< for the top of the page: id of a section
 };
 
 /// The cause if a result is not reproduced. The thesis contradicts itself or its numbers, or it is

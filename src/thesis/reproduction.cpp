@@ -33,20 +33,6 @@ struct Job {
   double cost = 0.0;  // number of physics steps
 };
 
-// Calls `body` for each cell of the sections.
-template <typename Sections, typename Body>
-void each_cell(const Sections& sections, Body&& body) {
-  for (const SectionSpec* section : sections) {
-    for (const TableSpec& table : section->tables) {
-      for (const auto& row : table.cells) {
-        for (const auto& cell : row) {
-          if (cell) body(*cell);
-        }
-      }
-    }
-  }
-}
-
 [[noreturn]] void fail(const Experiments& experiments, std::size_t line, const std::string& what) {
   throw std::invalid_argument(fmt::format("{}:{}: {}", experiments.file, line, what));
 }
@@ -79,13 +65,6 @@ class Jobs : public PointSource {
   KnownModels models_;
   std::vector<Job> jobs_;  // the longest first
 };
-
-std::vector<std::string> sets_of(const RunSpec& spec, std::size_t repetition) {
-  std::vector<std::string> sets = spec.sets;
-  const std::vector<std::string>& own = spec.repetitions[repetition];
-  sets.insert(sets.end(), own.begin(), own.end());
-  return sets;
-}
 
 Jobs::Jobs(const Reproduction& reproduction) : reproduction_(reproduction) {
   const Experiments& experiments = reproduction.experiments;
@@ -122,7 +101,7 @@ Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t rep
     const auto file = catalogue.get<ScenarioKind>(spec.scenario).scenario_file();
     found = files_.emplace(spec.scenario, file).first;
   }
-  const std::vector<std::string> sets = sets_of(spec, repetition);
+  const std::vector<std::string> sets = spec.sets_of(repetition);
   // The first one also checks every table of the file.
   const PreparedRun run = (is_first ? prepare_run : prepare_point)(
       catalogue, spec.scenario, *found->second, spec.case_name, sets);
@@ -141,7 +120,7 @@ Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t rep
 PreparedRun Jobs::prepare(std::size_t point) const {
   const Job& job = jobs_[point];
   return prepare_point(reproduction_.catalogue, job.spec->scenario, *files_.at(job.spec->scenario),
-                       job.spec->case_name, sets_of(*job.spec, job.repetition));
+                       job.spec->case_name, job.spec->sets_of(job.repetition));
 }
 
 // Whether the folder has this run, made with the same models and program as its result.
@@ -203,18 +182,20 @@ std::map<std::string, std::set<std::string>> known_metrics(const Experiments& ex
 void check_metrics(const Reproduction& reproduction,
                    const std::map<std::string, std::set<std::string>>& known) {
   const Experiments& experiments = reproduction.experiments;
-  each_cell(reproduction.sections, [&](const CellSpec& cell) {
+  const auto check = [&](const CellSpec& cell) {
     for (const Quantity& quantity : cell.quantities()) {
       const std::string& scenario = experiments.runs.at(quantity.run).scenario;
       const std::set<std::string>& names = known.at(scenario);
       const std::string name = quantity.name();
-      if (names.empty() || names.contains(name)) continue;
-      if (cell.absent_is_never) continue;
+      if (names.empty() || names.contains(name) || cell.absent_is_never) continue;
       fail(experiments, cell.line,
            fmt::format("metric: no run of {} has {}{}", scenario, name,
                        did_you_mean(name, {names.begin(), names.end()})));
     }
-  });
+  };
+  for (const SectionSpec* section : reproduction.sections) {
+    for (const TableSpec& table : section->tables) std::ranges::for_each(table.cells, check);
+  }
 }
 
 }  // namespace

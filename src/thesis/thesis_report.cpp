@@ -10,15 +10,14 @@
 #include <numeric>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 
 #include <breakwater/config/config.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
 #include <breakwater/pages/replay_part.h>
-#include <breakwater/pictures/shot_list.h>
-#include <breakwater/pictures/staging.h>
-#include <breakwater/record/input_file.h>
+#include <breakwater/pages/signal_charts.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>
@@ -39,9 +38,7 @@ class Logs {
   explicit Logs(fs::path out) : out_(std::move(out)) {}
 
   const SavedRun& of(const std::string& run) {
-    const auto found = runs_.find(run);
-    if (found != runs_.end()) return found->second;
-    return runs_.emplace(run, SavedRun(run_folder(out_, run))).first->second;
+    return runs_.try_emplace(run, run_folder(out_, run)).first->second;
   }
 
  private:
@@ -49,155 +46,59 @@ class Logs {
   std::map<std::string, SavedRun> runs_;
 };
 
-// `label` is the run's.
-ChartSeries series_of(const SavedRun& run, const std::string& signal, const std::string& label,
-                      const PanelSpec& panel) {
-  const bool is_one_of_many = panel.signals.size() > 1;
-  const LogEntry& entry = run.entry(signal);
-  const double least = std::numeric_limits<double>::lowest();
-  const double most = std::numeric_limits<double>::max();
-  const std::string unit = run.unit(signal);
-  const std::size_t open = signal.find('[');
-  const std::string name =
-      metric_label(entry.name, unit) + (open == std::string::npos ? "" : " " + signal.substr(open));
-  return {label.empty() ? name : label + (is_one_of_many ? ", " + name : ""), unit,
-          signal + ": " + entry.description,
-          cut(run.signal(signal), panel.from_s.value_or(least), panel.to_s.value_or(most))};
-}
-
-std::vector<PageChart> charts_of(const FigureSpec& figure, const std::string& group, Logs& logs) {
-  std::vector<PageChart> charts;
-  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
-    const PanelSpec& panel = figure.panels[i];
-    PageChart chart;
-    chart.id = fmt::format("figure-{}-{}", anchor(figure.number), i + 1);
-    // A panel with its own time window has its own time axis.
-    chart.group = group;
-    if (panel.from_s || panel.to_s) {
-      chart.axis = fmt::format("{}-from-{:g}-to-{:g}", group, panel.from_s.value_or(0.0),
-                               panel.to_s.value_or(0.0));
-    }
-    chart.title = panel.title;
-    chart.lines = panel.lines;
-    for (const std::string& signal : panel.once) {
-      chart.series.push_back(series_of(logs.of(figure.runs.front().run), signal, "", panel));
-      chart.series.back().identity = role_of_signal(signal).value_or(kReferenceIdentity);
-    }
-    for (const FigureRun& run : figure.runs) {
-      for (const std::string& signal : panel.signals) {
-        chart.series.push_back(series_of(logs.of(run.run), signal, run.label, panel));
-        // If a figure has several runs, each has its own colour.
-        if (figure.runs.size() == 1) chart.series.back().identity = role_of_signal(signal);
-        chart.series.back().is_off =
-            std::find(figure.off.begin(), figure.off.end(), run.label) != figure.off.end();
-      }
-    }
-    charts.push_back(chart);
+// A panel of a figure. One with its own time window has its own time axis.
+PageChart chart_of(const FigureSpec& figure, const PanelSpec& panel, Logs& logs) {
+  PageChart chart;
+  chart.title = panel.title;
+  chart.lines = panel.lines;
+  const double from_s = panel.from_s.value_or(std::numeric_limits<double>::lowest());
+  const double to_s = panel.to_s.value_or(std::numeric_limits<double>::max());
+  const auto add = [&](const FigureRun& run, const std::string& signal, bool has_name) {
+    const SavedRun& saved = logs.of(run.run);
+    const std::string name = metric_label(saved.entry(signal).name, saved.unit(signal)) +
+                             (signal.ends_with(']') ? " " + signal.substr(signal.find('[')) : "");
+    const std::string label = has_name && !run.label.empty() ? run.label + ", " + name : run.label;
+    ChartSeries series = series_of(saved, signal, label.empty() ? name : label);
+    series.values = cut(series.values, from_s, to_s);
+    return &chart.series.emplace_back(std::move(series));
+  };
+  for (const std::string& signal : panel.once) {
+    add({figure.runs.front().run, ""}, signal, true)->identity =
+        role_of_signal(signal).value_or(kReferenceIdentity);
   }
-  return charts;
-}
-
-// How far a measured number is from the printed one, relative to it; infinite without a number.
-double deviation(const Judged& judged, const PrintedResult& printed) {
-  const double off = std::abs((judged.median - *printed.number) / *printed.number);
-  return std::isfinite(off) ? off : std::numeric_limits<double>::infinity();
-}
-
-// A judged cell and its place.
-struct Entry {
-  const SectionSpec& section;
-  const TableSpec& table;
-  std::size_t row, column;
-  const CellSpec& cell;
-  Judged judged;
-
-  bool is_counted() const { return cell.shows.empty() && cell.reading.empty(); }
-  bool is_failure() const { return is_counted() && judged.verdict == Verdict::not_reproduced; }
-  std::string what() const {
-    return table.rows[row] + (table.columns.size() > 1 ? ", " + table.columns[column] : "");
-  }
-};
-
-std::vector<Entry> entries_of(const Reproduction& reproduction, const Measured& measured) {
-  std::vector<Entry> all;
-  for (const SectionSpec* section : reproduction.sections) {
-    for (const TableSpec& table : section->tables) {
-      for (std::size_t r = 0; r < table.rows.size(); ++r) {
-        for (std::size_t c = 0; c < table.columns.size(); ++c) {
-          const auto& cell = table.cells[r][c];
-          if (!cell) continue;
-          all.push_back(
-              {*section, table, r, c, *cell, judge_cell(*cell, measured, printed_results())});
-        }
-      }
+  for (const FigureRun& run : figure.runs) {
+    for (const std::string& signal : panel.signals) {
+      ChartSeries* const series = add(run, signal, panel.signals.size() > 1);
+      // If a figure has several runs, each has its own colour.
+      if (figure.runs.size() == 1) series->identity = role_of_signal(signal);
+      series->is_off = std::ranges::find(figure.off, run.label) != figure.off.end();
     }
   }
-  return all;
+  return chart;
 }
 
-void count(const Entry& entry, bool is_own, Score& score) {
-  if (!entry.is_counted()) return;
-  const auto& [section, table, row, column, cell, judged] = entry;
-  const auto printed = printed_results().find(cell.printed);
-  if (printed && printed->number) {
-    const double off = deviation(judged, *printed);
-    ++score.numbers;
-    score.numbers_near += off <= 0.05 ? 1 : 0;
-    score.numbers_off += off > 0.25 ? 1 : 0;
-  }
-  Score::Share& share = printed ? score.printed : score.statements[section.id + ": " + cell.says];
-  ++share.all;
-  if (judged.is_vacuous) {
-    ++share.vacuous;
-    ++score.vacuous;
-    return;
-  }
-  const bool is_own_statement = is_own && !cell.says.empty();
-  switch (judged.verdict) {
-    case Verdict::reproduced:
-      ++share.reproduced;
-      ++(is_own_statement ? score.holds : score.reproduced);
-      break;
-    case Verdict::within_class:
-      ++share.within_class;
-      ++score.within_class;
-      break;
-    case Verdict::not_reproduced:
-      ++score.causes[cell.cause];
-      ++(is_own_statement ? score.does_not_hold : score.not_reproduced);
-      break;
-    case Verdict::not_measured:
-      ++score.not_measured;
-      break;
-  }
+auto vacuous_of(const std::vector<JudgedCell>& cells) {
+  return std::ranges::count_if(cells, [](const JudgedCell& one) { return one.judged.is_vacuous; });
 }
 
-PageData tallies_data(const Score& score) {
+PageData tallies_data(const std::vector<JudgedCell>& cells) {
   auto list = PageData::array();
-  for (const Score::Tally& tally : score.tallies()) {
+  for (const Tally& tally : tallies(cells)) {
     list.push_back(
         {{"kind", css_class(tally.verdict)}, {"count", tally.count}, {"word", tally.word}});
   }
   return list;
 }
 
-// The reason for a missing number.
-std::string missing_text(const CellSpec& cell, std::size_t missing, std::size_t values) {
-  std::string what = cell.quantity.metric;
-  if (cell.over && cell.over->metric != what) {
-    what += " or " + cell.over->metric;
-  } else if (cell.over) {
-    what += " of one or the other";
-  }
-  return values == 1 ? "no " + what : fmt::format("no {} in {} of {} runs", what, missing, values);
-}
-
-// How the values of several runs differ.
+// How the values of several runs differ, or what some of them lack.
 std::string spread_text(const CellSpec& cell, const Judged& judged) {
   const std::size_t missing = judged.values - judged.numbers;
   if (missing > 0) {
-    return judged.verdict == Verdict::not_measured ? missing_text(cell, missing, judged.values)
-                                                   : "";
+    if (judged.verdict != Verdict::not_measured) return "";
+    const std::string other =
+        cell.over && cell.over->metric != cell.quantity.metric ? " or " + cell.over->metric : "";
+    return fmt::format("no {}{} in {} of {}", cell.quantity.metric, other, missing,
+                       number_of(judged.values, "run"));
   }
   if (judged.values < 2) return "";
   return judged.smallest < judged.largest
@@ -213,42 +114,48 @@ std::size_t number_in(std::vector<std::string>& list, const std::string& text) {
   return static_cast<std::size_t>(place - list.begin()) + 1;
 }
 
-void add_table(const TableSpec& table, const std::vector<Entry>& entries, bool is_own,
-               PageData& blocks) {
+// A measured number beside the printed one, and its verdict. `notes` gets the reason.
+PageData cell_data(const JudgedCell& one, std::vector<std::string>& notes) {
+  const CellSpec& cell = one.cell;
+  const Judged& judged = one.judged;
+  auto lines = PageData::array();
+  const auto add = [&](const std::string& kind, const std::string& text) {
+    if (!text.empty()) lines.push_back({{"text", text}, {"kind", kind}});
+  };
+  if (!cell.printed.empty()) add("printed", "thesis " + judged.printed);
+  add("spread", spread_text(cell, judged));
+  if (!cell.says.empty()) add("printed", judged.class_text);
+  if (cell.shows.empty()) {
+    add("verdict " + css_class(judged.is_vacuous ? Verdict::not_measured : judged.verdict),
+        one.word());
+    lines.back()["tip"] = judged.class_text;
+  } else {
+    add("printed", "beside the rest, not judged");
+  }
+  const std::string why = reason_of(judged, cell);
+  if (!why.empty()) add("note", std::to_string(number_in(notes, why)));
+  return {{"says", cell.says + cell.shows}, {"value", judged.measured}, {"lines", lines}};
+}
+
+// Judges the cells of a table, which go to `cells`, and shows them.
+void add_table(const SectionSpec& section, const TableSpec& table, const Measured& measured,
+               bool is_own, std::vector<JudgedCell>& cells, PageData& blocks) {
   std::vector<std::string> notes, classes;
   PageData columns = PageData::array({table.unit.empty() ? "" : "[" + table.unit + "]"});
   for (const std::string& column : table.columns) columns.push_back(column);
   auto rows = PageData::array();
   for (const std::string& row : table.rows) {
     rows.push_back(PageData::array({row}));
-    for (std::size_t c = 0; c < table.columns.size(); ++c) rows.back().push_back("");
-  }
-  for (const Entry& entry : entries) {
-    if (&entry.table != &table) continue;
-    const auto& [section, of, r, c, cell, judged] = entry;
-    auto lines = PageData::array();
-    const auto add = [&](const std::string& kind, const std::string& text) {
-      if (!text.empty()) lines.push_back({{"text", text}, {"kind", kind}});
-    };
-    const bool is_judged = cell.shows.empty();
-    if (!cell.printed.empty()) add("printed", "thesis " + judged.printed);
-    add("spread", spread_text(cell, judged));
-    if (is_judged) {
-      if (!cell.says.empty()) {
-        add("printed", judged.class_text);
-      } else {
-        number_in(classes, judged.class_text);
+    for (const std::string& column : table.columns) {
+      rows.back().push_back("");
+      for (const CellSpec& cell : table.cells) {
+        if (cell.row != row || cell.column != column) continue;
+        cells.push_back(
+            {section.id, table.title, cell, judge_cell(cell, measured, printed_results()), is_own});
+        rows.back().back() = cell_data(cells.back(), notes);
+        if (!cell.printed.empty()) number_in(classes, cells.back().judged.class_text);
       }
-      add("verdict " + css_class(judged.is_vacuous ? Verdict::not_measured : judged.verdict),
-          verdict_word(judged, cell, is_own));
-      lines.back()["tip"] = judged.class_text;
-    } else {
-      add("printed", "beside the rest, not judged");
     }
-    const std::string why = reason_of(judged, cell);
-    if (!why.empty()) add("note", std::to_string(number_in(notes, why)));
-    rows[r][c + 1] = {
-        {"says", cell.says + cell.shows}, {"value", judged.measured}, {"lines", lines}};
   }
   add_block(blocks, "subheading", table.title);
   add_block(blocks, "table",
@@ -266,9 +173,7 @@ void add_table(const TableSpec& table, const std::vector<Entry>& entries, bool i
 std::string command_of(const RunSpec& run) {
   std::string command =
       fmt::format("{} run {} --case {}", own_program_name(), run.scenario, run.case_name);
-  std::vector<std::string> sets = run.sets;
-  const std::vector<std::string>& more = run.repetitions.front();
-  sets.insert(sets.end(), more.begin(), more.end());
+  const std::vector<std::string> sets = run.sets_of(0);
   if (!sets.empty()) command += " --set";
   for (const std::string& set : sets) command += " " + shell_word(set);
   return command + " --out " + run.name;
@@ -277,7 +182,11 @@ std::string command_of(const RunSpec& run) {
 PageData figure_data(const FigureSpec& figure, const SectionSpec& section,
                      const Experiments& experiments, Logs& logs) {
   auto charts = PageData::array();
-  for (const PageChart& chart : charts_of(figure, "section-" + anchor(section.id), logs)) {
+  for (const PanelSpec& panel : figure.panels) {
+    PageChart chart = chart_of(figure, panel, logs);
+    chart.id = fmt::format("figure-{}-{}", anchor(figure.number), charts.size() + 1);
+    chart.group = "section-" + anchor(section.id);
+    if (panel.from_s || panel.to_s) chart.axis = chart.id;
     charts.push_back(chart.json());
   }
   std::string commands;
@@ -298,118 +207,89 @@ PageData figure_data(const FigureSpec& figure, const SectionSpec& section,
           {"blocks", blocks}};
 }
 
-// The charts at the top of the page.
-PageData hero_figures(const Reproduction& reproduction, Logs& logs) {
-  auto figures = PageData::array();
-  for (const HeroSpec& hero : reproduction.experiments.heroes) {
-    for (const SectionSpec* section : reproduction.sections) {
-      for (const FigureSpec& figure : section->figures) {
-        if (figure.number != hero.figure) continue;
-        PageChart chart = charts_of(figure, "lead-" + anchor(figure.number), logs).at(hero.panel);
-        chart.id = "lead-" + chart.id;
-        figures.push_back(figure_of(chart));
-        figures.back().update({{"caption", hero.caption},
-                               {"link", "Fig. " + hero.figure.substr(0, hero.figure.find(' '))},
-                               {"href", "figure-" + anchor(hero.figure)}});
-      }
-    }
-  }
-  return figures;
+// "1 ms, 12 bits, KFD: 0.5, 0.48 (reproduced: ±10 %)" of a cell that is not reproduced.
+std::string in_words(const JudgedCell& one) {
+  return fmt::format("{}, {}: {}, {} ({})", one.cell.row, one.cell.column, one.judged.measured,
+                     one.judged.printed, one.judged.class_text);
 }
 
-// The results that are not reproduced, by cause.
-PageData causes_section(const std::vector<Entry>& entries) {
-  std::map<std::string, PageData> lists;
-  for (const Entry& entry : entries) {
-    const Judged& judged = entry.judged;
-    if (!entry.is_failure()) continue;
-    lists[entry.cell.cause].push_back(
-        {{"href", "section-" + anchor(entry.section.id)},
-         {"link", entry.section.id},
-         {"text", fmt::format("{}: {}, thesis: {}. {}", entry.what(), judged.measured,
-                              judged.printed, reason_of(judged, entry.cell))}});
+std::vector<JudgedCell> failures_of(const std::vector<JudgedCell>& cells) {
+  std::vector<JudgedCell> failures;
+  std::ranges::copy_if(cells, std::back_inserter(failures), [](const JudgedCell& one) {
+    return one.is_counted() && one.judged.verdict == Verdict::not_reproduced;
+  });
+  return failures;
+}
+
+PageData causes_section(const std::vector<JudgedCell>& failures) {
+  std::multimap<std::string, PageData> by_cause;
+  for (const JudgedCell& one : failures) {
+    const std::string cause = one.cell.cause.empty() ? "not said" : one.cell.cause;
+    by_cause.emplace(cause,
+                     PageData{{"href", "section-" + anchor(one.section)},
+                              {"link", one.section},
+                              {"what", cause},
+                              {"text", in_words(one) + ". " + reason_of(one.judged, one.cell)}});
   }
-  if (lists.empty()) return {};
-  auto blocks = PageData::array();
+  auto blocks = PageData::array(), list = PageData::array();
+  for (auto& [cause, entry] : by_cause) list.push_back(std::move(entry));
   add_block(blocks, "text",
             "thesis: the text contradicts itself or its numbers. hardware: it is about the "
             "laboratory's arm or cart. ours: a reading, a metric or a limit of this project is in "
             "doubt.");
-  for (const auto& [cause, list] : lists) {
-    add_block(blocks, "subheading",
-              fmt::format("{}: {}", cause.empty() ? "not said" : cause, list.size()));
-    blocks.push_back({{"list", list}, {"kind", "missing"}});
-  }
+  blocks.push_back({{"list", list}, {"kind", "missing"}});
   return {{"id", "causes"}, {"heading", "Not reproduced, by cause"}, {"blocks", blocks}};
 }
 
-std::string verdict_list(const std::vector<Entry>& entries, bool is_own) {
+// The names and texts of a line of verdicts.csv. Numbers have all digits.
+std::vector<std::pair<std::string, std::string>> columns_of(const JudgedCell& one) {
   const auto exact = [](double value) { return std::isnan(value) ? "" : fmt::format("{}", value); };
-  std::string text = csv_line({"section",  "table",    "row",         "column",  "run",
-                               "metric",   "over_run", "over_metric", "divisor", "statistic",
-                               "measured", "smallest", "largest",     "runs",    "printed",
-                               "says",     "holds_if", "verdict",     "cause",   "why"});
-  for (const Entry& entry : entries) {
-    const auto& [section, table, row, column, cell, judged] = entry;
-    const Quantity over = cell.over.value_or(Quantity{});
-    const bool has_numbers = judged.numbers > 0;
-    text += csv_line({section.id,
-                      table.title,
-                      table.rows[row],
-                      table.columns[column],
-                      cell.quantity.run,
-                      cell.quantity.metric,
-                      over.run,
-                      over.metric,
-                      exact(cell.divisor),
-                      cell.is_share ? "share" : "median",
-                      exact(judged.median),
-                      has_numbers ? exact(judged.smallest) : "",
-                      has_numbers ? exact(judged.largest) : "",
-                      std::to_string(judged.values),
-                      cell.printed.empty() ? "" : judged.printed,
-                      cell.says + cell.shows,
-                      judged.class_text,
-                      verdict_word(judged, cell, is_own),
-                      judged.verdict == Verdict::not_reproduced ? cell.cause : "",
-                      reason_of(judged, cell)});
-  }
-  return text;
+  const auto& [section, table, cell, judged, is_own] = one;
+  const Quantity over = cell.over.value_or(Quantity{});
+  const bool has_numbers = judged.numbers > 0;
+  return {{"section", section},
+          {"table", table},
+          {"row", cell.row},
+          {"column", cell.column},
+          {"run", cell.quantity.run},
+          {"metric", cell.quantity.metric},
+          {"over_run", over.run},
+          {"over_metric", over.metric},
+          {"divisor", exact(cell.divisor)},
+          {"statistic", cell.is_share ? "share" : "median"},
+          {"measured", exact(judged.median)},
+          {"smallest", has_numbers ? exact(judged.smallest) : ""},
+          {"largest", has_numbers ? exact(judged.largest) : ""},
+          {"runs", std::to_string(judged.values)},
+          {"printed", cell.printed.empty() ? "" : judged.printed},
+          {"says", cell.says + cell.shows},
+          {"holds_if", judged.class_text},
+          {"verdict", one.word()},
+          {"cause", judged.verdict == Verdict::not_reproduced ? cell.cause : ""},
+          {"why", reason_of(judged, cell)}};
 }
 
-std::string failure_list(const std::vector<Entry>& entries, bool is_own) {
-  constexpr std::size_t kFew = 15;
-  std::vector<std::string> failures, counts;
-  std::vector<std::pair<std::string, std::size_t>> by_section;
-  for (const Entry& entry : entries) {
-    if (!entry.is_failure()) continue;
-    const std::string& id = entry.section.id;
-    if (by_section.empty() || by_section.back().first != id) by_section.emplace_back(id, 0);
-    ++by_section.back().second;
-    failures.push_back(fmt::format("  {}, {}: {}, {} ({})\n", id, entry.what(),
-                                   entry.judged.measured, entry.judged.printed,
-                                   entry.judged.class_text));
-  }
-  if (failures.empty()) return "";
-  const std::string verdict = is_own ? "did not hold" : "not reproduced";
-  if (failures.size() <= kFew) return fmt::format("{}:\n{}", verdict, fmt::join(failures, ""));
-  for (const auto& [section, number] : by_section) {
-    counts.push_back(fmt::format("{}: {}", section, number));
-  }
-  return fmt::format("{}, by section: {}\n", verdict, fmt::join(counts, ", "));
+std::string verdict_list(const std::vector<JudgedCell>& cells) {
+  const auto line = [](const JudgedCell& one, auto part) {
+    std::vector<std::string> texts;
+    for (const auto& column : columns_of(one)) texts.push_back(column.*part);
+    return csv_line(texts);
+  };
+  using Column = std::pair<std::string, std::string>;
+  std::string text = line({}, &Column::first);
+  for (const JudgedCell& one : cells) text += line(one, &Column::second);
+  return text;
 }
 
 }  // namespace
 
-std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own) {
+std::string JudgedCell::word() const {
   if (!cell.shows.empty()) return "shown";
   if (judged.is_vacuous) return "vacuous";
   const std::string before = cell.reading.empty() ? "" : "other reading: ";
   // A statement of a user's own list holds; it is not reproduced.
-  const bool is_own_statement = is_own && !cell.says.empty();
-  if (!is_own_statement || judged.verdict == Verdict::not_measured) {
-    return before + text(judged.verdict);
-  }
+  const bool holds = is_own && !cell.says.empty() && judged.verdict != Verdict::not_measured;
+  if (!holds) return before + text(judged.verdict);
   return before + (judged.verdict == Verdict::reproduced ? "holds" : "does not hold");
 }
 
@@ -420,31 +300,63 @@ std::string reason_of(const Judged& judged, const CellSpec& cell) {
   return cell.why;
 }
 
-std::vector<Score::Tally> Score::tallies() const {
+std::vector<Tally> tallies(const std::vector<JudgedCell>& cells) {
+  std::map<std::string, int> counts;
+  for (const JudgedCell& one : cells) ++counts[one.word()];
+  const bool has_own = counts["holds"] + counts["does not hold"] > 0;
+  const bool has_printed =
+      counts["reproduced"] + counts["within the class"] + counts["not reproduced"] > 0;
   std::vector<Tally> all;
-  const bool has_own = holds + does_not_hold > 0;
-  if (reproduced + within_class + not_reproduced > 0 || !has_own) {
-    all.push_back({reproduced, "reproduced", Verdict::reproduced});
-    all.push_back({within_class, "within the class", Verdict::within_class});
-    all.push_back({not_reproduced, "not reproduced", Verdict::not_reproduced});
+  const auto add = [&](bool is_shown, const char* word, const char* in_list, Verdict verdict) {
+    if (is_shown) all.push_back({counts[in_list], word, verdict});
+  };
+  for (const Verdict verdict :
+       {Verdict::reproduced, Verdict::within_class, Verdict::not_reproduced}) {
+    add(has_printed || !has_own, text(verdict).c_str(), text(verdict).c_str(), verdict);
   }
-  if (has_own) {
-    all.push_back({holds, "held", Verdict::reproduced});
-    all.push_back({does_not_hold, "did not hold", Verdict::not_reproduced});
-  }
-  if (not_measured > 0) all.push_back({not_measured, "not measured", Verdict::not_measured});
+  add(has_own, "held", "holds", Verdict::reproduced);
+  add(has_own, "did not hold", "does not hold", Verdict::not_reproduced);
+  add(counts["not measured"] > 0, "not measured", "not measured", Verdict::not_measured);
   return all;
 }
 
-std::string Score::text() const {
+std::string score_text(const std::vector<JudgedCell>& cells) {
   std::vector<std::string> parts;
-  for (const Tally& tally : tallies())
+  for (const Tally& tally : tallies(cells)) {
     parts.push_back(fmt::format("{} {}", tally.count, tally.word));
+  }
+  const auto vacuous = vacuous_of(cells);
   return fmt::format("{}{}", fmt::join(parts, ", "),
                      vacuous > 0 ? fmt::format("; beside them {} vacuous", vacuous) : "");
 }
 
-std::vector<std::string> Score::headline() const {
+std::vector<std::string> headline(const std::vector<JudgedCell>& cells) {
+  struct Share {
+    int all = 0, reproduced = 0, within_class = 0, vacuous = 0;
+  };
+  Share printed;
+  std::map<std::string, Share> statements;  // the cells of each statement of each section
+  std::map<std::string, int> causes;
+  int numbers = 0, near = 0, fair = 0;
+  for (const JudgedCell& one : cells) {
+    if (!one.is_counted()) continue;
+    const auto& [cell, judged] = std::tie(one.cell, one.judged);
+    Share& share = cell.printed.empty() ? statements[one.section + ": " + cell.says] : printed;
+    ++share.all;
+    if (judged.deviation) {
+      ++numbers;
+      near += *judged.deviation <= 0.05 ? 1 : 0;
+      fair += *judged.deviation <= 0.25 ? 1 : 0;
+    }
+    if (judged.is_vacuous) {
+      ++share.vacuous;
+    } else if (judged.verdict == Verdict::not_reproduced) {
+      ++causes[cell.cause.empty() ? "not said" : cell.cause];
+    } else {
+      share.reproduced += judged.verdict == Verdict::reproduced ? 1 : 0;
+      share.within_class += judged.verdict == Verdict::within_class ? 1 : 0;
+    }
+  }
   std::vector<std::string> lines;
   if (printed.all > 0) {
     lines.push_back(fmt::format(
@@ -454,31 +366,25 @@ std::vector<std::string> Score::headline() const {
         printed.vacuous));
   }
   if (numbers > 0) {
-    lines.push_back(fmt::format("printed numbers: {} of {} within 5 %, {} within 25 %",
-                                numbers_near, numbers, numbers - numbers_off));
+    lines.push_back(
+        fmt::format("printed numbers: {} of {} within 5 %, {} within 25 %", near, numbers, fair));
   }
-  int whole = 0;
-  int none = 0;
-  int judged = 0;
-  int cells = 0;
+  int whole = 0, none = 0, judged = 0, all = 0;
   for (const auto& [statement, share] : statements) {
     const int counted = share.all - share.vacuous;
-    if (counted == 0) continue;
-    whole += share.reproduced == counted ? 1 : 0;
-    none += share.reproduced == 0 ? 1 : 0;
-    cells += counted;
-    ++judged;
+    all += counted;
+    judged += counted > 0 ? 1 : 0;
+    whole += counted > 0 && share.reproduced == counted ? 1 : 0;
+    none += counted > 0 && share.reproduced == 0 ? 1 : 0;
   }
   if (judged > 0) {
     lines.push_back(
         fmt::format("different statements ({} cells): {} of {} hold in all cells, {} in some, {} "
                     "in none",
-                    cells, whole, judged, judged - whole - none, none));
+                    all, whole, judged, judged - whole - none, none));
   }
   std::vector<std::string> parts;
-  for (const auto& [cause, number] : causes) {
-    parts.push_back(fmt::format("{} {}", cause.empty() ? "not said" : cause, number));
-  }
+  for (const auto& [cause, number] : causes) parts.push_back(fmt::format("{} {}", cause, number));
   if (!parts.empty()) {
     lines.push_back(fmt::format("causes of what is not: {}", fmt::join(parts, ", ")));
   }
@@ -492,36 +398,30 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
   judged.median = cell.is_share ? std::accumulate(values.begin(), values.end(), 0.0) /
                                       static_cast<double>(values.size())
                                 : median(values);
-  std::vector<double> numbers;
-  std::copy_if(values.begin(), values.end(), std::back_inserter(numbers),
-               [](double value) { return !std::isnan(value); });
+  std::vector<double> numbers = values;
+  std::erase_if(numbers, [](double value) { return std::isnan(value); });
   judged.numbers = numbers.size();
   if (!numbers.empty()) {
-    judged.smallest = *std::min_element(numbers.begin(), numbers.end());
-    judged.largest = *std::max_element(numbers.begin(), numbers.end());
+    const auto [smallest, largest] = std::ranges::minmax(numbers);
+    judged.smallest = smallest;
+    judged.largest = largest;
   }
   // A failed run counts as a run: its result is not reproduced, unless the cell has a value for
   // failures.
-  std::size_t failed = 0;
-  std::size_t runs = 0;
+  std::size_t failed = 0, runs = 0;
   std::set<std::string> names;
   for (const Quantity& quantity : cell.quantities()) names.insert(quantity.run);
   for (const std::string& name : names) {
-    for (const Measurement& one : measured.at(name)) {
-      failed += one.failed ? 1 : 0;
-      ++runs;
-    }
+    runs += measured.at(name).size();
+    failed +=
+        static_cast<std::size_t>(std::ranges::count_if(measured.at(name), &Measurement::failed));
   }
   const bool has_failed = failed > 0 && std::isnan(cell.if_failed);
-  if (failed == runs) {
-    judged.measured = runs == 1 ? "the run fails" : "the runs fail";
-  } else if (has_failed) {
-    judged.measured = fmt::format("{} of {} runs fail", failed, runs);
-  } else {
-    judged.measured = std::isnan(judged.median)   ? "not measured"
-                      : std::isinf(judged.median) ? "never"
-                                                  : in_digits(judged.median);
-  }
+  judged.measured = failed == runs              ? (runs == 1 ? "the run fails" : "the runs fail")
+                    : has_failed                ? fmt::format("{} of {} runs fail", failed, runs)
+                    : std::isnan(judged.median) ? "not measured"
+                    : std::isinf(judged.median) ? "never"
+                                                : in_digits(judged.median);
   const auto final_verdict = [&](Verdict verdict) {
     return has_failed ? Verdict::not_reproduced : verdict;
   };
@@ -549,6 +449,9 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
   const PrintedResult result = printed.find(cell.printed).value();
   const Standard& standard = printed.standard(cell.printed);
   judged.printed = result.text();
+  if (result.number) {
+    judged.deviation = std::abs((judged.median - *result.number) / *result.number);
+  }
   judged.verdict = final_verdict(judge(judged.median, result, standard));
   judged.is_vacuous = is_trivial && judged.verdict != Verdict::not_reproduced &&
                       judged.verdict != Verdict::not_measured;
@@ -565,184 +468,149 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
   return judged;
 }
 
-ThesisReport thesis_report(const Reproduction& reproduction, const Measured& measured,
-                           Effort effort) {
-  const Experiments& experiments = reproduction.experiments;
-  const bool is_own = experiments.is_own;
-  const std::vector<Entry> entries = entries_of(reproduction, measured);
-  ThesisReport report;
-  std::set<std::string> docs;
-  std::set<std::string> numbers;  // "4.32 (10 ms)" is a part of Fig. 4.32
-  auto toc = PageData::array(), sections = PageData::array(), lead_video = PageData::array();
-  for (const SectionSpec* spec : reproduction.sections) {
-    const std::string id = "section-" + anchor(spec->id);
-    Logs logs(reproduction.out);
-    auto blocks = PageData::array();
-    add_block(blocks, "paragraph", spec->text);
-    if (!spec->docs.empty()) {
-      docs.insert(spec->docs);
-      blocks.back().update({{"link", "docs/" + spec->docs}, {"href", anchor(spec->docs)}});
-    }
-    add_block(blocks, "text", "This section alone: breakwater reproduce --only " + spec->id);
-    for (const TableSpec& table : spec->tables) add_table(table, entries, is_own, blocks);
-    if (!spec->video.empty() && reproduction.with_replay) {
-      const SavedRun& shown = logs.of(spec->video);
-      const auto replay = replay_of(reproduction.catalogue, {shown.folder()}, {spec->video},
-                                    {"replay-" + anchor(spec->id), id, ""}, report.notes);
+namespace {
+
+// Pictures, charts and what is not shown of a section. `numbers` gets the thesis' figures.
+void add_figures(const Reproduction& reproduction, const SectionSpec& section,
+                 std::set<std::string>& numbers, std::vector<std::string>& notes,
+                 PageData& blocks) {
+  Logs logs(reproduction.out);
+  const std::string id = "section-" + anchor(section.id);
+  if (!section.video.empty()) {
+    const SavedRun& shown = logs.of(section.video);
+    if (reproduction.with_replay) {
+      const auto replay = replay_of(reproduction.catalogue, {shown.folder()}, {section.video},
+                                    {"replay-" + anchor(section.id), id, ""}, notes);
       if (replay) add_block(blocks, "replay", replay->box);
     }
-    if (!spec->video.empty()) {
-      if (auto video = video_data(reproduction.catalogue, logs.of(spec->video), id)) {
-        if (spec->id == experiments.video) {
-          add_block(lead_video, "video", *video);
-          // It moves with the first picture beside it.
-          lead_video[0]["video"]["group"] =
-              experiments.heroes.empty() ? "lead"
-                                         : "lead-" + anchor(experiments.heroes.front().figure);
-          video->erase("address");  // it is the same
-        }
-        add_block(blocks, "video", *video);
-      }
-    }
-    const fs::path strip = run_folder(reproduction.out, spec->strip) / "strip.png";
-    if (!spec->strip.empty() && fs::exists(strip)) {
-      add_block(blocks, "picture",
-                {{"address", data_address(strip, "image/png")},
-                 {"number", spec->strip_number},
-                 {"caption", "Moments of the experiment."},
-                 {"id", "figure-" + anchor(spec->strip_number)},
-                 {"alt", "Pictures of the run " + spec->strip + " in a row"}});
-      numbers.insert(spec->strip_number);
-    }
-    auto figures = PageData::array();
-    for (const FigureSpec& figure : spec->figures) {
-      figures.push_back(figure_data(figure, *spec, experiments, logs));
-      numbers.insert(figure.number.substr(0, figure.number.find(' ')));
-    }
-    add_block(blocks, "figures", figures);
-    if (!spec->missing.empty()) {
-      auto missing = PageData::array();
-      for (const auto& [what, why] : spec->missing) {
-        missing.push_back({{"what", what}, {"text", why}});
-      }
-      add_block(blocks, "subheading", "Not shown");
-      blocks.push_back({{"list", missing}, {"kind", "missing"}});
-    }
-    sections.push_back(
-        {{"id", id}, {"number", spec->id}, {"heading", spec->title}, {"blocks", blocks}});
-    toc.push_back({{"href", id}, {"number", spec->id}, {"label", spec->title}});
-    Score score;
-    for (const Entry& entry : entries) {
-      if (&entry.section != spec) continue;
-      count(entry, is_own, score);
-      count(entry, is_own, report.score);
-    }
-    if (!spec->tables.empty()) {
-      toc.back()["score"] = {{"words", score.text()}, {"tallies", tallies_data(score)}};
+    if (const auto video = video_data(reproduction.catalogue, shown, id)) {
+      add_block(blocks, "video", *video);
     }
   }
-  report.figures = numbers.size();
-  report.verdicts = verdict_list(entries, is_own);
-  report.failures = failure_list(entries, is_own);
-  if (PageData causes = is_own ? PageData() : causes_section(entries); !causes.is_null()) {
-    sections.push_back(std::move(causes));
+  const fs::path strip = run_folder(reproduction.out, section.strip) / "strip.png";
+  if (!section.strip.empty() && fs::exists(strip)) {
+    add_block(blocks, "picture",
+              {{"address", data_address(strip, "image/png")},
+               {"number", section.strip_number},
+               {"caption", "Moments of the experiment."},
+               {"id", "figure-" + anchor(section.strip_number)},
+               {"alt", "Pictures of the run " + section.strip + " in a row"}});
+    numbers.insert(section.strip_number);
   }
-  auto pages = PageData::array();
-  add_block(pages, "text", "As they stood when this report was made.");
-  for (const std::string& name : docs) {
-    add_block(pages, "code",
-              {{"id", anchor(name)},
-               {"summary", "docs/" + name},
-               {"copy", bytes_of(data_file("docs/" + name))}});
+  auto figures = PageData::array(), missing = PageData::array();
+  for (const FigureSpec& figure : section.figures) {
+    figures.push_back(figure_data(figure, section, reproduction.experiments, logs));
+    numbers.insert(figure.number.substr(0, figure.number.find(' ')));
   }
-  sections.push_back(
-      {{"id", "pages"}, {"heading", "Pages of the documentation"}, {"blocks", pages}});
+  add_block(blocks, "figures", figures);
+  if (section.missing.empty()) return;
+  for (const auto& [what, why] : section.missing) {
+    missing.push_back({{"what", what}, {"text", why}});
+  }
+  add_block(blocks, "subheading", "Not shown");
+  blocks.push_back({{"list", missing}, {"kind", "missing"}});
+}
 
+// The effort, and the results of all sections.
+PageData lead_of(const Experiments& experiments, Effort effort,
+                 const std::vector<JudgedCell>& cells) {
   std::string extent =
       effort == Effort::quick
           ? "This is the quick version: fewer seeds and encoder phases than the full one."
           : "This is the full version, with all seeds and encoder phases.";
-  if (reproduction.sections.size() < experiments.sections.size()) {
-    extent += " Only the sections in the contents were asked for.";
-  }
   for (const ReadingSpec& reading : experiments.readings) {
     if (!reading.is_chosen) continue;
     extent += fmt::format(" Other reading {}: {} with {}. {}", reading.name, reading.runs,
                           fmt::join(reading.sets, " "), reading.why);
   }
-  int all = 0;
-  for (const Score::Tally& tally : report.score.tallies()) all += tally.count;
-  auto lead = PageData::array(), headline = PageData::array();
+  auto lead = PageData::array(), list = PageData::array();
   add_block(lead, "about",
-            is_own ? extent
-                   : "Every experiment of the thesis “Robust Model-based Control in Motion Control "
-                     "Systems”, run in MuJoCo. Each printed number, verdict and figure stands "
-                     "beside the one measured here. " +
-                         extent);
-  if (!is_own) {
-    for (const std::string& line : report.score.headline()) {
-      headline.push_back(PageData{{"text", line}});
-    }
+            experiments.is_own
+                ? extent
+                : "Every experiment of the thesis “Robust Model-based Control in Motion Control "
+                  "Systems”, run in MuJoCo. Each printed number, verdict and figure stands "
+                  "beside the one measured here. " +
+                      extent);
+  if (!experiments.is_own) {
+    for (const std::string& line : headline(cells)) list.push_back(PageData{{"text", line}});
   }
-  add_block(lead, "list", headline);
-  add_block(lead, "score", tallies_data(report.score));
-  if (report.score.vacuous > 0) {
+  add_block(lead, "list", list);
+  add_block(lead, "score", tallies_data(cells));
+  if (const auto vacuous = vacuous_of(cells); vacuous > 0) {
     add_block(lead, "text",
               fmt::format("Beside these, and not counted among them: {} vacuous, which hold by "
                           "construction. Other readings than a section's stand in its tables; "
                           "their notes say which, and no count has them.",
-                          report.score.vacuous));
+                          vacuous));
   }
-  add_block(
-      lead, "text",
-      is_own
-          ? fmt::format(
-                "{} results. A statement holds or does not, as its list says. \"Reproduced\" is "
-                "said of numbers that the thesis prints, by the classes of data/reproduced.toml. "
-                "The criterion stands below each table, and at each verdict. A result that is not "
-                "measured counts as neither. A random result is the median of its runs.",
-                all)
-          : fmt::format(
-                "{} printed numbers, verdicts and statements. data/reproduced.toml has the "
-                "criterion of each. docs/how-to/reproducing-the-thesis.md says which were chosen "
-                "with the results known. They stand below each table, and at each verdict. A "
-                "random result is the median of its runs. {} figures carry the thesis' numbers.",
-                all, report.figures));
-  lead.insert(lead.end(), lead_video.begin(), lead_video.end());
-  Logs logs(reproduction.out);
-  add_block(lead, "figures", hero_figures(reproduction, logs));
+  add_block(lead, "text",
+            fmt::format("The criterion of a result stands below its table, and at its verdict{}. "
+                        "A random result is the median of its runs.",
+                        experiments.is_own
+                            ? ""
+                            : ". data/reproduced.toml has all, and "
+                              "docs/how-to/reproducing-the-thesis.md says which were chosen with "
+                              "the results known"));
+  return lead;
+}
+
+// The page with all results. Reads logs, videos and strips of pictures from OUT/runs.
+struct ThesisPage {
+  std::string html;
+  std::vector<JudgedCell> cells = {};   // in the order of the page's tables
+  std::set<std::string> figures = {};   // their numbers; "4.32 (10 ms)" is a part of Fig. 4.32
+  std::vector<std::string> notes = {};  // missing parts of a replay, one line each
+};
+
+ThesisPage thesis_page(const Reproduction& reproduction, const Measured& measured, Effort effort) {
+  const Experiments& experiments = reproduction.experiments;
+  const bool is_own = experiments.is_own;
+  ThesisPage page;
+  auto sections = PageData::array();
+  for (const SectionSpec* spec : reproduction.sections) {
+    auto blocks = PageData::array();
+    add_block(blocks, "paragraph", spec->text);
+    add_block(
+        blocks, "text",
+        fmt::format(
+            "{}This section alone: breakwater reproduce --only {}",
+            spec->docs.empty() ? "" : "Method, readings and deviations: docs/" + spec->docs + ". ",
+            spec->id));
+    std::vector<JudgedCell> cells;
+    for (const TableSpec& table : spec->tables) {
+      add_table(*spec, table, measured, is_own, cells, blocks);
+    }
+    add_figures(reproduction, *spec, page.figures, page.notes, blocks);
+    add_section(sections, "section-" + anchor(spec->id), spec->title, blocks);
+    sections.back()["number"] = spec->id;
+    page.cells.insert(page.cells.end(), cells.begin(), cells.end());
+  }
+  const std::vector<JudgedCell> failures = failures_of(page.cells);
+  if (!is_own && !failures.empty()) sections.push_back(causes_section(failures));
   const std::string title = experiments.title.empty() ? "Experiments" : experiments.title;
-  report.html = html_page("thesis", {{"title", is_own ? title : "The thesis, reproduced"},
-                                     {"lead", lead},
-                                     {"sections", sections},
-                                     {"toc", toc}});
-  return report;
+  page.html = html_page("thesis", {{"title", is_own ? title : "The thesis, reproduced"},
+                                   {"lead", lead_of(experiments, effort, page.cells)},
+                                   {"sections", sections}});
+  return page;
 }
 
-namespace fs = std::filesystem;
-namespace {
-
-// Whether a reading changes a run of the section.
-bool changes(const Experiments& experiments, const std::string& name, const SectionSpec& section) {
-  const std::vector<std::string> runs = section.runs();
-  return std::any_of(experiments.readings.begin(), experiments.readings.end(),
-                     [&](const ReadingSpec& reading) {
-                       return reading.name == name &&
-                              std::any_of(runs.begin(), runs.end(), [&](const std::string& run) {
-                                return matches_pattern(reading.runs, run);
-                              });
-                     });
-}
-
+// The sections of which a reading changes a run.
 std::vector<std::string> sections_of(const Experiments& experiments, const std::string& name) {
   std::vector<std::string> sections;
   for (const SectionSpec& section : experiments.sections) {
-    if (changes(experiments, name, section)) sections.push_back(section.id);
+    const std::vector<std::string> runs = section.runs();
+    const auto changes = [&](const ReadingSpec& reading) {
+      return reading.name == name && std::ranges::any_of(runs, [&](const std::string& run) {
+               return matches_pattern(reading.runs, run);
+             });
+    };
+    if (std::ranges::any_of(experiments.readings, changes)) sections.push_back(section.id);
   }
   return sections;
 }
 
-constexpr std::size_t kWidth = 78;  // for an indented text
+constexpr std::size_t kWidth = 78;         // for an indented text
+constexpr std::size_t kMostFailures = 15;  // in a terminal; the page has all
 
 struct ReproduceArguments {
   std::string only = "all";
@@ -796,13 +664,14 @@ void print_readings(const Experiments& experiments) {
 void check_readings(const ReproduceArguments& arguments, const Experiments& experiments,
                     const std::vector<const SectionSpec*>& chosen) {
   for (const std::string& name : arguments.readings) {
-    const bool is_heeded = std::any_of(
-        chosen.begin(), chosen.end(),
-        [&](const SectionSpec* section) { return changes(experiments, name, *section); });
+    const std::vector<std::string> changed = sections_of(experiments, name);
+    const bool is_heeded = std::ranges::any_of(chosen, [&](const SectionSpec* section) {
+      return std::ranges::find(changed, section->id) != changed.end();
+    });
     if (is_heeded) continue;
     throw std::invalid_argument(
         fmt::format("--reading {}: changes no run of --only {}, but runs of the sections {}", name,
-                    arguments.only, fmt::join(sections_of(experiments, name), ", ")));
+                    arguments.only, fmt::join(changed, ", ")));
   }
 }
 
@@ -859,22 +728,25 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   const Measured measured = measure(reproduction);
   const int status = make_pictures(reproduction, !arguments.no_video);
   if (status == kInterrupted) throw Interrupted(measured.size());
-  const ThesisReport report = thesis_report(reproduction, measured, effort);
-  for (const std::string& note : report.notes) fmt::print(stderr, "reproduce: {}\n", note);
-  const fs::path page = reproduction.out / "report.html";
-  replace_file(page, report.html);
-  const fs::path verdicts = reproduction.out / "verdicts.csv";
-  replace_file(verdicts, report.verdicts);
+  const auto [html, cells, figures, notes] = thesis_page(reproduction, measured, effort);
+  warn("reproduce", notes);
+  const fs::path page = reproduction.out / "report.html", csv = reproduction.out / "verdicts.csv";
+  replace_file(page, html);
+  replace_file(csv, verdict_list(cells));
   if (!experiments.is_own) {
-    for (const std::string& line : report.score.headline()) fmt::print("{}\n", line);
+    for (const std::string& line : headline(cells)) fmt::print("{}\n", line);
   }
   if (!arguments.readings.empty()) {
     fmt::print("other readings: {}; a reason is that of the shipped one unless it names another\n",
                fmt::join(arguments.readings, ", "));
   }
-  fmt::print("{}", report.failures);
-  fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", report.score.text(), report.figures,
-             page.string(), verdicts.string());
+  const std::vector<JudgedCell> failures = failures_of(cells);
+  if (!failures.empty() && failures.size() <= kMostFailures) {
+    fmt::print("{}:\n", experiments.is_own ? "did not hold" : "not reproduced");
+    for (const JudgedCell& one : failures) fmt::print("  {}, {}\n", one.section, in_words(one));
+  }
+  fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", score_text(cells), figures.size(),
+             page.string(), csv.string());
   return status;
 }
 

@@ -112,8 +112,8 @@ TEST(Verdict, IsThatOfItsRow) {
     const Judged judged = judge_cell(cell, measured, printed_results());
     const std::string reason = reason_of(judged, cell);
     const std::string place = row.at(0) + " | " + row.at(1) + " | " + row.at(2);
-    EXPECT_EQ(verdict_word(judged, cell, false) + (reason.empty() ? "" : ", ") + reason, row.at(3))
-        << place;
+    const std::string word = JudgedCell{"", "", cell, judged}.word();
+    EXPECT_EQ(word + (reason.empty() ? "" : ", ") + reason, row.at(3)) << place;
     if (row.size() > 4) {
       EXPECT_EQ(judged.measured, row.at(4)) << place;
     }
@@ -178,11 +178,7 @@ std::vector<CellSpec> cells_of(const Experiments& experiments) {
   std::vector<CellSpec> cells;
   for (const SectionSpec& section : experiments.sections) {
     for (const TableSpec& table : section.tables) {
-      for (const auto& row : table.cells) {
-        for (const auto& cell : row) {
-          if (cell) cells.push_back(*cell);
-        }
-      }
+      cells.insert(cells.end(), table.cells.begin(), table.cells.end());
     }
   }
   return cells;
@@ -268,33 +264,59 @@ TEST(Experiments, OnlyTheShippedListIsThatOfTheThesis) {
   EXPECT_EQ(mine.title, "Mine");
 }
 
+// Cells of section 1 with a verdict, of a statement or of a printed word.
+std::vector<JudgedCell> cells_of(int count, Verdict verdict, const std::string& says,
+                                 const std::string& cause = "", bool is_own = false) {
+  JudgedCell one{"1", "", {}, {}, is_own};
+  (says.empty() ? one.cell.printed : one.cell.says) = says.empty() ? "printed" : says;
+  one.cell.cause = cause;
+  one.judged.verdict = verdict;
+  return std::vector<JudgedCell>(static_cast<std::size_t>(count), one);
+}
+
+void add(std::vector<JudgedCell>& cells, const std::vector<JudgedCell>& more,
+         bool is_vacuous = false) {
+  for (JudgedCell one : more) {
+    one.judged.is_vacuous = is_vacuous;
+    cells.push_back(one);
+  }
+}
+
 TEST(Score, CountsStatementsOfOtherListsAsHeld) {
-  Score score;
-  EXPECT_EQ(score.text(), "0 reproduced, 0 within the class, 0 not reproduced");
-  score.holds = 2;
-  EXPECT_EQ(score.text(), "2 held, 0 did not hold");
-  score.reproduced = 1;
-  score.not_measured = 3;
-  EXPECT_EQ(score.text(),
+  std::vector<JudgedCell> cells;
+  EXPECT_EQ(score_text(cells), "0 reproduced, 0 within the class, 0 not reproduced");
+  add(cells, cells_of(2, Verdict::reproduced, "so", "", true));
+  EXPECT_EQ(score_text(cells), "2 held, 0 did not hold");
+  add(cells, cells_of(1, Verdict::reproduced, "", "", true));
+  add(cells, cells_of(3, Verdict::not_measured, "so", "", true));
+  EXPECT_EQ(score_text(cells),
             "1 reproduced, 0 within the class, 0 not reproduced, 2 held, "
             "0 did not hold, 3 not measured");
-  score.vacuous = 4;
-  EXPECT_TRUE(score.text().ends_with(", 3 not measured; beside them 4 vacuous")) << score.text();
+  add(cells, cells_of(4, Verdict::reproduced, "so", "", true), true);
+  EXPECT_TRUE(score_text(cells).ends_with(", 3 not measured; beside them 4 vacuous"))
+      << score_text(cells);
+  cells.back().cell.reading = "softer";  // counts nowhere
+  cells.back().judged.is_vacuous = false;
+  EXPECT_TRUE(score_text(cells).ends_with(", 3 not measured; beside them 3 vacuous"));
 }
 
 TEST(Score, TheHeadlineCountsDifferentStatements) {
-  Score score;
-  EXPECT_TRUE(score.headline().empty());
-  score.printed = {2, 1, 1, 5};
-  score.numbers = 3;
-  score.numbers_near = 1;
-  score.numbers_off = 1;
-  score.statements = {{"1: fast", {2, 0, 1, 3}},
-                      {"1: soft", {1, 0, 0, 3}},
-                      {"1: exact", {0, 0, 0, 1}},
-                      {"1: free", {0, 0, 1, 1}}};
-  score.causes = {{"thesis", 2}, {"ours", 2}};
-  EXPECT_EQ(score.headline(),
+  std::vector<JudgedCell> cells;
+  EXPECT_TRUE(headline(cells).empty());
+  add(cells, cells_of(2, Verdict::reproduced, ""));
+  add(cells, cells_of(1, Verdict::within_class, ""));
+  add(cells, cells_of(1, Verdict::not_reproduced, "", "thesis"));
+  cells[0].judged.deviation = 0.01;
+  cells[2].judged.deviation = 0.2;
+  cells[3].judged.deviation = NAN;
+  add(cells, cells_of(1, Verdict::reproduced, ""), true);
+  add(cells, cells_of(2, Verdict::reproduced, "fast"));
+  add(cells, cells_of(1, Verdict::reproduced, "fast"), true);
+  add(cells, cells_of(1, Verdict::reproduced, "soft"));
+  add(cells, cells_of(2, Verdict::not_reproduced, "soft", "ours"));
+  add(cells, cells_of(1, Verdict::not_reproduced, "exact", "thesis"));
+  add(cells, cells_of(1, Verdict::reproduced, "free"), true);
+  EXPECT_EQ(headline(cells),
             (std::vector<std::string>{
                 "printed results: 2 of 5 reproduced, 1 within their class, 1 not, 1 vacuous",
                 "printed numbers: 1 of 3 within 5 %, 2 within 25 %",
