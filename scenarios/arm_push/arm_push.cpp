@@ -130,7 +130,8 @@ class ArmPush final : public ArmScenario {
 
   Recording run(const RunControl& control) const override {
     const math::FloatEnvironment floats;
-    ArmRig rig = make_rig();
+    const std::unique_ptr<Controller> controller = make_controller();
+    ArmRig rig(plant_, chain(), *controller);
     Simulation& sim = rig.simulation();
     const HandOnLink hand(hand_, sim.model(), chain(), start_angles_rad_, link_);
     sim.add(hand);

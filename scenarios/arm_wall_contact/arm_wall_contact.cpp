@@ -1,14 +1,13 @@
 // Scenario arm_wall_contact: position/force control against a wall (thesis 2.4.3.2, 2.4.3.4).
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/rigs/arm_scenario.h>
 #include <breakwater/rigs/axis_scenario.h>
-#include <breakwater/rigs/wall_settings.h>
+#include <breakwater/sim/contact.h>
 #include <breakwater/sim/linear_model.h>
 #include <breakwater/sim/model.h>
 
@@ -16,16 +15,16 @@ namespace breakwater {
 namespace {
 
 constexpr const char* kWall = "wall";
-constexpr const char* kTip = "tip";
 
 // The arm moves to its start pose. At `force.from_s` it begins to approach the wall, and then
 // presses on it with `force.reference_N`. The main metrics are impact force and free-motion time.
 class ArmWallContact final : public ArmScenario {
  public:
   explicit ArmWallContact(const Catalogue& catalogue)
-      : ArmScenario(catalogue, MetricRows(catalogue, "arm_wall_contact"), false), wall_(catalogue) {
-    plant_.geoms = {kTip, kWall};
-    plant_.prepare = [this](Model& model) { prepare_scene(model); };
+      : ArmScenario(catalogue, MetricRows(catalogue, "arm_wall_contact"), false) {
+    plant_.contacts.emplace_back(catalogue, "tip", kWall);
+    plant_.tip->contact = contact().name;
+    plant_.prepare = [this](Model& model) { place_wall(model, kWall, wall_x_m()); };
   }
 
   std::string name() const override { return "arm_wall_contact"; }
@@ -40,8 +39,8 @@ class ArmWallContact final : public ArmScenario {
                   "distance from the tip at the start pose to the wall's face [m]");
     fields.number("wall.solid_from_s", wall_solid_from_s_, not_negative(),
                   "time at which the wall becomes solid: the stretched arm starts inside it [s]");
-    wall_.bind(fields);
-    fields.number("force.reference_N", force_reference_N_, positive(),
+    contact().wall.bind(fields);
+    fields.number("force.reference_N", force().value, positive(),
                   "F_x^ref: reference of the contact force [N]");
     fields.number("force.from_s", force_from_s_, not_negative(),
                   "time of the switch from position control to force control [s]");
@@ -61,9 +60,7 @@ class ArmWallContact final : public ArmScenario {
   }
 
   void check(const Config& config) override {
-    wall_.check(config, plant_.physics);
     check_arm(config);
-    if (!wall_.is_of_engine()) wall_.make(plant_.load_model(), kTip, kWall);
     if (wall_solid_from_s_ > force_from_s_) {
       config.fail("wall.solid_from_s", "must not be after force.from_s");
     }
@@ -76,20 +73,16 @@ class ArmWallContact final : public ArmScenario {
     if (metrics_from_s_ < force_from_s_) {
       config.fail("metrics.from_s", "must not be before force.from_s");
     }
+    force().from_s = plant_.physics.sample_time_s(force_from_s_);
     rows_.check(config, [this] { return fields(); }, plant_.physics,
-                {.known = {{"force_control", plant_.physics.sample_time_s(force_from_s_)}},
-                 .events = {"first_contact"}});
+                {.known = {{"force_control", force().from_s}}, .events = {"first_contact"}});
   }
 
   Recording run(const RunControl& control) const override {
     const math::FloatEnvironment floats;
-    ArmRig rig = make_rig();
-    Simulation& sim = rig.simulation();
-    const int wall = geom_id(sim.model(), kWall);
-    sim.set_collidable(wall, false);
-    std::unique_ptr<WallContact> contact;  // null: the engine's
-    if (!wall_.is_of_engine()) rig.add(*(contact = wall_.make(sim.model(), kTip, kWall)));
-
+    const std::unique_ptr<Controller> controller = make_controller();
+    ArmRig rig(plant_, chain(), *controller);
+    const Simulation& sim = rig.simulation();
     const PhysicsSettings& physics = plant_.physics;
     const std::int64_t steps = physics.step_at(plant_.run.duration_s);
     const std::int64_t solid_step = physics.step_at(wall_solid_from_s_);
@@ -104,30 +97,25 @@ class ArmWallContact final : public ArmScenario {
     const TipPose pose = start_pose();
     TipPose tip_offset = TipPose::Zero();
     double impact_mass_kg = 0.0;
-    double first_contact_s = std::numeric_limits<double>::infinity();
     std::vector<Signal> of_metrics = rig.fine_signals();
-    of_metrics.push_back({"force_reference_N", "N", "", view(force_reference_N_)});
+    of_metrics.push_back({"force_reference_N", "N", "", view(force().value)});
     of_metrics.push_back({"tip_speed_x_m_s", "m/s", "", view(sim.sensor("tip_vel"))});
     of_metrics.push_back({"impact_mass_kg", "kg", "", view(impact_mass_kg)});
     of_metrics.push_back({"y_offset_m", "m", "", view(tip_offset[1])});
     of_metrics.push_back({"phi_offset_rad", "rad", "", view(tip_offset[2])});
     for (const Signal& signal : rig.signals()) of_metrics.push_back(signal);
     MetricValues values(rows_, of_metrics, plant_.run.duration_s,
-                        {{"first_contact", &first_contact_s}});
+                        {{"first_contact", &rig.first_contact_s()}});
 
     // The tip first moves to its start pose, and later touches the wall and presses.
     HeldReference held_pose({0.0, force_from_s_}, "the tip", "m");
-    HeldReference held_force({metrics_from_s_, metrics_to_s_}, "the force", "N");
-    held_force.ask(force_reference_N_);
+    HeldReference held_force = rig.held_force({metrics_from_s_, metrics_to_s_});
     ApparentMass mass_along_x(sim.model(), "tip", Eigen::Vector3d::UnitX());
-    const double force_control_s = physics.sample_time_s(force_from_s_);
 
     const auto step = [&](std::int64_t k) {
-      if (k == solid_step) contact ? contact->set_solid(true) : sim.set_collidable(wall, true);
+      if (k == solid_step) rig.set_solid(true);
       rig.step();
-      const double time_s = sim.time_s();
-      if (rig.contact_force_N() > 0.0 && time_s >= force_control_s && time_s < first_contact_s) {
-        first_contact_s = time_s;
+      if (rig.first_contact_s() == sim.time_s()) {
         impact_mass_kg = mass_along_x(sim.model(), sim.data());
       }
       if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
@@ -138,7 +126,7 @@ class ArmWallContact final : public ArmScenario {
       const double away_m = tip_offset.head<2>().norm();
       if (sim.steps() == 1) held_pose.ask(away_m);
       held_pose.add(time_s, away_m);
-      held_force.add(time_s, force_reference_N_ - rig.contact_force_N());
+      held_force.add(time_s, rig.force_error_N());
     };
     Recording recording =
         record_run(sim, physics, steps, rig.signals(), control, step, sample, &values);
@@ -150,29 +138,33 @@ class ArmWallContact final : public ArmScenario {
     return recording;
   }
 
-  void prepare_scene(Model& model) const override { wall_.prepare(model, kTip, kWall, wall_x_m()); }
+  void prepare_scene(Model& model) const override {
+    plant_.contacts.front().prepare(model);
+    plant_.prepare(model);
+  }
   void animate_scene(Model& model, double time_s) const override {
     show_geoms(model, "wall_", time_s >= wall_solid_from_s_);
-    wall_.animate(model, kWall, wall_x_m(), time_s);
+    plant_.contacts.front().wall.animate(model, kWall, wall_x_m(), time_s);
   }
 
  private:
   ArmTask task() const override {
     ArmTask task = ArmScenario::task();
     task.force_control_from_s = force_from_s_;
-    task.force_reference_N = force_reference_N_;
-    task.convert_gain_N_m = convert_gain_per_m_ * force_reference_N_;
+    task.force_reference_N = force().value;
+    task.convert_gain_N_m = convert_gain_per_m_ * task.force_reference_N;
     task.wall_x_m = wall_x_m();
     return task;
   }
 
+  ContactSettings& contact() { return plant_.contacts.front(); }
+  Reference& force() { return plant_.tip->reference; }
+  const Reference& force() const { return plant_.tip->reference; }
   double wall_x_m() const { return start_pose()[0] + wall_distance_m_; }
 
   double wall_distance_m_ = 0.0;
   double wall_solid_from_s_ = 0.0;
-  WallSettings wall_;
   double force_from_s_ = 0.0;
-  double force_reference_N_ = 0.0;
   double convert_gain_per_m_ = 0.0;
   double metrics_from_s_ = 0.0;
   double metrics_to_s_ = 0.0;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <breakwater/observers/stacked_estimator.h>
-#include <breakwater/plants/damped_inertia.h>
 
 namespace breakwater {
 namespace {
@@ -25,9 +24,7 @@ AxisSettings arm_joint(const std::string& name, std::size_t i, const Catalogue& 
   Axis axis = named_axis(name, name, "", true);
   axis.channel = "q" + std::to_string(i + 1);
   axis.counts_pulses = false;
-  AxisSettings joint(std::move(axis), catalogue);
-  joint.nominal_from = NominalFrom::model;
-  return joint;
+  return {std::move(axis), catalogue};
 }
 
 void bind_joint(Fields& fields, AxisSettings& joint, TransmissionSettings& transmission) {
@@ -104,6 +101,7 @@ ArmScenario::ArmScenario(const Catalogue& catalogue, MetricRows rows, bool start
   plant_.axes.push_back(arm_joint("joint1", 0, catalogue));
   plant_.keyframe = kHome;
   plant_.tip.emplace().sensor = kForceSensor;
+  plant_.tip->touch = "tip_touch";
 }
 
 // A file that is missing or wrong is left to the reading of the keys and the check.
@@ -177,6 +175,7 @@ void ArmScenario::check_arm(const Config& config) {
         encoder_counts_per_turn_ > 0.0 ? 2.0 * std::numbers::pi / encoder_counts_per_turn_ : 0.0;
     joint.encoder_rounding = encoder_rounding_;
     joint.noise_std = angle_noise_rad_;
+    joint.nominal_inertia = nominal_inertia_kgm2_[i];
     joint.transmission = at_joint(transmissions_[i]);
     const int at = model->jnt_qposadr[model.id(mjOBJ_JOINT, joint.axis.joint)];
     if (starts_at_reference_) {
@@ -189,8 +188,8 @@ void ArmScenario::check_arm(const Config& config) {
       std::any_of(plant_.axes.begin(), plant_.axes.end(),
                   [](const auto& one) { return one.drive.make_friction(1.0) != nullptr; });
   for (Eigen::Index i = 0; i < chain().joints(); ++i) observer_.check(config, nominal_joint(i));
-  controller_.check(config, setup());
-  make_rig();  // throws if the model lacks something
+  const auto controller = controller_.check(config, setup());
+  ArmRig(plant_, chain(), *controller);  // throws if the model lacks something
 }
 
 TipPose ArmScenario::start_pose() const {
@@ -217,17 +216,12 @@ ArmSetup ArmScenario::setup() const {
 
 // A joint as its estimator models it: J_n q̈ = τ − d. The coupling with other joints is part of d.
 NominalAxis ArmScenario::nominal_joint(Eigen::Index joint) const {
-  const auto i = static_cast<std::size_t>(joint);
-  const AxisSettings& settings = plant_.axes[i];
-  return {.plant = damped_inertia(nominal_inertia_kgm2_[i], 0.0),
-          .period_s = plant_.physics.control_period_s,
-          .force_limit = chain().effort_limits_Nm()(joint),
-          .sensor = {Eigen::VectorXd::Constant(1, settings.quantum()),
-                     Eigen::VectorXd::Constant(1, angle_noise_rad_), encoder_rounding_},
-          .pulses_per_revolution = encoder_counts_per_turn_,
-          .units = settings.axis.units,
-          .joint = static_cast<int>(joint),
-          .joints = static_cast<int>(chain().joints())};
+  NominalAxis axis = plant_.nominal(static_cast<std::size_t>(joint));
+  axis.force_limit = chain().effort_limits_Nm()(joint);
+  axis.pulses_per_revolution = encoder_counts_per_turn_;
+  axis.joint = static_cast<int>(joint);
+  axis.joints = static_cast<int>(chain().joints());
+  return axis;
 }
 
 std::unique_ptr<DisturbanceEstimator> ArmScenario::make_observer() const {
@@ -238,36 +232,33 @@ std::unique_ptr<DisturbanceEstimator> ArmScenario::make_observer() const {
   return std::make_unique<StackedEstimator>(std::move(joints));
 }
 
-ArmRig::ArmRig(const AxisPlant& plant, const PlanarChain& chain,
-               std::unique_ptr<Controller> controller)
-    : chain_(chain),
-      controller_(std::move(controller)),
-      rig_(plant, *controller_),
-      contact_force_(&simulation().sensor("tip_touch")),
+ArmRig::ArmRig(const AxisPlant& plant, const PlanarChain& chain, Controller& controller)
+    : AxisRig(plant, controller),
+      chain_(chain),
+      controller_(controller),
       force_sensor_(plant.tip->chain.has_body()
-                        ? &simulation().sensing().filtered(plant.axes.size() + 1)
-                        : &simulation().sensor(kForceSensor)) {
+                        ? simulation().sensing().filtered(plant.axes.size() + 1)
+                        : simulation().sensor(kForceSensor)) {
   const auto any = [&](auto&& has) {
     return std::any_of(plant.axes.begin(), plant.axes.end(), has);
   };
-  gather("q_true_rad", "rad", "true joint angles", [&](auto i) { return &rig_.position(i); });
-  gather("dq_true_rad_s", "rad/s", "true joint velocities",
-         [&](auto i) { return &rig_.velocity(i); });
+  gather("q_true_rad", "rad", "true joint angles", [&](auto i) { return &position(i); });
+  gather("dq_true_rad_s", "rad/s", "true joint velocities", [&](auto i) { return &velocity(i); });
   if (any([](const auto& one) { return one.drive.electric().is_on(); })) {
-    gather("current_A", "A", "currents of the motors", [&](auto i) { return &rig_.current_A(i); });
+    gather("current_A", "A", "currents of the motors", [&](auto i) { return &current_A(i); });
     gather("motor_Nm", "N m", "true torques of the motors",
-           [&](auto i) { return &rig_.motor_force(i); });
+           [&](auto i) { return &motor_force(i); });
   }
   if (plant.knows_disturbances) {
     gather("friction_Nm", "N m", "dry friction of the joints",
-           [&](auto i) { return &rig_.friction(i); });
+           [&](auto i) { return &friction(i); });
   }
   if (any([](const auto& one) { return one.transmission.is_elastic(); })) {
     gather("motor_q_true_rad", "rad",
            "true angles of the motors over the ratios of their transmissions",
-           [&](auto i) { return &rig_.motor_position(i); });
+           [&](auto i) { return &motor_position(i); });
     gather("transmission_Nm", "N m", "torques of the transmissions on the joints",
-           [&](auto i) { return &rig_.transmitted(i); });
+           [&](auto i) { return &transmitted(i); });
   }
 }
 
@@ -280,16 +271,6 @@ void ArmRig::gather(const char* name, const char* unit, const char* what, Value&
   joints.values.setZero(chain_.joints());
 }
 
-void ArmRig::add(WallContact& contact) {
-  simulation().add(contact);
-  contact_force_ = &contact.force_N();
-  wall_ = &contact.wall_m();
-}
-
-const double& ArmRig::filtered_force_N() const {
-  return rig_.simulation().sensing().filtered(static_cast<std::size_t>(chain_.joints()));
-}
-
 void ArmRig::observe() {
   for (JointValues& joints : joints_) {
     std::transform(joints.of_joint.begin(), joints.of_joint.end(), joints.values.data(),
@@ -300,7 +281,7 @@ void ArmRig::observe() {
 
 std::vector<Signal> ArmRig::signals() const {
   const auto n = static_cast<std::size_t>(chain_.joints());
-  const Simulation& sim = rig_.simulation();
+  const Simulation& sim = simulation();
   const std::span<const double> measured = view(sim.sample().y);
   const auto of_joints = [this](std::size_t i) {
     const JointValues& one = joints_[i];
@@ -313,26 +294,26 @@ std::vector<Signal> ArmRig::signals() const {
       {"x_true_m", "m", "true x of the tip", view(tip_[0])},
       {"y_true_m", "m", "true y of the tip", view(tip_[1])},
       {"phi_true_rad", "rad", "true angle of the tip", view(tip_[2])},
-      {"force_true_N", "N", "true normal contact force", view(*contact_force_)},
+      {"force_true_N", "N", "true normal contact force", view(contact_force_N())},
       {"q_measured_rad", "rad", "sampled joint angles", measured.first(n)},
       {"force_measured_N", "N", "sampled force behind the low-pass", measured.subspan(n, 1)},
       {"force_raw_measured_N", "N", "sampled force before the low-pass",
        measured.subspan(n + 1, 1)},
       {"torque_command_Nm", "N m", "commanded joint torques", view(sim.command())},
       {"torque_applied_Nm", "N m", "joint torques after saturation", view(sim.actuation())},
-      {"saturated", "1", "1 where any torque is at its limit", view(rig_.saturated())}};
-  if (wall_ != nullptr) {
-    signals.push_back({"wall_m", "m", "how far the wall has moved", view(*wall_)});
+      {"saturated", "1", "1 where any torque is at its limit", view(saturated())}};
+  if (wall() != nullptr) {
+    signals.push_back({"wall_m", "m", "how far the wall has moved", view(wall()->wall_m())});
   }
   for (std::size_t i = 2; i < joints_.size(); ++i) signals.push_back(of_joints(i));
-  for (const Signal& signal : controller_->signals()) signals.push_back(signal);
+  for (const Signal& signal : controller_.signals()) signals.push_back(signal);
   return signals;
 }
 
 std::vector<Signal> ArmRig::fine_signals() const {
-  return {{"qpos", "rad", "the engine's generalised positions", rig_.positions()},
-          {"force_true_N", "N", "true normal contact force", view(*contact_force_)},
-          {"force_sensor_N", "N", "force sensor, before its low-pass", view(*force_sensor_)},
+  return {{"qpos", "rad", "the engine's generalised positions", positions()},
+          {"force_true_N", "N", "true normal contact force", view(contact_force_N())},
+          {"force_sensor_N", "N", "force sensor, before its low-pass", view(force_sensor_)},
           {"force_filtered_N", "N", "force sensor, behind its low-pass", view(filtered_force_N())}};
 }
 

@@ -9,7 +9,6 @@
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_rig.h>
-#include <breakwater/sim/wall_contact.h>
 
 namespace breakwater {
 
@@ -17,25 +16,16 @@ namespace breakwater {
 void show_geoms(Model& model, const std::string& prefix, bool visible);
 
 /// An arm under its controller. The signals of the log have the values of all joints side by side.
-class ArmRig {
+class ArmRig : public AxisRig {
  public:
-  /// The plant and the chain must outlive the rig. Throws std::invalid_argument if the model lacks
-  /// something.
-  ArmRig(const AxisPlant& plant, const PlanarChain& chain, std::unique_ptr<Controller> controller);
-  ArmRig(const ArmRig&) = delete;
-  ArmRig& operator=(const ArmRig&) = delete;
-
-  Simulation& simulation() { return rig_.simulation(); }
-  /// Adds the tip's contact, whose force is then the true one. It must outlive the rig.
-  void add(WallContact& contact);
-  void step() { rig_.step(); }
+  /// The chain and the controller must outlive the rig. Throws std::invalid_argument if the model
+  /// lacks something.
+  ArmRig(const AxisPlant& plant, const PlanarChain& chain, Controller& controller);
 
   /// Updates the values below from the last step of the simulation.
   void observe();
   const Eigen::VectorXd& q() const { return joints_[0].values; }
   const TipPose& tip() const { return tip_; }
-  const double& contact_force_N() const { return *contact_force_; }
-  const double& filtered_force_N() const;
 
   /// The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const;
@@ -57,13 +47,10 @@ class ArmRig {
   void gather(const char* name, const char* unit, const char* what, Value&& value);
 
   const PlanarChain& chain_;
-  std::unique_ptr<Controller> controller_;
-  AxisRig rig_;
+  const Controller& controller_;
+  const double& force_sensor_;
   std::vector<JointValues> joints_;  // first the true angles, then their rates
   TipPose tip_ = TipPose::Zero();
-  const double* contact_force_;
-  const double* force_sensor_;
-  const double* wall_ = nullptr;  // null: the wall stands
 };
 
 /// A scenario with a planar arm, whose joints and nominal model are those of a URDF.
@@ -91,7 +78,7 @@ class ArmScenario : public Scenario {
   TipPose start_pose() const;
   /// The task of the controller: position control at q_0^ref.
   virtual ArmTask task() const;
-  ArmRig make_rig() const { return {plant_, chain(), controller_.make(setup())}; }
+  std::unique_ptr<Controller> make_controller() const { return controller_.make(setup()); }
 
   AxisPlant plant_;  ///< its axes are the joints; all quantities are those at the joint
   std::vector<double> start_angles_rad_;  ///< q_0^ref

@@ -103,7 +103,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
   for (const ContactSettings& one : plant.contacts) {
     if (std::unique_ptr<WallContact> wall = one.make(model)) {
       wall->set_contacts_with_friction(static_cast<int>(with_friction));
-      const WallContact* known = wall.get();
+      WallContact* const known = wall.get();
       contacts_.push_back({std::move(wall), &known->force_N(), known});
     } else {
       auto geoms = std::make_unique<GeomContact>(model, one.geom_1, one.geom_2);
@@ -135,6 +135,19 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
   for (const Contact& contact : contacts_) simulation_->add(*contact.part);
   simulation_->set_position(qpos);
   simulation_->set_velocity(qvel);
+  for (const ContactSettings& one : plant.contacts) {
+    if (one.begins_solid()) continue;
+    simulation_->set_collidable(geom_id(simulation_->model(), one.geom_2), false);
+  }
+  if (plant.tip && !plant.tip->touch.empty() && wall() == nullptr) {
+    contact_force_ = &simulation_->sensor(plant.tip->touch);
+  }
+}
+
+void AxisRig::set_solid(bool is_solid) {
+  if (wall() != nullptr) return contacts_.front().wall->set_solid(is_solid);
+  simulation_->set_collidable(geom_id(simulation_->model(), plant_.contacts.front().geom_2),
+                              is_solid);
 }
 
 void AxisRig::Drives::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
@@ -166,6 +179,9 @@ void AxisRig::step() {
   }
   if (plant_.tip) force_reference_ = plant_.tip->reference.at(time_s);
   simulation_->step();
+  if (contact_force_N() > 0.0 && time_s >= plant_.tip->reference.from_s) {
+    first_contact_s_ = std::min(first_contact_s_, time_s);
+  }
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     DrivenAxis& axis = axes_[i];
     if (axis.friction && axis.rubs_load) axis.disturbance -= axis.friction->force();
@@ -180,18 +196,19 @@ const double& AxisRig::current_A(std::size_t axis) const {
   return simulation_->motor(static_cast<int>(axes_[axis].actuator)).current_A();
 }
 
-const double& AxisRig::friction(std::size_t axis) const {
-  static constexpr double kNone = 0.0;
-  return axes_[axis].friction ? axes_[axis].friction->force() : kNone;
+HeldReference AxisRig::held_force(const TimeWindow& window) const {
+  HeldReference held(window, "the force of the tip", "N");
+  held.ask(plant_.tip->reference.value);
+  return held;
 }
 
 std::vector<HeldReference> AxisRig::held_references() const {
-  const double end_s = plant_.run.duration_s;
+  const double end_s = plant_.run.duration_s >= plant_.judged_to_s ? plant_.run.duration_s : 0.0;
   std::vector<HeldReference> held;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const AxisSettings& one = plant_.axes[i];
     held.emplace_back(
-        TimeWindow{one.reference.from_s, end_s >= plant_.judged_to_s ? end_s : 0.0},
+        TimeWindow{one.reference.from_s, end_s},
         one.axis.name.empty() ? "the position" : "the position of axis " + one.axis.name,
         one.axis.units.position);
     if (one.reference.kind == ReferenceShape::step) {
@@ -202,12 +219,7 @@ std::vector<HeldReference> AxisRig::held_references() const {
           one.axis.counts_pulses ? kFarTurned : kFarMoved * simulation_->model()->stat.extent);
     }
   }
-  if (plant_.tip) {
-    const Reference& force = plant_.tip->reference;
-    held.emplace_back(TimeWindow{force.from_s, end_s >= plant_.judged_to_s ? end_s : 0.0},
-                      "the force of the tip", "N");
-    held.back().ask(force.value);
-  }
+  if (plant_.tip) held.push_back(held_force({plant_.tip->reference.from_s, end_s}));
   return held;
 }
 
@@ -237,19 +249,18 @@ void AxisRig::warn_of_saturation(std::int64_t saturated, std::int64_t samples,
 }
 
 void AxisRig::add_tip_signals(std::vector<Signal>& signals) const {
-  const Sensing& sensing = simulation_->sensing();
-  const std::size_t behind = sensing.size() - 2, before = sensing.size() - 1;
-  const std::span<const double> measured = view(simulation_->sample().y);
+  const std::span<const double> measured = view(simulation_->sample().y).last(2);
   const auto add = [&](const char* name, const char* what, std::span<const double> value) {
     signals.push_back({name, "N", what, value});
   };
   if (contact_force_ != nullptr) {
     add("force_true_N", "true normal contact force", view(*contact_force_));
   }
-  add("force_sensor_N", "force sensor, before its low-pass", view(sensing.filtered(before)));
-  add("force_filtered_N", "force sensor, behind its low-pass", view(sensing.filtered(behind)));
-  add("force_measured_N", "sampled force behind the low-pass", measured.subspan(behind, 1));
-  add("force_raw_measured_N", "sampled force before the low-pass", measured.subspan(before, 1));
+  add("force_sensor_N", "force sensor, before its low-pass",
+      view(simulation_->sensing().filtered(simulation_->sensing().size() - 1)));
+  add("force_filtered_N", "force sensor, behind its low-pass", view(filtered_force_N()));
+  add("force_measured_N", "sampled force behind the low-pass", measured.first(1));
+  add("force_raw_measured_N", "sampled force before the low-pass", measured.last(1));
   add("force_reference_N", "reference of the force", view(force_reference_));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -79,7 +80,9 @@ class AxisRig {
     return axes_[axis].transmission ? axes_[axis].torque : motor_force(axis);
   }
   /// The dry friction; 0 if there is none, or it is not known (AxisPlant::knows_disturbances).
-  const double& friction(std::size_t axis) const;
+  const double& friction(std::size_t axis) const {
+    return axes_[axis].friction ? axes_[axis].friction->force() : kNothing;
+  }
   /// 1 where a drive is at its limit.
   const double& saturated() const { return saturated_; }
   /// d: the axis' disturbance and the dry friction of its joint, without noise. No observer can
@@ -91,11 +94,25 @@ class AxisRig {
   std::vector<Signal> signals() const;
 
   /// The force of the tip's sensor behind its low-pass.
-  double filtered_force_N() const {
+  const double& filtered_force_N() const {
     return simulation_->sensing().filtered(simulation_->sensing().size() - 2);
   }
   /// The true force of the tip's contact; 0 if it has none.
-  double contact_force_N() const { return contact_force_ != nullptr ? *contact_force_ : 0.0; }
+  const double& contact_force_N() const {
+    return contact_force_ != nullptr ? *contact_force_ : kNothing;
+  }
+  /// The first contact, if it is there and not the engine's.
+  const WallContact* wall() const { return contacts_.empty() ? nullptr : contacts_.front().wall; }
+  /// The time of the tip's first contact since its reference counts; infinite: there was none.
+  const double& first_contact_s() const { return first_contact_s_; }
+  /// The reference of the tip's force minus the true force, or the measured one if it has none.
+  double force_error_N() const {
+    return force_reference_ - (contact_force_ != nullptr ? *contact_force_ : filtered_force_N());
+  }
+  /// Judges this error in a window.
+  HeldReference held_force(const TimeWindow& window) const;
+  /// Switches the first contact on or off.
+  void set_solid(bool is_solid);
 
   /// Runs for the duration of the settings, with a sample at the end. It is record_run(), where
   /// each step is `step(k)`, which steps this rig. It warns if a position or the tip's force
@@ -113,8 +130,7 @@ class AxisRig {
                                 this->measured(i) / axis.transmission.measured_ratio());
       }
       if (plant_.tip) {
-        const double force_N = contact_force_ != nullptr ? *contact_force_ : filtered_force_N();
-        held.back().add(time_s, force_reference_ - force_N);
+        held.back().add(time_s, force_error_N());
       }
       ++samples;
       if (saturated_ > 0.0) ++saturated;
@@ -167,7 +183,7 @@ class AxisRig {
   struct Contact {
     std::unique_ptr<StagedForce> part;
     const double* force_N;
-    const WallContact* wall;  // null: the contact is the engine's
+    WallContact* wall;  // null: the contact is the engine's
   };
 
   // Passes the commands of the driven axes on to the model's actuators.
@@ -194,6 +210,8 @@ class AxisRig {
   static void warn_of_saturation(std::int64_t saturated, std::int64_t samples,
                                  std::vector<std::string>& warnings);
 
+  static constexpr double kNothing = 0.0;
+
   AxisPlant plant_;
   std::vector<Loop> loops_;
   int steps_per_sample_;
@@ -203,6 +221,7 @@ class AxisRig {
   std::vector<Contact> contacts_;
   const double* contact_force_ = nullptr;  // the tip's; null: not known
   double force_reference_ = 0.0;
+  double first_contact_s_ = std::numeric_limits<double>::infinity();
   std::unique_ptr<Simulation> simulation_;
   bool has_motors_;                // with electric parts: then each drive has one
   std::size_t positions_of_file_;  // added rotors come behind them; pictures do not have them

@@ -1,7 +1,6 @@
 #include <breakwater/rigs/axis_scenario.h>
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -233,19 +232,12 @@ Recording AxisScenario::run(const RunControl& control) const {
   logged.insert(logged.end(), own.logged.begin(), own.logged.end());
   std::vector<Signal> signals = metric_signals(own, rig, loop);
   signals.insert(signals.end(), logged.begin(), logged.end());
-  double first_contact_s = std::numeric_limits<double>::infinity();
-  MetricExpression::Events events;
-  if (plant.tip) events = {{"first_contact", &first_contact_s}};
-  MetricValues values(rows_, signals, plant.run.duration_s, events);
-  const double from_s = plant.tip ? plant.tip->reference.from_s : 0.0;
+  MetricValues values(rows_, signals, plant.run.duration_s,
+                      {{"first_contact", &rig.first_contact_s()}});
   const auto step = [&](std::int64_t k) {
     loop.controller->set_watched(control.logs || values.watches(rig.simulation().time_of(k)));
     rig.step();
     if (own.step) own.step();
-    const double time_s = rig.simulation().time_s();
-    if (rig.contact_force_N() > 0.0 && time_s >= from_s) {
-      first_contact_s = std::min(first_contact_s, time_s);
-    }
   };
   const auto sample = [&](double time_s) {
     if (own.sample) own.sample(time_s);

@@ -552,7 +552,7 @@ Model AxisPlant::load_model(const Config* config) const {
 // A file with the keys of a law means to have one.
 void AxisPlant::check_law_is_chosen(const ContactSettings& contact, const Config& config) {
   const std::string begin = contact.prefix();
-  if (config.find(begin + "law") != nullptr) return;
+  if (!contact.wall.is_of_file() || config.find(begin + "law") != nullptr) return;
   for (const auto& [key, entry] : config.entries()) {
     if (!key.starts_with(begin) || !entry.given.empty()) continue;
     const std::string own = key.substr(begin.size());
@@ -590,7 +590,7 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
     const int first = geom_id(model, one.geom_1), second = geom_id(model, one.geom_2);
     const bool may_touch = (model->geom_contype[first] & model->geom_conaffinity[second]) != 0 ||
                            (model->geom_contype[second] & model->geom_conaffinity[first]) != 0;
-    if (one.wall.is_of_engine() && !may_touch && model->npair == 0) {
+    if (one.begins_solid() && one.wall.is_of_engine() && !may_touch && model->npair == 0) {
       own.fail("geom_2", fmt::format("contype and conaffinity let \"{}\" and \"{}\" not touch; a "
                                      "law that is a force, kelvin_voigt_clipped, needs neither",
                                      one.geom_1, one.geom_2));

@@ -43,7 +43,7 @@ std::unique_ptr<WallContact> ContactSettings::make(const Model& model) const {
   if (wall.is_of_engine()) return nullptr;
   const auto [sphere, plane] = geoms(model);
   std::unique_ptr<WallContact> contact = wall.make(model, sphere, plane);
-  contact->set_solid(true);
+  contact->set_solid(begins_solid());
   return contact;
 }
 

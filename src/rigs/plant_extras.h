@@ -72,13 +72,17 @@ struct PushSettings {
 struct ContactSettings {
   ContactSettings(std::string its_name, const Catalogue& catalogue)
       : name(std::move(its_name)), wall(catalogue, prefix()) {}
+  /// The contact of a scenario with keys of its own for it: contact.… and wall.…. It begins off.
+  ContactSettings(const Catalogue& catalogue, std::string geom, std::string plane)
+      : geom_1(std::move(geom)), geom_2(std::move(plane)), wall(catalogue) {}
 
   std::string name;
   std::string geom_1;
   std::string geom_2;
   WallSettings wall;
 
-  std::string prefix() const { return "contact." + name + "."; }
+  std::string prefix() const { return name.empty() ? "contact." : "contact." + name + "."; }
+  bool begins_solid() const { return !name.empty(); }
   /// The name of its signal `what`.
   std::string signal(const std::string& what = "N") const { return "contact_" + name + "_" + what; }
   void bind(Fields& fields);
@@ -94,7 +98,8 @@ struct ContactSettings {
 struct TipSettings {
   static constexpr const char* kNone = "none";
 
-  std::string contact = kNone;  ///< its force is the true one
+  std::string contact = kNone;  ///< its force is the true one, if no `touch` is
+  std::string touch;            ///< <touch> of the model with the force of the engine's contact
   std::string sensor = kNone;   ///< kNone: the force of the contact is measured itself
   int component = 0;
   ForceSensorSettings chain;
