@@ -392,33 +392,19 @@ py::object setup_of(const QuadrotorTask& task) {
       py::arg("angle_std_rad") = task.angle_std_rad));
 }
 
-// A part without keys.
-template <typename Product, typename... Context>
-class Keyless final : public PartKind<Product, Context...>::Part {
- public:
-  using Make = std::function<std::unique_ptr<Product>(Context...)>;
-  explicit Keyless(Make make) : make_(std::move(make)) {}
-  void bind(Fields&) override {}
-  std::unique_ptr<Product> make(Context... context) const override {
-    return make_(std::forward<Context>(context)...);
-  }
-
- private:
-  Make make_;
-};
-
 // A kind whose parts `make` makes with the lock held. `asked` is called when a scenario asks for
 // such parts.
 template <typename Kind, typename Product, typename... Context, typename Make>
 Kind kind_of(const PartKind<Product, Context...>*, const std::string& name, Make make,
              const std::function<void()>& asked) {
-  return Kind(name, "written in Python", [make, name, asked] {
+  const Kind kind(
+      name, "written in Python", [make, name](Context... context) -> std::unique_ptr<Product> {
+        const Locked lock;
+        return of_python(name, [&]() -> std::unique_ptr<Product> { return make(context...); });
+      });
+  return Kind(name, kind.help, [kind, asked] {
     asked();
-    return std::make_unique<Keyless<Product, Context...>>(
-        [make, name](Context... context) -> std::unique_ptr<Product> {
-          const Locked lock;
-          return of_python(name, [&]() -> std::unique_ptr<Product> { return make(context...); });
-        });
+    return kind.settings();
   });
 }
 template <typename Kind, typename Make>

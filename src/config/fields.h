@@ -133,7 +133,15 @@ class Fields {
   void count(const std::string& key, std::uint64_t& target, const Range& range,
              const std::string& doc);
   void flag(const std::string& key, bool& target, const std::string& doc);
+  void optional_flag(const std::string& key, bool& target, const std::string& doc) {
+    flag(key, target, doc);
+    standard(key, {target});
+  }
   void text(const std::string& key, std::string& target, const std::string& doc);
+  void optional_text(const std::string& key, std::string& target, const std::string& doc) {
+    text(key, target, doc);
+    standard(key, {target});
+  }
   /// A number, or a text in its place. A number is kept as its text.
   void number_or_text(const std::string& key, std::string& target, const std::string& doc);
   /// The name of a file. A file of Breakwater is printed so that any installation finds it.
@@ -159,6 +167,16 @@ class Fields {
           return std::string();
         },
         doc);
+  }
+
+  /// A choice whose default value is the present one of the variable.
+  template <typename Enum>
+  void optional_choice(const std::string& key, Enum& target,
+                       std::vector<std::pair<std::string, Enum>> options, const std::string& doc) {
+    choice(key, target, options, doc);
+    for (const auto& [name, value] : options) {
+      if (value == target) return standard(key, {name});
+    }
   }
 
   /// Sets the default value of a key. The file may then leave out the key.

@@ -59,9 +59,27 @@ class PartKind {
   template <typename Settings>
   PartKind(std::string part_name, std::string one_line, void (*bind)(Fields&, Settings&),
            std::unique_ptr<Product> (*make)(const Settings&, Context...))
-      : name(std::move(part_name)),
-        help(std::move(one_line)),
-        settings_([bind, make] { return std::make_unique<PartOf<Settings>>(bind, make); }) {}
+      : PartKind(std::move(part_name), std::move(one_line),
+                 [bind, make] { return std::make_unique<PartOf<Settings>>(bind, make); }) {}
+
+  /// The same for a struct with both as functions: `void bind(Fields&)` and `make`.
+  template <typename Settings>
+  PartKind(std::string part_name, std::string one_line,
+           std::unique_ptr<Product> (Settings::*make)(Context...) const)
+      : PartKind(std::move(part_name), std::move(one_line), [make] {
+          return std::make_unique<PartOf<Settings>>(
+              [](Fields& fields, Settings& settings) { settings.bind(fields); }, std::mem_fn(make));
+        }) {}
+
+  /// For a part without keys.
+  PartKind(std::string part_name, std::string one_line,
+           std::function<std::unique_ptr<Product>(Context...)> make)
+      : PartKind(std::move(part_name), std::move(one_line), [make] {
+          return std::make_unique<PartOf<Keyless>>([](Fields&, Keyless&) {},
+                                                   [make](const Keyless&, Context... context) {
+                                                     return make(std::forward<Context>(context)...);
+                                                   });
+        }) {}
 
   /// For a part without such a struct: `settings` makes the object that does both.
   PartKind(std::string part_name, std::string one_line,
@@ -74,12 +92,14 @@ class PartKind {
   std::string help;
 
  private:
+  struct Keyless {};
+
   template <typename Settings>
   class PartOf final : public Part {
    public:
-    PartOf(void (*binds)(Fields&, Settings&),
-           std::unique_ptr<Product> (*makes)(const Settings&, Context...))
-        : bind_(binds), make_(makes) {}
+    PartOf(std::function<void(Fields&, Settings&)> binds,
+           std::function<std::unique_ptr<Product>(const Settings&, Context...)> makes)
+        : bind_(std::move(binds)), make_(std::move(makes)) {}
     void bind(Fields& fields) override { bind_(fields, settings_); }
     std::unique_ptr<Product> make(Context... context) const override {
       return make_(settings_, std::forward<Context>(context)...);
@@ -87,8 +107,8 @@ class PartKind {
 
    private:
     Settings settings_{};
-    void (*bind_)(Fields&, Settings&);
-    std::unique_ptr<Product> (*make_)(const Settings&, Context...);
+    std::function<void(Fields&, Settings&)> bind_;
+    std::function<std::unique_ptr<Product>(const Settings&, Context...)> make_;
   };
 
   std::function<std::unique_ptr<Part>()> settings_;

@@ -50,81 +50,76 @@ struct PfcSettings {
   }
 };
 
-struct ProposedSettings {
+template <typename Law, typename Design>
+std::unique_ptr<Controller> make_law(const ArmSetup& arm, const Design& design) {
+  return std::make_unique<Law>(arm.chain, arm.acceleration, arm.task, design);
+}
+
+struct Proposed {
   PfcSettings pfc;
   std::vector<double> ik_weights;
-  double ik_damping = 0.0;
-  LmForm ik_form = LmForm::printed;
+  LmDesign ik;
 
-  LmDesign inverse_kinematics(const ArmSetup& arm) const {
+  void bind(Fields& fields) {
+    pfc.bind(fields);
+    fields.numbers(
+        "controller.ik_weights", ik_weights, positive(),
+        "W_e: weights of the inverse kinematics for each coordinate of the tip, as x, y and phi");
+    fields.number("controller.ik_damping", ik.damping, positive(),
+                  "lambda: damping of the inverse kinematics");
+    fields.choice("controller.ik_form", ik.form,
+                  {{"printed", LmForm::printed},
+                   {"sugihara_damping", LmForm::sugihara_damping},
+                   {"sugihara", LmForm::sugihara}},
+                  "form of the inverse kinematics: printed (Eqs. 2.66, 2.68; three joints), "
+                  "sugihara_damping (Eq. 2.66 with Sugihara's W_n), or sugihara (any number)");
+  }
+  std::unique_ptr<Controller> make(const ArmSetup& arm) const {
+    pfc.check(arm);
     std::string names;
     for (const TipCoordinate& one : arm.chain.coordinates()) {
       names += (names.empty() ? "" : ", ") + one.name;
     }
-    LmDesign design;
-    design.weights =
+    LmDesign kinematics = ik;
+    kinematics.weights =
         spread("controller.ik_weights", ik_weights, arm.chain.held(),
                "must have a number for each of " + names + ", which the arm can hold, or one");
-    design.damping = ik_damping;
-    design.form = ik_form;
-    return design;
+    blame("controller.ik_form", [&] { LmInverseKinematics(kinematics, arm.chain.joints()); });
+    return make_law<ImplicitForcePfc>(
+        arm, ImplicitForcePfcDesign{pfc.joints(arm), kinematics, pfc.positioning});
   }
 };
 
-void bind_proposed(Fields& fields, ProposedSettings& settings) {
-  settings.pfc.bind(fields);
-  fields.numbers(
-      "controller.ik_weights", settings.ik_weights, positive(),
-      "W_e: weights of the inverse kinematics for each coordinate of the tip, as x, y and phi");
-  fields.number("controller.ik_damping", settings.ik_damping, positive(),
-                "lambda: damping of the inverse kinematics");
-  fields.choice("controller.ik_form", settings.ik_form,
-                {{"printed", LmForm::printed},
-                 {"sugihara_damping", LmForm::sugihara_damping},
-                 {"sugihara", LmForm::sugihara}},
-                "form of the inverse kinematics: printed (Eqs. 2.66, 2.68; three joints), "
-                "sugihara_damping (Eq. 2.66 with Sugihara's W_n), or sugihara (any number)");
-}
+struct DracSettings {
+  WorkspaceControlDesign design;
 
-void check_proposed(const ProposedSettings& settings, const ArmSetup& arm) {
-  settings.pfc.check(arm);
-  blame("controller.ik_form",
-        [&] { LmInverseKinematics(settings.inverse_kinematics(arm), arm.chain.joints()); });
-}
+  void bind(Fields& fields) {
+    fields.number("controller.k_position", design.k_p, not_negative(),
+                  "K_p: position gain K_phx or K_px; the velocity gain is 2 sqrt(K_p) [1/s^2]");
+    fields.number("controller.singular_value_floor", design.singular_value_floor, not_negative(),
+                  "singular values below this count as 0 in the pseudo-inverse");
+  }
+  std::unique_ptr<Controller> make(const ArmSetup& arm) const {
+    return make_law<Drac>(arm, design);
+  }
+};
 
-std::unique_ptr<Controller> make_proposed(const ProposedSettings& settings, const ArmSetup& arm) {
-  check_proposed(settings, arm);
-  return std::make_unique<ImplicitForcePfc>(
-      arm.chain, arm.acceleration, arm.task,
-      ImplicitForcePfcDesign{settings.pfc.joints(arm), settings.inverse_kinematics(arm),
-                             settings.pfc.positioning});
-}
-
-void bind_drac(Fields& fields, WorkspaceControlDesign& design) {
-  fields.number("controller.k_position", design.k_p, not_negative(),
-                "K_p: position gain K_phx or K_px; the velocity gain is 2 sqrt(K_p) [1/s^2]");
-  fields.number("controller.singular_value_floor", design.singular_value_floor, not_negative(),
-                "singular values below this count as 0 in the pseudo-inverse");
-}
-
-void bind_hpfc(Fields& fields, WorkspaceControlDesign& design) {
-  bind_drac(fields, design);
-  fields.number("controller.k_force", design.k_f, not_negative(), "K_phf: force gain");
-}
-
-std::unique_ptr<Controller> make_hpfc(const WorkspaceControlDesign& design, const ArmSetup& arm) {
-  return std::make_unique<Hpfc>(arm.chain, arm.acceleration, arm.task, design);
-}
-
-std::unique_ptr<Controller> make_drac(const WorkspaceControlDesign& design, const ArmSetup& arm) {
-  return std::make_unique<Drac>(arm.chain, arm.acceleration, arm.task, design);
-}
+struct HpfcSettings : DracSettings {
+  void bind(Fields& fields) {
+    DracSettings::bind(fields);
+    fields.number("controller.k_force", design.k_f, not_negative(), "K_phf: force gain");
+  }
+  std::unique_ptr<Controller> make(const ArmSetup& arm) const {
+    return make_law<Hpfc>(arm, design);
+  }
+};
 
 // The settings of a controller that reaches the wall on a path.
 struct PathSettings {
   PfcSettings pfc;
   double hold_s = 0.0;
   double across_s = 0.0;
+  double approach_s = 0.0;
 
   void bind(Fields& fields) {
     pfc.bind(fields);
@@ -133,10 +128,17 @@ struct PathSettings {
     fields.number("controller.t_across_s", across_s, positive(),
                   "target response time of y and phi [s]");
   }
+  void bind_approach(Fields& fields) {
+    fields.number("controller.t_approach_s", approach_s, positive(),
+                  "target response time of the speed towards the wall [s]");
+  }
   PfcDesign design_of(const char* key, double response_time_s, const ArmSetup& arm) const {
     const PfcDesign design = pfc.design(response_time_s, arm.period_s);
     blame(key, [&] { Pfc made(design); });
     return design;
+  }
+  PfcDesign approach(const ArmSetup& arm) const {
+    return design_of("controller.t_approach_s", approach_s, arm);
   }
   PathDesign design(const ArmSetup& arm) const {
     pfc.check(arm);
@@ -145,140 +147,114 @@ struct PathSettings {
   }
 };
 
-void bind_impact(Fields& fields, ImpactModel& impact) {
+void bind_impact(Fields& fields, double& stiffness_N_m, double& peak_margin_N) {
   fields.number(
-      "controller.design_stiffness_N_m", impact.stiffness_N_m, positive(),
+      "controller.design_stiffness_N_m", stiffness_N_m, positive(),
       "K_d: design stiffness, the contact stiffness for which the speed is limited [N/m]");
-  fields.number("controller.peak_margin_N", impact.peak_margin_N, positive(),
+  fields.number("controller.peak_margin_N", peak_margin_N, positive(),
                 "allowed excess of the filtered peak force over the reference at K_d [N]");
 }
 
-void bind_approach(Fields& fields, double& approach_s) {
-  fields.number("controller.t_approach_s", approach_s, positive(),
-                "target response time of the speed towards the wall [s]");
-}
-
-struct SoftContactSettings {
+struct TlscSettings {
   PathSettings path;
-  double approach_s = 0.0;
   double contact_s = 0.0;
-  ImpactModel impact;
+  SoftContactDesign given;
+
+  void bind(Fields& fields) {
+    path.bind(fields);
+    path.bind_approach(fields);
+    fields.number("controller.t_contact_s", contact_s, positive(),
+                  "target response time of the remaining distance in contact [s]");
+    bind_impact(fields, given.wall_stiffness_N_m, given.peak_margin_N);
+  }
+  std::unique_ptr<Controller> make(const ArmSetup& arm) const {
+    SoftContactDesign design = given;
+    design.path = path.design(arm);
+    design.approach = path.approach(arm);
+    design.contact = path.design_of("controller.t_contact_s", contact_s, arm);
+    return make_law<SoftContact>(arm, design);
+  }
 };
-
-void bind_tlsc(Fields& fields, SoftContactSettings& settings) {
-  settings.path.bind(fields);
-  bind_approach(fields, settings.approach_s);
-  fields.number("controller.t_contact_s", settings.contact_s, positive(),
-                "target response time of the remaining distance in contact [s]");
-  bind_impact(fields, settings.impact);
-}
-
-std::unique_ptr<Controller> make_tlsc(const SoftContactSettings& settings, const ArmSetup& arm) {
-  SoftContactDesign design;
-  design.path = settings.path.design(arm);
-  design.approach = settings.path.design_of("controller.t_approach_s", settings.approach_s, arm);
-  design.contact = settings.path.design_of("controller.t_contact_s", settings.contact_s, arm);
-  design.wall_stiffness_N_m = settings.impact.stiffness_N_m;
-  design.peak_margin_N = settings.impact.peak_margin_N;
-  return std::make_unique<SoftContact>(arm.chain, arm.acceleration, arm.task, design);
-}
 
 struct EnergySettings {
   PathSettings path;
-  double approach_s = 0.0;
   ImpactModel impact;
   Admittance admittance;
 
   void bind(Fields& fields) {
     path.bind(fields);
-    bind_approach(fields, approach_s);
-    bind_impact(fields, impact);
+    path.bind_approach(fields);
+    bind_impact(fields, impact.stiffness_N_m, impact.peak_margin_N);
     fields.optional_number("controller.admittance_mass_kg", admittance.mass_kg, positive(),
                            "M: mass of the admittance in contact [kg]");
     fields.optional_number("controller.admittance_damping_Ns_m", admittance.damping_Ns_m,
                            not_negative(), "D: damping of the admittance in contact [N s/m]");
   }
-  PfcDesign approach(const ArmSetup& arm) const {
-    return path.design_of("controller.t_approach_s", approach_s, arm);
+  std::unique_ptr<Controller> make(const ArmSetup& arm) const {
+    return make_law<EnergyAdmittance>(
+        arm, EnergyAdmittanceDesign{path.design(arm), path.approach(arm), impact, admittance});
   }
 };
 
-void bind_energy(Fields& fields, EnergySettings& settings) {
-  settings.bind(fields);
-}
+struct ImpactQpSettings : EnergySettings {
+  ImpactQpDesign given;
 
-std::unique_ptr<Controller> make_energy(const EnergySettings& settings, const ArmSetup& arm) {
-  return std::make_unique<EnergyAdmittance>(
-      arm.chain, arm.acceleration, arm.task,
-      EnergyAdmittanceDesign{settings.path.design(arm), settings.approach(arm), settings.impact,
-                             settings.admittance});
-}
-
-struct ImpactQpSettings {
-  EnergySettings common;
-  ImpactQpDesign design;
+  void bind(Fields& fields) {
+    EnergySettings::bind(fields);
+    fields.optional_number(
+        "controller.approach_speed_m_s", given.approach_speed_m_s, positive(),
+        "v^ref: wanted speed towards the wall, which the constraints reduce [m/s]");
+    fields.optional_number("controller.preview_s", given.preview_s, positive(),
+                           "T_p: the constraints foresee an impact so long after the sample [s]");
+    fields.optional_number("controller.restitution", given.restitution, between(0.0, 1.0),
+                           "e: restitution of the foreseen impact");
+    fields.optional_number("controller.impact_expected_from_m", given.expected_from_m, any(),
+                           "way from the start pose after which an impact is foreseen [m]");
+    fields.optional_number("controller.posture_weight", given.posture_weight, positive(),
+                           "weight of the joint accelerations in the quadratic program");
+  }
+  std::unique_ptr<Controller> make(const ArmSetup& arm) const {
+    ImpactQpDesign design = given;
+    design.path = path.design(arm);
+    design.approach = path.approach(arm);
+    design.impact = impact;
+    design.admittance = admittance;
+    return make_law<ImpactQp>(arm, design);
+  }
 };
-
-void bind_impact_qp(Fields& fields, ImpactQpSettings& settings) {
-  settings.common.bind(fields);
-  ImpactQpDesign& design = settings.design;
-  fields.optional_number(
-      "controller.approach_speed_m_s", design.approach_speed_m_s, positive(),
-      "v^ref: wanted speed towards the wall, which the constraints reduce [m/s]");
-  fields.optional_number("controller.preview_s", design.preview_s, positive(),
-                         "T_p: the constraints foresee an impact so long after the sample [s]");
-  fields.optional_number("controller.restitution", design.restitution, between(0.0, 1.0),
-                         "e: restitution of the foreseen impact");
-  fields.optional_number("controller.impact_expected_from_m", design.expected_from_m, any(),
-                         "way from the start pose after which an impact is foreseen [m]");
-  fields.optional_number("controller.posture_weight", design.posture_weight, positive(),
-                         "weight of the joint accelerations in the quadratic program");
-}
-
-std::unique_ptr<Controller> make_impact_qp(const ImpactQpSettings& settings, const ArmSetup& arm) {
-  ImpactQpDesign design = settings.design;
-  design.path = settings.common.path.design(arm);
-  design.approach = settings.common.approach(arm);
-  design.impact = settings.common.impact;
-  design.admittance = settings.common.admittance;
-  return std::make_unique<ImpactQp>(arm.chain, arm.acceleration, arm.task, design);
-}
 
 struct ContactMpcSettings {
   PathSettings path;
-  ContactMpcDesign design;
+  ContactMpcDesign given;
+
+  void bind(Fields& fields) {
+    path.bind(fields);
+    bind_impact(fields, given.impact.stiffness_N_m, given.impact.peak_margin_N);
+    fields.optional_number(
+        "controller.period_s", given.period_s, positive(),
+        "time from one optimisation to the next, a multiple of control.period_s [s]");
+    fields.optional_count("controller.prediction_steps", given.prediction_steps, between(1, 200),
+                          "N_p: number of predicted periods");
+    fields.optional_number("controller.q_position", given.q_position, positive(),
+                           "weight on the error of the depth [1/m^2]");
+    fields.optional_number("controller.q_velocity", given.q_velocity, not_negative(),
+                           "weight on the speed [s^2/m^2]");
+    fields.optional_number("controller.r", given.r, positive(),
+                           "weight on the path acceleration [s^4/m^2]");
+    fields.optional_number("controller.path_acceleration_m_s2", given.acceleration_m_s2, positive(),
+                           "bound of the predicted path acceleration [m/s^2]");
+    fields.optional_number("controller.wall_error_m", given.wall_error_m, any(),
+                           "told place of the wall minus the true one [m]");
+    fields.optional_number(
+        "controller.wall_correction_per_s", given.wall_correction_per_s, not_negative(),
+        "gamma: rate at which the measured force corrects the wall's place [1/s]");
+  }
+  std::unique_ptr<Controller> make(const ArmSetup& arm) const {
+    ContactMpcDesign design = given;
+    design.path = path.design(arm);
+    return make_law<ContactMpc>(arm, design);
+  }
 };
-
-void bind_contact_mpc(Fields& fields, ContactMpcSettings& settings) {
-  settings.path.bind(fields);
-  ContactMpcDesign& design = settings.design;
-  bind_impact(fields, design.impact);
-  fields.optional_number(
-      "controller.period_s", design.period_s, positive(),
-      "time from one optimisation to the next, a multiple of control.period_s [s]");
-  fields.optional_count("controller.prediction_steps", design.prediction_steps, between(1, 200),
-                        "N_p: number of predicted periods");
-  fields.optional_number("controller.q_position", design.q_position, positive(),
-                         "weight on the error of the depth [1/m^2]");
-  fields.optional_number("controller.q_velocity", design.q_velocity, not_negative(),
-                         "weight on the speed [s^2/m^2]");
-  fields.optional_number("controller.r", design.r, positive(),
-                         "weight on the path acceleration [s^4/m^2]");
-  fields.optional_number("controller.path_acceleration_m_s2", design.acceleration_m_s2, positive(),
-                         "bound of the predicted path acceleration [m/s^2]");
-  fields.optional_number("controller.wall_error_m", design.wall_error_m, any(),
-                         "told place of the wall minus the true one [m]");
-  fields.optional_number("controller.wall_correction_per_s", design.wall_correction_per_s,
-                         not_negative(),
-                         "gamma: rate at which the measured force corrects the wall's place [1/s]");
-}
-
-std::unique_ptr<Controller> make_contact_mpc(const ContactMpcSettings& settings,
-                                             const ArmSetup& arm) {
-  ContactMpcDesign design = settings.design;
-  design.path = settings.path.design(arm);
-  return std::make_unique<ContactMpc>(arm.chain, arm.acceleration, arm.task, design);
-}
 
 }  // namespace
 
@@ -291,19 +267,19 @@ void bind_observer_feed(Fields& fields, ObserverFeed& feed) {
 
 std::vector<ArmControllerKind> arm_controllers() {
   return {{"proposed", "implicit force control over torque-limited PFC joints (2.4.2)",
-           bind_proposed, make_proposed},
-          {"hpfc", "hybrid position/force control by acceleration control (2.4.3.1)", bind_hpfc,
-           make_hpfc},
-          {"drac", "resolved acceleration control with implicit force control (2.4.3.1)", bind_drac,
-           make_drac},
+           &Proposed::make},
+          {"hpfc", "hybrid position/force control by acceleration control (2.4.3.1)",
+           &HpfcSettings::make},
+          {"drac", "resolved acceleration control with implicit force control (2.4.3.1)",
+           &DracSettings::make},
           {"tlsc", "torque-limited soft contact: as fast as the torques can still stop the arm",
-           bind_tlsc, make_tlsc},
+           &TlscSettings::make},
           {"energy_admittance", "approach with the speed of an allowed impact, then admittance",
-           bind_energy, make_energy},
-          {"impact_qp", "impact-aware quadratic program in the joint accelerations", bind_impact_qp,
-           make_impact_qp},
+           &EnergySettings::make},
+          {"impact_qp", "impact-aware quadratic program in the joint accelerations",
+           &ImpactQpSettings::make},
           {"contact_mpc", "predictive control with a spring at the wall's known place",
-           bind_contact_mpc, make_contact_mpc}};
+           &ContactMpcSettings::make}};
 }
 
 }  // namespace breakwater

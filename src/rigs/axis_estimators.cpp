@@ -15,6 +15,28 @@ namespace {
 struct Poles {
   std::vector<std::vector<double>> poles_rad_s;
 
+  void bind(Fields& fields) {
+    fields.number_groups(
+        "observer.poles_rad_s", poles_rad_s, any(),
+        "continuous poles: of an axis, of all joints of an arm alike, or in rows. There is a row "
+        "for each joint of an arm, or for each axis of a whole plant, which places them "
+        "with its measurement [1/s]");
+  }
+  Estimator state_observer(const NominalAxis& axis) const {
+    need_continuous(axis, "state_observer");
+    return placed<StateObserver>(axis);
+  }
+  Estimator idob(const NominalAxis& axis) const {
+    need_one_inertia(axis, "idob");
+    return placed<Idob>(axis);
+  }
+
+ private:
+  template <typename Observer>
+  Estimator placed(const NominalAxis& axis) const {
+    return blame("observer.poles_rad_s",
+                 [&] { return std::make_unique<Observer>(axis.plant, of(axis), axis.period_s); });
+  }
   std::vector<PoleGroup> of(const NominalAxis& axis) const {
     const std::size_t groups = poles_rad_s.size();
     if (is_whole(axis)) {
@@ -38,50 +60,26 @@ struct Poles {
   }
 };
 
-void bind_poles(Fields& fields, Poles& settings) {
-  fields.number_groups(
-      "observer.poles_rad_s", settings.poles_rad_s, any(),
-      "continuous poles: of an axis, of all joints of an arm alike, or in rows. There is a row for "
-      "each joint of an arm, or for each axis of a whole plant, which places them "
-      "with its measurement [1/s]");
-}
-
-Estimator make_state_observer(const Poles& settings, const NominalAxis& axis) {
-  need_continuous(axis, "state_observer");
-  return blame("observer.poles_rad_s", [&] {
-    return std::make_unique<StateObserver>(axis.plant, settings.of(axis), axis.period_s);
-  });
-}
-
-Estimator make_idob(const Poles& settings, const NominalAxis& axis) {
-  need_one_inertia(axis, "idob");
-  return blame("observer.poles_rad_s", [&] {
-    return std::make_unique<Idob>(axis.plant, settings.of(axis), axis.period_s);
-  });
-}
-
-struct MdobCutoffs {
+struct MdobSettings {
   double derivative_rad_s = 0.0;  // g_d; 0: the raw difference
   double observer_rad_s = 0.0;    // g_w
+
+  void bind(Fields& fields) {
+    fields.number("observer.derivative_cutoff_rad_s", derivative_rad_s, not_negative(),
+                  "g_d: cut-off of the pseudo-derivative; 0: the raw difference [rad/s]");
+    bind_low_pass(fields, observer_rad_s);
+  }
+  Estimator make(const NominalAxis& axis) const {
+    need_one_axis(axis, "mdob");
+    need_one_inertia(axis, "mdob");
+    constexpr double kRaw = std::numeric_limits<double>::infinity();
+    return std::make_unique<Mdob>(
+        MdobDesign{.nominal_inertia = 1.0 / axis.plant.B(1, 0),
+                   .derivative_cutoff_rad_s = derivative_rad_s > 0.0 ? derivative_rad_s : kRaw,
+                   .observer_cutoff_rad_s = observer_rad_s},
+        axis.period_s);
+  }
 };
-
-void bind_mdob(Fields& fields, MdobCutoffs& settings) {
-  fields.number("observer.derivative_cutoff_rad_s", settings.derivative_rad_s, not_negative(),
-                "g_d: cut-off of the pseudo-derivative; 0: the raw difference [rad/s]");
-  bind_low_pass(fields, settings.observer_rad_s);
-}
-
-Estimator make_mdob(const MdobCutoffs& settings, const NominalAxis& axis) {
-  need_one_axis(axis, "mdob");
-  need_one_inertia(axis, "mdob");
-  MdobDesign design;
-  design.nominal_inertia = 1.0 / axis.plant.B(1, 0);
-  design.derivative_cutoff_rad_s = settings.derivative_rad_s > 0.0
-                                       ? settings.derivative_rad_s
-                                       : std::numeric_limits<double>::infinity();
-  design.observer_cutoff_rad_s = settings.observer_rad_s;
-  return std::make_unique<Mdob>(design, axis.period_s);
-}
 
 enum class ProcessNoise { input, all, disturbance };
 
@@ -129,55 +127,48 @@ struct KalmanNoise {
   }
 };
 
-void bind_kfd(Fields& fields, KalmanNoise& settings) {
-  settings.bind(fields);
-  settings.bind_observation(fields);
-}
+struct KfdSettings : KalmanNoise {
+  void bind(Fields& fields) {
+    KalmanNoise::bind(fields);
+    bind_observation(fields);
+  }
+  Estimator make(const NominalAxis& axis) const { return std::make_unique<Kfd>(design(axis)); }
+};
 
-Estimator make_kfd(const KalmanNoise& settings, const NominalAxis& axis) {
-  return std::make_unique<Kfd>(settings.design(axis));
-}
-
-struct FakfdSettings {
-  KalmanNoise noise;
+struct FakfdSettings : KfdSettings {
   double gamma = 1.0;
   double lambda = 1.0;
   double gamma_d = 1.0;
   CovarianceForm form = CovarianceForm::symmetric;
+
+  void bind(Fields& fields) {
+    KfdSettings::bind(fields);
+    fields.optional_number("observer.gamma", gamma, between(1, 100),
+                           "gamma: forgetting of all states, 1/lambda (Eq. 4.6)");
+    fields.optional_number("observer.lambda", lambda, between(0.01, 1),
+                           "lambda: the same as a forgetting factor, 1/gamma");
+    fields.optional_number("observer.gamma_d", gamma_d, between(1, 100),
+                           "further forgetting of the disturbance and its derivatives (Eq. 4.7)");
+    fields.optional_choice(
+        "observer.covariance_form", form,
+        {{"symmetric", CovarianceForm::symmetric},
+         {"printed", CovarianceForm::printed},
+         {"left", CovarianceForm::left}},
+        "Eq. 4.5 with G = Gamma: symmetric sqrt(G) (I - K C) P sqrt(G), printed (G - K C) P "
+        "or left G (I - K C) P");
+  }
+  Estimator make(const NominalAxis& axis) const {
+    if (gamma != 1.0 && lambda != 1.0) {
+      throw WrongKey("observer.lambda",
+                     "must be 1 if observer.gamma is not 1, since both set the same factor");
+    }
+    const KalmanDesign filter = design(axis);
+    const Eigen::VectorXd all = scalar_gamma(filter.plant, gamma / lambda)
+                                    .cwiseProduct(diagonal_gamma(filter.plant, gamma_d));
+    if (form == CovarianceForm::symmetric) return std::make_unique<Fakfd>(filter, all);
+    return std::make_unique<AsymmetricFakfd>(filter, all, form);
+  }
 };
-
-void bind_fakfd(Fields& fields, FakfdSettings& settings) {
-  bind_kfd(fields, settings.noise);
-  fields.optional_number("observer.gamma", settings.gamma, between(1, 100),
-                         "gamma: forgetting of all states, 1/lambda (Eq. 4.6)");
-  fields.optional_number("observer.lambda", settings.lambda, between(0.01, 1),
-                         "lambda: the same as a forgetting factor, 1/gamma");
-  fields.optional_number("observer.gamma_d", settings.gamma_d, between(1, 100),
-                         "further forgetting of the disturbance and its derivatives (Eq. 4.7)");
-  const char* const form = "observer.covariance_form";
-  fields.choice(
-      form, settings.form,
-      {{"symmetric", CovarianceForm::symmetric},
-       {"printed", CovarianceForm::printed},
-       {"left", CovarianceForm::left}},
-      "Eq. 4.5 with G = Gamma: symmetric sqrt(G) (I - K C) P sqrt(G), printed (G - K C) P "
-      "or left G (I - K C) P");
-  fields.standard(form, {std::string("symmetric")});
-}
-
-Estimator make_fakfd(const FakfdSettings& settings, const NominalAxis& axis) {
-  if (settings.gamma != 1.0 && settings.lambda != 1.0) {
-    throw WrongKey("observer.lambda",
-                   "must be 1 if observer.gamma is not 1, since both set the same factor");
-  }
-  const KalmanDesign design = settings.noise.design(axis);
-  const Eigen::VectorXd gamma = scalar_gamma(design.plant, settings.gamma / settings.lambda)
-                                    .cwiseProduct(diagonal_gamma(design.plant, settings.gamma_d));
-  if (settings.form == CovarianceForm::symmetric) {
-    return std::make_unique<Fakfd>(design, gamma);
-  }
-  return std::make_unique<AsymmetricFakfd>(design, gamma, settings.form);
-}
 
 struct ForgettingLimits {
   double lambda_min = 0.0;
@@ -189,9 +180,10 @@ struct ForgettingLimits {
     fields.number("observer.lambda_max", lambda_max, between(0, 1),
                   "upper bound of the forgetting factor");
   }
-  void apply(VfakfdDesign& design) const {
+  Estimator make(const KalmanDesign& filter, VfakfdDesign design) const {
     design.lambda_min = lambda_min;
     design.lambda_max = lambda_max;
+    return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd>(filter, design); });
   }
 };
 
@@ -200,100 +192,87 @@ struct VfakfdSettings {
   double alpha = 0.0;
   double dead_zone = 0.0;
   ForgettingLimits limits;
-};
 
-void bind_vfakfd(Fields& fields, VfakfdSettings& settings) {
-  settings.noise.bind(fields);
-  fields.number("observer.alpha", settings.alpha, not_negative(),
-                "alpha of Eq. 4.20; 0: 1/(b_reso T_s), Eq. 4.26");
-  fields.optional_number("observer.dead_zone", settings.dead_zone, not_negative(),
-                         "size by which the innovation is reduced first [rad or m]");
-  settings.limits.bind(fields);
-}
-
-Estimator make_vfakfd(const VfakfdSettings& settings, const NominalAxis& axis) {
-  need_one_axis(axis, "vfakfd");
-  if (settings.alpha == 0.0 && axis.pulses_per_revolution == 0.0) {
-    throw WrongKey(
-        "observer.alpha",
-        "must be positive: 0 selects Eq. 4.26, which needs the encoder's counts per revolution");
+  void bind(Fields& fields) {
+    noise.bind(fields);
+    fields.number("observer.alpha", alpha, not_negative(),
+                  "alpha of Eq. 4.20; 0: 1/(b_reso T_s), Eq. 4.26");
+    fields.optional_number("observer.dead_zone", dead_zone, not_negative(),
+                           "size by which the innovation is reduced first [rad or m]");
+    limits.bind(fields);
   }
-  VfakfdDesign design;
-  design.alpha = Eigen::VectorXd::Constant(
-      1, settings.alpha > 0.0 ? settings.alpha
-                              : vfakfd_alpha(axis.pulses_per_revolution, axis.period_s));
-  design.dead_zone = Eigen::VectorXd::Constant(1, settings.dead_zone);
-  settings.limits.apply(design);
-  const KalmanDesign filter = settings.noise.design(axis);
-  return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd>(filter, design); });
-}
+  Estimator make(const NominalAxis& axis) const {
+    need_one_axis(axis, "vfakfd");
+    if (alpha == 0.0 && axis.pulses_per_revolution == 0.0) {
+      throw WrongKey(
+          "observer.alpha",
+          "must be positive: 0 selects Eq. 4.26, which needs the encoder's counts per revolution");
+    }
+    VfakfdDesign design;
+    design.alpha = Eigen::VectorXd::Constant(
+        1, alpha > 0.0 ? alpha : vfakfd_alpha(axis.pulses_per_revolution, axis.period_s));
+    design.dead_zone = Eigen::VectorXd::Constant(1, dead_zone);
+    return limits.make(noise.design(axis), design);
+  }
+};
 
 struct QvffSettings {
   DisturbanceModel model;
   ForgettingLimits limits;
-};
 
-void bind_qvff(Fields& fields, QvffSettings& settings) {
-  settings.model.bind(fields);
-  settings.limits.bind(fields);
-}
-
-Estimator make_qvff(const QvffSettings& settings, const NominalAxis& axis) {
-  VfakfdDesign design = qvff_design(axis.sensor);
-  settings.limits.apply(design);
-  const KalmanDesign filter =
-      variable_forgetting_design(settings.model.extend(axis), kQvffInitialCovariance);
-  return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd>(filter, design); });
-}
-
-void bind_stf(Fields& fields, DisturbanceModel& settings) {
-  settings.bind(fields);
-}
-
-Estimator make_stf(const DisturbanceModel& settings, const NominalAxis& axis) {
-  return std::make_unique<Stf>(stf_design(settings.extend(axis), axis.sensor, axis.period_s),
-                               axis.sensor);
-}
-
-struct MultipleModelSettings {
-  double largest_d = 0.0;
-};
-
-void bind_multiple_model(Fields& fields, MultipleModelSettings& settings) {
-  fields.optional_number(
-      "observer.largest_disturbance", settings.largest_d, not_negative(),
-      "D: largest possible disturbance; 0: the drive's largest force, or the largest input "
-      "of a record [N m, or N]");
-}
-
-Estimator make_multiple_model(const MultipleModelSettings& settings, const NominalAxis& axis) {
-  need_continuous(axis, "qbank");
-  need_one_axis(axis, "qbank");
-  const double largest_d = settings.largest_d > 0.0 ? settings.largest_d : axis.force_limit;
-  if (!(largest_d > 0.0) || !std::isfinite(largest_d)) {
-    throw WrongKey("observer.largest_disturbance",
-                   "must be positive here: 0 selects the largest input, which is 0 or unlimited");
+  void bind(Fields& fields) {
+    model.bind(fields);
+    limits.bind(fields);
   }
-  return sized_multiple_model(
-      {axis.plant, axis.period_s, axis.sensor, largest_d, axis.E, axis.inertia});
-}
+  Estimator make(const NominalAxis& axis) const {
+    return limits.make(variable_forgetting_design(model.extend(axis), kQvffInitialCovariance),
+                       qvff_design(axis.sensor));
+  }
+};
+
+struct StfSettings : DisturbanceModel {
+  Estimator make(const NominalAxis& axis) const {
+    return std::make_unique<Stf>(stf_design(extend(axis), axis.sensor, axis.period_s), axis.sensor);
+  }
+};
+
+struct QbankSettings {
+  double largest_d = 0.0;
+
+  void bind(Fields& fields) {
+    fields.optional_number(
+        "observer.largest_disturbance", largest_d, not_negative(),
+        "D: largest possible disturbance; 0: the drive's largest force, or the largest input "
+        "of a record [N m, or N]");
+  }
+  Estimator make(const NominalAxis& axis) const {
+    need_continuous(axis, "qbank");
+    need_one_axis(axis, "qbank");
+    const double largest = largest_d > 0.0 ? largest_d : axis.force_limit;
+    if (!(largest > 0.0) || !std::isfinite(largest)) {
+      throw WrongKey("observer.largest_disturbance",
+                     "must be positive here: 0 selects the largest input, which is 0 or unlimited");
+    }
+    return sized_multiple_model(
+        {axis.plant, axis.period_s, axis.sensor, largest, axis.E, axis.inertia});
+  }
+};
 
 }  // namespace
 
 std::vector<AxisEstimatorKind> axis_estimators() {
-  return {
-      {"state_observer", "state observer with placed poles, without a disturbance", bind_poles,
-       make_state_observer},
-      {"mdob", "minimal-order disturbance observer, the conventional one", bind_mdob, make_mdob},
-      {"idob", "identity disturbance observer with placed poles", bind_poles, make_idob},
-      {"kfd", "Kalman filter with a disturbance model", bind_kfd, make_kfd},
-      {"fakfd", "KFD with constant forgetting factors", bind_fakfd, make_fakfd},
-      {"vfakfd", "KFD with a variable forgetting factor", bind_vfakfd, make_vfakfd},
-      {"qvff", "VFAKFD designed for quantisation and noise, in m or rad", bind_qvff, make_qvff},
-      {"stf", "strong tracking filter: KFD that raises its covariance after a change", bind_stf,
-       make_stf},
-      {"qbank", "multiple-model estimator with the exact likelihood of the encoder",
-       bind_multiple_model, make_multiple_model}};
+  return {{"state_observer", "state observer with placed poles, without a disturbance",
+           &Poles::state_observer},
+          {"mdob", "minimal-order disturbance observer, the conventional one", &MdobSettings::make},
+          {"idob", "identity disturbance observer with placed poles", &Poles::idob},
+          {"kfd", "Kalman filter with a disturbance model", &KfdSettings::make},
+          {"fakfd", "KFD with constant forgetting factors", &FakfdSettings::make},
+          {"vfakfd", "KFD with a variable forgetting factor", &VfakfdSettings::make},
+          {"qvff", "VFAKFD designed for quantisation and noise, in m or rad", &QvffSettings::make},
+          {"stf", "strong tracking filter: KFD that raises its covariance after a change",
+           &StfSettings::make},
+          {"qbank", "multiple-model estimator with the exact likelihood of the encoder",
+           &QbankSettings::make}};
 }
 
 }  // namespace breakwater

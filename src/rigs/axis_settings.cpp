@@ -135,13 +135,11 @@ void AxisSettings::bind_named(Fields& fields) {
   }
   const std::string unit = " [" + u.position + "]";
   fields.text("joint", axis.joint, "hinge or slide of the model");
-  fields.text("actuator", axis.actuator,
-              "actuator of the joint or of transmission.motor_joint; a motor with gear 1 "
-              "replaces it; joint: it has no name; none: the axis is only measured");
-  fields.standard("actuator", {axis.actuator});
-  fields.text("position_sensor", axis.position_sensor,
-              "sensor of the model that measures the position; joint: the joint itself");
-  fields.standard("position_sensor", {std::string(Axis::kJoint)});
+  fields.optional_text("actuator", axis.actuator,
+                       "actuator of the joint or of transmission.motor_joint; a motor with gear 1 "
+                       "replaces it; joint: it has no name; none: the axis is only measured");
+  fields.optional_text("position_sensor", axis.position_sensor,
+                       "sensor of the model that measures the position; joint: the joint itself");
   fields.optional_number("start.position_" + u.position_suffix, start_position, any(),
                          "distance of the start from the pose of start.keyframe" + unit);
   fields.optional_number("start.velocity_" + u.velocity_suffix, start_velocity, any(),
@@ -216,12 +214,11 @@ void AxisSettings::bind_parts(Fields& fields) {
   }
   fields.optional_number("encoder." + key("phase", u.position_suffix), encoder_phase, any(),
                          "distance of the start from the middle of a count [" + u.position + "]");
-  fields.choice(
+  fields.optional_choice(
       "encoder.origin", encoder_origin,
       {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
       "zero of the encoder: it counts from the start, or is calibrated to the true 0. The two "
       "differ only with a phase");
-  fields.standard("encoder.origin", {std::string("counted")});
   bind_encoder_rounding(fields, encoder_rounding);
   fields.only_where(
       {"encoder." + key("phase", u.position_suffix), "encoder.origin", "encoder.rounding"},
@@ -344,13 +341,11 @@ void AxisPlant::bind_faults(Fields& fields) {
 
 void AxisPlant::bind_named(Fields& fields) {
   bind_whole(fields);
-  fields.text("start.keyframe", keyframe,
-              "keyframe of the pose that axes hold and models are linearised about; "
-              "none: the joints' own");
-  fields.standard("start.keyframe", {std::string(Axis::kNone)});
-  fields.flag("sensor.true_state", senses_true_state,
-              "samples also have the true positions and the true velocities of all axes");
-  fields.standard("sensor.true_state", {false});
+  fields.optional_text("start.keyframe", keyframe,
+                       "keyframe of the pose that axes hold and models are linearised about; "
+                       "none: the joints' own");
+  fields.optional_flag("sensor.true_state", senses_true_state,
+                       "samples also have the true positions and the true velocities of all axes");
   for (AxisSettings& one : axes) one.bind_named(fields);
   for (PushSettings& one : pushes) one.bind(fields);
   for (ContactSettings& one : contacts) one.bind(fields);

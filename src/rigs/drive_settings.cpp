@@ -87,9 +87,8 @@ void TimingSettings::bind(Fields& fields) {
   fields.optional_number("control.delay_s", delays_.delay_s, not_negative(),
                          "delay of the command to the drives, any part of a timestep [s]");
   constexpr const char* kJitter = "control.jitter";
-  fields.choice(kJitter, jitter_, {{"uniform", Jitter::uniform}, {"csv", Jitter::csv}},
-                "further delay of each command: a random one, or that of a file");
-  fields.standard(kJitter, {std::string("uniform")});
+  fields.optional_choice(kJitter, jitter_, {{"uniform", Jitter::uniform}, {"csv", Jitter::csv}},
+                         "further delay of each command: a random one, or that of a file");
   fields.optional_number("control.jitter_s", delays_.jitter_s, not_negative(),
                          "largest further delay, uniform from 0 [s]");
   fields.only_for({"control.jitter_s"}, kJitter, {"uniform"});
@@ -148,9 +147,8 @@ void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u,
                          "viscous friction of the motor, besides that of its joint in the model [" +
                              torque_per + u.velocity + "]");
   const auto side = [&fields](const std::string& key, Side& target, const std::string& what) {
-    fields.choice(key, target, {{"load", Side::load}, {"motor", Side::motor}},
-                  "side of the transmission with the " + what);
-    fields.standard(key, {std::string("load")});
+    fields.optional_choice(key, target, {{"load", Side::load}, {"motor", Side::motor}},
+                           "side of the transmission with the " + what);
   };
   side("friction.side", friction_side, "dry friction");
   side("encoder.side", measured, "encoder");
@@ -170,17 +168,16 @@ void TransmissionSettings::bind(Fields& fields, const AxisUnits& u,
   fields.optional_number(
       "transmission.motor_coulomb_friction_" + u.force_suffix, motor_coulomb, not_negative(),
       "Coulomb friction of the motor, besides that of its joint in the model [" + u.force + "]");
-  fields.text("transmission.motor_joint", motor_joint,
-              "joint of the motor in the model, for a transmission with a stiffness; empty: the "
-              "model has none");
-  fields.standard("transmission.motor_joint", {std::string()});
-  fields.choice("nominal.model", nominal_model,
-                {{"rigid", NominalModel::rigid},
-                 {"motor", NominalModel::motor},
-                 {"spring", NominalModel::spring}},
-                "model of controller and observer: motor and load as one inertia, the motor alone, "
-                "or both with the spring");
-  fields.standard("nominal.model", {std::string("rigid")});
+  fields.optional_text("transmission.motor_joint", motor_joint,
+                       "joint of the motor in the model, for a transmission with a stiffness; "
+                       "empty: the model has none");
+  fields.optional_choice(
+      "nominal.model", nominal_model,
+      {{"rigid", NominalModel::rigid},
+       {"motor", NominalModel::motor},
+       {"spring", NominalModel::spring}},
+      "model of controller and observer: motor and load as one inertia, the motor alone, "
+      "or both with the spring");
   fields.optional_number("nominal." + motor_inertia_key_, nominal_motor_inertia, not_negative(),
                          "nominal inertia of the motor");
   fields.optional_number("nominal.stiffness" + stiffness, nominal_stiffness, not_negative(),

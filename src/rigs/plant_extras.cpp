@@ -48,29 +48,26 @@ std::unique_ptr<WallContact> ContactSettings::make(const Model& model) const {
 }
 
 void TipSettings::bind(Fields& fields) {
-  fields.text("tip.contact", contact,
-              "name of the contact whose normal force is force_true_N; none: there is no such "
-              "signal");
-  fields.text("tip.sensor", sensor,
-              "<force> or <touch> of the model that measures the force; none: the force of "
-              "tip.contact is measured");
-  fields.count(
+  fields.optional_text(
+      "tip.contact", contact,
+      "name of the contact whose normal force is force_true_N; none: there is no such "
+      "signal");
+  fields.optional_text(
+      "tip.sensor", sensor,
+      "<force> or <touch> of the model that measures the force; none: the force of "
+      "tip.contact is measured");
+  fields.optional_count(
       "tip.component", component, between(0, 2),
       "value of the sensor, from 0: 0 is the force with which the tip presses along x of its site");
-  fields.standard("tip.contact", {std::string(kNone)});
-  fields.standard("tip.sensor", {std::string(kNone)});
-  fields.standard("tip.component", {std::int64_t{0}});
   chain.bind_filter(fields);
   chain.bind_noise(fields);
   chain.bind(fields);
-  fields.number("force.reference_N", reference.value, any(),
-                "reference of the force, for the controller and the log [N]");
-  fields.number("force.from_s", reference.from_s, not_negative(),
-                "time from which the reference counts; before, it is 0 [s]");
-  for (const char* key : {"force.filter_time_constant_s", "sensor.force_noise_N",
-                          "force.reference_N", "force.from_s"}) {
-    fields.standard(key, {0.0});
-  }
+  fields.optional_number("force.reference_N", reference.value, any(),
+                         "reference of the force, for the controller and the log [N]");
+  fields.optional_number("force.from_s", reference.from_s, not_negative(),
+                         "time from which the reference counts; before, it is 0 [s]");
+  fields.standard("force.filter_time_constant_s", {0.0});
+  fields.standard("sensor.force_noise_N", {0.0});
   fields.only_where({"tip.component", "sensor.force_tool_mass_kg", "sensor.force_weighed_kg"},
                     "tip.sensor names a sensor", [this] { return sensor != kNone; });
 }

@@ -20,32 +20,8 @@ namespace {
 
 using SharedEstimator = std::shared_ptr<DisturbanceEstimator>;
 
-struct NoKeys {};
-
-void bind_nothing(Fields&, NoKeys&) {}
-
-std::unique_ptr<Controller> make_axes(const NoKeys&, const PlantTask& task, SharedEstimator) {
+std::unique_ptr<Controller> make_axes(const PlantTask& task, const SharedEstimator&) {
   return task.own_controllers();
-}
-
-struct LqrWeights {
-  std::vector<double> q_position;
-  std::vector<double> q_velocity;
-  std::vector<double> r;
-};
-
-void bind_lqr(Fields& fields, LqrWeights& weights) {
-  const auto numbers = [&](const std::string& key, std::vector<double>& target, const Range& range,
-                           const std::string& what) {
-    fields.numbers("controller." + key, target, range, what + ", or one for all");
-  };
-  numbers(
-      "q_position", weights.q_position, not_negative(),
-      "Q: weights on the positions, one for each joint of the model and then for each motor that "
-      "it lacks");
-  numbers("q_velocity", weights.q_velocity, not_negative(),
-          "Q: weights on the velocities, in the same order");
-  numbers("r", weights.r, positive(), "R: weights on the forces, one for each driven axis");
 }
 
 Eigen::VectorXd spread(const char* key, const std::vector<double>& weights, Eigen::Index size) {
@@ -55,37 +31,52 @@ Eigen::VectorXd spread(const char* key, const std::vector<double>& weights, Eige
                   weights.size()));
 }
 
-std::unique_ptr<Controller> make_lqr(const LqrWeights& weights, const PlantTask& task,
-                                     SharedEstimator estimator) {
-  if (!task.why_not_linear.empty()) throw std::invalid_argument(task.why_not_linear);
-  if (task.driven.empty()) {
-    throw std::invalid_argument("lqr needs an axis with a <motor> in the model");
-  }
-  if (!estimator) {
-    throw WrongKey("observer.name",
-                   "none needs an axis for each joint of the model, because lqr feeds all "
-                   "positions back: add axes, or choose an estimator");
-  }
-  const StateSpace& plant = task.whole.plant;
-  const Eigen::Index n = plant.states() / 2;
-  Eigen::VectorXd q(2 * n);
-  q << spread("controller.q_position", weights.q_position, n),
-      spread("controller.q_velocity", weights.q_velocity, n);
-  const Eigen::VectorXd r = spread("controller.r", weights.r, plant.inputs());
-  const StateSpace sampled = zero_order_hold(plant, task.whole.period_s);
-  PoseFeedbackDesign design{plant, task.to_states, {}, task.pose, task.held_input, task.limit, {}};
-  design.K = blame("controller.q_position",
-                   [&] { return dlqr(sampled.A, sampled.B, q.asDiagonal(), r.asDiagonal()).K; });
-  for (std::size_t i = 0; i < task.axes.size(); ++i) {
-    const bool is_driven =
-        std::find(task.driven.begin(), task.driven.end(), i) != task.driven.end();
-    design.axes.push_back(
-        {task.names[i], task.axes[i].axis.units, task.axes[i].measured_reference(), is_driven});
-  }
-  return std::make_unique<PoseFeedback>(std::move(estimator), std::move(design));
-}
+struct PlantLqr {
+  std::vector<double> q_position;
+  std::vector<double> q_velocity;
+  std::vector<double> r;
 
-std::unique_ptr<DisturbanceEstimator> make_raw_difference(const NoKeys&, const NominalAxis& axis) {
+  void bind(Fields& fields) {
+    fields.numbers("controller.q_position", q_position, not_negative(),
+                   "Q: weights on the positions, one for each joint of the model and then for each "
+                   "motor that it lacks, or one for all");
+    fields.numbers("controller.q_velocity", q_velocity, not_negative(),
+                   "Q: weights on the velocities, in the same order, or one for all");
+    fields.numbers("controller.r", r, positive(),
+                   "R: weights on the forces, one for each driven axis, or one for all");
+  }
+  std::unique_ptr<Controller> make(const PlantTask& task, SharedEstimator estimator) const {
+    if (!task.why_not_linear.empty()) throw std::invalid_argument(task.why_not_linear);
+    if (task.driven.empty()) {
+      throw std::invalid_argument("lqr needs an axis with a <motor> in the model");
+    }
+    if (!estimator) {
+      throw WrongKey("observer.name",
+                     "none needs an axis for each joint of the model, because lqr feeds all "
+                     "positions back: add axes, or choose an estimator");
+    }
+    const StateSpace& plant = task.whole.plant;
+    const Eigen::Index n = plant.states() / 2;
+    Eigen::VectorXd q(2 * n);
+    q << spread("controller.q_position", q_position, n),
+        spread("controller.q_velocity", q_velocity, n);
+    const Eigen::VectorXd R = spread("controller.r", r, plant.inputs());
+    const StateSpace sampled = zero_order_hold(plant, task.whole.period_s);
+    PoseFeedbackDesign design{plant,           task.to_states, {}, task.pose,
+                              task.held_input, task.limit,     {}};
+    design.K = blame("controller.q_position",
+                     [&] { return dlqr(sampled.A, sampled.B, q.asDiagonal(), R.asDiagonal()).K; });
+    for (std::size_t i = 0; i < task.axes.size(); ++i) {
+      const bool is_driven =
+          std::find(task.driven.begin(), task.driven.end(), i) != task.driven.end();
+      design.axes.push_back(
+          {task.names[i], task.axes[i].axis.units, task.axes[i].measured_reference(), is_driven});
+    }
+    return std::make_unique<PoseFeedback>(std::move(estimator), std::move(design));
+  }
+};
+
+std::unique_ptr<DisturbanceEstimator> make_raw_difference(const NominalAxis& axis) {
   // Without a linear model, or with joints that no axis measures, there is no estimate of the whole
   // plant. The axes' own controllers need none.
   const bool is_whole = axis.E.size() == 0;
@@ -103,11 +94,11 @@ class NoControl final : public Controller {
   std::span<const Signal> signals() const override { return {}; }
 };
 
-std::unique_ptr<Controller> make_no_control(const NoKeys&, const AxisTask&, SharedEstimator) {
+std::unique_ptr<Controller> make_no_control(const AxisTask&, const SharedEstimator&) {
   return std::make_unique<NoControl>();
 }
 
-std::unique_ptr<ContactForceLaw> make_no_law(const NoKeys&) {
+std::unique_ptr<ContactForceLaw> make_no_law() {
   return nullptr;
 }
 
@@ -190,23 +181,21 @@ PlantTask plant_task(const AxisPlant& plant) {
 }
 
 std::vector<PlantControllerKind> plant_controllers() {
-  return {
-      {"axes", "each axis has its own controller: axis.NAME.controller.name", bind_nothing,
-       make_axes},
-      {"lqr",
-       "linear quadratic regulator of the plant linearised about the pose of start.keyframe, with "
-       "cancellation of the estimated disturbance",
-       bind_lqr, make_lqr}};
+  return {{"axes", "each axis has its own controller: axis.NAME.controller.name", make_axes},
+          {"lqr",
+           "linear quadratic regulator of the plant linearised about the pose of start.keyframe, "
+           "with cancellation of the estimated disturbance",
+           &PlantLqr::make}};
 }
 
 Catalogue with_none(Catalogue catalogue) {
   catalogue.add(AxisEstimatorKind(
       "none", "no estimator: the measured position, its difference over a sample, no disturbance",
-      bind_nothing, make_raw_difference));
+      make_raw_difference));
   for (PlantControllerKind& kind : tip_controllers(catalogue)) catalogue.add(std::move(kind));
-  catalogue.add(AxisControllerKind("none", "no control", bind_nothing, make_no_control));
-  catalogue.add(ContactLawKind(WallSettings::kOfModel, "the contact as the model file has it",
-                               bind_nothing, make_no_law));
+  catalogue.add(AxisControllerKind("none", "no control", make_no_control));
+  catalogue.add(
+      ContactLawKind(WallSettings::kOfModel, "the contact as the model file has it", make_no_law));
   return catalogue;
 }
 

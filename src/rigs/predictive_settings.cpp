@@ -40,9 +40,9 @@ void PredictiveSettings::bind(Fields& fields) {
                 "use of the estimated disturbance: none, predict (Eq. 2.46), cancel (Eq. 2.45) or "
                 "cancel_within_bounds");
   const char* const at = "controller.cancel_at";
-  fields.choice(at, cancel_at, {{"sample", CancelAt::sample}, {"decision", CancelAt::decision}},
-                "for cancel: take the estimate at each sample, or at each decision");
-  fields.standard(at, {std::string("sample")});
+  fields.optional_choice(at, cancel_at,
+                         {{"sample", CancelAt::sample}, {"decision", CancelAt::decision}},
+                         "for cancel: take the estimate at each sample, or at each decision");
   fields.count("controller.prediction_steps", prediction_steps, between(1, 1000),
                "N_p: number of predicted steps");
   fields.count("controller.control_steps", control_steps, between(1, 1000),

@@ -53,158 +53,154 @@ struct KnownSensorNoise {
 };
 
 void bind_likelihood(Fields& fields, Likelihood& likelihood) {
-  fields.choice("observer.likelihood", likelihood,
-                {{"gauss", Likelihood::gauss}, {"code", Likelihood::code}},
-                "likelihood of a measurement: a Gaussian density, or the probability of the "
-                "encoder's code");
-  fields.standard("observer.likelihood", {std::string("gauss")});
+  fields.optional_choice(
+      "observer.likelihood", likelihood, {{"gauss", Likelihood::gauss}, {"code", Likelihood::code}},
+      "likelihood of a measurement: a Gaussian density, or the probability of the "
+      "encoder's code");
 }
 
-struct ImmSettings {
+struct ImmkfSettings {
   KnownSensorNoise noise;
   ImmDesign imm;
+
+  void bind(Fields& fields) {
+    noise.bind(fields);
+    bind_likelihood(fields, imm.likelihood);
+    fields.optional_number("observer.noise_ratio", imm.noise_ratio, positive(),
+                           "eta: process noise of the busy model over that of the quiet one");
+    fields.optional_number("observer.stays_quiet", imm.stays_quiet, between(0, 1),
+                           "probability that the quiet model stays from a sample to the next");
+    fields.optional_number("observer.stays_busy", imm.stays_busy, between(0, 1),
+                           "the same for the busy model");
+  }
+  Estimator make(const NominalAxis& axis) const {
+    return sized_immkf(noise.design(axis, "immkf"), axis.sensor, imm);
+  }
 };
 
-void bind_immkf(Fields& fields, ImmSettings& settings) {
-  settings.noise.bind(fields);
-  bind_likelihood(fields, settings.imm.likelihood);
-  fields.optional_number("observer.noise_ratio", settings.imm.noise_ratio, positive(),
-                         "eta: process noise of the busy model over that of the quiet one");
-  fields.optional_number("observer.stays_quiet", settings.imm.stays_quiet, between(0, 1),
-                         "probability that the quiet model stays from a sample to the next");
-  fields.optional_number("observer.stays_busy", settings.imm.stays_busy, between(0, 1),
-                         "the same for the busy model");
-}
-
-Estimator make_immkf(const ImmSettings& settings, const NominalAxis& axis) {
-  return sized_immkf(settings.noise.design(axis, "immkf"), axis.sensor, settings.imm);
-}
-
-struct CorrentropySettings {
+struct MckfSettings {
   KnownSensorNoise noise;
   CorrentropyDesign correntropy;
+
+  void bind(Fields& fields) {
+    noise.bind(fields);
+    bind_likelihood(fields, correntropy.likelihood);
+    fields.optional_number(
+        "observer.kernel_width", correntropy.kernel_width, positive(),
+        "sigma: width of the kernel, in standard deviations of the predicted disturbance");
+  }
+  Estimator make(const NominalAxis& axis) const {
+    return sized_mckf(noise.design(axis, "mckf"), axis.sensor, correntropy);
+  }
 };
 
-void bind_mckf(Fields& fields, CorrentropySettings& settings) {
-  settings.noise.bind(fields);
-  bind_likelihood(fields, settings.correntropy.likelihood);
-  fields.optional_number(
-      "observer.kernel_width", settings.correntropy.kernel_width, positive(),
-      "sigma: width of the kernel, in standard deviations of the predicted disturbance");
-}
+struct EsoSettings {
+  EsoDesign given{.bandwidth_rad_s = 60.0, .linear_zone = 0.0};
 
-Estimator make_mckf(const CorrentropySettings& settings, const NominalAxis& axis) {
-  return sized_mckf(settings.noise.design(axis, "mckf"), axis.sensor, settings.correntropy);
-}
+  void bind(Fields& fields) {
+    fields.optional_number("observer.bandwidth_rad_s", given.bandwidth_rad_s, positive(),
+                           "omega_o: bandwidth; all poles are at -omega_o [rad/s]");
+    fields.optional_number(
+        "observer.linear_zone", given.linear_zone, not_negative(),
+        "delta of Han's fal: innovation up to which the gains are linear; 0: always [rad, "
+        "or m]");
+  }
+  Estimator make(const NominalAxis& axis) const {
+    need_one_axis(axis, "eso");
+    need_one_inertia(axis, "eso");
+    EsoDesign design = given;
+    if (design.linear_zone == 0.0) design.linear_zone = std::numeric_limits<double>::infinity();
+    return blame("observer.bandwidth_rad_s",
+                 [&] { return std::make_unique<Eso>(axis.plant, design, axis.period_s); });
+  }
+};
 
-void bind_eso(Fields& fields, EsoDesign& settings) {
-  fields.number("observer.bandwidth_rad_s", settings.bandwidth_rad_s, positive(),
-                "omega_o: bandwidth; all poles are at -omega_o [rad/s]");
-  fields.standard("observer.bandwidth_rad_s", {60.0});
-  fields.number("observer.linear_zone", settings.linear_zone, not_negative(),
-                "delta of Han's fal: innovation up to which the gains are linear; 0: always [rad, "
-                "or m]");
-  fields.standard("observer.linear_zone", {0.0});
-}
+struct TrackingSettings {
+  TrackingDesign given{.acceleration = 100.0, .filter_samples = 10.0};
 
-Estimator make_eso(const EsoDesign& settings, const NominalAxis& axis) {
-  need_one_axis(axis, "eso");
-  need_one_inertia(axis, "eso");
-  EsoDesign design = settings;
-  if (design.linear_zone == 0.0) design.linear_zone = std::numeric_limits<double>::infinity();
-  return blame("observer.bandwidth_rad_s",
-               [&] { return std::make_unique<Eso>(axis.plant, design, axis.period_s); });
-}
+  void bind(Fields& fields) {
+    fields.optional_number("observer.largest_acceleration", given.acceleration, positive(),
+                           "r of Han's fhan: largest acceleration of the estimate [rad/s2, or "
+                           "m/s2]");
+    fields.optional_number("observer.filter_samples", given.filter_samples, between(1, 1e6),
+                           "h_0/T_s of Han's fhan: larger values filter more");
+    bind_low_pass(fields, given.cutoff_rad_s);
+  }
+  Estimator make(const NominalAxis& axis) const {
+    need_one_axis(axis, "tracking_differentiator");
+    need_one_inertia(axis, "tracking_differentiator");
+    TrackingDesign design = given;
+    design.inertia = 1.0 / axis.plant.B(1, 0);
+    return std::make_unique<TrackingDifferentiator>(design, axis.period_s);
+  }
+};
 
-void bind_tracking_differentiator(Fields& fields, TrackingDesign& settings) {
-  fields.number("observer.largest_acceleration", settings.acceleration, positive(),
-                "r of Han's fhan: largest acceleration of the estimate [rad/s2, or m/s2]");
-  fields.standard("observer.largest_acceleration", {100.0});
-  fields.number("observer.filter_samples", settings.filter_samples, between(1, 1e6),
-                "h_0/T_s of Han's fhan: larger values filter more");
-  fields.standard("observer.filter_samples", {10.0});
-  bind_low_pass(fields, settings.cutoff_rad_s);
-}
-
-Estimator make_tracking_differentiator(const TrackingDesign& settings, const NominalAxis& axis) {
-  need_one_axis(axis, "tracking_differentiator");
-  need_one_inertia(axis, "tracking_differentiator");
-  TrackingDesign design = settings;
-  design.inertia = 1.0 / axis.plant.B(1, 0);
-  return std::make_unique<TrackingDifferentiator>(design, axis.period_s);
-}
-
-struct VariationalSettings {
+struct VbakfSettings {
   KnownSensorNoise noise;
   VariationalDesign variational;
+
+  void bind(Fields& fields) {
+    noise.bind(fields);
+    fields.optional_number("observer.forgetting", variational.forgetting, between(0.01, 1),
+                           "rho: forgetting factor of the estimate of R; 1: R is known");
+    fields.optional_number("observer.prior_samples", variational.prior_samples, positive(),
+                           "tau: weight of the predicted covariance, in samples");
+    fields.optional_count("observer.iterations", variational.iterations, between(1, 100),
+                          "fixed-point iterations in a sample");
+  }
+  Estimator make(const NominalAxis& axis) const {
+    return sized_vbakf(noise.design(axis, "vbakf"), variational);
+  }
 };
 
-void bind_vbakf(Fields& fields, VariationalSettings& settings) {
-  settings.noise.bind(fields);
-  fields.optional_number("observer.forgetting", settings.variational.forgetting, between(0.01, 1),
-                         "rho: forgetting factor of the estimate of R; 1: R is known");
-  fields.optional_number("observer.prior_samples", settings.variational.prior_samples, positive(),
-                         "tau: weight of the predicted covariance, in samples");
-  fields.optional_count("observer.iterations", settings.variational.iterations, between(1, 100),
-                        "fixed-point iterations in a sample");
-}
-
-Estimator make_vbakf(const VariationalSettings& settings, const NominalAxis& axis) {
-  return sized_vbakf(settings.noise.design(axis, "vbakf"), settings.variational);
-}
-
-struct GaussianSumSettings {
+struct GsfSettings {
   KnownSensorNoise noise;
   int parts = 5;
+
+  void bind(Fields& fields) {
+    noise.bind(fields);
+    fields.optional_count("observer.parts", parts, between(1, 20),
+                          "number of Gaussian densities after a sample");
+  }
+  Estimator make(const NominalAxis& axis) const {
+    return sized_gsf(noise.design(axis, "gsf"), axis.sensor, parts);
+  }
 };
 
-void bind_gsf(Fields& fields, GaussianSumSettings& settings) {
-  settings.noise.bind(fields);
-  fields.optional_count("observer.parts", settings.parts, between(1, 20),
-                        "number of Gaussian densities after a sample");
-}
-
-Estimator make_gsf(const GaussianSumSettings& settings, const NominalAxis& axis) {
-  return sized_gsf(settings.noise.design(axis, "gsf"), axis.sensor, settings.parts);
-}
-
-struct MovingHorizonSettings {
+struct MheSettings {
   DisturbanceNoise noise;
   int horizon = 10;
   bool has_constraints = true;
+
+  void bind(Fields& fields) {
+    noise.bind(fields);
+    fields.optional_count("observer.horizon", horizon, between(1, 50), "samples in the window");
+    fields.optional_flag("observer.code_constraints", has_constraints,
+                         "whether the codes' intervals are constraints");
+  }
+  Estimator make(const NominalAxis& axis) const {
+    const ExtendedPlant plant = noise.extend(axis, "mhe");
+    const KalmanDesign design =
+        known_sensor_design(plant, axis.sensor, noise.process_noise,
+                            Eigen::VectorXd::Ones(plant.states()));  // P0 is not used
+    return std::make_unique<Mhe>(design, axis.sensor, horizon, has_constraints);
+  }
 };
-
-void bind_mhe(Fields& fields, MovingHorizonSettings& settings) {
-  settings.noise.bind(fields);
-  fields.optional_count("observer.horizon", settings.horizon, between(1, 50),
-                        "samples in the window");
-  fields.flag("observer.code_constraints", settings.has_constraints,
-              "whether the codes' intervals are constraints");
-  fields.standard("observer.code_constraints", {settings.has_constraints});
-}
-
-Estimator make_mhe(const MovingHorizonSettings& settings, const NominalAxis& axis) {
-  const ExtendedPlant plant = settings.noise.extend(axis, "mhe");
-  const KalmanDesign design =
-      known_sensor_design(plant, axis.sensor, settings.noise.process_noise,
-                          Eigen::VectorXd::Ones(plant.states()));  // P0 is not used
-  return std::make_unique<Mhe>(design, axis.sensor, settings.horizon, settings.has_constraints);
-}
 
 }  // namespace
 
 std::vector<AxisEstimatorKind> published_estimators() {
   return {
       {"immkf", "interacting-multiple-model Kalman filter with a quiet and a busy disturbance",
-       bind_immkf, make_immkf},
-      {"mckf", "maximum-correntropy Kalman filter as a disturbance observer", bind_mckf, make_mckf},
-      {"eso", "extended state observer, linear or with Han's nonlinear gains", bind_eso, make_eso},
+       &ImmkfSettings::make},
+      {"mckf", "maximum-correntropy Kalman filter as a disturbance observer", &MckfSettings::make},
+      {"eso", "extended state observer, linear or with Han's nonlinear gains", &EsoSettings::make},
       {"tracking_differentiator", "Han's tracking differentiator with the MDOB's low-pass",
-       bind_tracking_differentiator, make_tracking_differentiator},
-      {"vbakf", "variational-Bayes adaptive Kalman filter", bind_vbakf, make_vbakf},
-      {"gsf", "Gaussian-sum filter with the quantiser's likelihood", bind_gsf, make_gsf},
-      {"mhe", "moving-horizon estimation with the codes' intervals as constraints", bind_mhe,
-       make_mhe}};
+       &TrackingSettings::make},
+      {"vbakf", "variational-Bayes adaptive Kalman filter", &VbakfSettings::make},
+      {"gsf", "Gaussian-sum filter with the quantiser's likelihood", &GsfSettings::make},
+      {"mhe", "moving-horizon estimation with the codes' intervals as constraints",
+       &MheSettings::make}};
 }
 
 }  // namespace breakwater

@@ -25,14 +25,17 @@ struct KalmanSettings {
   WaveForceSource force_source = WaveForceSource::estimated;
   double assumed_period_s = 0.0;
   double torque_arm_m = 0.0;
+
+  void bind(Fields& fields);
+  std::unique_ptr<QuadrotorEstimator> make(const QuadrotorTask& task) const;
 };
 
-void bind_kalman(Fields& fields, KalmanSettings& settings) {
-  fields.choice("estimator.filter", settings.design.filter,
+void KalmanSettings::bind(Fields& fields) {
+  fields.choice("estimator.filter", design.filter,
                 {{"ukf", QuadrotorFilter::ukf}, {"ekf", QuadrotorFilter::ekf}},
                 "nonlinear Kalman filter");
   fields.choice(
-      "estimator.disturbance", settings.design.order,
+      "estimator.disturbance", design.order,
       {{"none", DisturbanceOrder::none},
        {"zero", DisturbanceOrder::zero},
        {"second", DisturbanceOrder::second},
@@ -40,56 +43,58 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
        {"spectrum", DisturbanceOrder::spectrum}},
       "model of the disturbance: none; zero or second order, at the thrusters; resonator or "
       "spectrum (two resonators for each axis), of the waves' force");
-  fields.choice("estimator.kinematics", settings.design.kinematics,
-                {{"level", AttitudeKinematics::level}, {"exact", AttitudeKinematics::exact}},
-                "kinematics of the attitude: level (the angular rates equal the derivatives of the "
-                "angles), or exact");
+  fields.optional_choice(
+      "estimator.kinematics", design.kinematics,
+      {{"level", AttitudeKinematics::level}, {"exact", AttitudeKinematics::exact}},
+      "kinematics of the attitude: level (the angular rates equal the derivatives of the "
+      "angles), or exact");
   fields.choice(
-      "estimator.process_noise", settings.design.noise,
+      "estimator.process_noise", design.noise,
       {{"printed", ProcessNoiseSource::printed},
        {"input", ProcessNoiseSource::input},
        {"tuned", ProcessNoiseSource::tuned}},
       "process noise: printed (Q_ukf), input (W_s through the thrusts, only for the EKF) or tuned");
   fields.choice(
-      "estimator.process_noise_mode", settings.design.noise_mode,
+      "estimator.process_noise_mode", design.noise_mode,
       {{"per_step", ProcessNoiseMode::per_step},
        {"delta", ProcessNoiseMode::delta},
        {"delta_squared", ProcessNoiseMode::delta_squared}},
       "how the printed Q is added at each sample: as it is, times delta, or times delta^2");
-  fields.choice("estimator.process_noise_states", settings.design.noise_states,
-                {{"all", ProcessNoiseStates::all}, {"highest", ProcessNoiseStates::highest}},
-                "states with the printed Q: all, or only the model's highest derivative");
+  fields.optional_choice(
+      "estimator.process_noise_states", design.noise_states,
+      {{"all", ProcessNoiseStates::all}, {"highest", ProcessNoiseStates::highest}},
+      "states with the printed Q: all, or only the model's highest derivative");
   fields.choice(
-      "estimator.measurement_covariance", settings.covariance,
+      "estimator.measurement_covariance", covariance,
       {{"printed", MeasurementCovariance::printed}, {"actual", MeasurementCovariance::actual}},
       "R: printed (diag(V), for any noise.interpretation), or actual (the covariance of the "
       "noise)");
-  fields.number("estimator.input_noise", settings.design.input_noise, positive(),
+  fields.number("estimator.input_noise", design.input_noise, positive(),
                 "W_s: variance of the noise of a thruster's input [N^2]");
-  fields.number("estimator.tuned_velocity_std_m_s", settings.design.velocity_std_m_s, positive(),
+  fields.number("estimator.tuned_velocity_std_m_s", design.velocity_std_m_s, positive(),
                 "standard deviation of the random walk of the velocities, for each sample [m/s]");
   fields.number(
-      "estimator.tuned_rate_std_rad_s", settings.design.rate_std_rad_s, positive(),
+      "estimator.tuned_rate_std_rad_s", design.rate_std_rad_s, positive(),
       "standard deviation of the random walk of the angular rates, for each sample [rad/s]");
-  fields.number("estimator.tuned_disturbance_std", settings.design.disturbance_std, positive(),
+  fields.number("estimator.tuned_disturbance_std", design.disturbance_std, positive(),
                 "standard deviation of the random walk of d, or of its second derivative, for each "
                 "sample [N, N/s^2]");
   fields.choice(
-      "estimator.wave_frequency", settings.frequency_source,
+      "estimator.wave_frequency", frequency_source,
       {{"given", WaveFrequencySource::given}, {"estimated", WaveFrequencySource::estimated}},
       "source of the waves' frequency: a given T_p, or an online estimate");
-  fields.number("estimator.assumed_period_s", settings.assumed_period_s, not_negative(),
+  fields.number("estimator.assumed_period_s", assumed_period_s, not_negative(),
                 "T_p of the estimator, or the initial value of its estimate; 0: "
                 "wave.peak_period_s [s]");
-  fields.choice(
-      "estimator.wave_force", settings.force_source,
+  fields.optional_choice(
+      "estimator.wave_force", force_source,
       {{"given", WaveForceSource::given}, {"estimated", WaveForceSource::estimated}},
       "for spectrum: the standard deviation of the force is resonator_force_std_N (given) or "
       "estimated online");
   fields.optional_number(
-      "estimator.wave_torque_arm_m", settings.torque_arm_m, not_negative(),
+      "estimator.wave_torque_arm_m", torque_arm_m, not_negative(),
       "for spectrum: ratio of the waves' torque to their horizontal force, z_B/C_m [m]");
-  ResonatorDesign& resonator = settings.design.resonator;
+  ResonatorDesign& resonator = design.resonator;
   fields.number("estimator.resonator_damping", resonator.damping, between(0.001, 0.999),
                 "damping ratio of the resonators");
   fields.number("estimator.resonator_force_std_N", resonator.force_std_N, positive(),
@@ -124,23 +129,15 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
   fields.only_for({"estimator.resonator_damping"}, "estimator.disturbance", {"resonator"});
   fields.only_for({"estimator.wave_force", "estimator.wave_torque_arm_m"}, "estimator.disturbance",
                   {"spectrum"});
-  // Older files do not have these keys.
-  fields.standard("estimator.process_noise_states", {std::string("all")});
-  fields.standard("estimator.kinematics", {std::string("level")});
-  fields.standard("estimator.wave_force", {std::string("estimated")});
-  const auto is_spectrum = [&settings] {
-    return settings.design.order == DisturbanceOrder::spectrum;
-  };
-  fields.only_where({"estimator.resonator_force_std_N"},
-                    "estimator.disturbance is resonator, or estimator.wave_force is given",
-                    [&settings, is_spectrum] {
-                      return !is_spectrum() || settings.force_source == WaveForceSource::given;
-                    });
+  const auto is_spectrum = [this] { return design.order == DisturbanceOrder::spectrum; };
+  fields.only_where(
+      {"estimator.resonator_force_std_N"},
+      "estimator.disturbance is resonator, or estimator.wave_force is given",
+      [this, is_spectrum] { return !is_spectrum() || force_source == WaveForceSource::given; });
   fields.only_where({"estimator.assumed_period_s"},
                     "estimator.disturbance is resonator, or estimator.wave_frequency is given",
-                    [&settings, is_spectrum] {
-                      return !is_spectrum() ||
-                             settings.frequency_source == WaveFrequencySource::given;
+                    [this, is_spectrum] {
+                      return !is_spectrum() || frequency_source == WaveFrequencySource::given;
                     });
 }
 
@@ -219,22 +216,21 @@ void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& sett
   design.torque_walk_per_force_m = settings.torque_arm_m == 0.0 ? 0.0 : math::exp(log_walk);
 }
 
-std::unique_ptr<QuadrotorEstimator> make_kalman(const KalmanSettings& settings,
-                                                const QuadrotorTask& task) {
-  QuadrotorEstimatorDesign design = settings.design;
-  const bool printed = settings.covariance == MeasurementCovariance::printed;
-  design.position_std_m = printed ? std::sqrt(task.position_noise) : task.position_std_m;
-  design.angle_std_rad = printed ? std::sqrt(task.angle_noise) : task.angle_std_rad;
-  design.period_s = task.period_s;
+std::unique_ptr<QuadrotorEstimator> KalmanSettings::make(const QuadrotorTask& task) const {
+  QuadrotorEstimatorDesign made = design;
+  const bool printed = covariance == MeasurementCovariance::printed;
+  made.position_std_m = printed ? std::sqrt(task.position_noise) : task.position_std_m;
+  made.angle_std_rad = printed ? std::sqrt(task.angle_noise) : task.angle_std_rad;
+  made.period_s = task.period_s;
   // Place the resonators where the force has its energy, at the reference depth.
   SeaState assumed = task.waves.sea;
-  if (settings.assumed_period_s > 0.0) assumed.peak_period_s = settings.assumed_period_s;
-  design.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -task.reference_m.z());
-  design.estimates_wave_frequency = settings.frequency_source == WaveFrequencySource::estimated;
-  if (design.order == DisturbanceOrder::spectrum) {
-    blame("estimator.assumed_period_s", [&] { describe_waves(design, settings, assumed, task); });
+  if (assumed_period_s > 0.0) assumed.peak_period_s = assumed_period_s;
+  made.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -task.reference_m.z());
+  made.estimates_wave_frequency = frequency_source == WaveFrequencySource::estimated;
+  if (made.order == DisturbanceOrder::spectrum) {
+    blame("estimator.assumed_period_s", [&] { describe_waves(made, *this, assumed, task); });
   }
-  return blame("estimator.filter", [&] { return make_quadrotor_estimator(design, task.plant); });
+  return blame("estimator.filter", [&] { return make_quadrotor_estimator(made, task.plant); });
 }
 
 enum class Gains { retuned, dlqr, printed, given };
@@ -247,72 +243,61 @@ struct BacksteppingSettings {
   double lead_s = 0.0;
   double position_clamp_m = 0.0;
   double thrust_floor_N = 0.5;
-};
 
-void bind_clamps(Fields& fields, BacksteppingSettings& settings) {
-  fields.number("controller.position_clamp_m", settings.position_clamp_m, not_negative(),
-                "clamp on the position errors; 0: no clamp [m]");
-  fields.number("controller.thrust_floor_N", settings.thrust_floor_N, positive(),
-                "smallest U_z by which the controller divides [N]");
-}
-
-void bind_backstepping(Fields& fields, BacksteppingSettings& settings) {
-  fields.choice("controller.gains", settings.gains,
-                {{"retuned", Gains::retuned},
-                 {"dlqr", Gains::dlqr},
-                 {"printed", Gains::printed},
-                 {"given", Gains::given}},
-                "gains: retuned (for the physical plant), dlqr (with Q_z = 1e4), printed, or given "
-                "(retuned with controller.horizontal_gain and vertical_gain)");
-  fields.optional_number("controller.horizontal_gain", settings.horizontal_gain, positive(),
-                         "for given: the gain alpha of x and y, and of their rates [1/s]");
-  fields.optional_number("controller.vertical_gain", settings.vertical_gain, positive(),
-                         "for given: the gain alpha of z and of its rate [1/s]");
-  fields.only_for({"controller.horizontal_gain", "controller.vertical_gain"}, "controller.gains",
-                  {"given"});
-  fields.flag("controller.compensate", settings.compensates,
-              "subtract the estimated disturbance from the input");
-  fields.optional_number(
-      "controller.lead_s", settings.lead_s, not_negative(),
-      "for resonator and spectrum: the horizontal force is the estimator's forecast for so "
-      "much later, since the vehicle must turn first [s]");
-  bind_clamps(fields, settings);
-}
-
-BacksteppingGains gains(const BacksteppingSettings& settings, const QuadrotorTask& task) {
-  const QuadrotorParameters& parameters = task.plant.parameters();
-  switch (settings.gains) {
-    case Gains::retuned:
-      return retuned_gains(parameters, task.period_s);
-    case Gains::dlqr:
-      return dlqr_gains(parameters, task.period_s);
-    case Gains::printed:
-      return printed_gains();
-    case Gains::given: {
-      BacksteppingGains alpha = retuned_gains(parameters, task.period_s);
-      alpha(0) = alpha(1) = alpha(6) = alpha(7) = settings.horizontal_gain;
-      alpha(2) = alpha(8) = settings.vertical_gain;
-      return alpha;
-    }
+  void bind(Fields& fields) {
+    fields.choice(
+        "controller.gains", gains,
+        {{"retuned", Gains::retuned},
+         {"dlqr", Gains::dlqr},
+         {"printed", Gains::printed},
+         {"given", Gains::given}},
+        "gains: retuned (for the physical plant), dlqr (with Q_z = 1e4), printed, or given "
+        "(retuned with controller.horizontal_gain and vertical_gain)");
+    fields.optional_number("controller.horizontal_gain", horizontal_gain, positive(),
+                           "for given: the gain alpha of x and y, and of their rates [1/s]");
+    fields.optional_number("controller.vertical_gain", vertical_gain, positive(),
+                           "for given: the gain alpha of z and of its rate [1/s]");
+    fields.only_for({"controller.horizontal_gain", "controller.vertical_gain"}, "controller.gains",
+                    {"given"});
+    fields.flag("controller.compensate", compensates,
+                "subtract the estimated disturbance from the input");
+    fields.optional_number(
+        "controller.lead_s", lead_s, not_negative(),
+        "for resonator and spectrum: the horizontal force is the estimator's forecast for so "
+        "much later, since the vehicle must turn first [s]");
+    bind_clamps(fields);
   }
-  throw std::logic_error("unknown gains");
-}
-
-Backstepping make_law(const BacksteppingSettings& settings, const QuadrotorTask& task) {
-  BacksteppingDesign design;
-  design.alpha = gains(settings, task);
-  design.reference.head<3>() = task.reference_m;
-  design.position_clamp_m = settings.position_clamp_m;
-  design.thrust_floor_N = settings.thrust_floor_N;
-  return {task.plant, design};
-}
-
-std::unique_ptr<Controller> make_backstepping(const BacksteppingSettings& settings,
-                                              const QuadrotorTask& task,
-                                              std::shared_ptr<QuadrotorEstimator> estimator) {
-  return std::make_unique<BacksteppingController>(make_law(settings, task), std::move(estimator),
-                                                  settings.compensates, settings.lead_s);
-}
+  void bind_clamps(Fields& fields) {
+    fields.number("controller.position_clamp_m", position_clamp_m, not_negative(),
+                  "clamp on the position errors; 0: no clamp [m]");
+    fields.number("controller.thrust_floor_N", thrust_floor_N, positive(),
+                  "smallest U_z by which the controller divides [N]");
+  }
+  BacksteppingGains alpha(const QuadrotorTask& task) const {
+    const QuadrotorParameters& parameters = task.plant.parameters();
+    if (gains == Gains::printed) return printed_gains();
+    if (gains == Gains::dlqr) return dlqr_gains(parameters, task.period_s);
+    BacksteppingGains alpha = retuned_gains(parameters, task.period_s);
+    if (gains == Gains::given) {
+      alpha(0) = alpha(1) = alpha(6) = alpha(7) = horizontal_gain;
+      alpha(2) = alpha(8) = vertical_gain;
+    }
+    return alpha;
+  }
+  Backstepping make_law(const QuadrotorTask& task) const {
+    BacksteppingDesign design;
+    design.alpha = alpha(task);
+    design.reference.head<3>() = task.reference_m;
+    design.position_clamp_m = position_clamp_m;
+    design.thrust_floor_N = thrust_floor_N;
+    return {task.plant, design};
+  }
+  std::unique_ptr<Controller> make(const QuadrotorTask& task,
+                                   std::shared_ptr<QuadrotorEstimator> estimator) const {
+    return std::make_unique<BacksteppingController>(make_law(task), std::move(estimator),
+                                                    compensates, lead_s);
+  }
+};
 
 enum class ForecastSource { estimator, held, autoregressive, upstream, told };
 
@@ -324,11 +309,19 @@ struct WaveMpcSettings {
   double spacing_s = 0.5;
   double memory_s = 60.0;
   UpstreamDesign upstream;
+
+  void bind(Fields& fields);
+  std::unique_ptr<ForceForecast> make_forecast(const QuadrotorTask& task) const;
+  std::unique_ptr<Controller> make(const QuadrotorTask& task,
+                                   std::shared_ptr<QuadrotorEstimator> estimator) const {
+    return std::make_unique<WaveMpc>(law.make_law(task), std::move(estimator), make_forecast(task),
+                                     mpc, task.period_s);
+  }
 };
 
-void bind_wave_mpc(Fields& fields, WaveMpcSettings& settings) {
-  fields.choice(
-      "controller.forecast", settings.forecast,
+void WaveMpcSettings::bind(Fields& fields) {
+  fields.optional_choice(
+      "controller.forecast", forecast,
       {{"estimator", ForecastSource::estimator},
        {"held", ForecastSource::held},
        {"autoregressive", ForecastSource::autoregressive},
@@ -337,60 +330,58 @@ void bind_wave_mpc(Fields& fields, WaveMpcSettings& settings) {
       "forecast of the force: estimator (its model's free response), held (the present estimate) "
       "or autoregressive (identified on line). Told of the sea: upstream (a probe of the "
       "elevation), told (the future)");
-  fields.standard("controller.forecast", {std::string("estimator")});
   fields.optional_number(
-      "controller.period_s", settings.mpc.period_s, positive(),
+      "controller.period_s", mpc.period_s, positive(),
       "period of the controller's decisions, a multiple of control.period_s [s]");
-  fields.optional_count("controller.prediction_steps", settings.mpc.prediction_steps,
-                        between(1, 1000), "N_p: number of predicted steps");
-  fields.optional_number("controller.q_velocity", settings.mpc.q_velocity, not_negative(),
+  fields.optional_count("controller.prediction_steps", mpc.prediction_steps, between(1, 1000),
+                        "N_p: number of predicted steps");
+  fields.optional_number("controller.q_velocity", mpc.q_velocity, not_negative(),
                          "Q: weight on velocity");
-  fields.optional_number("controller.r_horizontal", settings.mpc.r_horizontal, positive(),
+  fields.optional_number("controller.r_horizontal", mpc.r_horizontal, positive(),
                          "R: weight on the change of the horizontal force [m^2/N^2]");
-  fields.optional_number("controller.r_vertical", settings.mpc.r_vertical, positive(),
+  fields.optional_number("controller.r_vertical", mpc.r_vertical, positive(),
                          "R: weight on the change of the vertical force [m^2/N^2]");
-  bind_clamps(fields, settings.law);
+  law.bind_clamps(fields);
 
-  fields.optional_count("controller.autoregressive_order", settings.autoregressive.order,
-                        between(1, 50), "number of past values in the autoregressive model");
+  fields.optional_count("controller.autoregressive_order", autoregressive.order, between(1, 50),
+                        "number of past values in the autoregressive model");
   fields.optional_number(
-      "controller.autoregressive_spacing_s", settings.spacing_s, positive(),
+      "controller.autoregressive_spacing_s", spacing_s, positive(),
       "time from one of these values to the next, a multiple of controller.period_s [s]");
-  fields.optional_number("controller.autoregressive_memory_s", settings.memory_s, positive(),
+  fields.optional_number("controller.autoregressive_memory_s", memory_s, positive(),
                          "time constant of its forgetting [s]");
   fields.only_for({"controller.autoregressive_order", "controller.autoregressive_spacing_s",
                    "controller.autoregressive_memory_s"},
                   "controller.forecast", {"autoregressive"});
 
-  fields.optional_number("controller.probe_distance_m", settings.upstream.distance_m,
-                         not_negative(), "distance of the probe upstream from the reference [m]");
-  fields.optional_number("controller.probe_noise_m", settings.upstream.noise_m, positive(),
+  fields.optional_number("controller.probe_distance_m", upstream.distance_m, not_negative(),
+                         "distance of the probe upstream from the reference [m]");
+  fields.optional_number("controller.probe_noise_m", upstream.noise_m, positive(),
                          "standard deviation of the probe's noise [m]");
-  fields.optional_number("controller.probe_window_s", settings.upstream.window_s, positive(),
+  fields.optional_number("controller.probe_window_s", upstream.window_s, positive(),
                          "length of the probe's record that the prediction takes [s]");
   fields.only_for(
       {"controller.probe_distance_m", "controller.probe_noise_m", "controller.probe_window_s"},
       "controller.forecast", {"upstream"});
 }
 
-std::unique_ptr<ForceForecast> make_forecast(const WaveMpcSettings& settings,
-                                             const QuadrotorTask& task) {
-  const double period_s = settings.mpc.period_s;
-  switch (settings.forecast) {
+std::unique_ptr<ForceForecast> WaveMpcSettings::make_forecast(const QuadrotorTask& task) const {
+  const double period_s = mpc.period_s;
+  switch (forecast) {
     case ForecastSource::estimator:
       return std::make_unique<EstimatorForecast>(period_s, true);
     case ForecastSource::held:
       return std::make_unique<EstimatorForecast>(period_s, false);
     case ForecastSource::autoregressive: {
-      AutoregressiveDesign design = settings.autoregressive;
-      design.spacing = static_cast<int>(std::round(std::min(settings.spacing_s / period_s, 1e4)));
-      design.memory = settings.memory_s / period_s;
+      AutoregressiveDesign design = autoregressive;
+      design.spacing = static_cast<int>(std::round(std::min(spacing_s / period_s, 1e4)));
+      design.memory = memory_s / period_s;
       design.largest = task.plant.parameters().thrust_limit_N;
       return blame("controller.autoregressive_spacing_s",
                    [&] { return std::make_unique<AutoregressiveForecast>(design); });
     }
     case ForecastSource::upstream: {
-      UpstreamDesign design = settings.upstream;
+      UpstreamDesign design = upstream;
       design.period_s = period_s;
       return blame("controller.probe_window_s",
                    [&] { return std::make_unique<UpstreamForecast>(task, design); });
@@ -402,26 +393,19 @@ std::unique_ptr<ForceForecast> make_forecast(const WaveMpcSettings& settings,
   throw std::logic_error("unknown forecast");
 }
 
-std::unique_ptr<Controller> make_wave_mpc(const WaveMpcSettings& settings,
-                                          const QuadrotorTask& task,
-                                          std::shared_ptr<QuadrotorEstimator> estimator) {
-  return std::make_unique<WaveMpc>(make_law(settings.law, task), std::move(estimator),
-                                   make_forecast(settings, task), settings.mpc, task.period_s);
-}
-
 }  // namespace
 
 std::vector<QuadrotorEstimatorKind> quadrotor_estimators() {
   return {{"kalman",
            "unscented or extended Kalman filter with one of five disturbance models (3.4)",
-           bind_kalman, make_kalman}};
+           &KalmanSettings::make}};
 }
 
 std::vector<QuadrotorControllerKind> quadrotor_controllers() {
   return {{"backstepping", "backstepping control with the estimated motion (3.4.2.1)",
-           bind_backstepping, make_backstepping},
-          {"wave_mpc", "predictive control with a forecast of the disturbing force", bind_wave_mpc,
-           make_wave_mpc}};
+           &BacksteppingSettings::make},
+          {"wave_mpc", "predictive control with a forecast of the disturbing force",
+           &WaveMpcSettings::make}};
 }
 
 }  // namespace breakwater

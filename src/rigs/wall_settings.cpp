@@ -57,27 +57,26 @@ void WallSettings::bind(Fields& fields) {
 
 void WallSettings::bind_wall(Fields& fields) {
   const Fields::Under under(fields, wall_);
-  fields.number("wall.angle_rad", angle_rad_, between(-kLargestTilt_rad, kLargestTilt_rad),
-                "tilt of the wall about its axis nearest to the vertical, or its y axis if it is "
-                "horizontal, counter-clockwise seen from above [rad]");
-  fields.standard("wall.angle_rad", {0.0});
-  fields.choice(kMotion, motion_.kind,
-                {{"fixed", WallMotionKind::fixed},
-                 {"ramp", WallMotionKind::ramp},
-                 {"sine", WallMotionKind::sine},
-                 {"csv", WallMotionKind::csv},
-                 {"free", WallMotionKind::free}},
-                "motion along the wall's normal, positive away from the tip; free: a mass on a "
-                "spring and a damper");
-  fields.standard(kMotion, {std::string("fixed")});
+  fields.optional_number(
+      "wall.angle_rad", angle_rad_, between(-kLargestTilt_rad, kLargestTilt_rad),
+      "tilt of the wall about its axis nearest to the vertical, or its y axis if it is "
+      "horizontal, counter-clockwise seen from above [rad]");
+  fields.optional_choice(
+      kMotion, motion_.kind,
+      {{"fixed", WallMotionKind::fixed},
+       {"ramp", WallMotionKind::ramp},
+       {"sine", WallMotionKind::sine},
+       {"csv", WallMotionKind::csv},
+       {"free", WallMotionKind::free}},
+      "motion along the wall's normal, positive away from the tip; free: a mass on a "
+      "spring and a damper");
   const auto of = [&](const char* name, auto&& bind) {
     const Fields::OfPart part(fields, kMotion, name);
     bind();
   };
   const auto start = [&] {
-    fields.number("wall.motion_from_s", motion_.start_s, not_negative(),
-                  "time at which the wall begins to move [s]");
-    fields.standard("wall.motion_from_s", {0.0});
+    fields.optional_number("wall.motion_from_s", motion_.start_s, not_negative(),
+                           "time at which the wall begins to move [s]");
   };
   of("ramp", [&] {
     start();
@@ -136,8 +135,7 @@ std::unique_ptr<ContactForceLaw> WallSettings::make_law() const {
   const bool is_smooth = !has_friction();
   if (engine == nullptr || (is_smooth && motion_.kind == WallMotionKind::fixed)) return law;
   // MuJoCo's contact knows neither this friction nor the speed of a wall that moves.
-  return std::make_unique<KelvinVoigt>(engine->stiffness_N_m(), engine->damping_Ns_m(),
-                                       KelvinVoigt::By::force);
+  return std::make_unique<KelvinVoigt>(*engine, KelvinVoigt::By::force);
 }
 
 bool WallSettings::is_of_engine() const {
@@ -170,8 +168,7 @@ void WallSettings::prepare(Model& model, const std::string& geom, const std::str
   if (angle_rad_ != 0.0) tilt_wall(model, wall, angle_rad_);
   const std::unique_ptr<ContactForceLaw> law = make_law();
   if (const KelvinVoigt* engine = law ? law->for_engine() : nullptr) {
-    author_contact(model, geom_id(model, geom), geom_id(model, wall),
-                   {engine->stiffness_N_m(), engine->damping_Ns_m()});
+    author_contact(model, geom_id(model, geom), geom_id(model, wall), *engine);
   }
 }
 

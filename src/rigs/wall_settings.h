@@ -14,7 +14,7 @@
 namespace breakwater {
 
 /// A contact law by its name: key contact.law, or contact.NAME.law of a plant. Its keys are bound
-/// without that prefix: "stiffness_N_m".
+/// without that prefix.
 struct ContactLawKind : PartKind<ContactForceLaw> {
   using PartKind::PartKind;
   static constexpr const char* kWhat = "contact law";

@@ -40,12 +40,7 @@ std::vector<int> movable_parts(Model& model, const std::string& wall) {
 
 }  // namespace
 
-void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law) {
-  const bool law_fits = std::isfinite(law.stiffness_N_m) && law.stiffness_N_m > 0.0 &&
-                        std::isfinite(law.damping_Ns_m) && law.damping_Ns_m >= 0.0;
-  if (!law_fits) {
-    throw std::invalid_argument("contact: needs a stiffness > 0 and a damping >= 0");
-  }
+void author_contact(Model& model, int geom1, int geom2, const KelvinVoigt& law) {
   mjModel& m = *model.get();
   for (int pair = 0; pair < m.npair; ++pair) {
     for (const int geom : {m.pair_geom1[pair], m.pair_geom2[pair]}) {
@@ -77,8 +72,8 @@ void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law) {
   for (const int geom : {geom1, geom2}) {
     mjtNum* solref = m.geom_solref + static_cast<ptrdiff_t>(mjNREF) * geom;
     mjtNum* solimp = m.geom_solimp + static_cast<ptrdiff_t>(mjNIMP) * geom;
-    solref[0] = -law.stiffness_N_m * invweight * (1.0 - kSoftImpedance);
-    solref[1] = -law.damping_Ns_m * invweight * (1.0 - kSoftImpedance);
+    solref[0] = -law.stiffness_N_m() * invweight * (1.0 - kSoftImpedance);
+    solref[1] = -law.damping_Ns_m() * invweight * (1.0 - kSoftImpedance);
     solimp[0] = solimp[1] = kSoftImpedance;
   }
 }

@@ -11,14 +11,8 @@
 
 namespace breakwater {
 
-/// Parameters of a contact.
-struct ContactLaw {
-  double stiffness_N_m = 0.0;  ///< K: the static depth under a force F is F/K
-  double damping_Ns_m = 0.0;   ///< B: the force is K·depth + B·(approach velocity) ≥ 0
-};
-
-/// Makes the contact of two frictionless geoms obey `law`, by their solref and solimp. At least one
-/// of them must be able to move.
+/// Makes the contact of two frictionless geoms obey `law` with its K and B, by their solref and
+/// solimp. At least one of them must be able to move.
 ///
 /// MuJoCo's constraint force is f = (a_ref − a₁)/R with a_ref = −b v − k d r and R = (1 − d)/d·w. r
 /// is the (negative) gap, v its rate, a₁ the acceleration left in the contact and d the impedance.
@@ -26,9 +20,9 @@ struct ContactLaw {
 /// (1−d), −B w (1−d)) gives k d/R = K and b/R = B exactly. The remaining −a₁/R acts as an added
 /// mass d/((1−d) w), which is negligible for d = 0.001.
 ///
-/// Throws std::invalid_argument unless K > 0, B ≥ 0 and one body can move. Both geoms must have
-/// condim 1, no margin, no gap, the same priority and no <pair>.
-void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law);
+/// Throws std::invalid_argument unless one body can move. Both geoms must have condim 1, no margin,
+/// no gap, the same priority and no <pair>.
+void author_contact(Model& model, int geom1, int geom2, const KelvinVoigt& law);
 
 /// Moves the geom `wall`, a plane of the world body, to x. All geoms of that body with a name that
 /// begins with `wall_` move too. Throws std::invalid_argument if there is no such plane.

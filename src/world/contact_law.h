@@ -44,7 +44,10 @@ class KelvinVoigt final : public ContactForceLaw {
  public:
   enum class By { engine, force };
   /// Throws std::invalid_argument unless K > 0 and B ≥ 0.
-  KelvinVoigt(double stiffness_N_m, double damping_Ns_m, By by);
+  KelvinVoigt(double stiffness_N_m, double damping_Ns_m, By by = By::engine);
+  /// The same law by another way.
+  KelvinVoigt(const KelvinVoigt& law, By by)
+      : KelvinVoigt(law.stiffness_N_m_, law.damping_Ns_m_, by) {}
 
   double force(double penetration_m, double speed_m_s, ContactState&) const override {
     return stiffness_N_m_ * penetration_m + damping_Ns_m_ * speed_m_s;

@@ -29,7 +29,7 @@ Model ball_and_wall(double mass, double armature) {
 
 class Ball {
  public:
-  Ball(double mass, double armature, const ContactLaw& law)
+  Ball(double mass, double armature, const KelvinVoigt& law)
       : model_(ball_and_wall(mass, armature)) {
     author_contact(model_, model_.id(mjOBJ_GEOM, "ball"), model_.id(mjOBJ_GEOM, "wall"), law);
     data_ = mj_makeData(model_.get());
