@@ -3,8 +3,8 @@
 #include <breakwater/program/scenario_program.h>
 #include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/contact_settings.h>
 #include <breakwater/rigs/drive_settings.h>
-#include <breakwater/rigs/wall_settings.h>
 #include <breakwater/thesis/printed_references.h>
 
 #include "on_axes.h"

@@ -39,7 +39,7 @@ class ArmWallContact final : public ArmScenario {
                   "distance from the tip at the start pose to the wall's face [m]");
     fields.number("wall.solid_from_s", wall_solid_from_s_, not_negative(),
                   "time at which the wall becomes solid: the stretched arm starts inside it [s]");
-    contact().wall.bind(fields);
+    contact().bind(fields);
     fields.number("force.reference_N", force().value, positive(),
                   "F_x^ref: reference of the contact force [N]");
     fields.number("force.from_s", force_from_s_, not_negative(),
@@ -144,7 +144,7 @@ class ArmWallContact final : public ArmScenario {
   }
   void animate_scene(Model& model, double time_s) const override {
     show_geoms(model, "wall_", time_s >= wall_solid_from_s_);
-    plant_.contacts.front().wall.animate(model, kWall, wall_x_m(), time_s);
+    plant_.contacts.front().animate(model, wall_x_m(), time_s);
   }
 
  private:

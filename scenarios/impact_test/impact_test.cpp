@@ -7,7 +7,7 @@
 #include <breakwater/math/float_environment.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/rigs/axis_scenario.h>
-#include <breakwater/rigs/wall_settings.h>
+#include <breakwater/sim/contact.h>
 #include <breakwater/sim/model.h>
 
 namespace breakwater {
@@ -38,7 +38,7 @@ class ImpactTest final : public Scenario {
   explicit ImpactTest(const Catalogue& catalogue)
       : Scenario(MetricRows(catalogue, "impact_test")),
         plant_(rail(), catalogue),
-        wall_(catalogue) {
+        wall_(catalogue, kImpactTip, kStruckWall) {
     plant_.axis().nominal_from = NominalFrom::model;
     plant_.tip.emplace().sensor = "tip_force";
     plant_.faults.fault.channel = Axis::kNone;
@@ -91,7 +91,7 @@ class ImpactTest final : public Scenario {
     const double along_normal = math::cos(wall_.angle_rad());
     wall_.check_impact(config, plant_.physics, mass_kg_ / (along_normal * along_normal),
                        axis.start_velocity * along_normal);
-    wall_.make(plant_.load_model(), kImpactTip, kStruckWall);
+    wall_.measure(plant_.load_model());
     rows_.check(config, [this] { return fields(); }, plant_.physics,
                 {.events = {"first_contact", "first_separation"}});
   }
@@ -102,7 +102,7 @@ class ImpactTest final : public Scenario {
     NoController controller;
     AxisRig rig(plant_, controller);
     Simulation& sim = rig.simulation();
-    const std::unique_ptr<WallContact> contact = wall_.make(sim.model(), kImpactTip, kStruckWall);
+    const std::unique_ptr<WallContact> contact = wall_.measure(sim.model());
     sim.add(*contact);
     contact->set_solid(true);
     sim.set_collidable(geom_id(sim.model(), kStruckWall), wall_.is_of_engine());
@@ -166,11 +166,12 @@ class ImpactTest final : public Scenario {
   }
 
   void prepare_scene(Model& model) const override {
-    wall_.prepare(model, kImpactTip, kStruckWall, wall_x_m(model));
+    place_wall(model, kStruckWall, wall_x_m(model));
+    wall_.prepare(model);
   }
 
   void animate_scene(Model& model, double time_s) const override {
-    wall_.animate(model, kStruckWall, wall_x_m(model), time_s);
+    wall_.animate(model, wall_x_m(model), time_s);
   }
 
  private:
@@ -181,7 +182,7 @@ class ImpactTest final : public Scenario {
   }
 
   AxisPlant plant_;
-  WallSettings wall_;
+  ContactSettings wall_;
   double mass_kg_ = 0.0;
   double distance_m_ = 0.0;
   double push_N_ = 0.0;

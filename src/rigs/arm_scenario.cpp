@@ -33,7 +33,7 @@ void bind_joint(Fields& fields, AxisSettings& joint, TransmissionSettings& trans
   fields.optional_number(kFriction, joint.coulomb_friction, between(kFrictionOfModel, 1e3),
                          "Coulomb friction of the joint; -1: that of the model file [N m]");
   joint.drive.bind(fields, axis.units);
-  joint.scale.bind(fields, axis.units);
+  bind_scale(fields, joint.encoder, axis.units);
   transmission.bind_plant(fields, axis.units, axis.inertia_suffix, axis.friction_suffix);
 }
 
@@ -139,10 +139,11 @@ void ArmScenario::bind(Fields& fields) {
   bind_observer_feed(fields, observer_feed_);
   fields.number("sensor.encoder_counts_per_turn", encoder_counts_per_turn_, between(0, 1e12),
                 "encoder counts per turn of each joint; 0: not quantised");
-  bind_encoder_rounding(fields, encoder_rounding_);
+  AxisSettings& first = plant_.axes.front();
+  bind_encoder_rounding(fields, first.encoder.rounding);
   fields.only_where({"encoder.rounding"}, "sensor.encoder_counts_per_turn is not 0",
                     [this] { return encoder_counts_per_turn_ != 0.0; });
-  fields.number("sensor.angle_noise_rad", angle_noise_rad_, not_negative(),
+  fields.number("sensor.angle_noise_rad", first.noise_std, not_negative(),
                 "standard deviation of white noise on each angle sample [rad]");
   plant_.tip->chain.bind_noise(fields);
   plant_.faults.bind(fields, "q1, q2, ..., force, force_raw", plant_.run.duration_s);
@@ -171,12 +172,12 @@ void ArmScenario::check_arm(const Config& config) {
           .fail(kFriction, "must be -1 (the value of the model file) or not negative");
     }
     joint.axis.actuator = mj_id2name(model.get(), mjOBJ_ACTUATOR, static_cast<int>(i));
-    joint.encoder_resolution =
+    joint.encoder.quantum =
         encoder_counts_per_turn_ > 0.0 ? 2.0 * std::numbers::pi / encoder_counts_per_turn_ : 0.0;
-    joint.encoder_rounding = encoder_rounding_;
-    joint.noise_std = angle_noise_rad_;
-    joint.nominal_inertia = nominal_inertia_kgm2_[i];
+    joint.encoder.rounding = plant_.axes.front().encoder.rounding;
+    joint.noise_std = plant_.axes.front().noise_std;
     joint.transmission = at_joint(transmissions_[i]);
+    joint.transmission.nominal.load_inertia = nominal_inertia_kgm2_[i];
     const int at = model->jnt_qposadr[model.id(mjOBJ_JOINT, joint.axis.joint)];
     if (starts_at_reference_) {
       joint.start_position = start_angles_rad_[i] - home[static_cast<std::size_t>(at)];

@@ -98,8 +98,6 @@ class ArmScenario : public Scenario {
   PartChoice<AxisEstimatorKind> observer_;  // one for each joint
   ObserverFeed observer_feed_ = ObserverFeed::clipped;
   double encoder_counts_per_turn_ = 0.0;
-  EncoderRounding encoder_rounding_ = EncoderRounding::nearest;
-  double angle_noise_rad_ = 0.0;
 };
 
 }  // namespace breakwater

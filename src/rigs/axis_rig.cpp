@@ -99,7 +99,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
                            model, one.body, Eigen::Map<const Eigen::Vector3d>(one.along.data()))});
   }
   const auto with_friction = std::count_if(plant.contacts.begin(), plant.contacts.end(),
-                                           [](const auto& one) { return one.wall.has_friction(); });
+                                           [](const auto& one) { return one.has_friction(); });
   for (const ContactSettings& one : plant.contacts) {
     if (std::unique_ptr<WallContact> wall = one.make(model)) {
       wall->set_contacts_with_friction(static_cast<int>(with_friction));
@@ -310,26 +310,23 @@ std::vector<Signal> AxisRig::signals() const {
   }
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const ContactSettings& one = plant_.contacts[i];
-    signals.push_back({one.signal(), "N",
-                       "normal force between the geoms " + one.geom_1 + " and " + one.geom_2,
-                       view(*contacts_[i].force_N)});
+    const auto add = [&](const std::string& what, const std::string& unit, const std::string& text,
+                         const double& value) {
+      signals.push_back({one.signal(what), unit, text, view(value)});
+    };
+    add("N", "N", "normal force between the geoms " + one.geom_1 + " and " + one.geom_2,
+        *contacts_[i].force_N);
     const WallContact* wall = contacts_[i].wall;
     if (wall == nullptr) continue;
-    signals.push_back({one.signal("penetration_m"), "m", "penetration; negative: the gap",
-                       view(wall->penetration_m())});
-    signals.push_back(
-        {one.signal("wall_m"), "m", "how far the wall has moved", view(wall->wall_m())});
-    signals.push_back({one.signal("approach_m_s"), "m/s", "velocity of the geom towards the wall",
-                       view(wall->approach_m_s())});
-    signals.push_back({one.signal("mass_kg"), "kg",
-                       "effective mass at the last contact, with every joint free to recoil",
-                       view(wall->mass_kg())});
-    signals.push_back({one.signal("transient_N"), "N",
-                       "v sqrt(k m) at the beginning of the last contact (ISO/TS 15066)",
-                       view(wall->transient_N())});
+    add("penetration_m", "m", "penetration; negative: the gap", wall->penetration_m());
+    add("wall_m", "m", "how far the wall has moved", wall->wall_m());
+    add("approach_m_s", "m/s", "velocity of the geom towards the wall", wall->approach_m_s());
+    add("mass_kg", "kg", "effective mass at the last contact, with every joint free to recoil",
+        wall->mass_kg());
+    add("transient_N", "N", "v sqrt(k m) at the beginning of the last contact (ISO/TS 15066)",
+        wall->transient_N());
     if (!wall->has_friction()) continue;
-    signals.push_back({one.signal("friction_N"), "N", "friction across the wall's normal",
-                       view(wall->friction_N())});
+    add("friction_N", "N", "friction across the wall's normal", wall->friction_N());
   }
   if (plant_.tip) add_tip_signals(signals);
   // A controller may publish the reference too.

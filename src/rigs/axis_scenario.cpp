@@ -13,10 +13,10 @@ namespace breakwater {
 AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design)
     : Scenario(design.axis ? MetricRows(catalogue, design.name, design.reductions) : MetricRows()),
       design_(std::move(design)),
-      catalogue_(with_none(catalogue)),
+      catalogue_(design_.axis ? Catalogue() : with_none(catalogue)),
       plant_(catalogue_) {
   if (design_.axis) {
-    plant_.axes.emplace_back(*design_.axis, catalogue_);
+    plant_.axes.emplace_back(*design_.axis, catalogue);
     axis_parts_.emplace_back(catalogue, design_.controller);
   } else {
     whole_.emplace(catalogue_);
@@ -128,9 +128,8 @@ void AxisScenario::check(const Config& config) {
   }
   MetricContext context = complete(config);
   // A contact is shorter than a sample.
-  for (const char* force : {"force_true_N", "force_sensor_N", "force_filtered_N"}) {
-    context.fast_signals.push_back(force);
-  }
+  context.fast_signals.insert(context.fast_signals.end(),
+                              {"force_true_N", "force_sensor_N", "force_filtered_N"});
   for (const ContactSettings& one : plant_.contacts) {
     for (const char* what :
          {"N", "penetration_m", "approach_m_s", "mass_kg", "transient_N", "friction_N"}) {

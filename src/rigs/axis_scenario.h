@@ -115,7 +115,7 @@ class AxisScenario : public Scenario {
                                      const AxisLoop& loop) const;
 
   AxisScenarioDesign design_;
-  Catalogue catalogue_;
+  Catalogue catalogue_;  // only with named axes
 
  protected:
   AxisPlant plant_;

@@ -55,38 +55,7 @@ void check_part(const Config& own, Check&& check) {
   }
 }
 
-EncoderCounts counts_of(const AxisSettings& axis) {
-  return {static_cast<double>(axis.encoder_bits), axis.encoder_multiplication,
-          axis.encoder_gear_ratio};
-}
-
 }  // namespace
-
-Axis motor_axis() {
-  return {.name = "",
-          .joint = "shaft",
-          .actuator = "motor",
-          .position_sensor = Axis::kJoint,
-          .channel = "angle",
-          .counts_pulses = true,
-          .inertia_name = "inertia",
-          .inertia_suffix = "kgm2",
-          .friction_suffix = "Nms_rad",
-          .units = rotation_units()};
-}
-
-Axis cart_axis() {
-  return {.name = "",
-          .joint = "rail",
-          .actuator = "drive",
-          .position_sensor = Axis::kJoint,
-          .channel = "position",
-          .counts_pulses = false,
-          .inertia_name = "mass",
-          .inertia_suffix = "kg",
-          .friction_suffix = "Ns_m",
-          .units = translation_units()};
-}
 
 int actuator_id(const Model& model, const Axis& axis) {
   if (axis.actuator != Axis::kJoint) return model.id(mjOBJ_ACTUATOR, axis.actuator);
@@ -99,20 +68,36 @@ int actuator_id(const Model& model, const Axis& axis) {
 
 Axis named_axis(const std::string& name, const std::string& joint, const std::string& actuator,
                 bool is_hinge) {
-  Axis axis = is_hinge ? motor_axis() : cart_axis();
-  axis.name = name;
-  axis.joint = joint;
-  axis.actuator = actuator;
-  axis.channel = name;
+  return {.name = name,
+          .joint = joint,
+          .actuator = actuator,
+          .position_sensor = Axis::kJoint,
+          .channel = name,
+          .counts_pulses = is_hinge,
+          .inertia_name = is_hinge ? "inertia" : "mass",
+          .inertia_suffix = is_hinge ? "kgm2" : "kg",
+          .friction_suffix = is_hinge ? "Nms_rad" : "Ns_m",
+          .units = is_hinge ? rotation_units() : translation_units()};
+}
+
+Axis motor_axis() {
+  Axis axis = named_axis("", "shaft", "motor", true);
+  axis.channel = "angle";
+  return axis;
+}
+
+Axis cart_axis() {
+  Axis axis = named_axis("", "rail", "drive", false);
+  axis.channel = "position";
   return axis;
 }
 
 void AxisSettings::bind_nominal(Fields& fields) {
   const char* const doc = "nominal value for the controller and the observer";
-  fields.number("nominal." + axis.inertia_name + "_" + axis.inertia_suffix, nominal_inertia,
-                positive(), doc);
-  fields.number("nominal.viscous_friction_" + axis.friction_suffix, nominal_friction,
-                not_negative(), doc);
+  fields.number("nominal." + axis.inertia_name + "_" + axis.inertia_suffix,
+                transmission.nominal.load_inertia, positive(), doc);
+  fields.number("nominal.viscous_friction_" + axis.friction_suffix,
+                transmission.nominal.load_friction, not_negative(), doc);
 }
 
 void AxisSettings::bind_named(Fields& fields) {
@@ -199,31 +184,31 @@ void AxisSettings::bind_parts(Fields& fields) {
                          "step of the drive's PWM; 0: not quantised [" + u.force + "]");
   drive.bind(fields, u);
   if (axis.counts_pulses) {
-    fields.optional_count("encoder.bits", encoder_bits, between(0, 60),
+    fields.optional_count("encoder.bits", counts.bits, between(0, 60),
                           "n: the encoder has 2^n pulses per turn of its shaft; 0: not quantised");
-    fields.optional_number("encoder.multiplication", encoder_multiplication, positive(),
+    fields.optional_number("encoder.multiplication", counts.multiplication, positive(),
                            "number of edges that count in a pulse");
-    fields.optional_number("encoder.gear_ratio", encoder_gear_ratio, positive(),
+    fields.optional_number("encoder.gear_ratio", counts.gear_ratio, positive(),
                            "turns of the encoder's shaft per turn of the axis");
     fields.only_where({"encoder.multiplication", "encoder.gear_ratio"}, "encoder.bits is not 0",
-                      [this] { return encoder_bits != 0; });
+                      [this] { return counts.bits != 0; });
   } else {
-    fields.optional_number("encoder." + key("resolution", u.position_suffix), encoder_resolution,
+    fields.optional_number("encoder." + key("resolution", u.position_suffix), encoder.quantum,
                            not_negative(),
                            "encoder resolution, one count; 0: not quantised [" + u.position + "]");
   }
-  fields.optional_number("encoder." + key("phase", u.position_suffix), encoder_phase, any(),
+  fields.optional_number("encoder." + key("phase", u.position_suffix), encoder.phase, any(),
                          "distance of the start from the middle of a count [" + u.position + "]");
   fields.optional_choice(
-      "encoder.origin", encoder_origin,
+      "encoder.origin", encoder.origin,
       {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
       "zero of the encoder: it counts from the start, or is calibrated to the true 0. The two "
       "differ only with a phase");
-  bind_encoder_rounding(fields, encoder_rounding);
+  bind_encoder_rounding(fields, encoder.rounding);
   fields.only_where(
       {"encoder." + key("phase", u.position_suffix), "encoder.origin", "encoder.rounding"},
       "the encoder is quantised", [this] { return quantum() != 0.0; });
-  scale.bind(fields, u);
+  bind_scale(fields, encoder, u);
   fields.optional_number(
       "noise." + key("std", u.position_suffix), noise_std, not_negative(),
       "standard deviation of the measurement's white noise [" + u.position + "]");
@@ -236,26 +221,17 @@ void AxisSettings::bind_parts(Fields& fields) {
 }
 
 double AxisSettings::pulses_per_revolution() const {
-  if (!axis.counts_pulses) return encoder_resolution > 0.0 ? 1.0 / encoder_resolution : 0.0;
-  return encoder_bits == 0 ? 0.0 : counts_of(*this).counts_per_revolution();
+  if (!axis.counts_pulses) return encoder.quantum > 0.0 ? 1.0 / encoder.quantum : 0.0;
+  return counts.bits == 0 ? 0.0 : counts.counts_per_revolution();
 }
 
 double AxisSettings::quantum() const {
-  if (!axis.counts_pulses) return encoder_resolution;
-  return encoder_bits == 0 ? 0.0 : counts_of(*this).quantum_rad();
+  if (!axis.counts_pulses) return encoder.quantum;
+  return counts.bits == 0 ? 0.0 : counts.quantum_rad();
 }
 
 double AxisSettings::force_limit() const {
   return drive_limit > 0.0 ? drive_limit : model_limit;
-}
-
-Encoder AxisSettings::encoder() const {
-  Encoder encoder = {.quantum = quantum(),
-                     .phase = encoder_phase,
-                     .origin = encoder_origin,
-                     .rounding = encoder_rounding};
-  scale.apply(encoder);
-  return encoder;
 }
 
 void AxisPlant::learn(const Config& config) {
@@ -392,15 +368,14 @@ NominalAxis AxisPlant::nominal(std::size_t i) const {
   NominalAxis axis{.period_s = physics.control_period_s,
                    .force_limit = one.force_limit(),
                    .sensor = {Eigen::VectorXd::Constant(1, one.quantum()),
-                              Eigen::VectorXd::Constant(1, one.noise_std), one.encoder_rounding},
+                              Eigen::VectorXd::Constant(1, one.noise_std), one.encoder.rounding},
                    .pulses_per_revolution = one.pulses_per_revolution(),
                    .units = one.axis.units};
-  one.transmission.describe(
-      axis,
-      one.nominal_from == NominalFrom::model
-          ? one.model_numbers
-          : one.transmission.nominal_numbers(one.nominal_inertia, one.nominal_friction),
-      one.nominal_from);
+  one.transmission.describe(axis,
+                            one.nominal_from == NominalFrom::model
+                                ? one.model_numbers
+                                : one.transmission.nominal_numbers(),
+                            one.nominal_from);
   return axis;
 }
 
@@ -413,7 +388,7 @@ std::vector<std::string> AxisPlant::warnings() const {
     if (one.nominal_from == NominalFrom::keys &&
         (transmission.is_elastic() || transmission.motor_inertia > 0.0) &&
         transmission.nominal_model == NominalModel::rigid &&
-        transmission.nominal_motor_inertia == 0.0) {
+        transmission.nominal.motor_inertia == 0.0) {
       lines.push_back(one.axis.prefix() + "nominal.motor_inertia_" + one.axis.inertia_suffix +
                       ": is 0, so nominal.inertia_" + one.axis.inertia_suffix +
                       " must be that of load and motor");
@@ -547,7 +522,7 @@ Model AxisPlant::load_model(const Config* config) const {
 // A file with the keys of a law means to have one.
 void AxisPlant::check_law_is_chosen(const ContactSettings& contact, const Config& config) {
   const std::string begin = contact.prefix();
-  if (!contact.wall.is_of_file() || config.find(begin + "law") != nullptr) return;
+  if (!contact.is_of_file() || config.find(begin + "law") != nullptr) return;
   for (const auto& [key, entry] : config.entries()) {
     if (!key.starts_with(begin) || !entry.given.empty()) continue;
     const std::string own = key.substr(begin.size());
@@ -571,10 +546,10 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
   std::map<std::string, std::string> tilted;  // the walls
   for (const ContactSettings& one : contacts) {
     const Config own = config.under(one.prefix());
-    one.wall.check(config, physics);
+    one.check(config, physics);
     const auto [same, is_new] = known.emplace(std::minmax(one.geom_1, one.geom_2), one.name);
     if (!is_new) own.fail("geom_1", "contact \"" + same->second + "\" has the same two geoms");
-    if (one.wall.angle_rad() != 0.0) {
+    if (one.angle_rad() != 0.0) {
       const auto [other, is_first] = tilted.emplace(one.geoms(model).second, one.name);
       if (!is_first) {
         own.fail("wall.angle_rad",
@@ -585,14 +560,14 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
     const int first = geom_id(model, one.geom_1), second = geom_id(model, one.geom_2);
     const bool may_touch = (model->geom_contype[first] & model->geom_conaffinity[second]) != 0 ||
                            (model->geom_contype[second] & model->geom_conaffinity[first]) != 0;
-    if (one.begins_solid() && one.wall.is_of_engine() && !may_touch && model->npair == 0) {
+    if (one.begins_solid() && one.is_of_engine() && !may_touch && model->npair == 0) {
       own.fail("geom_2", fmt::format("contype and conaffinity let \"{}\" and \"{}\" not touch; a "
                                      "law that is a force, kelvin_voigt_clipped, needs neither",
                                      one.geom_1, one.geom_2));
     }
     for (const auto& [key, geom] :
          {std::pair("geom_1", one.geom_1), std::pair("geom_2", one.geom_2)}) {
-      if (one.wall.is_of_file() || !one.wall.is_of_engine()) continue;
+      if (one.is_of_file() || !one.is_of_engine()) continue;
       const auto [other, is_first] = authored.emplace(geom, one.name);
       if (is_first) continue;
       own.fail("law", fmt::format("kelvin_voigt: geom \"{}\" has it in contact \"{}\" too; "
@@ -660,8 +635,7 @@ Model AxisPlant::nominal_model() const {
   for (const AxisSettings& one : axes) {
     if (one.nominal_from != NominalFrom::keys) continue;
     const TransmissionSettings& transmission = one.transmission;
-    const TwoInertia numbers =
-        transmission.nominal_numbers(one.nominal_inertia, one.nominal_friction);
+    const TwoInertia numbers = transmission.nominal_numbers();
     if (transmission.is_elastic()) {
       if (!(numbers.motor_inertia > 0.0 && numbers.stiffness > 0.0)) {
         const std::string nominal = one.axis.prefix() + "nominal.";
@@ -712,9 +686,10 @@ SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
                               .sensor = is_own ? joint : one.axis.position_sensor,
                               .reading = is_own ? Reading::joint_position : Reading::component,
                               .disturbance = one.output,
-                              .encoder = one.encoder(),
+                              .encoder = one.encoder,
                               .noise_std = one.noise_std,
                               .delay_samples = one.delay_samples});
+    setup.channels.back().encoder.quantum = one.quantum();
   }
   const auto add_true = [&](const std::string& what, Reading reading) {
     for (const AxisSettings& one : axes) {

@@ -72,21 +72,13 @@ struct AxisSettings {
   double viscous_friction = -1.0;  ///< friction of the plant; negative: that of the model file
   double coulomb_friction = -1.0;
   NominalFrom nominal_from = NominalFrom::keys;
-  double nominal_inertia = 0.0;  ///< for the controller and the observer
-  double nominal_friction = 0.0;
 
   double drive_limit = 0.0;       ///< 0: that of the model file, if any
   double drive_resolution = 0.0;  ///< step of the PWM; 0: not quantised
   DriveSettings drive;            ///< friction law and motor
 
-  int encoder_bits = 0;  ///< 0: not quantised
-  double encoder_multiplication = 1.0;
-  double encoder_gear_ratio = 1.0;
-  double encoder_resolution = 0.0;  ///< one count, in place of pulses; 0: not quantised
-  double encoder_phase = 0.0;
-  EncoderOrigin encoder_origin = EncoderOrigin::counted;
-  EncoderRounding encoder_rounding = EncoderRounding::nearest;
-  ScaleSettings scale;     ///< errors of the encoder's scale
+  EncoderCounts counts;    ///< no bits: not quantised
+  Encoder encoder;         ///< its quantum is that of `counts` where the axis counts pulses
   double noise_std = 0.0;  ///< noise of the measurement
   double input_noise_std =
       0.0;  ///< standard deviation of a random force that is drawn at each control sample
@@ -110,7 +102,6 @@ struct AxisSettings {
 
   /// The joint of the side with the encoder.
   std::string measured_joint() const { return transmission.measured_joint(axis.joint); }
-  Encoder encoder() const;
   double quantum() const;                ///< Δ of the encoder; 0: not quantised
   double pulses_per_revolution() const;  ///< b_reso, or counts per metre; 0: not quantised
   double force_limit() const;            ///< limit of the drive; infinity: none

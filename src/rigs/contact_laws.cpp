@@ -1,5 +1,5 @@
 // Breakwater's contact laws: the keys of each, and how it is made of them.
-#include <breakwater/rigs/wall_settings.h>
+#include <breakwater/rigs/contact_settings.h>
 
 namespace breakwater {
 namespace {

@@ -70,17 +70,12 @@ std::unique_ptr<FrictionLaw> DriveSettings::make_friction(double coulomb) const 
   return friction_->make(coulomb);
 }
 
-void ScaleSettings::bind(Fields& fields, const AxisUnits& units) {
+void bind_scale(Fields& fields, Encoder& encoder, const AxisUnits& units) {
   const std::string unit = " [" + units.position + "]";
-  bind_sine(fields, "encoder.eccentricity", units.position_suffix, eccentricity, units,
+  bind_sine(fields, "encoder.eccentricity", units.position_suffix, encoder.eccentricity, units,
             "amplitude of the error of a scale that is not centred" + unit);
-  bind_sine(fields, "encoder.interpolation", units.position_suffix, interpolation, units,
+  bind_sine(fields, "encoder.interpolation", units.position_suffix, encoder.interpolation, units,
             "amplitude of the error between two lines of the scale" + unit);
-}
-
-void ScaleSettings::apply(Encoder& encoder) const {
-  encoder.eccentricity = eccentricity;
-  encoder.interpolation = interpolation;
 }
 
 void TimingSettings::bind(Fields& fields) {
@@ -178,13 +173,13 @@ void TransmissionSettings::bind(Fields& fields, const AxisUnits& u,
        {"spring", NominalModel::spring}},
       "model of controller and observer: motor and load as one inertia, the motor alone, "
       "or both with the spring");
-  fields.optional_number("nominal." + motor_inertia_key_, nominal_motor_inertia, not_negative(),
+  fields.optional_number("nominal." + motor_inertia_key_, nominal.motor_inertia, not_negative(),
                          "nominal inertia of the motor");
-  fields.optional_number("nominal.stiffness" + stiffness, nominal_stiffness, not_negative(),
+  fields.optional_number("nominal.stiffness" + stiffness, nominal.stiffness, not_negative(),
                          "nominal stiffness of the transmission [" + torque_per + u.position + "]");
-  fields.optional_number("nominal.damping" + friction, nominal_damping, not_negative(),
+  fields.optional_number("nominal.damping" + friction, nominal.damping, not_negative(),
                          "nominal damping of the transmission [" + torque_per + u.velocity + "]");
-  fields.optional_number("nominal.motor_viscous_friction" + friction, nominal_motor_friction,
+  fields.optional_number("nominal.motor_viscous_friction" + friction, nominal.motor_friction,
                          not_negative(),
                          "nominal viscous friction of the motor [" + torque_per + u.velocity + "]");
 
@@ -267,22 +262,18 @@ TwoInertia TransmissionSettings::true_numbers(const Model& model, const Eigen::M
   return numbers;
 }
 
-TwoInertia TransmissionSettings::nominal_numbers(double load_inertia, double load_friction) const {
-  return {.motor_inertia = nominal_motor_inertia,
-          .load_inertia = load_inertia,
-          .stiffness = nominal_stiffness,
-          .damping = nominal_damping,
-          .motor_friction = nominal_motor_friction,
-          .load_friction = load_friction,
-          .ratio = design.ratio};
+TwoInertia TransmissionSettings::nominal_numbers() const {
+  TwoInertia numbers = nominal;
+  numbers.ratio = design.ratio;
+  return numbers;
 }
 
 TransmissionDesign TransmissionSettings::linear_design(NominalFrom from) const {
   TransmissionDesign linear = design;
   linear.backlash = linear.kinematic_error = 0.0;
   if (from == NominalFrom::keys) {
-    linear.stiffness = nominal_stiffness;
-    linear.damping = nominal_damping;
+    linear.stiffness = nominal.stiffness;
+    linear.damping = nominal.damping;
   }
   return linear;
 }

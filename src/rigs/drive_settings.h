@@ -50,14 +50,8 @@ class DriveSettings {
   ElectricDrive electric_;
 };
 
-/// The errors of an encoder's scale.
-struct ScaleSettings {
-  PositionSine eccentricity;
-  PositionSine interpolation;
-
-  void bind(Fields& fields, const AxisUnits& units);
-  void apply(Encoder& encoder) const;
-};
+/// Binds the errors of an encoder's scale.
+void bind_scale(Fields& fields, Encoder& encoder, const AxisUnits& units);
 
 /// When commands reach the drives: keys control.…
 class TimingSettings {
@@ -98,10 +92,7 @@ struct TransmissionSettings {
   Side measured = Side::load;       ///< the side of the encoder
 
   NominalModel nominal_model = NominalModel::rigid;
-  double nominal_motor_inertia = 0.0;
-  double nominal_stiffness = 0.0;
-  double nominal_damping = 0.0;
-  double nominal_motor_friction = 0.0;
+  TwoInertia nominal;  ///< those of the load are keys of the axis; with the true ratio
 
   /// The keys of the plant: `transmission.…`, `friction.side` and `encoder.side`.
   void bind_plant(Fields& fields, const AxisUnits& units, const std::string& inertia_suffix,
@@ -146,8 +137,8 @@ struct TransmissionSettings {
   /// transmission includes its motor.
   TwoInertia true_numbers(const Model& model, const Eigen::MatrixXd& M,
                           const std::string& load) const;
-  /// The numbers of the keys nominal.…, with those of the load.
-  TwoInertia nominal_numbers(double load_inertia, double load_friction) const;
+  /// The numbers of the keys nominal.…
+  TwoInertia nominal_numbers() const;
   /// The design without backlash and kinematic error, and from keys with the nominal spring.
   TransmissionDesign linear_design(NominalFrom from) const;
   /// The linear part of the plant, without backlash and kinematic error.

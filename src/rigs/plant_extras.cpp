@@ -19,34 +19,6 @@ void PushSettings::bind(Fields& fields) {
   }
 }
 
-void ContactSettings::bind(Fields& fields) {
-  {
-    const Fields::Under under(fields, prefix());
-    fields.text("geom_1", geom_1, "geom of the model");
-    fields.text("geom_2", geom_2, "geom of the model that may touch the first one");
-  }
-  wall.bind(fields);
-}
-
-std::pair<std::string, std::string> ContactSettings::geoms(const Model& model) const {
-  const bool is_plane_first = model->geom_type[geom_id(model, geom_1)] == mjGEOM_PLANE;
-  return is_plane_first ? std::pair(geom_2, geom_1) : std::pair(geom_1, geom_2);
-}
-
-void ContactSettings::prepare(Model& model) const {
-  const auto [geom, plane] = geoms(model);
-  wall.prepare(model, geom, plane);
-  if (make(model)) model.separate(geom_id(model, geom), geom_id(model, plane));
-}
-
-std::unique_ptr<WallContact> ContactSettings::make(const Model& model) const {
-  if (wall.is_of_engine()) return nullptr;
-  const auto [sphere, plane] = geoms(model);
-  std::unique_ptr<WallContact> contact = wall.make(model, sphere, plane);
-  contact->set_solid(begins_solid());
-  return contact;
-}
-
 void TipSettings::bind(Fields& fields) {
   fields.optional_text(
       "tip.contact", contact,

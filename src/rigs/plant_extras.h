@@ -9,7 +9,7 @@
 
 #include <breakwater/config/fields.h>
 #include <breakwater/control/reference.h>
-#include <breakwater/rigs/wall_settings.h>
+#include <breakwater/rigs/contact_settings.h>
 #include <breakwater/sim/sensing.h>
 #include <breakwater/world/disturbance.h>
 
@@ -64,34 +64,6 @@ struct PushSettings {
 
   std::string prefix() const { return "push." + name + "."; }
   void bind(Fields& fields);
-};
-
-/// Two geoms whose contact force is logged: keys contact.NAME.…. Without a law they touch as in the
-/// model file. kelvin_voigt sets the parameters of both geoms, for their other contacts too. A law
-/// that is a force needs a sphere and a plane of the world.
-struct ContactSettings {
-  ContactSettings(std::string its_name, const Catalogue& catalogue)
-      : name(std::move(its_name)), wall(catalogue, prefix()) {}
-  /// The contact of a scenario with keys of its own for it: contact.… and wall.…. It begins off.
-  ContactSettings(const Catalogue& catalogue, std::string geom, std::string plane)
-      : geom_1(std::move(geom)), geom_2(std::move(plane)), wall(catalogue) {}
-
-  std::string name;
-  std::string geom_1;
-  std::string geom_2;
-  WallSettings wall;
-
-  std::string prefix() const { return name.empty() ? "contact." : "contact." + name + "."; }
-  bool begins_solid() const { return !name.empty(); }
-  /// The name of its signal `what`.
-  std::string signal(const std::string& what = "N") const { return "contact_" + name + "_" + what; }
-  void bind(Fields& fields);
-  /// The names of the geoms. The plane comes last, if there is one.
-  std::pair<std::string, std::string> geoms(const Model& model) const;
-  /// Makes the model's contact that of the law. Throws std::invalid_argument if it cannot.
-  void prepare(Model& model) const;
-  /// The contact as a force; null: it is the engine's.
-  std::unique_ptr<WallContact> make(const Model& model) const;
 };
 
 /// The force sensor of the tip and the reference of its force: keys tip.…, sensor.force_…, force.….

@@ -194,8 +194,8 @@ Catalogue with_none(Catalogue catalogue) {
       make_raw_difference));
   for (PlantControllerKind& kind : tip_controllers(catalogue)) catalogue.add(std::move(kind));
   catalogue.add(AxisControllerKind("none", "no control", make_no_control));
-  catalogue.add(
-      ContactLawKind(WallSettings::kOfModel, "the contact as the model file has it", make_no_law));
+  catalogue.add(ContactLawKind(ContactSettings::kOfModel, "the contact as the model file has it",
+                               make_no_law));
   return catalogue;
 }
 

@@ -45,7 +45,7 @@ struct Encoder {
 
 /// Counts of an encoder for one revolution of the measured shaft (b_reso of Eq. 4.23).
 struct EncoderCounts {
-  double bits = 0.0;            ///< n: 2ⁿ pulses per revolution of the encoder's shaft
+  int bits = 0;                 ///< n: 2ⁿ pulses per revolution of the encoder's shaft
   double multiplication = 1.0;  ///< edges counted per pulse
   double gear_ratio = 1.0;      ///< revolutions of the encoder's shaft per measured revolution
 

@@ -2,8 +2,8 @@
 // contacts and metrics on a small MJCF. A plant that is read and printed is read again as the same.
 #include <breakwater/config/config.h>
 #include <breakwater/rigs/axis_scenario.h>
+#include <breakwater/rigs/contact_settings.h>
 #include <breakwater/rigs/drive_settings.h>
-#include <breakwater/rigs/wall_settings.h>
 #include <breakwater/sim/model.h>
 #include "fuzz/input.h"
 

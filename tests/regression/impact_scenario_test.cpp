@@ -1,5 +1,5 @@
 // impact_test against closed forms, an integration of its own, momentum and energy.
-#include <breakwater/rigs/wall_settings.h>
+#include <breakwater/rigs/contact_settings.h>
 #include <breakwater/sim/contact.h>
 #include "regression/run_case.h"
 

@@ -1,4 +1,4 @@
-#include <breakwater/rigs/wall_settings.h>
+#include <breakwater/rigs/contact_settings.h>
 
 #include <cmath>
 #include <limits>
@@ -42,21 +42,26 @@ void check_stability(const Config& config, const PhysicsSettings& physics,
 
 }  // namespace
 
-void WallSettings::bind(Fields& fields) {
+void ContactSettings::bind(Fields& fields) {
+  if (!name.empty()) {
+    const Fields::Under under(fields, prefix());
+    fields.text("geom_1", geom_1, "geom of the model");
+    fields.text("geom_2", geom_2, "geom of the model that may touch the first one");
+  }
   bind_wall(fields);
-  const Fields::Under under(fields, contact_);
+  const Fields::Under under(fields, prefix());
   law_->bind(fields);
   fields.optional_number("friction_coefficient", friction_.coefficient, not_negative(),
                          "mu: coefficient of the dry friction across the wall's normal; 0: none");
   fields.optional_number("friction_stick_m_s", friction_.stick_m_s, positive(),
                          "sliding speed below which the friction is a damper: the contact creeps "
                          "where it would stick [m/s]");
-  fields.only_where({"friction_stick_m_s"}, contact_ + "friction_coefficient is not 0",
+  fields.only_where({"friction_stick_m_s"}, prefix() + "friction_coefficient is not 0",
                     [this] { return has_friction(); });
 }
 
-void WallSettings::bind_wall(Fields& fields) {
-  const Fields::Under under(fields, wall_);
+void ContactSettings::bind_wall(Fields& fields) {
+  const Fields::Under under(fields, wall());
   fields.optional_number(
       "wall.angle_rad", angle_rad_, between(-kLargestTilt_rad, kLargestTilt_rad),
       "tilt of the wall about its axis nearest to the vertical, or its y axis if it is "
@@ -70,9 +75,9 @@ void WallSettings::bind_wall(Fields& fields) {
        {"free", WallMotionKind::free}},
       "motion along the wall's normal, positive away from the tip; free: a mass on a "
       "spring and a damper");
-  const auto of = [&](const char* name, auto&& bind) {
-    const Fields::OfPart part(fields, kMotion, name);
-    bind();
+  const auto of = [&](const char* kind, auto&& bind_keys) {
+    const Fields::OfPart part(fields, kMotion, kind);
+    bind_keys();
   };
   const auto start = [&] {
     fields.optional_number("wall.motion_from_s", motion_.start_s, not_negative(),
@@ -103,9 +108,9 @@ void WallSettings::bind_wall(Fields& fields) {
   });
 }
 
-void WallSettings::check(const Config& config, const PhysicsSettings& physics) const {
-  law_->check(config.under(contact_));
-  const Config own = config.under(wall_);
+void ContactSettings::check(const Config& config, const PhysicsSettings& physics) const {
+  law_->check(config.under(prefix()));
+  const Config own = config.under(wall());
   own.blame("wall.file", [&] { motion(); });
   const bool has_law = make_law() != nullptr;
   if (!has_law && (motion_.kind != WallMotionKind::fixed || angle_rad_ != 0.0)) {
@@ -113,7 +118,7 @@ void WallSettings::check(const Config& config, const PhysicsSettings& physics) c
              "needs a law: the contact of the model file knows no such wall");
   }
   if (!has_law && has_friction()) {
-    config.under(contact_).fail("friction_coefficient",
+    config.under(prefix()).fail("friction_coefficient",
                                 "needs a law: the contact of the model file has its own");
   }
   if (motion_.kind != WallMotionKind::free) return;
@@ -122,14 +127,14 @@ void WallSettings::check(const Config& config, const PhysicsSettings& physics) c
                   with_wall(slopes_of(*make_law(), ContactState(), 0.0, 0.0, kHeavy_kg), motion_));
 }
 
-WallMotion WallSettings::motion() const {
+WallMotion ContactSettings::motion() const {
   WallMotion motion = motion_;
   if (motion.kind != WallMotionKind::csv) return motion;
   motion.table = read_function(file_, "position_m");
   return motion;
 }
 
-std::unique_ptr<ContactForceLaw> WallSettings::make_law() const {
+std::unique_ptr<ContactForceLaw> ContactSettings::make_law() const {
   std::unique_ptr<ContactForceLaw> law = law_->make();
   const KelvinVoigt* engine = law ? law->for_engine() : nullptr;
   const bool is_smooth = !has_friction();
@@ -138,13 +143,13 @@ std::unique_ptr<ContactForceLaw> WallSettings::make_law() const {
   return std::make_unique<KelvinVoigt>(*engine, KelvinVoigt::By::force);
 }
 
-bool WallSettings::is_of_engine() const {
+bool ContactSettings::is_of_engine() const {
   const std::unique_ptr<ContactForceLaw> law = make_law();
   return !law || law->for_engine() != nullptr;
 }
 
-void WallSettings::check_impact(const Config& config, const PhysicsSettings& physics,
-                                double mass_kg, double speed_m_s) const {
+void ContactSettings::check_impact(const Config& config, const PhysicsSettings& physics,
+                                   double mass_kg, double speed_m_s) const {
   const std::unique_ptr<ContactForceLaw> law = make_law();
   // A free wall that nothing holds takes a part of the energy.
   const bool is_held = motion_.stiffness_N_m + motion_.damping_Ns_m > 0.0;
@@ -158,29 +163,37 @@ void WallSettings::check_impact(const Config& config, const PhysicsSettings& phy
   check_at(0.5 * depth_m, speed_m_s);
 }
 
-void WallSettings::prepare(Model& model, const std::string& sphere, const std::string& wall,
-                           double x_m) const {
-  place_wall(model, wall, x_m);
-  prepare(model, sphere, wall);
+std::pair<std::string, std::string> ContactSettings::geoms(const Model& model) const {
+  const bool is_plane_first = model->geom_type[geom_id(model, geom_1)] == mjGEOM_PLANE;
+  return is_plane_first ? std::pair(geom_2, geom_1) : std::pair(geom_1, geom_2);
 }
 
-void WallSettings::prepare(Model& model, const std::string& geom, const std::string& wall) const {
-  if (angle_rad_ != 0.0) tilt_wall(model, wall, angle_rad_);
+void ContactSettings::prepare(Model& model) const {
+  const auto [geom, plane] = geoms(model);
+  if (angle_rad_ != 0.0) tilt_wall(model, plane, angle_rad_);
   const std::unique_ptr<ContactForceLaw> law = make_law();
   if (const KelvinVoigt* engine = law ? law->for_engine() : nullptr) {
-    author_contact(model, geom_id(model, geom), geom_id(model, wall), *engine);
+    author_contact(model, geom_id(model, geom), geom_id(model, plane), *engine);
   }
+  if (make(model)) model.separate(geom_id(model, geom), geom_id(model, plane));
 }
 
-void WallSettings::animate(Model& model, const std::string& wall, double x_m, double time_s) const {
+void ContactSettings::animate(Model& model, double x_m, double time_s) const {
   if (motion_.kind == WallMotionKind::fixed || motion_.kind == WallMotionKind::free) return;
   // Along x: the plane is the same as if it moved along its normal.
-  place_wall(model, wall, x_m + motion().at(time_s).position_m / math::cos(angle_rad_));
+  place_wall(model, geom_2, x_m + motion().at(time_s).position_m / math::cos(angle_rad_));
 }
 
-std::unique_ptr<WallContact> WallSettings::make(const Model& model, const std::string& sphere,
-                                                const std::string& wall) const {
-  return std::make_unique<WallContact>(model, sphere, wall, make_law(), motion(), friction_);
+std::unique_ptr<WallContact> ContactSettings::make(const Model& model) const {
+  return is_of_engine() ? nullptr : measure(model);
+}
+
+std::unique_ptr<WallContact> ContactSettings::measure(const Model& model) const {
+  const auto [sphere, plane] = geoms(model);
+  auto contact =
+      std::make_unique<WallContact>(model, sphere, plane, make_law(), motion(), friction_);
+  contact->set_solid(begins_solid());
+  return contact;
 }
 
 }  // namespace breakwater
