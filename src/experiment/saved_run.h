@@ -38,7 +38,7 @@ class SavedRun {
   std::optional<double> metric(const std::string& name) const;
   /// The metrics that the run does not have, with the reason; none of an older run.
   const std::vector<AbsentMetric>& absent() const { return manifest_.absent; }
-  /// What the run warned of as it ended.
+  /// Warnings of the run as it ended.
   const std::vector<std::string>& warnings() const { return manifest_.warnings; }
   /// Warnings, one line each: the run was cut, or the log may have changed after it.
   const std::vector<std::string>& notes() const { return notes_; }

@@ -92,7 +92,7 @@ struct TransmissionSettings {
   Side measured = Side::load;       ///< the side of the encoder
 
   NominalModel nominal_model = NominalModel::rigid;
-  TwoInertia nominal;  ///< those of the load are keys of the axis; with the true ratio
+  TwoInertia nominal;  ///< the load's values are keys of the axis; with the true ratio
 
   /// The keys of the plant: `transmission.…`, `friction.side` and `encoder.side`.
   void bind_plant(Fields& fields, const AxisUnits& units, const std::string& inertia_suffix,
