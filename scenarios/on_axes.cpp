@@ -7,11 +7,30 @@ namespace breakwater {
 
 Catalogue axes_catalogue() {
   Catalogue catalogue = arm_catalogue();
-  catalogue.add(cart_position());
+  const auto bind_position = [](Fields& fields, AxisSettings& cart) {
+    cart.bind_step(fields);
+    fields.number(
+        "metrics.high_pass_Hz", cart.high_pass_Hz, positive(),
+        "passband of the high-pass behind which the noise of the estimate is measured [Hz]");
+  };
+  catalogue.add(
+      axis_kind({.name = "cart_position",
+                 .summary = "position control of a cart with friction, quantised drive and encoder",
+                 .axis = cart_axis(),
+                 .bind = bind_position,
+                 .optimises = true}));
   catalogue.add(cart_offset_free());
   catalogue.add(cart_constrained());
   catalogue.add(cart_estimation());
-  catalogue.add(motor_estimation());
+  const auto bind_disturbance = [](Fields& fields, AxisSettings& axis) {
+    axis.bind_disturbance(fields);
+  };
+  catalogue.add(axis_kind(
+      {.name = "motor_estimation",
+       .summary = "disturbance estimators on a motor: encoder quantisation and white noise",
+       .axis = motor_axis(),
+       .controller = "pd",
+       .bind = bind_disturbance}));
   catalogue.add(two_inertia());
   catalogue.add(impact_test());
   catalogue.add(axis_kind(

@@ -13,9 +13,7 @@ ScenarioKind arm_wall_contact();
 ScenarioKind cart_constrained();
 ScenarioKind cart_estimation();
 ScenarioKind cart_offset_free();
-ScenarioKind cart_position();
 ScenarioKind impact_test();
-ScenarioKind motor_estimation();
 ScenarioKind two_inertia();
 
 /// The reductions of arm_push's metrics.

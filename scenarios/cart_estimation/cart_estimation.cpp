@@ -79,7 +79,7 @@ class CartEstimation final : public AxisScenario {
 
  private:
   void bind(Fields& fields) override {
-    bind_step(fields);
+    plant_.axis().bind_step(fields);
     std::vector<std::pair<std::string, std::size_t>> kinds;
     for (Shape& shape : shapes_) kinds.emplace_back(shape.name, kinds.size());
     fields.choice("disturbance.kind", shape_, kinds,

@@ -24,6 +24,7 @@ namespace {
 constexpr const char* kNone = "none";
 constexpr const char* kZero = "0.0";
 constexpr const char* kLevel = "level";
+constexpr const char* kCutoff = "cut-off";
 constexpr const char* kWatched = "poles_";  // in the names of signals that are computed if asked
 const std::string kIsThere = " is there";
 const std::string kIsReached = " is reached";
@@ -81,6 +82,20 @@ bool takes_all(const MetricRow& row, const MetricKind& kind) {
          row.take == Taken::norm;
 }
 
+// A row for each table of a file.
+std::vector<MetricRow> rows_in(const Config& config) {
+  std::vector<MetricRow> rows;
+  for (const std::string& name : config.names_in("metric")) rows.emplace_back().table = name;
+  for (const std::string& name : config.names_in("signal")) {
+    MetricRow& row = rows.emplace_back();
+    row.is_signal = true;
+    row.table = name;
+    row.kind = "last";
+    row.at = MetricRate::sample;
+  }
+  return rows;
+}
+
 // The file may leave out the key if there is a value.
 void default_is(Fields& fields, const char* key, const std::string& present) {
   if (!present.empty()) fields.standard(key, {present});
@@ -103,26 +118,30 @@ void MetricRow::bind(Fields& fields, const std::vector<MetricKind>& kinds) {
               "relative_rms: two, with a comma between them");
   default_is(fields, "of", of);
   text_key("minus", minus, "signal that is subtracted from it; none: nothing");
-  std::vector<std::pair<std::string, std::string>> names;
-  std::vector<std::string> with_level;
-  for (const MetricKind& one : kinds) {
-    names.emplace_back(one.name, one.name);
-    if (one.name == "rms") names.emplace_back("rmse", "rms");
-    if (one.has_level) with_level.push_back(one.name);
+  if (!is_signal) {
+    std::vector<std::pair<std::string, std::string>> names;
+    std::vector<std::string> with_level;
+    for (const MetricKind& one : kinds) {
+      names.emplace_back(one.name, one.name);
+      if (one.name == "rms") names.emplace_back("rmse", "rms");
+      if (one.has_level) with_level.push_back(one.name);
+    }
+    fields.choice("kind", kind, names, "reduction of the values of the window to one number");
+    default_is(fields, "kind", kind);
+    number_key(
+        "from_s", from_s,
+        "start of the window. This and the other numbers may be sums and products of numbers, "
+        "keys and the scenario's events: first_contact + 0.2 [s]");
+    number_key("to_s", to_s,
+               "end of the window, which a run must cover; 0: the end of the run [s]");
+    number_key("before_s", before_s,
+               "end of the window, which does not belong to it, and which a run need not reach; 0: "
+               "none [s]");
+    number_key("level", level, "level, in the signal's unit");
+    number_key("lower", lower, "lower level, in the signal's unit");
+    fields.only_for({"level"}, "kind", with_level);
+    fields.only_for({"lower"}, "kind", {"time_outside", "jump"});
   }
-  fields.choice("kind", kind, names, "reduction of the values of the window to one number");
-  default_is(fields, "kind", kind);
-  number_key("from_s", from_s,
-             "start of the window. This and the other numbers may be sums and products of numbers, "
-             "keys and the scenario's events: first_contact + 0.2 [s]");
-  number_key("to_s", to_s, "end of the window, which a run must cover; 0: the end of the run [s]");
-  number_key("before_s", before_s,
-             "end of the window, which does not belong to it, and which a run need not reach; 0: "
-             "none [s]");
-  number_key("level", level, "level, in the signal's unit");
-  number_key("lower", lower, "lower level, in the signal's unit");
-  fields.only_for({"level"}, "kind", with_level);
-  fields.only_for({"lower"}, "kind", {"time_outside", "jump"});
   fields.choice(
       "take", take,
       {{"value", Taken::value},
@@ -135,20 +154,26 @@ void MetricRow::bind(Fields& fields, const std::vector<MetricKind>& kinds) {
       "contact's force the last physics step), divided by the time between; largest, largest_size "
       "(magnitude), norm: of several values");
   fields.standard("take", {std::string("value")});
-  fields.choice(
-      "at", at,
-      {{"auto", MetricRate::by_signal}, {"sample", MetricRate::sample}, {"step", MetricRate::step}},
-      "take the values at each sample or at each physics step; auto: a contact's force at each "
-      "step");
-  fields.standard("at", {std::string("auto")});
-  text_key("where", where,
-           "conditions without which the metric is absent, with and between them: KEY is VALUE "
-           "or VALUE, SIGNAL is there, TIME is reached");
-  text_key("name", name, "name of the metric, if it is not that of the table");
-  text_key("unit", unit, "unit; without it, that of the signal is added to the name");
+  if (!is_signal) {
+    fields.choice(
+        "at", at,
+        {{"auto", MetricRate::by_signal},
+         {"sample", MetricRate::sample},
+         {"step", MetricRate::step}},
+        "take the values at each sample or at each physics step; auto: a contact's force at each "
+        "step");
+    fields.standard("at", {std::string("auto")});
+    text_key("where", where,
+             "conditions without which the metric is absent, with and between them: KEY is VALUE "
+             "or VALUE, SIGNAL is there, TIME is reached");
+    text_key("name", name, "name of the metric, if it is not that of the table");
+    text_key("unit", unit, "unit; without it, that of the signal is added to the name");
+  }
   text_key("text", text, "meaning of the metric, one sentence without a full stop");
-  fields.optional_count("rank", rank, between(0, 1000),
-                        "place among the main metrics, from 1 on; 0: it is none of them");
+  if (!is_signal) {
+    fields.optional_count("rank", rank, between(0, 1000),
+                          "place among the main metrics, from 1 on; 0: it is none of them");
+  }
   const Fields::OfPart high_pass(fields, "take", "high_pass");
   fields.number_or_text("cutoff_Hz", cutoff_Hz,
                         "cut-off of the high-pass, a Butterworth filter of second order [Hz]");
@@ -232,11 +257,10 @@ std::vector<MetricRow> MetricRows::own_rows() const {
   const Config all = file->tables().front();
   std::map<std::string, ConfigEntry> entries;
   for (const auto& [key, entry] : all.entries()) {
-    if (key.starts_with("metric.")) entries.emplace(key, entry);
+    if (key.starts_with("metric.") || key.starts_with("signal.")) entries.emplace(key, entry);
   }
   const Config own(file->file(), std::move(entries));
-  std::vector<MetricRow> rows;
-  for (const std::string& name : own.names_in("metric")) rows.emplace_back().table = name;
+  std::vector<MetricRow> rows = rows_in(own);
   Fields fields;
   for (MetricRow& row : rows) row.bind(fields, kinds_);
   fields.read(own);
@@ -247,13 +271,14 @@ std::vector<MetricRow> MetricRows::own_rows() const {
 void MetricRows::learn(const Config& config) {
   rows_ = shipped_ = own_rows();
   is_in_file_.assign(rows_.size(), false);
-  for (const std::string& name : config.names_in("metric")) {
-    const auto found = std::find_if(rows_.begin(), rows_.end(),
-                                    [&](const MetricRow& row) { return row.table == name; });
+  for (MetricRow& one : rows_in(config)) {
+    const auto found = std::find_if(rows_.begin(), rows_.end(), [&](const MetricRow& row) {
+      return row.prefix() == one.prefix();
+    });
     if (found != rows_.end()) {
       is_in_file_[static_cast<std::size_t>(found - rows_.begin())] = true;
     } else {
-      rows_.emplace_back().table = name;
+      rows_.push_back(std::move(one));
       is_in_file_.push_back(true);
     }
   }
@@ -268,6 +293,7 @@ void MetricRows::learn(const Config& config) {
     look("before_s", row.before_s, "end of the window");
     look("level", row.level, kLevel);
     look("lower", row.lower, "lower level");
+    look("cutoff_Hz", row.cutoff_Hz, kCutoff);
   }
 }
 
@@ -278,7 +304,8 @@ void MetricRows::name_number(const std::string& text, const char* role, const Me
     end = std::min(text.find(' ', at), text.size());
     Number& number = numbers_[text.substr(at, end - at)];
     const bool is_sum = text.find(" + ") != text.npos || text.find(" - ") != text.npos;
-    number.is_positive = number.is_positive || (std::string_view(role) == kLevel && !is_sum);
+    const std::string_view what = role;
+    number.is_positive = number.is_positive || ((what == kLevel || what == kCutoff) && !is_sum);
     const std::string name = row.name.empty() ? row.table : row.name;
     if (number.help.empty()) {
       number.help = fmt::format("{} of {}", role, name);
@@ -347,7 +374,8 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
       own.fail("to_s", "must be later than from_s, or 0 for the end of the run");
     }
     if (row.take == Taken::high_pass) {
-      own.blame("cutoff_Hz", [&] {
+      const bool is_key = numbers_.contains(row.cutoff_Hz);
+      (is_key ? config : own).blame(is_key ? row.cutoff_Hz : "cutoff_Hz", [&] {
         HighPass(MetricExpression(row.cutoff_Hz, number, events).value(), period_of(row));
       });
     }
@@ -377,16 +405,17 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
 std::vector<MetricDefinition> MetricRows::definitions() const {
   std::vector<MetricDefinition> definitions;
   for (const MetricRow& row : rows_.empty() ? own_rows() : rows_) {
-    definitions.push_back(row.definition(kind_of(row)));
+    if (!row.is_signal) definitions.push_back(row.definition(kind_of(row)));
   }
   return definitions;
 }
 
 std::vector<std::string> MetricRows::main() const {
   std::vector<MetricRow> rows = rows_.empty() ? own_rows() : rows_;
+  std::erase_if(rows, [](const MetricRow& row) { return row.is_signal; });
   const auto is_ranked = [](const MetricRow& row) { return row.rank > 0; };
   if (std::any_of(rows.begin(), rows.end(), is_ranked)) {
-    rows.erase(std::remove_if(rows.begin(), rows.end(), std::not_fn(is_ranked)), rows.end());
+    std::erase_if(rows, std::not_fn(is_ranked));
     std::stable_sort(rows.begin(), rows.end(),
                      [](const MetricRow& a, const MetricRow& b) { return a.rank < b.rank; });
   }
@@ -515,7 +544,7 @@ struct MetricValues::Value {
       reduction->add(
           {time_s, kind.takes_all ? std::span<const double>(all) : view(value), value, last});
     }
-    last = value;
+    last = now = value;
   }
 
   std::optional<double> result() const { return has_values ? reduction->value() : std::nullopt; }
@@ -532,6 +561,7 @@ struct MetricValues::Value {
   std::optional<HighPass> high_pass;
   std::optional<double> last_of;  // for a difference
   std::optional<double> last;
+  double now = 0.0;  // the last value
   bool has_values = false;
   std::unique_ptr<Reduction> reduction;
 };
@@ -562,11 +592,27 @@ MetricValues::MetricValues(MetricValues&&) noexcept = default;
 MetricValues& MetricValues::operator=(MetricValues&&) noexcept = default;
 MetricValues::~MetricValues() = default;
 
-MetricValues::MetricValues(const MetricRows& rows, const std::vector<Signal>& signals, double end_s,
+MetricValues::MetricValues(const MetricRows& rows, const std::vector<Signal>& of_run, double end_s,
                            const MetricExpression::Events& events)
     : end_s_(end_s), step_s_(rows.timestep_s()) {
+  std::vector<Signal> signals = of_run;
+  const auto watch = [this](const MetricRow& row, const Value* value) {
+    if (row.of.find(kWatched) != std::string::npos) watched_.push_back(value);
+  };
+  for (const MetricRow& row : rows.rows()) {
+    if (!row.is_signal || !missing_signal(row, rows.kind_of(row), signals).empty()) continue;
+    if (!value_of(row.table, signals, true).empty()) {
+      throw std::invalid_argument(row.prefix() + "of: the log has a signal of this name already");
+    }
+    of_signals_.push_back(std::make_unique<Value>(rows, row, signals, end_s, events));
+    const Value* const value = of_signals_.back().get();
+    watch(row, value);
+    signals_.push_back({row.table, unit_of(row.table), row.text, view(value->now)});
+    signals.push_back(signals_.back());
+  }
   for (std::size_t i = 0; i < rows.rows().size(); ++i) {
     const MetricRow& row = rows.rows()[i];
+    if (row.is_signal) continue;
     const MetricKind& kind = rows.kind_of(row);
     Row& made = rows_.emplace_back();
     made.definition = row.definition(kind);
@@ -592,7 +638,7 @@ MetricValues::MetricValues(const MetricRows& rows, const std::vector<Signal>& si
       continue;
     }
     (rows.is_at_step(row) ? at_steps_ : at_samples_).push_back(made.value.get());
-    if (row.of.find(kWatched) != std::string::npos) watched_.push_back(made.value.get());
+    watch(row, made.value.get());
   }
 }
 
@@ -602,6 +648,7 @@ void MetricValues::at_step(double time_s) {
 }
 
 void MetricValues::at_sample(double time_s) {
+  for (const auto& value : of_signals_) value->add(time_s);
   for (Value* value : at_samples_) value->add(time_s);
 }
 

@@ -1,4 +1,5 @@
-// The metrics that a scenario declares: the tables [metric.NAME] of its TOML.
+// The metrics that a scenario declares, and the signals that it computes from others: the tables
+// [metric.NAME] and [signal.NAME] of its TOML.
 #pragma once
 
 #include <functional>
@@ -33,10 +34,11 @@ enum class Taken {
 /// that MetricContext names, and that of the samples for all others.
 enum class MetricRate { by_signal, sample, step };
 
-/// The keys of one metric. Numbers are expressions (MetricExpression).
+/// The keys of one metric, or of a signal of the log. Numbers are expressions (MetricExpression).
 struct MetricRow {
-  std::string table;  ///< NAME of [metric.NAME]
-  std::string name;   ///< name of the metric: that of the table if this is empty
+  bool is_signal = false;  ///< it has only the keys of, minus, take, cutoff_Hz and text
+  std::string table;       ///< NAME of [metric.NAME] or [signal.NAME]
+  std::string name;        ///< name of the metric: that of the table if this is empty
   std::string of;
   std::string minus = "none";
   std::string kind;
@@ -55,7 +57,7 @@ struct MetricRow {
 
   bool operator==(const MetricRow&) const = default;
 
-  std::string prefix() const { return "metric." + table + "."; }
+  std::string prefix() const { return (is_signal ? "signal." : "metric.") + table + "."; }
   void bind(Fields& fields, const std::vector<MetricKind>& kinds);
   /// The name, which ends with the unit unless the row has a unit; the unit; the meaning.
   MetricDefinition definition(const MetricKind& kind) const;
@@ -137,13 +139,16 @@ class MetricValues {
  public:
   MetricValues();
   /// `signals` must outlive it. The first one of a name counts. `events` are the events of
-  /// MetricContext. Throws std::invalid_argument if a cut-off is too high.
+  /// MetricContext. Throws std::invalid_argument if a cut-off is too high. A row [signal.NAME] may
+  /// neither have the name of another signal nor need one value of a signal with several.
   MetricValues(const MetricRows& rows, const std::vector<Signal>& signals, double end_s,
                const MetricExpression::Events& events = {});
   MetricValues(MetricValues&&) noexcept;
   MetricValues& operator=(MetricValues&&) noexcept;
   ~MetricValues();
 
+  /// The signals of the rows [signal.NAME]. A run without a signal that one needs lacks it.
+  const std::vector<Signal>& signals() const { return signals_; }
   /// Adds the values of a physics step, or of a sample. Allocates nothing.
   void at_step(double time_s);
   void at_sample(double time_s);
@@ -160,6 +165,8 @@ class MetricValues {
   struct Row;
 
   std::vector<Row> rows_;
+  std::vector<std::unique_ptr<Value>> of_signals_;
+  std::vector<Signal> signals_;
   std::vector<Value*> at_steps_;
   std::vector<Value*> at_samples_;
   std::vector<const Value*> watched_;

@@ -38,14 +38,18 @@ std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, S
 
 /// Calls `step(k)` at each physics step k < `steps`, which steps the simulation. At each control
 /// sample it calls `sample(time_s)` and, if `control.logs`, logs the signals as track "control".
-/// Then `values`, if it is not null, takes the values of the step and of the sample. A complete run
-/// ends with its metrics. The caller adds any further tracks.
+/// Before that `values`, if it is not null, takes the values of the step and of the sample. Its
+/// signals are logged too, and a complete run ends with its metrics. The caller adds any further
+/// tracks.
 template <typename Step, typename Sample>
 Recording record_run(const Simulation& simulation, const PhysicsSettings& physics,
                      std::int64_t steps, std::vector<Signal> signals, const RunControl& control,
                      Step&& step, Sample&& sample, MetricValues* values = nullptr) {
   const std::int64_t per_sample = physics.steps_per_sample();
   const std::int64_t rows = control.logs ? (steps + per_sample - 1) / per_sample : 0;
+  if (values != nullptr) {
+    signals.insert(signals.end(), values->signals().begin(), values->signals().end());
+  }
   Track log("control", std::move(signals), static_cast<std::size_t>(rows), control.stream);
   Recording recording;
   const auto whole_step = [&](std::int64_t k) {

@@ -51,15 +51,6 @@ Fields AxisScenario::fields() {
   return fields;
 }
 
-void AxisScenario::bind_step(Fields& fields) {
-  Reference& reference = plant_.axis().reference;
-  const AxisUnits& units = plant_.axis().axis.units;
-  fields.number("task.reference_" + units.position_suffix, reference.value, any(),
-                "y_ref: reference of the position [" + units.position + "]");
-  fields.number("task.reference_from_s", reference.from_s, not_negative(),
-                "time of the step to the reference [s]");
-}
-
 AxisTask AxisScenario::task() const {
   const AxisPlant plant = this->plant();
   return {.axis = plant.nominal(), .reference = plant.axis().reference};
@@ -174,7 +165,8 @@ void AxisScenario::warn_of_missing_signals(const Config& config, const PlantTask
       return missing_signal(row, rows_.kind_of(row), signals);
     });
     // Another case may have a controller or an estimator that publishes it.
-    if (!missing.empty()) warnings_.push_back(missing + ": the metric is absent");
+    const std::string what = row.is_signal ? "signal" : "metric";
+    if (!missing.empty()) warnings_.push_back(missing + ": the " + what + " is absent");
   }
 }
 

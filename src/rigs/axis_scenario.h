@@ -41,6 +41,7 @@ struct AxisScenarioDesign {
   std::string summary;
   std::optional<Axis> axis = {};  ///< its only axis, without a name; empty: the file names the axes
   std::string controller = {};    ///< the default one of its only axis; empty: the file names it
+  void (*bind)(Fields& fields, AxisSettings& axis) = nullptr;  ///< binds more keys of its only axis
   bool optimises = false;  ///< the metrics of predictive control's optimisations belong to it
   std::vector<MetricKind> reductions = {};  ///< its own
 };
@@ -84,16 +85,16 @@ class AxisScenario : public Scenario {
   virtual AxisTask task() const;
 
  protected:
-  /// Binds the scenario's own keys.
-  virtual void bind(Fields& /*fields*/) {}
+  /// Binds the scenario's own keys: those of its design.
+  virtual void bind(Fields& fields) {
+    if (design_.bind != nullptr) design_.bind(fields, plant_.axis());
+  }
   /// Reads and checks what only this scenario has, after the plant's settings. Returns the names
   /// for the rows of its metrics. Throws as check().
   virtual MetricContext complete(const Config& /*config*/) { return {}; }
   virtual AxisAdditions additions(const AxisRig& /*rig*/, const AxisLoop& /*loop*/) const {
     return {};
   }
-  /// Binds task.reference_… and task.reference_from_s, a step of the reference from 0.
-  void bind_step(Fields& fields);
   /// The parts of the only axis.
   const AxisParts& parts() const { return axis_parts_.front(); }
 

@@ -153,7 +153,7 @@ void AxisSettings::bind_named(Fields& fields) {
     fields.file("reference.file", reference_file,
                 "table with the columns time_s, from reference.from_s, and value" + unit);
   }
-  disturbance.bind(fields, u.force_suffix, u.force);
+  bind_disturbance(fields);
   fields.standard("disturbance.kind", {std::string("none")});
   // Without a kind the reference holds, and nothing disturbs.
   fields.standard("disturbance.amplitude_" + u.force_suffix, {0.0});
@@ -164,6 +164,13 @@ void AxisSettings::bind_named(Fields& fields) {
 void AxisSettings::bind(Fields& fields) {
   bind_nominal(fields);
   bind_parts(fields);
+}
+
+void AxisSettings::bind_step(Fields& fields) {
+  fields.number("task.reference_" + axis.units.position_suffix, reference.value, any(),
+                "y_ref: reference of the position [" + axis.units.position + "]");
+  fields.number("task.reference_from_s", reference.from_s, not_negative(),
+                "time of the step to the reference [s]");
 }
 
 void AxisSettings::bind_parts(Fields& fields) {

@@ -85,9 +85,10 @@ struct AxisSettings {
   int delay_samples = 0;
   TransmissionSettings transmission;
 
+  DisturbanceSettings disturbance;
+  double high_pass_Hz = 0.0;  ///< cut-off of a signal in the scenario's file
   // Only for named axes.
   std::string reference_file;
-  DisturbanceSettings disturbance;
   /// A controller has its reference, so that the end of a hold is judged.
   bool is_controlled = false;
   // From the model.
@@ -99,6 +100,13 @@ struct AxisSettings {
   /// The keys axis.NAME.…, with default values: those of bind(), and what the axis is, its start,
   /// its reference and its disturbance.
   void bind_named(Fields& fields);
+
+  /// The keys task.reference_… and task.reference_from_s, a step of the reference from 0.
+  void bind_step(Fields& fields);
+  /// The keys disturbance.…
+  void bind_disturbance(Fields& fields) {
+    disturbance.bind(fields, axis.units.force_suffix, axis.units.force);
+  }
 
   /// The joint of the side with the encoder.
   std::string measured_joint() const { return transmission.measured_joint(axis.joint); }

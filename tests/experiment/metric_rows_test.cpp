@@ -21,7 +21,7 @@ class History {
     rows_.bind(fields);
     std::map<std::string, ConfigEntry> own;
     for (const auto& [key, entry] : config.entries()) {
-      if (key.starts_with("metric")) own.emplace(key, entry);
+      if (key.starts_with("metric") || key.starts_with("signal")) own.emplace(key, entry);
     }
     fields.read(Config("file", own));
     PhysicsSettings physics;
@@ -329,6 +329,31 @@ TEST(MetricRowsTest, WindowsFollowEvents) {
   }
   EXPECT_EQ(*history.metric("after_m"), 20.0 + 21.0);
   EXPECT_EQ(*history.metric("early_m"), 19.0);  // the event was not known before
+}
+
+TEST(MetricRowsTest, SignalsAreComputedBeforeTheMetrics) {
+  const std::string rows =
+      "[signal.speed_m_s]\nof = \"a_m\"\ntake = \"difference\"\nminus = \"b_m_s\"\ntext = \"it\"\n"
+      "[signal.change_m_s2]\nof = \"speed_m_s\"\ntake = \"difference\"\n"
+      "[signal.nothing_m]\nof = \"c_m\"\n"
+      "[metric.most]\nof = \"change_m_s2\"\nkind = \"max\"\n";
+  History history = history_of(rows);
+  double& a = history.signal("a_m")[0];
+  history.signal("b_m_s")[0] = 3.0;
+  MetricValues& run = history.run();
+  ASSERT_EQ(run.signals().size(), 2U);  // the run lacks c_m
+  const Signal &speed = run.signals()[0], &change = run.signals()[1];
+  EXPECT_EQ(speed.unit + ": " + speed.description, "m/s: it");
+  for (int k = 0; k < 3; ++k) {
+    a = k * k * 1e-4;
+    run.at_sample(k * 1e-4);
+    EXPECT_NEAR(speed.values[0], k == 0 ? -3.0 : 2 * k - 1 - 3.0, 1e-9);
+    EXPECT_NEAR(change.values[0], k == 0 ? 0.0 : k == 1 ? 1e4 : 2e4, 1e-4);
+  }
+  EXPECT_NEAR(history.metric("most_m_s2").value(), 2e4, 1e-4);
+  history.signal("speed_m_s");
+  EXPECT_TRUE(has(complaint_of([&] { history.run(); }),
+                  "signal.speed_m_s.of: the log has a signal of this name already"));
 }
 
 // Two lines with a jump of 3 between them, and something else in the gap.
