@@ -166,7 +166,7 @@ void AxisRig::step() {
     axis.reference = plant_.axes[i].reference.at(time_s);
     if (!axis.force) continue;
     axis.disturbance = plant_.axes[i].force.value(time_s);
-    const double std = plant_.axes[i].input_noise_std;
+    const double std = plant_.axes[i].input_noise();
     if (k % steps_per_sample_ == 0 && std > 0.0) {
       axis.input_noise_value =
           std * axis.input_noise(static_cast<std::uint64_t>(k / steps_per_sample_));

@@ -361,6 +361,7 @@ void AxisPlant::complete(const Config& config) {
     }
     one.disturbance.load(own);
     one.force = one.disturbance.make(run.seed, one.axis.own("disturbance"));
+    one.output.start_s = one.force.start_s;
     one.model_numbers = one.transmission.true_numbers(model, inertia, one.axis.joint);
     if (!one.axis.is_driven()) continue;
     const int actuator = actuator_id(model, one.axis);
@@ -372,12 +373,13 @@ void AxisPlant::complete(const Config& config) {
 
 NominalAxis AxisPlant::nominal(std::size_t i) const {
   const AxisSettings& one = axes[i];
-  NominalAxis axis{.period_s = physics.control_period_s,
-                   .force_limit = one.force_limit(),
-                   .sensor = {Eigen::VectorXd::Constant(1, one.quantum()),
-                              Eigen::VectorXd::Constant(1, one.noise_std), one.encoder.rounding},
-                   .pulses_per_revolution = one.pulses_per_revolution(),
-                   .units = one.axis.units};
+  NominalAxis axis{
+      .period_s = physics.control_period_s,
+      .force_limit = one.force_limit(),
+      .sensor = {Eigen::VectorXd::Constant(1, one.quantum()),
+                 Eigen::VectorXd::Constant(1, one.measurement_noise()), one.encoder.rounding},
+      .pulses_per_revolution = one.pulses_per_revolution(),
+      .units = one.axis.units};
   one.transmission.describe(axis,
                             one.nominal_from == NominalFrom::model
                                 ? one.model_numbers
@@ -694,7 +696,7 @@ SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
                               .reading = is_own ? Reading::joint_position : Reading::component,
                               .disturbance = one.output,
                               .encoder = one.encoder,
-                              .noise_std = one.noise_std,
+                              .noise_std = one.measurement_noise(),
                               .delay_samples = one.delay_samples});
     setup.channels.back().encoder.quantum = one.quantum();
   }

@@ -67,7 +67,7 @@ struct AxisSettings {
   double start_velocity = 0.0;
   Reference reference;  ///< reference of the position
   Disturbance force;    ///< d, which opposes the drive (Eqs. 2.5, 2.36)
-  Disturbance output;   ///< d_o, added to the measurement (Eq. 2.37)
+  Disturbance output;   ///< d_o, added to the measurement (Eq. 2.37); begins with d
 
   double viscous_friction = -1.0;  ///< friction of the plant; negative: that of the model file
   double coulomb_friction = -1.0;
@@ -79,6 +79,7 @@ struct AxisSettings {
 
   EncoderCounts counts;    ///< no bits: not quantised
   Encoder encoder;         ///< its quantum is that of `counts` where the axis counts pulses
+  bool has_noise = true;   ///< false: neither of the next two
   double noise_std = 0.0;  ///< noise of the measurement
   double input_noise_std =
       0.0;  ///< standard deviation of a random force that is drawn at each control sample
@@ -110,6 +111,8 @@ struct AxisSettings {
 
   /// The joint of the side with the encoder.
   std::string measured_joint() const { return transmission.measured_joint(axis.joint); }
+  double measurement_noise() const { return has_noise ? noise_std : 0.0; }
+  double input_noise() const { return has_noise ? input_noise_std : 0.0; }
   double quantum() const;                ///< Δ of the encoder; 0: not quantised
   double pulses_per_revolution() const;  ///< b_reso, or counts per metre; 0: not quantised
   double force_limit() const;            ///< limit of the drive; infinity: none
