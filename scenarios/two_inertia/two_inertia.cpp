@@ -26,11 +26,10 @@ class TwoInertiaDrive final : public AxisScenario {
   AxisPlant plant() const override {
     AxisPlant plant = plant_;
     AxisSettings& axis = plant.axis();
-    axis.reference.from_s = from_s_;
     if (kind_ == Kind::torque_step) {
-      axis.force = {.kind = DisturbanceKind::step, .amplitude = torque_Nm_, .start_s = from_s_};
-    } else {
-      axis.reference.value = reference_rad_;
+      axis.force = {
+          .kind = DisturbanceKind::step, .amplitude = torque_Nm_, .start_s = axis.reference.from_s};
+      axis.reference.value = 0.0;
     }
     if (kind_ == Kind::reversal) {
       axis.reference.reversed_from_s = reversal_s_;
@@ -50,9 +49,10 @@ class TwoInertiaDrive final : public AxisScenario {
                    {"reversal", Kind::reversal}},
                   "step of the load's reference, step of the torque on the load, or a step of the "
                   "reference and then its opposite");
-    fields.number("task.reference_rad", reference_rad_, any(), "reference of the load [rad]");
+    Reference& reference = plant_.axis().reference;
+    fields.number("task.reference_rad", reference.value, any(), "reference of the load [rad]");
     fields.number("task.load_torque_Nm", torque_Nm_, any(), "torque against the load [N m]");
-    fields.number("task.from_s", from_s_, not_negative(), "time of the step [s]");
+    fields.number("task.from_s", reference.from_s, not_negative(), "time of the step [s]");
     fields.number("task.reversal_s", reversal_s_, not_negative(),
                   "time at which the reference changes its sign [s]");
     fields.only_for({"task.reference_rad"}, "task.kind", {"position_step", "reversal"});
@@ -62,43 +62,35 @@ class TwoInertiaDrive final : public AxisScenario {
 
   MetricContext complete(const Config& config) override {
     const bool reverses = kind_ == Kind::reversal;
-    if (reverses && reversal_s_ <= from_s_) {
+    const double from_s = plant_.axis().reference.from_s;
+    if (reverses && reversal_s_ <= from_s) {
       config.fail("task.reversal_s", "must be later than task.from_s");
     }
-    return {.known = {{"last_step", reverses ? reversal_s_ : from_s_}}};
+    return {.known = {{"last_step", reverses ? reversal_s_ : from_s}}};
   }
 
-  AxisAdditions additions(const AxisRig& rig, const AxisLoop& loop) const override {
-    struct Load {
-      double beyond_rad = 0.0;
-      double velocity_hat = 0.0;
-      double d_hat = 0.0;
-    };
-    const auto load = std::make_shared<Load>();
-    const NominalAxis nominal = task().axis;
+  std::vector<AxisSignal> additions(const AxisRig& rig, const AxisLoop& loop) const override {
     const double direction = plant().axis().reference.at(plant_.run.duration_s) < 0.0 ? -1.0 : 1.0;
-    const double ratio = plant_.axis().transmission.design.ratio;
-    AxisAdditions own;
-    own.unlogged = {{"beyond_rad", "rad", "distance beyond the reference", view(load->beyond_rad)}};
-    if (loop.estimates()) {
-      own.unlogged.push_back({"load_velocity_hat_rad_s", "rad/s", "", view(load->velocity_hat)});
-      own.unlogged.push_back({"load_d_hat_Nm", "N m", "", view(load->d_hat)});
-    }
-    own.sample = [load, nominal, direction, ratio, &rig, &loop](double /*time_s*/) {
-      load->beyond_rad = -direction * (rig.reference() - rig.position());
-      if (!loop.estimates()) return;
-      const DisturbanceEstimator::View x = loop.estimator->state();
-      const bool has_spring = nominal.E.size() != 0;
-      load->velocity_hat = has_spring ? x(nominal.controlled + 1) : x(1) / nominal.measured_ratio;
-      load->d_hat = loop.estimator->disturbance()(0) * (has_spring ? 1.0 : ratio);
-    };
+    std::vector<AxisSignal> own = {{"beyond_rad", "rad", "", [direction, &rig](double) {
+                                      return -direction * (rig.reference() - rig.position());
+                                    }}};
+    if (!loop.estimates()) return own;
+    const NominalAxis nominal = task().axis;
+    const bool has_spring = nominal.E.size() != 0;
+    const Eigen::Index velocity = has_spring ? nominal.controlled + 1 : 1;
+    const double per_load = has_spring ? 1.0 : nominal.measured_ratio;
+    const double at_load = has_spring ? 1.0 : plant_.axis().transmission.design.ratio;
+    own.push_back({"load_velocity_hat_rad_s", "rad/s", "", [velocity, per_load, &loop](double) {
+                     return loop.estimator->state()(velocity) / per_load;
+                   }});
+    own.push_back({"load_d_hat_Nm", "N m", "", [at_load, &loop](double) {
+                     return loop.estimator->disturbance()(0) * at_load;
+                   }});
     return own;
   }
 
   Kind kind_ = Kind::position_step;
-  double reference_rad_ = 0.0;
   double torque_Nm_ = 0.0;
-  double from_s_ = 0.0;
   double reversal_s_ = 0.0;
 };
 

@@ -189,9 +189,8 @@ std::vector<MetricDefinition> AxisScenario::metric_definitions() const {
 }
 
 // The signals for metrics. The first one of a name counts.
-std::vector<Signal> AxisScenario::metric_signals(const AxisAdditions& own, const AxisRig& rig,
-                                                 const AxisLoop& loop) const {
-  std::vector<Signal> signals = own.unlogged;
+std::vector<Signal> AxisScenario::metric_signals(const AxisRig& rig, const AxisLoop& loop) const {
+  std::vector<Signal> signals;
   if (whole_) return signals;
   const AxisUnits& units = plant_.axis().axis.units;
   const auto add = [&](const std::string& name, const std::string& unit, const double& value) {
@@ -218,20 +217,21 @@ Recording AxisScenario::run(const RunControl& control) const {
   for (std::size_t i : task.driven) {
     if (has_own_loop(i)) rig.know_loop(axis_parts_[i], task.axes[i], i);
   }
-  const AxisAdditions own = additions(rig, loop);
+  std::vector<AxisSignal> own = additions(rig, loop);
   std::vector<Signal> logged = rig.signals();
-  logged.insert(logged.end(), own.logged.begin(), own.logged.end());
-  std::vector<Signal> signals = metric_signals(own, rig, loop);
+  std::vector<Signal> signals = metric_signals(rig, loop);
+  for (const AxisSignal& one : own) {
+    (one.text.empty() ? signals : logged).push_back({one.name, one.unit, one.text, view(one.now)});
+  }
   signals.insert(signals.end(), logged.begin(), logged.end());
   MetricValues values(rows_, signals, plant.run.duration_s,
                       {{"first_contact", &rig.first_contact_s()}});
   const auto step = [&](std::int64_t k) {
     loop.controller->set_watched(control.logs || values.watches(rig.simulation().time_of(k)));
     rig.step();
-    if (own.step) own.step();
   };
   const auto sample = [&](double time_s) {
-    if (own.sample) own.sample(time_s);
+    for (AxisSignal& one : own) one.now = one.value(time_s);
   };
   Recording recording = rig.run(control, std::move(logged), step, sample, &values);
   if (design_.optimises && !recording.failure) {

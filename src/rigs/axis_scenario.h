@@ -27,12 +27,13 @@ struct AxisOfPlant {
   const AxisSettings& settings() const { return plant.axes[index]; }
 };
 
-/// The further signals of a scenario's run. The functions own the values of the signals.
-struct AxisAdditions {
-  std::vector<Signal> logged = {};
-  std::vector<Signal> unlogged = {};               ///< for metrics alone
-  std::function<void()> step = {};                 ///< is called after each physics step
-  std::function<void(double time_s)> sample = {};  ///< is called after each sample
+/// A further signal of a scenario's run.
+struct AxisSignal {
+  std::string name;
+  std::string unit;
+  std::string text;                            ///< empty: it is for metrics alone, and not logged
+  std::function<double(double time_s)> value;  ///< is called after each sample
+  double now = 0.0;
 };
 
 /// The name of a scenario of axes, and what its file need not say.
@@ -92,7 +93,8 @@ class AxisScenario : public Scenario {
   /// Reads and checks what only this scenario has, after the plant's settings. Returns the names
   /// for the rows of its metrics. Throws as check().
   virtual MetricContext complete(const Config& /*config*/) { return {}; }
-  virtual AxisAdditions additions(const AxisRig& /*rig*/, const AxisLoop& /*loop*/) const {
+  virtual std::vector<AxisSignal> additions(const AxisRig& /*rig*/,
+                                            const AxisLoop& /*loop*/) const {
     return {};
   }
   /// The parts of the only axis.
@@ -112,8 +114,7 @@ class AxisScenario : public Scenario {
   std::unique_ptr<Controller> axes_control(const std::vector<AxisTask>& tasks,
                                            std::unique_ptr<Controller> other = nullptr,
                                            std::size_t replaced = 0) const;
-  std::vector<Signal> metric_signals(const AxisAdditions& own, const AxisRig& rig,
-                                     const AxisLoop& loop) const;
+  std::vector<Signal> metric_signals(const AxisRig& rig, const AxisLoop& loop) const;
 
   AxisScenarioDesign design_;
   Catalogue catalogue_;  // only with named axes
