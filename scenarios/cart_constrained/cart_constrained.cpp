@@ -23,6 +23,7 @@ class CartConstrained final : public AxisScenario {
                                  .axis = cart_axis(),
                                  .optimises = true}) {
     plant_.senses_true_state = true;
+    plant_.axis().disturbance.shape.kind = DisturbanceKind::step;
   }
 
   Matrix matrix() const override {
@@ -34,15 +35,9 @@ class CartConstrained final : public AxisScenario {
 
   AxisPlant plant() const override {
     AxisPlant plant = plant_;
-    plant.axis().force = {DisturbanceKind::step, condition_.force_N, 0.0, disturbance_start_s_};
+    plant.axis().force.amplitude = condition_.force_N;
     plant.inertia_ratio *= condition_.mass_ratio;
     return plant;
-  }
-
-  AxisTask task() const override {
-    return {.axis = plant_.nominal(),
-            .start_state = {estimated_start_position_m_, estimated_start_velocity_m_s_},
-            .senses_true_state = true};
   }
 
  private:
@@ -56,29 +51,26 @@ class CartConstrained final : public AxisScenario {
                   "position of the cart at the start [m]");
     fields.number("start.velocity_m_s", plant_.axis().start_velocity, any(),
                   "velocity of the cart at the start [m/s]");
-    fields.number("observer.start_position_m", estimated_start_position_m_, any(),
+    fields.number("observer.start_position_m", start_estimate_(0), any(),
                   "position with which the estimator starts [m]");
-    fields.number("observer.start_velocity_m_s", estimated_start_velocity_m_s_, any(),
+    fields.number("observer.start_velocity_m_s", start_estimate_(1), any(),
                   "velocity with which the estimator starts [m/s]");
     fields.number("constraint.velocity_m_s", velocity_m_s_, positive(), "bound on |v| [m/s]");
     fields.number("constraint.input_lower_N", input_lower_N_, any(),
                   "lower bound on the input [N]");
     fields.number("constraint.input_upper_N", input_upper_N_, any(),
                   "upper bound on the input [N]");
-    fields.number("disturbance.start_s", disturbance_start_s_, not_negative(),
+    fields.number("disturbance.start_s", plant_.axis().disturbance.shape.start_s, not_negative(),
                   "in conditions B and C, the time at which the force begins [s]");
     fields.only_for({"disturbance.start_s"}, "condition", {"B", "C"});
   }
 
   MetricContext complete(const Config& /*config*/) override {
     const bool is_pushed = condition_.force_N > 0.0;
-    return {.known = {{"push_s", is_pushed ? disturbance_start_s_ : 0.0}}};
+    return {.known = {{"push_s", is_pushed ? plant_.axis().force.start_s : 0.0}}};
   }
 
   Condition condition_;
-  double estimated_start_position_m_ = 0.0;
-  double estimated_start_velocity_m_s_ = 0.0;
-  double disturbance_start_s_ = 0.0;
   // The limits for the metrics, for any controller.
   double input_lower_N_ = 0.0;
   double input_upper_N_ = 0.0;

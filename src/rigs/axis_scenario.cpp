@@ -53,7 +53,10 @@ Fields AxisScenario::fields() {
 
 AxisTask AxisScenario::task() const {
   const AxisPlant plant = this->plant();
-  return {.axis = plant.nominal(), .reference = plant.axis().reference};
+  return {.axis = plant.nominal(),
+          .reference = plant.axis().reference,
+          .start_state = start_estimate_,
+          .senses_true_state = plant.senses_true_state};
 }
 
 PlantTask AxisScenario::whole_task() const {

@@ -83,7 +83,7 @@ class AxisScenario : public Scenario {
   /// The plant of this case.
   virtual AxisPlant plant() const { return plant_; }
   /// The task of the controller of the only axis, which follows its reference.
-  virtual AxisTask task() const;
+  AxisTask task() const;
 
  protected:
   /// Binds the scenario's own keys: those of its design.
@@ -121,6 +121,7 @@ class AxisScenario : public Scenario {
 
  protected:
   AxisPlant plant_;
+  Eigen::Vector2d start_estimate_ = Eigen::Vector2d::Zero();  ///< that of the only axis
 
  private:
   std::vector<AxisParts> axis_parts_;  // in the order of the axes
