@@ -86,14 +86,6 @@ std::unique_ptr<DisturbanceEstimator> make_raw_difference(const NominalAxis& axi
   return std::make_unique<RawDifference>(axis.plant, axis.period_s);
 }
 
-// Commands nothing.
-class NoControl final : public Controller {
- public:
-  void reset(const Sample&) override {}
-  void update(const Sample&, Eigen::Ref<Eigen::VectorXd> u) override { u.setZero(); }
-  std::span<const Signal> signals() const override { return {}; }
-};
-
 std::unique_ptr<Controller> make_no_control(const AxisTask&, const SharedEstimator&) {
   return std::make_unique<NoControl>();
 }
