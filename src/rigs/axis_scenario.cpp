@@ -34,7 +34,7 @@ void AxisScenario::learn(const Config& config) {
 
 Fields AxisScenario::fields() {
   Fields fields;
-  whole_ ? plant_.bind_named(fields) : plant_.bind(fields);
+  plant_.bind(fields);
   if (whole_) whole_->bind(fields);
   for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
     const Fields::Under under(fields, plant_.axes[i].axis.prefix());

@@ -100,9 +100,11 @@ void AxisSettings::bind_nominal(Fields& fields) {
                 transmission.nominal.load_friction, not_negative(), doc);
 }
 
-void AxisSettings::bind_named(Fields& fields) {
+void AxisSettings::bind(Fields& fields) {
   const Fields::Under under(fields, axis.prefix());
+  if (axis.name.empty()) bind_nominal(fields);
   bind_parts(fields);
+  if (axis.name.empty()) return;
   const AxisUnits& u = axis.units;
   const char* const from = "nominal.from";
   fields.choice(from, nominal_from, {{"model", NominalFrom::model}, {"keys", NominalFrom::keys}},
@@ -159,11 +161,6 @@ void AxisSettings::bind_named(Fields& fields) {
   fields.standard("disturbance.amplitude_" + u.force_suffix, {0.0});
   fields.standard("disturbance.frequency_rad_s", {0.0});
   fields.standard("disturbance.start_s", {0.0});
-}
-
-void AxisSettings::bind(Fields& fields) {
-  bind_nominal(fields);
-  bind_parts(fields);
 }
 
 void AxisSettings::bind_step(Fields& fields) {
@@ -301,39 +298,28 @@ void AxisPlant::learn(const Config& config) {
 }
 
 void AxisPlant::bind(Fields& fields) {
-  bind_whole(fields);
-  axis().bind(fields);
-  bind_faults(fields);
-}
-
-void AxisPlant::bind_whole(Fields& fields) {
   bind_model(fields, mjcf);
   physics.bind(fields);
   timing.bind(fields);
   run.bind(fields);
   fields.optional_number("plant.inertia_ratio", inertia_ratio, positive(),
                          "the plant's inertia, or mass, divided by that of its model file");
-}
-
-void AxisPlant::bind_faults(Fields& fields) {
+  if (axes.empty() || !axis().axis.name.empty()) {
+    fields.optional_text("start.keyframe", keyframe,
+                         "keyframe of the pose that axes hold and models are linearised about; "
+                         "none: the joints' own");
+    fields.optional_flag(
+        "sensor.true_state", senses_true_state,
+        "samples also have the true positions and the true velocities of all axes");
+  }
+  for (AxisSettings& one : axes) one.bind(fields);
+  for (PushSettings& one : pushes) one.bind(fields);
+  for (ContactSettings& one : contacts) one.bind(fields);
+  if (tip) tip->bind(fields);
   std::vector<std::string> channels;
   for (const AxisSettings& one : axes) channels.push_back(one.axis.channel);
   if (tip) channels.insert(channels.end(), {"force", "force_raw"});
   faults.bind(fields, fmt::format("{}", fmt::join(channels, ", ")), run.duration_s);
-}
-
-void AxisPlant::bind_named(Fields& fields) {
-  bind_whole(fields);
-  fields.optional_text("start.keyframe", keyframe,
-                       "keyframe of the pose that axes hold and models are linearised about; "
-                       "none: the joints' own");
-  fields.optional_flag("sensor.true_state", senses_true_state,
-                       "samples also have the true positions and the true velocities of all axes");
-  for (AxisSettings& one : axes) one.bind_named(fields);
-  for (PushSettings& one : pushes) one.bind(fields);
-  for (ContactSettings& one : contacts) one.bind(fields);
-  if (tip) tip->bind(fields);
-  bind_faults(fields);
 }
 
 void AxisPlant::complete(const Config& config) {

@@ -96,11 +96,9 @@ struct AxisSettings {
   TwoInertia model_numbers;
   double model_limit = std::numeric_limits<double>::infinity();
 
-  /// The keys of the only axis of a plant.
+  /// The keys of the only axis of a plant. Or the keys axis.NAME.…, with default values: these, and
+  /// what the axis is, its start, its reference and its disturbance.
   void bind(Fields& fields);
-  /// The keys axis.NAME.…, with default values: those of bind(), and what the axis is, its start,
-  /// its reference and its disturbance.
-  void bind_named(Fields& fields);
 
   /// The keys task.reference_… and task.reference_from_s, a step of the reference from 0.
   void bind_step(Fields& fields);
@@ -159,10 +157,8 @@ struct AxisPlant {
   AxisSettings& axis() { return axes.front(); }
   const AxisSettings& axis() const { return axes.front(); }
 
-  /// The keys of a plant with one axis.
+  /// The keys of a plant with named axes, or of one axis without a name.
   void bind(Fields& fields);
-  /// The keys of a plant with named axes.
-  void bind_named(Fields& fields);
 
   /// Reads the tables that the keys name, and takes from the model what they leave to it. Throws
   /// std::invalid_argument `ORIGIN: KEY: reason`.
@@ -193,8 +189,6 @@ struct AxisPlant {
   SensingSetup sensing(const double* contact_force_N) const;
 
  private:
-  void bind_whole(Fields& fields);
-  void bind_faults(Fields& fields);
   Model load_model(const Config* config) const;  // checks the names of the keys, if it is there
   Model model_of_file() const;  // load_model() without the keys plant.… and the tool
   void check_names(const Model& model, const Config& config) const;
