@@ -1,9 +1,8 @@
 #include <breakwater/program/program.h>
 #include <breakwater/recorded/recorded_estimation.h>
 
-#include "motor_estimation/identified_motor.h"
+#include "identified.h"
 #include "quadrotor_waves/quadrotor_waves.h"
-#include "two_inertia/identified_two_inertia.h"
 
 namespace breakwater {
 

@@ -1,5 +1,3 @@
-#include "two_inertia/identified_two_inertia.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,8 @@
 #include <numbers>
 
 #include <breakwater/recorded/recorded_estimation.h>
+
+#include "identified.h"
 
 namespace breakwater {
 namespace {

@@ -1,0 +1,18 @@
+// Scenarios on an identified axis, or on an identified motor and load.
+#pragma once
+
+#include <breakwater/recorded/identified_scenario.h>
+
+namespace breakwater {
+
+/// motor_estimation. The delay is that of the command to the drive. The gains of the controller and
+/// half the largest torque as the step of the disturbance fit the plant. A tuning searches these
+/// gains and the process noise of a disturbance Kalman filter.
+IdentifiedScenarioKind identified_motor();
+
+/// two_inertia. The constant torque of the records is left out: the scenario has none. The gains,
+/// the poles and the observer's noise fit the plant. The task is the reversal, which has the
+/// backlash.
+IdentifiedTwoInertiaKind identified_two_inertia();
+
+}  // namespace breakwater
