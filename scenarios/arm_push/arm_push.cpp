@@ -187,7 +187,7 @@ class ArmPush final : public ArmScenario {
     return recording;
   }
 
-  void prepare_scene(Model& model) const override { show_geoms(model, "wall_", false); }
+  void prepare_model(Model& model) const override { show_geoms(model, "wall_", false); }
 
  private:
   int link_ = 1;

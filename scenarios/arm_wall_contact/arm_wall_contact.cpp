@@ -138,7 +138,7 @@ class ArmWallContact final : public ArmScenario {
     return recording;
   }
 
-  void prepare_scene(Model& model) const override {
+  void prepare_model(Model& model) const override {
     plant_.contacts.front().prepare(model);
     plant_.prepare(model);
   }

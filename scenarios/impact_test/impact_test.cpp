@@ -38,7 +38,7 @@ class ImpactTest final : public Scenario {
     plant_.geoms = {kImpactTip, kStruckWall};
     plant_.prepare = [this](Model& model) {
       model.add_mass("carriage", mass_kg_ - kModelMass_kg - plant_.tip->chain.tool_mass_kg);
-      prepare_scene(model);
+      prepare_model(model);
     };
   }
 
@@ -154,7 +154,7 @@ class ImpactTest final : public Scenario {
     return recording;
   }
 
-  void prepare_scene(Model& model) const override {
+  void prepare_model(Model& model) const override {
     place_wall(model, kStruckWall, wall_x_m(model));
     wall_.prepare(model);
   }

@@ -1,4 +1,4 @@
-// The only reader of tables: of studies, tunings, experiments, printed results and shot lists.
+// Reads tables: of studies, tunings, experiments, printed results and shot lists.
 #pragma once
 
 #include <toml++/toml.h>

@@ -1,4 +1,4 @@
-// The common part of the arm's three controllers: estimation, kinematics, phases, torque, signals.
+// The common part of the arm's controllers: estimation, kinematics, phases, torque, signals.
 #pragma once
 
 #include <Eigen/Core>

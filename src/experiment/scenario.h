@@ -80,8 +80,9 @@ class Scenario {
   /// Runs the simulation. The recording has its failure. Throws Interrupted if asked to stop.
   virtual Recording run(const RunControl& control) const = 0;
 
-  /// Changes the model `model.mjcf` into the plant of the pictures: places a wall, for example.
-  virtual void prepare_scene(Model&) const {}
+  /// The last changes of the model `model.mjcf`, for the run and for its pictures: places a wall
+  /// and sets its stiffness, for example. A scenario calls it for its run.
+  virtual void prepare_model(Model&) const {}
   /// Changes the pictures during the run, besides the plant's qpos: shows a wall, for example.
   virtual void animate_scene(Model&, double /*time_s*/) const {}
   /// The water surfaces in the pictures.

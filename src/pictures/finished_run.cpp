@@ -89,7 +89,7 @@ Model FinishedRun::load_scene() const {
                                 " values, but " + model.file() + " has " +
                                 std::to_string(model->nq));
   }
-  scenario_->prepare_scene(model);
+  scenario_->prepare_model(model);
   return model;
 }
 

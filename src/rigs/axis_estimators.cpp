@@ -85,7 +85,7 @@ enum class ProcessNoise { input, all, disturbance };
 
 // The noise of the Kalman filters. Filters with a variable forgetting factor have no R.
 struct KalmanNoise {
-  DisturbanceModel model;
+  DisturbanceModelKeys model;
   ProcessNoise process_noise_on = ProcessNoise::input;
   double process_noise = 0.0;
   double observation_noise = 1.0;
@@ -217,7 +217,7 @@ struct VfakfdSettings {
 };
 
 struct QvffSettings {
-  DisturbanceModel model;
+  DisturbanceModelKeys model;
   ForgettingLimits limits;
 
   void bind(Fields& fields) {
@@ -230,7 +230,7 @@ struct QvffSettings {
   }
 };
 
-struct StfSettings : DisturbanceModel {
+struct StfSettings : DisturbanceModelKeys {
   Estimator make(const NominalAxis& axis) const {
     return std::make_unique<Stf>(stf_design(extend(axis), axis.sensor, axis.period_s), axis.sensor);
   }

@@ -1,4 +1,4 @@
-// The interface between a scenario with one axis and its estimators and controllers.
+// The interface between an axis, alone or one of a plant's, and its estimator and controller.
 #pragma once
 
 #include <Eigen/Core>

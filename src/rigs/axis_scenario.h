@@ -71,7 +71,7 @@ class AxisScenario : public Scenario {
   std::vector<MetricDefinition> metric_definitions() const override;
   std::vector<std::string> warnings() const override { return warnings_; }
   Recording run(const RunControl& control) const override;
-  void prepare_scene(Model& model) const override {
+  void prepare_model(Model& model) const override {
     for (const ContactSettings& one : plant_.contacts) one.prepare(model);
   }
 

@@ -1,5 +1,11 @@
 // The keys of a plant of axes (motors, carts, machines): what the plant has, and what each axis
-// has.
+// has. The types of an axis, from its keys to its run:
+//
+//   Axis          names of its joint, actuator, sensor and units
+//   AxisSettings  its keys; AxisPlant has those of all axes: the true plant
+//   NominalAxis   what a controller or an estimator knows of it; AxisTask: with its reference
+//   AxisParts     the controller and the estimator chosen for it; AxisLoop: as they are made
+//   AxisRig       the plant in the engine, stepped under a controller
 #pragma once
 
 #include <functional>
@@ -66,7 +72,7 @@ struct AxisSettings {
   double start_position = 0.0;  ///< distance of the start from the model's pose
   double start_velocity = 0.0;
   Reference reference;  ///< reference of the position
-  Disturbance force;    ///< d, which opposes the drive (Eqs. 2.5, 2.36)
+  Disturbance force;    ///< d, which opposes the drive (Eqs. 2.5, 2.36); that of `disturbance`
   Disturbance output;   ///< d_o, added to the measurement (Eq. 2.37); begins with d
 
   double viscous_friction = -1.0;  ///< friction of the plant; negative: that of the model file
@@ -143,7 +149,7 @@ struct AxisPlant {
   /// Geoms that the run looks up or makes collide; see Model::load_physics().
   std::vector<std::string> geoms;
   std::function<void(Model&)> prepare;  ///< last changes of the model; may be empty
-  // Only for a plant with named axes.
+  // A plant with named axes has keys for these.
   std::vector<PushSettings> pushes;
   std::vector<ContactSettings> contacts;
   std::optional<TipSettings> tip;

@@ -41,7 +41,7 @@ inline void bind_low_pass(Fields& fields, double& cutoff_rad_s) {
   fields.number("observer.low_pass_cutoff_rad_s", cutoff_rad_s, positive(), "g_w [rad/s]");
 }
 
-struct DisturbanceModel {
+struct DisturbanceModelKeys {
   int order = 0;
 
   void bind(Fields& fields) {

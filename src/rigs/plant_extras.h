@@ -1,5 +1,4 @@
-// Parts of a plant with named axes besides the axes: disturbances, forces on bodies, contacts, the
-// tip with its force sensor.
+// Parts of a plant besides its axes: disturbances, forces on bodies, the tip with its force sensor.
 #pragma once
 
 #include <memory>

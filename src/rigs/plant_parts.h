@@ -109,7 +109,7 @@ class NoControl final : public Controller {
 std::vector<PlantControllerKind> plant_controllers();
 
 /// The catalogue with "none" among the estimators and the controllers of an axis, and "model" among
-/// the contact laws.
+/// the contact laws. An arm's controllers are controllers of a plant too.
 Catalogue with_none(Catalogue catalogue);
 
 /// The task of a plant's tip. It is the site of tip.sensor, or the centre of the geom that touches.

@@ -14,7 +14,7 @@ namespace {
 
 // The noise of the published estimators: on the disturbance alone, with R from the sensor.
 struct DisturbanceNoise {
-  DisturbanceModel model;
+  DisturbanceModelKeys model;
   double process_noise = 0.0;
 
   void bind(Fields& fields) {

@@ -70,6 +70,10 @@ class Rooms(Rule):
                   if room not in allowed or
                   (target := header.partition("/")[0]) in ROOMS and target != room and target not in allowed[room])
 
+    def test_their_table_has_their_order(self):
+        table = (ROOT / "docs/explanation/architecture.md").read_text()
+        self.assertEqual(re.findall(r"^\| `(\w+)/` \|", table, re.M), ROOMS[::-1])
+
     def test_they_leave_out_what_they_do_not_need(self):
         self.none(f"{file} includes {header}" for file, room, header in includes()
                   if header.partition("/")[0] in WITHOUT.get(room, "").split())
