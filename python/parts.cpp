@@ -479,7 +479,7 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
               object_of(part), task.force.is_there() ? "PlantForceSample" : "PlantSample",
               setup_of(task), kForces);
         },
-        asked));
+        [uses] { uses->controller = uses->plant = true; }));
     catalogue_.add(kind_of<QuadrotorControllerKind>(
         controller_,
         [part](const QuadrotorTask& task, const std::shared_ptr<QuadrotorEstimator>&) {
@@ -533,6 +533,7 @@ std::vector<std::string> PythonParts::choices(const std::string& scenario) const
   };
   if (!controller_.empty()) {
     choose("controller", uses_->controller ? "controller.name" : nullptr, controller_);
+    if (uses_->plant && estimator_.empty()) choose("estimator", "observer.name", "none");
   }
   if (!estimator_.empty()) choose("estimator", uses_->estimator_key, estimator_);
   return sets;

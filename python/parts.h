@@ -45,6 +45,7 @@ class PythonParts {
   // The kinds that a scenario has asked for.
   struct Uses {
     bool controller = false;
+    bool plant = false;  // its controllers in Python take no estimator of the plant
     const char* estimator_key = nullptr;
   };
 

@@ -1,6 +1,7 @@
 """Controllers and estimators in Python. A copy of a C++ one's commands gives the same bits."""
 
 import pathlib
+import shutil
 import traceback
 import unittest
 
@@ -8,7 +9,7 @@ import numpy as np
 
 import breakwater as bw
 from admittance import Admittance
-from support import Returns
+from support import Returns, temporary_folder
 
 CASES = {
     "arm_wall_contact": dict(case="hpfc-2N", u="torque_command_Nm", y=["q_measured_rad", "force_measured_N"]),
@@ -180,6 +181,13 @@ class Force(unittest.TestCase):
         depth = run["contact_wall_penetration_m"][run.time_s >= 2.5]
         np.testing.assert_allclose(last, 2000 * depth, rtol=5e-3)
         self.assertGreaterEqual(run.metrics["peak_N"], run["force_true_N"].max())
+
+    def test_a_controller_needs_no_estimator_of_the_plant(self):
+        with temporary_folder() as folder:
+            shutil.copy(self.PLANT.with_name("two_link.xml"), folder)
+            own = folder / "own.toml"
+            own.write_text(self.PLANT.read_text() + '[observer]\nname = "idob"\npoles_rad_s = [-40, -43, -46]\n')
+            bw.run(str(own), duration=0.01, controller=Admittance())
 
     def test_an_axis_has_the_force_too(self):
         class Look(bw.Controller):
