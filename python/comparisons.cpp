@@ -1,4 +1,4 @@
-#include "comparisons.h"
+#include "module.h"
 
 #include <pybind11/stl.h>
 

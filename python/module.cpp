@@ -12,12 +12,8 @@
 #include <breakwater/record/output_error.h>
 #include <breakwater/record/track.h>
 #include <breakwater/shell/paths.h>
-#include "comparisons.h"
 #include "interpreter.h"
-#include "linear.h"
-#include "observers.h"
-#include "program.h"
-#include "runs.h"
+#include "module.h"
 
 namespace breakwater::python {
 namespace py = pybind11;

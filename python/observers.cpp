@@ -1,4 +1,4 @@
-#include "observers.h"
+#include "module.h"
 
 #include <pybind11/complex.h>
 #include <pybind11/stl.h>

@@ -1,4 +1,4 @@
-#include "program.h"
+#include "module.h"
 
 #include <pybind11/stl.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "runs.h"
+#include "module.h"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>

@@ -1,17 +1,14 @@
 #include <breakwater/program/program.h>
 #include <breakwater/recorded/recorded_estimation.h>
+#include <breakwater/rigs/quadrotor_parts.h>
 
-#include "identified.h"
-#include "quadrotor_waves/quadrotor_waves.h"
+#include "beyond_axes.h"
 
 namespace breakwater {
 
 Catalogue standard_catalogue() {
   Catalogue catalogue = axes_catalogue();
-  catalogue.add(
-      ScenarioKind{"quadrotor_waves", [](const Catalogue& all) -> std::unique_ptr<Scenario> {
-                     return std::make_unique<QuadrotorWaves>(all);
-                   }});
+  catalogue.add(quadrotor_waves());
   for (QuadrotorEstimatorKind& kind : quadrotor_estimators()) catalogue.add(std::move(kind));
   for (QuadrotorControllerKind& kind : quadrotor_controllers()) catalogue.add(std::move(kind));
   catalogue.add(estimate_command());

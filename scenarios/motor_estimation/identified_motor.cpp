@@ -6,7 +6,7 @@
 
 #include <breakwater/recorded/recorded_estimation.h>
 
-#include "identified.h"
+#include "beyond_axes.h"
 
 namespace breakwater {
 namespace {

@@ -1,5 +1,4 @@
-#include "quadrotor_waves/quadrotor_waves.h"
-
+// Scenario quadrotor_waves: a quadrotor holds station under waves (thesis 3.4).
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -14,7 +13,10 @@
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/record/window_metrics.h>
+#include <breakwater/rigs/quadrotor_rig.h>
 #include <breakwater/signals/thread_time.h>
+
+#include "beyond_axes.h"
 
 namespace breakwater {
 namespace {
@@ -128,83 +130,98 @@ class FilterTime {
   std::vector<Eigen::Vector4d> thrusts_;
 };
 
+// A buoyant quadrotor goes to a point 10 m under waves and stays there. Its backstepping control
+// uses the state of one of several nonlinear estimators.
+class QuadrotorWaves final : public Scenario {
+ public:
+  explicit QuadrotorWaves(const Catalogue& catalogue)
+      : Scenario(MetricRows(catalogue, "quadrotor_waves", {converged()})), quadrotor_(catalogue) {}
+
+  std::string name() const override { return "quadrotor_waves"; }
+  std::string summary() const override {
+    return "underwater quadrotor under JONSWAP waves: nonlinear estimators, backstepping";
+  }
+  std::vector<MetricDefinition> metric_definitions() const override {
+    std::vector<MetricDefinition> definitions = rows_.definitions();
+    definitions.push_back({"filter_time_us", "us",
+                           "cost, in manifest.json: processor time of one update of the estimator, "
+                           "the mean of up to 2000 samples"});
+    return definitions;
+  }
+  Fields fields() override {
+    Fields fields;
+    quadrotor_.bind(fields);
+    fields.number("metrics.window_s", window_s_, positive(),
+                  "length of the metrics' window, which ends with the run [s]");
+    rows_.bind(fields);
+    return fields;
+  }
+  void check(const Config& config) override {
+    check_quadrotor(quadrotor_, config);
+    rows_.check(
+        config, [this] { return fields(); }, quadrotor_.physics);
+  }
+  const RunSettings& run_settings() const override { return quadrotor_.run; }
+  std::vector<std::string> warnings() const override {
+    const QuadrotorLoop loop = quadrotor_.parts.make(quadrotor_.task());
+    const auto* controller = dynamic_cast<const BacksteppingController*>(loop.controller.get());
+    const double pole =
+        controller != nullptr ? slowest_pole(controller->law(), quadrotor_.plant()) : 0.0;
+    std::vector<std::string> warnings = quadrotor_.warnings();
+    if (pole > 0.0) {
+      warnings.push_back(fmt::format(
+          "controller.gains are unstable on this plant.model (a pole at {:+.3f}/s)", pole));
+    }
+    return warnings;
+  }
+  std::vector<WavingSurface> waving_surfaces(const Model& model) const override {
+    if (model.geoms_named("surface").empty()) return {};  // a user's own model
+    return {{"surface", quadrotor_.water(model).surface_waves()}};
+  }
+  Recording run(const RunControl& control) const override {
+    const math::FloatEnvironment floats;
+    QuadrotorRig rig(quadrotor_);
+    const QuadrotorTruth& truth = rig.truth();
+    const QuadrotorLoop& loop = rig.loop();
+    const double end_s = quadrotor_.run.duration_s;
+    StationErrors errors;
+    std::vector<Signal> of_metrics = errors.signals(truth, loop);
+    for (const Signal& signal : rig.signals()) of_metrics.push_back(signal);
+    MetricValues values(rows_, of_metrics, end_s);
+    HeldReference held({0.0, end_s >= window_s_ ? end_s : 0.0}, "the position", "m");
+    held.ask(rig.distance_to_go_m());
+
+    FilterTime filter_time(loop.estimates() && control.logs);
+
+    const auto sample = [&](double time_s) {
+      rig.observe();
+      filter_time.add(rig.simulation());
+      errors.observe(truth, rig.simulation());
+      held.add(time_s, truth.error.norm());
+      if (loop.estimates()) errors.observe(truth, *loop.estimator);
+    };
+    Recording recording = record_run(
+        rig.simulation(), quadrotor_.physics, quadrotor_.physics.step_at(end_s), rig.signals(),
+        control, [&](std::int64_t) { rig.step(); }, sample, &values);
+    if (!recording.failure) held.warn(recording.warnings);
+    if (!recording.failure && loop.estimates() && control.logs) {
+      const auto estimator = quadrotor_.parts.make_estimator(quadrotor_.task());
+      add(recording.costs, "filter_time_us", "us", filter_time.time_us(*estimator));
+    }
+    return recording;
+  }
+
+ private:
+  QuadrotorSettings quadrotor_;
+  double window_s_ = 0.0;
+};
+
 }  // namespace
 
-QuadrotorWaves::QuadrotorWaves(const Catalogue& catalogue)
-    : Scenario(MetricRows(catalogue, "quadrotor_waves", {converged()})), quadrotor_(catalogue) {}
-
-std::vector<MetricDefinition> QuadrotorWaves::metric_definitions() const {
-  std::vector<MetricDefinition> definitions = rows_.definitions();
-  definitions.push_back({"filter_time_us", "us",
-                         "cost, in manifest.json: processor time of one update of the estimator, "
-                         "the mean of up to 2000 samples"});
-  return definitions;
-}
-
-Fields QuadrotorWaves::fields() {
-  Fields fields;
-  quadrotor_.bind(fields);
-  fields.number("metrics.window_s", window_s_, positive(),
-                "length of the metrics' window, which ends with the run [s]");
-  rows_.bind(fields);
-  return fields;
-}
-
-void QuadrotorWaves::check(const Config& config) {
-  check_quadrotor(quadrotor_, config);
-  rows_.check(
-      config, [this] { return fields(); }, quadrotor_.physics);
-}
-
-std::vector<std::string> QuadrotorWaves::warnings() const {
-  const QuadrotorLoop loop = quadrotor_.parts.make(quadrotor_.task());
-  const auto* controller = dynamic_cast<const BacksteppingController*>(loop.controller.get());
-  const double pole =
-      controller != nullptr ? slowest_pole(controller->law(), quadrotor_.plant()) : 0.0;
-  std::vector<std::string> warnings = quadrotor_.warnings();
-  if (pole > 0.0) {
-    warnings.push_back(fmt::format(
-        "controller.gains are unstable on this plant.model (a pole at {:+.3f}/s)", pole));
-  }
-  return warnings;
-}
-
-std::vector<WavingSurface> QuadrotorWaves::waving_surfaces(const Model& model) const {
-  if (model.geoms_named("surface").empty()) return {};  // a user's own model
-  return {{"surface", quadrotor_.water(model).surface_waves()}};
-}
-
-Recording QuadrotorWaves::run(const RunControl& control) const {
-  const math::FloatEnvironment floats;
-  QuadrotorRig rig(quadrotor_);
-  const QuadrotorTruth& truth = rig.truth();
-  const QuadrotorLoop& loop = rig.loop();
-  const double end_s = quadrotor_.run.duration_s;
-  StationErrors errors;
-  std::vector<Signal> of_metrics = errors.signals(truth, loop);
-  for (const Signal& signal : rig.signals()) of_metrics.push_back(signal);
-  MetricValues values(rows_, of_metrics, end_s);
-  HeldReference held({0.0, end_s >= window_s_ ? end_s : 0.0}, "the position", "m");
-  held.ask(rig.distance_to_go_m());
-
-  FilterTime filter_time(loop.estimates() && control.logs);
-
-  const auto sample = [&](double time_s) {
-    rig.observe();
-    filter_time.add(rig.simulation());
-    errors.observe(truth, rig.simulation());
-    held.add(time_s, truth.error.norm());
-    if (loop.estimates()) errors.observe(truth, *loop.estimator);
-  };
-  Recording recording = record_run(
-      rig.simulation(), quadrotor_.physics, quadrotor_.physics.step_at(end_s), rig.signals(),
-      control, [&](std::int64_t) { rig.step(); }, sample, &values);
-  if (!recording.failure) held.warn(recording.warnings);
-  if (!recording.failure && loop.estimates() && control.logs) {
-    const auto estimator = quadrotor_.parts.make_estimator(quadrotor_.task());
-    add(recording.costs, "filter_time_us", "us", filter_time.time_us(*estimator));
-  }
-  return recording;
+ScenarioKind quadrotor_waves() {
+  return {"quadrotor_waves", [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+            return std::make_unique<QuadrotorWaves>(catalogue);
+          }};
 }
 
 }  // namespace breakwater

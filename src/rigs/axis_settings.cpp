@@ -699,9 +699,12 @@ SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
   }
   if (tip) {
     const bool has_sensor = tip->sensor != TipSettings::kNone;
-    tip->chain.add_channels(setup, {.sensor = tip->sensor,
-                                    .source = has_sensor ? nullptr : contact_force_N,
-                                    .component = tip->component});
+    for (SensorChannel& channel : tip->chain.channels()) {
+      channel.sensor = tip->sensor;
+      channel.source = has_sensor ? nullptr : contact_force_N;
+      channel.component = tip->component;
+      setup.channels.push_back(std::move(channel));
+    }
   }
   faults.apply(setup);
   setup.seed = run.seed;

@@ -131,7 +131,7 @@ void ForceSensorSettings::bind_filter(Fields& fields) {
 }
 
 void ForceSensorSettings::bind_noise(Fields& fields) {
-  fields.number("sensor.force_noise_N", noise_N, not_negative(),
+  fields.number("sensor.force_noise_N", raw.noise_std, not_negative(),
                 "standard deviation of white noise on each force sample [N]");
 }
 
@@ -141,50 +141,47 @@ void ForceSensorSettings::bind(Fields& fields) {
       "mass before the force sensor beside the tip's own: the sensor reads its inertia [kg]");
   fields.optional_number("sensor.force_resonance_Hz", resonance_Hz, not_negative(),
                          "natural frequency of the sensor's body; 0: rigid [Hz]");
-  fields.optional_number("sensor.force_damping_ratio", damping_ratio, between(0.0, 0.99),
+  fields.optional_number("sensor.force_damping_ratio", raw.body.damping_ratio, between(0.0, 0.99),
                          "damping ratio of the sensor's body");
   fields.only_where({"sensor.force_damping_ratio"}, "sensor.force_resonance_Hz is not 0",
                     [this] { return resonance_Hz != 0.0; });
-  fields.optional_number("sensor.force_bias_N", electronics.bias, any(),
+  fields.optional_number("sensor.force_bias_N", raw.electronics.bias, any(),
                          "constant error of the sensor [N]");
-  fields.optional_number("sensor.force_drift_N_sqrt_s", electronics.drift_per_sqrt_s,
+  fields.optional_number("sensor.force_drift_N_sqrt_s", raw.electronics.drift_per_sqrt_s,
                          not_negative(),
                          "drift, a random walk: its standard deviation after 1 s [N/s^0.5]");
-  fields.optional_number("sensor.force_range_N", electronics.range, not_negative(),
+  fields.optional_number("sensor.force_range_N", raw.electronics.range, not_negative(),
                          "range: larger forces of either sign are clipped; 0: no limit [N]");
-  fields.optional_number("sensor.force_quantum_N", electronics.quantum, not_negative(),
+  fields.optional_number("sensor.force_quantum_N", raw.electronics.quantum, not_negative(),
                          "one step of the converter; 0: no quantisation [N]");
-  fields.optional_number("sensor.force_period_s", electronics.period_s, not_negative(),
+  fields.optional_number("sensor.force_period_s", raw.electronics.period_s, not_negative(),
                          "the sensor's own sampling period; 0: physics.timestep_s [s]");
-  fields.optional_number("sensor.force_delay_s", electronics.delay_s, not_negative(),
+  fields.optional_number("sensor.force_delay_s", raw.electronics.delay_s, not_negative(),
                          "delay of the sensor's samples [s]");
   fields.optional_number(
-      "sensor.force_weighed_kg", weighed_kg, between(SensorChannel::kAllBeyond, 1e3),
+      "sensor.force_weighed_kg", raw.weighed_kg, between(SensorChannel::kAllBeyond, 1e3),
       "mass beyond the sensor whose weight is taken off each sample, as the sensor is turned; "
       "negative: all that the model has there [kg]");
   fields.optional_number(
-      "sensor.force_tare_at_s", tare_at_s, between(SensorChannel::kNever, 1e9),
+      "sensor.force_tare_at_s", raw.tare_at_s, between(SensorChannel::kNever, 1e9),
       "time whose value, before noise, is taken off all samples from then on; -1: none [s]");
 }
 
 void ForceSensorSettings::check(const Config& config, double timestep_s) const {
-  check_multiple(config, "sensor.force_period_s", electronics.period_s, timestep_s,
+  check_multiple(config, "sensor.force_period_s", raw.electronics.period_s, timestep_s,
                  "physics.timestep_s");
-  check_multiple(config, "sensor.force_delay_s", electronics.delay_s, timestep_s,
+  check_multiple(config, "sensor.force_delay_s", raw.electronics.delay_s, timestep_s,
                  "physics.timestep_s");
 }
 
-void ForceSensorSettings::add_channels(SensingSetup& setup, SensorChannel raw) const {
-  raw.name = "force_raw";
-  raw.body = {2.0 * std::numbers::pi * resonance_Hz, damping_ratio};
-  raw.electronics = electronics;
-  raw.weighed_kg = weighed_kg;
-  raw.tare_at_s = tare_at_s;
-  raw.noise_std = noise_N;
-  SensorChannel filtered = raw;
-  filtered.name = "force";
-  filtered.low_pass_s = low_pass_s;
-  setup.channels.insert(setup.channels.end(), {std::move(filtered), std::move(raw)});
+std::array<SensorChannel, 2> ForceSensorSettings::channels() const {
+  SensorChannel before = raw;
+  before.name = "force_raw";
+  before.body.resonance_rad_s = 2.0 * std::numbers::pi * resonance_Hz;
+  SensorChannel behind = before;
+  behind.name = "force";
+  behind.low_pass_s = low_pass_s;
+  return {std::move(behind), std::move(before)};
 }
 
 }  // namespace breakwater

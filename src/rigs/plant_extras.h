@@ -1,7 +1,7 @@
 // Parts of a plant besides its axes: disturbances, forces on bodies, the tip with its force sensor.
 #pragma once
 
-#include <memory>
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,13 +17,9 @@ namespace breakwater {
 /// Keys sensor.force_… and force.filter_time_constant_s, each of which is off at 0.
 struct ForceSensorSettings {
   double low_pass_s = 0.0;    ///< time constant
-  double noise_N = 0.0;       ///< standard deviation at each sample
   double tool_mass_kg = 0.0;  ///< before the sensor: it reads what this mass' inertia takes
   double resonance_Hz = 0.0;
-  double damping_ratio = 0.0;
-  SensorElectronics electronics;
-  double weighed_kg = 0.0;
-  double tare_at_s = SensorChannel::kNever;
+  SensorChannel raw;  ///< the rest of the channel before the low-pass
 
   void bind_filter(Fields& fields);
   void bind_noise(Fields& fields);
@@ -32,9 +28,8 @@ struct ForceSensorSettings {
   /// Throws std::invalid_argument, blaming a key, if a time is no multiple of the timestep.
   void check(const Config& config, double timestep_s) const;
   bool has_body() const { return resonance_Hz > 0.0; }
-  /// Adds the channels "force", behind the low-pass, and "force_raw", before it, of a channel that
-  /// says what is measured.
-  void add_channels(SensingSetup& setup, SensorChannel raw) const;
+  /// The channels "force", behind the low-pass, and "force_raw", before it, of component 0.
+  std::array<SensorChannel, 2> channels() const;
 };
 
 /// A disturbance by the keys disturbance.…
