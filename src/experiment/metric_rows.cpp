@@ -169,7 +169,9 @@ void MetricRow::bind(Fields& fields, const std::vector<MetricKind>& kinds) {
     text_key("name", name, "name of the metric, if it is not that of the table");
     text_key("unit", unit, "unit; without it, that of the signal is added to the name");
   }
-  text_key("text", text, "meaning of the metric, one sentence without a full stop");
+  const char* const meaning = is_signal ? "meaning of the signal, for the log"
+                                        : "meaning of the metric, one sentence without a full stop";
+  text_key("text", text, meaning);
   if (!is_signal) {
     fields.optional_count("rank", rank, between(0, 1000),
                           "place among the main metrics, from 1 on; 0: it is none of them");
@@ -607,7 +609,8 @@ MetricValues::MetricValues(const MetricRows& rows, const std::vector<Signal>& of
     of_signals_.push_back(std::make_unique<Value>(rows, row, signals, end_s, events));
     const Value* const value = of_signals_.back().get();
     watch(row, value);
-    signals_.push_back({row.table, unit_of(row.table), row.text, view(value->now)});
+    const std::string unit = unit_of(row.table);
+    signals_.push_back({row.table, unit.empty() ? "1" : unit, row.text, view(value->now)});
     signals.push_back(signals_.back());
   }
   for (std::size_t i = 0; i < rows.rows().size(); ++i) {
