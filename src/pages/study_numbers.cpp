@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <regex>
 #include <unordered_map>
 
 #include <breakwater/config/toml_text.h>
@@ -41,8 +42,19 @@ constexpr std::size_t kPointsOfAKind = 5;  // points named per kind
 
 // "at 3.1 s: diverged" and "at 4 s: diverged" are one kind.
 std::string without_numbers(const std::string& reason) {
-  static const std::regex number("[0-9]+([.][0-9]*)?(e[-+]?[0-9]+)?");
-  return std::regex_replace(reason, number, "#");
+  std::string text;
+  for (std::size_t i = 0; i < reason.size();) {
+    if (std::isdigit(static_cast<unsigned char>(reason[i])) == 0) {
+      text += reason[i++];
+      continue;
+    }
+    const char* const begin = reason.data() + i;
+    double value = 0.0;
+    const char* const end = std::from_chars(begin, reason.data() + reason.size(), value).ptr;
+    text += '#';
+    i += static_cast<std::size_t>(end - begin);
+  }
+  return text;
 }
 
 // Counts the failures of each kind.
