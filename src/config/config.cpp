@@ -236,7 +236,7 @@ Config Config::under(const std::string& prefix) const {
 }
 
 const ConfigEntry* Config::find(const std::string& key) const {
-  const auto found = entries_->find(prefix_.empty() ? key : prefix_ + key);
+  const auto found = prefix_.empty() ? entries_->find(key) : entries_->find(prefix_ + key);
   return found != entries_->end() ? &found->second : nullptr;
 }
 

@@ -62,6 +62,11 @@ class Config {
 
   void remove(const std::string& key) { own_entries().erase(key); }
 
+  /// Gives another value to a key that is there.
+  void renew(const std::string& key, const ConfigValue& value) {
+    own_entries().at(key).value = value;
+  }
+
   /// The same values, where each key is found and reported with `prefix` before it: "joint" in
   /// under("axis.x.") is "axis.x.joint".
   Config under(const std::string& prefix) const;

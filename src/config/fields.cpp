@@ -26,16 +26,20 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Error = std::optional<Refusal>;
 
-// Answers that do not change during a pass over all keys: which parts are chosen.
+// The values of the choices, which do not change during a pass over all keys. `ask` says them in
+// TOML.
 template <typename Ask>
 class Remembered {
  public:
   explicit Remembered(Ask ask) : ask_(std::move(ask)) {}
 
   bool operator()(const std::string& choice, const std::string& name) {
-    const auto [known, is_new] = known_.try_emplace({choice, name}, false);
-    if (is_new) known->second = ask_(choice, name);
-    return known->second;
+    if (last_ == known_.end() || last_->first != choice) {
+      const auto [known, is_new] = known_.try_emplace(choice);
+      if (is_new) known->second = ask_(choice);
+      last_ = known;
+    }
+    return last_->second == toml_string(name);
   }
 
   // The variable of the scenario or of the chosen part; null if there is none.
@@ -52,8 +56,11 @@ class Remembered {
   }
 
  private:
+  using Known = std::map<std::string_view, std::string>;
+
   Ask ask_;
-  std::map<std::pair<std::string_view, std::string_view>, bool> known_;
+  Known known_;
+  typename Known::const_iterator last_ = known_.end();
 };
 
 // The key without the name of its table: "observer.alpha" for "axis.NAME.observer.alpha",
@@ -121,6 +128,15 @@ auto find_key(Fields& fields, const std::string& key) {
   return found != fields.rend() ? &*found : nullptr;
 }
 
+// Gives a missing key its default value, if it has one.
+template <typename Field>
+void assign_standard(Field& field) {
+  for (const auto& variable : field.variables) {
+    if (variable.standard) variable.read(*variable.standard);
+    if (variable.clear) variable.clear();
+  }
+}
+
 // Whether the name of a file is among the meanings of a key.
 template <typename Field>
 bool names_file(const Field& field) {
@@ -130,8 +146,8 @@ bool names_file(const Field& field) {
 
 // "axis.NAME." of a key of an axis; empty for another key.
 std::string axis_in(const std::string& key) {
-  const std::string table = "axis.";
-  const std::size_t name = key.starts_with(table) ? key.find('.', table.size()) : key.npos;
+  constexpr std::string_view kTable = "axis.";
+  const std::size_t name = key.starts_with(kTable) ? key.find('.', kTable.size()) : key.npos;
   return name == key.npos ? "" : key.substr(0, name + 1);
 }
 
@@ -431,14 +447,18 @@ std::string Fields::Field::doc() const {
   return text;
 }
 
-bool Fields::has_chosen(const std::string& choice, const std::string& name) const {
+std::string Fields::chosen(const std::string& choice) const {
   const Field* field = find(choice);
   const Variable* variable = field != nullptr ? in_use(*field) : nullptr;
-  return variable != nullptr && variable->print() == toml_string(name);
+  return variable != nullptr ? variable->print() : "";
+}
+
+bool Fields::has_chosen(const std::string& choice, const std::string& name) const {
+  return chosen(choice) == toml_string(name);
 }
 
 const Fields::Variable* Fields::in_use(const Field& field) const {
-  Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
+  Remembered chosen([this](const std::string& choice) { return this->chosen(choice); });
   return chosen.in_use(field);
 }
 
@@ -472,12 +492,9 @@ Config Fields::without_aliases(const Config& config) const {
   aliases.insert(aliases_.begin(), aliases_.end());
   Config whole = config;
   for (const auto& [alias, key] : aliases) {
-    // Every case of a file comes here. Few keys end as the alias does, and only they are looked
-    // into.
-    const std::string end = alias.substr(alias.rfind('.') + 1);
     const bool is_key =
-        std::any_of(fields_.begin(), fields_.end(), [&, &alias = alias](const Field& field) {
-          return field.key.ends_with(end) && (field.key == alias || field.unnamed == alias);
+        std::any_of(fields_.begin(), fields_.end(), [&alias = alias](const Field& field) {
+          return field.key == alias || field.unnamed == alias;
         });
     if (is_key) {
       config.fail("alias." + alias, "is a key itself: choose another name");
@@ -557,7 +574,7 @@ std::vector<UnusedKey> Fields::unused() const {
   std::map<std::string, std::size_t> counts;
   for (const Field& field : fields_) counts[field.given] += field.was_read ? 1 : 0;
   std::vector<UnusedKey> all;
-  Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
+  Remembered chosen([this](const std::string& choice) { return this->chosen(choice); });
   for (const Field& field : fields_) {
     if (!field.was_read) continue;
     std::optional<UnusedKey> one = unused(field, chosen.in_use(field));
@@ -593,6 +610,7 @@ void Fields::unite_axes(std::vector<Shown<What>>& all) const {
   for (const Field& field : fields_) {
     if (!axis_in(field.key).empty()) ++axes[field.unnamed];
   }
+  if (axes.empty()) return;
   std::map<std::string, std::vector<Shown<What>*>> groups;
   for (Shown<What>& one : all) {
     if (axis_in(one.key).empty()) continue;
@@ -628,11 +646,7 @@ void Fields::assign_standards(const Config& config) {
     const ConfigEntry* entry = config.find(field.key);
     field.was_read = entry != nullptr;
     field.given = entry != nullptr ? whole_key(entry->given) : "";
-    if (field.was_read) continue;
-    for (const Variable& variable : field.variables) {
-      if (variable.standard) variable.read(*variable.standard);
-      if (variable.clear) variable.clear();
-    }
+    if (!field.was_read) assign_standard(field);
   }
 }
 
@@ -666,7 +680,7 @@ std::vector<const Fields::Field*> Fields::assign_all(const Config& config) {
   assign_standards(config);
   check(std::span(&config, 1));  // the choices are then known
   std::vector<const Field*> missing;
-  Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
+  Remembered chosen([this](const std::string& choice) { return this->chosen(choice); });
   for (Field& field : fields_) {
     const Variable* counts = chosen.in_use(field);
     if (const ConfigEntry* entry = config.find(field.key)) {
@@ -686,6 +700,33 @@ Config Fields::read(const Config& given) {
   Config all = given;
   all.apply(config.entries());
   return all;
+}
+
+bool Fields::renew(Config& config, const std::string& key, const ConfigValue& value) {
+  const auto is_number = [](const ConfigValue& one) {
+    return std::holds_alternative<std::int64_t>(one.data) ||
+           std::holds_alternative<double>(one.data);
+  };
+  bool is_known = false;
+  for (Field& field : fields_) {
+    if (!field.was_read || (field.given.empty() ? field.key : field.given) != key) continue;
+    is_known = is_number(value) && is_number(config.find(field.key)->value) &&
+               !assign(field, value, in_use(field));
+    if (!is_known) return false;
+    config.renew(field.key, value);
+  }
+  if (config.find(key) != nullptr) config.renew(key, value);
+  return is_known;
+}
+
+void Fields::read_again(const Config& config) {
+  for (Field& field : fields_) {
+    if (!field.was_read) assign_standard(field);
+  }
+  for (Field& field : fields_) {
+    if (field.was_read) assign(field, config.find(field.key)->value, nullptr);
+  }
+  for (const Field& field : fields_) find_file(config, field);
 }
 
 void Fields::read_incomplete(const Config& given) {
@@ -728,14 +769,17 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
   std::string text = fmt::format("scenario = {}\ndefault_case = {}\n", toml_string(scenario),
                                  toml_string(case_name));
   struct Line {
-    std::string doc;
+    const Field* field;
     std::string value;
     bool is_missing;
 
-    bool operator==(const Line&) const = default;
+    bool operator==(const Line& other) const {
+      return value == other.value && is_missing == other.is_missing &&
+             field->doc() == other.field->doc();
+    }
   };
   std::vector<Shown<Line>> lines;
-  Remembered chosen([this](const auto&... words) { return has_chosen(words...); });
+  Remembered chosen([this](const std::string& choice) { return this->chosen(choice); });
   for (const Field& field : fields_) {
     if (field.is_left_out()) continue;
     const Variable* variable = chosen.in_use(field);
@@ -743,23 +787,25 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
     if (!field.was_read && (variable == nullptr || variable->clear)) continue;
     if (variable == nullptr) variable = &field.variables[field.suited];
     const bool is_missing = field.is_missing && !variable->standard;
-    lines.push_back(
-        {&field, field.key, {field.doc(), is_missing ? "" : variable->print(), is_missing}});
+    lines.push_back({&field, field.key, {&field, is_missing ? "" : variable->print(), is_missing}});
   }
   unite_axes(lines);
   // Each table with its lines, in the order of their first keys. The root's keys come first.
   std::vector<std::pair<std::string, std::string>> tables = {{"", ""}};
+  auto table = tables.begin();
   for (const auto& [field, shown, line] : lines) {
     // A key without a name means all axes. The printed file has no aliases of its own.
     const bool is_as_given =
         aliases_.contains(field->given) && (shown != field->key || without_name(shown).empty());
     const std::string& key = is_as_given ? field->given : shown;
     const std::string name = table_of(key);
-    auto table = std::find_if(tables.begin(), tables.end(),
-                              [&](const auto& other) { return other.first == name; });
-    if (table == tables.end()) table = tables.insert(table, {name, ""});
+    if (table->first != name) {
+      table = std::find_if(tables.begin(), tables.end(),
+                           [&](const auto& other) { return other.first == name; });
+      if (table == tables.end()) table = tables.insert(table, {name, ""});
+    }
     std::string& of_table = table->second;
-    of_table.append("# ").append(line.doc).append(line.is_missing ? "\n# " : "\n");
+    of_table.append("# ").append(field->doc()).append(line.is_missing ? "\n# " : "\n");
     of_table.append(key, name.empty() ? 0 : name.size() + 1).append(" = ");
     of_table.append(line.is_missing ? "  # required" : line.value).append("\n");
   }

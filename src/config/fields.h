@@ -201,7 +201,12 @@ class Fields {
   /// of the wrong type, out of range, without its file, or given by two names. Returns the keys as
   /// they were given, and those with the name of each table for which they count.
   Config read(const Config& config);
-  /// The same, but keys may be missing: print() then asks for them.
+  /// After read(): gives `key`, as it was given, another number in `config`, which read() returned.
+  /// False if it has no number there, or may not have this one.
+  bool renew(Config& config, const std::string& key, const ConfigValue& value);
+  /// Reads `config` again, which read() returned and renew() changed.
+  void read_again(const Config& config);
+  /// As read(), but keys may be missing: print() then asks for them.
   void read_incomplete(const Config& config);
   /// Checks every table of a file, whichever case runs: a wrong value is refused even if another
   /// one overrides it. Throws as read() does, but not for missing keys. Call it before read().
@@ -301,6 +306,8 @@ class Fields {
   void add_condition(const std::vector<std::string>& keys, const Condition& condition);
   // The variable of the scenario or of the chosen part; null if there is none.
   const Variable* in_use(const Field& field) const;
+  // The present value of a choice, in TOML; empty if there is no such one.
+  std::string chosen(const std::string& choice) const;
   // The message on missing keys, with the meaning of the first one and the part that needs it.
   std::string missing_in_words(const std::vector<const Field*>& missing) const;
   // Assigns to every variable. Returns an error if the value does not suit `counts`, or, if

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 
 #include <breakwater/config/toml_text.h>
@@ -360,9 +359,12 @@ MetricExpression::MetricExpression(const std::string& text, const Numbers& numbe
         "must be a number, or names and numbers with spaces around + - *: "
         "\"first_contact + 0.2\"");
   };
-  std::istringstream words(text);
+  constexpr const char* kSpaces = " \t\n\v\f\r";
   bool is_factor = true, is_negative = false, is_product = false;
-  for (std::string word; words >> word; is_factor = !is_factor) {
+  for (std::size_t from = text.find_first_not_of(kSpaces), end = 0; from != text.npos;
+       from = text.find_first_not_of(kSpaces, end), is_factor = !is_factor) {
+    end = std::min(text.find_first_of(kSpaces, from), text.size());
+    const std::string word = text.substr(from, end - from);
     if (!is_factor) {
       if (word != "+" && word != "-" && word != "*") throw wrong();
       is_product = word == "*";

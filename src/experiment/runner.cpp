@@ -7,8 +7,10 @@
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
+#include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/experiment/version.h>
 #include <breakwater/math/float_environment.h>
@@ -156,28 +158,90 @@ bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run, const Sce
 
 }  // namespace
 
+// A case of a file, bound to a scenario.
+struct BoundCases::Case {
+  Case(std::unique_ptr<Scenario> made, const Config& config)
+      : scenario(std::move(made)), given(config) {
+    scenario->learn(config);
+    fields = scenario->fields();
+  }
+
+  // Reads the keys of `given`.
+  void read() {
+    read_config = fields.read(given);
+    scenario->check(read_config);
+  }
+
+  // Reads those of other sets with the same shape. False if they have to be bound anew.
+  bool read(const std::vector<std::string>& others) {
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      if (others[i] == sets[i]) continue;
+      Config one("", {});
+      one.set(others[i]);
+      const auto& [key, entry] = *one.entries().begin();
+      if (!fields.renew(read_config, key, entry.value)) return false;
+    }
+    sets = others;
+    fields.read_again(read_config);
+    scenario->check(read_config);
+    return true;
+  }
+
+  std::vector<IneffectiveKey> ineffective() const {
+    std::vector<IneffectiveKey> keys;
+    for (const UnusedKey& unused : fields.unused()) {
+      const ConfigEntry& entry = *given.find(unused.key);
+      if (!entry.is_chosen) continue;
+      // A case may set keys for its own choice. A user who chooses another part made no mistake.
+      const ConfigEntry* choice = given.find(unused.choice);
+      const bool is_chosen_otherwise = choice != nullptr && choice->is_set() && !entry.is_set();
+      if (!is_chosen_otherwise) keys.push_back({entry.origin, unused.key, unused.reason});
+    }
+    return keys;
+  }
+
+  // The run, without its scenario and its ineffective keys.
+  PreparedRun run(const std::string& name) const {
+    PreparedRun run;
+    run.case_name = name;
+    run.config_text = fields.print(scenario->name(), name);
+    run.model_files = fields.files();
+    return run;
+  }
+
+  std::unique_ptr<Scenario> scenario;
+  Config given;  // with the numbers of its first run
+  Fields fields;
+  Config read_config{"", {}};
+  std::vector<std::string> sets;
+};
+
+std::shared_ptr<BoundCases::Case> BoundCases::take(const std::string& shape) {
+  const std::lock_guard lock(mutex_);
+  const auto found = free_.find(shape);
+  if (found == free_.end()) return nullptr;
+  std::shared_ptr<Case> one = std::move(found->second);
+  free_.erase(found);
+  return one;
+}
+
+void BoundCases::give_back(const std::string& shape, const std::shared_ptr<Case>& one) {
+  constexpr std::size_t kMost = 100;
+  const std::lock_guard lock(mutex_);
+  if (free_.size() == kMost) free_.clear();
+  free_.emplace(shape, one);
+}
+
 PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioFile& file,
                              const std::string& case_name, const std::vector<std::string>& sets,
                              Tables tables, const std::string& called) {
   const math::FloatEnvironment floats;
-  PreparedRun run;
-  run.scenario = std::move(scenario);
-  run.case_name = called.empty() ? case_name : called;
-  const Config config = file.config(case_name, sets);
-  run.scenario->learn(config);
-  Fields fields = run.scenario->fields();
-  if (tables == Tables::unchecked) fields.check(file);
-  run.scenario->check(fields.read(config));
-  for (const UnusedKey& unused : fields.unused()) {
-    const ConfigEntry& entry = *config.find(unused.key);
-    if (!entry.is_chosen) continue;
-    // A case may set keys for its own choice. A user who chooses another part made no mistake.
-    const ConfigEntry* choice = config.find(unused.choice);
-    const bool is_chosen_otherwise = choice != nullptr && choice->is_set() && !entry.is_set();
-    if (!is_chosen_otherwise) run.ineffective.push_back({entry.origin, unused.key, unused.reason});
-  }
-  run.config_text = fields.print(run.scenario->name(), run.case_name);
-  run.model_files = fields.files();
+  BoundCases::Case bound(std::move(scenario), file.config(case_name, sets));
+  if (tables == Tables::unchecked) bound.fields.check(file);
+  bound.read();
+  PreparedRun run = bound.run(called.empty() ? case_name : called);
+  run.ineffective = bound.ineffective();
+  run.scenario = std::move(bound.scenario);
   return run;
 }
 
@@ -190,11 +254,50 @@ PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
   return run;
 }
 
+namespace {
+
+// The sets of a case without their numbers, which BoundCases::Case can change. Empty if a key is
+// given twice: its last number would count.
+std::string shape_of(const std::string& case_name, const std::vector<std::string>& sets) {
+  std::string shape = case_name;
+  std::set<std::string> keys;
+  for (const std::string& set : sets) {
+    const std::size_t equals = std::min(set.find('='), set.size() - 1);
+    const std::string key = set.substr(0, equals);
+    if (!keys.insert(key).second) return "";
+    const bool is_number = whole_key(key) == key && number_in(set.substr(equals + 1));
+    shape += '\n' + (is_number ? key : set);
+  }
+  return shape;
+}
+
+}  // namespace
+
 PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenario,
                           const ScenarioFile& file, const std::string& case_name,
-                          const std::vector<std::string>& sets) {
-  return prepare_scenario(make_scenario(catalogue, scenario), file, case_name, sets,
-                          Tables::checked);
+                          const std::vector<std::string>& sets,
+                          const std::shared_ptr<BoundCases>& bound) {
+  const math::FloatEnvironment floats;
+  const std::string shape = bound ? shape_of(case_name, sets) : "";
+  std::shared_ptr<BoundCases::Case> one = shape.empty() ? nullptr : bound->take(shape);
+  try {
+    if (one && !one->read(sets)) one.reset();
+  } catch (const std::invalid_argument&) {
+    one.reset();  // the case that is bound anew says it
+  }
+  if (!one) {
+    one = std::make_shared<BoundCases::Case>(make_scenario(catalogue, scenario),
+                                             file.config(case_name, sets));
+    one->read();
+    one->sets = sets;
+  }
+  PreparedRun run = one->run(case_name);
+  if (!bound) run.ineffective = one->ineffective();
+  const auto end = [one, bound, shape](Scenario*) {
+    if (!shape.empty()) bound->give_back(shape, one);
+  };
+  run.scenario = {one->scenario.get(), end};
+  return run;
 }
 
 std::unique_ptr<LogStream> make_log_stream(const PreparedRun& run, const ModelHashes& models,

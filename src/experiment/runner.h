@@ -3,7 +3,9 @@
 
 #include <atomic>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +28,7 @@ struct IneffectiveKey {
 
 /// One case, read, checked and ready to run.
 struct PreparedRun {
-  std::unique_ptr<Scenario> scenario;
+  std::shared_ptr<Scenario> scenario;
   std::string case_name;
   std::string config_text;                  ///< the effective configuration, as a scenario file
   std::vector<IneffectiveKey> ineffective;  ///< ineffective keys of the case or --set
@@ -62,11 +64,27 @@ PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
                         const ScenarioFile& file, const std::string& case_name,
                         const std::vector<std::string>& sets);
 
+/// Scenarios of one file whose keys are bound. Threads may share it.
+class BoundCases {
+ public:
+  struct Case;
+
+  /// A case with these sets but for their numbers; null if none is free.
+  std::shared_ptr<Case> take(const std::string& shape);
+  void give_back(const std::string& shape, const std::shared_ptr<Case>& one);
+
+ private:
+  std::mutex mutex_;
+  std::multimap<std::string, std::shared_ptr<Case>> free_;
+};
+
 /// The same for one run of many. The file's tables are checked. Whether it is as shipped is
-/// unknown.
+/// unknown. With `bound` its ineffective keys are unknown too. It may then take the scenario of an
+/// earlier run that has ended and differed in numbers alone.
 PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenario,
                           const ScenarioFile& file, const std::string& case_name,
-                          const std::vector<std::string>& sets);
+                          const std::vector<std::string>& sets,
+                          const std::shared_ptr<BoundCases>& bound = nullptr);
 
 struct RunOptions {
   bool csv = false;

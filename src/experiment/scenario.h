@@ -69,7 +69,8 @@ class Scenario {
   /// The keys of the scenario, bound to its settings.
   virtual Fields fields() = 0;
   /// Checks after reading what single keys cannot show, and makes paths absolute. Throws
-  /// std::invalid_argument `ORIGIN: KEY: reason`.
+  /// std::invalid_argument `ORIGIN: KEY: reason`. A study calls it again after other numbers were
+  /// read: all that it sets must depend on them alone.
   virtual void check(const Config& config) = 0;
   /// The settings that all scenarios have; valid after reading.
   virtual const RunSettings& run_settings() const = 0;

@@ -351,9 +351,9 @@ void AxisPlant::complete(const Config& config) {
     one.model_numbers = one.transmission.true_numbers(model, inertia, one.axis.joint);
     if (!one.axis.is_driven()) continue;
     const int actuator = actuator_id(model, one.axis);
-    if (model->actuator_ctrllimited[actuator] != 0) {
-      one.model_limit = model->actuator_ctrlrange[2 * actuator + 1];
-    }
+    one.model_limit = model->actuator_ctrllimited[actuator] != 0
+                          ? model->actuator_ctrlrange[2 * actuator + 1]
+                          : std::numeric_limits<double>::infinity();
   }
 }
 

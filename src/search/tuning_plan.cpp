@@ -222,7 +222,7 @@ std::vector<std::string> TuningPlan::sets(std::size_t number) const {
 
 PreparedRun TuningPlan::prepare(std::size_t number) const {
   return prepare_point(catalogue_, tuning_.scenario, *file_, tuning_.cases[run(number).tuned].name,
-                       sets(number));
+                       sets(number), bound_);
 }
 
 std::vector<std::string> TuningPlan::candidate_lines(const std::vector<std::size_t>& runs) const {

@@ -96,6 +96,7 @@ class TuningPlan : public PointSource {
   const Catalogue& catalogue_;
   Tuning tuning_;
   std::shared_ptr<const ScenarioFile> file_;
+  std::shared_ptr<BoundCases> bound_ = std::make_shared<BoundCases>();
   std::vector<std::vector<std::vector<std::string>>> values_;  // by case and evaluation
 };
 

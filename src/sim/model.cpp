@@ -305,6 +305,7 @@ void Model::scale_inertia(double ratio) {
   if (!(std::isfinite(ratio) && ratio > 0.0)) {
     throw std::invalid_argument(file_ + ": the ratio of inertias must be positive and finite");
   }
+  if (ratio == 1.0) return;
   mjModel& m = *model_;
   for (int i = 0; i < m.nbody; ++i) m.body_mass[i] *= ratio;
   for (int i = 0; i < 3 * m.nbody; ++i) m.body_inertia[i] *= ratio;

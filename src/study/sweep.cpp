@@ -139,13 +139,14 @@ Sweep Sweep::with_next_seed() const {
   return {catalogue_, std::move(study)};
 }
 
-PreparedRun Sweep::prepare(const StudyPoint& point) const {
+PreparedRun Sweep::prepare(const StudyPoint& point,
+                           const std::shared_ptr<BoundCases>& bound) const {
   return prepare_point(catalogue_, plan_->study().scenario, *file_,
-                       plan_->candidates()[point.candidate].case_name, point.sets);
+                       plan_->candidates()[point.candidate].case_name, point.sets, bound);
 }
 
 PreparedRun Sweep::prepare(std::size_t point) const {
-  return prepare(plan_->point(point));
+  return prepare(plan_->point(point), bound_);
 }
 
 std::string Sweep::unprepared_key(std::size_t number) const {
@@ -177,7 +178,7 @@ std::vector<std::string> Sweep::check() const {
     prepare_run(catalogue_, study.scenario, *file_,
                 plan_->candidates()[probes.front().candidate].case_name, probes.front().sets);
     for (const StudyPoint& probe : probes) {
-      for (const IneffectiveKey& key : prepare(probe).ineffective) {
+      for (const IneffectiveKey& key : prepare(probe, nullptr).ineffective) {
         auto& [count, reason] = ineffective[key.key];
         ++count;
         reason = key.reason;

@@ -52,11 +52,12 @@ class Sweep : public PointSource {
   bool logs(std::size_t point) const override;
 
  private:
-  PreparedRun prepare(const StudyPoint& point) const;
+  PreparedRun prepare(const StudyPoint& point, const std::shared_ptr<BoundCases>& bound) const;
 
   const Catalogue& catalogue_;
   std::shared_ptr<const ScenarioFile> file_;
   std::unique_ptr<Plan> plan_;
+  std::shared_ptr<BoundCases> bound_ = std::make_shared<BoundCases>();
   std::optional<StudyFolder> folder_;
   Keep keep_ = Keep::metrics;
 };

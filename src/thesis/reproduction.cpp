@@ -103,9 +103,11 @@ Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t rep
   }
   const std::vector<std::string> sets = spec.sets_of(repetition);
   // The first one also checks every table of the file.
-  const PreparedRun run = (is_first ? prepare_run : prepare_point)(
-      catalogue, spec.scenario, *found->second, spec.case_name, sets);
-  const Config config = found->second->config(spec.case_name, sets);
+  const ScenarioFile& file = *found->second;
+  const PreparedRun run = is_first
+                              ? prepare_run(catalogue, spec.scenario, file, spec.case_name, sets)
+                              : prepare_point(catalogue, spec.scenario, file, spec.case_name, sets);
+  const Config config = file.config(spec.case_name, sets);
   Job job;
   job.name = name;
   job.spec = &spec;

@@ -6,6 +6,7 @@
 #include <breakwater/experiment/provenance.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/record/file_hash.h>
+#include <breakwater/sim/model.h>
 #include "catalogue.h"
 #include "shell.h"
 #include "support.h"
@@ -65,21 +66,19 @@ std::string shortest(double value) {
   return {text, end};
 }
 
-TEST(PrintedConfig, PropertyReadsAsItself) {
-  const int count = testing::property_count(100);
-  const Catalogue& catalogue = testing::catalogue();
-  const testing::TemporaryPath path("printed.toml");
-  testing::Random random(12);
-  struct Origin {
-    std::string scenario, case_name;
-    ScenarioFile file;
-    std::vector<std::pair<std::string, double>> numbers;
-  };
+// A case, and the numbers of its keys.
+struct Origin {
+  std::string scenario, case_name;
+  ScenarioFile file;
+  std::vector<std::pair<std::string, double>> numbers;
+};
+
+std::vector<Origin> all_origins() {
   std::vector<Origin> origins;
-  for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
+  for (const ScenarioKind& kind : testing::catalogue().all<ScenarioKind>()) {
     const ScenarioFile file = testing::scenario_file(kind.name);
     for (const std::string& name : file.cases()) {
-      const PreparedRun run = prepare_point(catalogue, kind.name, file, name, {});
+      const PreparedRun run = prepare_point(testing::catalogue(), kind.name, file, name, {});
       Origin origin{kind.name, name, file, {}};
       add_numbers(toml::parse(run.config_text), "", origin.numbers);
       std::erase_if(origin.numbers,
@@ -87,6 +86,22 @@ TEST(PrintedConfig, PropertyReadsAsItself) {
       origins.push_back(std::move(origin));
     }
   }
+  return origins;
+}
+
+double changed_number(testing::Random& random, double value) {
+  const double factor = random.uniform(0.0, 1.0) < 0.5
+                            ? random.uniform(0.9, 1.1)
+                            : std::pow(10.0, random.uniform(-20.0, 20.0));
+  return value == 0.0 ? factor : factor * value;
+}
+
+TEST(PrintedConfig, PropertyReadsAsItself) {
+  const int count = testing::property_count(100);
+  const Catalogue& catalogue = testing::catalogue();
+  const testing::TemporaryPath path("printed.toml");
+  testing::Random random(12);
+  const std::vector<Origin> origins = all_origins();
   const auto any_of = [&random](std::size_t size) {
     return static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(size)));
   };
@@ -94,10 +109,7 @@ TEST(PrintedConfig, PropertyReadsAsItself) {
   for (int accepted = 0; accepted < count;) {
     const Origin& origin = origins[any_of(origins.size())];
     const auto& [key, value] = origin.numbers[any_of(origin.numbers.size())];
-    const double factor = random.uniform(0.0, 1.0) < 0.5
-                              ? random.uniform(0.9, 1.1)
-                              : std::pow(10.0, random.uniform(-20.0, 20.0));
-    const double changed = value == 0.0 ? factor : factor * value;
+    const double changed = changed_number(random, value);
     const std::string set = key + "=" + shortest(changed);
     PreparedRun run;
     try {
@@ -120,6 +132,70 @@ TEST(PrintedConfig, PropertyReadsAsItself) {
     ASSERT_EQ(found->second, changed) << origin.scenario << " " << set;
   }
   std::printf("%d configurations are printed and read; %d values were refused\n", count, refused);
+}
+
+TEST(BoundCases, RenewsKeysWithoutTheNameOfAnAxis) {
+  const ScenarioFile file = testing::scenario_file("plant");
+  const auto bound = std::make_shared<BoundCases>();
+  for (const char* set : {"observer.alpha=10", "observer.alpha=100", "observer.alpha=1e3"}) {
+    const auto text = [&](const std::shared_ptr<BoundCases>& cases) {
+      return prepare_point(testing::catalogue(), "plant", file, file.default_case(), {set}, cases)
+          .config_text;
+    };
+    EXPECT_EQ(text(bound), text(nullptr)) << set;
+  }
+}
+
+// Runs of a case that differ in numbers share a scenario: its earlier numbers change nothing.
+TEST(BoundCases, PropertyRunAsBoundAnew) {
+  const int count = testing::property_count(100);
+  testing::Random random(13);
+  const std::vector<Origin> origins = all_origins();
+  const SharedModels shared;
+  const auto bound = std::make_shared<BoundCases>();
+  const auto any_of = [&random](std::size_t size) {
+    return static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(size)));
+  };
+  int runs = 0, refusals = 0;
+  for (int i = 0; i < count; ++i) {
+    const Origin& origin = origins[any_of(origins.size())];
+    const auto [first, of_first] = origin.numbers[any_of(origin.numbers.size())];
+    const auto [second, of_second] = origin.numbers[any_of(origin.numbers.size())];
+    const auto prepared = [&](double one, double other, const auto& cases) {
+      std::vector<std::string> sets = {first + "=" + shortest(one)};
+      if (second != first) sets.push_back(second + "=" + shortest(other));
+      if (first != "run.duration_s" && second != "run.duration_s") {
+        sets.emplace_back("run.duration_s=0.02");
+      }
+      return prepare_point(testing::catalogue(), origin.scenario, origin.file, origin.case_name,
+                           sets, cases);
+    };
+    for (int k = 0; k < 4; ++k) {
+      const double one = k == 2 ? 0.0 : changed_number(random, of_first);
+      const double other = k == 3 ? 0.0 : k == 0 ? of_second : changed_number(random, of_second);
+      PreparedRun anew;
+      try {
+        anew = prepared(one, other, nullptr);
+      } catch (const std::invalid_argument& error) {
+        ++refusals;
+        ASSERT_EQ(complaint_of([&] { prepared(one, other, bound); }), error.what());
+        continue;
+      }
+      const PreparedRun again = prepared(one, other, bound);
+      ASSERT_EQ(again.config_text, anew.config_text);
+      ASSERT_EQ(again.model_files, anew.model_files);
+      if (anew.scenario->run_settings().duration_s > 0.1) continue;
+      const Recording is = again.scenario->run({}), was = anew.scenario->run({});
+      ASSERT_EQ(is.state_hash, was.state_hash) << anew.config_text;
+      ASSERT_EQ(is.metrics.size(), was.metrics.size()) << anew.config_text;
+      for (std::size_t m = 0; m < is.metrics.size(); ++m) {
+        ASSERT_EQ(is.metrics[m].name, was.metrics[m].name);
+        ASSERT_EQ(is.metrics[m].value, was.metrics[m].value) << is.metrics[m].name;
+      }
+      ++runs;
+    }
+  }
+  std::printf("%d runs are those bound anew; %d values were refused\n", runs, refusals);
 }
 
 }  // namespace breakwater::catalogue_test
