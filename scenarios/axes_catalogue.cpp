@@ -1,4 +1,4 @@
-#include "on_axes.h"
+#include "axes_catalogue.h"
 
 #include <breakwater/program/scenario_program.h>
 #include <breakwater/rigs/axis_scenario.h>

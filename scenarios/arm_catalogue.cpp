@@ -7,7 +7,7 @@
 #include <breakwater/rigs/drive_settings.h>
 #include <breakwater/thesis/printed_references.h>
 
-#include "on_axes.h"
+#include "axes_catalogue.h"
 
 namespace breakwater {
 
