@@ -35,7 +35,7 @@ std::string suffix_of(const std::string& unit) {
   if (unit == "%") return "percent";
   std::string suffix;
   for (const char c : unit) {
-    if (c != ' ') suffix += c == '/' ? '_' : c;
+    if (c != ' ' && c != '^') suffix += c == '/' ? '_' : c;
   }
   return suffix;
 }
