@@ -3,7 +3,7 @@
 #include <deque>
 
 #include "catalogue.h"
-#include "on_axes.h"
+#include "axes_catalogue.h"
 #include "tables.h"
 
 namespace breakwater::metric_rows_test {
