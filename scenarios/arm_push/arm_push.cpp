@@ -197,7 +197,7 @@ class ArmPush final : public ArmScenario {
 }  // namespace
 
 ScenarioKind arm_push() {
-  return scenario_kind<ArmPush>("arm_push");
+  return scenario_kind<ArmPush>("arm_push", true);
 }
 
 }  // namespace breakwater

@@ -175,7 +175,7 @@ class ArmWallContact final : public ArmScenario {
 }  // namespace
 
 ScenarioKind arm_wall_contact() {
-  return scenario_kind<ArmWallContact>("arm_wall_contact");
+  return scenario_kind<ArmWallContact>("arm_wall_contact", true);
 }
 
 }  // namespace breakwater

@@ -80,7 +80,7 @@ class CartConstrained final : public AxisScenario {
 }  // namespace
 
 ScenarioKind cart_constrained() {
-  return scenario_kind<CartConstrained>("cart_constrained");
+  return scenario_kind<CartConstrained>("cart_constrained", true);
 }
 
 }  // namespace breakwater

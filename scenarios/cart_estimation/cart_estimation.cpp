@@ -110,7 +110,7 @@ class CartEstimation final : public AxisScenario {
 }  // namespace
 
 ScenarioKind cart_estimation() {
-  return scenario_kind<CartEstimation>("cart_estimation");
+  return scenario_kind<CartEstimation>("cart_estimation", true);
 }
 
 }  // namespace breakwater

@@ -182,7 +182,7 @@ class ImpactTest final : public Scenario {
 }  // namespace
 
 ScenarioKind impact_test() {
-  return scenario_kind<ImpactTest>("impact_test");
+  return scenario_kind<ImpactTest>("impact_test", true);
 }
 
 }  // namespace breakwater

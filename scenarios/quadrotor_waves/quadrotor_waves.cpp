@@ -219,9 +219,12 @@ class QuadrotorWaves final : public Scenario {
 }  // namespace
 
 ScenarioKind quadrotor_waves() {
-  return {"quadrotor_waves", [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+  return {"quadrotor_waves",
+          [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
             return std::make_unique<QuadrotorWaves>(catalogue);
-          }};
+          },
+          {},
+          true};
 }
 
 }  // namespace breakwater

@@ -97,7 +97,7 @@ class TwoInertiaDrive final : public AxisScenario {
 }  // namespace
 
 ScenarioKind two_inertia() {
-  return scenario_kind<TwoInertiaDrive>("two_inertia");
+  return scenario_kind<TwoInertiaDrive>("two_inertia", true);
 }
 
 }  // namespace breakwater

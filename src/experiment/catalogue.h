@@ -24,6 +24,9 @@ struct ScenarioKind {
   /// The folder of NAME.toml, shots.toml and its own models. If it is empty or missing, look_for()
   /// finds each of them as scenarios/NAME/FILE.
   std::filesystem::path folder = {};
+  /// Points of a study that differ in numbers may share one. No number decides which keys learn()
+  /// and fields() find, and check() sets all that it finds out anew.
+  bool may_be_shared = false;
 
   /// Its scenario file. Throws std::invalid_argument with all searched places if there is none.
   std::filesystem::path file() const;

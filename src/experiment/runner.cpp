@@ -216,7 +216,7 @@ struct BoundCases::Case {
   std::vector<std::string> sets;
 };
 
-std::shared_ptr<BoundCases::Case> BoundCases::take(const std::string& shape) {
+std::shared_ptr<BoundCases::Case> BoundCases::take(const Shape& shape) {
   const std::lock_guard lock(mutex_);
   const auto found = free_.find(shape);
   if (found == free_.end()) return nullptr;
@@ -225,11 +225,14 @@ std::shared_ptr<BoundCases::Case> BoundCases::take(const std::string& shape) {
   return one;
 }
 
-void BoundCases::give_back(const std::string& shape, const std::shared_ptr<Case>& one) {
-  constexpr std::size_t kMost = 100;
+void BoundCases::give_back(const Shape& shape, const std::shared_ptr<Case>& one) noexcept {
+  constexpr std::size_t kMost = 32;  // each about 1 MB
   const std::lock_guard lock(mutex_);
   if (free_.size() == kMost) free_.clear();
-  free_.emplace(shape, one);
+  try {
+    free_.emplace(shape, one);
+  } catch (const std::bad_alloc&) {  // the next point binds its own
+  }
 }
 
 PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioFile& file,
@@ -258,15 +261,15 @@ namespace {
 
 // The sets of a case without their numbers, which BoundCases::Case can change. Empty if a key is
 // given twice: its last number would count.
-std::string shape_of(const std::string& case_name, const std::vector<std::string>& sets) {
-  std::string shape = case_name;
+BoundCases::Shape shape_of(const std::string& case_name, const std::vector<std::string>& sets) {
+  BoundCases::Shape shape = {case_name};
   std::set<std::string> keys;
   for (const std::string& set : sets) {
     const std::size_t equals = std::min(set.find('='), set.size() - 1);
     const std::string key = set.substr(0, equals);
-    if (!keys.insert(key).second) return "";
+    if (!keys.insert(key).second) return {};
     const bool is_number = whole_key(key) == key && number_in(set.substr(equals + 1));
-    shape += '\n' + (is_number ? key : set);
+    shape.push_back(is_number ? key : set);
   }
   return shape;
 }
@@ -278,7 +281,8 @@ PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenari
                           const std::vector<std::string>& sets,
                           const std::shared_ptr<BoundCases>& bound) {
   const math::FloatEnvironment floats;
-  const std::string shape = bound ? shape_of(case_name, sets) : "";
+  const bool is_shared = bound && catalogue.get<ScenarioKind>(scenario).may_be_shared;
+  const BoundCases::Shape shape = is_shared ? shape_of(case_name, sets) : BoundCases::Shape();
   std::shared_ptr<BoundCases::Case> one = shape.empty() ? nullptr : bound->take(shape);
   try {
     if (one && !one->read(sets)) one.reset();

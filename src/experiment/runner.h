@@ -68,19 +68,20 @@ PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
 class BoundCases {
  public:
   struct Case;
+  using Shape = std::vector<std::string>;  ///< the case and its sets, without their numbers
 
-  /// A case with these sets but for their numbers; null if none is free.
-  std::shared_ptr<Case> take(const std::string& shape);
-  void give_back(const std::string& shape, const std::shared_ptr<Case>& one);
+  /// A case of this shape; null if none is free.
+  std::shared_ptr<Case> take(const Shape& shape);
+  void give_back(const Shape& shape, const std::shared_ptr<Case>& one) noexcept;
 
  private:
   std::mutex mutex_;
-  std::multimap<std::string, std::shared_ptr<Case>> free_;
+  std::multimap<Shape, std::shared_ptr<Case>> free_;
 };
 
 /// The same for one run of many. The file's tables are checked. Whether it is as shipped is
-/// unknown. With `bound` its ineffective keys are unknown too. It may then take the scenario of an
-/// earlier run that has ended and differed in numbers alone.
+/// unknown. With `bound` its ineffective keys are unknown too. It then takes the scenario of an
+/// earlier run that has ended and differed in numbers alone, if its kind may be shared.
 PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenario,
                           const ScenarioFile& file, const std::string& case_name,
                           const std::vector<std::string>& sets,

@@ -131,17 +131,23 @@ class AxisScenario : public Scenario {
 
 /// A scenario that is a file alone.
 inline ScenarioKind axis_kind(const AxisScenarioDesign& design) {
-  return {design.name, [design](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+  return {design.name,
+          [design](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
             return std::make_unique<AxisScenario>(catalogue, design);
-          }};
+          },
+          {},
+          true};
 }
 
 /// The kind of a scenario with a constructor that takes the catalogue.
 template <typename OneScenario>
-ScenarioKind scenario_kind(const char* name) {
-  return {name, [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+ScenarioKind scenario_kind(const char* name, bool may_be_shared = false) {
+  return {name,
+          [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
             return std::make_unique<OneScenario>(catalogue);
-          }};
+          },
+          {},
+          may_be_shared};
 }
 
 }  // namespace breakwater
