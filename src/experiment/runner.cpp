@@ -135,27 +135,6 @@ bool differ_in_a_number(const Config& one, const Config& other) {
   });
 }
 
-// Whether the run, of `file` with `sets`, has the configuration of Breakwater's own case with this
-// name. The seed and the record of the log may differ.
-bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run, const ScenarioFile& file,
-                   const std::string& case_name, const std::vector<std::string>& sets) {
-  const auto& kind = catalogue.get<ScenarioKind>(run.scenario->name());
-  const auto own_file = kind.scenario_file();
-  const ScenarioFile& own = *own_file;
-  if (!own.has_case(case_name)) return false;
-  const RunSettings& settings = run.scenario->run_settings();
-  std::vector<std::string> own_sets = {fmt::format("run.seed={}", settings.seed),
-                                       fmt::format("record.compression={}", settings.compression)};
-  if (settings.stream) own_sets.emplace_back("record.stream=true");
-  const Config config = own.config(case_name, own_sets);
-  if (differ_in_a_number(config, file.config(case_name, sets))) return false;  // spares the rest
-  const auto shipped = kind.make(catalogue);
-  shipped->learn(config);
-  Fields fields = shipped->fields();
-  shipped->check(fields.read(config));
-  return fields.print(kind.name, case_name) == run.config_text;
-}
-
 }  // namespace
 
 // A case of a file, bound to a scenario.
@@ -247,6 +226,29 @@ PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioF
   run.scenario = std::move(bound.scenario);
   return run;
 }
+
+namespace {
+
+// Whether the run, of `file` with `sets`, has the configuration of Breakwater's own case with this
+// name. The seed and the record of the log may differ.
+bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run, const ScenarioFile& file,
+                   const std::string& case_name, const std::vector<std::string>& sets) {
+  const auto& kind = catalogue.get<ScenarioKind>(run.scenario->name());
+  const auto own_file = kind.scenario_file();
+  const ScenarioFile& own = *own_file;
+  if (!own.has_case(case_name)) return false;
+  const RunSettings& settings = run.scenario->run_settings();
+  std::vector<std::string> own_sets = {fmt::format("run.seed={}", settings.seed),
+                                       fmt::format("record.compression={}", settings.compression)};
+  if (settings.stream) own_sets.emplace_back("record.stream=true");
+  const Config config = own.config(case_name, own_sets);
+  if (differ_in_a_number(config, file.config(case_name, sets))) return false;  // spares the rest
+  BoundCases::Case shipped(kind.make(catalogue), config);
+  shipped.read();
+  return shipped.fields.print(kind.name, case_name) == run.config_text;
+}
+
+}  // namespace
 
 PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
                         const ScenarioFile& file, const std::string& case_name,

@@ -20,10 +20,9 @@ void RunSettings::bind(Fields& fields) {
   fields.optional_count(
       "record.compression", compression, between(0, 9),
       "compression of log.h5 by deflate: 0 is fastest, 9 gives the smallest file");
-  fields.flag(
+  fields.optional_flag(
       "record.stream", stream,
       "write log.h5 during the run, not from memory after it; after a kill it has the rows so far");
-  fields.standard("record.stream", {false});
 }
 
 void bind_model(Fields& fields, ModelFile& model) {
@@ -83,17 +82,16 @@ double PhysicsSettings::sample_time_s(double time_s) const {
 }
 
 void FaultSettings::bind(Fields& fields, const std::string& channels, const double& duration_s) {
-  fields.choice(
+  fields.optional_choice(
       "sensor.nan_policy", nan_policy, {{"stop", NanPolicy::stop}, {"drop", NanPolicy::drop}},
       "reaction to a measurement that is not a number: stop the run, or drop the measurement");
-  fields.standard("sensor.nan_policy", {std::string("stop")});
   fields.text("fault.sensor", fault.channel, "none, or the channel to break: " + channels);
   fields.standard("fault.sensor", {std::string(kNoFault)});
   fields.optional_number("fault.at_s", fault.at_s, not_negative(),
                          "time at which the sensor fails [s]");
   fields.optional_count("fault.samples", fault.samples, between(1, 1e9),
                         "number of samples for which it fails");
-  fields.choice(
+  fields.optional_choice(
       "fault.kind", fault.kind,
       {{"nan", FaultKind::nan},
        {"infinity", FaultKind::infinity},
@@ -105,7 +103,6 @@ void FaultSettings::bind(Fields& fields, const std::string& channels, const doub
        {"stuck", FaultKind::stuck}},
       "readings of the broken sensor: nan, infinity, the last one (frozen; dropped: 50 ms), an "
       "error (spike, bias), late (delay) or rounded (stuck)");
-  fields.standard("fault.kind", {std::string("nan")});
   fields.optional_number(
       "fault.size", fault.size, any(),
       "error of a spike or bias, smallest step of a stuck quantiser, in the unit of the "
@@ -145,10 +142,10 @@ void FaultSettings::apply(SensingSetup& setup) const {
 }
 
 void bind_encoder_rounding(Fields& fields, EncoderRounding& rounding) {
-  fields.choice("encoder.rounding", rounding,
-                {{"nearest", EncoderRounding::nearest}, {"truncate", EncoderRounding::truncate}},
-                "how the encoder rounds: to the nearest count, or towards 0 (truncate)");
-  fields.standard("encoder.rounding", {std::string("nearest")});
+  fields.optional_choice(
+      "encoder.rounding", rounding,
+      {{"nearest", EncoderRounding::nearest}, {"truncate", EncoderRounding::truncate}},
+      "how the encoder rounds: to the nearest count, or towards 0 (truncate)");
 }
 
 bool is_multiple(double time_s, double step_s) {
