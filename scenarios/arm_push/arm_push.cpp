@@ -6,7 +6,6 @@
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/rigs/arm_scenario.h>
-#include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/sim/hand_on_link.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/world/hand.h>

@@ -6,7 +6,6 @@
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/rigs/arm_scenario.h>
-#include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/sim/contact.h>
 #include <breakwater/sim/linear_model.h>
 #include <breakwater/sim/model.h>

@@ -6,7 +6,8 @@
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/math/functions.h>
-#include <breakwater/rigs/axis_scenario.h>
+#include <breakwater/rigs/axis_rig.h>
+#include <breakwater/rigs/plant_parts.h>
 #include <breakwater/sim/contact.h>
 #include <breakwater/sim/model.h>
 

@@ -219,12 +219,7 @@ class QuadrotorWaves final : public Scenario {
 }  // namespace
 
 ScenarioKind quadrotor_waves() {
-  return {"quadrotor_waves",
-          [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
-            return std::make_unique<QuadrotorWaves>(catalogue);
-          },
-          {},
-          true};
+  return scenario_kind<QuadrotorWaves>("quadrotor_waves", true);
 }
 
 }  // namespace breakwater

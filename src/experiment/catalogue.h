@@ -120,4 +120,15 @@ struct CommandKind {
   const char* group = "Your own work";  ///< in which PROGRAM --help has it
 };
 
+/// The kind of a scenario with a constructor that takes the catalogue.
+template <typename OneScenario>
+ScenarioKind scenario_kind(const char* name, bool may_be_shared = false) {
+  return {name,
+          [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+            return std::make_unique<OneScenario>(catalogue);
+          },
+          {},
+          may_be_shared};
+}
+
 }  // namespace breakwater

@@ -139,15 +139,4 @@ inline ScenarioKind axis_kind(const AxisScenarioDesign& design) {
           true};
 }
 
-/// The kind of a scenario with a constructor that takes the catalogue.
-template <typename OneScenario>
-ScenarioKind scenario_kind(const char* name, bool may_be_shared = false) {
-  return {name,
-          [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
-            return std::make_unique<OneScenario>(catalogue);
-          },
-          {},
-          may_be_shared};
-}
-
 }  // namespace breakwater
