@@ -14,6 +14,7 @@
 #include <breakwater/observers/disturbance_model.h>
 #include <breakwater/observers/sensor_error.h>
 #include <breakwater/plants/motor_and_load.h>
+#include <breakwater/record/recording.h>
 #include <breakwater/rigs/loop_parts.h>
 #include <breakwater/signals/axis_units.h>
 
@@ -131,5 +132,10 @@ class AxisParts
 std::vector<AxisEstimatorKind> axis_estimators();
 std::vector<AxisEstimatorKind> published_estimators();
 std::vector<AxisControllerKind> axis_controllers();
+
+/// If `controller` is predictive control, adds the metrics and costs of its optimisations.
+void add_qp_metrics(const Controller& controller, Recording& recording);
+/// Appends the definitions of the metrics of add_qp_metrics().
+std::vector<MetricDefinition> with_qp_metrics(std::vector<MetricDefinition> definitions);
 
 }  // namespace breakwater

@@ -6,7 +6,6 @@
 
 #include <breakwater/control/axes_control.h>
 #include <breakwater/math/float_environment.h>
-#include <breakwater/rigs/predictive_settings.h>
 
 namespace breakwater {
 
