@@ -81,24 +81,21 @@ struct MdobSettings {
   }
 };
 
-enum class ProcessNoise { input, all, disturbance };
-
 // The noise of the Kalman filters. Filters with a variable forgetting factor have no R.
 struct KalmanNoise {
   DisturbanceModelKeys model;
-  ProcessNoise process_noise_on = ProcessNoise::input;
+  Eigen::MatrixXd (*Q)(const ExtendedPlant& plant, double process_noise) = input_noise;
   double process_noise = 0.0;
   double observation_noise = 1.0;
   std::vector<double> initial_covariance;
 
   void bind(Fields& fields) {
     model.bind(fields);
-    fields.choice("observer.process_noise_on", process_noise_on,
-                  {{"input", ProcessNoise::input},
-                   {"all", ProcessNoise::all},
-                   {"disturbance", ProcessNoise::disturbance}},
-                  "place of the process noise: input (B Q B^T, the KFD), all states (Q I) or "
-                  "disturbance (the DKF)");
+    fields.choice(
+        "observer.process_noise_on", Q,
+        {{"input", input_noise}, {"all", uniform_noise}, {"disturbance", disturbance_noise}},
+        "place of the process noise: input (B Q B^T, the KFD), all states (Q I) or "
+        "disturbance (the DKF)");
     bind_process_noise(fields, process_noise);
     bind_initial_covariance(fields, initial_covariance);
   }
@@ -109,21 +106,8 @@ struct KalmanNoise {
   KalmanDesign design(const NominalAxis& axis) const {
     const ExtendedPlant plant = model.extend(axis);
     const Eigen::Index p = plant.outputs();
-    return {plant, Q(plant), observation_noise * Eigen::MatrixXd::Identity(p, p),
+    return {plant, Q(plant, process_noise), observation_noise * Eigen::MatrixXd::Identity(p, p),
             diagonal_of(initial_covariance, plant).asDiagonal()};
-  }
-
- private:
-  Eigen::MatrixXd Q(const ExtendedPlant& plant) const {
-    switch (process_noise_on) {
-      case ProcessNoise::input:
-        return input_noise(plant, process_noise);
-      case ProcessNoise::all:
-        return uniform_noise(plant, process_noise);
-      case ProcessNoise::disturbance:
-        return disturbance_noise(plant, process_noise);
-    }
-    throw std::logic_error("unknown process noise");
   }
 };
 

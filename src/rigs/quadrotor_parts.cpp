@@ -14,15 +14,10 @@
 namespace breakwater {
 namespace {
 
-enum class WaveFrequencySource { given, estimated };
-enum class WaveForceSource { given, estimated };
-enum class MeasurementCovariance { printed, actual };
-
 struct KalmanSettings {
   QuadrotorEstimatorDesign design;
-  MeasurementCovariance covariance = MeasurementCovariance::actual;
-  WaveFrequencySource frequency_source = WaveFrequencySource::given;
-  WaveForceSource force_source = WaveForceSource::estimated;
+  bool has_printed_covariance = false;
+  bool estimates_force = true;  // the force of the waves; else it is given
   double assumed_period_s = 0.0;
   double torque_arm_m = 0.0;
 
@@ -65,8 +60,8 @@ void KalmanSettings::bind(Fields& fields) {
       {{"all", ProcessNoiseStates::all}, {"highest", ProcessNoiseStates::highest}},
       "states with the printed Q: all, or only the model's highest derivative");
   fields.choice(
-      "estimator.measurement_covariance", covariance,
-      {{"printed", MeasurementCovariance::printed}, {"actual", MeasurementCovariance::actual}},
+      "estimator.measurement_covariance", has_printed_covariance,
+      {{"printed", true}, {"actual", false}},
       "R: printed (diag(V), for any noise.interpretation), or actual (the covariance of the "
       "noise)");
   fields.number("estimator.input_noise", design.input_noise, positive(),
@@ -79,16 +74,14 @@ void KalmanSettings::bind(Fields& fields) {
   fields.number("estimator.tuned_disturbance_std", design.disturbance_std, positive(),
                 "standard deviation of the random walk of d, or of its second derivative, for each "
                 "sample [N, N/s^2]");
-  fields.choice(
-      "estimator.wave_frequency", frequency_source,
-      {{"given", WaveFrequencySource::given}, {"estimated", WaveFrequencySource::estimated}},
-      "source of the waves' frequency: a given T_p, or an online estimate");
+  fields.choice("estimator.wave_frequency", design.estimates_wave_frequency,
+                {{"given", false}, {"estimated", true}},
+                "source of the waves' frequency: a given T_p, or an online estimate");
   fields.number("estimator.assumed_period_s", assumed_period_s, not_negative(),
                 "T_p of the estimator, or the initial value of its estimate; 0: "
                 "wave.peak_period_s [s]");
   fields.optional_choice(
-      "estimator.wave_force", force_source,
-      {{"given", WaveForceSource::given}, {"estimated", WaveForceSource::estimated}},
+      "estimator.wave_force", estimates_force, {{"given", false}, {"estimated", true}},
       "for spectrum: the standard deviation of the force is resonator_force_std_N (given) or "
       "estimated online");
   fields.optional_number(
@@ -130,15 +123,13 @@ void KalmanSettings::bind(Fields& fields) {
   fields.only_for({"estimator.wave_force", "estimator.wave_torque_arm_m"}, "estimator.disturbance",
                   {"spectrum"});
   const auto is_spectrum = [this] { return design.order == DisturbanceOrder::spectrum; };
+  fields.only_where({"estimator.resonator_force_std_N"},
+                    "estimator.disturbance is resonator, or estimator.wave_force is given",
+                    [this, is_spectrum] { return !is_spectrum() || !estimates_force; });
   fields.only_where(
-      {"estimator.resonator_force_std_N"},
-      "estimator.disturbance is resonator, or estimator.wave_force is given",
-      [this, is_spectrum] { return !is_spectrum() || force_source == WaveForceSource::given; });
-  fields.only_where({"estimator.assumed_period_s"},
-                    "estimator.disturbance is resonator, or estimator.wave_frequency is given",
-                    [this, is_spectrum] {
-                      return !is_spectrum() || frequency_source == WaveFrequencySource::given;
-                    });
+      {"estimator.assumed_period_s"},
+      "estimator.disturbance is resonator, or estimator.wave_frequency is given",
+      [this, is_spectrum] { return !is_spectrum() || !design.estimates_wave_frequency; });
 }
 
 // The vertical force's spectrum in this sea, scaled to the standard deviation `strength_N`.
@@ -189,11 +180,11 @@ void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& sett
                        .period_s = design.period_s};
   WaveForceBankDesign& bank = design.waves;
   double middle_N = std::sqrt(bank.weakest_N * bank.strongest_N);
-  if (settings.force_source == WaveForceSource::given) {
+  if (!settings.estimates_force) {
     bank.weakest_N = middle_N = design.resonator.force_std_N;
     bank.strengths = 1;
   }
-  const bool one = settings.frequency_source == WaveFrequencySource::given;
+  const bool one = !design.estimates_wave_frequency;
   const int periods = one ? 1 : kPeriods;
   double log_walk = 0.0;
   for (int i = 0; i < periods; ++i) {
@@ -218,15 +209,14 @@ void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& sett
 
 std::unique_ptr<QuadrotorEstimator> KalmanSettings::make(const QuadrotorTask& task) const {
   QuadrotorEstimatorDesign made = design;
-  const bool printed = covariance == MeasurementCovariance::printed;
-  made.position_std_m = printed ? std::sqrt(task.position_noise) : task.position_std_m;
-  made.angle_std_rad = printed ? std::sqrt(task.angle_noise) : task.angle_std_rad;
+  made.position_std_m =
+      has_printed_covariance ? std::sqrt(task.position_noise) : task.position_std_m;
+  made.angle_std_rad = has_printed_covariance ? std::sqrt(task.angle_noise) : task.angle_std_rad;
   made.period_s = task.period_s;
   // Place the resonators where the force has its energy, at the reference depth.
   SeaState assumed = task.waves.sea;
   if (assumed_period_s > 0.0) assumed.peak_period_s = assumed_period_s;
   made.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -task.reference_m.z());
-  made.estimates_wave_frequency = frequency_source == WaveFrequencySource::estimated;
   if (made.order == DisturbanceOrder::spectrum) {
     blame("estimator.assumed_period_s", [&] { describe_waves(made, *this, assumed, task); });
   }
@@ -299,34 +289,55 @@ struct BacksteppingSettings {
   }
 };
 
-enum class ForecastSource { estimator, held, autoregressive, upstream, told };
-
 struct WaveMpcSettings {
   BacksteppingSettings law;  // clamps and the attitude's gains
   WaveMpcDesign mpc;
-  ForecastSource forecast = ForecastSource::estimator;
+  using Forecast = std::unique_ptr<ForceForecast>;
+  Forecast (WaveMpcSettings::*forecast)(const QuadrotorTask& task) const =
+      &WaveMpcSettings::own<true>;
   AutoregressiveDesign autoregressive;
   double spacing_s = 0.5;
   double memory_s = 60.0;
   UpstreamDesign upstream;
 
   void bind(Fields& fields);
-  std::unique_ptr<ForceForecast> make_forecast(const QuadrotorTask& task) const;
+  template <bool goes_on>
+  Forecast own(const QuadrotorTask& /*task*/) const {
+    return std::make_unique<EstimatorForecast>(mpc.period_s, goes_on);
+  }
+  Forecast learned(const QuadrotorTask& task) const {
+    AutoregressiveDesign design = autoregressive;
+    design.spacing = static_cast<int>(std::round(std::min(spacing_s / mpc.period_s, 1e4)));
+    design.memory = memory_s / mpc.period_s;
+    design.largest = task.plant.parameters().thrust_limit_N;
+    return blame("controller.autoregressive_spacing_s",
+                 [&] { return std::make_unique<AutoregressiveForecast>(design); });
+  }
+  Forecast from_probe(const QuadrotorTask& task) const {
+    UpstreamDesign design = upstream;
+    design.period_s = mpc.period_s;
+    return blame("controller.probe_window_s",
+                 [&] { return std::make_unique<UpstreamForecast>(task, design); });
+  }
+  Forecast told(const QuadrotorTask& task) const {
+    return blame("controller.forecast",
+                 [&] { return std::make_unique<ToldForecast>(task, mpc.period_s); });
+  }
   std::unique_ptr<Controller> make(const QuadrotorTask& task,
                                    std::shared_ptr<QuadrotorEstimator> estimator) const {
-    return std::make_unique<WaveMpc>(law.make_law(task), std::move(estimator), make_forecast(task),
-                                     mpc, task.period_s);
+    return std::make_unique<WaveMpc>(law.make_law(task), std::move(estimator),
+                                     (this->*forecast)(task), mpc, task.period_s);
   }
 };
 
 void WaveMpcSettings::bind(Fields& fields) {
   fields.optional_choice(
       "controller.forecast", forecast,
-      {{"estimator", ForecastSource::estimator},
-       {"held", ForecastSource::held},
-       {"autoregressive", ForecastSource::autoregressive},
-       {"upstream", ForecastSource::upstream},
-       {"told", ForecastSource::told}},
+      {{"estimator", &WaveMpcSettings::own<true>},
+       {"held", &WaveMpcSettings::own<false>},
+       {"autoregressive", &WaveMpcSettings::learned},
+       {"upstream", &WaveMpcSettings::from_probe},
+       {"told", &WaveMpcSettings::told}},
       "forecast of the force: estimator (its model's free response), held (the present estimate) "
       "or autoregressive (identified on line). Told of the sea: upstream (a probe of the "
       "elevation), told (the future)");
@@ -363,34 +374,6 @@ void WaveMpcSettings::bind(Fields& fields) {
   fields.only_for(
       {"controller.probe_distance_m", "controller.probe_noise_m", "controller.probe_window_s"},
       "controller.forecast", {"upstream"});
-}
-
-std::unique_ptr<ForceForecast> WaveMpcSettings::make_forecast(const QuadrotorTask& task) const {
-  const double period_s = mpc.period_s;
-  switch (forecast) {
-    case ForecastSource::estimator:
-      return std::make_unique<EstimatorForecast>(period_s, true);
-    case ForecastSource::held:
-      return std::make_unique<EstimatorForecast>(period_s, false);
-    case ForecastSource::autoregressive: {
-      AutoregressiveDesign design = autoregressive;
-      design.spacing = static_cast<int>(std::round(std::min(spacing_s / period_s, 1e4)));
-      design.memory = memory_s / period_s;
-      design.largest = task.plant.parameters().thrust_limit_N;
-      return blame("controller.autoregressive_spacing_s",
-                   [&] { return std::make_unique<AutoregressiveForecast>(design); });
-    }
-    case ForecastSource::upstream: {
-      UpstreamDesign design = upstream;
-      design.period_s = period_s;
-      return blame("controller.probe_window_s",
-                   [&] { return std::make_unique<UpstreamForecast>(task, design); });
-    }
-    case ForecastSource::told:
-      return blame("controller.forecast",
-                   [&] { return std::make_unique<ToldForecast>(task, period_s); });
-  }
-  throw std::logic_error("unknown forecast");
 }
 
 }  // namespace
