@@ -23,6 +23,7 @@ constexpr double kRounding = 1e-5;  // error of the peak of a sampled oscillatio
 constexpr double kWhole = 1e-9;     // a smaller part of a period is rounding
 constexpr std::size_t kWarmUps[] = {500, 5000, 50'000};  // settling times of a gain, in samples
 constexpr std::size_t kLater = 777;
+constexpr Eigen::Index kCommand = 0;  // its row in a response
 
 struct ProbeSequence {
   Probe probe = Probe::force;
@@ -48,16 +49,16 @@ PulseResponse run(const AxisLoopDesign& design, const ProbeSequence& probe, std:
     sample.y(0) = measured.update((design.plant.C * x)(0) + probe.at(Probe::noise, k));
     if (has_full_state) sample.y.segment<2>(1) = x.head<2>();
   };
-  PulseResponse out;
-  out.command.reserve(samples);
+  PulseResponse out = PulseResponse::Zero(3, static_cast<Eigen::Index>(samples));
   for (std::size_t k = 0; k < samples; ++k) {
     sense(k);
     if (k == 0) loop.controller->reset(sample);
     loop.controller->update(sample, u);
-    out.command.push_back(u(0));
+    const auto column = static_cast<Eigen::Index>(k);
+    out(kCommand, column) = u(0);
     if (loop.estimates()) {
-      out.disturbance.push_back(loop.estimator->disturbance()(0));
-      out.velocity.push_back(loop.estimator->state()(1));
+      out(1, column) = loop.estimator->disturbance()(0);
+      out(2, column) = loop.estimator->state()(1);
     }
     x = design.plant.A * x + design.plant.B * command.update(u(0) + probe.at(Probe::force, k));
   }
@@ -65,45 +66,30 @@ PulseResponse run(const AxisLoopDesign& design, const ProbeSequence& probe, std:
 }
 
 // (a − b) scale, from sample `from` on.
-std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b,
-                               std::size_t from, double scale) {
-  std::vector<double> result;
-  for (std::size_t k = from; k < a.size(); ++k) result.push_back((a[k] - b[k]) * scale);
-  return result;
-}
-
 PulseResponse difference(const PulseResponse& a, const PulseResponse& b, std::size_t from,
                          double scale) {
-  return {difference(a.command, b.command, from, scale),
-          difference(a.disturbance, b.disturbance, from, scale),
-          difference(a.velocity, b.velocity, from, scale)};
+  return (a - b).rightCols(a.cols() - static_cast<Eigen::Index>(from)) * scale;
 }
 
-double largest(const std::vector<double>& values, std::size_t from = 0,
-               std::size_t to = std::numeric_limits<std::size_t>::max()) {
-  double most = 0.0;
-  for (std::size_t k = from; k < std::min(to, values.size()); ++k) {
-    if (!std::isfinite(values[k])) return std::numeric_limits<double>::infinity();
-    most = std::max(most, std::abs(values[k]));
-  }
-  return most;
+using Values = Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
+
+// 0 of none, infinite if one is not finite.
+double largest(const Values& values) {
+  if (!values.allFinite()) return std::numeric_limits<double>::infinity();
+  return values.size() == 0 ? 0.0 : values.cwiseAbs().maxCoeff();
 }
 
-bool is_same(const std::vector<double>& a, const std::vector<double>& b) {
-  const double bound = kSame * largest(a);
-  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
-    if (!(std::abs(a[k] - b[k]) <= bound)) return false;
-  }
-  return true;
+bool is_same(const Values& a, const Values& b) {
+  return ((a - b).array().abs() <= kSame * largest(a)).all();
 }
 
-bool is_same(const PulseResponse& a, const PulseResponse& b) {
-  return is_same(a.command, b.command) && is_same(a.disturbance, b.disturbance) &&
-         is_same(a.velocity, b.velocity);
+bool are_same(const PulseResponse& a, const PulseResponse& b) {
+  return is_same(a.row(0), b.row(0)) && is_same(a.row(1), b.row(1)) && is_same(a.row(2), b.row(2));
 }
 
-bool has_decayed(const std::vector<double>& values) {
-  return largest(values, values.size() * 3 / 4) <= kDecayed * largest(values);
+bool has_decayed(const Values& values) {
+  const Eigen::Index from = values.size() * 3 / 4;
+  return largest(values.tail(values.size() - from)) <= kDecayed * largest(values);
 }
 
 // A random binary sequence (Marsaglia's xorshift).
@@ -130,14 +116,14 @@ bool is_linear(const AxisLoopDesign& design, Probe probe, double size, std::size
   const PulseResponse rest = run(design, {}, samples);
   const PulseResponse once = run(design, {probe, from, binary_pattern(size)}, samples);
   const PulseResponse twice = run(design, {probe, from, binary_pattern(-2.0 * size)}, samples);
-  return is_same(difference(once, rest, from, -2.0), difference(twice, rest, from, 1.0));
+  return are_same(difference(once, rest, from, -2.0), difference(twice, rest, from, 1.0));
 }
 
 // The first sample from which the response to a pulse does not change with time, if there is one.
 std::optional<std::size_t> time_invariant_from(const AxisLoopDesign& design, double force) {
   for (const std::size_t from : kWarmUps) {
-    if (is_same(to_pulse(design, Probe::force, force, from, kFirstLength),
-                to_pulse(design, Probe::force, force, from + kLater, kFirstLength))) {
+    if (are_same(to_pulse(design, Probe::force, force, from, kFirstLength),
+                 to_pulse(design, Probe::force, force, from + kLater, kFirstLength))) {
       return from;
     }
   }
@@ -149,8 +135,7 @@ std::optional<PulseResponse> whole_response(const AxisLoopDesign& design, Probe 
                                             std::size_t from) {
   for (std::size_t length = kFirstLength; length <= kLongest; length *= 4) {
     PulseResponse pulses = to_pulse(design, probe, size, from, length);
-    if (has_decayed(pulses.command) && has_decayed(pulses.disturbance) &&
-        has_decayed(pulses.velocity)) {
+    if (has_decayed(pulses.row(0)) && has_decayed(pulses.row(1)) && has_decayed(pulses.row(2))) {
       return pulses;
     }
   }
@@ -188,10 +173,10 @@ StateSpace hold_late(const StateSpace& continuous, double period_s, double late_
   return sampled;
 }
 
-std::complex<double> sum(const std::vector<double>& values, std::complex<double> step) {
+std::complex<double> sum(const Values& values, std::complex<double> step) {
   // Horner's rule in z⁻¹.
   std::complex<double> result = 0.0;
-  for (std::size_t k = values.size(); k-- > 0;) result = result * step + values[k];
+  for (Eigen::Index k = values.size(); k-- > 0;) result = result * step + values(k);
   return result;
 }
 
@@ -200,7 +185,7 @@ std::complex<double> sum(const std::vector<double>& values, std::complex<double>
 Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, double period_s) {
   const std::complex<double> back(math::cos(omega_rad_s * period_s),
                                   -math::sin(omega_rad_s * period_s));
-  return {sum(pulses.command, back), sum(pulses.disturbance, back), sum(pulses.velocity, back)};
+  return {sum(pulses.row(0), back), sum(pulses.row(1), back), sum(pulses.row(2), back)};
 }
 
 AxisLoopDesign axis_loop_design(const AxisParts& parts, const AxisTask& task,
@@ -242,23 +227,24 @@ bool is_unstable(const AxisLoopDesign& design) {
   // The response begins after the delays.
   const auto delays = static_cast<std::size_t>(design.delay_samples) +
                       static_cast<std::size_t>(design.command_delay_samples);
-  std::size_t length = kFirstLength;
-  while (length < 16 * delays) length *= 4;
-  const std::size_t first = length;
-  for (;; length *= 4) {
-    const std::vector<double> response =
-        to_pulse(design, Probe::force, design.force, 0, length).command;
-    const std::size_t quarter = length / 4;
-    const double before = largest(response, 2 * quarter, 3 * quarter);
-    const double last = largest(response, 3 * quarter);
-    if (!std::isfinite(last) || last > kFar * largest(response, 0, 3 * quarter)) return true;
+  std::size_t first = kFirstLength;
+  while (first < 16 * delays) first *= 4;
+  const auto command = [&](double force, std::size_t length) -> Eigen::RowVectorXd {
+    return to_pulse(design, Probe::force, force, 0, length).row(kCommand);
+  };
+  for (std::size_t length = first;; length *= 4) {
+    const Eigen::RowVectorXd response = command(design.force, length);
+    const Eigen::Index quarter = response.size() / 4;
+    const double before = largest(response.segment(2 * quarter, quarter));
+    const double last = largest(response.tail(quarter));
+    if (!std::isfinite(last) || last > kFar * largest(response.head(3 * quarter))) return true;
     if (has_decayed(response)) return false;
     if (length < kLongestJudged) continue;
     // A loop that is not linear has no eigenvalues.
-    return is_same(to_pulse(design, Probe::force, -2.0 * design.force, 0, first).command,
-                   response) &&
+    const auto begin = static_cast<Eigen::Index>(first);
+    return is_same(command(-2.0 * design.force, first), response.head(begin)) &&
            (last > (1.0 + kRounding) * before ||
-            (last > (1.0 - kRounding) * before && last > largest(response, 0, first / 4)));
+            (last > (1.0 - kRounding) * before && last > largest(response.head(begin / 4))));
   }
 }
 

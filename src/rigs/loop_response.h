@@ -4,7 +4,6 @@
 #include <complex>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <breakwater/linear/state_space.h>
 #include <breakwater/rigs/axis_settings.h>
@@ -15,17 +14,15 @@ namespace breakwater {
 /// controller. `noise` is an error n of the measured position.
 enum class Probe { force, noise };
 
-/// The observed signals: the controller's command u without the probe, d̂ and v̂. Without an
-/// estimator, d̂ and v̂ are empty or 0.
-template <typename T>
-struct LoopOutputs {
-  T command{};
-  T disturbance{};
-  T velocity{};
-};
+/// Samples of the observed signals, in columns: the controller's command u without the probe, d̂ and
+/// v̂. Without an estimator, d̂ and v̂ are 0.
+using PulseResponse = Eigen::Matrix3Xd;
 
-using PulseResponse = LoopOutputs<std::vector<double>>;
-using Phasors = LoopOutputs<std::complex<double>>;
+struct Phasors {
+  std::complex<double> command;
+  std::complex<double> disturbance;
+  std::complex<double> velocity;
+};
 
 /// Σ h(k) e^{−jωkT} of each output.
 Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, double period_s);
