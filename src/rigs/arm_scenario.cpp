@@ -34,7 +34,7 @@ void bind_joint(Fields& fields, AxisSettings& joint, TransmissionSettings& trans
                          "Coulomb friction of the joint; -1: that of the model file [N m]");
   joint.drive.bind(fields, axis.units);
   bind_scale(fields, joint.encoder, axis.units);
-  transmission.bind_plant(fields, axis.units, axis.inertia_suffix, axis.friction_suffix);
+  transmission.bind_plant(fields, axis.units);
 }
 
 // The transmission with the motor's angle over the ratio in place of its angle. The command and the

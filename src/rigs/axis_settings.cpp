@@ -74,9 +74,6 @@ Axis named_axis(const std::string& name, const std::string& joint, const std::st
           .position_sensor = Axis::kJoint,
           .channel = name,
           .counts_pulses = is_hinge,
-          .inertia_name = is_hinge ? "inertia" : "mass",
-          .inertia_suffix = is_hinge ? "kgm2" : "kg",
-          .friction_suffix = is_hinge ? "Nms_rad" : "Ns_m",
           .units = is_hinge ? rotation_units() : translation_units()};
 }
 
@@ -94,9 +91,9 @@ Axis cart_axis() {
 
 void AxisSettings::bind_nominal(Fields& fields) {
   const char* const doc = "nominal value for the controller and the observer";
-  fields.number("nominal." + axis.inertia_name + "_" + axis.inertia_suffix,
+  fields.number("nominal." + axis.units.inertia + "_" + axis.units.inertia_suffix,
                 transmission.nominal.load_inertia, positive(), doc);
-  fields.number("nominal.viscous_friction_" + axis.friction_suffix,
+  fields.number("nominal.viscous_friction_" + axis.units.friction_suffix,
                 transmission.nominal.load_friction, not_negative(), doc);
 }
 
@@ -111,11 +108,11 @@ void AxisSettings::bind(Fields& fields) {
                 "source of the nominal numbers: keys, or the model at the pose of start.keyframe "
                 "with all other joints held, and the keys of the transmission");
   fields.standard(from, {std::string("model")});
-  fields.only_for({"nominal.motor_inertia_" + axis.inertia_suffix,
-                   "nominal.motor_viscous_friction_" + axis.friction_suffix,
-                   "nominal.stiffness_" + u.force_suffix + "_" + u.position_suffix,
-                   "nominal.damping_" + axis.friction_suffix},
-                  from, {"keys"});
+  fields.only_for(
+      {"nominal.motor_inertia_" + u.inertia_suffix,
+       "nominal.motor_viscous_friction_" + u.friction_suffix,
+       "nominal.stiffness_" + u.stiffness_suffix(), "nominal.damping_" + u.friction_suffix},
+      from, {"keys"});
   {
     const Fields::OfPart keys(fields, from, "keys");
     bind_nominal(fields);
@@ -172,19 +169,15 @@ void AxisSettings::bind_step(Fields& fields) {
 
 void AxisSettings::bind_parts(Fields& fields) {
   const AxisUnits& u = axis.units;
-  const auto key = [](const std::string& stem, const std::string& suffix) {
-    return stem + "_" + suffix;
-  };
   const std::string or_file = "; negative: that of the model file [";
   fields.optional_number(
-      "plant." + key("viscous_friction", axis.friction_suffix), viscous_friction, any(),
+      "plant.viscous_friction_" + u.friction_suffix, viscous_friction, any(),
       "viscous friction of the plant" + or_file + u.force + " per " + u.velocity + "]");
-  fields.optional_number("plant." + key("coulomb_friction", u.force_suffix), coulomb_friction,
-                         any(), "Coulomb friction of the plant" + or_file + u.force + "]");
-  fields.optional_number("drive." + key("limit", u.force_suffix), drive_limit, not_negative(),
+  fields.optional_number("plant.coulomb_friction_" + u.force_suffix, coulomb_friction, any(),
+                         "Coulomb friction of the plant" + or_file + u.force + "]");
+  fields.optional_number("drive.limit_" + u.force_suffix, drive_limit, not_negative(),
                          "0: the actuator's ctrlrange, or none [" + u.force + "]");
-  fields.optional_number("drive." + key("resolution", u.force_suffix), drive_resolution,
-                         not_negative(),
+  fields.optional_number("drive.resolution_" + u.force_suffix, drive_resolution, not_negative(),
                          "step of the drive's PWM; 0: not quantised [" + u.force + "]");
   drive.bind(fields, u);
   if (axis.counts_pulses) {
@@ -197,11 +190,11 @@ void AxisSettings::bind_parts(Fields& fields) {
     fields.only_where({"encoder.multiplication", "encoder.gear_ratio"}, "encoder.bits is not 0",
                       [this] { return counts.bits != 0; });
   } else {
-    fields.optional_number("encoder." + key("resolution", u.position_suffix), encoder.quantum,
+    fields.optional_number("encoder.resolution_" + u.position_suffix, encoder.quantum,
                            not_negative(),
                            "encoder resolution, one count; 0: not quantised [" + u.position + "]");
   }
-  fields.optional_number("encoder." + key("phase", u.position_suffix), encoder.phase, any(),
+  fields.optional_number("encoder.phase_" + u.position_suffix, encoder.phase, any(),
                          "distance of the start from the middle of a count [" + u.position + "]");
   fields.optional_choice(
       "encoder.origin", encoder.origin,
@@ -209,19 +202,18 @@ void AxisSettings::bind_parts(Fields& fields) {
       "zero of the encoder: it counts from the start, or is calibrated to the true 0. The two "
       "differ only with a phase");
   bind_encoder_rounding(fields, encoder.rounding);
-  fields.only_where(
-      {"encoder." + key("phase", u.position_suffix), "encoder.origin", "encoder.rounding"},
-      "the encoder is quantised", [this] { return quantum() != 0.0; });
+  fields.only_where({"encoder.phase_" + u.position_suffix, "encoder.origin", "encoder.rounding"},
+                    "the encoder is quantised", [this] { return quantum() != 0.0; });
   bind_scale(fields, encoder, u);
   fields.optional_number(
-      "noise." + key("std", u.position_suffix), noise_std, not_negative(),
+      "noise.std_" + u.position_suffix, noise_std, not_negative(),
       "standard deviation of the measurement's white noise [" + u.position + "]");
   fields.optional_number(
-      "noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),
+      "noise.input_std_" + u.force_suffix, input_noise_std, not_negative(),
       "standard deviation of a random force, constant in each sample [" + u.force + "]");
   fields.optional_count("sensor.delay_samples", delay_samples, between(0, 1e6),
                         "delay of the measurement in control periods");
-  transmission.bind(fields, u, axis.inertia_suffix, axis.friction_suffix);
+  transmission.bind(fields, u);
 }
 
 double AxisSettings::pulses_per_revolution() const {
@@ -384,8 +376,8 @@ std::vector<std::string> AxisPlant::warnings() const {
         (transmission.is_elastic() || transmission.motor_inertia > 0.0) &&
         transmission.nominal_model == NominalModel::rigid &&
         transmission.nominal.motor_inertia == 0.0) {
-      lines.push_back(one.axis.prefix() + "nominal.motor_inertia_" + one.axis.inertia_suffix +
-                      ": is 0, so nominal.inertia_" + one.axis.inertia_suffix +
+      lines.push_back(one.axis.prefix() + "nominal.motor_inertia_" + one.axis.units.inertia_suffix +
+                      ": is 0, so nominal.inertia_" + one.axis.units.inertia_suffix +
                       " must be that of load and motor");
     }
   }
@@ -634,9 +626,9 @@ Model AxisPlant::nominal_model() const {
     if (transmission.is_elastic()) {
       if (!(numbers.motor_inertia > 0.0 && numbers.stiffness > 0.0)) {
         const std::string nominal = one.axis.prefix() + "nominal.";
-        throw std::invalid_argument(nominal + "motor_inertia_" + one.axis.inertia_suffix + " and " +
-                                    nominal + "stiffness_" + one.axis.units.force_suffix + "_" +
-                                    one.axis.units.position_suffix +
+        throw std::invalid_argument(nominal + "motor_inertia_" + one.axis.units.inertia_suffix +
+                                    " and " + nominal + "stiffness_" +
+                                    one.axis.units.stiffness_suffix() +
                                     " must be positive for a linear model of the plant");
       }
       set(one.axis.joint, numbers.load_inertia, numbers.load_friction);

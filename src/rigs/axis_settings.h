@@ -35,9 +35,6 @@ struct Axis {
   std::string position_sensor;  ///< kJoint: the joint itself
   std::string channel;          ///< name of the position's sensor channel
   bool counts_pulses;           ///< the key of its encoder is pulses per revolution
-  std::string inertia_name;     ///< "inertia", "mass"
-  std::string inertia_suffix;   ///< "kgm2"
-  std::string friction_suffix;  ///< suffix of the viscous friction: "Nms_rad"
   AxisUnits units;
 
   /// The prefix of its keys: "axis.NAME.", or "".

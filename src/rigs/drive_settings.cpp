@@ -13,7 +13,7 @@ namespace {
 void bind_sine(Fields& fields, const std::string& stem, const std::string& amplitude_suffix,
                PositionSine& sine, const AxisUnits& units, const std::string& doc) {
   const std::string amplitude = stem + "_" + amplitude_suffix;
-  const bool turns = units.position == "rad";
+  const bool turns = units.turns();
   const std::string periods = stem + (turns ? "_per_turn" : "_per_m");
   fields.optional_number(amplitude, sine.amplitude, not_negative(), doc);
   fields.optional_number(periods, sine.periods, positive(),
@@ -30,8 +30,8 @@ DriveSettings::DriveSettings(const Catalogue& catalogue)
 void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
   friction_->bind(fields);
   const std::string constant =
-      (units.position == "rad" ? "drive.torque_constant_" : "drive.force_constant_") +
-      units.force_suffix + "_A";
+      (units.turns() ? "drive.torque_constant_" : "drive.force_constant_") + units.force_suffix +
+      "_A";
   const std::string unit = " [" + units.force + "]";
   ElectricDrive& e = electric_;
   fields.optional_number("drive.current_bandwidth_rad_s", e.bandwidth_rad_s, not_negative(),
@@ -112,12 +112,9 @@ void TimingSettings::check(const Config& config, const PhysicsSettings& physics)
       key, [&] { CommandTiming(delays(), 0, physics.timestep_s, physics.steps_per_sample(), 1); });
 }
 
-void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u,
-                                      const std::string& inertia_suffix,
-                                      const std::string& friction_suffix) {
-  const std::string stiffness =
-      "transmission.stiffness_" + u.force_suffix + "_" + u.position_suffix;
-  const std::string position = "_" + u.position_suffix, friction = "_" + friction_suffix;
+void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u) {
+  const std::string stiffness = "transmission.stiffness_" + u.stiffness_suffix();
+  const std::string position = "_" + u.position_suffix, friction = "_" + u.friction_suffix;
   const std::string torque_per = u.force + " per ";
   fields.optional_number("transmission.ratio", design.ratio, positive(),
                          "N: motion of the motor for one of the load");
@@ -132,7 +129,7 @@ void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u,
                          "amplitude of the transmission's error, at the load [" + u.position + "]");
   fields.optional_number("transmission.kinematic_error_per_turn", design.error_per_turn, any(),
                          "periods of this error in a turn of the motor");
-  motor_inertia_key_ = "motor_inertia_" + inertia_suffix;
+  motor_inertia_key_ = "motor_inertia_" + u.inertia_suffix;
   fields.optional_number(
       "transmission." + motor_inertia_key_, motor_inertia, not_negative(),
       "inertia of the motor, in place of its joint's (0: the joint's own). Without a joint it adds "
@@ -154,12 +151,10 @@ void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u,
       stiffness + " is not 0", [this] { return is_elastic(); });
 }
 
-void TransmissionSettings::bind(Fields& fields, const AxisUnits& u,
-                                const std::string& inertia_suffix,
-                                const std::string& friction_suffix) {
-  bind_plant(fields, u, inertia_suffix, friction_suffix);
-  const std::string stiffness = "_" + u.force_suffix + "_" + u.position_suffix;
-  const std::string friction = "_" + friction_suffix, torque_per = u.force + " per ";
+void TransmissionSettings::bind(Fields& fields, const AxisUnits& u) {
+  bind_plant(fields, u);
+  const std::string stiffness = "_" + u.stiffness_suffix();
+  const std::string friction = "_" + u.friction_suffix, torque_per = u.force + " per ";
   fields.optional_number(
       "transmission.motor_coulomb_friction_" + u.force_suffix, motor_coulomb, not_negative(),
       "Coulomb friction of the motor, besides that of its joint in the model [" + u.force + "]");
@@ -300,8 +295,7 @@ void TransmissionSettings::describe(NominalAxis& axis, const TwoInertia& numbers
     throw WrongKey(key, std::string("must be positive for nominal.model = \"") + model + '"');
   };
   const std::string stiffness = (from == NominalFrom::keys ? "nominal" : "transmission") +
-                                (".stiffness_" + axis.units.force_suffix) + "_" +
-                                axis.units.position_suffix;
+                                (".stiffness_" + axis.units.stiffness_suffix());
   const std::string motor_inertia_key =
       (from == NominalFrom::keys ? "nominal." : "transmission.") + motor_inertia_key_;
   if (!(numbers.stiffness > 0.0)) {

@@ -95,12 +95,10 @@ struct TransmissionSettings {
   TwoInertia nominal;  ///< the load's values are keys of the axis; with the true ratio
 
   /// The keys of the plant: `transmission.…`, `friction.side` and `encoder.side`.
-  void bind_plant(Fields& fields, const AxisUnits& units, const std::string& inertia_suffix,
-                  const std::string& friction_suffix);
+  void bind_plant(Fields& fields, const AxisUnits& units);
   /// All keys: those of the plant, `transmission.motor_joint` and `nominal.…`. All have a default
   /// value.
-  void bind(Fields& fields, const AxisUnits& units, const std::string& inertia_suffix,
-            const std::string& friction_suffix);
+  void bind(Fields& fields, const AxisUnits& units);
 
   bool is_elastic() const { return design.stiffness > 0.0; }
   bool adds_rotor() const { return is_elastic() && motor_joint.empty(); }

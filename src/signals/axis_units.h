@@ -5,7 +5,7 @@
 
 namespace breakwater {
 
-/// Suffixes and units of a position, its rate and the force along it.
+/// Suffixes and units of a position, its rate, the force along it and what resists that.
 struct AxisUnits {
   std::string position_suffix;  ///< "rad"
   std::string position;         ///< "rad"
@@ -13,13 +13,19 @@ struct AxisUnits {
   std::string velocity;         ///< "rad/s"
   std::string force_suffix;     ///< "Nm"
   std::string force;            ///< "N m"
+  std::string inertia;          ///< "inertia", "mass"
+  std::string inertia_suffix;   ///< "kgm2"
+  std::string friction_suffix;  ///< suffix of a viscous friction: "Nms_rad"
+
+  bool turns() const { return position == "rad"; }
+  std::string stiffness_suffix() const { return force_suffix + "_" + position_suffix; }
 };
 
 inline AxisUnits rotation_units() {
-  return {"rad", "rad", "rad_s", "rad/s", "Nm", "N m"};
+  return {"rad", "rad", "rad_s", "rad/s", "Nm", "N m", "inertia", "kgm2", "Nms_rad"};
 }
 inline AxisUnits translation_units() {
-  return {"m", "m", "m_s", "m/s", "N", "N"};
+  return {"m", "m", "m_s", "m/s", "N", "N", "mass", "kg", "Ns_m"};
 }
 
 }  // namespace breakwater
