@@ -1,12 +1,9 @@
 // Further parts of the catalogue of all scenarios, beyond those of the axes.
 #pragma once
 
-#include <breakwater/experiment/catalogue.h>
 #include <breakwater/recorded/identified_scenario.h>
 
 namespace breakwater {
-
-ScenarioKind quadrotor_waves();
 
 /// The scenario motor_estimation on an identified axis. The delay is that of the command to the
 /// drive. The gains of the controller and half the largest torque as the step of the disturbance

@@ -3,9 +3,11 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <breakwater/control/quadrotor_estimator.h>
+#include <breakwater/experiment/catalogue.h>
 #include <breakwater/plants/quadrotor.h>
 #include <breakwater/rigs/loop_parts.h>
 #include <breakwater/sim/underwater_force.h>
@@ -57,5 +59,10 @@ class QuadrotorParts : public LoopParts<QuadrotorEstimator, QuadrotorEstimatorKi
 /// The estimators and controllers of Breakwater.
 std::vector<QuadrotorEstimatorKind> quadrotor_estimators();
 std::vector<QuadrotorControllerKind> quadrotor_controllers();
+
+/// A scenario that is a file alone: a vehicle goes to a point under waves and stays there. The
+/// controller uses the state of one of several nonlinear estimators. The model must have a free
+/// body "quadrotor" with the sites t1 … t4, four thrusters and the sensors position and attitude.
+ScenarioKind quadrotor_kind(const std::string& name, const std::string& summary);
 
 }  // namespace breakwater
