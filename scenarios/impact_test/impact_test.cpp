@@ -103,16 +103,14 @@ class ImpactTest final : public Scenario {
     sim.set_collidable(geom_id(sim.model(), kStruckWall), wall_.is_of_engine());
 
     const double& force_N = wall_.is_of_engine() ? sim.sensor("tip_touch") : contact->force_N();
-    const double& sensor_N =
-        plant_.tip->chain.has_body() ? sim.sensing().filtered(2) : sim.sensor("tip_force");
-    const double& filtered_N = sim.sensing().filtered(1);
     const std::span<const double> measured = view(sim.sample().y);
     const std::vector<Signal> fine_signals = {
         {"qpos", "m", "the carriage's position", sim.qpos()},
         {"qvel", "m/s", "the carriage's speed", sim.qvel()},
         {"force_true_N", "N", "normal contact force, true", view(force_N)},
-        {"force_sensor_N", "N", "force sensor, before its low-pass", view(sensor_N)},
-        {"force_filtered_N", "N", "force sensor, behind its low-pass", view(filtered_N)},
+        {"force_sensor_N", "N", "force sensor, before its low-pass", view(rig.sensor_force_N())},
+        {"force_filtered_N", "N", "force sensor, behind its low-pass",
+         view(rig.filtered_force_N())},
         {"penetration_m", "m", "penetration; negative: the gap", view(contact->penetration_m())},
         {"wall_m", "m", "how far the wall has moved", view(contact->wall_m())}};
     std::vector<Signal> signals = fine_signals;

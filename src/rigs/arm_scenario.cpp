@@ -234,12 +234,7 @@ std::unique_ptr<DisturbanceEstimator> ArmScenario::make_observer() const {
 }
 
 ArmRig::ArmRig(const AxisPlant& plant, const PlanarChain& chain, Controller& controller)
-    : AxisRig(plant, controller),
-      chain_(chain),
-      controller_(controller),
-      force_sensor_(plant.tip->chain.has_body()
-                        ? simulation().sensing().filtered(plant.axes.size() + 1)
-                        : simulation().sensor(kForceSensor)) {
+    : AxisRig(plant, controller), chain_(chain), controller_(controller) {
   const auto any = [&](auto&& has) {
     return std::any_of(plant.axes.begin(), plant.axes.end(), has);
   };
@@ -314,7 +309,7 @@ std::vector<Signal> ArmRig::signals() const {
 std::vector<Signal> ArmRig::fine_signals() const {
   return {{"qpos", "rad", "the engine's generalised positions", positions()},
           {"force_true_N", "N", "true normal contact force", view(contact_force_N())},
-          {"force_sensor_N", "N", "force sensor, before its low-pass", view(force_sensor_)},
+          {"force_sensor_N", "N", "force sensor, before its low-pass", view(sensor_force_N())},
           {"force_filtered_N", "N", "force sensor, behind its low-pass", view(filtered_force_N())}};
 }
 

@@ -48,7 +48,6 @@ class ArmRig : public AxisRig {
 
   const PlanarChain& chain_;
   const Controller& controller_;
-  const double& force_sensor_;
   std::vector<JointValues> joints_;  // first the true angles, then their rates
   TipPose tip_ = TipPose::Zero();
 };

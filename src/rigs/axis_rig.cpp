@@ -256,8 +256,7 @@ void AxisRig::add_tip_signals(std::vector<Signal>& signals) const {
   if (contact_force_ != nullptr) {
     add("force_true_N", "true normal contact force", view(*contact_force_));
   }
-  add("force_sensor_N", "force sensor, before its low-pass",
-      view(simulation_->sensing().filtered(simulation_->sensing().size() - 1)));
+  add("force_sensor_N", "force sensor, before its low-pass", view(sensor_force_N()));
   add("force_filtered_N", "force sensor, behind its low-pass", view(filtered_force_N()));
   add("force_measured_N", "sampled force behind the low-pass", measured.first(1));
   add("force_raw_measured_N", "sampled force before the low-pass", measured.last(1));

@@ -93,7 +93,10 @@ class AxisRig {
   /// The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const;
 
-  /// The force of the tip's sensor behind its low-pass.
+  /// The force of the tip's sensor before its low-pass and behind it.
+  const double& sensor_force_N() const {
+    return simulation_->sensing().filtered(simulation_->sensing().size() - 1);
+  }
   const double& filtered_force_N() const {
     return simulation_->sensing().filtered(simulation_->sensing().size() - 2);
   }

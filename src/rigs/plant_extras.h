@@ -27,7 +27,6 @@ struct ForceSensorSettings {
   void bind(Fields& fields);
   /// Throws std::invalid_argument, blaming a key, if a time is no multiple of the timestep.
   void check(const Config& config, double timestep_s) const;
-  bool has_body() const { return resonance_Hz > 0.0; }
   /// The channels "force", behind the low-pass, and "force_raw", before it, without what they read.
   std::array<SensorChannel, 2> channels() const;
 };
