@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <typeinfo>
+#include <utility>
 #include <vector>
 
 #include "interpreter.h"
@@ -36,6 +37,19 @@ py::array_t<double> numbers(const py::handle& object, const std::string& name);
 /// Text, and a whole number that fits an int. Throws std::invalid_argument (`NAME: must be …`).
 std::string utf8(const py::handle& object, const std::string& name);
 int whole_number(const py::handle& object, const std::string& name);
+
+/// The value of one of these texts. Throws std::invalid_argument (`NAME: must be …`).
+template <typename Value>
+Value one_of(const py::handle& object, const std::string& name,
+             const std::vector<std::pair<const char*, Value>>& options) {
+  const std::string chosen = utf8(object, name);
+  std::string names;
+  for (const auto& [option, value] : options) {
+    if (chosen == option) return value;
+    names += (names.empty() ? "" : ", ") + std::string(option);
+  }
+  throw std::invalid_argument(name + ": must be one of " + names + ", is \"" + chosen + "\"");
+}
 
 /// Finite numbers. A matrix comes from a number or from two dimensions. Throws
 /// std::invalid_argument (`NAME: must be …`).

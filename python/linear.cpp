@@ -63,12 +63,6 @@ py::tuple extend(const py::object& A, const py::object& B, const py::object& C,
           .sampled);
 }
 
-QpSolverKind solver_kind(const std::string& name) {
-  if (name == "active_set") return QpSolverKind::active_set;
-  if (name == "hildreth") return QpSolverKind::hildreth;
-  throw std::invalid_argument("solver: must be active_set or hildreth, is \"" + name + "\"");
-}
-
 const char* text(QpStatus status) {
   switch (status) {
     case QpStatus::solved:
@@ -103,7 +97,9 @@ class Qp {
  public:
   Qp(const py::object& H, const py::object& Omega, const py::object& solver,
      const py::object& max_iterations) {
-    solver_ = apart([kind = solver_kind(utf8(solver, "solver")),
+    solver_ = apart([kind = one_of<QpSolverKind>(solver, "solver",
+                                                 {{"active_set", QpSolverKind::active_set},
+                                                  {"hildreth", QpSolverKind::hildreth}}),
                      model = QpModel{matrix(H, "H"), matrix(Omega, "Omega")},
                      most = whole_number(max_iterations, "max_iterations")] {
       return make_qp_solver(kind, model, most);

@@ -28,47 +28,33 @@ namespace breakwater::python {
 namespace {
 
 using Estimator = std::unique_ptr<DisturbanceEstimator>;
-using Vector = Eigen::Ref<const Eigen::VectorXd>;
 
-// The plant, the sensor and the drive of an estimator, by name.
-class Arguments {
- public:
-  explicit Arguments(py::dict arguments) : arguments_(std::move(arguments)) {}
-
-  // Without a period the plant is a sampled one, and the unit of time is a sample.
-  NominalAxis axis() const {
-    NominalAxis axis{.plant = {matrix(at("A"), "A"), matrix(at("B"), "B"), matrix(at("C"), "C")},
-                     .period_s = 1.0,
-                     .is_sampled = at("period_s").is_none(),
-                     .pulses_per_revolution = not_negative("pulses_per_revolution")};
-    check(axis.plant);
-    if (!axis.is_sampled) axis.period_s = number_at("period_s");
-    if (const double largest = not_negative("largest_input"); largest > 0.0) {
-      axis.force_limit = largest;
-    }
-    const Eigen::Index outputs = axis.plant.outputs();
-    axis.sensor = {vector_of(at("delta"), outputs, "delta"),
-                   vector_of(at("sigma"), outputs, "sigma")};
-    const std::string rounding = utf8(at("rounding"), "rounding");
-    if (rounding == "truncate") {
-      axis.sensor.rounding = EncoderRounding::truncate;
-    } else if (rounding != "nearest") {
-      throw std::invalid_argument("rounding: must be nearest or truncate, is \"" + rounding + "\"");
-    }
-    return axis;
-  }
-
- private:
-  py::object at(const char* name) const { return arguments_[name]; }
-  double number_at(const char* name) const { return python::number(at(name), name); }
-  double not_negative(const char* name) const {
-    const double value = number_at(name);
+// The plant, the sensor and the drive of an estimator. Without a period the plant is a sampled one,
+// and the unit of time is a sample.
+NominalAxis axis_of(const py::dict& given) {
+  const auto not_negative = [&](const char* name) {
+    const double value = number(given[name], name);
     if (value >= 0.0) return value;
     throw std::invalid_argument(std::string(name) + ": must be 0 or more");
+  };
+  NominalAxis axis{
+      .plant = {matrix(given["A"], "A"), matrix(given["B"], "B"), matrix(given["C"], "C")},
+      .period_s = 1.0,
+      .is_sampled = given["period_s"].is_none(),
+      .pulses_per_revolution = not_negative("pulses_per_revolution")};
+  check(axis.plant);
+  if (!axis.is_sampled) axis.period_s = number(given["period_s"], "period_s");
+  if (const double largest = not_negative("largest_input"); largest > 0.0) {
+    axis.force_limit = largest;
   }
-
-  py::dict arguments_;
-};
+  const Eigen::Index outputs = axis.plant.outputs();
+  axis.sensor = {vector_of(given["delta"], outputs, "delta"),
+                 vector_of(given["sigma"], outputs, "sigma")};
+  axis.sensor.rounding = one_of<EncoderRounding>(
+      given["rounding"], "rounding",
+      {{"nearest", EncoderRounding::nearest}, {"truncate", EncoderRounding::truncate}});
+  return axis;
+}
 
 // Values of keys that a scenario's file must give: "NAME.KEY" of one estimator, or "KEY" of all.
 std::optional<std::string> default_of(const std::string& name, const std::string& key) {
@@ -228,32 +214,102 @@ class Lookout {
   Clock::time_point next_ = Clock::now() + kLook;
 };
 
+// A filter of the underwater quadrotor with the thesis' parameters: x is the pose and its rate, d
+// the force. It starts at rest at a pose.
+class PoseFilter final : public DisturbanceEstimator {
+ public:
+  explicit PoseFilter(const py::dict& arguments) {
+    QuadrotorEstimatorDesign design;
+    design.filter = one_of<QuadrotorFilter>(
+        arguments["kind"], "kind", {{"ukf", QuadrotorFilter::ukf}, {"ekf", QuadrotorFilter::ekf}});
+    design.order = one_of<DisturbanceOrder>(arguments["disturbance"], "disturbance",
+                                            {{"none", DisturbanceOrder::none},
+                                             {"zero", DisturbanceOrder::zero},
+                                             {"second", DisturbanceOrder::second},
+                                             {"resonator", DisturbanceOrder::resonator}});
+    design.noise = ProcessNoiseSource::tuned;
+    const auto set = [&](double& target, const char* name) {
+      target = number(arguments[name], name);
+    };
+    set(design.velocity_std_m_s, "velocity_std_m_s");
+    set(design.rate_std_rad_s, "rate_std_rad_s");
+    set(design.disturbance_std, "disturbance_std");
+    set(design.wave_frequency_rad_s, "wave_frequency_rad_s");
+    set(design.position_std_m, "position_std_m");
+    set(design.angle_std_rad, "angle_std_rad");
+    set(design.period_s, "period_s");
+    design.estimates_wave_frequency = arguments["estimates_wave_frequency"].cast<bool>();
+    QuadrotorParameters vehicle;
+    set(vehicle.added_mass_coefficient, "added_mass_coefficient");
+    if (!(vehicle.added_mass_coefficient >= 0.0)) {
+      throw std::invalid_argument("added_mass_coefficient must be 0 or more");
+    }
+    filter_ = make_quadrotor_estimator(design, QuadrotorModel(vehicle, QuadrotorPhysics::physical));
+  }
+
+  void reset(const Vector& pose) override {
+    angles_ = pose.tail<3>();
+    filter_->reset(pose);
+    copy();
+  }
+  void update(const Vector& held_thrusts, const Vector& pose) override {
+    filter_->update(held_thrusts, unwrapped(pose));
+    copy();
+  }
+  View state() const override { return {estimate_.data(), 12}; }
+  View disturbance() const override { return {estimate_.data() + 12, 3}; }
+  std::span<const Signal> signals() const override { return {}; }
+
+ private:
+  void copy() { estimate_ << filter_->motion(), filter_->force(); }
+
+  // Angles that are logged within ±π jump by whole turns. The filter's own go on.
+  Vector6d unwrapped(Vector6d pose) {
+    constexpr double kTurn = 2.0 * std::numbers::pi;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const double turns = std::round((angles_(i) - pose(3 + i)) / kTurn);
+      if (std::isfinite(turns)) pose(3 + i) += kTurn * turns;
+      if (std::isfinite(pose(3 + i))) angles_(i) = pose(3 + i);
+    }
+    return pose;
+  }
+
+  std::unique_ptr<QuadrotorEstimator> filter_;
+  Eigen::Matrix<double, 15, 1> estimate_ = Eigen::Matrix<double, 15, 1>::Zero();
+  Eigen::Vector3d angles_ = Eigen::Vector3d::Zero();  // measured last
+};
+
 // One estimator for one thread at a time. No Python code runs while it is in use, except signal
 // handlers.
 class ArrayEstimator {
  public:
   ArrayEstimator(const std::string& name, const py::dict& arguments,
                  const std::vector<std::string>& sets) {
-    const NominalAxis axis = Arguments(arguments).axis();
+    const NominalAxis axis = axis_of(arguments);
     estimator_ = make(name, axis, sets);
-    n_ = estimator_->state().size();
-    m_ = estimator_->disturbance().size();
+    set_sizes(axis.plant.inputs(), axis.plant.states());
     C_ = axis.plant.C;
     if (!axis.is_sampled) period_s_ = axis.period_s;
     sensor_std_ = std::sqrt(axis.sensor.variance()(0));
     innovation_ = published(*estimator_, "innovation");
     lambda_ = published(*estimator_, "lambda");
-    estimator_->reset(Eigen::VectorXd::Zero(n_));
+    estimator_->reset(Eigen::VectorXd::Zero(start_));
+  }
+  explicit ArrayEstimator(const py::dict& of_quadrotor)
+      : estimator_(std::make_unique<PoseFilter>(of_quadrotor)),
+        C_(Eigen::MatrixXd::Identity(6, 6)) {
+    set_sizes(4, 6);
+    estimator_->reset(Eigen::VectorXd::Zero(start_));
   }
 
   void reset(const py::object& x0) {
-    const Eigen::VectorXd x = x0.is_none() ? Eigen::VectorXd::Zero(n_) : vector_of(x0, n_, "x0");
+    const Eigen::VectorXd x = start_of(x0);
     const std::lock_guard lock(turn_);
     estimator_->reset(x);
   }
 
   py::tuple update(const py::object& u, const py::object& y) {
-    const Eigen::VectorXd held = vector_of(u, m_, "u");
+    const Eigen::VectorXd held = vector_of(u, inputs_, "u");
     const Eigen::VectorXd measured = vector_of(y, C_.rows(), "y");
     py::array_t<double> x(n_);
     py::array_t<double> d(m_);
@@ -268,12 +324,12 @@ class ArrayEstimator {
 
   py::tuple filter(const py::object& u_object, const py::object& y_object,
                    const py::object& t_object, const py::object& x0, const py::object& time_std_s) {
-    const Record u(u_object, m_, "u");
+    const Record u(u_object, inputs_, "u");
     const Record y(y_object, C_.rows(), "y");
     check_same_length(u, y, "u");
     const std::optional<Record> t =
         t_object.is_none() ? std::nullopt : std::optional<Record>(std::in_place, t_object, 1, "t");
-    RecordRows rows{.width = m_, .period_s = period_s_, .output_std = sensor_std_};
+    RecordRows rows{.width = inputs_, .period_s = period_s_, .output_std = sensor_std_};
     rows.instant_std_s = number(time_std_s, "time_std_s");
     if (!(rows.instant_std_s >= 0.0)) {
       throw std::invalid_argument("time_std_s: must be 0 or more");
@@ -289,10 +345,9 @@ class ArrayEstimator {
     RecordIntervals intervals(rows);
     const bool is_followed = t && !intervals.is_regular();
     // Without x0: the smallest state that gives y(0).
-    const bool is_guess = x0.is_none() && y.rows() > 0;
-    const Eigen::VectorXd start = is_guess       ? least_squares(C_, y.row(0))
-                                  : x0.is_none() ? Eigen::VectorXd::Zero(n_)
-                                                 : vector_of(x0, n_, "x0");
+    const Eigen::VectorXd start = !x0.is_none()  ? start_of(x0)
+                                  : y.rows() > 0 ? least_squares(C_, y.row(0))
+                                                 : Eigen::VectorXd::Zero(start_);
     Column x(y.rows(), static_cast<std::size_t>(n_));
     Column d(y.rows(), static_cast<std::size_t>(m_));
     Column innovation(y.rows(), innovation_.size());
@@ -342,6 +397,17 @@ class ArrayEstimator {
  private:
   using View = Eigen::Map<const Eigen::VectorXd>;
 
+  void set_sizes(Eigen::Index inputs, Eigen::Index start) {
+    inputs_ = inputs;
+    start_ = start;
+    n_ = estimator_->state().size();
+    m_ = estimator_->disturbance().size();
+  }
+  Eigen::VectorXd start_of(const py::object& x0) const {
+    const bool is_state = start_ == n_;  // otherwise a pose
+    if (is_state && x0.is_none()) return Eigen::VectorXd::Zero(n_);
+    return vector_of(x0, start_, is_state ? "x0" : "pose");
+  }
   static void copy(const View& from, py::array_t<double>& to) {
     std::copy_n(from.data(), from.size(), to.mutable_data());
   }
@@ -363,6 +429,8 @@ class ArrayEstimator {
   }
 
   Estimator estimator_;
+  Eigen::Index inputs_ = 0;
+  Eigen::Index start_ = 0;
   Eigen::Index n_ = 0;
   Eigen::Index m_ = 0;
   Eigen::MatrixXd C_;
@@ -370,116 +438,6 @@ class ArrayEstimator {
   double sensor_std_ = 0.0;  // 0: unknown
   std::span<const double> innovation_;
   std::span<const double> lambda_;
-  Turn turn_;
-};
-
-template <typename Enum>
-Enum choice(const py::dict& arguments, const char* name,
-            const std::vector<std::pair<const char*, Enum>>& options) {
-  const std::string chosen = utf8(arguments[name], name);
-  std::string names;
-  for (const auto& [option, value] : options) {
-    if (chosen == option) return value;
-    names += (names.empty() ? "" : ", ") + std::string(option);
-  }
-  throw std::invalid_argument(std::string(name) + ": must be one of " + names + ", is \"" + chosen +
-                              "\"");
-}
-
-// The filters of the underwater quadrotor with the thesis' parameters.
-class ArrayQuadrotorFilter {
- public:
-  explicit ArrayQuadrotorFilter(const py::dict& arguments) {
-    QuadrotorEstimatorDesign design;
-    design.filter = choice<QuadrotorFilter>(
-        arguments, "kind", {{"ukf", QuadrotorFilter::ukf}, {"ekf", QuadrotorFilter::ekf}});
-    design.order = choice<DisturbanceOrder>(arguments, "disturbance",
-                                            {{"none", DisturbanceOrder::none},
-                                             {"zero", DisturbanceOrder::zero},
-                                             {"second", DisturbanceOrder::second},
-                                             {"resonator", DisturbanceOrder::resonator}});
-    design.noise = ProcessNoiseSource::tuned;
-    const auto set = [&](double& target, const char* name) {
-      target = number(arguments[name], name);
-    };
-    set(design.velocity_std_m_s, "velocity_std_m_s");
-    set(design.rate_std_rad_s, "rate_std_rad_s");
-    set(design.disturbance_std, "disturbance_std");
-    set(design.wave_frequency_rad_s, "wave_frequency_rad_s");
-    set(design.position_std_m, "position_std_m");
-    set(design.angle_std_rad, "angle_std_rad");
-    set(design.period_s, "period_s");
-    design.estimates_wave_frequency = arguments["estimates_wave_frequency"].cast<bool>();
-    QuadrotorParameters vehicle;
-    set(vehicle.added_mass_coefficient, "added_mass_coefficient");
-    if (!(vehicle.added_mass_coefficient >= 0.0)) {
-      throw std::invalid_argument("added_mass_coefficient must be 0 or more");
-    }
-    filter_ = make_quadrotor_estimator(design, QuadrotorModel(vehicle, QuadrotorPhysics::physical));
-    filter_->reset(Vector6d::Zero());
-  }
-
-  void reset(const py::object& pose) {
-    const Eigen::VectorXd start = vector_of(pose, 6, "pose");
-    const std::lock_guard lock(turn_);
-    start_at(start);
-  }
-
-  py::tuple update(const py::object& u, const py::object& y) {
-    const Eigen::Vector4d thrusts = vector_of(u, 4, "u");
-    const Vector6d pose = vector_of(y, 6, "y");
-    QuadrotorEstimator::Motion motion;
-    Eigen::Vector3d force;
-    {
-      const std::lock_guard lock(turn_);
-      filter_->update(thrusts, unwrapped(pose));
-      motion = filter_->motion();
-      force = filter_->force();
-    }
-    return py::make_tuple(array(Vector(motion)), array(Vector(force)));
-  }
-
-  py::tuple filter(const py::object& u_object, const py::object& y_object) {
-    const Record u(u_object, 4, "u");
-    const Record y(y_object, 6, "y");
-    check_same_length(u, y, "u");
-    Column motion(y.rows(), 12);
-    Column force(y.rows(), 3);
-    if (y.rows() > 0) {
-      const std::lock_guard lock(turn_);
-      const Unlocked unlocked;
-      Lookout lookout;
-      start_at(y.row(0));
-      for (py::ssize_t k = 0; k < y.rows(); ++k) {
-        lookout.sample();
-        filter_->update(u.row(std::max<py::ssize_t>(k - 1, 0)), unwrapped(y.row(k)));
-        motion.append(filter_->motion().data(), 12);
-        const Eigen::Vector3d now = filter_->force();
-        force.append(now.data(), 3);
-      }
-    }
-    return py::make_tuple(motion.array(), force.array());
-  }
-
- private:
-  void start_at(const Vector6d& pose) {
-    filter_->reset(pose);
-    angles_ = pose.tail<3>();
-  }
-
-  // Angles that are logged within ±π jump by whole turns. The filter's own go on.
-  Vector6d unwrapped(Vector6d pose) {
-    constexpr double kTurn = 2.0 * std::numbers::pi;
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      const double turns = std::round((angles_(i) - pose(3 + i)) / kTurn);
-      if (std::isfinite(turns)) pose(3 + i) += kTurn * turns;
-      if (std::isfinite(pose(3 + i))) angles_(i) = pose(3 + i);
-    }
-    return pose;
-  }
-
-  std::unique_ptr<QuadrotorEstimator> filter_;
-  Eigen::Vector3d angles_ = Eigen::Vector3d::Zero();  // measured last
   Turn turn_;
 };
 
@@ -499,6 +457,7 @@ void bind_observers(py::module_& module) {
   estimator
       .def(py::init<const std::string&, const py::dict&, const std::vector<std::string>&>(),
            OwnCall())
+      .def(py::init<const py::dict&>(), OwnCall())
       .def("filter_record", &ArrayEstimator::filter, OwnCall(), "The arrays of filter().")
       .def_property_readonly("x", &ArrayEstimator::state, "A copy of the estimated state (n).")
       .def_property_readonly("d", &ArrayEstimator::disturbance,
@@ -507,16 +466,6 @@ void bind_observers(py::module_& module) {
                              "y - C x(k|k-1) (p), a copy; empty of one that has none.")
       .def_property_readonly("pole_matrix", &ArrayEstimator::pole_matrix, OwnCall(),
                              "The matrix whose eigenvalues are the poles at this sample.");
-  auto filter = bind_class<ArrayQuadrotorFilter>(module, "ArrayQuadrotorFilter");
-  bind_method(filter, "reset", "pose", &ArrayQuadrotorFilter::reset,
-              "Start at rest at a pose (6) without a disturbance.", py::arg("pose"));
-  bind_method(filter, "update", "u, y", &ArrayQuadrotorFilter::update,
-              "Take one sample: the thrusts u (4) since the last one [N], the measured pose y "
-              "(6).\nReturns (motion, force): [pose; its rate] (12), and the disturbance force (3) "
-              "[N].",
-              py::arg("u"), py::arg("y"));
-  filter.def(py::init<const py::dict&>(), OwnCall())
-      .def("filter_record", &ArrayQuadrotorFilter::filter, OwnCall(), "The arrays of filter().");
 }
 
 }  // namespace breakwater::python

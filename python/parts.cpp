@@ -392,59 +392,48 @@ py::object setup_of(const QuadrotorTask& task) {
       py::arg("angle_std_rad") = task.angle_std_rad));
 }
 
-// A kind whose parts `make` makes with the lock held. `asked` is called when a scenario asks for
-// such parts.
+// A kind whose parts `make` makes with the lock held.
 template <typename Kind, typename Product, typename... Context, typename Make>
-Kind kind_of(const PartKind<Product, Context...>*, const std::string& name, Make make,
-             const std::function<void()>& asked) {
-  const Kind kind(
-      name, "written in Python", [make, name](Context... context) -> std::unique_ptr<Product> {
-        const Locked lock;
-        return of_python(name, [&]() -> std::unique_ptr<Product> { return make(context...); });
-      });
-  return Kind(name, kind.help, [kind, asked] {
-    asked();
-    return kind.settings();
-  });
+Kind kind_of(const PartKind<Product, Context...>*, const std::string& name, Make make) {
+  return {name, "written in Python", [make, name](Context... context) -> std::unique_ptr<Product> {
+            const Locked lock;
+            return of_python(name, [&]() -> std::unique_ptr<Product> { return make(context...); });
+          }};
 }
 template <typename Kind, typename Make>
-Kind kind_of(const std::string& name, Make make, const std::function<void()>& asked) {
-  return kind_of<Kind>(static_cast<const Kind*>(nullptr), name, make, asked);
+Kind kind_of(const std::string& name, Make make) {
+  return kind_of<Kind>(static_cast<const Kind*>(nullptr), name, make);
 }
-
-constexpr const char* kTorques = "torques [N m]";
-constexpr const char* kForce = "one force";
-constexpr const char* kForces = "forces [N m or N]";
-constexpr const char* kThrusts = "thrusts [N]";
 
 py::object object_of(const SharedObject& part) {
   return py::reinterpret_borrow<py::object>(part.get());
 }
 
-AxisControllerKind axis_controller(const std::string& name, const SharedObject& part,
-                                   const std::function<void()>& asked) {
-  return kind_of<AxisControllerKind>(
-      name,
-      [part](const AxisTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
-        return std::make_unique<PythonController>(
-            object_of(part), task.force.is_there() ? "AxisForceSample" : "AxisSample",
-            setup_of(task), kForce);
-      },
-      asked);
+// A controller that gets samples of the class `sample_class`, or `with_force` where there is a tip.
+template <typename Kind, typename Task>
+Kind controller_kind(const std::string& name, const SharedObject& part, const char* sample_class,
+                     const char* command, const char* with_force = nullptr) {
+  return kind_of<Kind>(name, [=](const Task& task, const auto&... /*estimator*/) {
+    bool has_force = false;
+    if constexpr (requires { task.force; }) has_force = task.force.is_there();
+    return std::make_unique<PythonController>(
+        object_of(part), has_force ? with_force : sample_class, setup_of(task), command);
+  });
 }
 
-AxisEstimatorKind axis_estimator(const std::string& name, const SharedObject& part,
-                                 const std::function<void()>& asked) {
-  return kind_of<AxisEstimatorKind>(
-      name,
-      [part](const NominalAxis& axis) {
-        // Each joint of an arm has its own.
-        const py::object own = axis.joint == 0
-                                   ? object_of(part)
-                                   : py::module_::import("copy").attr("deepcopy")(object_of(part));
-        return std::make_unique<PythonAxisEstimator>(own, axis, setup_of(axis));
-      },
-      asked);
+AxisControllerKind axis_controller(const std::string& name, const SharedObject& part) {
+  return controller_kind<AxisControllerKind, AxisTask>(name, part, "AxisSample", "one force",
+                                                       "AxisForceSample");
+}
+
+AxisEstimatorKind axis_estimator(const std::string& name, const SharedObject& part) {
+  return kind_of<AxisEstimatorKind>(name, [part](const NominalAxis& axis) {
+    // Each joint of an arm has its own.
+    const py::object own = axis.joint == 0
+                               ? object_of(part)
+                               : py::module_::import("copy").attr("deepcopy")(object_of(part));
+    return std::make_unique<PythonAxisEstimator>(own, axis, setup_of(axis));
+  });
 }
 
 }  // namespace
@@ -457,48 +446,26 @@ const Catalogue& shipped_parts() {
 PythonParts::PythonParts(const Catalogue& standard, const py::object& controller,
                          const py::object& estimator, const py::dict& controllers,
                          const py::dict& estimators, PythonErrors errors)
-    : catalogue_(standard), uses_(std::make_shared<Uses>()) {
+    : catalogue_(standard) {
   errors_of_parts = errors;
-  const std::shared_ptr<Uses> uses = uses_;
   if (!controller.is_none()) {
     controller_ = class_name(controller);
-    const auto asked = [uses] { uses->controller = true; };
     const SharedObject part = share(controller);
-    catalogue_.add(kind_of<ArmControllerKind>(
-        controller_,
-        [part](const ArmSetup& arm) {
-          return std::make_unique<PythonController>(object_of(part), "ArmSample", setup_of(arm),
-                                                    kTorques);
-        },
-        asked));
-    catalogue_.add(axis_controller(controller_, part, asked));
-    catalogue_.add(kind_of<PlantControllerKind>(
-        controller_,
-        [part](const PlantTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
-          return std::make_unique<PythonController>(
-              object_of(part), task.force.is_there() ? "PlantForceSample" : "PlantSample",
-              setup_of(task), kForces);
-        },
-        [uses] { uses->controller = uses->plant = true; }));
-    catalogue_.add(kind_of<QuadrotorControllerKind>(
-        controller_,
-        [part](const QuadrotorTask& task, const std::shared_ptr<QuadrotorEstimator>&) {
-          return std::make_unique<PythonController>(object_of(part), "QuadrotorSample",
-                                                    setup_of(task), kThrusts);
-        },
-        asked));
+    catalogue_.add(controller_kind<ArmControllerKind, ArmSetup>(controller_, part, "ArmSample",
+                                                                "torques [N m]"));
+    catalogue_.add(axis_controller(controller_, part));
+    catalogue_.add(controller_kind<PlantControllerKind, PlantTask>(
+        controller_, part, "PlantSample", "forces [N m or N]", "PlantForceSample"));
+    catalogue_.add(controller_kind<QuadrotorControllerKind, QuadrotorTask>(
+        controller_, part, "QuadrotorSample", "thrusts [N]"));
   }
   if (!estimator.is_none()) {
     estimator_ = class_name(estimator);
     const SharedObject part = share(estimator);
-    catalogue_.add(
-        axis_estimator(estimator_, part, [uses] { uses->estimator_key = "observer.name"; }));
-    catalogue_.add(kind_of<QuadrotorEstimatorKind>(
-        estimator_,
-        [part](const QuadrotorTask& task) {
-          return std::make_unique<PythonQuadrotorEstimator>(object_of(part), setup_of(task));
-        },
-        [uses] { uses->estimator_key = "estimator.name"; }));
+    catalogue_.add(axis_estimator(estimator_, part));
+    catalogue_.add(kind_of<QuadrotorEstimatorKind>(estimator_, [part](const QuadrotorTask& task) {
+      return std::make_unique<PythonQuadrotorEstimator>(object_of(part), setup_of(task));
+    }));
   }
   // Two axes may have objects of one class.
   const auto choose = [this](const py::dict& parts, const char* key, auto&& kind) {
@@ -506,7 +473,7 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
       const std::string axis = utf8(name, key);
       axes_.push_back(axis);
       const std::string its_name = class_name(part) + "_" + axis;
-      catalogue_.add(kind(its_name, share(py::reinterpret_borrow<py::object>(part)), [] {}));
+      catalogue_.add(kind(its_name, share(py::reinterpret_borrow<py::object>(part))));
       sets_of_axes_.push_back("axis." + axis + "." + key + "=\"" + its_name + "\"");
     }
   };
@@ -523,19 +490,23 @@ void PythonParts::check_axes(const std::vector<std::string>& names) const {
 }
 
 std::vector<std::string> PythonParts::choices(const std::string& scenario) const {
-  make_scenario(catalogue_, scenario);
+  const std::unique_ptr<Scenario> made = make_scenario(catalogue_, scenario);
+  const Fields fields = made->fields();
   std::vector<std::string> sets = sets_of_axes_;
-  const auto choose = [&](const std::string& part, const char* key, const std::string& name) {
-    if (key == nullptr) {
-      throw std::invalid_argument(part + ": " + scenario + " takes none");
-    }
+  const auto choose = [&](const char* part, const char* key, const std::string& name) {
+    if (!fields.has(key)) throw std::invalid_argument(part + (": " + scenario) + " takes none");
     sets.push_back(std::string(key) + "=\"" + name + "\"");
   };
   if (!controller_.empty()) {
-    choose("controller", uses_->controller ? "controller.name" : nullptr, controller_);
-    if (uses_->plant && estimator_.empty()) choose("estimator", "observer.name", "none");
+    choose("controller", "controller.name", controller_);
+    // A controller of all axes in Python takes no estimator of the plant.
+    const bool has_all_axes = fields.has_chosen("controller.name", "axes");
+    if (has_all_axes && estimator_.empty()) choose("estimator", "observer.name", "none");
   }
-  if (!estimator_.empty()) choose("estimator", uses_->estimator_key, estimator_);
+  if (!estimator_.empty()) {
+    choose("estimator", fields.has("estimator.name") ? "estimator.name" : "observer.name",
+           estimator_);
+  }
   return sets;
 }
 

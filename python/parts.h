@@ -42,19 +42,11 @@ class PythonParts {
   std::vector<std::string> choices(const std::string& scenario) const;
 
  private:
-  // The kinds that a scenario has asked for.
-  struct Uses {
-    bool controller = false;
-    bool plant = false;  // its controllers in Python take no estimator of the plant
-    const char* estimator_key = nullptr;
-  };
-
   Catalogue catalogue_;
   std::string controller_;  // class names; empty: none
   std::string estimator_;
   std::vector<std::string> axes_;  // the axes with an object of their own
   std::vector<std::string> sets_of_axes_;
-  std::shared_ptr<Uses> uses_;
 };
 
 }  // namespace breakwater::python

@@ -1,6 +1,7 @@
 """The compiled part. The package documents the names for users."""
 
 import os
+from typing import overload
 
 import numpy as np
 import numpy.typing as npt
@@ -92,7 +93,10 @@ class SavedRun:
 class ArrayEstimator:
     """An estimator of a plant's state x (n) and disturbance d (m) on arrays."""
 
+    @overload
     def __init__(self, name: str, arguments: dict[str, object], sets: list[str]) -> None: ...
+    @overload
+    def __init__(self, of_quadrotor: dict[str, object]) -> None: ...
     def reset(self, x0: npt.ArrayLike | None = None) -> None:
         """Start from the state x0 (n; default: zeros) without a disturbance."""
 
@@ -124,21 +128,6 @@ class ArrayEstimator:
         """The matrix whose eigenvalues are the poles at this sample."""
 
 def observers() -> list[tuple[str, str, list[tuple[str, str, str, str]]]]: ...
-
-class ArrayQuadrotorFilter:
-    """A Kalman filter of the underwater quadrotor on arrays."""
-
-    def __init__(self, arguments: dict[str, object]) -> None: ...
-    def reset(self, pose: npt.ArrayLike) -> None:
-        """Start at rest at a pose (6) without a disturbance."""
-
-    def update(self, u: npt.ArrayLike, y: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Take one sample: the thrusts u (4) since the last one [N], the measured pose y (6). Returns
-        (motion, force): [pose; its rate] (12), and the disturbance force (3) [N]."""
-
-    def filter_record(
-        self, u: npt.ArrayLike, y: npt.ArrayLike
-    ) -> tuple[np.ndarray, np.ndarray]: ...
 
 class Qp:
     """A solver of quadratic programs of one shape."""

@@ -112,13 +112,14 @@ class Motions(NamedTuple):
     force: np.ndarray
 
 
-class QuadrotorFilter(_core.ArrayQuadrotorFilter):
+class QuadrotorFilter(_core.ArrayEstimator):
     """The unscented ("ukf") or extended ("ekf") Kalman filter of the underwater quadrotor.
 
     disturbance: "none", "zero" or "second" order at the thrusters, or "resonator" (ukf only). The resonator
     models waves of wave_frequency_rad_s, and tracks this frequency if estimates_wave_frequency is set. The
     standard deviations are those of the random walk per sample and of the measurement noise.
-    added_mass_coefficient is C_a of the run, 0 for the thesis' plant.
+    added_mass_coefficient is C_a of the run, 0 for the thesis' plant. update(u, y) takes thrusts (4) [N] and a
+    pose (6), and returns the motion (12) and the force (3) of Motions.
     """
 
     def __init__(
@@ -152,13 +153,17 @@ class QuadrotorFilter(_core.ArrayQuadrotorFilter):
             }
         )
 
+    def reset(self, pose: Matrix) -> None:
+        """Start at rest at a pose (6) without a disturbance."""
+        super().reset(pose)
+
     def filter(self, u: Matrix, y: Matrix) -> Motions:
         """Filter a whole record.
 
         u (samples, 4): thrusts from each sample on [N]. y (samples, 6): poses [x y z roll pitch yaw] [m, rad].
         The filter starts at rest at the first pose. Angles may jump by whole turns.
         """
-        return Motions(*self.filter_record(u, y))
+        return Motions(*self.filter_record(u, y, None, None, 0.0)[:2])
 
 
 def _sets(keys: dict[str, object]) -> list[str]:
