@@ -173,19 +173,19 @@ StateSpace hold_late(const StateSpace& continuous, double period_s, double late_
   return sampled;
 }
 
-std::complex<double> sum(const Values& values, std::complex<double> step) {
-  // Horner's rule in z⁻¹.
-  std::complex<double> result = 0.0;
-  for (Eigen::Index k = values.size(); k-- > 0;) result = result * step + values(k);
-  return result;
-}
-
 }  // namespace
 
 Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, double period_s) {
   const std::complex<double> back(math::cos(omega_rad_s * period_s),
                                   -math::sin(omega_rad_s * period_s));
-  return {sum(pulses.row(0), back), sum(pulses.row(1), back), sum(pulses.row(2), back)};
+  Phasors result{};
+  // Horner's rule in z⁻¹. The three sums do not wait for each other.
+  for (Eigen::Index k = pulses.cols(); k-- > 0;) {
+    result.command = result.command * back + pulses(0, k);
+    result.disturbance = result.disturbance * back + pulses(1, k);
+    result.velocity = result.velocity * back + pulses(2, k);
+  }
+  return result;
 }
 
 AxisLoopDesign axis_loop_design(const AxisParts& parts, const AxisTask& task,

@@ -1,7 +1,7 @@
 // The planar arm, whose controllers know it as a chain in space.
 #include <breakwater/plants/tip_chain.h>
 #include <breakwater/rigs/arm_parts.h>
-#include "catalogue.h"
+#include "regression/run_case.h"
 
 namespace breakwater::planar_robot_test {
 namespace {
@@ -50,13 +50,14 @@ class PlanarArm : public ::testing::TestWithParam<const char*> {};
 TEST_P(PlanarArm, HasTheSameMetricsAsAChainInSpace) {
   const std::string case_name = GetParam() + std::string("-2N");
   const auto metrics = [&](const std::string& suffix) {
-    std::vector<std::string> sets = {"run.duration_s=40", "metrics.from_s=35", "metrics.to_s=40",
-                                     "sensor.encoder_counts_per_turn=0"};
+    std::vector<std::string> sets = {"run.duration_s=17", "wall.solid_from_s=6",
+                                     "force.from_s=7",    "metrics.from_s=12",
+                                     "metrics.to_s=17",   "sensor.encoder_counts_per_turn=0"};
     if (!suffix.empty()) sets.push_back("controller.name=\"" + (GetParam() + suffix) + '"');
     const PreparedRun run =
         prepare_run(catalogue_with_space(), "arm_wall_contact",
                     testing::scenario_file("arm_wall_contact"), case_name, sets);
-    return run.scenario->run({}).metrics;
+    return run.scenario->run(testing::kWithoutLog).metrics;
   };
   const std::vector<Metric> planar = metrics(""), space = metrics(kInSpace);
   ASSERT_GT(planar.size(), 10U);
