@@ -375,14 +375,11 @@ TEST(WaveForces, HasTheForcesVarianceAndSpectrum) {
           Q(i, j) = process.Q()(rows[i], rows[j]);
         }
       }
-      Eigen::Matrix<double, 16, 16> kronecker;
+      Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(16, 16);  // less the Kronecker product
       for (int i = 0; i < 4; ++i) {
-        for (int j = 0; j < 4; ++j) kronecker.block<4, 4>(4 * i, 4 * j) = phi(i, j) * phi;
+        for (int j = 0; j < 4; ++j) rest.block<4, 4>(4 * i, 4 * j) -= phi(i, j) * phi;
       }
-      const Eigen::Matrix<double, 16, 1> v =
-          (Eigen::Matrix<double, 16, 16>::Identity() - kronecker)
-              .lu()
-              .solve(Eigen::Map<const Eigen::Matrix<double, 16, 1>>(Q.data()));
+      const Eigen::VectorXd v = rest.lu().solve(Eigen::VectorXd(Q.reshaped()));
       const Eigen::Map<const Eigen::Matrix4d> V(v.data());
       const double variance = V(0, 0) + V(2, 2) + 2.0 * V(0, 2);
       const double expected = 0.24 * 0.24 * (axis == 2 ? 1.0 : kHorizontalShare);
@@ -426,6 +423,12 @@ TEST(WaveForces, StepsAsUnderConstantAcceleration) {
   EXPECT_LT((next.head<6>() - x.head<6>() - kPeriod_s * v - 5e-5 * a).norm(), 1e-14);
 }
 
+// A P Aᵀ
+Eigen::MatrixXd congruence(const Eigen::MatrixXd& A, const Eigen::MatrixXd& P) {
+  const Eigen::MatrixXd half = A * P;
+  return half * A.transpose();
+}
+
 // The textbook filter: P = A P Aᵀ + Q, K = P Cᵀ (C P Cᵀ + R)⁻¹, Joseph's form.
 TEST(WaveForces, UkfIsTheKalmanFilterOfALinearVehicle) {
   const QuadrotorModel model = linear_vehicle();
@@ -433,6 +436,8 @@ TEST(WaveForces, UkfIsTheKalmanFilterOfALinearVehicle) {
   const auto design = design_of(process);
   Ukf<Waves2, 6> ukf(process, design);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(30);
+  // Matrices of any size compile sooner: their kernels exist.
+  const Eigen::MatrixXd A = process.linear(), Q = design.Q, R = design.R;
   Eigen::MatrixXd P = design.P0, C = Eigen::MatrixXd::Zero(6, 30);
   C.leftCols<6>().setIdentity();
   const double fall = -model.parameters().net_weight_N() / model.parameters().mass_kg;
@@ -441,14 +446,15 @@ TEST(WaveForces, UkfIsTheKalmanFilterOfALinearVehicle) {
     const Vector6d y = design.R.diagonal().cwiseSqrt().cwiseProduct(random.vector(6));
     ukf.predict(Eigen::Vector4d::Zero());
     ukf.correct(y);
-    x = process.linear() * x;
+    x = A * x;
     x(2) += 0.5 * kPeriod_s * kPeriod_s * fall;
     x(8) += kPeriod_s * fall;
-    P = process.linear() * P * process.linear().transpose() + design.Q;
-    const Eigen::MatrixXd K = P * C.transpose() * (C * P * C.transpose() + design.R).inverse();
+    P = congruence(A, P) + Q;
+    const Eigen::MatrixXd S = congruence(C, P) + R;
+    const Eigen::MatrixXd K = S.lu().solve(Eigen::MatrixXd(C * P)).transpose();
     const Eigen::MatrixXd keep = Eigen::MatrixXd::Identity(30, 30) - K * C;
     x += K * (y - C * x);
-    P = keep * P * keep.transpose() + K * design.R * K.transpose();
+    P = congruence(keep, P) + congruence(K, R);
     ASSERT_LT((ukf.x() - x).cwiseAbs().maxCoeff(), 1e-10) << k;
     ASSERT_LT((ukf.P() - P).cwiseAbs().maxCoeff(), 1e-10) << k;
   }
