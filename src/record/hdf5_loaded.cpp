@@ -23,6 +23,8 @@ Hdf5 load() {
   all.C_S1 = value("H5T_C_S1_g");
   all.IEEE_F64LE = value("H5T_IEEE_F64LE_g");
   all.NATIVE_DOUBLE = value("H5T_NATIVE_DOUBLE_g");
+  all.NATIVE_INT = value("H5T_NATIVE_INT_g");
+  all.STD_REF_OBJ = value("H5T_STD_REF_OBJ_g");
   all.FILE_ACCESS = value("H5P_CLS_FILE_ACCESS_ID_g");
   all.DATASET_CREATE = value("H5P_CLS_DATASET_CREATE_ID_g");
   return all;

@@ -17,6 +17,7 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -77,6 +78,12 @@ void check(bool is_sound) {
   if (!is_sound) throw std::runtime_error("not what a log holds");
 }
 
+void write_attribute(hid_t object, const char* name, hid_t type, hid_t space, const void* data) {
+  const Handle attribute(hdf5().H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT),
+                         hdf5().H5Aclose);
+  require(hdf5().H5Awrite(attribute, type, data));
+}
+
 // The length is fixed: HDF5 crashes on a damaged text of variable length.
 void write_text(hid_t object, const char* name, const std::string& text) {
   const Handle type(hdf5().H5Tcopy(hdf5().C_S1), hdf5().H5Tclose);
@@ -84,15 +91,44 @@ void write_text(hid_t object, const char* name, const std::string& text) {
   require(hdf5().H5Tset_strpad(type, H5T_STR_NULLPAD));
   require(hdf5().H5Tset_cset(type, H5T_CSET_UTF8));
   const Handle space(hdf5().H5Screate(H5S_SCALAR), hdf5().H5Sclose);
-  const Handle attribute(hdf5().H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT),
-                         hdf5().H5Aclose);
-  require(hdf5().H5Awrite(attribute, type, text.c_str()));
+  write_attribute(object, name, type, space, text.c_str());
+}
+
+// The scales of a dataset, one for each dimension.
+using Scales = std::vector<hobj_ref_t>;
+
+// Writes what H5DSattach_scale() writes, which looks for it all first.
+void write_scales(hid_t dataset, Scales scales) {
+  std::vector<hvl_t> one_each;
+  for (hobj_ref_t& scale : scales) one_each.push_back({1, &scale});
+  const hsize_t size = scales.size();
+  const Handle type(hdf5().H5Tvlen_create(hdf5().STD_REF_OBJ), hdf5().H5Tclose);
+  const Handle space(hdf5().H5Screate_simple(1, &size, nullptr), hdf5().H5Sclose);
+  write_attribute(dataset, "DIMENSION_LIST", type, space, one_each.data());
+}
+
+// A dimension that a scale is for.
+struct ScaledDimension {
+  hobj_ref_t dataset;
+  int dimension;
+  int nothing = 0;  // without it, any bytes
+};
+
+// The same for the scale.
+void write_scaled(hid_t scale, const std::vector<ScaledDimension>& all) {
+  const Handle type(hdf5().H5Tcreate(H5T_COMPOUND, sizeof(ScaledDimension)), hdf5().H5Tclose);
+  require(hdf5().H5Tinsert(type, "dataset", HOFFSET(ScaledDimension, dataset), hdf5().STD_REF_OBJ));
+  require(
+      hdf5().H5Tinsert(type, "dimension", HOFFSET(ScaledDimension, dimension), hdf5().NATIVE_INT));
+  const hsize_t size = all.size();
+  const Handle space(hdf5().H5Screate_simple(1, &size, nullptr), hdf5().H5Sclose);
+  write_attribute(scale, "REFERENCE_LIST", type, space, all.data());
 }
 
 // A dataset of rows × width (or just rows, if width is 1), with unit and description. Returns its
 // place in the file. Without `values`, only the first one is written: HDF5 then chooses the place.
 std::uint64_t write_dataset(hid_t group, const LogEntry& entry, const double* values,
-                            int deflate_level) {
+                            int deflate_level, const Scales& scales = {}) {
   const Size size = {entry.rows, entry.width};
   const int rank = entry.width == 1 ? 1 : 2;
   const Handle space(hdf5().H5Screate_simple(rank, size.data(), nullptr), hdf5().H5Sclose);
@@ -123,6 +159,7 @@ std::uint64_t write_dataset(hid_t group, const LogEntry& entry, const double* va
   write_text(dataset, "unit", entry.unit);
   write_text(dataset, "units", entry.unit);  // the name in netCDF's conventions
   write_text(dataset, "description", entry.description);
+  if (!scales.empty()) write_scales(dataset, scales);
   return place;
 }
 
@@ -144,35 +181,50 @@ std::string write_index(hid_t group, std::size_t width) {
   return name;
 }
 
-// Writes the group of `datasets`, the time base first. write(group, i) writes dataset i.
+// Writes the group of `datasets`, the time base first. write(group, i, scales) writes dataset i.
 template <typename Write>
 void write_group(hid_t file, std::span<const LogEntry> datasets, Write&& write) {
   const Handle group(hdf5().H5Gcreate2(file, datasets.front().group.c_str(), H5P_DEFAULT,
                                        H5P_DEFAULT, H5P_DEFAULT),
                      hdf5().H5Gclose);
-  write(group, 0);
+  write(group, 0, Scales());
   make_scale(group, kTimeBase);
-  const auto opened = [&](const std::string& name) {
-    return hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT);
+  const auto reference_to = [&](const std::string& name) {
+    hobj_ref_t reference = 0;
+    require(hdf5().H5Rcreate(&reference, group, name.c_str(), H5R_OBJECT, -1));
+    return reference;
   };
-  const Handle times(opened(kTimeBase), hdf5().H5Dclose);
+  std::map<std::string, std::pair<hobj_ref_t, std::vector<ScaledDimension>>> scaled;  // by scale
+  scaled[kTimeBase].first = reference_to(kTimeBase);
   for (std::size_t i = 1; i < datasets.size(); ++i) {
     const LogEntry& entry = datasets[i];
-    write(group, i);
-    const Handle dataset(opened(entry.name), hdf5().H5Dclose);
-    require(hdf5().H5DSattach_scale(dataset, times, 0));
-    if (entry.width == 1) continue;
-    const Handle index(opened(write_index(group, entry.width)), hdf5().H5Dclose);
-    require(hdf5().H5DSattach_scale(dataset, index, 1));
+    std::vector<std::string> names = {kTimeBase};
+    if (entry.width > 1) names.push_back(write_index(group, entry.width));
+    Scales scales;
+    for (const std::string& name : names) {
+      hobj_ref_t& scale = scaled[name].first;
+      if (scale == 0) scale = reference_to(name);
+      scales.push_back(scale);
+    }
+    write(group, i, scales);
+    const hobj_ref_t own = reference_to(entry.name);
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      scaled[names[k]].second.push_back({own, static_cast<int>(k)});
+    }
+  }
+  for (const auto& [name, list] : scaled) {
+    if (list.second.empty()) continue;
+    const Handle scale(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
+    write_scaled(scale, list.second);
   }
 }
 
 void write_track(hid_t file, const Track& track, int deflate_level) {
   const std::vector<LogEntry> datasets =
       datasets_of(track.name(), track.all_signals(), track.rows());
-  write_group(file, datasets, [&](hid_t group, std::size_t i) {
+  write_group(file, datasets, [&](hid_t group, std::size_t i, const Scales& scales) {
     const std::vector<double> values = i == 0 ? track.times() : track.values(i - 1);
-    write_dataset(group, datasets[i], values.data(), deflate_level);
+    write_dataset(group, datasets[i], values.data(), deflate_level, scales);
   });
 }
 
@@ -505,9 +557,9 @@ std::vector<std::uint64_t> lay_out_hdf5_log(const std::string& file,
       const auto end = std::find_if(begin, datasets.end(), [&](const LogEntry& entry) {
         return entry.group != begin->group;
       });
-      write_group(handle, {begin, end}, [&](hid_t group, std::size_t i) {
+      write_group(handle, {begin, end}, [&](hid_t group, std::size_t i, const Scales& scales) {
         places.push_back(
-            write_dataset(group, *(begin + static_cast<std::ptrdiff_t>(i)), nullptr, 0));
+            write_dataset(group, *(begin + static_cast<std::ptrdiff_t>(i)), nullptr, 0, scales));
       });
       begin = end;
     }
