@@ -9,7 +9,6 @@
 #include <fstream>
 #include <limits>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -190,8 +189,7 @@ void check_element(const XmlFile& xml, const tinyxml2::XMLElement& element) {
   for (const auto* attribute = element.FirstAttribute(); attribute != nullptr;
        attribute = attribute->Next()) {
     if (holds_a_name(*attribute)) continue;
-    std::istringstream words(attribute->Value());
-    for (std::string word; words >> word;) {
+    for (const std::string& word : words_of(attribute->Value())) {
       const auto number = read_numbers(word);
       if (!number) continue;
       std::string complaint;

@@ -91,10 +91,20 @@ void XmlFile::fail(int line, const std::string& what) const {
   throw std::invalid_argument(file_ + ":" + std::to_string(std::max(line, 1)) + ": " + what);
 }
 
+std::vector<std::string> words_of(std::string_view text) {
+  constexpr std::string_view kSpaces = " \t\n\v\f\r";
+  std::vector<std::string> words;
+  for (std::size_t from = text.find_first_not_of(kSpaces), end = 0; from != text.npos;
+       from = text.find_first_not_of(kSpaces, end)) {
+    end = std::min(text.find_first_of(kSpaces, from), text.size());
+    words.emplace_back(text.substr(from, end - from));
+  }
+  return words;
+}
+
 std::optional<std::vector<double>> read_numbers(const std::string& text) {
   std::vector<double> numbers;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
+  for (const std::string& word : words_of(text)) {
     const char* begin = word.data() + (word.front() == '+' ? 1 : 0);
     const char* end = word.data() + word.size();
     double number = 0.0;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace breakwater {
@@ -35,6 +36,9 @@ void check_ends(const std::filesystem::path& file);
 
 /// The bytes of a file. Throws as check_ends() does, and if the file cannot be read.
 std::string read_text(const std::string& file);
+
+/// The words of a text, between white space.
+std::vector<std::string> words_of(std::string_view text);
 
 /// The numbers in `text`, separated by blanks, in C notation for every locale. Returns nothing if a
 /// word is not a number. Infinity and NaN are numbers here.
