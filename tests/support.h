@@ -146,6 +146,8 @@ std::filesystem::path bin_folder();
 }  // namespace breakwater::testing
 
 namespace breakwater {
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using testing::complaint_of;
 using testing::has;
 using testing::lacks;

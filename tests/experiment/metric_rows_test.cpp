@@ -2,13 +2,11 @@
 
 #include <deque>
 
-#include "catalogue.h"
 #include "axes_catalogue.h"
+#include "catalogue.h"
 #include "tables.h"
 
 namespace breakwater::metric_rows_test {
-
-constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // Rows without a run: signals and events whose values the test sets.
 class History {
@@ -29,7 +27,7 @@ class History {
     physics.control_period_s = period_s;
     rows_.check(
         config, [] { return Fields(); }, physics, context);
-    for (const std::string& name : context.events) events_[name] = kNever;
+    for (const std::string& name : context.events) events_[name] = kInfinity;
   }
 
   // The values of a signal, to be set.

@@ -86,67 +86,15 @@ QpModel dense_model(const Horizon& horizon) {
   return model;
 }
 
-class Horizons : public ::testing::TestWithParam<std::pair<int, int>> {};
-INSTANTIATE_TEST_SUITE_P(Qp, Horizons,
-                         ::testing::Values(std::pair{1, 1}, std::pair{2, 1}, std::pair{2, 2},
-                                           std::pair{5, 3}, std::pair{20, 5}, std::pair{31, 31},
-                                           std::pair{114, 114}),
-                         [](const auto& steps) {
-                           return "predict" + std::to_string(steps.param.first) + "control" +
-                                  std::to_string(steps.param.second);
-                         });
-
-TEST_P(Horizons, ProductsMatchTheMatrices) {
-  Random random;
-  const auto [prediction_steps, control_steps] = GetParam();
-  for (Eigen::Index n = 1; n <= 4; ++n) {
-    const Horizon horizon = random_horizon(random, n, prediction_steps, control_steps);
-    const QpModel model = dense_model(horizon);
-    const Eigen::Index m = model.Omega.rows();
-    const auto sweeps = make_horizon_sweeps(horizon);
-    ASSERT_NE(sweeps, nullptr);
-    Eigen::VectorXd values(m), gradient(control_steps), states(n * prediction_steps);
-    for (int k = 0; k < 3; ++k) {  // the sweeps must not depend on the previous call
-      const Eigen::VectorXd z = random.vector(control_steps);
-      const Eigen::VectorXd mu = random.vector(m);
-      sweeps->rows(z, values);
-      EXPECT_LT((values - model.Omega * z).norm(), 1e-13 * (1.0 + values.norm())) << n;
-      sweeps->gradient(z, mu, gradient);
-      const Eigen::VectorXd expected = model.H * z + model.Omega.transpose() * mu;
-      EXPECT_LT((gradient - expected).norm(), 1e-13 * (1.0 + expected.norm())) << n;
-
-      const Eigen::VectorXd x = random.vector(n);
-      const Eigen::VectorXd u = random.vector(1);
-      const Trajectory free = simulate(horizon, x, u(0), Eigen::VectorXd::Zero(control_steps));
-      sweeps->free_response(x, u, states);
-      EXPECT_LT((states - free.states.reshaped()).norm(), 1e-13 * (1.0 + states.norm())) << n;
-
-      // The slope of the cost from differences, which are exact since the cost is quadratic.
-      sweeps->slope(states, u, gradient);
-      const auto cost = [&](const Eigen::VectorXd& changes) {
-        const Trajectory whole = simulate(horizon, x, u(0), changes);
-        double sum = horizon.S(0, 0) * whole.inputs.squaredNorm();
-        for (int i = 0; i < prediction_steps; ++i) {
-          const Eigen::MatrixXd& Q = i + 1 < prediction_steps ? horizon.Q : horizon.Q_last;
-          sum += whole.states.col(i).dot(Q * whole.states.col(i));
-        }
-        return 0.5 * sum;
-      };
-      for (int j = 0; j < control_steps; ++j) {
-        const Eigen::VectorXd unit = Eigen::VectorXd::Unit(control_steps, j);
-        const double difference = 0.5 * (cost(unit) - cost(-unit));
-        EXPECT_NEAR(gradient(j), difference, 1e-11 * (1.0 + std::abs(cost(unit)))) << n << " " << j;
-      }
-    }
-  }
-}
-
 // The solver with sweeps along the horizon and the one without.
 TEST(ActiveSet, TheSparseHorizonGivesTheSameSolution) {
   Random random;
   int changes = 0;
-  for (int k = 0; k < 8; ++k) {
-    const Horizon horizon = random_horizon(random, 1 + k % 4, 60, k % 2 == 0 ? 60 : 30);
+  constexpr std::pair<int, int> kSteps[] = {{60, 60}, {60, 30}, {114, 114}, {31, 31}, {20, 5},
+                                            {5, 3},   {2, 2},   {2, 1},     {1, 1}};
+  for (int k = 0; k < 18; ++k) {
+    const auto [prediction_steps, control_steps] = kSteps[k % 9];
+    const Horizon horizon = random_horizon(random, 1 + k % 4, prediction_steps, control_steps);
     QpModel model = dense_model(horizon);
     const Eigen::Index n = model.H.rows();
     const Eigen::Index m = model.Omega.rows();

@@ -1,7 +1,7 @@
 // Any quadratic program: a result satisfies the KKT conditions or has an honest status.
 #include <breakwater/linear/qp.h>
-#include "linear/hard_qp.h"
 #include "linear/known_qp.h"
+#include "linear/random_qp.h"
 
 namespace breakwater::qp_property_test {
 
@@ -44,6 +44,26 @@ bool is_valid(const QpInput& input) {
          (input.softness.array() < kNoBound).all();
 }
 
+// 1/infeasibility_margin() from the definition, with higher precision and without its rounding:
+// 0 is a certificate, ∞ is none.
+double certificate_error(const QpModel& model, const QpInput& input, const Eigen::VectorXd& y) {
+  const Eigen::VectorXd root = model.H.diagonal().cwiseSqrt();
+  long double gap = 0.0L;
+  long double reach = kQpGradientShare * input.g.cwiseQuotient(root).lpNorm<Eigen::Infinity>();
+  for (Eigen::Index i = 0; i < y.size(); ++i) {
+    if (y(i) == 0.0) continue;
+    const long double bound = y(i) > 0.0 ? input.upper(i) : input.lower(i);
+    gap -= static_cast<long double>(y(i)) * bound;
+    const double size =
+        model.Omega.row(i).transpose().cwiseQuotient(root).lpNorm<Eigen::Infinity>();
+    if (size > 0.0) reach = std::max(reach, std::abs(bound) / size);
+  }
+  const Eigen::Matrix<long double, Eigen::Dynamic, 1> tilt =
+      (model.Omega.cast<long double>().transpose() * y.cast<long double>())
+          .cwiseQuotient(root.cast<long double>());
+  return gap > 0.0L ? static_cast<double>(reach * tilt.lpNorm<1>() / gap) : kNoBound;
+}
+
 class QpProperty : public ::testing::TestWithParam<QpSolverKind> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, QpProperty,
                          ::testing::Values(QpSolverKind::hildreth, QpSolverKind::active_set),
@@ -67,7 +87,7 @@ TEST_P(QpProperty, AResultIsOptimalOrSaysThatItIsNot) {
     if (s.status == QpStatus::not_finite) continue;
     if (s.status == QpStatus::infeasible) {
       if ((input.lower.array() > input.upper.array()).any()) continue;
-      ASSERT_LE(testing::certificate_error(model, input, s.mu), 1e-5) << k;
+      ASSERT_LE(certificate_error(model, input, s.mu), 1e-5) << k;
       continue;
     }
     // The residual that is reported is the error, whatever the status.
@@ -89,12 +109,68 @@ TEST_P(QpProperty, AResultIsOptimalOrSaysThatItIsNot) {
   EXPECT_GT(statuses[3], count / 20);
 }
 
+// Feasible programs: none may be reported as infeasible, at most 0.3 % may be
+// unsolved, and every solution must be right.
 TEST(HardQpProperty, FeasibleProgramsAreSolved) {
-  testing::expect_hard_feasible_qps_are_solved(testing::property_count(4000));
+  const int count = testing::property_count(4000);
+  Random random(301);
+  int without = 0;
+  double largest = 0.0;
+  for (int k = 0; k < count; ++k) {
+    const auto [model, input] = testing::hard_feasible_qp(random);
+    QpSolution solution(model.H.rows(), model.Omega.rows());
+    make_qp_solver(QpSolverKind::active_set, model, 1)->solve(input, solution);
+    ASSERT_NE(solution.status, QpStatus::infeasible) << k;
+    ASSERT_NE(solution.status, QpStatus::not_finite) << k;
+    if (solution.status != QpStatus::solved) {
+      ++without;
+      continue;
+    }
+    const double error = testing::optimality_error(model, input, solution);
+    ASSERT_LE(error, 1e-8) << k;
+    largest = std::max(largest, error);
+  }
+  std::printf("%d feasible programs: %d without a solution, largest residual %.1e\n", count,
+              without, largest);
+  EXPECT_LE(without, 0.003 * count);
 }
 
+// Infeasible programs: none may be solved. All but one in 1e4 must be reported as
+// infeasible with a certificate; rounding hides a few. With the last constraint softened all must
+// be solved.
 TEST(HardQpProperty, InfeasibleProgramsAreProven) {
-  testing::expect_hard_infeasible_qps_are_proven(testing::property_count(4000));
+  const int count = testing::property_count(4000);
+  Random random(302);
+  int without = 0, unproven = 0;
+  double largest = 0.0;
+  for (int k = 0; k < count; ++k) {
+    auto [model, input] = testing::hard_infeasible_qp(random);
+    QpSolution solution(model.H.rows(), model.Omega.rows());
+    const auto solver = make_qp_solver(QpSolverKind::active_set, model, 1);
+    solver->solve(input, solution);
+    ASSERT_NE(solution.status, QpStatus::solved) << k;
+    if (solution.status != QpStatus::infeasible) {
+      ++unproven;
+    } else {
+      const double error = certificate_error(model, input, solution.mu);
+      ASSERT_LE(error, 1e-5) << k;
+      largest = std::max(largest, error);
+    }
+    input.softness(model.Omega.rows() - 1) = 0.1;
+    solver->solve(input, solution);
+    ASSERT_NE(solution.status, QpStatus::infeasible) << k;
+    if (solution.status != QpStatus::solved) {
+      ++without;
+    } else {
+      ASSERT_LE(testing::optimality_error(model, input, solution), 1e-8) << k;
+    }
+  }
+  std::printf(
+      "%d infeasible programs: %d without a certificate, largest error of one %.1e; softened, %d "
+      "without a solution\n",
+      count, unproven, largest, without);
+  EXPECT_LE(unproven, 1e-4 * count);
+  EXPECT_LE(without, 0.003 * count);
 }
 
 // In any units. No wrong point is solved, and the active-set solver solves nearly all.

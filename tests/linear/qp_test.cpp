@@ -17,9 +17,6 @@ using testing::Random;
 using testing::random_feasible_input;
 using testing::random_qp_model;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 // minimise ½|z|² − z·(1, 1), z ≤ (½, 2).
 QpModel unit_model() {
   return {Eigen::MatrixXd::Identity(2, 2), Eigen::MatrixXd::Identity(2, 2)};
@@ -91,7 +88,7 @@ TEST_P(BothSolvers, NanIsNeverSolved) {
     EXPECT_EQ(solution.z.norm(), 0.0);
     EXPECT_EQ(solution.kkt_residual, kInfinity);
   };
-  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
     for (Eigen::Index i = 0; i < 5; ++i) {
       QpInput input = good;
       input.g(i) = bad;
@@ -99,9 +96,9 @@ TEST_P(BothSolvers, NanIsNeverSolved) {
     }
   }
   for (const auto& [member, bad] :
-       {std::pair(&QpInput::lower, kNan), std::pair(&QpInput::lower, kInfinity),
-        std::pair(&QpInput::upper, kNan), std::pair(&QpInput::upper, -kInfinity),
-        std::pair(&QpInput::softness, kNan), std::pair(&QpInput::softness, -1.0)}) {
+       {std::pair(&QpInput::lower, kNaN), std::pair(&QpInput::lower, kInfinity),
+        std::pair(&QpInput::upper, kNaN), std::pair(&QpInput::upper, -kInfinity),
+        std::pair(&QpInput::softness, kNaN), std::pair(&QpInput::softness, -1.0)}) {
     for (Eigen::Index i = 0; i < 30; ++i) {
       QpInput input = good;
       (input.*member)(i) = bad;
@@ -157,8 +154,8 @@ TEST_P(BothSolvers, RefuseInvalidProblems) {
   EXPECT_THROW(make({Eigen::MatrixXd::Zero(2, 2), eye}), std::invalid_argument);
   EXPECT_THROW(make({eye, Eigen::MatrixXd::Identity(3, 3)}), std::invalid_argument);
   EXPECT_THROW(make({Eigen::MatrixXd(), Eigen::MatrixXd()}), std::invalid_argument);
-  EXPECT_THROW(make({kNan * eye, eye}), std::invalid_argument);
-  EXPECT_THROW(make({eye, kNan * eye}), std::invalid_argument);
+  EXPECT_THROW(make({kNaN * eye, eye}), std::invalid_argument);
+  EXPECT_THROW(make({eye, kNaN * eye}), std::invalid_argument);
   EXPECT_THROW(make({eye + Eigen::MatrixXd::Ones(2, 2).triangularView<Eigen::Upper>() * eye, eye}),
                std::invalid_argument)
       << "not symmetric";
@@ -335,24 +332,6 @@ TEST(Hildreth, IncrementalResidualsAreTheTextbooksAlgorithm) {
   }
 }
 
-TEST(Hildreth, AgreesWithTheExactSolverWhereItConverges) {
-  Random random;
-  int converged = 0;
-  for (int k = 0; k < 300; ++k) {
-    const QpModel model = random_qp_model(random, kQpSizes[k % 3]);
-    const QpInput input = random_feasible_input(random, model);
-    QpSolution hildreth(model.H.rows(), model.Omega.rows());
-    QpSolution exact = hildreth;
-    HildrethQp(model, 20000).solve(input, hildreth);
-    ActiveSetQp(model, 1000).solve(input, exact);
-    ASSERT_EQ(exact.status, QpStatus::solved);
-    if (hildreth.status != QpStatus::solved) continue;
-    ++converged;
-    EXPECT_LT((hildreth.z - exact.z).norm(), 1e-3 * (1.0 + exact.z.norm())) << k;
-  }
-  EXPECT_GT(converged, 200);
-}
-
 // Solves feasible problems to 1e-8, cold and along a slowly changing sequence.
 void solve_random_problems(const QpSize& size, int models, int inputs, unsigned seed) {
   Random random(seed);
@@ -368,6 +347,8 @@ void solve_random_problems(const QpSize& size, int models, int inputs, unsigned 
       ASSERT_LE(solution.kkt_residual, 1e-8) << k << " " << i;
       ASSERT_LE(optimality_error(model, input, solution), 1e-8) << k << " " << i;
       changes += solution.iterations;
+      solver.solve(input, solution);
+      ASSERT_EQ(solution.iterations, 0) << "already at the solution";
       if (i % 8 == 7) {
         input = random_feasible_input(random, model);
       } else {
@@ -383,49 +364,6 @@ TEST(ActiveSet, SolvesAHundredThousandRandomProblems) {
   solve_random_problems(kQpSizes[1], 660, 50, 102);
   solve_random_problems(kQpSizes[2], 660, 50, 103);
   solve_random_problems(kQpSizes[3], 20, 50, 104);
-}
-
-TEST(ActiveSet, EveryInfeasibleProblemIsReported) {
-  Random random;
-  for (int k = 0; k < 1200; ++k) {
-    const QpSize& size = k % 100 == 99 ? kQpSizes[3] : kQpSizes[k % 3];
-    QpModel model = random_qp_model(random, size);
-    const QpInput feasible = random_feasible_input(random, model);
-    QpInput input = feasible;
-    make_infeasible(random, model, input, std::pow(10.0, random.uniform(-6.0, 1.0)));
-    ActiveSetQp solver(model, 10000);
-    QpSolution solution(size.variables, size.rows);
-    QpInput without_last = input;
-    without_last.lower(size.rows - 1) = -kInfinity;
-    without_last.upper(size.rows - 1) = kInfinity;
-    solver.solve(without_last, solution);
-    EXPECT_EQ(solution.status, QpStatus::solved) << k;
-    solver.solve(input, solution);  // warm
-    EXPECT_EQ(solution.status, QpStatus::infeasible) << k;
-    // The problem is feasible if one of the contradictory constraints is softened.
-    input.softness(size.rows - 1) = 0.1;
-    solver.solve(input, solution);
-    EXPECT_EQ(solution.status, QpStatus::solved) << k;
-    EXPECT_LE(optimality_error(model, input, solution), 1e-8) << k;
-  }
-}
-
-TEST(ActiveSet, WarmAndColdAgree) {
-  Random random;
-  for (const QpSize& size : kQpSizes) {
-    const QpModel model = random_qp_model(random, size);
-    ActiveSetQp warm(model, 10000);
-    QpSolution from_warm(size.variables, size.rows);
-    QpSolution from_cold = from_warm;
-    for (int i = 0; i < 10; ++i) {
-      const QpInput input = random_feasible_input(random, model);
-      warm.solve(input, from_warm);
-      ActiveSetQp(model, 10000).solve(input, from_cold);
-      EXPECT_LT((from_warm.z - from_cold.z).norm(), 1e-7 * (1.0 + from_cold.z.norm()));
-      warm.solve(input, from_cold);
-      EXPECT_EQ(from_cold.iterations, 0) << "already at the solution";
-    }
-  }
 }
 
 TEST(ActiveSet, NewMatricesAreANewProblem) {

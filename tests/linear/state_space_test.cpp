@@ -21,19 +21,6 @@ TEST(ZeroOrderHold, DoubleIntegratorHasItsClosedForm) {
   EXPECT_EQ(sampled.C, plant.C);
 }
 
-TEST(ZeroOrderHold, CartWithFrictionHasItsClosedForm) {
-  // M v̇ = u − C v: v(k+1) = e^{−C T/M} v + (1 − e^{−C T/M})/C u.
-  const double M = 0.625, C = 0.78, T = 0.1;
-  const StateSpace plant{(Eigen::Matrix2d() << 0, 1, 0, -C / M).finished(),
-                         Eigen::Vector2d(0, 1 / M), Eigen::RowVector2d(1, 0)};
-  const StateSpace sampled = zero_order_hold(plant, T);
-  const double decay = std::exp(-C * T / M);
-  EXPECT_NEAR(sampled.A(1, 1), decay, 1e-15);
-  EXPECT_NEAR(sampled.A(0, 1), M / C * (1 - decay), 1e-15);
-  EXPECT_NEAR(sampled.B(1), (1 - decay) / C, 1e-15);
-  EXPECT_NEAR(sampled.B(0), (T - M / C * (1 - decay)) / C, 1e-15);
-}
-
 TEST(ZeroOrderHold, TwoHalfStepsAreOneStep) {
   testing::Random random;
   for (int trial = 0; trial < 20; ++trial) {
@@ -166,17 +153,6 @@ TEST(PseudoInverse, AgreesWithTheSvd) {
   }
 }
 
-TEST(PseudoInverse, MeetsMoorePenrose) {
-  testing::Random random;
-  const Jacobian J = random.matrix(3, 5);
-  Inverse P(5, 3);
-  pseudo_inverse(J, 1e-6, P);
-  EXPECT_TRUE((J * P * J).isApprox(J, 1e-12));
-  EXPECT_TRUE((P * J * P).isApprox(P, 1e-12));
-  EXPECT_TRUE((J * P).isApprox((J * P).transpose(), 1e-12));
-  EXPECT_TRUE((P * J).isApprox((P * J).transpose(), 1e-12));
-}
-
 TEST(PseudoInverse, DropsSmallSingularValues) {
   Jacobian J = Jacobian::Zero(3, 3);
   J(0, 0) = 1.0;
@@ -195,25 +171,6 @@ TEST(PseudoInverse, DropsSmallSingularValues) {
 }
 
 using testing::distance;
-
-TEST(PolePlacement, TripleIntegratorHasItsClosedForm) {
-  // det(s I − A + H C) of a chain of three integrators is s³ + h1 s² + h2 s + h3.
-  Eigen::Matrix3d A;
-  A << 0, 1, 0, 0, 0, 1, 0, 0, 0;
-  const Eigen::MatrixXd H =
-      place_observer_poles(A, Eigen::RowVector3d(1, 0, 0), {{-40.0, -43.0, -46.0}});
-  EXPECT_NEAR(H(0), 40 + 43 + 46, 1e-11);
-  EXPECT_NEAR(H(1), 40 * 43 + 40 * 46 + 43 * 46, 1e-9);
-  EXPECT_NEAR(H(2), 40 * 43 * 46, 1e-8);
-}
-
-TEST(PolePlacement, RepeatedPolesHaveTheirClosedForm) {
-  Eigen::Matrix3d A;
-  A << 0, 1, 0, 0, 0, 1, 0, 0, 0;
-  const Eigen::MatrixXd H =
-      place_observer_poles(A, Eigen::RowVector3d(1, 0, 0), {{-18.4, -18.4, -18.4}});
-  EXPECT_TRUE(H.isApprox(Eigen::Vector3d(3 * 18.4, 3 * 18.4 * 18.4, std::pow(18.4, 3)), 1e-13));
-}
 
 TEST(PolePlacement, PlacesRandomMultiOutputPlants) {
   testing::Random random;

@@ -16,7 +16,6 @@ namespace breakwater::multiple_model_estimator_test {
 
 using testing::MotorLoop;
 using Kind = MultipleModelEstimator::Kind;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 SensorError sensor(double quantum, double noise_std) {
   return {Eigen::VectorXd::Constant(1, quantum), Eigen::VectorXd::Constant(1, noise_std)};
@@ -150,31 +149,6 @@ TEST(MultipleModelEstimator, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
     EXPECT_NEAR(bank.disturbance()(0), mean(2), 1e-9);
     q += kPeriod * v;
     v += kPeriod * u(0);
-  }
-}
-
-TEST(MultipleModelEstimator, ItsConstantModelEqualsTheKalmanFilter) {
-  constexpr double kPeriod = 1e-2, kNoise = 0.01;
-  MultipleModelEstimator bank(design(0.0, kNoise, kPeriod));
-  const ExtendedPlant plant =
-      extend_by_disturbance_model(zero_order_hold(damped_inertia(1.0, 0.0), kPeriod), 0, kPeriod);
-  const double variance = kNoise * kNoise;
-  Kfd plain({plant, Eigen::MatrixXd::Zero(3, 3),
-             (variance + 4e-20) * Eigen::MatrixXd::Identity(1, 1),
-             variance * Eigen::MatrixXd::Identity(3, 3)});
-  testing::Random random(5);
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = u;
-  for (int k = 0; k < 500; ++k) {
-    u(0) = random.uniform(-0.1, 0.1);
-    y(0) = kNoise * random.uniform(-1.7, 1.7);
-    bank.update(u, y);
-    plain.update(u, y);
-    const MultipleModelEstimator::Model& constant = bank.models()[0];
-    ASSERT_EQ(constant.kind, Kind::constant);
-    ASSERT_GT(constant.log_weight, -10.0) << "it must not have been seeded anew";
-    EXPECT_LT((constant.x.head(3) - plain.extended_state()).norm(),
-              1e-10 * (1.0 + plain.extended_state().norm()));
-    EXPECT_LT((constant.P.topLeftCorner(3, 3) - plain.P()).norm(), 1e-10 * plain.P().norm());
   }
 }
 
@@ -359,7 +333,7 @@ TEST(MultipleModelEstimator, RefusesAPlantThatIsNotAnAxis) {
   wrong = design(1e-3, 0.0);
   wrong.largest_d = 0.0;
   EXPECT_THROW(MultipleModelEstimator{wrong}, std::invalid_argument);
-  wrong.largest_d = std::numeric_limits<double>::infinity();
+  wrong.largest_d = kInfinity;
   EXPECT_THROW(MultipleModelEstimator{wrong}, std::invalid_argument);
   EXPECT_THROW(MultipleModelEstimator(design(-1.0, 0.0)), std::invalid_argument);
   EXPECT_THROW(MultipleModelEstimator(design(1e-3, 0.0, 0.0)), std::invalid_argument);

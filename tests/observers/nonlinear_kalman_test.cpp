@@ -19,23 +19,6 @@ struct Pendulum : ProcessTypes<3, 1, 1> {
   Square A = (Square() << 1, 0.01, 0, 0, 1, 0.01, 0, 0, 1).finished();
 };
 
-// The same process without its structure.
-struct DensePendulum : ProcessTypes<3, 1, 3> {
-  static constexpr int kStates = 3, kInputs = 1, kFirstRow = 0, kRows = 3, kArguments = 3;
-  using Square = Eigen::Matrix3d;
-
-  void nonlinear(const State& x, const Input& u, Nonlinear& g) const {
-    Pendulum::Nonlinear rate;
-    pendulum.nonlinear(x, u, rate);
-    g = pendulum.A * x;
-    g(1) += rate(0);
-  }
-  const Square& linear() const { return A; }
-
-  Pendulum pendulum;
-  Square A = Square::Zero();
-};
-
 // A linear process: the nonlinear part is linear too.
 struct Linear : ProcessTypes<4, 2, 2> {
   static constexpr int kStates = 4, kInputs = 2, kFirstRow = 2, kRows = 2, kArguments = 3;
@@ -91,28 +74,6 @@ TEST(NonlinearKalman, AllEqualTheKalmanFilterForALinearProcess) {
     ASSERT_NEAR((ekf.P() - P).norm(), 0.0, 1e-10);
     ASSERT_NEAR((ukf.P() - P).norm(), 0.0, 1e-10);
   }
-}
-
-// Two entries per row, so the order of the sum does not matter.
-TEST(NonlinearKalman, SparseProductsEqualDenseOnes) {
-  constexpr int N = 30;
-  using Square = Eigen::Matrix<double, N, N>;
-  testing::Random random;
-  Square A = Square::Zero(), X, product;
-  for (int i = 0; i < N; ++i) {
-    A(i, i) = random.uniform(-1, 1);
-    A(i, (7 * i + 3) % N) = random.uniform(-1, 1);
-    for (int k = 0; k < N; ++k) X(i, k) = random.uniform(-1, 1);
-  }
-  detail::SparseSquare<N> sparse;
-  sparse.assign(Square::Identity());
-  sparse.assign(A);  // the old entries must disappear
-  sparse.transposed_times(X, product);
-  EXPECT_EQ(product, Square(X * A.transpose()));
-  const Eigen::Matrix<double, N, 1> x = X.col(0);
-  Eigen::Matrix<double, N, 1> image;
-  sparse.times(x, image);
-  EXPECT_EQ(image, (Eigen::Matrix<double, N, 1>(A * x)));
 }
 
 // An odd number of states, three of them measured.
@@ -196,23 +157,6 @@ TEST(NonlinearKalman, UkfEqualsTheTextbook) {
     ukf.correct(y);
     ASSERT_NEAR((ukf.x() - x).norm(), 0.0, 1e-10);
     ASSERT_NEAR((ukf.P() - P).norm(), 0.0, 1e-10);
-  }
-}
-
-TEST(NonlinearKalman, StructureDoesNotChangeTheEstimate) {
-  const auto d = design<3, 1>(1e-4, 0.01, 0.3);
-  Ukf<Pendulum, 1> structured(Pendulum(), d);
-  Ukf<DensePendulum, 1> dense(DensePendulum(), d);
-  testing::Random random;
-  for (int k = 0; k < 500; ++k) {
-    const Eigen::Matrix<double, 1, 1> u(random.uniform(-5, 5)), y(random.uniform(-1, 1));
-    structured.predict(u);
-    structured.correct(y);
-    dense.predict(u);
-    dense.correct(y);
-    ASSERT_NEAR((structured.x() - dense.x()).norm(), 0.0, 1e-10);
-    ASSERT_NEAR((structured.P() - dense.P()).norm(), 0.0, 1e-10);
-    ASSERT_TRUE(structured.P() == structured.P().transpose());
   }
 }
 

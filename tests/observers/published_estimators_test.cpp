@@ -24,7 +24,6 @@ using Estimator = std::unique_ptr<DisturbanceEstimator>;
 
 constexpr double kPeriod = 0.01;
 constexpr double kNoise = 0.02;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 SensorError sensor(double quantum, double noise_std = 0.0) {
   return {Eigen::VectorXd::Constant(1, quantum), Eigen::VectorXd::Constant(1, noise_std)};

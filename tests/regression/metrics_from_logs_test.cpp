@@ -8,8 +8,6 @@ using testing::run_case;
 using Values = std::vector<double>;
 using Rows = std::vector<Values>;  // the values at each time
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
 Values of(const Recording& run, const std::string& signal) {
   return run.track("control").values(signal);
 }
@@ -318,7 +316,7 @@ TEST_P(MetricsFromLogs, AreThoseOfTheRun) {
   ASSERT_FALSE(run.failure);
   const MetricRows& rows = prepared.scenario->metric_rows();
   // The events, from the log.
-  double first_contact_s = kNever, first_separation_s = kNever;
+  double first_contact_s = kInfinity, first_separation_s = kInfinity;
   if (run.tracks.size() > 1) {
     const double from_s = scenario == "arm_wall_contact" ? 10.0 : 0.0;
     const Track& fine = run.track("physics");
@@ -326,7 +324,7 @@ TEST_P(MetricsFromLogs, AreThoseOfTheRun) {
     for (std::size_t i = 0; i < force.size(); ++i) {
       if (force[i] > 0.0 && times[i] >= from_s) {
         first_contact_s = std::min(first_contact_s, times[i]);
-      } else if (first_contact_s < kNever) {
+      } else if (first_contact_s < kInfinity) {
         first_separation_s = std::min(first_separation_s, times[i]);
       }
     }

@@ -13,8 +13,6 @@
 
 namespace breakwater::ranking_test {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 double deviate(testing::Random& random) {
   return normal_quantile(random.uniform(1e-12, 1.0 - 1e-12));
 }

@@ -9,8 +9,6 @@
 
 namespace breakwater::sensitivity_test {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 using Model = std::function<double(const Eigen::VectorXd& u)>;
 
 // The outputs of a Saltelli design of n rows, n × (d + 2).
@@ -157,7 +155,7 @@ TEST(Sensitivity, RowsWithAMissingOutputAreDropped) {
   Eigen::MatrixXd f = outputs(ishigami, 256, 3, 1);
   const Eigen::MatrixXd last = f.bottomRows(250);
   for (Eigen::Index column = 0; column < 5; ++column) f(column, column) = kNaN;
-  f(5, 2) = std::numeric_limits<double>::infinity();
+  f(5, 2) = kInfinity;
   const SensitivityIndices some = sensitivity_indices(f), whole = sensitivity_indices(last);
   EXPECT_EQ(some.rows, 250);
   EXPECT_EQ(some.dropped_rows, 6);
@@ -217,8 +215,6 @@ TEST(Sensitivity, RefusesInvalidArguments) {
   EXPECT_THROW(sensitivity_indices(f, {.level = 1.0}), std::invalid_argument);
   EXPECT_THROW(sensitivity_indices(f, {.level = kNaN}), std::invalid_argument);
 }
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 // Arguments up to both tails, as far as those of 2⁵² Sobol' points.
 std::vector<double> arguments() {
@@ -294,7 +290,7 @@ TEST(Distribution, RefusesInvalidArguments) {
             "a logarithmic range must be positive, and begins at -1");
   EXPECT_EQ(reason(normal, 1.0, 0.0), "the standard deviation must be positive, not 0");
   EXPECT_EQ(reason(normal, 1.0, -2.0), "the standard deviation must be positive, not -2");
-  for (const double bad : {kNaN, kInf, -kInf}) {
+  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
     for (const DistributionKind kind : {uniform, log_uniform, normal}) {
       EXPECT_EQ(reason(kind, bad, 1.0), "must be two finite numbers");
       EXPECT_EQ(reason(kind, 1.0, bad), "must be two finite numbers");

@@ -18,8 +18,6 @@
 
 namespace breakwater::report_test {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
 Experiments own_experiments(Effort effort = Effort::quick) {
   return read_experiments(testing::source_file("data/experiments.toml"), effort);
 }
@@ -34,7 +32,7 @@ TEST(Verdict, NumbersHaveTwoBands) {
   EXPECT_EQ(judge(1.51, printed, standard), Verdict::within_class);
   EXPECT_EQ(judge(1.49, printed, standard), Verdict::not_reproduced);
   EXPECT_EQ(judge(NAN, printed, standard), Verdict::not_measured);
-  EXPECT_EQ(judge(kNever, printed, standard), Verdict::not_reproduced);
+  EXPECT_EQ(judge(kInfinity, printed, standard), Verdict::not_reproduced);
 }
 
 TEST(Verdict, AValueThatRoundsToThePrintedDigitsIsReproduced) {
@@ -143,7 +141,7 @@ TEST(Verdict, ARatioOfMetricsOfOneRunIsComputedPerRun) {
 TEST(Median, IsTheMiddleValue) {
   EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
   EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
-  EXPECT_EQ(median({1.0, kNever, kNever}), kNever);
+  EXPECT_EQ(median({1.0, kInfinity, kInfinity}), kInfinity);
 }
 
 TEST(Measurement, EqualsTheResultInTheShard) {
@@ -153,7 +151,7 @@ TEST(Measurement, EqualsTheResultInTheShard) {
     Shard shard(folder);
     PointResult result;
     result.key = "complete";
-    result.metrics = {{"max d_hat_Nm", NAN}, {"a_m", kNever}, {"b_m", 1.0}};
+    result.metrics = {{"max d_hat_Nm", NAN}, {"a_m", kInfinity}, {"b_m", 1.0}};
     shard.add(result);
     result.key = "failed";
     result.status = PointStatus::failed;

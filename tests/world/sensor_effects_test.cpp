@@ -91,8 +91,6 @@ TEST(LowPass, RefusesNonsense) {
 }
 
 TEST(FaultySensor, BreaksFromItsTimeForItsSamples) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   struct Row {
     FaultKind kind;
     double size;
@@ -100,7 +98,7 @@ TEST(FaultySensor, BreaksFromItsTimeForItsSamples) {
     std::vector<double> readings;  // readings of 0, 1.1, 2.2, 3.3, 4.4, 5.5, 6.6
   };
   const std::vector<Row> rows = {
-      {FaultKind::nan, 0.0, 1, {0.0, 1.1, kNan, kNan, kNan, 5.5, 6.6}},
+      {FaultKind::nan, 0.0, 1, {0.0, 1.1, kNaN, kNaN, kNaN, 5.5, 6.6}},
       {FaultKind::infinity, 0.0, 1, {0.0, 1.1, kInfinity, kInfinity, kInfinity, 5.5, 6.6}},
       {FaultKind::frozen, 0.0, 1, {0.0, 1.1, 1.1, 1.1, 1.1, 5.5, 6.6}},
       {FaultKind::dropped, 0.0, 1, {0.0, 1.1, 1.1, 1.1, 1.1, 1.1, 6.6}},  // 4 times 12.5 ms
@@ -126,7 +124,7 @@ TEST(FaultySensor, BreaksFromItsTimeForItsSamples) {
   EXPECT_EQ(at_once.update(0.0, 3.0), 3.0);
   EXPECT_EQ(at_once.update(1.0, 4.0), 3.0);
   EXPECT_REFUSED(FaultySensor({"q", 0.0, 1, FaultKind::stuck}, 1e-3));
-  EXPECT_REFUSED(FaultySensor({"q", 0.0, 1, FaultKind::bias, kNan}, 1e-3));
+  EXPECT_REFUSED(FaultySensor({"q", 0.0, 1, FaultKind::bias, kNaN}, 1e-3));
 }
 
 constexpr double kStep = 1e-4;
