@@ -1,10 +1,8 @@
 // The quadrotor's MJCF and its forces against the thesis' matrices, closed forms and an ODE.
 #include <Eigen/Geometry>
 
-#include <breakwater/control/backstepping.h>
 #include <breakwater/sim/simulation.h>
 #include <breakwater/sim/underwater_force.h>
-#include <breakwater/world/noise.h>
 #include "sim/small_models.h"
 
 namespace breakwater::quadrotor_test {
@@ -43,9 +41,11 @@ std::vector<Vector12d> simulate(QuadrotorPhysics physics, const WaveLoadSetup& w
 }
 
 // The same motion by RK4 on the thesis' equations in ζ.
-std::vector<Vector12d> integrate(QuadrotorPhysics physics, const Thrusts& thrusts,
-                                 double duration_s) {
+std::vector<Vector12d> integrate(QuadrotorPhysics physics, const WaveLoadSetup& waves,
+                                 const Thrusts& thrusts, double duration_s) {
   const QuadrotorModel model({}, physics);
+  const Model file = quadrotor();
+  const UnderwaterForce water(file, {}, physics, waves, kStart);
   const Eigen::Matrix4d B = thruster_matrix(model.parameters().thruster_arm_m);
   Vector12d x = Vector12d::Zero();
   x.head<3>() = kStart;
@@ -54,14 +54,21 @@ std::vector<Vector12d> integrate(QuadrotorPhysics physics, const Thrusts& thrust
   for (int k = 0; k <= std::lround(duration_s / h); ++k) {
     states.push_back(x);
     const Eigen::Vector4d U = B * thrusts(k / 10 * 1e-2);
-    const auto rate = [&](const Vector12d& s) {
-      Vector12d dx;
+    const auto rate = [&](double t, const Vector12d& s) {
+      const Eigen::Quaterniond q = Eigen::AngleAxisd(s(5), Eigen::Vector3d::UnitZ()) *
+                                   Eigen::AngleAxisd(s(4), Eigen::Vector3d::UnitY()) *
+                                   Eigen::AngleAxisd(s(3), Eigen::Vector3d::UnitX());
+      const double qpos[] = {s(0), s(1), s(2), q.w(), q.x(), q.y(), q.z()};
       const Vector6d v = s.tail<6>();
-      dx << v, model.acceleration(AttitudeTrig(s.segment<3>(3)), v, U);
+      Vector6d load = water.wave_load(t, FreeMotion(qpos, v.data()));
+      load.tail<3>() = q.inverse() * Eigen::Vector3d(load.tail<3>());
+      Vector12d dx;
+      dx << v, model.acceleration(AttitudeTrig(s.segment<3>(3)), v, U, load);
       return dx;
     };
-    const Vector12d k1 = rate(x), k2 = rate(x + 0.5 * h * k1), k3 = rate(x + 0.5 * h * k2),
-                    k4 = rate(x + h * k3);
+    const double t = h * k;
+    const Vector12d k1 = rate(t, x), k2 = rate(t + 0.5 * h, x + 0.5 * h * k1),
+                    k3 = rate(t + 0.5 * h, x + 0.5 * h * k2), k4 = rate(t + h, x + h * k3);
     x += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
   }
   return states;
@@ -141,10 +148,17 @@ TEST(QuadrotorForces, PlanarPitchMatchesTheOde) {
   };
   for (const QuadrotorPhysics physics : {QuadrotorPhysics::physical, QuadrotorPhysics::thesis}) {
     const Deviation d =
-        deviation(simulate(physics, {}, thrusts, 5.0), integrate(physics, thrusts, 5.0));
+        deviation(simulate(physics, {}, thrusts, 5.0), integrate(physics, {}, thrusts, 5.0));
     EXPECT_LT(d.position_m, 5e-4);
     EXPECT_LT(d.angle_rad, 1e-4);
   }
+}
+
+WaveLoadSetup sea(WaveMode mode) {
+  WaveLoadSetup waves;
+  waves.mode = mode;
+  waves.sea.significant_height_m = 2.0;
+  return waves;
 }
 
 // The ODE uses φ̇, θ̇, ψ̇ as body rates, so it is accurate only for small angles.
@@ -154,9 +168,12 @@ TEST(QuadrotorForces, SmallMotionMatchesTheOde) {
            0.05 * Eigen::Vector4d(std::sin(2.0 * t), std::sin(3.0 * t), -std::sin(2.0 * t),
                                   -std::sin(3.0 * t) + 0.2 * std::sin(t));
   };
-  for (const QuadrotorPhysics physics : {QuadrotorPhysics::physical, QuadrotorPhysics::thesis}) {
-    const auto states = simulate(physics, {}, thrusts, 5.0);
-    const Deviation d = deviation(states, integrate(physics, thrusts, 5.0));
+  for (const auto& [physics, waves] :
+       {std::pair(QuadrotorPhysics::physical, WaveLoadSetup()),
+        std::pair(QuadrotorPhysics::thesis, WaveLoadSetup()),
+        std::pair(QuadrotorPhysics::physical, sea(WaveMode::physical))}) {
+    const auto states = simulate(physics, waves, thrusts, 5.0);
+    const Deviation d = deviation(states, integrate(physics, waves, thrusts, 5.0));
     EXPECT_LT(d.angle_rad, 1e-3);
     EXPECT_LT(d.position_m, 1e-2);
     double largest = 0.0;
@@ -177,13 +194,6 @@ TEST(QuadrotorForces, ThesisWeightDoublesTheLateralForce) {
   const double a = physical.acceleration(tilted, Vector6d::Zero(), hover)(0);
   EXPECT_NEAR(a, p.net_weight_N() / p.mass_kg * std::sin(0.1), 1e-12);
   EXPECT_NEAR(thesis.acceleration(tilted, Vector6d::Zero(), hover)(0), 2.0 * a, 1e-12);
-}
-
-WaveLoadSetup sea(WaveMode mode) {
-  WaveLoadSetup waves;
-  waves.mode = mode;
-  waves.sea.significant_height_m = 2.0;
-  return waves;
 }
 
 // The water on a page is that of the simulation.
@@ -301,104 +311,6 @@ TEST(WaveLoads, StillWaterGivesNone) {
     force.advance(0.0, FreeMotion(qpos, qvel));
     EXPECT_EQ(force.wave_load(1.0, FreeMotion(qpos, qvel)).norm(), 0.0);
   }
-}
-
-// The loop of estimator and backstepping on both plants, with the same noise and waves.
-struct Loop {
-  static BacksteppingController controller() {
-    const QuadrotorModel model({}, QuadrotorPhysics::physical);
-    BacksteppingDesign law{.alpha = retuned_gains({}, 0.01), .position_clamp_m = 1.5};
-    law.reference.head<3>() << 1.0, 1.5, -10.0;
-    QuadrotorEstimatorDesign design;
-    design.order = DisturbanceOrder::resonator;
-    return {{model, law}, make_quadrotor_estimator(design, model), true};
-  }
-  // The measured pose at sample k.
-  static Vector6d measured(const Vector6d& pose, int k) {
-    const Noise noise(3, "loop");
-    Vector6d y = pose;
-    for (int i = 0; i < 6; ++i) {
-      y(i) += (i < 3 ? 0.1 : 0.01) * noise(static_cast<std::uint64_t>(6 * k + i));
-    }
-    return y;
-  }
-};
-
-double tracking_rmse_m(const std::vector<Vector12d>& states, std::size_t from) {
-  double sum = 0.0;
-  for (std::size_t i = from; i < states.size(); ++i) {
-    sum += (states[i].head<3>() - Eigen::Vector3d(1.0, 1.5, -10.0)).squaredNorm() / 3.0;
-  }
-  return std::sqrt(sum / static_cast<double>(states.size() - from));
-}
-
-TEST(QuadrotorForces, ClosedLoopTracksAsTheOde) {
-  const int steps = 60000;
-  const WaveLoadSetup setup = sea(WaveMode::physical);
-
-  std::vector<Vector12d> engine;
-  BacksteppingController control = Loop::controller();
-  Vector6d pose = Vector6d::Zero();
-  pose(2) = -10.0;
-  testing::FunctionController sampled([&](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
-    const int k = static_cast<int>(std::lround(y.time_s / 0.01));
-    const Sample noisy{y.time_s, Loop::measured(pose, k)};
-    if (k == 0) control.reset(noisy);
-    control.update(noisy, u);
-  });
-  Simulation sim(quadrotor(), sampled, {}, 10);
-  UnderwaterForce water(sim.model(), {}, QuadrotorPhysics::physical, setup, kStart);
-  sim.add(water);
-  sim.set_position(std::vector<double>{0, 0, -10, 1, 0, 0, 0});
-  for (int k = 0; k < steps; ++k) {
-    sim.step();
-    const FreeMotion m(sim.data().qpos, sim.data().qvel);
-    pose << m.position, m.euler;
-    Vector12d state;
-    state << pose, m.velocity, attitude_rates(AttitudeTrig(m.euler), m.body_rates);
-    engine.push_back(state);
-  }
-
-  std::vector<Vector12d> ode;
-  BacksteppingController twin = Loop::controller();
-  const QuadrotorModel model({}, QuadrotorPhysics::physical);
-  const Eigen::Matrix4d B = thruster_matrix(model.parameters().thruster_arm_m);
-  const double h = 1e-3, limit = model.parameters().thrust_limit_N;
-  Eigen::VectorXd u(4);
-  Eigen::Vector4d U = Eigen::Vector4d::Zero();
-  Vector12d x = Vector12d::Zero();
-  x(2) = -10.0;
-  for (int k = 0; k < steps; ++k) {
-    const double t = h * k;
-    if (k % 10 == 0) {
-      const Sample noisy{t, Loop::measured(x.head<6>(), k / 10)};
-      if (k == 0) twin.reset(noisy);
-      twin.update(noisy, u);
-      U = B * u.cwiseMax(-limit).cwiseMin(limit);
-    }
-    const auto rate = [&](double at, const Vector12d& s) {
-      const AttitudeTrig trig(s.segment<3>(3));
-      const Eigen::Quaterniond q = Eigen::AngleAxisd(s(5), Eigen::Vector3d::UnitZ()) *
-                                   Eigen::AngleAxisd(s(4), Eigen::Vector3d::UnitY()) *
-                                   Eigen::AngleAxisd(s(3), Eigen::Vector3d::UnitX());
-      const double qpos[] = {s(0), s(1), s(2), q.w(), q.x(), q.y(), q.z()};
-      const double qvel[] = {s(6), s(7), s(8), s(9), s(10), s(11)};
-      Vector6d load = water.wave_load(at, FreeMotion(qpos, qvel));
-      load.tail<3>() = q.inverse() * Eigen::Vector3d(load.tail<3>());
-      Vector12d dx;
-      const Vector6d v = s.tail<6>();
-      dx << v, model.acceleration(trig, v, U, load);
-      return dx;
-    };
-    const Vector12d k1 = rate(t, x), k2 = rate(t + 0.5 * h, x + 0.5 * h * k1),
-                    k3 = rate(t + 0.5 * h, x + 0.5 * h * k2), k4 = rate(t + h, x + h * k3);
-    x += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-    ode.push_back(x);
-  }
-
-  const double ours = tracking_rmse_m(engine, 20000), theirs = tracking_rmse_m(ode, 20000);
-  EXPECT_NEAR(ours, theirs, 0.05 * theirs);
-  EXPECT_LT(theirs, 0.12);  // the loop holds the pose
 }
 
 }  // namespace breakwater::quadrotor_test

@@ -47,19 +47,6 @@ TEST(Simulation, Rk4IntegratesAHeldTorqueExactly) {
   EXPECT_EQ(controller.resets, 1);
 }
 
-TEST(Simulation, CartMovesByItsMassAndFriction) {
-  const double M = 0.625, C = 0.78, F = 2.0;
-  FunctionController controller([F](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = F; });
-  Model model = Model::load(testing::source_file("models/cart.xml"));
-  SensingSetup sensing;
-  sensing.channels = {{.name = "z", .sensor = "cart_pos"}};
-  Simulation simulation(std::move(model), controller, sensing, 10);
-  run(simulation, 3000);
-  const double t = 3.0;
-  EXPECT_NEAR(simulation.data().qvel[0], F / C * -std::expm1(-C / M * t), 1e-10);
-  EXPECT_NEAR(simulation.data().qpos[0], F / C * (t + M / C * std::expm1(-C / M * t)), 1e-10);
-}
-
 TEST(Simulation, ControllerIsCalledAtItsOwnRateWithFreshAngles) {
   std::vector<double> times, angles;
   FunctionController controller([&](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
@@ -391,21 +378,6 @@ TEST(Friction, CoulombFrictionHoldsSmallForcesAndReducesLargeOnes) {
   Simulation moving(std::move(another), strong, rail(), 1);
   run(moving, 1001);
   EXPECT_NEAR(moving.qvel()[0], (1.0 - 0.3) / kMass, 2e-3);
-}
-
-TEST(Friction, StopsAMovingBodyAfterTheDistanceFromItsEnergy) {
-  // ½ M v² = F_C s from 0.5 m/s, after a push of 0.1 s.
-  Model model = cart();
-  author_friction(model, 0, 0.0, 0.3);
-  FunctionController controller([](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
-    u(0) = y.time_s < 0.1 ? 0.3 + kMass * 0.5 / 0.1 : 0.0;
-  });
-  Simulation simulation(std::move(model), controller, rail(), 1);
-  run(simulation, 101);
-  const double start = simulation.qpos()[0], speed = simulation.qvel()[0];
-  run(simulation, 5000);
-  EXPECT_NEAR(simulation.qpos()[0] - start, 0.5 * kMass * speed * speed / 0.3, 2e-3);
-  EXPECT_NEAR(simulation.qvel()[0], 0.0, 1e-5);
 }
 
 TEST(Friction, RefusesNonsense) {

@@ -308,26 +308,6 @@ TEST(AddedRotor, MovesAsTheMotorOfTheModelFile) {
   }
 }
 
-// A free twist without damping is φ₀ cos ω_r t.
-TEST(AddedRotor, VibratesAtTheResonanceOfTheClosedForm) {
-  const TransmissionDesign design{.ratio = 2.0, .stiffness = 50.0};
-  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u.setZero(); });
-  SensingSetup setup;
-  setup.channels = {{.name = "angle", .sensor = "load_pos"}};
-  Simulation simulation(drive_with_added_rotor(2.0), controller, setup, 1);
-  const Transmission transmission(simulation.model(), "rotor", "load", design);
-  simulation.add(transmission);
-  simulation.set_position(std::array{-0.1, 0.0});
-  const double resonance = resonance_rad_s(numbers_of(design));
-  double largest = 0.0;
-  while (simulation.time_s() < 1.0) {
-    simulation.step();
-    const double twist = transmission.twist(simulation.qpos()[1], simulation.qpos()[0]);
-    largest = std::max(largest, std::abs(twist - 0.1 * std::cos(resonance * simulation.time_s())));
-  }
-  EXPECT_LT(largest, 1e-7);
-}
-
 TEST(AddedRotor, BeginsWithoutATwistInEachPose) {
   const Model model = drive_with_added_rotor(2.5);
   EXPECT_EQ(model->qpos0[1], 0.0);
