@@ -3,6 +3,7 @@
 
 #include <breakwater/control/energy_admittance.h>
 #include <breakwater/control/implicit_force_pfc.h>
+#include <breakwater/control/soft_contact.h>
 #include <breakwater/control/workspace_control.h>
 #include <breakwater/plants/tip_chain.h>
 #include "control/controller_signal.h"
@@ -80,6 +81,9 @@ std::vector<std::unique_ptr<Controller>> controllers(const Arm& arm) {
       ImplicitForcePfcDesign{std::vector<PfcDesign>(joints), inverse, Positioning::workspace}));
   all.push_back(std::make_unique<EnergyAdmittance>(arm.chain, arm.acceleration, arm.task,
                                                    EnergyAdmittanceDesign{path, {}, {}, {}}));
+  SoftContactDesign soft;
+  soft.path = path;
+  all.push_back(std::make_unique<SoftContact>(arm.chain, arm.acceleration, arm.task, soft));
   return all;
 }
 

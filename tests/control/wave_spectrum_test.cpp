@@ -460,34 +460,6 @@ TEST(WaveForces, UkfIsTheKalmanFilterOfALinearVehicle) {
   }
 }
 
-// A second resonator with zero force does not change the filter.
-TEST(WaveForces, WithOneZeroForceEqualsTheFilterOfOneForce) {
-  const QuadrotorModel model = linear_vehicle();
-  using Waves1 = WaveForces<1, 2>;
-  ResonatorPair pair = kSea;
-  pair[1].std = 1e-9;
-  const Waves1 one(model, {}, {{pair[0]}}, 1.0, kPeriod_s, AttitudeKinematics::exact);
-  const Waves2 two(model, {}, pair, 1.0, kPeriod_s, AttitudeKinematics::exact);
-  const auto design1 = design_of(one);
-  auto design2 = design_of(two);
-  design2.P0.topLeftCorner<24, 24>() = design1.P0;
-  design2.P0.bottomRightCorner<6, 6>().diagonal().setConstant(1e-18);
-  Ukf<Waves1, 6> first(one, design1);
-  Ukf<Waves2, 6> second(two, design2);
-  testing::Random random(8);
-  for (int k = 0; k < 500; ++k) {
-    Vector6d y = design1.R.diagonal().cwiseSqrt().cwiseProduct(random.vector(6));
-    y.tail<3>().setZero();  // level, where the model is linear
-    y(2) += 0.1 * std::sin(0.01 * k);
-    first.predict(Eigen::Vector4d::Zero());
-    first.correct(y);
-    second.predict(Eigen::Vector4d::Zero());
-    second.correct(y);
-    ASSERT_LT((first.x() - second.x().head<24>()).cwiseAbs().maxCoeff(), 1e-6) << k;
-    ASSERT_LT((first.P() - second.P().topLeftCorner<24, 24>()).cwiseAbs().maxCoeff(), 1e-6) << k;
-  }
-}
-
 // If the true process is the model, (x − x̂)ᵀ P⁻¹ (x − x̂) of all 30 states is χ² with 30 degrees
 // of freedom.
 TEST(WaveForces, NeesIsInItsBandWithATrueModel) {

@@ -55,30 +55,4 @@ goal = { y_1 = "min" }
   EXPECT_EQ(results("v", "comparison.csv").at(1).at(23), "2");  // blocks
 }
 
-TEST_F(SweepComparison, SensitivityIndicesOfTheIshigamiFunctionMatchTheClosedForm) {
-  const double pi = std::numbers::pi;
-  const std::string from_minus_to_plus_pi = "=uniform(-3.141592653589793,3.141592653589793)";
-  swept("ishigami --method saltelli --samples 4096 --vary x.first" + from_minus_to_plus_pi +
-        " --vary x.second" + from_minus_to_plus_pi + " --vary x.third" + from_minus_to_plus_pi +
-        " --out s");
-  const auto rows = results("s");
-  ASSERT_EQ(rows.size(), 1U + 4096 * 5);
-  Eigen::MatrixXd f(4096, 5);
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    f(static_cast<Eigen::Index>((i - 1) / 5), static_cast<Eigen::Index>((i - 1) % 5)) =
-        std::stod(rows[i][8]);
-  }
-  const SensitivityIndices indices = sensitivity_indices(f, {.replicates = 0});
-  const double a = 7.0, b = 0.1;
-  const double v1 = 0.5 * std::pow(1.0 + b * std::pow(pi, 4) / 5.0, 2);
-  const double v2 = a * a / 8.0;
-  const double v13 = b * b * std::pow(pi, 8) * (1.0 / 18.0 - 1.0 / 50.0);
-  const double v = v1 + v2 + v13;
-  const double first_order[] = {v1 / v, v2 / v, 0.0}, total[] = {(v1 + v13) / v, v2 / v, v13 / v};
-  for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_NEAR(indices.first_order[k].value, first_order[k], 0.01) << k;
-    EXPECT_NEAR(indices.total[k].value, total[k], 0.01) << k;
-  }
-}
-
 }  // namespace breakwater::sweep_comparison_test
