@@ -61,25 +61,6 @@ bool is_finite(const DisturbanceEstimator& estimator) {
 
 class AxisEstimators : public ::testing::TestWithParam<std::string> {};
 
-// Sizes up to 1e75: squares of them, and their product with another square, are finite numbers.
-TEST_P(AxisEstimators, StayFiniteForEveryFiniteInput) {
-  for (const std::string& likelihood : likelihoods_of(GetParam())) {
-    const auto estimator = make(GetParam(), {"observer.likelihood=" + likelihood});
-    testing::Random random(5);
-    for (int k = 0; k < 5000; ++k) {
-      const auto any = [&](double largest) {
-        return random.uniform(-1.0, 1.0) * std::pow(10.0, random.uniform(-largest, largest));
-      };
-      // Every third stretch of 500 samples has huge numbers, the others plausible ones.
-      const double largest = k / 500 % 3 == 1 ? 75.0 : 0.0;
-      const Eigen::VectorXd u = Eigen::VectorXd::Constant(1, any(largest));
-      const Eigen::VectorXd y = Eigen::VectorXd::Constant(1, any(largest));
-      estimator->update(u, y);
-      ASSERT_TRUE(is_finite(*estimator)) << k << " " << u << " " << y;
-    }
-  }
-}
-
 // A random axis: inertia, friction, period and sensor of any usual size.
 NominalAxis any_axis(testing::Random& random) {
   const auto any = [&](double from, double to) { return std::pow(10.0, random.uniform(from, to)); };
@@ -141,10 +122,12 @@ void expect_covariance(const Eigen::MatrixXd& P, const Eigen::VectorXd& largest)
   ASSERT_GE(eigen.eigenvalues().minCoeff(), -1e-4);
 }
 
-// Random axes and designs: sequences of plausible and of huge finite numbers.
+// Random axes and designs: sequences of plausible and of huge finite numbers, with plausible ones
+// between them. Sizes are up to 1e75: squares of them, and their product with another square, are
+// finite numbers.
 TEST_P(AxisEstimators, PropertyStayFiniteWithACovarianceForAnyDesign) {
   constexpr int kSamples = 100;
-  const int count = testing::property_count(1000);
+  const int count = testing::property_count(4000);
   testing::Random random(7);
   int samples = 0, designs = 0, refused = 0, with_covariance = 0;
   while (samples < count) {
@@ -159,13 +142,14 @@ TEST_P(AxisEstimators, PropertyStayFiniteWithACovarianceForAnyDesign) {
     }
     ++designs;
     estimator->reset(Eigen::VectorXd::Zero(2));
-    const double largest = designs % 3 == 0 ? 75.0 : 1.0;
+    const bool is_huge = designs % 3 == 0;
     Eigen::VectorXd variances = covariance_of(*estimator).diagonal();
-    const auto any = [&] {
-      return Eigen::VectorXd::Constant(
-          1, random.uniform(-1.0, 1.0) * std::pow(10.0, random.uniform(-largest, largest)));
-    };
     for (int k = 0; k < kSamples; ++k, ++samples) {
+      const double largest = is_huge && k / 20 % 2 == 0 ? 75.0 : 1.0;
+      const auto any = [&] {
+        return Eigen::VectorXd::Constant(
+            1, random.uniform(-1.0, 1.0) * std::pow(10.0, random.uniform(-largest, largest)));
+      };
       const Eigen::VectorXd u = any(), y = any();
       estimator->update(u, y);
       const auto trace = [&] {
@@ -179,7 +163,7 @@ TEST_P(AxisEstimators, PropertyStayFiniteWithACovarianceForAnyDesign) {
       // none after many jumps that no model explains (docs/reliability.md).
       const bool is_of_code =
           std::find(sets.begin(), sets.end(), "observer.likelihood=code") != sets.end();
-      if (P.size() == 0 || largest > 1.0 || is_of_code) continue;
+      if (P.size() == 0 || is_huge || is_of_code) continue;
       ++with_covariance;
       variances = variances.cwiseMax(P.diagonal());
       expect_covariance(P, variances);
@@ -232,9 +216,7 @@ TEST_P(AxisEstimators, PropertySayWhenTheyAreNotFinite) {
       ASSERT_TRUE(one->state() == fresh->state() && one->disturbance() == fresh->disturbance())
           << k << ": a reset leaves something";
     }
-    constexpr double kBad[] = {std::numeric_limits<double>::quiet_NaN(),
-                               std::numeric_limits<double>::infinity(),
-                               -std::numeric_limits<double>::infinity()};
+    constexpr double kBad[] = {kNaN, kInfinity, -kInfinity};
     const Eigen::VectorXd bad = Eigen::VectorXd::Constant(1, kBad[k % 3]);
     one->update(any(), bad);
     one->update(any(), any());
