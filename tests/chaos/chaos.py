@@ -1,12 +1,15 @@
 """Disturbs the real programs and checks what they leave: kills, signals, full disks, failing calls, power cuts.
 
-Usage: chaos.py BUILD_FOLDER [--seeds FROM..TO] [--jobs N] [--workload NAME] [--faults LIST] [--planted DEFECT]
+Usage: chaos.py BUILD_FOLDER [--seeds FROM..TO] [--each] [--jobs N] [--workload NAME] [--faults LIST] [--planted DEFECT]
 
 A seed chooses a workload (workloads.py) and one to three faults (faults.cpp) among the calls of a run without
 faults. After the disturbed run, with its status and its message:
   - each result is as before the command, or as after an undisturbed one; success means the latter;
   - the same command again, undisturbed, succeeds and leaves the files of the undisturbed one, byte for byte.
 A seed that fails is tried with fewer faults. Exit status: 0 nothing was found, 1 something was found.
+
+With --each there is one try for each fault of each call that changes or syncs names. The faults come alone, and
+where names cannot be exchanged, as on NFS. One more try for each write has a full disk from there on.
 """
 
 import argparse
@@ -215,6 +218,17 @@ class Place:
         return self.end_of(self.start(words, stderr=stderr, **how), stderr)
 
 
+def each_step(counts):
+    """Lists of faults: each fault of each call that changes or syncs names, alone and behind a refused exchange.
+    Further lists fill the disk from each write on."""
+    calls = [(kind, number) for kind in ("rename", "sync", "mkdir", "remove") for number in range(1, counts[kind] + 3)]
+    alone = [[f"{kind}:{number}{also}:{what}"] for kind, number in calls for also in ("", "+")
+             for what in (*ERRORS[kind], *([] if also else ["kill", "cut"]))]
+    full = [[f"write:{number}+:ENOSPC"] for number in range(1, counts["write"] + 1)]
+    return alone + full + [[f"rename:{exchange}:EINVAL", f"{kind}:{number}:{what}"] for kind, number in calls
+                           for exchange in range(1, counts["rename"] + 1) for what in ("kill", "cut")]
+
+
 def adopt_orphans():
     """As init does: otherwise a process that survived its parent would stay a zombie, and not count as ended."""
     PR_SET_CHILD_SUBREAPER = 36  # <linux/prctl.h>
@@ -392,7 +406,9 @@ class Chaos:
         for name in {*now, *earlier, *new}:
             content = now.get(name)
             if TEMPORARY.search(name) or any(TEMPORARY.search(str(p)) for p in pathlib.Path(name).parents):
-                is_excused = was_killed or has_second or "kept in" in ended.stderr or \
+                # The earlier run stays until its new name is on the disk.
+                is_earlier = sorted((content or {}).values()) in [sorted(run.values()) for run in earlier.values()]
+                is_excused = is_earlier or was_killed or has_second or "kept in" in ended.stderr or \
                     "log so far is in" in ended.stderr or any(
                     f.startswith(("remove:", "open:", "memory:")) for f in fired)
                 if not is_excused:
@@ -513,13 +529,16 @@ def main():
     parser = argparse.ArgumentParser(prog="./dev chaos", allow_abbrev=False)
     parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
     parser.add_argument("--seeds", type=read_range, default=range(1, 201), metavar="FROM..TO", help="or one seed; default: 1..200")
+    parser.add_argument("--each", action="store_true", help="each step of the --workload in place of seeds")
     parser.add_argument("--jobs", type=read_jobs, default=os.cpu_count(), metavar="N",
-                        help="default: one for each core; one has all seeds of a workload")
+                        help="default: one for each core")
     parser.add_argument("--workload", choices=names, metavar="NAME", help=f"this one alone: {', '.join(names)}")
     parser.add_argument("--faults", type=read_faults, metavar="LIST", help="these ones, instead of those of the seed")
     parser.add_argument("--planted", choices=DEFECTS, default="", help="let the programs have a defect")
     parser.add_argument("--check", action="store_true", help=argparse.SUPPRESS)  # the arguments alone
     asked = parser.parse_args()
+    if asked.each and not asked.workload:
+        parser.error("--each needs --workload")
     if asked.check:
         return 0
     stop = threading.Event()
@@ -532,26 +551,30 @@ def main():
             """The seeds of every asked.jobs-th workload."""
             own = pathlib.Path(base) / str(worker)
             own.mkdir()
-            chaos, found = Chaos(asked.build.resolve(), own, asked.planted), 0
-            for number in asked.seeds:
-                nth = names.index(asked.workload) if asked.workload else number % len(WORKLOADS)
+            chaos, tried, found = Chaos(asked.build.resolve(), own, asked.planted), 0, 0
+            one = WORKLOADS[names.index(asked.workload)] if asked.workload else None
+            tries = [(number, one or WORKLOADS[number % len(WORKLOADS)], asked.faults) for number in asked.seeds]
+            if asked.each:
+                tries = [(1, one, faults) for faults in each_step(chaos.undisturbed(one).counts)]
+            for i, (number, workload, faults) in enumerate(tries):
                 if stop.is_set():
                     break
-                if nth % asked.jobs != worker:
+                if (i if one else number % len(WORKLOADS)) % asked.jobs != worker:
                     continue
-                problem = chaos.run(number, WORKLOADS[nth], asked.faults)
+                tried += 1
+                problem = chaos.run(number, workload, faults)
                 if problem and not stop.is_set():
                     print(problem, flush=True)
                     found += 1
-            return found
+            return tried, found
         try:
-            found = sum(pool.map(disturb, range(asked.jobs)))
+            tried, found = (sum(counts) for counts in zip(*pool.map(disturb, range(asked.jobs))))
         except KeyboardInterrupt:
             print("interrupted", file=sys.stderr)
             return INTERRUPTED
         finally:
             stop.set()
-    print(f"{len(asked.seeds)} seeds in {time.monotonic() - begin:.0f} s: {found or 'nothing'} found")
+    print(f"{tried} {'steps' if asked.each else 'seeds'} in {time.monotonic() - begin:.0f} s: {found or 'nothing'} found")
     return 1 if found else 0
 
 

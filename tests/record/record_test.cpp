@@ -184,10 +184,8 @@ TEST(Metrics, AreAFlatObjectOfNumbers) {
 }
 
 TEST(Metrics, OmitNonFiniteValues) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const double kNan = std::numeric_limits<double>::quiet_NaN();
   Recording recording;
-  add(recording.metrics, "nan_N", "N", kNan);
+  add(recording.metrics, "nan_N", "N", kNaN);
   add(recording.metrics, "infinite_N", "N", -kInfinity);
   add(recording.metrics, "nothing_N", "N", std::nullopt);
   add(recording.metrics, "peak_N", "N", 2.0);
@@ -195,7 +193,7 @@ TEST(Metrics, OmitNonFiniteValues) {
   EXPECT_EQ(recording.metric("nan_N"), std::nullopt);
 
   const testing::TemporaryPath file{"metrics.json"};
-  write_metrics(file, {{"nan_N", "N", kNan}, {"infinite_N", "N", kInfinity}, {"peak_N", "N", 2}});
+  write_metrics(file, {{"nan_N", "N", kNaN}, {"infinite_N", "N", kInfinity}, {"peak_N", "N", 2}});
   EXPECT_EQ(text_of(file), "{\n  \"peak_N\": 2.0\n}\n");
 }
 
@@ -464,15 +462,18 @@ TEST_F(RunFolders, ClearUpListedFolders) {
 }
 
 TEST_F(RunFolders, KeepFilesThatAppearedMeanwhile) {
-  {
+  for (const std::string kept : {"run.kept", "run.kept-2"}) {
+    fs::remove_all(base_ / "run");
     RunFolder folder(base_ / "run");
     fs::create_directory(base_ / "run");
     std::ofstream(base_ / "run" / "thesis.txt") << "precious";
-    EXPECT_THROW(finish(folder, "new"), OutputError);
+    EXPECT_TRUE(complaint_of<OutputError>([&] {
+                  finish(folder, kept);
+                }).ends_with("the new run is kept in " + (base_ / kept).string()));
+    EXPECT_TRUE(fs::exists(base_ / "run" / "thesis.txt"));
+    EXPECT_EQ(text_of(base_ / kept / "log.csv"), kept);
   }
-  EXPECT_TRUE(fs::exists(base_ / "run" / "thesis.txt"));
-  EXPECT_EQ(text_of(base_ / "run.kept" / "log.csv"), "new");
-  EXPECT_EQ(entries(), 2U);
+  EXPECT_EQ(entries(), 3U);
 }
 
 // XXH3_64bits of no bytes, and of "abc".
