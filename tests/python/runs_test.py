@@ -1,7 +1,6 @@
 """Runs from Python: equal to those of the programs, and safe to use."""
 
 import concurrent.futures
-import ctypes
 import gc
 import json
 import os
@@ -38,6 +37,8 @@ class Hashes(unittest.TestCase):
                         self.assertEqual(run.state_hash, manifest["state_hash"])
                         self.assertEqual(run.scenario, scenario)
                         self.assertEqual(run.case, case)
+                        self.assertAlmostEqual(run.time_s[-1], BRIEF, delta=0.011)
+                        self.assertTrue(np.isfinite(list(run.metrics.values())).all())
                         cases += 1
         self.assertGreater(cases, 40)
 
@@ -55,26 +56,6 @@ class Hashes(unittest.TestCase):
         other = bw.run("motor_estimation", case="stf", seed=8, duration=0.3,
                        set={"encoder.bits": 8, "noise.std_rad": 1e-3, "observer.name": "qvff"})
         self.assertNotEqual(ours.state_hash, other.state_hash)
-
-    def test_the_callers_rounding_and_traps_change_no_run(self):
-        hash_of = lambda: bw.run("motor_estimation", case="stf", duration=0.3).state_hash
-        usual = hash_of()
-        libm = ctypes.CDLL("libm.so.6")
-        before = libm.fegetround()
-        for mode in (0x400, 0x800, 0xC00):  # down, up, towards zero
-            self.assertEqual(libm.fesetround(mode), 0)
-            try:
-                found = hash_of()
-                still = libm.fegetround()
-            finally:
-                libm.fesetround(before)
-            self.assertEqual((found, still), (usual, mode))
-        libm.feenableexcept(0x0D)  # invalid, division by zero, overflow: each would end Python
-        try:
-            found = hash_of()
-        finally:
-            libm.fedisableexcept(0x3F)
-        self.assertEqual(found, usual)
 
     def test_lists_and_bools_of_numpy_are_toml(self):
         run = bw.run("motor_estimation", case="idob", duration=0.1,

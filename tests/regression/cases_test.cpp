@@ -7,10 +7,11 @@
 namespace breakwater::cases_test {
 
 using testing::forms_of;
+using testing::Sets;
 using testing::Table;
 using testing::TableRow;
 using testing::words_in;
-using Sets = std::vector<std::string>;
+using testing::operator+;
 
 struct Run {
   std::string scenario;
@@ -165,11 +166,6 @@ struct Check {
   Run other;
   std::string other_metric;
 };
-
-Sets operator+(Sets a, const Sets& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
 
 // "CASE", or "SCENARIO/CASE"; the heading begins with the usual scenario.
 Run run_of(const std::vector<std::string>& heading, const std::string& case_name,

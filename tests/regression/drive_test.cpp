@@ -6,14 +6,10 @@ namespace breakwater::drive_test {
 
 // The drive as it is, in the scenarios of axes and arms.
 using testing::completed_run;
-using Sets = std::vector<std::string>;
+using testing::Sets;
+using testing::operator+;
 
 constexpr const char* kMotor = "motor_estimation";
-
-Sets with(Sets sets, const Sets& others) {
-  sets.insert(sets.end(), others.begin(), others.end());
-  return sets;
-}
 
 // The balance of momentum over a sample gives d, since the motor's inertia is 1 kg m² and its drive
 // ideal.
@@ -25,8 +21,8 @@ TEST(Drive, TheTrueDisturbanceHasTheDryFriction) {
   for (const Sets& law : laws) {
     const Recording run = completed_run(
         kMotor, "dkf",
-        with({"run.duration_s=10", "disturbance.kind=two_sines", "plant.coulomb_friction_Nm=0.5"},
-             law));
+        Sets{"run.duration_s=10", "disturbance.kind=two_sines", "plant.coulomb_friction_Nm=0.5"} +
+            law);
     const Track& track = run.track("control");
     const auto d = track.values("d_true_Nm"), velocity = track.values("velocity_true_rad_s"),
                torque = track.values("applied_Nm"), friction = track.values("friction_Nm");
@@ -40,7 +36,7 @@ TEST(Drive, TheTrueDisturbanceHasTheDryFriction) {
     }
     EXPECT_GT(sliding, 1000U) << law.front();
     // The shaft sticks after a step. An observer finds all of d.
-    const Sets held = with({"plant.coulomb_friction_Nm=0.5"}, law);
+    const Sets held = Sets{"plant.coulomb_friction_Nm=0.5"} + law;
     EXPECT_LT(completed_run(kMotor, "dkf", held).metric("rmse_disturbance_Nm").value(), 0.1)
         << law.front();
   }
@@ -57,8 +53,7 @@ TEST(Drive, EachPartChangesTheMotorAndLogsItsSignals) {
   };
   for (const auto& row : testing::rows_of("DriveParts")) {
     const Sets signals = testing::words_in(row.at(1));
-    const Recording run =
-        completed_run(kMotor, "vfakfd", with(brief, testing::words_in(row.at(0))));
+    const Recording run = completed_run(kMotor, "vfakfd", brief + testing::words_in(row.at(0)));
     EXPECT_NE(run.state_hash, ideal.state_hash) << row.at(0);
     std::vector<std::string> expected = names_of(ideal);
     for (const std::string& name : names_of(run)) {
@@ -72,9 +67,9 @@ TEST(Drive, EachPartChangesTheMotorAndLogsItsSignals) {
 
 // Without load dependence the law has the bits of the engine's friction. The log has that of all.
 TEST(Drive, ALawOfOneJointLeavesTheOthersTheirFriction) {
-  const auto run = [](Sets sets) {
-    sets.insert(sets.end(), {"run.duration_s=2", "push.start_s=0.1", "push.rise_s=0.5"});
-    return completed_run("arm_push", "proposed-link1", sets);
+  const Sets brief = {"run.duration_s=2", "push.start_s=0.1", "push.rise_s=0.5"};
+  const auto run = [&](const Sets& sets) {
+    return completed_run("arm_push", "proposed-link1", sets + brief);
   };
   const Recording law =
       run({"axis.joint3.friction.law=load_dependent", "axis.joint3.friction.load_ratio=0"});

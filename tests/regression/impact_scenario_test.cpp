@@ -7,7 +7,8 @@ namespace breakwater::impact_scenario_test {
 namespace {
 
 using testing::completed_run;
-using Sets = std::vector<std::string>;
+using testing::Sets;
+using testing::operator+;
 
 constexpr const char* kScenario = "impact_test";
 
@@ -106,14 +107,12 @@ Impact integrated(const Law& law, double speed_m_s) {
   }
 }
 
-Recording impact_run(const Law& law, double K, double v, Sets more = {}) {
+Recording impact_run(const Law& law, double K, double v, const Sets& more = {}) {
   Sets sets = {key("contact.stiffness_N_m", K), key("impact.speed_m_s", v), "impact.distance_m=0",
                key("run.duration_s", 1.5 * law.time_s + 1e-3), "record.fine_to_s=0"};
   // A soft wall needs no finer step than one of 10 kN/m.
   if (K < 1e4) sets.emplace_back("physics.timestep_s=1e-4");
-  sets.insert(sets.end(), law.keys.begin(), law.keys.end());
-  sets.insert(sets.end(), more.begin(), more.end());
-  return completed_run(kScenario, law.name, sets, testing::kWithoutLog);
+  return completed_run(kScenario, law.name, sets + law.keys + more, testing::kWithoutLog);
 }
 
 TEST(ImpactScenario, IsWithinOnePercentOverStiffnessAndSpeed) {

@@ -5,15 +5,11 @@
 namespace breakwater::motor_estimation_test {
 
 using testing::median;
-using Sets = std::vector<std::string>;
+using testing::Sets;
+using testing::operator+;
 
 // `breakwater reproduce` uses 20.
 constexpr int kPhases = 9;
-
-Sets operator+(Sets a, const Sets& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
 
 std::string text(double value) {
   std::ostringstream stream;
@@ -165,22 +161,6 @@ TEST(MotorEstimation, PolesOfVariableAndOfFixedFactors) {
   };
   EXPECT_GT(slowest_at_end("vfakfd"), 0.9995);
   EXPECT_LT(slowest_at_end("fakfd-095"), 0.995);
-}
-
-// The keys define the disturbance.
-TEST(MotorEstimation, TwoSinesAndAChirpHaveTheirKeys) {
-  const auto acting = [](const Sets& sets) {
-    const Recording run = testing::run_case("motor_estimation", "idob", sets);
-    return run.track("control").values("d_true_Nm");
-  };
-  const auto two = acting({"disturbance.kind=two_sines", "disturbance.amplitude_Nm=3",
-                           "disturbance.frequency_rad_s=2", "disturbance.second_amplitude_Nm=0.5",
-                           "disturbance.second_frequency_rad_s=7"});
-  EXPECT_NEAR(two[4000], 3.0 * std::sin(6.0) + 0.5 * std::sin(21.0), 1e-9);  // 3 s after its start
-  const auto chirp = acting({"disturbance.kind=chirp", "disturbance.amplitude_Nm=3",
-                             "disturbance.frequency_rad_s=2", "disturbance.end_frequency_rad_s=6",
-                             "disturbance.sweep_s=2"});
-  EXPECT_NEAR(chirp[4000], 3.0 * std::sin(8.0 + 6.0), 1e-9);
 }
 
 }  // namespace breakwater::motor_estimation_test
