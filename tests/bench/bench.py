@@ -19,6 +19,7 @@ import tempfile
 import time
 
 BUILD = pathlib.Path(__file__).resolve().parents[2] / "build"
+BARE = BUILD / "tests" / "bare"
 PAIRS = 5
 VIDEO_PAIRS = 3
 
@@ -53,7 +54,7 @@ def run_command(folder, extra):
 
 
 def replay_command(folder, *whole):
-    return [BUILD / "tests" / "bare_replay", folder, *whole]
+    return [BARE, "replay", folder, *whole]
 
 
 def instructions(command):
@@ -111,7 +112,7 @@ def bench_videos(run):
         video = [BUILD / "bin" / "breakwater", "video", run, "--quiet", "--look", look,
                  "--from", "29.9", "--to", "31.4", "--speed", "0.05"]
         # One process per core, as for a video: cores that share a cache slow each other down.
-        bare = [BUILD / "tests" / "bare_render", run, look, str(frames // cores)]
+        bare = [BARE, "render", run, look, str(frames // cores)]
         pairs = [(cpu_and_wall_seconds(video), cpu_and_wall_seconds(bare, cores))
                  for _ in range(VIDEO_PAIRS)]
         rate = frames / statistics.median(ours[1] for ours, _ in pairs)
@@ -147,7 +148,7 @@ def bench_sweeps(folder):
     for i in range(PAIRS):
         cpu, one = cpu_and_wall_seconds(
             sweep_command(folder, f"one{i}", "vfakfd", "--seeds", f"1..{runs}", "--jobs", "1"))
-        bare = float(subprocess.run([BUILD / "tests" / "bare_points", "vfakfd", "10", str(runs)],
+        bare = float(subprocess.run([BARE, "points", "vfakfd", "10", str(runs)],
                                     check=True, capture_output=True, text=True).stdout)
         _, two = cpu_and_wall_seconds(
             sweep_command(folder, f"two{i}", "vfakfd", "--seeds", f"1..{runs}", "--jobs", "2"))
@@ -156,7 +157,7 @@ def bench_sweeps(folder):
         cpu, _ = cpu_and_wall_seconds(
             sweep_command(folder, f"tiny{i}", "vfakfd", "--seeds", f"1..{tiny}", "--jobs", "1",
                           "--duration", "0.001"))
-        bare = float(subprocess.run([BUILD / "tests" / "bare_points", "vfakfd", "0.001", str(tiny)],
+        bare = float(subprocess.run([BARE, "points", "vfakfd", "0.001", str(tiny)],
                                     check=True, capture_output=True, text=True).stdout)
         overheads.append(1e3 * (cpu - bare) / tiny)
     measured("a sweep's processor time over its runs'", f"{statistics.median(ratios):.3f}", "at most 1.05")

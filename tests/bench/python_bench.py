@@ -10,7 +10,7 @@ import numpy as np
 
 import breakwater as bw
 
-REFERENCE = pathlib.Path(__file__).resolve().parents[2] / "build" / "tests" / "python_reference"
+REFERENCE = pathlib.Path(__file__).resolve().parents[2] / "build" / "tests" / "bare"
 TURNS = 7
 SAMPLES = 1_000_000
 

@@ -27,9 +27,8 @@
 #include <breakwater/observers/disturbance_model.h>
 #include <breakwater/plants/damped_inertia.h>
 #include <breakwater/world/noise.h>
-#include "qp_contender.h"
 #ifdef BREAKWATER_DAQP
-#include "daqp_contender.h"
+#include "daqp.h"
 #endif
 
 using namespace breakwater;
@@ -156,27 +155,35 @@ std::vector<Loop> loops() {
        1200}};
 }
 
-struct Contestant {
+// A solver with its state from the last program.
+struct Contender {
   std::string name;
-  std::function<std::unique_ptr<QpContender>()> make;
+  std::function<void(const QpInput&)> prepare;  // its data are then in the cache
+  std::function<void()> solve;                  // this alone is measured
+  std::function<const QpSolution&()> solution;
 };
 
-std::vector<Contestant> contestants(const QpSequence& sequence) {
-  const auto own = [&](QpSolverKind kind) {
-    return [&sequence, kind] {
-      return std::make_unique<OwnQpContender>(make_qp_solver(kind, sequence.model, kSweeps));
-    };
-  };
-  std::vector<Contestant> all = {{"active_set", own(QpSolverKind::active_set)},
-                                 {"hildreth, 40 sweeps", own(QpSolverKind::hildreth)}};
+Contender own(const char* name, QpSolverKind kind, const QpModel& model) {
+  const std::shared_ptr<QpSolver> solver = make_qp_solver(kind, model, kSweeps);
+  const auto input = std::make_shared<QpInput>(model.H.rows(), model.Omega.rows());
+  const auto solution = std::make_shared<QpSolution>(model.H.rows(), model.Omega.rows());
+  return {name, [=](const QpInput& next) { *input = next; },
+          [=] { solver->solve(*input, *solution); },
+          [=]() -> const QpSolution& { return *solution; }};
+}
+
+std::vector<Contender> contenders(const QpModel& model) {
+  std::vector<Contender> all = {own("active_set", QpSolverKind::active_set, model),
+                                own("hildreth, 40 sweeps", QpSolverKind::hildreth, model)};
 #ifdef BREAKWATER_DAQP
-  const auto daqp = [&](int simple) {
-    return [&sequence, simple] { return std::make_unique<DaqpContender>(sequence.model, simple); };
+  const auto daqp = [&](const char* name, int simple) {
+    const auto solver = std::make_shared<Daqp>(model, simple);
+    all.push_back({name, [=](const QpInput& next) { solver->prepare(next); },
+                   [=] { solver->solve(); },
+                   [=]() -> const QpSolution& { return solver->solution(); }});
   };
-  all.push_back({"DAQP", daqp(0)});
-  if (const int simple = leading_unit_rows(sequence.model); simple > 0) {
-    all.push_back({"DAQP, simple bounds", daqp(simple)});
-  }
+  daqp("DAQP", 0);
+  if (const int simple = leading_unit_rows(model); simple > 0) daqp("DAQP, simple bounds", simple);
 #endif
   return all;
 }
@@ -216,7 +223,7 @@ double residual_of(const QpSequence& sequence, const QpInput& input, const QpSol
 }
 
 // Solves each program once and collects status and residual.
-void examine(const QpSequence& sequence, QpContender& solver, Account& account) {
+void examine(const QpSequence& sequence, const Contender& solver, Account& account) {
   for (const QpInput& input : sequence.inputs) {
     solver.prepare(input);
     solver.solve();
@@ -231,8 +238,7 @@ void examine(const QpSequence& sequence, QpContender& solver, Account& account) 
 }
 
 // One run with all solvers in turn.
-void measure(const std::vector<QpInput>& inputs,
-             const std::vector<std::unique_ptr<QpContender>>& solvers,
+void measure(const std::vector<QpInput>& inputs, const std::vector<Contender>& solvers,
              std::vector<Account>& accounts) {
   const double clock_s = clock_cost_s();
   std::vector<std::vector<std::vector<double>>> times(
@@ -241,9 +247,9 @@ void measure(const std::vector<QpInput>& inputs,
     for (std::size_t s = 0; s < solvers.size(); ++s) {
       for (int replay = 0; replay <= kReplays; ++replay) {
         for (std::size_t k = 0; k < inputs.size(); ++k) {
-          solvers[s]->prepare(inputs[k]);
+          solvers[s].prepare(inputs[k]);
           const auto start = Clock::now();
-          solvers[s]->solve();
+          solvers[s].solve();
           const double time_s = seconds_between(start, Clock::now()) - clock_s;
           if (replay > 0 && k > 0) times[s][k].push_back(time_s);
         }
@@ -261,7 +267,7 @@ void measure(const std::vector<QpInput>& inputs,
   }
 }
 
-void report(const std::string& name, const std::vector<Contestant>& all,
+void report(const std::string& name, const std::vector<Contender>& all,
             const std::vector<Account>& accounts) {
   for (std::size_t c = 0; c < all.size(); ++c) {
     const Account& account = accounts[c];
@@ -292,14 +298,10 @@ int main(int argc, char** argv) {
     for (const Loop& loop : loops()) {
       const QpSequence sequence = record(loop);
       const std::vector<QpInput>& inputs = sequence.inputs;
-      const std::vector<Contestant> all = contestants(sequence);
+      const std::vector<Contender> all = contenders(sequence.model);
       std::vector<Account> accounts(all.size());
-      std::vector<std::unique_ptr<QpContender>> solvers;
-      for (std::size_t s = 0; s < all.size(); ++s) {
-        solvers.push_back(all[s].make());
-        examine(sequence, *solvers[s], accounts[s]);
-      }
-      for (int run = 0; run < runs; ++run) measure(inputs, solvers, accounts);
+      for (std::size_t s = 0; s < all.size(); ++s) examine(sequence, all[s], accounts[s]);
+      for (int run = 0; run < runs; ++run) measure(inputs, all, accounts);
       report(loop.name, all, accounts);
     }
   } catch (const std::exception& error) {

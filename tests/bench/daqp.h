@@ -6,7 +6,7 @@
 #include <constants.h>
 #include <utils.h>
 
-#include "qp_contender.h"
+#include <breakwater/linear/qp.h>
 
 namespace breakwater {
 
@@ -23,9 +23,9 @@ inline int leading_unit_rows(const QpModel& model) {
   return static_cast<int>(count);
 }
 
-class DaqpContender final : public QpContender {
+class Daqp {
  public:
-  DaqpContender(const QpModel& model, int simple)
+  Daqp(const QpModel& model, int simple)
       : H_(model.H),
         general_(model.Omega.bottomRows(model.Omega.rows() - simple)),
         f_(Eigen::VectorXd::Zero(model.H.rows())),
@@ -45,21 +45,23 @@ class DaqpContender final : public QpContender {
     setup_daqp(&problem_, &workspace_, nullptr);
     workspace_.settings->primal_tol = kPrimalTolerance;
   }
-  ~DaqpContender() override {
+  Daqp(const Daqp&) = delete;
+  Daqp& operator=(const Daqp&) = delete;
+  ~Daqp() {
     free_daqp_workspace(&workspace_);
     free_daqp_ldp(&workspace_);
   }
 
-  void prepare(const QpInput& input) override {
+  void prepare(const QpInput& input) {
     f_ = input.g;
     lower_ = input.lower.cwiseMax(-DAQP_INF);
     upper_ = input.upper.cwiseMin(DAQP_INF);
   }
-  void solve() override {
+  void solve() {
     result_.exitflag = daqp_update_ldp(DAQP_UPDATE_v | DAQP_UPDATE_d, &workspace_, &problem_);
     if (result_.exitflag >= 0) daqp_solve(&result_, &workspace_);
   }
-  const QpSolution& solution() override {
+  const QpSolution& solution() {
     solution_.status =
         result_.exitflag == DAQP_EXIT_OPTIMAL ? QpStatus::solved : QpStatus::iteration_cap;
     solution_.iterations = result_.iter;
