@@ -22,29 +22,12 @@ double open_unit(std::uint64_t bits) {
   return std::ldexp(static_cast<double>(bits >> 12) + 0.5, -52);
 }
 
-// Random bits for one coordinate.
-Noise stream(std::uint64_t seed, const std::string& name, Eigen::Index j) {
-  return {seed, name + " " + std::to_string(j)};
-}
-
+// Random bits for each coordinate.
 std::vector<Noise> streams(std::uint64_t seed, const std::string& name, Eigen::Index d) {
   std::vector<Noise> all;
-  for (Eigen::Index j = 0; j < d; ++j) all.push_back(stream(seed, name, j));
+  for (Eigen::Index j = 0; j < d; ++j) all.emplace_back(seed, name + " " + std::to_string(j));
   return all;
 }
-
-class RandomPoints : public Sampler {
- public:
-  RandomPoints(std::uint64_t n, Eigen::Index d, std::uint64_t seed)
-      : Sampler(n, d), streams_(streams(seed, "random points", d)) {}
-
- private:
-  void write(std::uint64_t i, Eigen::VectorXd& u) const override {
-    for (Eigen::Index j = 0; j < u.size(); ++j) u(j) = open_unit(streams_[j].bits(i).first);
-  }
-
-  std::vector<Noise> streams_;
-};
 
 // A random permutation of 0 … n − 1 without a table. A Feistel network permutes the least 4ʰ ≥ n
 // numbers. It is applied again while the result is n or more. With 16 numbers or more it makes only
@@ -91,89 +74,57 @@ class Permutation {
   std::uint64_t swap_;
 };
 
-class LatinHypercube : public Sampler {
- public:
-  LatinHypercube(std::uint64_t n, Eigen::Index d, std::uint64_t seed)
-      : Sampler(n, d),
-        jitter_bits_(50 - static_cast<int>(std::bit_width(n))),
-        jitters_(streams(seed, "latin hypercube", d)) {
-    for (Eigen::Index j = 0; j < d; ++j) {
-      permutations_.emplace_back(n, stream(seed, "latin hypercube's permutation", j));
+// Sobol' points with a digital shift, as coordinates.
+auto shifted_sobol(Eigen::Index dimension, std::uint64_t seed) {
+  std::vector<std::uint64_t> shifts;
+  for (const Noise& noise : streams(seed, "Sobol' shift", dimension)) {
+    shifts.push_back(noise.bits(0).first);
+  }
+  return [sequence = SobolSequence(dimension), shifts](std::uint64_t i, Eigen::Index j) {
+    return open_unit(sequence.coordinate(i, j) ^ shifts[static_cast<std::size_t>(j)]);
+  };
+}
+
+Sampler::Coordinate coordinate_of(SamplingMethod method, std::uint64_t n, Eigen::Index d,
+                                  std::uint64_t seed) {
+  switch (method) {
+    case SamplingMethod::random:
+      return [bits = streams(seed, "random points", d)](std::uint64_t i, Eigen::Index j) {
+        return open_unit(bits[static_cast<std::size_t>(j)].bits(i).first);
+      };
+    case SamplingMethod::latin_hypercube: {
+      std::vector<Permutation> permutations;
+      for (const Noise& keys : streams(seed, "latin hypercube's permutation", d)) {
+        permutations.emplace_back(n, keys);
+      }
+      // The jitter r has so few bits that π + r is exact: the point stays in its interval.
+      const int bits = 50 - static_cast<int>(std::bit_width(n));
+      return [=, jitters = streams(seed, "latin hypercube", d)](std::uint64_t i, Eigen::Index j) {
+        const auto k = static_cast<std::size_t>(j);
+        const auto jitter = static_cast<double>(jitters[k].bits(i).first >> (64 - bits));
+        return (static_cast<double>(permutations[k](i)) + std::ldexp(jitter + 0.5, -bits)) /
+               static_cast<double>(n);
+      };
     }
+    case SamplingMethod::sobol:
+      return shifted_sobol(d, seed);
+    case SamplingMethod::saltelli:
+      return [d, halves = shifted_sobol(2 * d, seed)](std::uint64_t i, Eigen::Index j) {
+        const auto columns = static_cast<std::uint64_t>(d) + 2;
+        const auto column = static_cast<Eigen::Index>(i % columns);
+        const bool is_of_B = column == d + 1 || column == j + 1;
+        return halves(i / columns, is_of_B ? d + j : j);
+      };
   }
-
- private:
-  void write(std::uint64_t i, Eigen::VectorXd& u) const override {
-    for (Eigen::Index j = 0; j < u.size(); ++j) {
-      // r has so few bits that π + r is exact: the point stays in its interval.
-      const auto bits = static_cast<double>(jitters_[j].bits(i).first >> (64 - jitter_bits_));
-      const double r = std::ldexp(bits + 0.5, -jitter_bits_);
-      u(j) = (static_cast<double>(permutations_[j](i)) + r) / static_cast<double>(size());
-    }
-  }
-
-  int jitter_bits_;
-  std::vector<Noise> jitters_;
-  std::vector<Permutation> permutations_;
-};
-
-// Sobol' points with a digital shift.
-class ShiftedSobol {
- public:
-  ShiftedSobol(Eigen::Index dimension, std::uint64_t seed) : sequence_(dimension) {
-    for (Eigen::Index j = 0; j < dimension; ++j) {
-      shifts_.push_back(stream(seed, "Sobol' shift", j).bits(0).first);
-    }
-  }
-
-  double coordinate(std::uint64_t i, Eigen::Index j) const {
-    return open_unit(sequence_.coordinate(i, j) ^ shifts_[j]);
-  }
-
- private:
-  SobolSequence sequence_;
-  std::vector<std::uint64_t> shifts_;
-};
-
-class SobolPoints : public Sampler {
- public:
-  SobolPoints(std::uint64_t n, Eigen::Index d, std::uint64_t seed)
-      : Sampler(n, d), points_(d, seed) {}
-
- private:
-  void write(std::uint64_t i, Eigen::VectorXd& u) const override {
-    for (Eigen::Index j = 0; j < u.size(); ++j) u(j) = points_.coordinate(i, j);
-  }
-
-  ShiftedSobol points_;
-};
-
-class SaltelliDesign : public Sampler {
- public:
-  SaltelliDesign(std::uint64_t n, Eigen::Index d, std::uint64_t seed)
-      : Sampler(n * (static_cast<std::uint64_t>(d) + 2), d), points_(2 * d, seed) {}
-
- private:
-  void write(std::uint64_t i, Eigen::VectorXd& u) const override {
-    const Eigen::Index d = u.size();
-    const auto columns = static_cast<std::uint64_t>(d) + 2;
-    const std::uint64_t row = i / columns;
-    const auto column = static_cast<Eigen::Index>(i % columns);
-    const bool is_B = column == d + 1;
-    for (Eigen::Index j = 0; j < d; ++j) {
-      u(j) = points_.coordinate(row, is_B || column == j + 1 ? d + j : j);
-    }
-  }
-
-  ShiftedSobol points_;
-};
+  throw std::logic_error("no such method");
+}
 
 }  // namespace
 
 Eigen::VectorXd Sampler::point(std::uint64_t i) const {
   if (i >= size_) throw std::out_of_range(fmt::format("point {} of {}", i, size_));
   Eigen::VectorXd u(dimension_);
-  write(i, u);
+  for (Eigen::Index j = 0; j < dimension_; ++j) u(j) = coordinate_(i, j);
   return u;
 }
 
@@ -186,17 +137,7 @@ std::unique_ptr<const Sampler> make_sampler(SamplingMethod method, std::uint64_t
   if (n > kMostPoints / points_a_sample) {
     throw std::invalid_argument(fmt::format("more than 2^{} points", kMostPointsLog2));
   }
-  switch (method) {
-    case SamplingMethod::random:
-      return std::make_unique<RandomPoints>(n, d, seed);
-    case SamplingMethod::latin_hypercube:
-      return std::make_unique<LatinHypercube>(n, d, seed);
-    case SamplingMethod::sobol:
-      return std::make_unique<SobolPoints>(n, d, seed);
-    case SamplingMethod::saltelli:
-      return std::make_unique<SaltelliDesign>(n, d, seed);
-  }
-  throw std::logic_error("no such method");
+  return std::make_unique<Sampler>(n * points_a_sample, d, coordinate_of(method, n, d, seed));
 }
 
 SobolSequence::SobolSequence(Eigen::Index dimension) : dimension_(dimension) {

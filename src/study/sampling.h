@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace breakwater {
@@ -15,23 +17,21 @@ enum class SamplingMethod { random, latin_hypercube, sobol, saltelli };
 /// may be computed on any thread, and has the same bits on every processor.
 class Sampler {
  public:
-  Sampler(const Sampler&) = delete;
-  Sampler& operator=(const Sampler&) = delete;
-  virtual ~Sampler() = default;
+  /// Coordinate j of point i.
+  using Coordinate = std::function<double(std::uint64_t i, Eigen::Index j)>;
+
+  Sampler(std::uint64_t size, Eigen::Index dimension, Coordinate coordinate)
+      : size_(size), dimension_(dimension), coordinate_(std::move(coordinate)) {}
 
   /// The number of points.
   std::uint64_t size() const { return size_; }
   /// Point i < size().
   Eigen::VectorXd point(std::uint64_t i) const;
 
- protected:
-  Sampler(std::uint64_t size, Eigen::Index dimension) : size_(size), dimension_(dimension) {}
-
  private:
-  virtual void write(std::uint64_t i, Eigen::VectorXd& u) const = 0;
-
   std::uint64_t size_;
   Eigen::Index dimension_;
+  Coordinate coordinate_;
 };
 
 /// Makes a plan of n samples of d quantities:
