@@ -76,10 +76,8 @@ class Problem {
         base_(fit),
         prior_std_(prior_std),
         has_fine_differences_(has_fine_differences),
-        scales_(parameter_scales(data)) {
-    for (std::size_t i = 0; i < kAxisParameters; ++i) {
-      if (free[i]) free_.push_back(static_cast<AxisParameter>(i));
-    }
+        scales_(parameter_scales(data)),
+        free_(listed(free)) {
     for (const AxisStretch& stretch : data.stretches) drifts_ += stretch.drifts.cols();
     const double speed = scales_[kOffset] / scales_[kViscous];
     start_scales_ = {speed * data.period_s, speed};
@@ -87,10 +85,10 @@ class Problem {
   }
 
   int NumResiduals() const {
-    const std::size_t held = (start_values() - kPlainStart) * data_.stretches.size();
-    return static_cast<int>(data_.rows() + free_.size() + held) + static_cast<int>(drifts_);
+    const Eigen::Index held = (start_values() - kPlainStart) * std::ssize(data_.stretches);
+    return static_cast<int>(data_.rows() + free_.size()) + static_cast<int>(held + drifts_);
   }
-  int NumParameters() const { return static_cast<int>(first_drift()) + static_cast<int>(drifts_); }
+  int NumParameters() const { return static_cast<int>(first_drift() + drifts_); }
 
   std::size_t free_count() const { return free_.size(); }
 
@@ -101,7 +99,7 @@ class Problem {
       x(n++) = is_logarithmic(i) ? math::log(base_.values[i]) : base_.values[i] / scales_[i];
     }
     for (const AxisStart& start : base_.starts) {
-      for (std::size_t i = 0; i < start_values(); ++i) {
+      for (std::size_t i = 0; i < data_.model->start_values; ++i) {
         x(n++) = start.*kStartParts[i] / start_scales_[i % kPlainStart];
       }
     }
@@ -127,7 +125,7 @@ class Problem {
       ++x;
     }
     for (AxisStart& start : fit.starts) {
-      for (std::size_t i = 0; i < start_values(); ++i) {
+      for (std::size_t i = 0; i < data_.model->start_values; ++i) {
         start.*kStartParts[i] = *x++ * start_scales_[i % kPlainStart];
       }
     }
@@ -140,88 +138,59 @@ class Problem {
   }
 
   bool operator()(const double* x, double* residuals, double* jacobian) const {
-    const std::vector<double> positions = fitted_positions(data_, fit_of(x));
-    const std::size_t rows = positions.size();
-    std::vector<double> slopes(rows);
-    std::size_t k = 0;
+    const Eigen::VectorXd positions = positions_at(x);
+    const Eigen::Index rows = positions.size(), free = std::ssize(free_), width = start_values();
+    const Eigen::Map<const Eigen::VectorXd> unknowns(x, NumParameters());
+    Eigen::Map<Eigen::VectorXd> r(residuals, NumResiduals());
+    Eigen::VectorXd slopes(rows);
+    Eigen::Index row = 0;
     for (const AxisStretch& stretch : data_.stretches) {
       for (std::size_t i = 0; i < stretch.positions.size(); ++i) {
         const Residual residual = residual_of(data_, stretch.noise_at(i, base_.noise_std),
-                                              stretch.positions[i], positions[k]);
-        residuals[k] = residual.value;
-        slopes[k++] = residual.slope;
+                                              stretch.positions[i], positions(row));
+        r(row) = residual.value;
+        slopes(row++) = residual.slope;
       }
     }
-    for (std::size_t i = 0; i < free_.size(); ++i) {
-      residuals[rows + i] = (x[i] - centre_(static_cast<Eigen::Index>(i))) / prior_std_;
+    const Eigen::VectorXd off = unknowns - centre_;
+    r.segment(row, free) = off.head(free) / prior_std_;
+    row += free;
+    for (Eigen::Index s = free; s < first_drift(); s += width) {
+      for (Eigen::Index i = kPlainStart; i < width; ++i) r(row++) = off(s + i) / kPriorStd;
     }
-    const auto unknowns = static_cast<std::size_t>(NumParameters());
-    const std::size_t first_drift = this->first_drift();
-    std::size_t row = rows + free_.size();
-    for (std::size_t s = free_.size(); s < first_drift; s += start_values()) {
-      for (std::size_t i = kPlainStart; i < start_values(); ++i) {
-        residuals[row++] = (x[s + i] - centre_(static_cast<Eigen::Index>(s + i))) / kPriorStd;
-      }
-    }
-    std::copy(x + first_drift, x + unknowns, residuals + row);
+    r.tail(drifts_) = unknowns.tail(drifts_);
     if (jacobian == nullptr) return true;
     Eigen::Map<Eigen::MatrixXd> J(jacobian, NumResiduals(), NumParameters());
     J.setZero();
-    const auto parameters = static_cast<Eigen::Index>(free_.size());
-    J.block(static_cast<Eigen::Index>(rows), 0, parameters, parameters)
-        .diagonal()
-        .setConstant(1.0 / prior_std_);
-    const auto fill = [&](const std::vector<double>& derivatives, std::size_t column,
-                          std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) {
-        J(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(column)) =
-            slopes[i] * derivatives[i];
-      }
-    };
-    for (std::size_t column = 0; column < free_.size(); ++column) {
-      fill(derivatives(x, positions, column, column + 1), column, 0, rows);
+    J.block(rows, 0, free, free).diagonal().setConstant(1.0 / prior_std_);
+    for (Eigen::Index column = 0; column < free; ++column) {
+      J.col(column).head(rows) = slopes.cwiseProduct(derivatives(x, positions, column, column + 1));
     }
     // A start acts on its stretch alone. The motion does not depend on the position.
-    std::size_t from = 0;
-    std::size_t column = free_.size();
-    for (const AxisStretch& stretch : data_.stretches) {
-      const std::size_t to = from + stretch.positions.size();
-      for (std::size_t i = from; i < to; ++i) {
-        J(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(column)) =
-            slopes[i] * start_scales_[0];
-      }
-      from = to;
-      column += start_values();
-    }
-    row = rows + free_.size();
-    for (std::size_t part = 1; part < start_values(); ++part) {
-      const std::size_t first = free_.size() + part;
-      const std::vector<double> all = derivatives(x, positions, first, first_drift);
-      from = 0;
-      column = first;
+    for (Eigen::Index part = 0; part < width; ++part) {
+      const Eigen::VectorXd all = part == 0 ? Eigen::VectorXd::Constant(rows, start_scales_[0])
+                                            : derivatives(x, positions, free + part, first_drift());
+      Eigen::Index top = 0, column = free + part;
       for (const AxisStretch& stretch : data_.stretches) {
-        const std::size_t to = from + stretch.positions.size();
-        fill(all, column, from, to);
-        from = to;
-        column += start_values();
+        const Eigen::Index count = std::ssize(stretch.positions);
+        J.col(column).segment(top, count) =
+            slopes.segment(top, count).cwiseProduct(all.segment(top, count));
+        top += count;
+        column += width;
       }
     }
     // The prior's rows have the order of the starts.
-    for (std::size_t s = free_.size(); s < first_drift; s += start_values()) {
-      for (std::size_t i = kPlainStart; i < start_values(); ++i) {
-        J(static_cast<Eigen::Index>(row++), static_cast<Eigen::Index>(s + i)) = 1.0 / kPriorStd;
-      }
+    row = rows + free;
+    for (Eigen::Index s = free; s < first_drift(); s += width) {
+      for (Eigen::Index i = kPlainStart; i < width; ++i) J(row++, s + i) = 1.0 / kPriorStd;
     }
     J.bottomRightCorner(drifts_, drifts_).setIdentity();
-    const Eigen::Map<const Eigen::VectorXd> all_slopes(slopes.data(),
-                                                       static_cast<Eigen::Index>(rows));
-    Eigen::Index top = 0, left = static_cast<Eigen::Index>(first_drift);
+    Eigen::Index top = 0, left = first_drift();
     for (const AxisStretch& stretch : data_.stretches) {
-      const auto count = static_cast<Eigen::Index>(stretch.positions.size());
-      const Eigen::Index drifts = stretch.drifts.cols();
+      const Eigen::Index count = std::ssize(stretch.positions), drifts = stretch.drifts.cols();
       if (drifts > 0) {
         J.block(top, left, count, drifts) =
-            all_slopes.segment(top, count).asDiagonal() * stretch.drifts;
+            slopes.segment(top, count).asDiagonal() * stretch.drifts;
       }
       top += count;
       left += drifts;
@@ -230,29 +199,28 @@ class Problem {
   }
 
  private:
-  std::size_t start_values() const { return data_.model->start_values; }
-  std::size_t first_drift() const { return free_.size() + start_values() * data_.stretches.size(); }
+  Eigen::Index start_values() const { return static_cast<Eigen::Index>(data_.model->start_values); }
+  Eigen::Index first_drift() const {
+    return std::ssize(free_) + start_values() * std::ssize(data_.stretches);
+  }
+  Eigen::VectorXd positions_at(const double* x) const {
+    const std::vector<double> positions = fitted_positions(data_, fit_of(x));
+    return Eigen::Map<const Eigen::VectorXd>(positions.data(), std::ssize(positions));
+  }
 
   // Derivatives of the positions by one unknown, or by one of each start. Differences look to one
   // side, since friction ends at 0.
-  std::vector<double> derivatives(const double* x, const std::vector<double>& positions,
-                                  std::size_t first, std::size_t end) const {
+  Eigen::VectorXd derivatives(const double* x, const Eigen::VectorXd& positions, Eigen::Index first,
+                              Eigen::Index end) const {
     const auto moved = [&](double step) {
       std::vector<double> to(x, x + NumParameters());
-      for (std::size_t s = first; s < end; s += start_values()) to[s] += step;
-      return fitted_positions(data_, fit_of(to.data()));
+      for (Eigen::Index s = first; s < end; s += start_values()) {
+        to[static_cast<std::size_t>(s)] += step;
+      }
+      return positions_at(to.data());
     };
-    std::vector<double> result = moved(has_fine_differences_ ? kFineStep : kStep);
-    if (!has_fine_differences_) {
-      for (std::size_t i = 0; i < result.size(); ++i)
-        result[i] = (result[i] - positions[i]) / kStep;
-      return result;
-    }
-    const std::vector<double> twice = moved(2.0 * kFineStep);
-    for (std::size_t i = 0; i < result.size(); ++i) {
-      result[i] = (4.0 * result[i] - twice[i] - 3.0 * positions[i]) / (2.0 * kFineStep);
-    }
-    return result;
+    if (!has_fine_differences_) return (moved(kStep) - positions) / kStep;
+    return (4.0 * moved(kFineStep) - moved(2.0 * kFineStep) - 3.0 * positions) / (2.0 * kFineStep);
   }
 
   const AxisData& data_;

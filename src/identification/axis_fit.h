@@ -12,6 +12,15 @@ namespace breakwater {
 
 using FreeParameters = std::array<bool, kAxisParameters>;
 
+/// The free ones, in their order.
+inline std::vector<AxisParameter> listed(const FreeParameters& free) {
+  std::vector<AxisParameter> all;
+  for (std::size_t p = 0; p < kAxisParameters; ++p) {
+    if (free[p]) all.push_back(static_cast<AxisParameter>(p));
+  }
+  return all;
+}
+
 struct AxisFit {
   AxisValues values{};
   std::vector<AxisStart> starts;  ///< one for each stretch

@@ -40,10 +40,8 @@ double moved_parameter(const AxisData& data, AxisParameter parameter, double val
 AxisFit moved_fit(const AxisData& data, const FreeParameters& free, AxisFit fit,
                   const Eigen::VectorXd& changes) {
   Eigen::Index n = 0;
-  for (std::size_t p = 0; p < kAxisParameters; ++p) {
-    if (!free[p]) continue;
-    fit.values[p] =
-        moved_parameter(data, static_cast<AxisParameter>(p), fit.values[p], changes(n++));
+  for (const AxisParameter p : listed(free)) {
+    fit.values[p] = moved_parameter(data, p, fit.values[p], changes(n++));
   }
   return fit;
 }

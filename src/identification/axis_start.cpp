@@ -10,133 +10,26 @@
 namespace breakwater {
 namespace {
 
-constexpr Eigen::Index kUnknowns = 4;  // 1/J, c/J, F_C/J, d₀/J
-
-// Integrals of one window without the delay, and where it lies.
-struct Window {
-  const AxisStretch* stretch;
-  std::size_t first;
-  double position;  // ∫φ̈ q
-  double velocity;  // ∫φ v
-  double sign;      // ∫φ sgn v
-  double one;       // ∫φ
-};
-
-struct Weight {
-  double value, slope, curvature;
-};
-
-// φ = s³ (1 − s)³ at s in [0, 1], and its derivatives by the time.
-Weight weight(double s, double length_s) {
-  const double r = 1.0 - s;
-  return {s * s * s * r * r * r, 3.0 * s * s * r * r * (r - s) / length_s,
-          6.0 * s * r * (1.0 - 5.0 * s + 5.0 * s * s) / (length_s * length_s)};
-}
-
-std::vector<Window> windows_of(const AxisData& data, std::size_t rows) {
-  const std::size_t hop = hop_of(data, rows);
-  std::vector<Window> windows;
-  for (const AxisStretch& stretch : data.stretches) {
-    for (std::size_t first = 0; first + rows <= stretch.times_s.size(); first += hop) {
-      Window window{&stretch, first, 0.0, 0.0, 0.0, 0.0};
-      double stuck = 0.0;
-      const double base = stretch.positions[first];
-      for_rows(stretch, first, rows, [&](std::size_t k, double s, double length, double dt) {
-        const Weight w = weight(s, length);
-        const double q = stretch.positions[k] - base;
-        const double sign = direction(stretch, k, std::max<std::size_t>(rows / 8, 1), data.quantum);
-        window.position += w.curvature * q * dt;
-        window.velocity -= w.slope * q * dt;
-        window.sign += w.value * sign * dt;
-        window.one += w.value * dt;
-        if (sign == 0.0) stuck += 1.0;
-      });
-      if (stuck <= kMostStuck * static_cast<double>(rows)) windows.push_back(window);
-    }
-  }
-  return windows;
-}
-
-}  // namespace
-
-std::vector<AxisValues> start_candidates(const AxisData& data, double least_delay_s,
-                                         double largest_delay_s) {
-  const double step_s = 0.5 * data.period_s;
-  std::vector<AxisValues> candidates;
-  std::vector<std::vector<Window>> all;
-  struct Best {
-    double residual = std::numeric_limits<double>::infinity();
-    AxisValues values{};
-  };
-  std::vector<Best> best(kWindowLengths);
-  for (int i = 0; i < kWindowLengths; ++i) all.push_back(windows_of(data, kShortestWindow << i));
-  for (int trial = 0; least_delay_s + trial * step_s <= largest_delay_s; ++trial) {
-    const double delay = least_delay_s + trial * step_s;
-    std::vector<std::vector<double>> inputs;
-    for (const AxisStretch& stretch : data.stretches) {
-      inputs.push_back(inputs_at_rows(stretch, delay));
-    }
-    for (int i = 0; i < kWindowLengths; ++i) {
-      const std::vector<Window>& windows = all[static_cast<std::size_t>(i)];
-      const auto count = static_cast<Eigen::Index>(windows.size());
-      if (count < 2 * kUnknowns) continue;
-      Eigen::MatrixXd A(count, kUnknowns);
-      Eigen::VectorXd b(count);
-      for (Eigen::Index n = 0; n < count; ++n) {
-        const Window& window = windows[static_cast<std::size_t>(n)];
-        const std::vector<double>& u =
-            inputs[static_cast<std::size_t>(window.stretch - data.stretches.data())];
-        double input = 0.0;
-        for_rows(*window.stretch, window.first, static_cast<std::size_t>(kShortestWindow) << i,
-                 [&](std::size_t k, double s, double length, double dt) {
-                   input += weight(s, length).value * u[k] * dt;
-                 });
-        A.row(n) << input, -window.velocity, -window.sign, -window.one;
-        b(n) = window.position;
-      }
-      // The rank must not depend on the units of the columns. Powers of two leave their bits.
-      Eigen::VectorXd scale(kUnknowns);
-      for (Eigen::Index j = 0; j < kUnknowns; ++j) {
-        scale(j) = math::power_of_two_scale(A.col(j).norm());
-        A.col(j) *= scale(j);
-      }
-      // The least of equal solutions, if the record does not separate two of them.
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-      solver.setThreshold(1e-6);
-      solver.compute(A);
-      const Eigen::VectorXd scaled = solver.solve(b);
-      const double residual = (A * scaled - b).squaredNorm();
-      const Eigen::VectorXd x = scale.cwiseProduct(scaled);
-      Best& so_far = best[static_cast<std::size_t>(i)];
-      if (!(x(0) > 0.0) || residual >= so_far.residual) continue;
-      so_far.residual = residual;
-      so_far.values[kInertia] = 1.0 / x(0);
-      so_far.values[kViscous] = std::max(0.0, x(1) / x(0));
-      so_far.values[kCoulomb] = std::max(0.0, x(2) / x(0));
-      so_far.values[kOffset] = x(3) / x(0);
-      so_far.values[kStribeckSpeed] = 1.0;
-      so_far.values[kDelay] = delay;
-      so_far.values[kTorqueConstant] = 1.0;
-    }
-  }
-  for (const Best& one : best) {
-    if (std::isfinite(one.residual)) candidates.push_back(one.values);
-  }
-  return candidates;
-}
-
-namespace {
-
+constexpr int kShortestWindow = 8;         // rows
+constexpr int kWindowLengths = 7;          // each twice the one before
+constexpr double kMostStuck = 0.2;         // share of a window without motion
 constexpr std::size_t kMostRows = 400000;  // all windows of one length together
 constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();  // relative
 
-}  // namespace
-
-std::size_t hop_of(const AxisData& data, std::size_t rows) {
-  return std::max(rows / 4,
-                  1 + data.rows() * rows / kMostRows / std::max<std::size_t>(rows / 4, 1));
+// Calls use(k, s, length_s, dt) for each row of a window, with s from 0 to 1 and the trapezoids'
+// widths dt.
+template <typename Use>
+void for_rows(const AxisStretch& stretch, std::size_t first, std::size_t rows, const Use& use) {
+  const std::vector<double>& t = stretch.times_s;
+  const std::size_t last = first + rows - 1;
+  const double length = t[last] - t[first];
+  for (std::size_t k = first; k <= last; ++k) {
+    const double dt = 0.5 * (t[std::min(k + 1, last)] - t[std::max(k, first + 1) - 1]);
+    use(k, (t[k] - t[first]) / length, length, dt);
+  }
 }
 
+// The sign of the velocity from `reach` rows on both sides; 0 if it moves by less than two counts.
 double direction(const AxisStretch& stretch, std::size_t k, std::size_t reach, double quantum) {
   const std::size_t a = k > reach ? k - reach : 0;
   const std::size_t b = std::min(k + reach, stretch.positions.size() - 1);
@@ -144,6 +37,7 @@ double direction(const AxisStretch& stretch, std::size_t k, std::size_t reach, d
   return std::abs(moved) < 1.5 * quantum || moved == 0.0 ? 0.0 : std::copysign(1.0, moved);
 }
 
+// The input at each row of a stretch: the mean of those that act just before and just after.
 std::vector<double> inputs_at_rows(const AxisStretch& stretch, double delay_s) {
   std::vector<double> inputs;
   std::size_t i = 0;
@@ -155,6 +49,129 @@ std::vector<double> inputs_at_rows(const AxisStretch& stretch, double delay_s) {
                                : stretch.inputs[i]);
   }
   return inputs;
+}
+
+// Integrals of one window without the input, and where it lies.
+struct Window {
+  const AxisStretch* stretch;
+  std::size_t first;
+  WindowWeights positions;  // each derivative of the position
+  double sign;
+  double one;
+};
+
+std::vector<Window> windows_of(const AxisData& data, std::size_t rows,
+                               const StartEquation& equation) {
+  const std::size_t hop =
+      std::max(rows / 4, 1 + data.rows() * rows / kMostRows / std::max<std::size_t>(rows / 4, 1));
+  std::vector<Window> windows;
+  for (const AxisStretch& stretch : data.stretches) {
+    for (std::size_t first = 0; first + rows <= stretch.times_s.size(); first += hop) {
+      Window window{&stretch, first, {}, 0.0, 0.0};
+      double stuck = 0.0;
+      const double base = stretch.positions[first];
+      for_rows(stretch, first, rows, [&](std::size_t k, double s, double length, double dt) {
+        const WindowWeights w = equation.weights(s, length);
+        const double sign = direction(stretch, k, std::max<std::size_t>(rows / 8, 1), data.quantum);
+        for (std::size_t n = 0; n <= equation.order; ++n) {
+          window.positions[n] += w[n] * (stretch.positions[k] - base) * dt;
+        }
+        window.sign += w[0] * sign * dt;
+        window.one += w[0] * dt;
+        if (sign == 0.0) stuck += 1.0;
+      });
+      if (stuck <= kMostStuck * static_cast<double>(rows)) windows.push_back(window);
+    }
+  }
+  return windows;
+}
+
+// The least of equal solutions, if the record does not separate two of them.
+StartSolution solve(const std::vector<Window>& windows, std::size_t rows, const AxisData& data,
+                    const std::vector<std::vector<double>>& inputs, const StartEquation& equation) {
+  const auto count = static_cast<Eigen::Index>(windows.size());
+  Eigen::MatrixXd A(count, equation.unknowns());
+  Eigen::VectorXd b(count);
+  for (Eigen::Index n = 0; n < count; ++n) {
+    const Window& window = windows[static_cast<std::size_t>(n)];
+    const std::vector<double>& u =
+        inputs[static_cast<std::size_t>(window.stretch - data.stretches.data())];
+    WindowWeights input{};
+    for_rows(*window.stretch, window.first, rows,
+             [&](std::size_t k, double s, double length, double dt) {
+               const WindowWeights w = equation.weights(s, length);
+               for (std::size_t i = 0; i < equation.inputs; ++i) input[i] += w[i] * u[k] * dt;
+             });
+    Eigen::Index column = 0;
+    for (std::size_t i = 0; i < equation.inputs; ++i) A(n, column++) = input[i];
+    for (std::size_t i = equation.order; i-- > 1;) A(n, column++) = -window.positions[i];
+    A(n, column++) = -window.sign;
+    A(n, column) = -window.one;
+    b(n) = window.positions[equation.order];
+  }
+  // The rank must not depend on the units of the columns. Powers of two leave their bits.
+  Eigen::VectorXd scale(A.cols());
+  for (Eigen::Index j = 0; j < A.cols(); ++j) {
+    scale(j) = math::power_of_two_scale(A.col(j).norm());
+    A.col(j) *= scale(j);
+  }
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  solver.setThreshold(1e-6);
+  solver.compute(A);
+  const Eigen::VectorXd scaled = solver.solve(b);
+  return {.residual = (A * scaled - b).squaredNorm(), .x = scale.cwiseProduct(scaled)};
+}
+
+// φ = s³ (1 − s)³.
+WindowWeights cubic_weights(double s, double length_s) {
+  const double r = 1.0 - s;
+  return {s * s * s * r * r * r, -3.0 * s * s * r * r * (r - s) / length_s,
+          6.0 * s * r * (1.0 - 5.0 * s + 5.0 * s * s) / (length_s * length_s)};
+}
+
+}  // namespace
+
+std::vector<StartSolution> start_solutions(const AxisData& data, double least_delay_s,
+                                           double largest_delay_s, const StartEquation& equation) {
+  std::vector<std::vector<Window>> all;
+  std::vector<StartSolution> best(kWindowLengths);
+  for (int i = 0; i < kWindowLengths; ++i) {
+    all.push_back(windows_of(data, kShortestWindow << i, equation));
+  }
+  const double step_s = 0.5 * data.period_s;
+  for (int trial = 0; least_delay_s + trial * step_s <= largest_delay_s; ++trial) {
+    const double delay_s = least_delay_s + trial * step_s;
+    std::vector<std::vector<double>> inputs;
+    for (const AxisStretch& stretch : data.stretches) {
+      inputs.push_back(inputs_at_rows(stretch, delay_s));
+    }
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (std::ssize(all[i]) < 2 * equation.unknowns()) continue;
+      StartSolution one =
+          solve(all[i], static_cast<std::size_t>(kShortestWindow) << i, data, inputs, equation);
+      one.delay_s = delay_s;
+      if (equation.is_plant(one.x) && one.residual < best[i].residual) best[i] = one;
+    }
+  }
+  std::erase_if(best, [](const StartSolution& one) { return !std::isfinite(one.residual); });
+  return best;
+}
+
+std::vector<AxisValues> start_candidates(const AxisData& data, double least_delay_s,
+                                         double largest_delay_s) {
+  std::vector<AxisValues> candidates;
+  for (const auto& [residual, delay_s, x] : start_solutions(
+           data, least_delay_s, largest_delay_s,
+           {2, 1, cubic_weights, [](const Eigen::VectorXd& found) { return found(0) > 0.0; }})) {
+    AxisValues& values = candidates.emplace_back();
+    values[kInertia] = 1.0 / x(0);
+    values[kViscous] = std::max(0.0, x(1) / x(0));
+    values[kCoulomb] = std::max(0.0, x(2) / x(0));
+    values[kOffset] = x(3) / x(0);
+    values[kStribeckSpeed] = values[kTorqueConstant] = 1.0;
+    values[kDelay] = delay_s;
+  }
+  return candidates;
 }
 
 }  // namespace breakwater

@@ -1,13 +1,13 @@
 // First values of the fit of an axis, by linear least squares.
 #pragma once
 
-#include <algorithm>
+#include <array>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include <breakwater/identification/axis_fit.h>
 #include <breakwater/identification/axis_model.h>
-#include <breakwater/plants/motor_and_load.h>
 
 namespace breakwater {
 
@@ -22,41 +22,30 @@ namespace breakwater {
 std::vector<AxisValues> start_candidates(const AxisData& data, double least_delay_s,
                                          double largest_delay_s);
 
-inline constexpr int kShortestWindow = 8;  ///< rows
-inline constexpr int kWindowLengths = 7;   ///< each twice the one before
-inline constexpr double kMostStuck = 0.2;  ///< share of a window without motion
+/// A window φ and its derivatives by the time, with alternating signs. The integral of number k
+/// times q is that of φ times the derivative k of q.
+using WindowWeights = std::array<double, 5>;
 
-/// Rows from one window to the next.
-std::size_t hop_of(const AxisData& data, std::size_t rows);
+/// The equation of motion of a measured position, linear in the unknowns x. The first ones are
+/// factors of the input and its derivatives. Then come those of the lower derivatives of the
+/// position (the highest first), of sgn v and of 1.
+struct StartEquation {
+  std::size_t order;
+  std::size_t inputs;                                   ///< the input and its derivatives
+  WindowWeights (*weights)(double s, double length_s);  ///< at s in [0, 1]
+  bool (*is_plant)(const Eigen::VectorXd& x);
 
-/// Calls use(k, s, length_s, dt) for each row of a window, with s from 0 to 1 and the trapezoids'
-/// widths dt.
-template <typename Use>
-void for_rows(const AxisStretch& stretch, std::size_t first, std::size_t rows, const Use& use) {
-  const std::vector<double>& t = stretch.times_s;
-  const std::size_t last = first + rows - 1;
-  const double length = t[last] - t[first];
-  for (std::size_t k = first; k <= last; ++k) {
-    const double dt = 0.5 * (t[std::min(k + 1, last)] - t[std::max(k, first + 1) - 1]);
-    use(k, (t[k] - t[first]) / length, length, dt);
-  }
-}
+  Eigen::Index unknowns() const { return static_cast<Eigen::Index>(inputs + order + 1); }
+};
 
-/// The sign of the velocity from `reach` rows on both sides; 0 if it moves by less than two counts.
-double direction(const AxisStretch& stretch, std::size_t k, std::size_t reach, double quantum);
+struct StartSolution {
+  double residual = std::numeric_limits<double>::infinity();
+  double delay_s = 0.0;
+  Eigen::VectorXd x = {};
+};
 
-/// The input at each row of a stretch: the mean of those that act just before and just after.
-std::vector<double> inputs_at_rows(const AxisStretch& stretch, double delay_s);
-
-/// Candidates for the fit, from the transfer function of the measured position without backlash,
-///     q⁗ + α₃ q‴ + α₂ q″ + α₁ q′ + f sgn v + d = β₂ u″ + β₁ u′ + β₀ u   (β₂ = 0 at the load),
-/// weighted with windows as in start_candidates(). Then J_m + J_l = α₂/β₀, the resonance is at √α₂,
-/// and at the motor J_m = 1/β₂. Other candidates share the whole inertia between both in fixed
-/// ratios, or come from the fit of one inertia. None has a backlash.
-///
-/// Source: M. Shinbrot, Trans. ASME 79 (1957) 547–552 (modulating functions).
-template <Side measured>
-std::vector<AxisValues> two_inertia_candidates(const AxisData& data, double least_delay_s,
-                                               double largest_delay_s);
+/// For each length of the window the plant of least residual over the delay, if there is one.
+std::vector<StartSolution> start_solutions(const AxisData& data, double least_delay_s,
+                                           double largest_delay_s, const StartEquation& equation);
 
 }  // namespace breakwater

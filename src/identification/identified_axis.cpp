@@ -109,11 +109,10 @@ AxisFit best_beside(const AxisData& data, const FreeParameters& free, const Axis
   const Eigen::MatrixXd covariance = covariance_of(data, free, fit);
   AxisFit best = fit;
   Eigen::Index i = 0;
-  for (std::size_t p = 0; p < kAxisParameters; ++p) {
-    if (!free[p]) continue;
+  for (const AxisParameter p : listed(free)) {
     const double std = std::sqrt(covariance(i, i));
     const Eigen::VectorXd change = kBeside / std * covariance.col(i++);
-    if (!(std <= known_parameter(static_cast<AxisParameter>(p)).largest_std)) continue;
+    if (!(std <= known_parameter(p).largest_std)) continue;
     for (const double sign : {-1.0, 1.0}) {
       const AxisFit one =
           fit_axis(data, free, moved_fit(data, free, fit, sign * change), kTrialIterations);
@@ -129,9 +128,8 @@ AxisFit best_around(const AxisData& data, const FreeParameters& free, const Axis
   const AxisValues scales = parameter_scales(data);
   std::uint64_t drawn = 0;
   std::vector<double> sizes;
-  for (std::size_t p = 0; p < kAxisParameters; ++p) {
-    if (!free[p]) continue;
-    const bool is_scaled = is_logarithmic(static_cast<AxisParameter>(p)) || p == kDelay;
+  for (const AxisParameter p : listed(free)) {
+    const bool is_scaled = is_logarithmic(p) || p == kDelay;
     sizes.push_back(is_scaled ? 1.0 : std::abs(fit.values[p]) / scales[p]);
   }
   AxisFit best = fit;
@@ -356,13 +354,10 @@ FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const AxisFi
     // A direction that the records did not show must not hide an error.
     const double size = std::min(std, 0.5);
     Eigen::Index i = 0;
-    for (std::size_t p = 0; p < kAxisParameters; ++p) {
-      if (!free[p]) continue;
-      const auto parameter = static_cast<AxisParameter>(p);
+    for (const AxisParameter p : listed(free)) {
       const double change = size * directions.eigenvectors()(i++, n);
-      moved.values[p] = is_logarithmic(parameter)
-                            ? moved_parameter(held, parameter, moved.values[p], change)
-                            : moved.values[p] + change * scales[p];
+      moved.values[p] = is_logarithmic(p) ? moved_parameter(held, p, moved.values[p], change)
+                                          : moved.values[p] + change * scales[p];
     }
     moved = fit_starts(held, moved);
     const std::vector<double> other = fitted_positions(held, moved);
@@ -405,10 +400,7 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
   covariance = covariance_of(data, free, fit);
   // A prior must not make a parameter look known.
   const Eigen::MatrixXd shown = covariance_of(data, free, fit, kHardlyAnyPrior);
-  std::vector<AxisParameter> order;
-  for (std::size_t p = 0; p < kAxisParameters; ++p) {
-    if (free[p]) order.push_back(static_cast<AxisParameter>(p));
-  }
+  const std::vector<AxisParameter> order = listed(free);
   // The likelihood of codes has hardly any curvature without noise.
   result.is_bootstrapped =
       data.quantum > 0.0 && std::sqrt(noise_variance(data, fit)) < 1.5 * kLeastNoise * data.quantum;
