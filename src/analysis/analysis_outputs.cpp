@@ -119,39 +119,31 @@ ResultRow begun_row(const NamedCurve& one) {
 
 std::string points_csv(const std::vector<LoopAnalysis>& loops,
                        const std::vector<BodeResponse>& all) {
-  std::vector<std::string> columns = {"case", "axis", "way", "omega_rad_s"};
-  for (const BodeResponse& response : all) {
-    for (const char* part : {"_gain", "_phase_deg"})
-      columns.push_back(response.name + std::string(part));
-  }
-  columns.insert(columns.end(), {"spread_1", "saturated_1"});
   std::vector<ResultRow> rows;
   for (const NamedCurve& one : curves_of(loops)) {
     for (const LoopPoint& point : one.curve.points) {
       ResultRow& row = rows.emplace_back(begun_row(one));
       row.put("omega_rad_s", point.omega_rad_s);
       for (const BodeResponse& response : all) {
-        if (!one.loop.estimates && response.needs_estimator) continue;
-        const std::string name = response.name;
-        row.put(name + "_gain", std::abs(point.*response.value));
-        row.put(name + "_phase_deg", std::arg(point.*response.value) * kInDegrees);
+        const bool is_there = one.loop.estimates || !response.needs_estimator;
+        const std::complex<double> value = is_there ? point.*response.value : std::nan("");
+        row.put(response.name + std::string("_gain"), std::abs(value));
+        row.put(response.name + std::string("_phase_deg"), std::arg(value) * kInDegrees);
       }
       row.put("spread_1", point.spread);
       row.put("saturated_1", point.saturated);
     }
   }
-  return csv_table(columns, rows);
+  return csv_table(rows);
 }
 
 std::string margins_csv(const std::vector<LoopAnalysis>& loops) {
-  std::vector<std::string> columns = {"case", "axis", "way"};
-  for (const Quantity& quantity : kQuantities) columns.emplace_back(quantity.column);
   std::vector<ResultRow> rows;
   for (const NamedCurve& one : curves_of(loops)) {
     ResultRow& row = rows.emplace_back(begun_row(one));
     for (const Quantity& quantity : kQuantities) row.put(quantity.column, quantity.of(one.curve));
   }
-  return csv_table(columns, rows);
+  return csv_table(rows);
 }
 
 // A measured point counts if its windows agree, and the drive does anything about the probe.

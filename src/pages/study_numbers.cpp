@@ -251,17 +251,16 @@ void write_indices(const std::vector<OutputIndices>& all, const StudyNumbers& nu
       row.put("candidate", labels[one.candidate]);
       row.put("output", one.output);
       row.put("key", numbers.keys[k].name);
-      const SensitivityIndices& indices = one.indices;
-      if (k < indices.first_order.size()) row.put("first_order", indices.first_order[k]);
-      if (k < indices.total.size()) row.put("total", indices.total[k]);
-      row.put("rows", std::to_string(indices.rows));
-      row.put("dropped_rows", std::to_string(indices.dropped_rows));
+      const auto put = [&](const char* column, const std::vector<EstimatedValue>& all_keys) {
+        row.put(column, k < all_keys.size() ? all_keys[k] : EstimatedValue{std::nan("")});
+      };
+      put("first_order", one.indices.first_order);
+      put("total", one.indices.total);
+      row.put("rows", std::to_string(one.indices.rows));
+      row.put("dropped_rows", std::to_string(one.indices.dropped_rows));
     }
   }
-  replace_file(file, csv_table({"candidate", "output", "key", "first_order", "first_order_lower",
-                                "first_order_upper", "total", "total_lower", "total_upper", "rows",
-                                "dropped_rows"},
-                               rows));
+  replace_file(file, csv_table(rows));
 }
 
 }  // namespace breakwater

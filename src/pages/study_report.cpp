@@ -160,12 +160,11 @@ class StudySections {
     for (std::size_t i = 0; i < drawn_.size(); ++i) place_of_[drawn_[i]] = i;
 
     if (has_heat_maps(plan.study())) {
-      std::size_t columns = numbers.keys[0].values.size(), rows = columns;
-      for (std::size_t* side : {&columns, &rows}) {
-        *side = std::min<std::size_t>(
-            *side,
-            std::max<std::size_t>(1, plan.study().vary[side == &rows ? 1 : 0].values.size()));
-      }
+      const auto side = [&](std::size_t k) {
+        const std::size_t values = plan.study().vary[k].values.size();
+        return std::min(numbers.keys[k].values.size(), std::max<std::size_t>(1, values));
+      };
+      std::size_t columns = side(0), rows = side(1);
       while (columns * rows > detail_.cells) --(columns > rows ? columns : rows);
       sides_ = {group_values(numbers.keys[0], columns), group_values(numbers.keys[1], rows)};
     } else {

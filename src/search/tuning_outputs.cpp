@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <unordered_map>
 
 #include <breakwater/config/toml_text.h>
@@ -134,28 +133,22 @@ void put_values(const TuningPlan& plan, std::size_t tuned, std::size_t evaluatio
 
 std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
   const Tuning& tuning = plan.tuning();
-  std::vector<std::string> columns = {"point", "case", "evaluation", "use", "seed"};
-  for (const TunedCase& tuned : tuning.cases) add_new(tuned.search, columns);
-  add_new(tuning.worlds.keys, columns);
-  if (tuning.validation) add_new(tuning.validation->keys, columns);
-  columns.insert(columns.end(), {"status", "state_hash"});
-  std::set<std::string> known;
-  for (const PointResult& run : result.runs) {
-    for (const auto& [name, value] : run.metrics) {
-      if (known.insert(name).second) columns.push_back(name);
-    }
-  }
+  std::vector<std::string> keys;
+  for (const TunedCase& tuned : tuning.cases) add_new(tuned.search, keys);
+  add_new(tuning.worlds.keys, keys);
+  if (tuning.validation) add_new(tuning.validation->keys, keys);
   std::vector<ResultRow> rows;
   for (const PointResult& run : result.runs) {
     const TuningRun one = plan.run(run.number);
     const Worlds& worlds = plan.worlds(one.is_validation);
     const std::vector<std::string> world = worlds.values(one.world);
-    ResultRow cells;
+    ResultRow& cells = rows.emplace_back();
     cells.put("point", run.key);
     cells.put("case", tuning.cases[one.tuned].name);
     cells.put("evaluation", std::to_string(one.evaluation));
     cells.put("use", one.is_validation ? "validate" : "search");
     cells.put("seed", world[0]);
+    for (const std::string& key : keys) cells.put(key, "");
     put_values(plan, one.tuned, one.evaluation, cells);
     for (std::size_t k = 0; k < worlds.keys.size(); ++k) {
       cells.put(worlds.keys[k].key, plain_text(world[k + 1]));
@@ -163,9 +156,8 @@ std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
     cells.put("status", name_of(run.status));
     cells.put("state_hash", run.state_hash);
     for (const auto& [name, value] : run.metrics) cells.put(name, value);
-    rows.push_back(std::move(cells));
   }
-  return csv_table(columns, rows);
+  return csv_table(rows);
 }
 
 std::string hypervolume_csv(const TuningResult& result) {
@@ -178,7 +170,7 @@ std::string hypervolume_csv(const TuningResult& result) {
       row.put("hypervolume", volume);
     }
   }
-  return csv_table({"case", "evaluations", "hypervolume"}, rows);
+  return csv_table(rows);
 }
 
 }  // namespace

@@ -16,22 +16,6 @@ namespace {
 
 constexpr const char* kOfTheOther = "of the other";  // a column that a terminal has no room for
 
-// The first cells of a pair's row.
-template <typename Comparison>
-ResultRow begun_row(const CandidateComparison& comparison, const Comparison& one,
-                    const std::string& metric) {
-  ResultRow row;
-  row.put("metric", metric);
-  row.put("candidate", comparison.candidates[one.candidate]);
-  row.put("reference", comparison.candidates[one.reference]);
-  row.put("pairs", std::to_string(one.pairs));
-  row.put("blocks", std::to_string(one.blocks));
-  row.put("p", one.p);
-  row.put("p_holm", one.p_holm);
-  row.put("verdict", name_of(one.verdict));
-  return row;
-}
-
 std::string percent(double share) {
   return fmt::format("{:.0f} %", 100.0 * share);
 }
@@ -44,33 +28,38 @@ std::string p_text(double p, const std::string& equals) {
 
 std::string comparison_csv(const CandidateComparison& comparison) {
   std::vector<ResultRow> rows;
-  for (const MetricComparison& one : comparison.metrics) {
-    ResultRow row = begun_row(comparison, one, one.metric);
-    if (one.goal != Goal::none) row.put("goal", name_of(goal_names(), one.goal));
-    row.put("median", one.median);
-    row.put("reference_median", one.reference_median);
-    row.put("difference", one.difference);
-    row.put("probability_smaller", one.probability_smaller);
-    if (one.probability_better) row.put("probability_better", *one.probability_better);
-    rows.push_back(std::move(row));
-  }
-  for (const FailureComparison& one : comparison.failures) {
-    ResultRow row = begun_row(comparison, one, kFailure);
-    row.put("goal", name_of(goal_names(), Goal::min));
-    row.put("failures", std::to_string(one.failures));
-    row.put("reference_failures", std::to_string(one.reference_failures));
-    row.put("failures_alone", std::to_string(one.alone));
-    row.put("reference_failures_alone", std::to_string(one.reference_alone));
-    rows.push_back(std::move(row));
-  }
-  std::vector<std::string> columns = {"metric", "goal", "candidate", "reference", "pairs"};
-  for (const std::string name : {"median", "reference_median", "difference"}) {
-    for (const char* end : {"", "_lower", "_upper"}) columns.push_back(name + end);
-  }
-  columns.insert(columns.end(),
-                 {"p", "p_holm", "probability_smaller", "probability_better", "verdict", "failures",
-                  "reference_failures", "failures_alone", "reference_failures_alone", "blocks"});
-  return csv_table(columns, rows);
+  // The cells of a pair, with those of its metric or of its failures.
+  const auto add = [&](const auto& one, const MetricComparison* metric,
+                       const FailureComparison* failure) {
+    ResultRow& row = rows.emplace_back();
+    const Goal goal = metric != nullptr ? metric->goal : Goal::min;
+    row.put("metric", metric != nullptr ? metric->metric : kFailure);
+    row.put("goal", goal == Goal::none ? "" : name_of(goal_names(), goal));
+    row.put("candidate", comparison.candidates[one.candidate]);
+    row.put("reference", comparison.candidates[one.reference]);
+    row.put("pairs", std::to_string(one.pairs));
+    const EstimatedValue none{std::nan("")};
+    row.put("median", metric != nullptr ? metric->median : none);
+    row.put("reference_median", metric != nullptr ? metric->reference_median : none);
+    row.put("difference", metric != nullptr ? metric->difference : none);
+    row.put("p", one.p);
+    row.put("p_holm", one.p_holm);
+    row.put("probability_smaller", metric != nullptr ? metric->probability_smaller : none.value);
+    row.put("probability_better",
+            metric != nullptr ? metric->probability_better.value_or(none.value) : none.value);
+    row.put("verdict", name_of(one.verdict));
+    const auto count = [&](const char* column, std::size_t FailureComparison::*number) {
+      row.put(column, failure != nullptr ? std::to_string(failure->*number) : "");
+    };
+    count("failures", &FailureComparison::failures);
+    count("reference_failures", &FailureComparison::reference_failures);
+    count("failures_alone", &FailureComparison::alone);
+    count("reference_failures_alone", &FailureComparison::reference_alone);
+    row.put("blocks", std::to_string(one.blocks));
+  };
+  for (const MetricComparison& one : comparison.metrics) add(one, &one, nullptr);
+  for (const FailureComparison& one : comparison.failures) add(one, nullptr, &one);
+  return csv_table(rows);
 }
 
 std::size_t blocks_for_verdict(std::size_t blocks, std::size_t tests) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/text_outputs.h>
@@ -10,16 +11,22 @@
 
 namespace breakwater {
 
+void ResultRow::put(const std::string& column, const std::string& text) {
+  if (!cells_.insert_or_assign(column, text).second) return;
+  columns_.push_back(column);
+}
+
 void ResultRow::put(const std::string& column, double number) {
-  if (std::isfinite(number)) put(column, fmt::format("{:.17g}", number));
+  put(column, std::isfinite(number) ? fmt::format("{:.17g}", number) : "");
 }
 
 void ResultRow::put(const std::string& column, const EstimatedValue& number) {
+  const double none = std::nan("");
+  const ConfidenceInterval interval = number.interval.value_or(ConfidenceInterval{none, none});
   put(column, number.value);
+  put(column + "_lower", interval.lower);
+  put(column + "_upper", interval.upper);
   numbers_.insert_or_assign(column, number);
-  if (!number.interval) return;
-  put(column + "_lower", number.interval->lower);
-  put(column + "_upper", number.interval->upper);
 }
 
 std::string ResultRow::at(const std::string& column) const {
@@ -45,6 +52,17 @@ std::string csv_table(const std::vector<std::string>& columns, const std::vector
   std::string text = csv_line(columns);
   for (const ResultRow& row : rows) text += csv_line(row.in(columns));
   return text;
+}
+
+std::string csv_table(const std::vector<ResultRow>& rows) {
+  std::vector<std::string> columns;
+  std::set<std::string> known;
+  for (const ResultRow& row : rows) {
+    for (const std::string& column : row.columns()) {
+      if (known.insert(column).second) columns.push_back(column);
+    }
+  }
+  return csv_table(columns, rows);
 }
 
 std::string brief(const EstimatedValue& number) {

@@ -19,13 +19,13 @@
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/signal_charts.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
+#include <breakwater/study/result_row.h>
 #include <breakwater/thesis/reproduction.h>
 
 namespace breakwater {
@@ -241,44 +241,41 @@ PageData causes_section(const std::vector<JudgedCell>& failures) {
   return {{"id", "causes"}, {"heading", "Not reproduced, by cause"}, {"blocks", blocks}};
 }
 
-// The names and texts of a line of verdicts.csv. Numbers have all digits.
-std::vector<std::pair<std::string, std::string>> columns_of(const JudgedCell& one) {
-  const auto exact = [](double value) { return std::isnan(value) ? "" : fmt::format("{}", value); };
+// A line of verdicts.csv. Numbers have all digits.
+ResultRow row_of(const JudgedCell& one) {
   const auto& [section, table, cell, judged, is_own] = one;
   const Quantity over = cell.over.value_or(Quantity{});
-  const bool has_numbers = judged.numbers > 0;
-  return {{"section", section},
-          {"table", table},
-          {"row", cell.row},
-          {"column", cell.column},
-          {"run", cell.quantity.run},
-          {"metric", cell.quantity.metric},
-          {"over_run", over.run},
-          {"over_metric", over.metric},
-          {"divisor", exact(cell.divisor)},
-          {"statistic", cell.is_share ? "share" : "median"},
-          {"measured", exact(judged.median)},
-          {"smallest", has_numbers ? exact(judged.smallest) : ""},
-          {"largest", has_numbers ? exact(judged.largest) : ""},
-          {"runs", std::to_string(judged.values)},
-          {"printed", cell.printed.empty() ? "" : judged.printed},
-          {"says", cell.says + cell.shows},
-          {"holds_if", judged.class_text},
-          {"verdict", one.word()},
-          {"cause", judged.verdict == Verdict::not_reproduced ? cell.cause : ""},
-          {"why", reason_of(judged, cell)}};
+  ResultRow row;
+  const auto put_exact = [&row](const char* column, double value) {
+    row.put(column, std::isnan(value) ? "" : fmt::format("{}", value));
+  };
+  row.put("section", section);
+  row.put("table", table);
+  row.put("row", cell.row);
+  row.put("column", cell.column);
+  row.put("run", cell.quantity.run);
+  row.put("metric", cell.quantity.metric);
+  row.put("over_run", over.run);
+  row.put("over_metric", over.metric);
+  put_exact("divisor", cell.divisor);
+  row.put("statistic", cell.is_share ? "share" : "median");
+  put_exact("measured", judged.median);
+  put_exact("smallest", judged.numbers > 0 ? judged.smallest : std::nan(""));
+  put_exact("largest", judged.numbers > 0 ? judged.largest : std::nan(""));
+  row.put("runs", std::to_string(judged.values));
+  row.put("printed", cell.printed.empty() ? "" : judged.printed);
+  row.put("says", cell.says + cell.shows);
+  row.put("holds_if", judged.class_text);
+  row.put("verdict", one.word());
+  row.put("cause", judged.verdict == Verdict::not_reproduced ? cell.cause : "");
+  row.put("why", reason_of(judged, cell));
+  return row;
 }
 
 std::string verdict_list(const std::vector<JudgedCell>& cells) {
-  const auto line = [](const JudgedCell& one, auto part) {
-    std::vector<std::string> texts;
-    for (const auto& column : columns_of(one)) texts.push_back(column.*part);
-    return csv_line(texts);
-  };
-  using Column = std::pair<std::string, std::string>;
-  std::string text = line({}, &Column::first);
-  for (const JudgedCell& one : cells) text += line(one, &Column::second);
-  return text;
+  std::vector<ResultRow> rows;
+  std::ranges::transform(cells, std::back_inserter(rows), row_of);
+  return csv_table(row_of({}).columns(), rows);
 }
 
 }  // namespace
