@@ -44,7 +44,6 @@ breakwater_package(PkgConfig::urdfdom liburdfdom-dev [[breakwater_pkg_config(${h
 breakwater_package(PkgConfig::tinyxml2 libtinyxml2-dev
   [[breakwater_pkg_config(${how} tinyxml2 tinyxml2)]])
 breakwater_package(PkgConfig::xxhash libxxhash-dev [[breakwater_pkg_config(${how} xxhash libxxhash)]])
-breakwater_package(PkgConfig::sqlite3 libsqlite3-dev [[breakwater_pkg_config(${how} sqlite3 sqlite3)]])
 breakwater_package(PkgConfig::hdf5 libhdf5-dev [[breakwater_pkg_config(${how} hdf5 hdf5-serial)]])
 # The high-level library (dimension scales) has no pkg-config file.
 breakwater_package(hdf5::hl libhdf5-dev [[

@@ -20,10 +20,8 @@
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/digits.h>
-#include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
-#include <breakwater/signals/environment.h>
 #include <breakwater/statistics/paired_comparison.h>
 #include <breakwater/study/comparison_table.h>
 
@@ -31,14 +29,7 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// Calls the script that draws the charts of a page, with the Python BREAKWATER_PYTHON, or with
-// Debian's own, which finds Debian's packages.
-int call_figures(const char* name, const std::vector<std::string>& words) {
-  std::vector<std::string> all = {environment("BREAKWATER_PYTHON").value_or("/usr/bin/python3"),
-                                  data_file("scripts/figures.py").string()};
-  all.insert(all.end(), words.begin(), words.end());
-  return call_program(name, all);
-}
+constexpr const char* kFigures = "figures.py";
 
 struct RunsArguments {
   std::vector<std::string> runs;
@@ -93,7 +84,8 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
   if (has_figures && arguments.choice.signals.empty()) {
     throw std::invalid_argument("--svg and --pdf: say which signals with --signal");
   }
-  if (has_figures && call_figures("figures (python3-matplotlib)", {"--check"}) != kSuccess) {
+  if (has_figures &&
+      call_script("figures (python3-matplotlib)", kFigures, {"--check"}) != kSuccess) {
     return kUsage;
   }
   std::vector<fs::path> written = {made_place(arguments.out, "compare.html")};
@@ -111,7 +103,8 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
         std::pair("pdf", arguments.pdf)}) {
     if (!is_asked) continue;
     const fs::path file = out / (std::string("compare.") + kind);
-    if (call_figures("figures", {written[0].string(), "--out", file.string()}) == kSuccess) {
+    if (call_script("figures", kFigures, {written[0].string(), "--out", file.string()}) ==
+        kSuccess) {
       written.push_back(file);
     } else {
       status = kLaterOutputFailed;

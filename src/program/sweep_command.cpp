@@ -335,12 +335,11 @@ class SweepCommand : public StudyCommand {
 
   void collect(const ShardIndex& index) const override {
     index.check_models();
-    const ResultsTable table(plan_, index);
     const fs::path csv = folder_.path() / "results.csv";
-    table.write_csv(csv);
+    const std::vector<std::string> metrics = write_results(plan_, index, csv);
     const fs::path sqlite = folder_.path() / "results.sqlite";
-    if (sqlite_ || fs::exists(sqlite)) table.write_sqlite(sqlite);
-    for (const UnknownMetric& one : unknown_metrics(plan_.study(), table.metrics())) {
+    if (sqlite_ || fs::exists(sqlite)) write_sqlite(csv, sqlite);
+    for (const UnknownMetric& one : unknown_metrics(plan_.study(), metrics)) {
       fmt::print(stderr, "{}: {}: no run has it{}\n", name(), one.place, why_missing(sweep_, one));
     }
     const auto comparison = compare_study(plan_, index);

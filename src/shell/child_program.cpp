@@ -18,7 +18,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/signals/environment.h>
 
 namespace breakwater {
 
@@ -54,6 +56,13 @@ int call_program(const std::string& what, std::vector<std::string> words) {
   if (WIFEXITED(status)) return WEXITSTATUS(status);
   fmt::print(stderr, "{}: {} ended by signal {}\n", what, words[0], WTERMSIG(status));
   return kLaterOutputFailed;
+}
+
+int call_script(const std::string& what, const std::string& script,
+                std::vector<std::string> words) {
+  words.insert(words.begin(), {environment("BREAKWATER_PYTHON").value_or("/usr/bin/python3"),
+                               data_file("scripts/" + script).string()});
+  return call_program(what, std::move(words));
 }
 
 ReadProgram::ReadProgram(std::vector<std::string> words, bool with_stderr,

@@ -33,6 +33,10 @@ std::string shell_word(const std::string& word);
 /// interruption of this process is passed on to it.
 int call_program(const std::string& what, std::vector<std::string> words);
 
+/// The same for a script of the folder scripts/, with the Python BREAKWATER_PYTHON, or with
+/// Debian's own, which finds Debian's packages.
+int call_script(const std::string& what, const std::string& script, std::vector<std::string> words);
+
 /// A program that runs beside this one, with its standard output. words[0] is as above.
 class ReadProgram {
  public:

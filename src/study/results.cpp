@@ -1,57 +1,24 @@
 #include <breakwater/study/results.h>
 
 #include <fmt/format.h>
-#include <sqlite3.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <map>
-#include <memory>
 #include <optional>
 #include <set>
+#include <unordered_map>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/text_outputs.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/process.h>
 #include <breakwater/study/plan.h>
 
 namespace breakwater {
-namespace {
-
-// A database during writing.
-class Database {
- public:
-  explicit Database(const std::filesystem::path& file) : file_(file.string()) {
-    if (sqlite3_open(file_.c_str(), &database_) != SQLITE_OK) fail();
-  }
-  ~Database() { sqlite3_close(database_); }
-  Database(const Database&) = delete;
-  Database& operator=(const Database&) = delete;
-
-  void execute(const std::string& statement) {
-    if (sqlite3_exec(database_, statement.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
-  }
-  sqlite3* get() { return database_; }
-  [[noreturn]] void fail() const {
-    throw OutputError(file_ + ": cannot be written (" + sqlite3_errmsg(database_) + ")");
-  }
-
- private:
-  std::string file_;
-  sqlite3* database_ = nullptr;
-};
-
-std::string quoted_name(const std::string& name) {
-  std::string text = "\"";
-  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return text + "\"";
-}
-
-}  // namespace
-
 std::vector<std::string> metrics_of(const ShardIndex& index) {
   std::vector<std::string> metrics;
   std::set<std::string> known;
@@ -64,44 +31,35 @@ std::vector<std::string> metrics_of(const ShardIndex& index) {
   return metrics;
 }
 
-ResultsTable::ResultsTable(const Plan& plan, const ShardIndex& index)
-    : plan_(plan), index_(index), metrics_(metrics_of(index)) {
-  for (std::size_t i = 0; i < metrics_.size(); ++i) columns_.emplace(metrics_[i], i);
-}
-
-std::vector<std::string> ResultsTable::header() const {
-  std::vector<std::string> names = {"point", "case", "seed"};
-  for (const VariedKey& key : plan_.study().compare) names.push_back(key.key);
-  for (const VariedKey& key : plan_.study().vary) names.push_back(key.key);
-  names.insert(names.end(), {"status", "state_hash"});
-  names.insert(names.end(), metrics_.begin(), metrics_.end());
-  return names;
-}
-
-std::vector<std::string> ResultsTable::head(const PointResult& result) const {
-  const StudyPoint point = plan_.point(result.number);
-  const Candidate& candidate = plan_.candidates()[point.candidate];
-  std::vector<std::string> cells = {result.key, candidate.case_name,
-                                    point.seed ? std::to_string(*point.seed) : ""};
-  for (const std::string& value : candidate.values) cells.push_back(plain_text(value));
-  for (const std::string& value : point.values) cells.push_back(plain_text(value));
-  cells.push_back(name_of(result.status));
-  cells.push_back(result.state_hash);
-  return cells;
-}
-
-void ResultsTable::write_csv(const std::filesystem::path& file) const {
+std::vector<std::string> write_results(const Plan& plan, const ShardIndex& index,
+                                       const std::filesystem::path& file) {
+  std::vector<std::string> header = {"point", "case", "seed"};
+  for (const VariedKey& key : plan.study().compare) header.push_back(key.key);
+  for (const VariedKey& key : plan.study().vary) header.push_back(key.key);
+  header.insert(header.end(), {"status", "state_hash"});
+  const std::vector<std::string> metrics = metrics_of(index);
+  std::unordered_map<std::string, std::size_t> columns;
+  for (const std::string& metric : metrics) {
+    columns.emplace(metric, header.size());
+    header.push_back(metric);
+  }
   PartialFile partial(file);
   std::ofstream stream(partial.path(), std::ios::binary);
-  stream << csv_line(header());
-  for (std::size_t point = 0; stream && point < index_.points(); ++point) {
-    if (!index_.has(point)) continue;
-    const PointResult result = index_.read(point);
-    std::vector<std::string> cells = head(result);
-    const std::size_t first = cells.size();
-    cells.resize(first + metrics_.size());
+  stream << csv_line(header);
+  for (std::size_t number = 0; stream && number < index.points(); ++number) {
+    if (!index.has(number)) continue;
+    const PointResult result = index.read(number);
+    const StudyPoint point = plan.point(number);
+    const Candidate& candidate = plan.candidates()[point.candidate];
+    std::vector<std::string> cells = {result.key, candidate.case_name,
+                                      point.seed ? std::to_string(*point.seed) : ""};
+    for (const std::string& value : candidate.values) cells.push_back(plain_text(value));
+    for (const std::string& value : point.values) cells.push_back(plain_text(value));
+    cells.push_back(name_of(result.status));
+    cells.push_back(result.state_hash);
+    cells.resize(header.size());
     for (const auto& [name, value] : result.metrics) {
-      cells[first + columns_.at(name)] = fmt::format("{:.17g}", value);
+      cells[columns.at(name)] = fmt::format("{:.17g}", value);
     }
     stream << csv_line(cells);
   }
@@ -111,59 +69,13 @@ void ResultsTable::write_csv(const std::filesystem::path& file) const {
         fmt::format("{}: cannot be written ({})", file.string(), std::strerror(errno)));
   }
   partial.commit();
+  return metrics;
 }
 
-void ResultsTable::write_sqlite(const std::filesystem::path& file) const {
+void write_sqlite(const std::filesystem::path& csv, const std::filesystem::path& file) {
   PartialFile partial(file);
-  {
-    Database database(partial.path());
-    // The file gets its name when it is complete, so it needs no journal.
-    database.execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN");
-    const std::vector<std::string> names = header();
-    std::vector<std::string> columns, marks;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const bool is_metric = i >= names.size() - metrics_.size();
-      columns.push_back(quoted_name(names[i]) + (is_metric ? " REAL" : ""));
-      marks.emplace_back("?");
-    }
-    database.execute(fmt::format("CREATE TABLE results ({})", fmt::join(columns, ", ")));
-    sqlite3_stmt* made = nullptr;
-    const std::string insert =
-        fmt::format("INSERT INTO results VALUES ({})", fmt::join(marks, ", "));
-    if (sqlite3_prepare_v2(database.get(), insert.c_str(), -1, &made, nullptr) != SQLITE_OK) {
-      database.fail();
-    }
-    const std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)> statement(made, sqlite3_finalize);
-    for (std::size_t point = 0; point < index_.points(); ++point) {
-      if (!index_.has(point)) continue;
-      const PointResult result = index_.read(point);
-      const std::vector<std::string> cells = head(result);
-      sqlite3_clear_bindings(made);
-      int column = 0;
-      for (const std::string& cell : cells) {
-        ++column;
-        if (cell.empty()) continue;
-        double number = 0.0;
-        const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
-        const bool is_number = names[static_cast<std::size_t>(column - 1)] != "point" &&
-                               names[static_cast<std::size_t>(column - 1)] != "state_hash" &&
-                               error == std::errc() && end == cell.data() + cell.size();
-        if (is_number && names[static_cast<std::size_t>(column - 1)] == "seed") {
-          sqlite3_bind_int64(made, column, std::stoll(cell));  // a double cannot hold all of them
-        } else if (is_number) {
-          sqlite3_bind_double(made, column, number);
-        } else {
-          sqlite3_bind_text(made, column, cell.data(), static_cast<int>(cell.size()),
-                            SQLITE_TRANSIENT);
-        }
-      }
-      for (const auto& [name, value] : result.metrics) {
-        sqlite3_bind_double(made, static_cast<int>(cells.size() + columns_.at(name)) + 1, value);
-      }
-      if (sqlite3_step(made) != SQLITE_DONE) database.fail();
-      sqlite3_reset(made);
-    }
-    database.execute("COMMIT");
+  if (call_script("sweep", "results_sqlite.py", {csv.string(), partial.path()}) != kSuccess) {
+    throw OutputError(file.string() + ": cannot be written");
   }
   partial.commit();
 }
