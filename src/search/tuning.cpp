@@ -195,14 +195,6 @@ std::string print_seeds(const std::vector<std::uint64_t>& seeds) {
   return fmt::format("seeds = [{}]\n", fmt::join(seeds, ", "));
 }
 
-std::string print_keys(const std::vector<VariedKey>& keys) {
-  std::string text;
-  for (const VariedKey& key : keys) {
-    text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
-  }
-  return text;
-}
-
 }  // namespace
 
 const Names<Over>& over_names() {
@@ -227,21 +219,14 @@ double gathered(std::vector<double> values, Over over, bool large_is_bad) {
 }
 
 std::size_t Worlds::size() const {
-  std::size_t count = std::max<std::size_t>(1, seeds.size());
-  if (method == WorldMethod::list) return keys.empty() ? count : count * keys[0].values.size();
-  for (const VariedKey& key : keys) count *= key.values.size();
-  return count;
+  return std::max<std::size_t>(1, seeds.size()) *
+         static_cast<std::size_t>(combinations(keys, method == WorldMethod::list));
 }
 
 std::vector<std::string> Worlds::values(std::size_t i) const {
   const std::size_t count = std::max<std::size_t>(1, seeds.size());
-  std::vector<std::string> all(keys.size() + 1);
-  all[0] = seeds.empty() ? "" : std::to_string(seeds[i % count]);
-  i /= count;
-  for (std::size_t k = keys.size(); k-- > 0;) {
-    all[k + 1] = keys[k].values[i % keys[k].values.size()];
-    if (method == WorldMethod::grid) i /= keys[k].values.size();
-  }
+  std::vector<std::string> all = combination(keys, i / count, method == WorldMethod::list);
+  all.insert(all.begin(), seeds.empty() ? "" : std::to_string(seeds[i % count]));
   return all;
 }
 
@@ -269,10 +254,7 @@ Tuning read_tuning(const toml::table& tables, const std::string& file) {
               "sampling_seed", "seeds", "search", "worlds", "world", "objective", "constraint",
               "validate", "slurm", "made_by"});
   Tuning tuning;
-  tuning.scenario = root["scenario"].text();
-  tuning.config = root["config"].text_or_nothing();
-  for (const char* key : {"scenario", "config"}) tuning.places[key] = root[key].place();
-  tuning.sets = read_sets(root["set"], tuning.places);
+  read_base(root, tuning);
   root["algorithm"].choice(search_algorithms(), tuning.algorithm);
   tuning.budget = static_cast<std::size_t>(root["budget"].whole(1, kMostEvaluations));
   tuning.population = usual_population(tuning.algorithm);
@@ -290,15 +272,13 @@ Tuning read_tuning(const toml::table& tables, const std::string& file) {
   tuning.constraints = read_constraints(root["constraint"]);
   read_cases(root, tuning);
   read_validation(root["validate"], tuning);
-  tuning.slurm = read_slurm(root);
   check_fits(root, tuning);
   return tuning;
 }
 
 std::string Tuning::print() const {
   const auto over = [](Over rule) { return toml_string(name_of(over_names(), rule)); };
-  std::string text = fmt::format("scenario = {}\n", toml_string(scenario));
-  if (!config.empty()) text += fmt::format("config = {}\n", toml_string(config));
+  std::string text = print_head(*this);
   if (!is_for_each && !cases.front().name.empty()) {
     std::vector<std::string> names;
     for (const TunedCase& tuned : cases) names.push_back(tuned.name);
@@ -309,11 +289,7 @@ std::string Tuning::print() const {
                       sampling_seed);
   if (!worlds.seeds.empty()) text += print_seeds(worlds.seeds);
   if (worlds.method == WorldMethod::list) text += "worlds = \"list\"\n";
-  if (!sets.empty()) text += "\n[set]\n";
-  for (const std::string& set : sets) {
-    const std::size_t equals = set.find('=');
-    text += fmt::format("{} = {}\n", toml_string(set.substr(0, equals)), set.substr(equals + 1));
-  }
+  text += print_sets(*this);
   if (is_for_each) {
     for (const TunedCase& tuned : cases) {
       text += fmt::format("\n[for_each.{}]\n", toml_string(tuned.name)) + print_keys(tuned.search);

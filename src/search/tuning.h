@@ -65,10 +65,7 @@ struct Worlds {
   std::vector<std::string> values(std::size_t i) const;
 };
 
-struct Tuning {
-  std::string scenario;
-  std::string config;             ///< a scenario file; empty: that of the scenario
-  std::vector<std::string> sets;  ///< key=value, for all runs
+struct Tuning : StudyBase {
   SearchAlgorithm algorithm = SearchAlgorithm::nsga2;
   std::size_t budget = 0;      ///< evaluations per case
   std::size_t population = 0;  ///< size of a generation
@@ -80,8 +77,6 @@ struct Tuning {
   std::vector<Constraint> constraints;
   std::optional<Worlds> validation;
   std::size_t validated_points = 0;  ///< maximum per front; 1 without fronts
-  SlurmSettings slurm;
-  Places places;  ///< for scenario, config and each set.KEY
 
   /// With one objective each case has a best candidate instead of a Pareto front.
   bool has_front() const { return objectives.size() > 1; }

@@ -22,10 +22,7 @@ constexpr double kMostRuns = 1e7;
 // A study whose probes cover all values that a case may have.
 Study probed_study(const Tuning& tuning, const TunedCase& tuned, const Worlds& worlds) {
   Study study;
-  study.scenario = tuning.scenario;
-  study.config = tuning.config;
-  study.sets = tuning.sets;
-  study.places = tuning.places;
+  static_cast<StudyBase&>(study) = tuning;
   study.method = Method::random;
   study.samples = 1;
   study.cases = {tuned.name};

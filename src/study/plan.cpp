@@ -35,23 +35,6 @@ std::optional<SamplingMethod> sampling_method(Method method) {
   return std::nullopt;
 }
 
-// The combination with this number. The last key changes first.
-std::vector<std::string> combination(const std::vector<VariedKey>& keys, std::size_t number) {
-  std::vector<std::string> values(keys.size());
-  for (std::size_t i = keys.size(); i-- > 0;) {
-    const std::size_t count = keys[i].values.size();
-    values[i] = keys[i].values[number % count];
-    number /= count;
-  }
-  return values;
-}
-
-double combinations(const std::vector<VariedKey>& keys) {
-  double count = 1.0;
-  for (const VariedKey& key : keys) count *= static_cast<double>(key.values.size());
-  return count;
-}
-
 std::vector<Candidate> make_candidates(const Study& study) {
   const double count = static_cast<double>(study.cases.size()) * combinations(study.compare);
   if (count > kMostCandidates) {
@@ -99,10 +82,8 @@ Plan::Plan(Study study) : study_(std::move(study)), candidates_(make_candidates(
     const auto d = static_cast<Eigen::Index>(study_.vary.size());
     sampler_ = make_sampler(*method, study_.samples, d, study_.sampling_seed);
     samples = static_cast<double>(sampler_->size());
-  } else if (study_.method == Method::list) {
-    if (!study_.vary.empty()) samples = static_cast<double>(study_.vary.front().values.size());
   } else {
-    samples = combinations(study_.vary);
+    samples = combinations(study_.vary, study_.method == Method::list);
   }
   const double points =
       samples * static_cast<double>(seeds_) * static_cast<double>(candidates_.size());
@@ -116,12 +97,7 @@ Plan::Plan(Study study) : study_(std::move(study)), candidates_(make_candidates(
 }
 
 std::vector<std::string> Plan::values(std::size_t sample) const {
-  if (!sampler_) {
-    if (study_.method == Method::grid) return combination(study_.vary, sample);
-    std::vector<std::string> values;
-    for (const VariedKey& key : study_.vary) values.push_back(key.values[sample]);
-    return values;
-  }
+  if (!sampler_) return combination(study_.vary, sample, study_.method == Method::list);
   const Eigen::VectorXd u = sampler_->point(sample);
   std::vector<std::string> values;
   for (std::size_t i = 0; i < study_.vary.size(); ++i) {

@@ -2,8 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -115,46 +114,18 @@ std::optional<PointResult> read_result(std::string_view rest) {
       fmt::format("{}: cannot be read ({})", file.string(), std::strerror(errno)));
 }
 
-// A memory-mapped file.
-class MappedFile {
- public:
-  explicit MappedFile(const fs::path& file) {
-    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0) fail_to_read(file);
-    struct stat status = {};
-    if (fstat(descriptor, &status) == 0 && status.st_size > 0) {
-      size_ = static_cast<std::size_t>(status.st_size);
-      memory_ = mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor, 0);
-    }
-    close(descriptor);
-    if (memory_ == MAP_FAILED) fail_to_read(file);
-  }
-  ~MappedFile() {
-    if (memory_ != nullptr) munmap(memory_, size_);
-  }
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-
-  std::string_view text() const { return {static_cast<const char*>(memory_), size_}; }
-
- private:
-  void* memory_ = nullptr;
-  std::size_t size_ = 0;
-};
-
-// Calls body(offset, length, rest) for each line with a right checksum; `rest` is the line without
-// it. `begin` is the begin of a line. Returns the begin of the next one.
+// Calls body(offset, rest) for each line with a right checksum; `rest` is the line without it.
+// `begin` is the begin of a line. Returns the begin of the next one.
 template <typename Body>
 std::size_t each_line(const fs::path& file, Body&& body, std::size_t begin = 0) {
-  const MappedFile mapped(file);
-  const std::string_view text = mapped.text();
-  while (begin < text.size()) {
-    const std::size_t end = text.find('\n', begin);
-    if (end == std::string_view::npos) break;  // an incomplete line
-    const std::string_view line = text.substr(begin, end - begin);
-    if (const auto rest = checked(line)) body(begin, line.size(), *rest);
-    begin = end + 1;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) fail_to_read(file);
+  stream.seekg(static_cast<std::streamoff>(begin));
+  // The last line is incomplete, unless a newline ends it.
+  for (std::string line; std::getline(stream, line) && !stream.eof(); begin += line.size() + 1) {
+    if (const auto rest = checked(line)) body(begin, line, *rest);
   }
+  if (stream.bad()) fail_to_read(file);
   return begin;
 }
 
@@ -275,15 +246,11 @@ ShardIndex::ShardIndex(const fs::path& folder, std::size_t points, const Asked& 
   std::erase_if(foreign_, [&](const auto& one) { return one.first < points && has(one.first); });
 }
 
-ShardIndex::~ShardIndex() {
-  if (open_ >= 0) close(open_);
-}
-
 void ShardIndex::read_file(const fs::path& file, const Asked& asked, Others& others) {
   names_.push_back(file.string());
   const auto nth = static_cast<std::uint32_t>(names_.size() - 1);
   ModelHashes& models = models_of_files_.emplace_back();
-  each_line(file, [&](std::size_t offset, std::size_t length, std::string_view rest) {
+  each_line(file, [&](std::size_t offset, const std::string& text, std::string_view rest) {
     Parts parts(rest);
     const auto head = read_head(parts);
     if (!head) {
@@ -293,7 +260,7 @@ void ShardIndex::read_file(const fs::path& file, const Asked& asked, Others& oth
       models.emplace(name, parts.next());
       return;
     }
-    const Place line = {offset, static_cast<std::uint32_t>(length), nth,
+    const Place line = {offset, static_cast<std::uint32_t>(text.size()), nth,
                         static_cast<float>(head->cost_s), head->status};
     const std::string wanted = asked && head->number < places_.size() ? asked(head->number) : "";
     const bool is_other = !wanted.empty() && !head->asked.empty() && head->asked != wanted;
@@ -302,6 +269,7 @@ void ShardIndex::read_file(const fs::path& file, const Asked& asked, Others& oth
       put(head->number, line);
     } else if (head->asked.empty()) {
       foreign_[head->number] = {nth, head->key};
+      ++left_out_;
     } else {
       Other& other = others[head->asked];
       if (other.place.is_open()) other = {line, head->number, head->key};
@@ -311,9 +279,10 @@ void ShardIndex::read_file(const fs::path& file, const Asked& asked, Others& oth
 
 void ShardIndex::take_others(const Asked& asked, Others& others) {
   for (std::size_t point = 0; point < places_.size(); ++point) {
-    if (has(point) && status(point) != PointStatus::crashed) continue;
     const auto found = others.find(asked(point));
     if (found == others.end()) continue;
+    found->second.is_asked = true;
+    if (has(point) && status(point) != PointStatus::crashed) continue;
     put(point, found->second.place);
     if (std::exchange(found->second.is_foreign, false)) {
       cost_s_ += static_cast<double>(found->second.place.cost_s);
@@ -321,6 +290,7 @@ void ShardIndex::take_others(const Asked& asked, Others& others) {
   }
   for (const auto& [key, other] : others) {
     if (other.is_foreign) foreign_[other.number] = {other.place.file, other.key};
+    if (!other.is_asked) ++left_out_;
   }
 }
 
@@ -353,15 +323,15 @@ std::vector<std::string> ShardIndex::foreign() const {
 }
 
 std::string ShardIndex::line(const Place& place) const {
-  if (open_ < 0 || open_file_ != place.file) {
-    if (open_ >= 0) close(open_);
-    open_ = open(names_[place.file].c_str(), O_RDONLY | O_CLOEXEC);
-    if (open_ < 0) fail_to_read(names_[place.file]);
+  if (!open_.is_open() || open_file_ != place.file) {
+    open_ = std::ifstream(names_[place.file], std::ios::binary);
+    if (!open_) fail_to_read(names_[place.file]);
     open_file_ = place.file;
   }
   std::string text(place.length, '\0');
-  const ssize_t count = pread(open_, text.data(), text.size(), static_cast<off_t>(place.offset));
-  if (count != static_cast<ssize_t>(text.size()) || !checked(text)) {
+  open_.clear();
+  open_.seekg(static_cast<std::streamoff>(place.offset));
+  if (!open_.read(text.data(), std::ssize(text)) || !checked(text)) {
     throw std::invalid_argument(names_[place.file] + ": has changed while it was read");
   }
   return text;
@@ -371,8 +341,9 @@ PointResult ShardIndex::read(std::size_t point) const {
   auto result = read_result(*checked(line(places_[point])));
   if (!result) {
     const Place& place = places_[point];
-    const MappedFile mapped(names_[place.file]);
-    const std::string_view before = mapped.text().substr(0, place.offset);
+    std::ifstream stream(names_[place.file], std::ios::binary);
+    std::string before(place.offset, '\0');
+    stream.read(before.data(), std::ssize(before));
     throw std::invalid_argument(fmt::format("{}:{}: is damaged", names_[place.file],
                                             1 + std::count(before.begin(), before.end(), '\n')));
   }
@@ -409,7 +380,7 @@ std::size_t ShardIndex::find(const std::string& key) const {
 }
 
 ProcessResults results_of_process(const fs::path& folder, pid_t process, ProcessResults known) {
-  const auto read = [&](std::size_t, std::size_t, std::string_view rest) {
+  const auto read = [&](std::size_t, const std::string&, std::string_view rest) {
     if (auto result = read_result(rest)) return known.results.push_back(std::move(*result));
     Parts parts(rest);
     std::size_t point = 0;
@@ -458,7 +429,7 @@ std::unordered_map<std::string, PointResult> results_by_key(const fs::path& fold
   std::sort(files.begin(), files.end());
   std::unordered_map<std::string, PointResult> results;
   for (const auto& [time, file] : files) {
-    each_line(file, [&](std::size_t, std::size_t, std::string_view rest) {
+    each_line(file, [&](std::size_t, const std::string&, std::string_view rest) {
       auto result = read_result(rest);
       if (result) results.insert_or_assign((*result).*key, std::move(*result));
     });

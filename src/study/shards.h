@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -90,9 +91,6 @@ class ShardIndex {
   /// a point has several lines, a run counts before a crash. A missing folder counts as empty.
   /// Throws std::invalid_argument if the folder or a shard cannot be read.
   ShardIndex(const std::filesystem::path& folder, std::size_t points, const Asked& asked = {});
-  ~ShardIndex();
-  ShardIndex(const ShardIndex&) = delete;
-  ShardIndex& operator=(const ShardIndex&) = delete;
 
   std::size_t points() const { return places_.size(); }
   bool has(std::size_t point) const { return places_[point].length > 0; }
@@ -105,6 +103,8 @@ class ShardIndex {
   double cost_s() const { return cost_s_; }
   double cost_s(std::size_t point) const { return static_cast<double>(places_[point].cost_s); }
   const ModelHashes& models() const { return models_; }
+  /// The number of results that no point asks for: a study that grows leaves out none.
+  std::size_t leaves_out() const { return left_out_; }
   /// One line per shard with foreign results in place of those of this study.
   std::vector<std::string> foreign() const;
   /// Throws std::invalid_argument if the points used different versions of a model file.
@@ -133,6 +133,7 @@ class ShardIndex {
     std::size_t number = 0;
     std::string key;
     bool is_foreign = true;
+    bool is_asked = false;  // by any point
   };
   using Others = std::unordered_map<std::string, Other>;  // by PointResult::asked
 
@@ -143,10 +144,11 @@ class ShardIndex {
   std::string line(const Place& place) const;
 
   std::vector<std::string> names_;  // shards
-  mutable int open_ = -1;  // the last shard that was read: there may be too many to keep open
+  mutable std::ifstream open_;  // the last shard that was read: there may be too many to keep open
   mutable std::uint32_t open_file_ = 0;
   std::vector<Place> places_;
   std::size_t done_ = 0;
+  std::size_t left_out_ = 0;
   std::size_t counts_[4] = {};
   double cost_s_ = 0.0;
   std::string folder_;

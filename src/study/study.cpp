@@ -159,6 +159,26 @@ bool is_set(const std::vector<std::string>& sets, const std::string& key) {
                      [&](const std::string& set) { return set.starts_with(key + "="); });
 }
 
+double combinations(const std::vector<VariedKey>& keys, bool is_list) {
+  double count = 1.0;
+  for (const VariedKey& key : keys) {
+    count = is_list ? static_cast<double>(key.values.size())
+                    : count * static_cast<double>(key.values.size());
+  }
+  return count;
+}
+
+std::vector<std::string> combination(const std::vector<VariedKey>& keys, std::size_t number,
+                                     bool is_list) {
+  std::vector<std::string> values(keys.size());
+  for (std::size_t i = keys.size(); i-- > 0;) {
+    const std::size_t count = keys[i].values.size();
+    values[i] = keys[i].values[number % count];
+    if (!is_list) number /= count;
+  }
+  return values;
+}
+
 std::string place_of(const Places& places, const std::string& key) {
   const auto found = places.find(key);
   return found == places.end() ? key : found->second;
@@ -172,11 +192,9 @@ Study read_study(const toml::table& tables, const std::string& file) {
   root.allow({"scenario", "config", "case", "set", "method", "samples", "sampling_seed", "seeds",
               "keep", "on_failure", "vary", "compare", "require", "slurm", "made_by"});
   Study study;
-  study.scenario = root["scenario"].text();
-  study.config = root["config"].text_or_nothing();
+  read_base(root, study);
   study.cases = root["case"].texts();
-  for (const char* key : {"scenario", "config", "case"}) study.places[key] = root[key].place();
-  study.sets = read_sets(root["set"], study.places);
+  study.places["case"] = root["case"].place();
   root["method"].choice(methods(), study.method);
   if (const TomlEntry samples = root["samples"]) {
     study.samples = static_cast<std::size_t>(samples.whole(1, kMostSamples));
@@ -191,7 +209,6 @@ Study read_study(const toml::table& tables, const std::string& file) {
   study.vary = read_varied(root["vary"]);
   read_compare(root, study);
   study.require = read_require(root, study);
-  study.slurm = read_slurm(root);
   check_seeds(study.sets, study.seeds, study.places);
   check(root, study);
   return study;
@@ -206,8 +223,7 @@ std::vector<std::string> Study::named_metrics() const {
 }
 
 std::string Study::print() const {
-  std::string text = fmt::format("scenario = {}\n", toml_string(scenario));
-  if (!config.empty()) text += fmt::format("config = {}\n", toml_string(config));
+  std::string text = print_head(*this);
   text += fmt::format("method = {}\n", toml_string(name_of(methods(), method)));
   if (samples > 0) {
     text += fmt::format("samples = {}\nsampling_seed = {}\n", samples, sampling_seed);
@@ -221,15 +237,8 @@ std::string Study::print() const {
   }
   text += fmt::format("keep = {}\non_failure = {}\n", toml_string(name_of(keeps(), keep)),
                       toml_string(name_of(failure_rules(), on_failure)));
-  if (!sets.empty()) text += "\n[set]\n";
-  for (const std::string& set : sets) {
-    const std::size_t equals = set.find('=');
-    text += fmt::format("{} = {}\n", toml_string(set.substr(0, equals)), set.substr(equals + 1));
-  }
-  if (!vary.empty()) text += "\n[vary]\n";
-  for (const VariedKey& key : vary) {
-    text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
-  }
+  text += print_sets(*this);
+  if (!vary.empty()) text += "\n[vary]\n" + print_keys(vary);
   text += "\n[compare]\n";
   if (!cases.empty()) text += fmt::format("case = {}\n", toml_strings(cases));
   if (!baseline.empty()) text += fmt::format("baseline = {}\n", toml_string(baseline));
@@ -241,9 +250,7 @@ std::string Study::print() const {
   if (worlds != WorldUnit::samples) {
     text += fmt::format("worlds = {}\n", toml_string(name_of(world_units(), worlds)));
   }
-  for (const VariedKey& key : compare) {
-    text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
-  }
+  text += print_keys(compare);
   if (!require.bounds.empty()) {
     text += fmt::format("\n[require]\nshare = {}\nconfidence = {}\n", toml_number(require.share),
                         toml_number(require.confidence));
@@ -350,80 +357,8 @@ std::vector<std::uint64_t> parse_seeds(const std::string& text) {
   return seeds;
 }
 
-namespace {
-
-constexpr std::size_t kExactDigits = 15;  // a double holds every number of so many digits
-
-using Texts = std::vector<std::string>;
-
-std::string change(const std::string& key, const std::string& then, const std::string& now) {
-  const auto text = [](const std::string& value) { return value.empty() ? "not set" : value; };
-  return then == now ? "" : fmt::format("{} is {}, and was {}", key, text(now), text(then));
-}
-
-// The first of `texts` that the others lack.
-std::string missing(const std::string& key, const Texts& texts, const Texts& others,
-                    const char* what = "left out") {
-  const auto first = std::find_if(texts.begin(), texts.end(), [&](const std::string& text) {
-    return std::find(others.begin(), others.end(), text) == others.end();
-  });
-  return first == texts.end() ? "" : fmt::format("{}: {} is {}", key, *first, what);
-}
-
-std::string joined(const Texts& texts) {
-  return fmt::format("{}", fmt::join(texts, ", "));
-}
-
-Texts sets_of(const Study& study) {
-  Texts sets;
-  for (const std::string& set : study.sets) sets.push_back(comparable_set(set));
-  return sets;
-}
-
-// The values of a key as [1, 2], or its distribution; empty without such a key.
-Texts values_of(const std::vector<VariedKey>& keys, const std::string& name) {
-  for (const VariedKey& key : keys) {
-    if (key.key != name) continue;
-    if (key.distribution) return {key.written};
-    Texts values;
-    for (const std::string& value : key.values) values.push_back(comparable(value));
-    return values;
-  }
-  return {};
-}
-
-std::string change_of_keys(const std::string& table, const std::vector<VariedKey>& then,
-                           const std::vector<VariedKey>& now, Method method) {
-  Texts old_names, names;
-  for (const VariedKey& key : then) old_names.push_back(key.key);
-  for (const VariedKey& key : now) names.push_back(key.key);
-  std::string reason = missing(table, old_names, names);
-  if (reason.empty()) reason = missing(table, names, old_names, "new");
-  // The place of a key is its coordinate.
-  if (reason.empty() && draws(method)) reason = change(table, joined(old_names), joined(names));
-  for (const std::string& name : old_names) {
-    if (!reason.empty()) break;
-    const std::string key = table + "." + name;
-    const Texts old = values_of(then, name), is = values_of(now, name);
-    const bool is_begin = is.size() >= old.size() && std::equal(old.begin(), old.end(), is.begin());
-    if (method == Method::grid) {
-      reason = missing(key, old, is);
-    } else if (draws(method) || !is_begin) {
-      reason = change(key, joined(old), joined(is));
-    }
-  }
-  return reason;
-}
-
-Texts seeds_of(const Study& study) {
-  Texts seeds;
-  for (const std::uint64_t seed : study.seeds) seeds.push_back(std::to_string(seed));
-  return seeds;
-}
-
-}  // namespace
-
 std::string comparable(const std::string& value) {
+  constexpr std::size_t kExactDigits = 15;  // a double holds every number of so many digits
   char* end = nullptr;
   const double number = std::strtod(value.c_str(), &end);
   const bool is_number = !value.empty() && *end == '\0' && value.size() <= kExactDigits;
@@ -433,34 +368,6 @@ std::string comparable(const std::string& value) {
 std::string comparable_set(const std::string& set) {
   const std::size_t value = set.find('=') + 1;
   return set.substr(0, value) + comparable(set.substr(value));
-}
-
-std::string reason_against_growth(const Study& then, const Study& now) {
-  Texts reasons = {
-      change("scenario", then.scenario, now.scenario),
-      missing("set", sets_of(then), sets_of(now)),
-      missing("set", sets_of(now), sets_of(then), "new"),
-      change("method", name_of(methods(), then.method), name_of(methods(), now.method)),
-      missing("case", then.cases, now.cases),
-      missing("seeds", seeds_of(then), seeds_of(now)),
-      then.seeds.empty() ? change("seeds", "", joined(seeds_of(now))) : "",
-      change_of_keys("compare", then.compare, now.compare, Method::grid),
-      change_of_keys("vary", then.vary, now.vary, then.method)};
-  if (draws(then.method)) {
-    reasons.push_back(change("sampling_seed", std::to_string(then.sampling_seed),
-                             std::to_string(now.sampling_seed)));
-  }
-  if (now.samples < then.samples) {
-    reasons.push_back(change("samples", std::to_string(then.samples), std::to_string(now.samples)));
-  } else if (then.method == Method::latin_hypercube && now.samples > then.samples) {
-    reasons.push_back(
-        fmt::format("samples: the points of lhs depend on their number, so none of "
-                    "the {} is among {}",
-                    then.samples, now.samples));
-  }
-  const auto first = std::find_if(reasons.begin(), reasons.end(),
-                                  [](const std::string& reason) { return !reason.empty(); });
-  return first == reasons.end() ? "" : *first;
 }
 
 }  // namespace breakwater

@@ -61,12 +61,24 @@ using Places = std::map<std::string, std::string>;
 /// The place of a key, or the key if it has none.
 std::string place_of(const Places& places, const std::string& key);
 
-/// A study. It has one run, its point, for each sample (combination of varied values), seed and
-/// candidate.
-struct Study {
+/// The number of combinations of the keys' values, and the one with this number. In a grid the last
+/// key changes first; a list has the first values of all keys, the second, …
+double combinations(const std::vector<VariedKey>& keys, bool is_list = false);
+std::vector<std::string> combination(const std::vector<VariedKey>& keys, std::size_t number,
+                                     bool is_list = false);
+
+/// The common part of the files of studies and tunings.
+struct StudyBase {
   std::string scenario;
   std::string config;             ///< a scenario file; empty: that of the scenario
   std::vector<std::string> sets;  ///< key=value, for all runs
+  SlurmSettings slurm;
+  Places places;  ///< at least for scenario, config and each set.KEY
+};
+
+/// A study. It has one run, its point, for each sample (combination of varied values), seed and
+/// candidate.
+struct Study : StudyBase {
   Method method = Method::grid;
   std::size_t samples = 0;           ///< number of samples for random methods
   std::uint64_t sampling_seed = 1;   ///< random seed of the samples
@@ -82,9 +94,6 @@ struct Study {
   std::vector<std::pair<std::string, Goal>> goals;
   Requirement require;  ///< a ranked candidate meets it
   WorldUnit worlds = WorldUnit::samples;
-  SlurmSettings slurm;
-  /// For scenario, config, case, compare.baseline, and each set.KEY and require.METRIC.
-  Places places;
 
   /// The metrics that the user named, the most important first.
   std::vector<std::string> named_metrics() const;
@@ -112,11 +121,5 @@ std::vector<std::uint64_t> parse_seeds(const std::string& text);
 std::string comparable(const std::string& value);
 /// The same for KEY=VALUE.
 std::string comparable_set(const std::string& set);
-
-/// Empty if every run of the study `then` is also one of `now`, so that its results stay. `now` may
-/// have more seeds, values, cases and samples. It may have other metrics, goals, baselines and
-/// folders to keep. Otherwise the reason in one line. The points of a Latin hypercube depend on
-/// their number.
-std::string reason_against_growth(const Study& then, const Study& now);
 
 }  // namespace breakwater

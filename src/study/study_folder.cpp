@@ -24,14 +24,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The first line of `now` that `then` lacks.
+// The first line of `now` that `then` lacks, and that is no table's head.
 std::string first_difference(const std::string& now, const std::string& then) {
   std::istringstream old_lines(then);
   std::vector<std::string> old;
   for (std::string line; std::getline(old_lines, line);) old.push_back(line);
   std::istringstream lines(now);
   for (std::string line; std::getline(lines, line);) {
-    if (std::find(old.begin(), old.end(), line) == old.end()) return line;
+    const bool is_old = std::find(old.begin(), old.end(), line) != old.end();
+    if (!is_old && !line.starts_with('[')) return line;
   }
   return "something is left out";
 }
@@ -144,15 +145,9 @@ bool StudyFolder::is_same(const std::string& now, const std::string& then) {
 
 void StudyFolder::check_is(const std::string& now, const std::string& then) const {
   if (is_same(now, then)) return;
-  fail_as_another(
-      fmt::format("here it is `{}`", first_difference(without_place(now), without_place(then))));
-}
-
-void StudyFolder::fail_as_another(const std::string& reason) const {
   throw std::invalid_argument(
-      fmt::format("{}: holds another study: {}; leave it be with another "
-                  "--out",
-                  folder_.string(), reason));
+      fmt::format("{}: holds another study: here it is `{}`; leave it be with another --out",
+                  folder_.string(), first_difference(without_place(now), without_place(then))));
 }
 
 void StudyFolder::fail_to_go_on(const std::string& what) const {

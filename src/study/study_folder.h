@@ -60,7 +60,6 @@ class StudyFolder {
   static bool is_same(const std::string& now, const std::string& then);
   /// Throws std::invalid_argument unless both texts are the same study.
   void check_is(const std::string& now, const std::string& then) const;
-  [[noreturn]] void fail_as_another(const std::string& reason) const;
   /// Throws std::invalid_argument unless this program began the study with the present scenario
   /// file, and the results are from the present model files.
   void check_made_by_this(const ScenarioFile& file, const ShardIndex& index) const;

@@ -200,12 +200,36 @@ std::vector<std::uint64_t> read_seeds(const TomlEntry& seeds) {
   return all;
 }
 
-std::vector<std::string> read_sets(const TomlEntry& table, Places& places) {
+void read_base(const TomlEntry& root, StudyBase& base) {
+  base.scenario = root["scenario"].text();
+  base.config = root["config"].text_or_nothing();
+  for (const char* key : {"scenario", "config"}) base.places[key] = root[key].place();
   std::map<std::string, std::string> sets;
-  collect_sets(table, "", sets, places);
-  std::vector<std::string> all;
-  for (const auto& [key, value] : sets) all.push_back(key + "=" + value);
-  return all;
+  collect_sets(root["set"], "", sets, base.places);
+  for (const auto& [key, value] : sets) base.sets.push_back(key + "=" + value);
+  base.slurm = read_slurm(root);
+}
+
+std::string print_head(const StudyBase& base) {
+  return fmt::format("scenario = {}\n", toml_string(base.scenario)) +
+         (base.config.empty() ? "" : fmt::format("config = {}\n", toml_string(base.config)));
+}
+
+std::string print_sets(const StudyBase& base) {
+  std::string text = base.sets.empty() ? "" : "\n[set]\n";
+  for (const std::string& set : base.sets) {
+    const std::size_t equals = set.find('=');
+    text += fmt::format("{} = {}\n", toml_string(set.substr(0, equals)), set.substr(equals + 1));
+  }
+  return text;
+}
+
+std::string print_keys(const std::vector<VariedKey>& keys) {
+  std::string text;
+  for (const VariedKey& key : keys) {
+    text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
+  }
+  return text;
 }
 
 void check_seeds(const std::vector<std::string>& sets, const std::vector<std::uint64_t>& seeds,

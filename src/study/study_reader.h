@@ -22,10 +22,15 @@ toml::table study_tables(const std::string& file);
 /// The root of the tables. Options of the command line may be merged into them.
 TomlEntry study_root(const toml::table& tables, const std::string& file);
 
+/// Reads scenario, config, [set] and [slurm], and prints the first two, and [set].
+void read_base(const TomlEntry& root, StudyBase& base);
+std::string print_head(const StudyBase& base);
+std::string print_sets(const StudyBase& base);
+/// The lines of a table of keys.
+std::string print_keys(const std::vector<VariedKey>& keys);
+
 /// Reads { first = 1, count = 20 } or an array. An empty entry gives none.
 std::vector<std::uint64_t> read_seeds(const TomlEntry& seeds);
-/// Reads a table of keys as key=value. Adds the place of each set.KEY.
-std::vector<std::string> read_sets(const TomlEntry& table, Places& places);
 /// Refuses seeds beside a set of run.seed.
 void check_seeds(const std::vector<std::string>& sets, const std::vector<std::uint64_t>& seeds,
                  const Places& places);
