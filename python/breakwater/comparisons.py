@@ -115,6 +115,8 @@ def compare(
 
     if not isinstance(df, pandas.DataFrame):
         raise InputError(f"df: must be a pandas.DataFrame, is of type {type(df).__name__}")
+    if df.empty:
+        raise InputError("df: has no rows")
     if not isinstance(metric, str):
         raise InputError("metric: must be the name of a column")
     _columns(df, metric, "metric")

@@ -62,6 +62,7 @@ ListedRun list_run(const fs::path& folder) {
   if (ignored) run.written = fs::last_write_time(folder / "manifest.json", ignored);
   const auto read = [&] {
     const RunManifest manifest = read_manifest(folder);
+    check_has_files(folder);
     run.scenario = manifest.scenario;
     run.case_name = manifest.case_name;
     run.seed = manifest.seed;

@@ -123,7 +123,7 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
             recording.absent,   run.is_as_shipped,     recording.failure,
             recording.warnings, recording.simulated_s, wall_s};
   } catch (const OutputError& error) {
-    if (!is_kept(folder.path())) throw;
+    if (!is_kept(folder.path())) throw with_final_name(error, folder.path(), folder.target());
     throw OutputError(fmt::format("{}; {}", error.what(), where_the_log_is(folder.path())));
   }
 }

@@ -68,12 +68,7 @@ void SavedRun::read() {
   if (manifest_.is_unfinished && is_being_written(folder_)) {
     throw std::invalid_argument(folder_.string() + ": a process still writes this run");
   }
-  for (const char* file : {"config.toml", "log.h5"}) {
-    if (!fs::exists(folder_ / file)) {
-      throw std::invalid_argument(folder_.string() + ": the run is incomplete: it has no " + file +
-                                  "; run it again");
-    }
-  }
+  check_has_files(folder_);
   open_input(log_file());
   log_.reset(std::fopen(log_file().c_str(), "re"), [](std::FILE* file) {
     if (file != nullptr) std::fclose(file);

@@ -96,6 +96,7 @@ int StudyCommand::run() {
   }
   std::unique_ptr<const ShardIndex> before;  // results before the call
   if (is_there) {
+    folder_.check_is_ours();
     const bool is_same = StudyFolder::is_same(text(), text_there());
     if (!is_same) check_growth();
     before.reset(new ShardIndex(index()));

@@ -446,6 +446,7 @@ enum { kSound, kDamaged, kTooMuch };
 void confine(const std::string& file, pid_t parent) {
   // The parent handles these signals.
   std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGHUP, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(kDamaged);  // the parent has already ended

@@ -90,17 +90,29 @@ void LogStream::begin() {
     track->capacity = rows_of_buffer(width, track->room);
     track->values.resize(track->capacity * (width - 1));
   }
-  places_ = lay_out_hdf5_log(folder_ / kLog, datasets_);
-  log_ = std::make_unique<DataFile>(folder_ / kLog, O_RDWR);
-  for (Streamed* track : order) {
-    std::fill(track->times.begin(), track->times.end(), std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t row = 0; row < track->room; row += track->times.size()) {
-      log_->write(track->times.data(),
+  // A process that is killed before all times are NaN leaves no log.
+  const fs::path unfinished = folder_ / ".log.h5.partial";
+  try {
+    places_ = lay_out_hdf5_log(unfinished, datasets_);
+    DataFile log(unfinished, O_RDWR);
+    for (Streamed* track : order) {
+      std::fill(track->times.begin(), track->times.end(), std::numeric_limits<double>::quiet_NaN());
+      for (std::size_t row = 0; row < track->room; row += track->times.size()) {
+        log.write(track->times.data(),
                   std::min(track->times.size(), track->room - row) * sizeof(double),
                   places_[track->first_dataset] + row * sizeof(double));
+      }
     }
+    log.sync();
+  } catch (const OutputError& error) {
+    throw with_final_name(error, unfinished, folder_ / kLog);
   }
-  log_->sync();
+  std::error_code error;
+  fs::rename(unfinished, folder_ / kLog, error);
+  if (error) {
+    throw OutputError((folder_ / kLog).string() + ": cannot be written (" + error.message() + ")");
+  }
+  log_ = std::make_unique<DataFile>(folder_ / kLog, O_RDWR);
   // From now on, the partial folder is a run that only the user removes.
   replace_file(folder_ / "manifest.json", manifest_);
   std::ofstream(folder_ / kKept).flush();

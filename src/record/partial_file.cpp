@@ -77,13 +77,18 @@ void write(const PartialFile& partial, const std::string& bytes) {
   try {
     write_text_file(partial.path().string(), bytes);
   } catch (const OutputError& error) {
-    // The user knows only the final name.
-    const std::string what = error.what();
-    throw OutputError(partial.file().string() + what.substr(partial.path().string().size()));
+    throw with_final_name(error, partial.path(), partial.file());
   }
 }
 
 }  // namespace
+
+OutputError with_final_name(const OutputError& error, const fs::path& partial,
+                            const fs::path& file) {
+  const std::string what = error.what(), hidden = partial.string();
+  if (!what.starts_with(hidden)) return error;
+  return OutputError(file.string() + what.substr(hidden.size()));
+}
 
 bool create_file(const fs::path& file, const std::string& bytes) {
   PartialFile partial(file);

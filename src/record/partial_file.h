@@ -84,6 +84,10 @@ void remove_left(const std::filesystem::path& file);
 /// OutputError.
 bool create_file(const std::filesystem::path& file, const std::string& bytes);
 
+/// The error about a partial file with its final name, since users know only that one.
+OutputError with_final_name(const OutputError& error, const std::filesystem::path& partial,
+                            const std::filesystem::path& file);
+
 /// Writes a file completely. On an error it keeps the old file and throws OutputError.
 void replace_file(const std::filesystem::path& file, const std::string& bytes);
 

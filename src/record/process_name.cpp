@@ -3,16 +3,29 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
 #include <climits>
 #include <csignal>
+#include <fstream>
+#include <iterator>
 #include <random>
 
 #include <breakwater/record/file_hash.h>
 
 namespace breakwater {
+namespace {
+
+// In a container without an init process, the orphans that ended stay zombies.
+bool is_zombie(pid_t process) {
+  std::ifstream file(fmt::format("/proc/{}/stat", process));
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  return text.substr(std::min(text.rfind(')'), text.size())).starts_with(") Z ");
+}
+
+}  // namespace
 
 std::string host_name() {
   std::array<char, HOST_NAME_MAX + 1> name = {};
@@ -60,7 +73,7 @@ bool is_of_dead_process(const std::string& name) {
   const char* const end = name.data() + name.size();
   const auto read = std::from_chars(name.data() + begin.size(), end, pid);
   if (read.ec != std::errc() || (read.ptr != end && *read.ptr != kCopyMark)) return false;
-  return pid == getpid() || (pid > 0 && kill(pid, 0) != 0 && errno == ESRCH);
+  return pid == getpid() || (pid > 0 && (is_zombie(pid) || (kill(pid, 0) != 0 && errno == ESRCH)));
 }
 
 }  // namespace breakwater

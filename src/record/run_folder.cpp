@@ -295,6 +295,15 @@ bool check_file(const fs::path& folder, const char* file) {
   return true;
 }
 
+void check_has_files(const fs::path& folder) {
+  for (const char* file : {"config.toml", "log.h5"}) {
+    std::error_code error;
+    if (fs::file_size(folder / file, error) > 0 && !error) continue;
+    throw std::invalid_argument(folder.string() + ": the run is incomplete: it has no " + file +
+                                "; run it again");
+  }
+}
+
 bool check_log(const fs::path& folder) {
   return check_file(folder, "log.h5");
 }

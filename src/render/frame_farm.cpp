@@ -121,6 +121,7 @@ class Children {
         prctl(PR_SET_PDEATHSIG, SIGKILL);
         if (getppid() != parent) _exit(EXIT_FAILURE);
         std::signal(SIGINT, SIG_IGN);
+        std::signal(SIGHUP, SIG_IGN);
         std::signal(SIGTERM, SIG_DFL);
         close(answers[0]);
         work(i, answers[1], farm, shared, start);

@@ -132,6 +132,7 @@ Study StudyFolder::study() const {
 }
 
 fs::path StudyFolder::working_folder() const {
+  check_is_ours();
   return made_by(study_file(), "working_folder");
 }
 
@@ -156,8 +157,7 @@ void StudyFolder::fail_to_go_on(const std::string& what) const {
                   folder_.string(), what));
 }
 
-void StudyFolder::check_made_by_this(const ScenarioFile& file) const {
-  check_is_ours();
+void StudyFolder::check_made_by_this(const ScenarioFile& file, const ShardIndex& index) const {
   if (made_by(study_file(), "program") != maker()) {
     fail_to_go_on(fmt::format("its results are of another program{} (breakwater {}, {})",
                               own_parts.empty() ? "" : " or another class in Python",
@@ -167,10 +167,6 @@ void StudyFolder::check_made_by_this(const ScenarioFile& file) const {
   if (made_by(study_file(), "scenario_file") != text_hash(file.text())) {
     fail_to_go_on(file.file() + " has changed since");
   }
-}
-
-void StudyFolder::check_made_by_this(const ScenarioFile& file, const ShardIndex& index) const {
-  check_made_by_this(file);
   index.check_models();
   for (const auto& [name, hash] : index.models()) {
     const auto found = find_file(name, folder_);

@@ -54,7 +54,10 @@ class StudyFolder {
   void grow(const std::string& text, const ScenarioFile& file) const;
   /// Reads the study. Throws std::invalid_argument.
   Study study() const;
-  /// The folder in which the study was begun. Relative names of files start there.
+  /// Throws std::invalid_argument unless a study wrote the file of the folder.
+  void check_is_ours() const;
+  /// The folder in which the study was begun. Relative names of files start there. Throws as
+  /// check_is_ours().
   std::filesystem::path working_folder() const;
   /// Whether both texts are the same study. [slurm] may differ, since it changes no result.
   static bool is_same(const std::string& now, const std::string& then);
@@ -69,8 +72,6 @@ class StudyFolder {
   static std::string whole_text(const std::string& text, const ScenarioFile& file);
   void make_folders() const;
   [[noreturn]] void fail_to_go_on(const std::string& what) const;
-  void check_is_ours() const;
-  void check_made_by_this(const ScenarioFile& file) const;
 
   std::filesystem::path folder_;
   StudyKind kind_;

@@ -161,7 +161,7 @@ class CutRun(Folder):
         self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_a_signal_leaves_the_log(self):
-        for sent in (signal.SIGINT, signal.SIGTERM):
+        for sent in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             partial, status, err = self.cut(sent)
             self.assertEqual(status, 130)
             self.assertEqual(err, f"motor_estimation: interrupted; its log so far is in {partial}\n")

@@ -132,6 +132,17 @@ TEST_F(LogStreams, LeaveTheRowsOfARunThatDoesNotEnd) {
   }
 }
 
+// The log has its name only when all its times are NaN: a kill before that leaves none.
+TEST_F(LogStreams, HaveNoLogBeforeItsTimesAreThere) {
+  fs::create_directory(folder_ / "log.h5");
+  LogStream stream(folder_, "", "{}");
+  Tracks tracks(&stream, 5);
+  EXPECT_THROW(tracks.append(0), OutputError);
+  const LoggedSignal times = read_hdf5_signal(folder_ / ".log.h5.partial", "control/time_s");
+  EXPECT_EQ(times.rows, 5U);
+  for (const double time_s : times.values) EXPECT_TRUE(std::isnan(time_s));
+}
+
 // More rows than the buffers hold, so that some are in the file before any half second has passed.
 TEST_F(LogStreams, LeaveTheRowsOfAKilledProcess) {
   constexpr std::size_t kBuffered = 1 << 17;
