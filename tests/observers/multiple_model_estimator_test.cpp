@@ -152,6 +152,31 @@ TEST(MultipleModelEstimator, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
   }
 }
 
+TEST(MultipleModelEstimator, ItsConstantModelEqualsTheKalmanFilter) {
+  constexpr double kPeriod = 1e-2, kNoise = 0.01;
+  MultipleModelEstimator bank(design(0.0, kNoise, kPeriod));
+  const ExtendedPlant plant =
+      extend_by_disturbance_model(zero_order_hold(damped_inertia(1.0, 0.0), kPeriod), 0, kPeriod);
+  const double variance = kNoise * kNoise;
+  Kfd plain({plant, Eigen::MatrixXd::Zero(3, 3),
+             (variance + 4e-20) * Eigen::MatrixXd::Identity(1, 1),
+             variance * Eigen::MatrixXd::Identity(3, 3)});
+  testing::Random random(5);
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = u;
+  for (int k = 0; k < 500; ++k) {
+    u(0) = random.uniform(-0.1, 0.1);
+    y(0) = kNoise * random.uniform(-1.7, 1.7);
+    bank.update(u, y);
+    plain.update(u, y);
+    const MultipleModelEstimator::Model& constant = bank.models()[0];
+    ASSERT_EQ(constant.kind, Kind::constant);
+    ASSERT_GT(constant.log_weight, -10.0) << "it must not have been seeded anew";
+    EXPECT_LT((constant.x.head(3) - plain.extended_state()).norm(),
+              1e-10 * (1.0 + plain.extended_state().norm()));
+    EXPECT_LT((constant.P.topLeftCorner(3, 3) - plain.P()).norm(), 1e-10 * plain.P().norm());
+  }
+}
+
 // For small T_s the poles of the steady filters lie on the circle of radius w. They are s⁶ = −w⁶
 // and s⁸ = w⁸ in the left half plane (spectral factorisation).
 TEST(MultipleModelEstimator, BandwidthsMatchTheRadiusOfThePoles) {

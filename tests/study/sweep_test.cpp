@@ -69,7 +69,7 @@ TEST_F(Sweep, WorkersProcessesAndKillsDoNotChangeTheResults) {
   const std::string study =
       "ishigami --vary x.first=lin(-3,3,12) --vary x.second=lin(-3,3,12) --case plain,noisy "
       "--set trouble.fails_above=2 --set trouble.takes_s=0.002 --out ";
-  swept(study + "one --jobs 1");
+  swept(study + "by-one --jobs 1");
   swept(study + "three --jobs 3");
   swept(study + "apart --isolate");
   run_and_kill(study + "elsewhere/killed --jobs 2", 8, 0.3, 2);
@@ -84,8 +84,8 @@ TEST_F(Sweep, WorkersProcessesAndKillsDoNotChangeTheResults) {
     return page;
   };
   for (const char* other : {"three", "apart", "elsewhere/killed"}) {
-    EXPECT_EQ(read("one/results.csv"), read(std::string(other) + "/results.csv")) << other;
-    EXPECT_EQ(without_machine("one"), without_machine(other));
+    EXPECT_EQ(read("by-one/results.csv"), read(std::string(other) + "/results.csv")) << other;
+    EXPECT_EQ(without_machine("by-one"), without_machine(other));
   }
 }
 
