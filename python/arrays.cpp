@@ -38,7 +38,7 @@ py::array array_of(const py::handle& object) {
     for (const py::handle& entry : object) has_mask = has_mask || is_masked(entry);
   }
   if (!has_mask) return py::array::ensure(py::reinterpret_borrow<py::object>(object));
-  const py::object masked = py::module_::import("numpy.ma").attr("array")(object);
+  py::object masked = py::module_::import("numpy.ma").attr("array")(object);
   if (!is_real(py::array(masked))) return masked;
   return masked.attr("astype")(py::dtype::of<double>())
       .attr("filled")(std::numeric_limits<double>::quiet_NaN());

@@ -122,7 +122,8 @@ class ArmPush final : public ArmScenario {
       config.fail("push.link",
                   "the arm has only " + std::to_string(start_angles_rad_.size()) + " links");
     }
-    HandOnLink(hand_, plant_.load_model(), chain(), start_angles_rad_, link_);
+    [[maybe_unused]] const HandOnLink refuses_a_wrong_link(hand_, plant_.load_model(), chain(),
+                                                           start_angles_rad_, link_);
     rows_.check(config, [this] { return fields(); }, plant_.physics,
                 {.known = {{"release", hand_.release_s()}}});
   }

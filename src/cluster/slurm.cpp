@@ -49,7 +49,7 @@ std::size_t tasks_by_time(double seconds, double minutes) {
 // Makes a new folder for each submission.
 fs::path new_submission(const StudyFolder& folder) {
   for (int n = 1;; ++n) {
-    const fs::path submission = folder.path() / "slurm" / std::to_string(n);
+    fs::path submission = folder.path() / "slurm" / std::to_string(n);
     fs::create_directories(submission.parent_path());
     if (fs::create_directory(submission)) return submission;
   }
