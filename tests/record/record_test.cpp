@@ -432,7 +432,7 @@ TEST_F(RunFolders, AreReadWholeWhileTheyAreReplaced) {
     for (int number = 1; !is_over; ++number) write(number);
   });
   std::set<std::string> seen;
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 30 || seen.size() < 2; ++i) {
     std::string first, second;
     read_whole(target, [&] {
       if (!fs::exists(target / "config.toml")) throw std::invalid_argument("is missing");
@@ -445,7 +445,6 @@ TEST_F(RunFolders, AreReadWholeWhileTheyAreReplaced) {
   }
   is_over = true;
   writer.join();
-  EXPECT_GT(seen.size(), 1U);
 }
 
 // A folder with very many runs is listed only once.
