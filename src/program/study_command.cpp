@@ -110,10 +110,7 @@ int StudyCommand::run() {
     if (goes_on) folder_.check_made_by_this(file(), *before);
     if (!options_.replay.empty()) return replay(*before);
     if (goes_on && !is_same) grow(*before);
-    if (options_.collect) {
-      collect(*before);
-      return kSuccess;
-    }
+    if (options_.collect) return collect(*before);
   }
   if (options_.slurm) most_tasks();  // fails without a cluster before anything is made
   if (!is_there || options_.rerun) {
@@ -163,7 +160,7 @@ std::size_t StudyCommand::run_here(const std::vector<std::size_t>& points,
       points.begin(), points.end(), [&](std::size_t point) { return !now.has(point); }));
 }
 
-void StudyCommand::collect(const ShardIndex&) const {
+int StudyCommand::collect(const ShardIndex&) const {
   throw std::logic_error("--collect is no option of this command");
 }
 

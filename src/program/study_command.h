@@ -100,7 +100,8 @@ class StudyCommand {
   virtual void print_dry_run() const = 0;
   virtual void print_status(const ShardIndex& index) const = 0;
   /// Only for commands with this option; the default throws std::logic_error. replay() likewise.
-  virtual void collect(const ShardIndex& index) const;
+  /// Returns the exit status.
+  virtual int collect(const ShardIndex& index) const;
   virtual int replay(const ShardIndex& index);
   /// Called before the first output. Throws std::invalid_argument for a mistake and prints
   /// warnings.

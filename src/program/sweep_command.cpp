@@ -13,6 +13,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include <breakwater/cluster/slurm_queue.h>
@@ -311,7 +312,10 @@ class SweepCommand : public StudyCommand {
   std::string text() const override { return plan_.study().print(); }
   std::string text_there() const override { return folder_.study().print(); }
   void check_growth() const override {
-    if (index().leaves_out() > 0) folder_.check_is(text(), text_there());
+    const Study there = folder_.study();
+    const bool may_grow =
+        there.scenario == plan_.study().scenario && keeps_results_of({catalogue_, there});
+    if (!may_grow) folder_.check_is(text(), text_there());
     if (!options_.isolate) check_names(sweep_);  // a finished study may get a goal
   }
 
@@ -332,12 +336,10 @@ class SweepCommand : public StudyCommand {
     if (!options_.isolate) check_names(sweep_);  // a run could crash this process
   }
 
-  void collect(const ShardIndex& index) const override {
+  int collect(const ShardIndex& index) const override {
     index.check_models();
     const fs::path csv = folder_.path() / "results.csv";
     const std::vector<std::string> metrics = write_results(plan_, index, csv);
-    const fs::path sqlite = folder_.path() / "results.sqlite";
-    if (sqlite_ || fs::exists(sqlite)) write_sqlite(csv, sqlite);
     for (const UnknownMetric& one : unknown_metrics(plan_.study(), metrics)) {
       fmt::print(stderr, "{}: {}: no run has it{}\n", name(), one.place, why_missing(sweep_, one));
     }
@@ -349,10 +351,11 @@ class SweepCommand : public StudyCommand {
       replace_file(folder_.path() / "ranking.json", ranking_json(*ranking).dump(1) + "\n");
     }
     write_study_report(catalogue_, plan_, index, folder_, comparison, ranking);
+    const int status = collect_sqlite(csv);
     const std::vector<std::string> lines = notes(plan_, index);
     if (options_.quiet) {
       warn(name(), lines);
-      return;
+      return status;
     }
     if (ranking) fmt::print("{}\n", ranking_text(*ranking, output_width()));
     if (comparison && prints_all_) {
@@ -362,6 +365,7 @@ class SweepCommand : public StudyCommand {
     fmt::print("{}\nresults: {}\n", counted(index), csv.string());
     if (comparison) fmt::print("comparison: {}\n", compared.string());
     fmt::print("report: {}\n", (folder_.path() / "report.html").string());
+    return status;
   }
 
   // Runs a point once more and compares it with its result.
@@ -461,13 +465,39 @@ class SweepCommand : public StudyCommand {
       return kInterrupted;
     }
     folder_.check_is(text(), text_there());  // it may have grown meanwhile
-    collect(now);
+    const int status = collect(now);
     if (has_to_stop()) return kRunFailed;
     if (!is_complete) fail_for_undone(now.points() - now.done());
-    return kSuccess;
+    return status;
   }
 
  private:
+  int collect_sqlite(const fs::path& csv) const {
+    const fs::path sqlite = folder_.path() / "results.sqlite";
+    if (!sqlite_ && !fs::exists(sqlite)) return kSuccess;
+    try {
+      write_sqlite(csv, sqlite);
+      return kSuccess;
+    } catch (const OutputError& error) {
+      fmt::print(stderr, "{}: {}\n", name(), error.what());
+      return kLaterOutputFailed;
+    }
+  }
+
+  // Whether there are results of another study, and each is that of a point of this one, too.
+  bool keeps_results_of(const Sweep& other) const {
+    const ShardIndex results =
+        folder_.index(other.plan().size(), [&](std::size_t i) { return other.asked(i); });
+    std::unordered_set<std::string> left;
+    for (std::size_t point = 0; point < results.points(); ++point) {
+      if (results.has(point)) left.insert(other.asked(point));
+    }
+    for (std::size_t point = 0; point < size() && !left.empty(); ++point) {
+      left.erase(sweep_.asked(point));
+    }
+    return results.done() > 0 && left.empty();
+  }
+
   // Long lists of notes stand behind --all.
   void print_notes(std::vector<std::string> notes, bool is_unranked) const {
     constexpr std::size_t kMostLines = 6;

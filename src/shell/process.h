@@ -29,7 +29,8 @@ enum Status {
   kInterrupted = 130
 };
 
-/// After this call SIGINT, SIGTERM, SIGHUP and `more` set interrupted(). A second one ends the process.
+/// After this call SIGINT, SIGTERM, SIGHUP and `more` set interrupted(). A second one ends the
+/// process.
 void stop_on_signals(std::initializer_list<int> more = {});
 const std::atomic<bool>& interrupted();
 /// After this call a lack of memory gives one line and a status even where no exception may pass,

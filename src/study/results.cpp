@@ -75,7 +75,8 @@ std::vector<std::string> write_results(const Plan& plan, const ShardIndex& index
 void write_sqlite(const std::filesystem::path& csv, const std::filesystem::path& file) {
   PartialFile partial(file);
   if (call_script("sweep", "results_sqlite.py", {csv.string(), partial.path()}) != kSuccess) {
-    throw OutputError(file.string() + ": cannot be written");
+    throw OutputError(file.string() +
+                      ": cannot be written: it needs python3; install it, or remove the file");
   }
   partial.commit();
 }

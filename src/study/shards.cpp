@@ -269,7 +269,6 @@ void ShardIndex::read_file(const fs::path& file, const Asked& asked, Others& oth
       put(head->number, line);
     } else if (head->asked.empty()) {
       foreign_[head->number] = {nth, head->key};
-      ++left_out_;
     } else {
       Other& other = others[head->asked];
       if (other.place.is_open()) other = {line, head->number, head->key};
@@ -281,7 +280,6 @@ void ShardIndex::take_others(const Asked& asked, Others& others) {
   for (std::size_t point = 0; point < places_.size(); ++point) {
     const auto found = others.find(asked(point));
     if (found == others.end()) continue;
-    found->second.is_asked = true;
     if (has(point) && status(point) != PointStatus::crashed) continue;
     put(point, found->second.place);
     if (std::exchange(found->second.is_foreign, false)) {
@@ -290,7 +288,6 @@ void ShardIndex::take_others(const Asked& asked, Others& others) {
   }
   for (const auto& [key, other] : others) {
     if (other.is_foreign) foreign_[other.number] = {other.place.file, other.key};
-    if (!other.is_asked) ++left_out_;
   }
 }
 

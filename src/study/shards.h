@@ -103,8 +103,6 @@ class ShardIndex {
   double cost_s() const { return cost_s_; }
   double cost_s(std::size_t point) const { return static_cast<double>(places_[point].cost_s); }
   const ModelHashes& models() const { return models_; }
-  /// The number of results that no point asks for: a study that grows leaves out none.
-  std::size_t leaves_out() const { return left_out_; }
   /// One line per shard with foreign results in place of those of this study.
   std::vector<std::string> foreign() const;
   /// Throws std::invalid_argument if the points used different versions of a model file.
@@ -133,7 +131,6 @@ class ShardIndex {
     std::size_t number = 0;
     std::string key;
     bool is_foreign = true;
-    bool is_asked = false;  // by any point
   };
   using Others = std::unordered_map<std::string, Other>;  // by PointResult::asked
 
@@ -148,7 +145,6 @@ class ShardIndex {
   mutable std::uint32_t open_file_ = 0;
   std::vector<Place> places_;
   std::size_t done_ = 0;
-  std::size_t left_out_ = 0;
   std::size_t counts_[4] = {};
   double cost_s_ = 0.0;
   std::string folder_;
