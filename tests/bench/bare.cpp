@@ -2,8 +2,8 @@
 // that of Breakwater.
 //
 // bare replay RUN_FOLDER [whole]: mj_step replays a run of arm_wall_contact or robot_wall_contact.
-//   It has the same model, the recorded torques, the engine's contact with the wall and its switch.
-//   The model is the part that physics needs, or the whole one.
+//   It has the same model, the recorded torques, the run's friction, and the engine's contact with
+//   the wall and its switch. The model is the part that physics needs, or the whole one.
 // bare render RUN_FOLDER fast|full FRAMES: mjr_render over the frames of `breakwater video`.
 //   The same scene, size and look on one core. Smooth edges, captions, chart, colours and encoding
 //   are left out.
@@ -36,6 +36,7 @@
 #include <breakwater/shell/paths.h>
 #include <breakwater/signals/thread_time.h>
 #include <breakwater/sim/contact.h>
+#include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/model.h>
 
 using namespace breakwater;
@@ -58,6 +59,7 @@ void replay(const std::string& run, bool is_whole) {
       find_file(config.at_path("model.mjcf").value<std::string>().value(), run).value().string();
   Model model = is_whole ? Model::load(mjcf) : Model::load_physics(mjcf, {"tip", "wall"});
   model.set_physics(timestep_s, Integrator::euler);
+  author_friction(model);
   const int wall = model.id(mjOBJ_GEOM, "wall");
   mjModel& m = *model.get();
   const int tip = model.id(mjOBJ_GEOM, "tip");
