@@ -1,5 +1,6 @@
 #include "support.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <charconv>
 #include <fstream>
@@ -20,6 +21,17 @@ int property_count(int in_ci) {
   if (error != std::errc() || end != text.data() + text.size() || count < 1)
     throw std::invalid_argument("BREAKWATER_PROPERTIES: must be a positive number");
   return count;
+}
+
+Eigen::MatrixXd congruence(const Eigen::MatrixXd& A, const Eigen::MatrixXd& P) {
+  const Eigen::MatrixXd half = A * P;
+  return half * A.transpose();
+}
+
+Eigen::MatrixXd kalman_gain(const Eigen::MatrixXd& P, const Eigen::MatrixXd& C,
+                            const Eigen::MatrixXd& R) {
+  const Eigen::MatrixXd half = P * C.transpose(), S = C * half + R;
+  return half * S.inverse();
 }
 
 std::string text_of(const std::filesystem::path& file) {

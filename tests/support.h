@@ -70,6 +70,11 @@ inline double distance(std::vector<std::complex<double>> a, std::vector<std::com
   return largest;
 }
 
+/// Products of a Kalman filter, compiled once: A P Aᵀ, and P Cᵀ (C P Cᵀ + R)⁻¹.
+Eigen::MatrixXd congruence(const Eigen::MatrixXd& A, const Eigen::MatrixXd& P);
+Eigen::MatrixXd kalman_gain(const Eigen::MatrixXd& P, const Eigen::MatrixXd& C,
+                            const Eigen::MatrixXd& R);
+
 /// The middle value, or the mean of the two middle ones.
 inline double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());

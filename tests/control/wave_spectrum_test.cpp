@@ -423,12 +423,6 @@ TEST(WaveForces, StepsAsUnderConstantAcceleration) {
   EXPECT_LT((next.head<6>() - x.head<6>() - kPeriod_s * v - 5e-5 * a).norm(), 1e-14);
 }
 
-// A P Aᵀ
-Eigen::MatrixXd congruence(const Eigen::MatrixXd& A, const Eigen::MatrixXd& P) {
-  const Eigen::MatrixXd half = A * P;
-  return half * A.transpose();
-}
-
 // The textbook filter: P = A P Aᵀ + Q, K = P Cᵀ (C P Cᵀ + R)⁻¹, Joseph's form.
 TEST(WaveForces, UkfIsTheKalmanFilterOfALinearVehicle) {
   const QuadrotorModel model = linear_vehicle();
@@ -449,12 +443,11 @@ TEST(WaveForces, UkfIsTheKalmanFilterOfALinearVehicle) {
     x = A * x;
     x(2) += 0.5 * kPeriod_s * kPeriod_s * fall;
     x(8) += kPeriod_s * fall;
-    P = congruence(A, P) + Q;
-    const Eigen::MatrixXd S = congruence(C, P) + R;
-    const Eigen::MatrixXd K = S.lu().solve(Eigen::MatrixXd(C * P)).transpose();
+    P = testing::congruence(A, P) + Q;
+    const Eigen::MatrixXd K = testing::kalman_gain(P, C, R);
     const Eigen::MatrixXd keep = Eigen::MatrixXd::Identity(30, 30) - K * C;
     x += K * (y - C * x);
-    P = congruence(keep, P) + congruence(K, R);
+    P = testing::congruence(keep, P) + testing::congruence(K, R);
     ASSERT_LT((ukf.x() - x).cwiseAbs().maxCoeff(), 1e-10) << k;
     ASSERT_LT((ukf.P() - P).cwiseAbs().maxCoeff(), 1e-10) << k;
   }

@@ -20,6 +20,8 @@
 
 namespace breakwater::kalman_estimators_test {
 
+using testing::congruence;
+using testing::kalman_gain;
 using testing::Random;
 using testing::random_plant;
 
@@ -88,10 +90,9 @@ TEST(Kfd, IsTheTextbookFilter) {
       const Eigen::VectorXd u = random.vector(m), y = random.vector(p);
       if (k > 0) {
         x = s.A * x + s.B * u;
-        P = s.A * P * s.A.transpose() + design.Q;
+        P = congruence(s.A, P) + design.Q;
       }
-      const Eigen::MatrixXd G =
-          P * s.C.transpose() * (s.C * P * s.C.transpose() + design.R).inverse();
+      const Eigen::MatrixXd G = kalman_gain(P, s.C, design.R);
       x = x + G * (y - s.C * x);
       P = P - G * s.C * P;
       filter.update(u, y);
@@ -222,10 +223,9 @@ TEST(AsymmetricFakfd, IsEquation45AsPrintedAndItsLeftForm) {
       const Eigen::VectorXd u = random.vector(1), y = random.vector(1);
       if (k > 0) {
         x = s.A * x + s.B * u;
-        P = s.A * P * s.A.transpose() + design.Q;
+        P = congruence(s.A, P) + design.Q;
       }
-      const Eigen::MatrixXd K =
-          P * s.C.transpose() * (s.C * P * s.C.transpose() + design.R).inverse();
+      const Eigen::MatrixXd K = kalman_gain(P, s.C, design.R);
       const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(4, 4);
       x = x + K * (y - s.C * x);
       P = form == CovarianceForm::printed ? Eigen::MatrixXd((G - K * s.C) * P)
@@ -253,10 +253,10 @@ TEST(Vfakfd, LambdaFollowsEquation420) {
     const StateSpace& s = design.plant.sampled;
     const Eigen::VectorXd u = random.vector(1), y = random.vector(1, k % 3 == 0 ? 0.1 : 1.0);
     filter.update(u, y);
-    const Eigen::MatrixXd prior = k > 0 ? Eigen::MatrixXd(s.A * P * s.A.transpose() + design.Q) : P;
+    const Eigen::MatrixXd prior = k > 0 ? Eigen::MatrixXd(congruence(s.A, P) + design.Q) : P;
     const Eigen::VectorXd predicted = k > 0 ? Eigen::VectorXd(s.A * x + s.B * u) : x;
     const double e = (y - s.C * predicted)(0);
-    const double output_variance = (s.C * prior * s.C.transpose())(0, 0);
+    const double output_variance = congruence(s.C, prior)(0, 0);
     const double raw = 1.0 - e * e / alpha / (1.0 + output_variance);
     EXPECT_NEAR(filter.lambda(), std::min(1.0, std::max(0.8, raw)), 1e-12);
     EXPECT_NEAR(filter.innovation()(0), e, 1e-12);
@@ -310,7 +310,7 @@ TEST(Stf, InflatesToHalfAStandardDeviation) {
   const Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
   for (int k = 0; k < 20; ++k) filter.update(u, Eigen::VectorXd::Zero(1));
   EXPECT_EQ(filter.lambda(), 1.0);
-  const Eigen::MatrixXd prior = plant.sampled.A * filter.P() * plant.sampled.A.transpose();
+  const Eigen::MatrixXd prior = congruence(plant.sampled.A, filter.P());
   const double y = 0.1;
   const double factor = 4.0 * y * y / (prior(0, 0) + design.R(0, 0));
   filter.update(u, Eigen::VectorXd::Constant(1, y));
@@ -539,9 +539,8 @@ TEST(KalmanEstimators, ConvergeToTheSolutionOfTheRiccatiEquation) {
     const Eigen::MatrixXd C = problems[i].B.transpose();
     const Eigen::MatrixXd& R = problems[i].R;
     const Eigen::MatrixXd& X = solutions[i].P;
-    const Eigen::MatrixXd D = C * X * C.transpose() + R;
-    const Eigen::MatrixXd posterior = X - X * C.transpose() * D.ldlt().solve(C * X);
-    const Eigen::MatrixXd expected = roots[i] * posterior * roots[i];
+    const Eigen::MatrixXd posterior = X - kalman_gain(X, C, R) * C * X;
+    const Eigen::MatrixXd expected = congruence(roots[i], posterior);
     EXPECT_LT((settled[i] - expected).norm(), 1e-7 * expected.norm()) << i;
   }
 }

@@ -119,7 +119,7 @@ TEST(MultipleModelEstimator, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
       if (k > 0) {
         x[i] = F * x[i];
         x[i].head(2) += plant.B * u;
-        P[i] = F * P[i] * F.transpose() + Q;
+        P[i] = testing::congruence(F, P[i]) + Q;
       }
       const double S = P[i](0, 0) + R, e = y(0) - x[i](0);
       ASSERT_LT(std::abs(e), 4.0 * std::sqrt(S)) << "the test means to surprise nobody";
@@ -193,7 +193,7 @@ TEST(MultipleModelEstimator, BandwidthsMatchTheRadiusOfThePoles) {
     const Eigen::MatrixXd A = plant.sampled.A, C = plant.sampled.C;
     const Eigen::MatrixXd R = kNoise * kNoise * Eigen::MatrixXd::Identity(1, 1);
     const Eigen::MatrixXd P = solve_dare(A.transpose(), C.transpose(), Q, R);
-    const Eigen::MatrixXd K = A * P * C.transpose() * (C * P * C.transpose() + R).inverse();
+    const Eigen::MatrixXd K = A * testing::kalman_gain(P, C, R);
     for (const std::complex<double>& z : eigenvalues(A - K * C)) {
       EXPECT_NEAR(std::abs(std::log(z)) / kPeriod, model.bandwidth_rad_s,
                   0.05 * model.bandwidth_rad_s);

@@ -51,20 +51,19 @@ TEST(NonlinearKalman, AllEqualTheKalmanFilterForALinearProcess) {
   const auto d = design<4, 2>(0.01, 0.1, 1.0);
   Ekf<Linear, 2> ekf(process, d, 0.0);
   Ukf<Linear, 2> ukf(process, d);
-  const Eigen::Matrix4d F = process.whole();
-  Eigen::Matrix<double, 2, 4> C = Eigen::Matrix<double, 2, 4>::Identity();
-  Eigen::Vector4d x = Eigen::Vector4d::Zero();
-  Eigen::Matrix4d P = d.P0;
+  // Matrices of any size compile sooner: their kernels exist.
+  const Eigen::MatrixXd F = process.whole(), C = Eigen::MatrixXd::Identity(2, 4);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(4);
+  Eigen::MatrixXd P = d.P0;
   testing::Random random;
   for (int k = 0; k < 300; ++k) {
     const Eigen::Vector2d u = random.vector(2), y = random.vector(2);
     x = F * x;
     x.tail<2>() += u;
-    P = F * P * F.transpose() + d.Q;
-    const Eigen::Matrix<double, 4, 2> K =
-        P * C.transpose() * (C * P * C.transpose() + d.R).inverse();
+    P = testing::congruence(F, P) + d.Q;
+    const Eigen::MatrixXd K = testing::kalman_gain(P, C, d.R);
     x += K * (y - C * x);
-    P = (Eigen::Matrix4d::Identity() - K * C) * P;
+    P -= K * C * P;
     ekf.predict(u);
     ekf.correct(y);
     ukf.predict(u);

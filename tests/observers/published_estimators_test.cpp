@@ -19,6 +19,7 @@
 
 namespace breakwater::published_estimators_test {
 
+using testing::congruence;
 using testing::Random;
 using Estimator = std::unique_ptr<DisturbanceEstimator>;
 
@@ -132,7 +133,7 @@ TEST(Immkf, IsTheTextbookRecursion) {
         x0[j] = s.A * x0[j] + s.B * u;
         Eigen::Matrix3d Q = quiet.Q;
         if (j == 1) Q(2, 2) *= ratio;
-        P0[j] = s.A * P0[j] * s.A.transpose() + Q;
+        P0[j] = congruence(s.A, P0[j]) + Q;
       }
     }
     double sum = 0.0, innovation = 0.0;
@@ -168,12 +169,12 @@ TEST(Mckf, IsTheMultiKernelFilterOfThePaper) {
   Eigen::Matrix3d order = Eigen::Matrix3d::Zero();  // [d; q; v] of [q; v; d]
   order(0, 2) = order(1, 0) = order(2, 1) = 1.0;
   const StateSpace& s = of_kalman.plant.sampled;
-  const Eigen::Matrix3d F = order * s.A * order.transpose();
+  const Eigen::Matrix3d F = congruence(order, s.A);
   const Eigen::Vector3d G = order * s.B;
   const Eigen::RowVector3d H = s.C * order.transpose();
-  const Eigen::Matrix3d Q = order * of_kalman.Q * order.transpose();
+  const Eigen::Matrix3d Q = congruence(order, of_kalman.Q);
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d P = order * of_kalman.P0 * order.transpose();
+  Eigen::Matrix3d P = congruence(order, of_kalman.P0);
   const double R = of_kalman.R(0, 0);
   Random random(9);
   double least = 1.0;
@@ -183,7 +184,7 @@ TEST(Mckf, IsTheMultiKernelFilterOfThePaper) {
     Eigen::Vector3d predicted = x;
     if (k > 0) {
       predicted = F * x + G * u;
-      P = F * P * F.transpose() + Q;
+      P = congruence(F, P) + Q;
     }
     const Eigen::Matrix3d L = P.llt().matrixL();
     Eigen::Vector3d last = predicted, K;
@@ -192,13 +193,13 @@ TEST(Mckf, IsTheMultiKernelFilterOfThePaper) {
       const Eigen::Vector3d e = L.inverse() * (predicted - last);
       weight = std::max(1e-4, std::exp(-e(0) * e(0) / (2.0 * width * width)));
       const Eigen::Matrix3d raised =
-          L * Eigen::Vector3d(1.0 / weight, 1.0, 1.0).asDiagonal() * L.transpose();
+          congruence(L, Eigen::Vector3d(1.0 / weight, 1.0, 1.0).asDiagonal());
       K = raised * H.transpose() / (H.dot(raised * H.transpose()) + R);
       last = predicted + K * (y - H * predicted);
     }
     x = last;
     const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - K * H;
-    P = rest * P * rest.transpose() + K * R * K.transpose();
+    P = congruence(rest, P) + K * R * K.transpose();
     filter->update(one(u), one(y));
     least = std::min(least, weight);
     EXPECT_NEAR(published(*filter, "lambda")[0], weight, 1e-7);
@@ -234,7 +235,7 @@ TEST(Vbakf, IsTheFilterOfTheNoiseAloneForAStrongPrior) {
     const double u = random.uniform(-1, 1), y = random.uniform(-0.3, 0.3);
     if (k > 0) {
       x = s.A * x + s.B * u;
-      P = s.A * P * s.A.transpose() + of_kalman.Q;
+      P = congruence(s.A, P) + of_kalman.Q;
     }
     alpha = rho * alpha + 0.5;
     const double before = rho * beta;
@@ -273,7 +274,7 @@ TEST(Vbakf, IsTheFilterOfBothCovariances) {
     const double y = (k % 60 > 45 ? 0.4 : 0.0) + random.uniform(-kNoise, kNoise);
     if (k > 0) {
       x = s.A * x + s.B * u;
-      P = s.A * P * s.A.transpose() + of_kalman.Q;
+      P = congruence(s.A, P) + of_kalman.Q;
     }
     const double t_P = n + tau + 1.0;
     const Eigen::Matrix3d T_P = tau * P;
@@ -285,7 +286,7 @@ TEST(Vbakf, IsTheFilterOfBothCovariances) {
       const Eigen::Matrix3d A_i = covariance + (corrected - x) * (corrected - x).transpose();
       prior = (T_P + A_i) / (t_P + 1.0 - n - 1.0);
       const Eigen::VectorXd e = one(y) - s.C * corrected;
-      U_R = U_before + e * e.transpose() + s.C * covariance * s.C.transpose();
+      U_R = U_before + e * e.transpose() + congruence(s.C, covariance);
       u_R = u_before + 1.0;
       const Eigen::MatrixXd R = U_R / (u_R - m - 1.0);
       covariance = (prior.inverse() + s.C.transpose() * R.inverse() * s.C).inverse();
