@@ -51,11 +51,11 @@ function(breakwater_room name)
     target_precompile_headers(breakwater_${name} REUSE_FROM ${precompiled})
     # Eigen's templates take most of the time there: smaller units, for two cores and for a change of
     # one file.
-    if(name STREQUAL published)
+    if(name MATCHES "^(published|linear)$")
       set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 2)
     elseif(name STREQUAL experiment)
       set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 7)
-    elseif(name MATCHES "^(observers|linear|control|quadrotor|rigs|identification)$")
+    elseif(name MATCHES "^(observers|control|quadrotor|rigs|identification)$")
       set_target_properties(breakwater_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 4)
     endif()
     target_link_libraries(breakwater_${name}
