@@ -1,5 +1,17 @@
 """The error for wrong input."""
 
+import re
+
+_OPTION = re.compile(r"^(?:[\w ]+: )?--([a-z-]+)(?=:)")
+
+
+def as_argument(line: str) -> str:
+    """The line with the argument of Python in place of the option: "sampling_seed: ..."."""
+    return _OPTION.sub(lambda option: option[1].replace("-", "_"), line)
+
 
 class InputError(ValueError):
     """Wrong input, in one line: `FILE:LINE: key: reason (did you mean ...?)`."""
+
+    def __init__(self, line: str):
+        super().__init__(as_argument(line))

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from . import _core
 from .arguments import did_you_mean, mapping, path_or_none, set_lines, text_or_none, toml_text
 from .commands import call, call_copy, failure_of
-from .errors import InputError
+from .errors import InputError, as_argument
 from .parts import Controller, Estimator
 from .runs import checked_parts
 
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 _DISTRIBUTIONS = ("uniform", "log_uniform", "normal")
 _RULE = re.compile(r"(lin|log)\(")
 _WARNING = re.compile(r"^(?:sweep|tune): warning: ")
-_OPTION = re.compile(r"^(?:(?:sweep|tune): )?--([a-z-]+)(?=:)")
 _MOST_JOBS = 4096
 
 
@@ -293,11 +292,7 @@ def _read(
         if error.errno != errno.E2BIG:
             raise
         raise InputError("vary: has too many values for a command: write a study file") from None
-    # The option --sampling-seed is the argument sampling_seed here.
-    lines = [
-        _OPTION.sub(lambda option: option[1].replace("-", "_"), _WARNING.sub("", line), count=1)
-        for line in lines
-    ]
+    lines = [as_argument(_WARNING.sub("", line)) for line in lines]
     if status < 0:
         raise RuntimeError(f"{words[0]}: the program was ended by signal {-status}")
     if status != 0:
