@@ -68,7 +68,7 @@ void bind_program(py::module_& module) {
                            const py::object& estimator, const py::dict& controllers,
                            const py::dict& estimators) {
     return PythonParts(shipped_parts(), controller, estimator, controllers, estimators)
-        .choices(is_scenario_file(target) ? scenario_name_in(target) : target);
+        .choices(is_scenario_file(target) ? scenario_name_in(shipped_parts(), target) : target);
   });
 }
 

@@ -56,7 +56,7 @@ OwnRun run(const std::string& scenario_or_file, const std::optional<std::string>
   std::optional<std::string> config = other_config;
   if (is_scenario_file(scenario) && !config) {
     config = scenario;
-    scenario = scenario_name_in(*config);
+    scenario = scenario_name_in(parts.catalogue(), *config);
   }
   {
     const Unlocked unlocked;

@@ -415,7 +415,8 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
     if (!arguments.config.empty()) {
       throw std::invalid_argument("--config: SCENARIO is a scenario file already");
     }
-    arguments.config = std::exchange(arguments.scenario, scenario_name_in(arguments.scenario));
+    arguments.config =
+        std::exchange(arguments.scenario, scenario_name_in(catalogue, arguments.scenario));
   }
   const auto& kind = catalogue.get<ScenarioKind>(arguments.scenario);
   if (dynamic_cast<const AxisScenario*>(kind.make(catalogue).get()) == nullptr) {

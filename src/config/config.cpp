@@ -9,7 +9,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/input_file.h>
@@ -27,7 +26,7 @@ using Entries = std::map<std::string, ConfigEntry>;
 ConfigValue convert(const toml::node& node, const std::string& origin) {
   if (const auto* value = node.as_boolean()) return {value->get()};
   if (const auto* value = node.as_integer()) return {value->get()};
-  if (const auto* value = node.as_floating_point()) return {value->get()};
+  if (const auto* value = node.as_floating_point()) return {value->get() + 0.0};  // -0 is 0
   if (const auto* value = node.as_string()) return {value->get()};
   if (const auto* array = node.as_array()) {
     ConfigValue::Array values;
@@ -334,8 +333,7 @@ ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario)
     const toml::node* node = table.get(key);
     if (node == nullptr) throw std::invalid_argument(file + ": " + key + ": is missing");
     if (!node->is_string()) {
-      throw std::invalid_argument(at_line(file, node->source()) + ": " + key +
-                                  ": must be a string");
+      throw std::invalid_argument(at_line(file, node->source()) + ": " + key + ": must be a text");
     }
     return std::pair(node->as_string()->get(), at_line(file, node->source()));
   };
@@ -416,17 +414,12 @@ const Entries& ScenarioFile::reading(const Config& config) const {
   std::vector<std::string> names;
   for (const auto& [name, keys] : readings_) names.push_back(name);
   const auto name = config.text("reading");
-  if (!name) config.fail("reading", "must be a string");
+  if (!name) config.fail("reading", "must be a text");
   const auto found = readings_.find(*name);
   if (found == readings_.end()) {
     config.fail("reading", "there is no [readings." + *name + "]" + did_you_mean(*name, names));
   }
   return found->second;
-}
-
-std::string scenario_name_in(const std::string& file) {
-  const toml::table table = parse_toml_file(file);
-  return TomlEntry(table, file)["scenario"].text();
 }
 
 }  // namespace breakwater

@@ -209,7 +209,7 @@ Error read_numbers(const ConfigValue& value, const Range& range, std::vector<dou
 
 Error read_text(const ConfigValue& value, std::string& target) {
   const auto* text = std::get_if<std::string>(&value.data);
-  if (text == nullptr) return "must be a string, is " + describe(value);
+  if (text == nullptr) return "must be a text, is " + describe(value);
   target = *text;
   return std::nullopt;
 }
@@ -419,6 +419,11 @@ void Fields::only_where(const std::vector<std::string>& keys, const std::string&
                         std::function<bool()> holds) {
   const auto test = [holds = std::move(holds)](const Fields&) { return holds(); };
   add_condition(keys, {condition, test});
+}
+
+void Fields::either(const std::string& key, const std::string& other) {
+  for (Variable* variable : at(key)) variable->rival = prefix_ + other;
+  for (Variable* variable : at(other)) variable->rival = prefix_ + key;
 }
 
 void Fields::add_condition(const std::vector<std::string>& keys, const Condition& condition) {
@@ -683,7 +688,12 @@ std::vector<const Fields::Field*> Fields::assign_all(const Config& config) {
   Remembered chosen([this](const std::string& choice) { return this->chosen(choice); });
   for (Field& field : fields_) {
     const Variable* counts = chosen.in_use(field);
-    if (const ConfigEntry* entry = config.find(field.key)) {
+    const ConfigEntry* rival = counts != nullptr ? config.find(counts->rival) : nullptr;
+    const ConfigEntry* entry = config.find(field.key);
+    if (entry != nullptr && rival != nullptr && entry->rank() < rival->rank()) {
+      field.was_read = false;
+      assign_standard(field);
+    } else if (entry != nullptr) {
       fail_if(config, field, assign(field, entry->value, counts));
     } else if (counts != nullptr && counts->is_required()) {
       missing.push_back(&field);

@@ -190,6 +190,10 @@ class Fields {
   void only_where(const std::vector<std::string>& keys, const std::string& condition,
                   std::function<bool()> holds);
 
+  /// States that two keys exclude each other. Where both are given, the one of higher rank counts,
+  /// and the other one takes its default value.
+  void either(const std::string& key, const std::string& other);
+
   /// Further names of keys, besides those of the file that is read.
   void alias(const Aliases& aliases) { aliases_.insert(aliases.begin(), aliases.end()); }
 
@@ -261,6 +265,7 @@ class Fields {
     std::function<std::string()> print;
     std::string* file = nullptr;             // the variable, if it is a file name
     std::vector<Condition> conditions = {};  // all must hold for an effect
+    std::string rival = {};                  // the key that excludes it, if any
     std::optional<ConfigValue> standard = {};
     std::function<void()> clear = {};  // leaves the variable without a value; null if it needs one
     std::function<bool()> is_left_out = {};  // null: never

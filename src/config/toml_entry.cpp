@@ -147,7 +147,7 @@ std::size_t TomlEntry::choice_of(const std::vector<std::string>& names) const {
 }
 
 std::string TomlEntry::written() const {
-  if (const auto* real = node_->as_floating_point()) return toml_number(real->get());
+  if (const auto* real = node_->as_floating_point()) return toml_number(real->get() + 0.0);
   if (const auto* string = node_->as_string()) return toml_string(string->get());
   if (const auto* integer = node_->as_integer()) return fmt::format("{}", integer->get());
   if (const auto* flag = node_->as_boolean()) return flag->get() ? "true" : "false";

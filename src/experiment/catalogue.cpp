@@ -4,6 +4,7 @@
 #include <mutex>
 #include <utility>
 
+#include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
@@ -33,6 +34,17 @@ std::filesystem::path ScenarioKind::shots() const {
   std::error_code error;
   if (!folder.empty() && std::filesystem::is_directory(folder, error)) return folder / file;
   return look_for("scenarios/" + name + "/" + file).value_or(this->file().parent_path() / file);
+}
+
+std::string scenario_name_in(const Catalogue& catalogue, const std::string& file) {
+  const toml::table table = parse_toml_file(file);
+  const TomlEntry entry = TomlEntry(table, file)["scenario"];
+  const std::string name = entry.text();
+  try {
+    return catalogue.get<ScenarioKind>(name).name;
+  } catch (const std::invalid_argument& error) {
+    entry.fail(error.what());
+  }
 }
 
 std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::string& name) {

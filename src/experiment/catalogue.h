@@ -106,6 +106,10 @@ class Catalogue {
   std::vector<ListedPart> parts_;
 };
 
+/// The scenario of a scenario file. Throws std::invalid_argument `FILE[:LINE]: reason` if the file
+/// cannot be read or parsed, or names none of the catalogue.
+std::string scenario_name_in(const Catalogue& catalogue, const std::string& file);
+
 /// Makes a scenario by its name. Throws std::invalid_argument if there is none.
 std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::string& name);
 

@@ -411,8 +411,21 @@ std::vector<RecordedAxis> records_of(const std::vector<std::string>& files, cons
   return records;
 }
 
+// A table that counts twice makes the intervals too narrow, and agrees with itself.
+void check_different(std::vector<std::string> files, const std::vector<std::string>& others) {
+  files.insert(files.end(), others.begin(), others.end());
+  for (auto file = files.begin(); file != files.end(); ++file) {
+    const auto is_same = [&](const std::string& other) {
+      std::error_code none;
+      return other == *file || fs::equivalent(other, *file, none);
+    };
+    if (std::any_of(files.begin(), file, is_same)) refuse(*file + " is there twice");
+  }
+}
+
 int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
              const std::string& command) {
+  check_different(arguments.files, arguments.held_out);
   RunFolder folder(arguments.out);
   const Keys keys = keys_of(arguments);
   const bool has_two = arguments.model == kTwoInertia;
@@ -428,7 +441,17 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   settings.rounding = keys.rounding;
   settings.known_inertia = arguments.inertia;
   if (has_two) settings.model = &two_inertia_axis(keys.side);
-  const Identification result = identify_despite_clocks(records, held_out, settings);
+  std::optional<Progress> line(std::in_place, kIdentify, 1, arguments.quiet);
+  settings.progress = [&](double share) { line->update(0, share); };
+  const Identification result = [&] {
+    try {
+      return identify_despite_clocks(records, held_out, settings);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(
+          fmt::format("{}: {}", fmt::join(arguments.files, ", "), error.what()));
+    }
+  }();
+  line.reset();
   if (result.parameters.empty()) {
     warn(kIdentify, {"the fit found no likelihood: check the columns, their units and signs"});
     return kRunFailed;

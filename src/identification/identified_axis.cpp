@@ -43,6 +43,7 @@ constexpr double kSteady = 0.05;     // spread of a speed that counts as constan
 constexpr double kOneWay = 0.01;     // share of the other direction that counts as none
 constexpr double kTied = 0.95;       // correlation of parameters that a record does not separate
 constexpr double kLeastPlay = 0.05;  // first guess of an interval of a backlash, in RMS twists
+constexpr double kFound = 0.1, kBest = 0.4, kBounded = 0.9;  // usual shares of the work
 constexpr double kClear = 0.5;  // rise of −2 ln L, in that of an interval, that shows its end
 
 double rms_error(const AxisData& data, const AxisFit& fit) {
@@ -389,9 +390,9 @@ ParameterEstimate no_backlash(const AxisData& data, const FreeParameters& free, 
 }
 
 // Values, intervals and identifiability of the fit. Returns a better fit instead, if a profile
-// meets one.
+// meets one. `done` gets the share of the parameters.
 std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& covariance,
-                                      bool is_last) {
+                                      bool is_last, const std::function<void(double)>& done) {
   const AxisData& data = result.data;
   const AxisFit& fit = result.fit;
   const FreeParameters& free = result.free;
@@ -462,6 +463,7 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
       set_interval(estimate.is_identifiable ? boots[n] : unknown);
     }
     result.parameters.push_back(std::move(estimate));
+    done(static_cast<double>(n + 1) / static_cast<double>(order.size()));
   }
   if (data.model->has_backlash && !free[kBacklash]) {
     std::optional<AxisFit> better;
@@ -527,6 +529,9 @@ AxisData axis_data(const std::vector<RecordedAxis>& records, bool inputs_act_bef
 Identification identify_axis(const std::vector<RecordedAxis>& records,
                              const std::vector<RecordedAxis>& held_out,
                              const IdentificationSettings& settings) {
+  const auto done = [&](double share) {
+    if (settings.progress) settings.progress(share);
+  };
   Identification result;
   const AxisData all = axis_data(records, settings.inputs_act_before, 0.0);
   if (all.stretches.empty()) {
@@ -583,7 +588,9 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
       }
     }
   }
+  done(0.0);
   result.fit = best_fit(data, free, candidates);
+  done(kFound);
   if (std::isfinite(result.fit.deviance) && allow_rounded_times(data, result.fit)) {
     result.fit = fit_axis_and_noise(data, free, result.fit);
   }
@@ -603,6 +610,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   const AxisFit& fit = result.fit;
   if (settings.model->has_backlash && std::isfinite(fit.deviance)) {
     AxisFit with = fit_with_backlash(data, free, fit);
+    done(0.5 * (kFound + kBest));
     if (with.deviance < fit.deviance - kChiSquare95) {
       free[kBacklash] = true;
       result.fit = std::move(with);
@@ -619,10 +627,13 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   }
   result.is_converged = fit.is_converged;
   if (!std::isfinite(fit.deviance)) return result;
+  done(kBest);
 
   Eigen::MatrixXd covariance;
   for (int turn = 0; turn <= kMostRestarts; ++turn) {
-    const std::optional<AxisFit> better = add_parameters(result, covariance, turn == kMostRestarts);
+    const std::optional<AxisFit> better =
+        add_parameters(result, covariance, turn == kMostRestarts,
+                       [&](double share) { done(kBest + (kBounded - kBest) * share); });
     if (!better) break;
     result.fit = fit_axis_and_noise(data, free, *better);
     result.is_converged = result.fit.is_converged;

@@ -1,6 +1,7 @@
 // Identification of an axis from records: values, intervals, and what the records cannot show.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,6 +20,8 @@ struct IdentificationSettings {
   EncoderRounding rounding = EncoderRounding::nearest;
   /// Takes this as J and fits the torque constant instead.
   std::optional<double> known_inertia;
+  /// Gets the done share of the work, if set. A second search begins again.
+  std::function<void(double)> progress;
 };
 
 /// An estimated parameter with its 95 % interval, in SI units.

@@ -197,6 +197,8 @@ void check_element(const XmlFile& xml, const tinyxml2::XMLElement& element) {
         complaint = ": must be finite and not beyond 1e30";
       } else if (number->front() < 0.0 && must_not_be_negative(*attribute)) {
         complaint = ": must not be negative";
+      } else if (number->front() < -1.0 && std::string_view(element.Name()) == "size") {
+        complaint = ": must be at least -1";  // which the engine takes as "not given"
       } else if (number->front() > largest(element, *attribute)) {
         const auto most = static_cast<long>(largest(element, *attribute));
         complaint = ": must be at most " + std::to_string(most);

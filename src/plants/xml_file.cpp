@@ -45,6 +45,9 @@ void check_ends(const std::filesystem::path& file) {
   std::error_code error;
   const auto type = std::filesystem::status(file, error).type();
   using Type = std::filesystem::file_type;
+  if (type == Type::directory) {
+    throw std::invalid_argument(file.string() + ": cannot be read (it is a folder)");
+  }
   if (type == Type::fifo || type == Type::character || type == Type::block ||
       type == Type::socket) {
     throw std::invalid_argument(file.string() + ": is no regular file: it may never end");

@@ -31,7 +31,7 @@ class XmlFile {
   tinyxml2::XMLDocument document_;
 };
 
-/// Throws std::invalid_argument if a file is a device, a pipe or a socket.
+/// Throws std::invalid_argument if a file is a folder, a device, a pipe or a socket.
 void check_ends(const std::filesystem::path& file);
 
 /// The bytes of a file. Throws as check_ends() does, and if the file cannot be read.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <breakwater/record/input_file.h>
+#include <breakwater/record/partial_file.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>
@@ -204,17 +205,22 @@ void make_project(const std::vector<fs::path>& from, const std::string& name, co
   const std::map<fs::path, std::string> files = files_of(from, name);
   const fs::path partial =
       folder.parent_path() / (hidden_name(folder, ".partial-") + unique_name());
+  std::error_code error;
+  if (!fs::create_directory(partial, error)) {
+    throw std::invalid_argument(out.string() + ": cannot be made (" + error.message() + ")");
+  }
   try {
-    fs::create_directory(partial);
     for (const auto& [file, text] : files) {
       fs::create_directories((partial / file).parent_path());
       write_text_file((partial / file).string(), text);
     }
     if (complete) complete(partial);
     fs::rename(partial, folder);
+  } catch (const OutputError& failed) {
+    fs::remove_all(partial, error);
+    throw with_final_name(failed, partial, out);
   } catch (...) {
-    std::error_code ignored;
-    fs::remove_all(partial, ignored);
+    fs::remove_all(partial, error);
     throw;
   }
 }

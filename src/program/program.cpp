@@ -69,7 +69,7 @@ int run_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   return guarded(own_program_name(), [&] {
     if (argc >= 2 && is_scenario_file(argv[1])) {
       // The same as run NAME --config FILE.
-      const std::string scenario = catalogue.get<ScenarioKind>(scenario_name_in(argv[1])).name;
+      const std::string scenario = scenario_name_in(catalogue, argv[1]);
       std::vector<const char*> words = {argv[0], "--config"};
       words.insert(words.end(), argv + 1, argv + argc);
       return scenario_main(catalogue, scenario, own_program(), static_cast<int>(words.size()),

@@ -275,7 +275,7 @@ OpenedStudy open_study(const Catalogue& catalogue, const SweepOptions& options) 
     tables = study_tables(origin);
     name = file->stem().string();
     if (tables.contains("default_case") || tables["case"].is_table()) {
-      const std::string scenario = scenario_name_in(origin);
+      const std::string scenario = scenario_name_in(catalogue, origin);
       tables = toml::table{{"scenario", scenario},
                            {"config", fs::absolute(*file).lexically_normal().string()}};
     }

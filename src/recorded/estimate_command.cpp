@@ -57,7 +57,7 @@ struct Request {
   std::string called;
 };
 
-Request request_of(const Arguments& arguments) {
+Request request_of(const Catalogue& catalogue, const Arguments& arguments) {
   ScenarioFile file(
       arguments.config.empty() ? recorded_estimation().file().string() : arguments.config,
       kEstimate);
@@ -71,7 +71,7 @@ Request request_of(const Arguments& arguments) {
   std::string case_name = has_settings ? arguments.observer : file.default_case();
   std::string called = arguments.observer.empty() ? case_name : arguments.observer;
   if (!arguments.tuned.empty()) {
-    const ScenarioFile tuned(arguments.tuned, scenario_name_in(arguments.tuned));
+    const ScenarioFile tuned(arguments.tuned, scenario_name_in(catalogue, arguments.tuned));
     const Config config = tuned.config(tuned.default_case());
     for (const auto& [key, entry] : config.entries()) {
       if (key.starts_with(kObserver)) sets.push_back(key + "=" + toml_value(entry.value));
@@ -99,7 +99,7 @@ std::string editable_config(const Catalogue& catalogue, const Request& request,
 
 int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   stop_on_signals();
-  const Request request = request_of(arguments);
+  const Request request = request_of(catalogue, arguments);
   if (arguments.list_cases) {
     for (const std::string& name : request.file.cases()) fmt::print("{}\n", name);
     return kSuccess;

@@ -57,6 +57,7 @@ struct HuntCrossleySettings {
         "measured restitution, from which alpha follows; 1: contact.dissipation_s_m is alpha");
     fields.optional_number("restitution_speed_m_s", restitution_speed_m_s, positive(),
                            "impact speed at which the restitution was measured [m/s]");
+    fields.either("restitution", "dissipation_s_m");
     fields.only_where({"restitution_speed_m_s"}, "contact.restitution is below 1",
                       [this] { return restitution < 1.0; });
   }

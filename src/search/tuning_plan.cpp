@@ -139,8 +139,9 @@ Trial TuningPlan::try_each_case(const std::atomic<bool>& stop, bool is_brief) co
       const auto absent = std::find_if(recording.absent.begin(), recording.absent.end(),
                                        [&](const AbsentMetric& one) { return one.name == metric; });
       if (absent != recording.absent.end()) {
-        throw std::invalid_argument(
+        trial.warnings.push_back(
             fmt::format("{}: a run of {} lacks it: {}", place, tuned.name, absent->reason));
+        return;
       }
       throw std::invalid_argument(fmt::format("{}: a run of {} has no such metric{}", place,
                                               tuned.name, did_you_mean(metric, names)));
