@@ -69,7 +69,8 @@ class Remembered {
 std::string without_name(const std::string& key) {
   const std::size_t table = key.find('.'), name = key.find('.', table + 1);
   if (name == std::string::npos) return "";
-  const std::string of = key.substr(0, table), rest = key.substr(name + 1);
+  const std::string of = key.substr(0, table);
+  std::string rest = key.substr(name + 1);
   if (of == "contact" && rest.starts_with("wall.")) return rest;
   if (of == "contact" || of == "push") return of + "." + rest;
   const bool is_own = rest == "joint" || rest == "actuator" || rest == "position_sensor";
@@ -147,13 +148,14 @@ bool names_file(const Field& field) {
 // "axis.NAME." of a key of an axis; empty for another key.
 std::string axis_in(const std::string& key) {
   constexpr std::string_view kTable = "axis.";
-  const std::size_t name = key.starts_with(kTable) ? key.find('.', kTable.size()) : key.npos;
-  return name == key.npos ? "" : key.substr(0, name + 1);
+  const std::size_t name =
+      key.starts_with(kTable) ? key.find('.', kTable.size()) : std::string::npos;
+  return name == std::string::npos ? "" : key.substr(0, name + 1);
 }
 
 std::string without(const std::string& part, std::string text) {
   if (part.empty()) return text;
-  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at)) {
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at)) {
     text.erase(at, part.size());
   }
   return text;

@@ -204,21 +204,21 @@ class Fields {
   /// std::invalid_argument `ORIGIN: KEY: reason` for the first wrong key. It is unknown, missing,
   /// of the wrong type, out of range, without its file, or given by two names. Returns the keys as
   /// they were given, and those with the name of each table for which they count.
-  Config read(const Config& config);
+  Config read(const Config& given);
   /// After read(): gives `key`, as it was given, another number in `config`, which read() returned.
   /// False if it has no number there, or may not have this one.
   bool renew(Config& config, const std::string& key, const ConfigValue& value);
   /// Reads `config` again, which read() returned and renew() changed.
   void read_again(const Config& config);
   /// As read(), but keys may be missing: print() then asks for them.
-  void read_incomplete(const Config& config);
+  void read_incomplete(const Config& given);
   /// Checks every table of a file, whichever case runs: a wrong value is refused even if another
   /// one overrides it. Throws as read() does, but not for missing keys. Call it before read().
   void check(const ScenarioFile& file);
 
   /// Reads the config of a finished run. It skips unknown keys, and values that this program does
   /// not know, such as the name of a user's controller. Returns the missing keys.
-  std::vector<std::string> read_finished(const Config& config);
+  std::vector<std::string> read_finished(const Config& given);
 
   /// The ineffective keys of the config that was read, with the reason. Call it after read().
   std::vector<UnusedKey> unused() const;
@@ -291,7 +291,7 @@ class Fields {
   std::vector<const Field*> assign_all(const Config& config);
   Config without_aliases(const Config& config) const;
   // Gives the keys without a name to all names that lack them.
-  Config spread(const Config& config);
+  Config spread(const Config& given);
   static bool has_one_each(const ConfigValue::Array& array, const std::vector<Field*>& named);
   // A key and the texts shown for it.
   template <typename What>
