@@ -315,7 +315,7 @@ class SweepCommand : public StudyCommand {
     const Study there = folder_.study();
     const bool may_grow =
         there.scenario == plan_.study().scenario && keeps_results_of({catalogue_, there});
-    if (!may_grow) folder_.check_is(text(), text_there());
+    if (!may_grow) folder_.check_is(text(), there.print());
     if (!options_.isolate) check_names(sweep_);  // a finished study may get a goal
   }
 

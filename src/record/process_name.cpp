@@ -73,7 +73,7 @@ bool is_of_dead_process(const std::string& name) {
   const char* const end = name.data() + name.size();
   const auto read = std::from_chars(name.data() + begin.size(), end, pid);
   if (read.ec != std::errc() || (read.ptr != end && *read.ptr != kCopyMark)) return false;
-  return pid == getpid() || (pid > 0 && (is_zombie(pid) || (kill(pid, 0) != 0 && errno == ESRCH)));
+  return pid == getpid() || (pid > 0 && ((kill(pid, 0) != 0 && errno == ESRCH) || is_zombie(pid)));
 }
 
 }  // namespace breakwater
