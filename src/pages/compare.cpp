@@ -33,14 +33,30 @@ void check(const std::vector<SavedRun>& runs) {
   if (runs.size() < kFewestRuns) {
     throw std::invalid_argument("compare: give two runs or more");
   }
-  check_one_scenario(runs);
+  const SavedRun& first = runs.front();
   for (const SavedRun& run : runs) {
+    if (run.scenario() != first.scenario()) {
+      throw std::invalid_argument(fmt::format(
+          "{} is a run of {}, {} of {}: compare runs of one scenario", first.folder().string(),
+          first.scenario(), run.folder().string(), run.scenario()));
+    }
     if (!run.failure() || run.failure()->is_cut) continue;
     throw std::invalid_argument(fmt::format(
         "{}: the run failed at {:.6g} s and has no metrics: leave it out, or look at it with {} "
         "report",
         run.folder().string(), run.failure()->time_s, own_program_name()));
   }
+}
+
+// All metrics, in the order of the first run that has them.
+std::vector<Metric> metrics_of(const std::vector<SavedRun>& runs) {
+  std::vector<Metric> all;
+  for (const SavedRun& run : runs) {
+    for (const Metric& metric : run.metrics()) {
+      if (std::ranges::find(all, metric.name, &Metric::name) == all.end()) all.push_back(metric);
+    }
+  }
+  return all;
 }
 
 // The chosen metrics, or all.
@@ -51,8 +67,12 @@ std::vector<Metric> choose_metrics(const std::vector<SavedRun>& runs,
   for (const Metric& metric : all) names.push_back(metric.name);
   std::vector<Metric> metrics;
   for (const std::string& name : chosen) {
-    check_known("--metric", name, names);
-    metrics.push_back(*std::ranges::find(all, name, &Metric::name));
+    const auto place = std::ranges::find(all, name, &Metric::name);
+    if (place == all.end()) {
+      throw std::invalid_argument(
+          fmt::format("--metric: {}: no run has it{}", name, did_you_mean(name, names)));
+    }
+    metrics.push_back(*place);
   }
   return chosen.empty() ? all : metrics;
 }
@@ -73,33 +93,6 @@ const SavedRun* first_with(const std::vector<SavedRun>& runs, const std::string&
 }
 
 }  // namespace
-
-void check_one_scenario(const std::vector<SavedRun>& runs) {
-  const SavedRun& first = runs.front();
-  for (const SavedRun& run : runs) {
-    if (run.scenario() == first.scenario()) continue;
-    throw std::invalid_argument(fmt::format(
-        "{} is a run of {}, {} of {}: compare runs of one scenario", first.folder().string(),
-        first.scenario(), run.folder().string(), run.scenario()));
-  }
-}
-
-std::vector<Metric> metrics_of(const std::vector<SavedRun>& runs) {
-  std::vector<Metric> all;
-  for (const SavedRun& run : runs) {
-    for (const Metric& metric : run.metrics()) {
-      if (std::ranges::find(all, metric.name, &Metric::name) == all.end()) all.push_back(metric);
-    }
-  }
-  return all;
-}
-
-void check_known(const char* option, const std::string& name,
-                 const std::vector<std::string>& names) {
-  if (std::ranges::find(names, name) != names.end()) return;
-  throw std::invalid_argument(
-      fmt::format("{}: {}: no run has it{}", option, name, did_you_mean(name, names)));
-}
 
 std::vector<std::string> differences_in_words(const std::vector<std::optional<double>>& values) {
   constexpr double kManifold = 3.0, kNoMeasure = 10.0;

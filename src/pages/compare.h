@@ -28,16 +28,6 @@ struct CompareChoice {
 /// differences. An equal value has "same", and a missing one "-".
 std::vector<std::string> differences_in_words(const std::vector<std::optional<double>>& values);
 
-/// Throws std::invalid_argument if a run is of another scenario than the first.
-void check_one_scenario(const std::vector<SavedRun>& runs);
-
-/// All metrics, in the order of the first run that has them.
-std::vector<Metric> metrics_of(const std::vector<SavedRun>& runs);
-
-/// Throws std::invalid_argument `OPTION: NAME: no run has it` if it is none of the names.
-void check_known(const char* option, const std::string& name,
-                 const std::vector<std::string>& names);
-
 /// The metrics and signals of some runs, compared with the first run.
 class Comparison {
  public:

@@ -4,13 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <limits>
-#include <map>
-#include <set>
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
-#include <breakwater/experiment/differing_keys.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/compare.h>
 #include <breakwater/pages/html_page.h>
@@ -18,12 +14,9 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/shell/child_program.h>
-#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
-#include <breakwater/statistics/paired_comparison.h>
-#include <breakwater/study/comparison_table.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -36,9 +29,6 @@ struct RunsArguments {
   CompareChoice choice;
   std::string out;
   std::string camera;
-  bool paired = false;
-  std::string baseline;
-  std::vector<std::string> goals;
   bool csv = false;
   bool json = false;
   bool latex = false;
@@ -119,129 +109,6 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
   return status;
 }
 
-std::map<std::string, Goal> read_goals(const std::vector<std::string>& texts) {
-  std::map<std::string, Goal> goals;
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    const std::string name = equals == std::string::npos ? "" : text.substr(equals + 1);
-    const auto goal = std::find_if(goal_names().begin(), goal_names().end(),
-                                   [&](const auto& entry) { return entry.first == name; });
-    if (goal == goal_names().end()) {
-      throw std::invalid_argument("--goal: " + text + ": must be METRIC=min or METRIC=max");
-    }
-    goals[text.substr(0, equals)] = goal->second;
-  }
-  return goals;
-}
-
-// Pairs runs of one scenario. The cases are the candidates, in the order of their first run. The
-// seeds that all cases have are the test conditions. `metrics` selects the metrics; empty means
-// all. `baseline` is a case or empty. Throws std::invalid_argument if there is only one case, a
-// case has a seed twice, the cases have no common seed, or a name is unknown.
-PairedResults paired_runs(const std::vector<SavedRun>& runs,
-                          const std::vector<std::string>& metrics, const std::string& baseline,
-                          const std::map<std::string, Goal>& goals) {
-  check_one_scenario(runs);
-  PairedResults results;
-  std::vector<std::string> seeds;
-  std::map<std::pair<std::string, std::string>, const SavedRun*> found;  // by case and seed
-  for (const SavedRun& run : runs) {
-    if (run.failure() && run.failure()->is_cut) {
-      throw std::invalid_argument(run.folder().string() +
-                                  ": was cut and has no metrics: leave it out");
-    }
-    if (!found.emplace(std::pair(run.case_name(), run.seed()), &run).second) {
-      throw std::invalid_argument(fmt::format("{}: {} with seed {} is there twice",
-                                              run.folder().string(), run.case_name(), run.seed()));
-    }
-    for (const auto& [names, name] :
-         {std::pair(&results.candidates, run.case_name()), std::pair(&seeds, run.seed())}) {
-      if (std::ranges::find(*names, name) == names->end()) names->push_back(name);
-    }
-  }
-  if (results.candidates.size() < 2) {
-    throw std::invalid_argument("--paired: all runs are of one case: there is nothing to compare");
-  }
-  std::erase_if(seeds, [&](const std::string& seed) {
-    return !std::ranges::all_of(results.candidates, [&](const std::string& name) {
-      return found.contains({name, seed});
-    });
-  });
-  if (seeds.empty()) throw std::invalid_argument("--paired: no seed is common to all cases");
-  std::vector<std::string> all;
-  for (const Metric& metric : metrics_of(runs)) all.push_back(metric.name);
-  for (const std::string& metric : metrics) check_known("--metric", metric, all);
-  for (const auto& [metric, goal] : goals) check_known("--goal", metric, all);
-  if (!baseline.empty()) {
-    check_known("--baseline", baseline, results.candidates);
-    results.baseline = static_cast<std::size_t>(std::ranges::find(results.candidates, baseline) -
-                                                results.candidates.begin());
-  }
-  results.metrics = metrics.empty() ? all : metrics;
-  results.goals = goals;
-  const auto rows = static_cast<Eigen::Index>(seeds.size());
-  const auto columns = static_cast<Eigen::Index>(results.candidates.size());
-  results.failed = Eigen::MatrixXd::Zero(rows, columns);
-  results.values.assign(
-      results.metrics.size(),
-      Eigen::MatrixXd::Constant(rows, columns, std::numeric_limits<double>::quiet_NaN()));
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    for (Eigen::Index k = 0; k < columns; ++k) {
-      const SavedRun& run = *found.at(
-          {results.candidates[static_cast<std::size_t>(k)], seeds[static_cast<std::size_t>(i)]});
-      if (run.failure()) results.failed(i, k) = 1.0;
-      for (std::size_t m = 0; m < results.metrics.size(); ++m) {
-        if (const auto value = run.metric(results.metrics[m])) results.values[m](i, k) = *value;
-      }
-    }
-  }
-  return results;
-}
-
-// One line if the runs differ in more than their cases and seeds do; else nothing. It names the
-// keys and their values: paired by the seed alone, such runs may have other test conditions.
-std::vector<std::string> other_differences(const Catalogue& catalogue,
-                                           const std::vector<SavedRun>& runs) {
-  std::map<std::string, std::set<std::string>> differing;  // the values of a key
-  const auto note = [&](const std::vector<SavedRun>& some, const std::set<std::string>* only) {
-    for (const DifferingKey& key : differing_keys(some)) {
-      if (key.key == "run.seed" || key.key.starts_with("record.")) continue;
-      if (only != nullptr && !only->contains(key.key)) continue;
-      differing[key.key].insert(key.values.begin(), key.values.end());
-    }
-  };
-  std::map<std::string, std::vector<SavedRun>> of_case;
-  for (const SavedRun& run : runs) of_case[run.case_name()].push_back(run);
-  std::vector<SavedRun> one_of_each;
-  std::set<std::string> changed;  // cases differ, but not in what a user changed
-  for (const auto& [name, same] : of_case) {
-    note(same, nullptr);
-    one_of_each.push_back(same.front());
-    for (const ChangedKey& key : changed_keys(catalogue, same.front())) changed.insert(key.key);
-  }
-  note(one_of_each, &changed);
-  if (differing.empty()) return {};
-  std::vector<std::string> texts;
-  for (const auto& [key, values] : differing) {
-    texts.push_back(fmt::format("{} ({})", key, fmt::join(values, "; ")));
-  }
-  return {fmt::format("--paired: the runs differ in more than case and seed: {}",
-                      fmt::join(texts, ", "))};
-}
-
-int compare_paired(const Catalogue& catalogue, const RunsArguments& arguments) {
-  const std::vector<SavedRun> runs = open_all(arguments.runs);
-  const CandidateComparison comparison = compare_candidates(
-      paired_runs(runs, arguments.choice.metrics, arguments.baseline, read_goals(arguments.goals)));
-  const fs::path file = made_place(arguments.out, "comparison.csv");
-  replace_file(file, comparison_csv(comparison));
-  say("compare", other_differences(catalogue, runs), runs);
-  if (!arguments.quiet) {
-    fmt::print("{}\n{}\n", comparison_text(comparison, output_width()), file.string());
-  }
-  return kSuccess;
-}
-
 int report(const Catalogue& catalogue, const RunsArguments& arguments) {
   const std::vector<SavedRun> runs = open_all(arguments.runs);
   const fs::path file = made_place(arguments.out, "report.html");
@@ -309,19 +176,8 @@ int runs_main(const Catalogue& catalogue, int argc, const char* const* argv) {
         ->type_name("S");
     app.add_option("--to", arguments.choice.to_s, "simulated time that they end with")
         ->type_name("S");
-    app.add_flag("--paired", arguments.paired,
-                 "instead: sets of runs, several seeds of each case, paired by seed; writes\n"
-                 "comparison.csv with intervals, tests and verdicts");
-    app.add_option("--baseline", arguments.baseline, "with --paired: the case to compare with")
-        ->type_name("CASE")
-        ->needs("--paired");
-    app.add_option("--goal", arguments.goals,
-                   "with --paired: what is better, METRIC=min or METRIC=max; may be given again")
-        ->type_name("METRIC=GOAL")
-        ->allow_extra_args(false)
-        ->needs("--paired");
     add_digits(app);
-    app.add_flag("--json", arguments.json, "print the table as JSON")->excludes("--paired");
+    app.add_flag("--json", arguments.json, "print the table as JSON");
     app.add_flag("--csv", arguments.csv, "write compare.csv: the metrics and their differences");
     app.add_flag("--latex", arguments.latex, "write compare.tex: the page's tables for booktabs");
     app.add_flag("--svg", arguments.svg, "write compare.svg: the signals, for a paper");
@@ -342,7 +198,6 @@ int runs_main(const Catalogue& catalogue, int argc, const char* const* argv) {
                     : "It writes report.html, a page that needs no network.");
   if (const auto status = parse(app, argc, argv)) return *status;
   if (is_replay) return replay(catalogue, arguments);
-  if (arguments.paired) return compare_paired(catalogue, arguments);
   return is_comparison ? compare(catalogue, arguments) : report(catalogue, arguments);
 }
 

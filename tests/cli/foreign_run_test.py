@@ -20,7 +20,7 @@ import numpy as np
 from called_program import BIN, Folder
 
 COMMANDS = (["report", "run", "--out", "page"], ["replay", "run", "--out", "replay.html"],
-            ["compare", "whole", "run", "--out", "page"], ["compare", "--paired", "whole", "run"],
+            ["compare", "whole", "run", "--out", "page"],
             ["still", "run", "--at", "0.1", "--out", "still.png"], ["strip", "run", "--out", "strip.png"],
             ["video", "run", "--out", "video.mp4"])
 LONGEST_S = 200  # a command takes a second, or longer beside much other work
