@@ -48,9 +48,6 @@ int sweep_main(const Catalogue& catalogue, int argc, const char* const* argv);
 /// the constraints or survived.
 int tune_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `waves`: checks a sea state and prints it.
-int waves_main(const Catalogue& catalogue, int argc, const char* const* argv);
-
 struct StatusMeaning {
   Status status;
   const char* brief;  ///< for --help

@@ -120,7 +120,6 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
   add(CommandKind().group, {identify_command()});
   add("Tools",
       {{"convert", "convert a model file of MuJoCo 3: convert FILE.xml --out DIR", convert_main},
-       {"waves", "check a sea's spectrum and its water", waves_main},
        {"doctor", "check what works on this machine, and what to install", doctor_main},
        {"reference", "write the reference pages: commands, keys, metrics, columns",
         reference_main}});

@@ -171,6 +171,16 @@ TEST(Waves, DecayWithDepth) {
                          waves.at(2.0, Eigen::Vector3d::Zero()).velocity.norm();
     EXPECT_NEAR(ratio, std::exp(k * z), 1e-12);
   }
+  // A sea of 8 s, integrated with NumPy from 0.5 to 3 ω_p, keeps 0.3973 of its speed at 10 m.
+  const auto speed = [&](double depth_m) {
+    const SampledSpectrum a = acceleration_spectrum(sea(), depth_m, 0.5, 3.0, 2000);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.density.size(); ++i) {
+      sum += a.density[i] / (a.omega_rad_s[i] * a.omega_rad_s[i]);
+    }
+    return std::sqrt(sum);
+  };
+  EXPECT_NEAR(speed(10.0) / speed(0.0), 0.3973, 5e-5);
 }
 
 TEST(Waves, DispersionHoldsInFiniteDepth) {
