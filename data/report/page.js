@@ -98,7 +98,6 @@
   const MARKS = {
     dot: (context, x, y) => context.arc(x, y, 3, 0, 7),
     cross: (context, x, y) => { context.moveTo(x - 3, y - 3); context.lineTo(x + 3, y + 3); context.moveTo(x - 3, y + 3); context.lineTo(x + 3, y - 3); },
-    ring: (context, x, y) => context.arc(x, y, 8, 0, 7),
   };
   // At the series' own places: between them its line has values too.
   function drawMark(kind, own, rows) {
@@ -159,7 +158,7 @@
         includeZero: false,
         dateWindow: this.axis.window || this.wholeWindow(),
         valueRange: this.wholeRange(),
-        xRangePad: data.x ? 12 : 0,  // a ring is whole
+        xRangePad: data.x ? 12 : 0,
         axes: {y: {axisLabelWidth: 54, ticker: data.log ? logTicks(25) : fourTicks},
                x: {drawGrid: true, ...(data.x ? {ticker: this.x.labels ? () => this.x.labels.map(([v, label]) => ({v, label}))
                                                            : data.x.log ? logTicks(50) : fourTicks} : {})}},

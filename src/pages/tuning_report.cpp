@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -34,19 +33,15 @@ void add_marks(ChartSeries& to, std::vector<Mark> marks) {
   }
 }
 
-// The points of all cases as the search measured them, and on fresh worlds. `chosen` is a number.
+// The points of all cases as the search measured them, and on fresh worlds.
 PageChart front_chart(const Tuning& tuning, const TuningResult& result,
-                      const std::vector<Identity>& looks, std::size_t chosen) {
+                      const std::vector<Identity>& looks) {
   const auto title = [&](const Objective& one) {
     return fmt::format("{}, {}", metric_label_with_unit(one.metric, unit_of(one.metric)),
                        name_of(over_names(), one.over));
   };
   PageChart chart{.id = "fronts", .group = "fronts", .title = title(tuning.objectives[1])};
   chart.x_title = title(tuning.objectives[0]);
-  ChartSeries ring{.label = "best compromise",
-                   .identity = kReferenceIdentity,
-                   .has_line = false,
-                   .marks = "ring"};
   std::size_t number = 0;
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
     const TunedFront& front = result.fronts[c];
@@ -67,7 +62,6 @@ PageChart front_chart(const Tuning& tuning, const TuningResult& result,
       };
       dots.push_back(mark(point.tuned));
       if (point.fresh && point.fresh->failures == 0) crosses.push_back(mark(*point.fresh));
-      if (number == chosen) add_marks(ring, {dots.back()});
     }
     add_marks(tuned, dots);
     add_marks(fresh, crosses);
@@ -75,7 +69,6 @@ PageChart front_chart(const Tuning& tuning, const TuningResult& result,
       if (!series->names.empty()) chart.series.push_back(*series);
     }
   }
-  if (!ring.names.empty()) chart.series.push_back(ring);
   return chart.scaled();
 }
 
@@ -97,57 +90,6 @@ PageChart progress_chart(const Tuning& tuning, const TuningResult& result,
   return chart.scaled();
 }
 
-// The point that is nearest to the best of all objectives, each over its range on the fronts: of
-// fresh worlds where they were met.
-struct ChosenPoint {
-  std::size_t front = 0, point = 0;
-  std::size_t label = 0;  // from 1; 0: there is none
-};
-ChosenPoint chosen_point(const Tuning& tuning, const TuningResult& result) {
-  std::vector<std::pair<ChosenPoint, std::vector<double>>> points;  // with their objectives
-  std::size_t label = 0;
-  for (std::size_t f = 0; f < result.fronts.size(); ++f) {
-    for (std::size_t k = 0; k < result.fronts[f].points.size(); ++k) {
-      const FrontPoint& point = result.fronts[f].points[k];
-      ++label;
-      if (point.fresh && point.fresh->failures > 0) continue;
-      points.emplace_back(ChosenPoint{f, k, label},
-                          minimised(tuning, point.fresh.value_or(point.tuned)));
-    }
-  }
-  if (points.empty()) return {};
-  std::vector<double> distances(points.size());
-  for (std::size_t i = 0; i < tuning.objectives.size(); ++i) {
-    const auto value = [i](const auto& point) { return point.second[i]; };
-    const double low = std::ranges::min(points, {}, value).second[i];
-    const double high = std::ranges::max(points, {}, value).second[i];
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const double part = high > low ? (points[k].second[i] - low) / (high - low) : 0.0;
-      distances[k] += part * part;
-    }
-  }
-  return points[static_cast<std::size_t>(std::ranges::min_element(distances) - distances.begin())]
-      .first;
-}
-
-// "Point 3 of hpfc-2N is the best compromise, …: Peak force, filtered 2.3 [2.2, 2.4] N, …".
-std::string in_words(const Tuning& tuning, const TuningResult& result, const ChosenPoint& chosen) {
-  const TunedFront& front = result.fronts[chosen.front];
-  const FrontPoint& point = front.points[chosen.point];
-  const Evaluation& shown = point.fresh ? *point.fresh : point.tuned;
-  std::vector<std::string> parts;
-  for (std::size_t i = 0; i < tuning.objectives.size(); ++i) {
-    const std::string& metric = tuning.objectives[i].metric;
-    const EstimatedValue& value = shown.objectives[i];
-    const std::string unit = unit_of(metric);
-    parts.push_back(
-        fmt::format("{} {}{}", metric_label(metric, unit), brief(value), unit_after(unit)));
-  }
-  return fmt::format(
-      "Point {} of {} is the best compromise{}, nearest to the best value of every objective: {}.",
-      chosen.label, front.case_name, point.fresh ? " on fresh worlds" : "", fmt::join(parts, ", "));
-}
-
 // The reference point of the hypervolume: "peak_N = 12, free_motion_s = 1.5".
 std::string reference_text(const Tuning& tuning, const TuningResult& result) {
   std::vector<std::string> parts;
@@ -161,10 +103,8 @@ std::string reference_text(const Tuning& tuning, const TuningResult& result) {
 
 constexpr std::size_t kMostPrinted = 12;  // points of a front without validation, in a terminal
 
-// The points or tuned cases, each objective as tuned and on fresh worlds. That of `chosen` is
-// marked.
-PageData points_table(const std::vector<std::string>& columns, const std::vector<FrontRow>& rows,
-                      const std::string& chosen = "") {
+// The points or tuned cases, each objective as tuned and on fresh worlds.
+PageData points_table(const std::vector<std::string>& columns, const std::vector<FrontRow>& rows) {
   constexpr const char* kFresh = "_fresh";
   PageData table = {
       {"label", "What was found"}, {"columns", PageData::array()}, {"rows", PageData::array()}};
@@ -182,9 +122,7 @@ PageData points_table(const std::vector<std::string>& columns, const std::vector
   for (const FrontRow& row : rows) {
     auto cells = PageData::array();
     for (const std::string& column : shown) {
-      PageData cell = {{"value", row.cells.shown(column)}};
-      if (row.label == chosen) cell["tone"] = "chosen";
-      cells.push_back(cell);
+      cells.push_back({{"value", row.cells.shown(column)}});
     }
     table["rows"].push_back(cells);
   }
@@ -203,16 +141,12 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   const std::vector<Identity> looks =
       candidate_identities(names, cases_of(catalogue, tuning.scenario));
   const bool has_front = tuning.has_front();
-  const ChosenPoint chosen = has_front ? chosen_point(tuning, result) : ChosenPoint{};
-  std::string label = chosen.label > 0 ? std::to_string(chosen.label) : "";
-  if (!has_front && !table.rows.empty()) label = table.rows.front().label;
   const std::string kind = has_front ? "front" : "tuned";
   const std::string run = "breakwater run " + tuning.scenario + " --config " + kind + "/";
   auto lead = PageData::array();
-  if (!label.empty()) {
-    lead = {{{"finding", chosen.label > 0 ? in_words(tuning, result, chosen)
-                                          : tuned_sentence(plan, result, ranking)}},
-            {{"command", run + label + ".toml"}}};
+  if (!has_front && !table.rows.empty()) {
+    lead = {{{"finding", tuned_sentence(plan, result, ranking)}},
+            {{"command", run + table.rows.front().label + ".toml"}}};
   }
   auto blocks = PageData::array();
   const auto add = [&blocks](const char* name, const PageData& value) {
@@ -222,9 +156,9 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   if (tuning.objectives.size() > 1 && !table.rows.empty()) {
     add("figures",
         PageData::array({figure_of(
-            front_chart(tuning, result, looks, chosen.label), "",
-            "The ring marks the best compromise. A dot is a point as the search measured "
-            "it; a cross is the same point on fresh worlds.")}));
+            front_chart(tuning, result, looks), "",
+            "A dot is a point as the search measured it; a cross is the same point on fresh "
+            "worlds.")}));
   }
   for (const TunedFront& front : result.fronts) {
     add("text", fmt::format("{}: {} of {} evaluations are feasible.", front.case_name,
@@ -262,7 +196,7 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
                   : "tuned/CASE.toml is a tuned case. A key in at_bound has its best value "
                     "at a bound of its range: a better one may lie beyond. tuned.csv has all "
                     "digits.");
-  add("table", points_table(table.columns, table.rows, label));
+  add("table", points_table(table.columns, table.rows));
   add_section(sections, "points", has_front ? "Points of the front" : "Tuned values", blocks);
   replace_file(folder / "report.html",
                html_page("tuning", {{"title", "Tuning of " + tuning.scenario},
