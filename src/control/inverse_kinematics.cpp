@@ -32,7 +32,7 @@ const Eigen::VectorXd& LmInverseKinematics::step(const TaskJacobian& J, const Ti
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, c, 0, Eigen::Dynamic, kMost>> weighted(
         weighted_Jt_.data(), weighted_Jt_.rows(), weighted_Jt_.cols());
     const Vector weights = design_.weights;
-    const Vector error = X_e;
+    const Vector error = X_e;  // NOLINT(performance-unnecessary-copy-initialization): of fixed size
     weighted.noalias() = own.transpose() * weights.asDiagonal();
     normal_matrix_.noalias() = weighted.lazyProduct(own);
     step_.noalias() = weighted * error;

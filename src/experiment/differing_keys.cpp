@@ -93,7 +93,7 @@ bool has_own_axis(const Config& config, const Config& other) {
   return !axes.empty() &&
          std::any_of(config.entries().begin(), config.entries().end(), [&](const auto& entry) {
            const std::string axis = axis_of(entry.first);
-           return !axis.empty() && axes.count(axis) == 0;
+           return !axis.empty() && !axes.contains(axis);
          });
 }
 
@@ -102,7 +102,7 @@ std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const fs::path&
   std::vector<ChangedKey> changed;
   if (!catalogue.has<ScenarioKind>(scenario)) return changed;
   try {
-    const ScenarioKind& kind = catalogue.get<ScenarioKind>(scenario);
+    const auto& kind = catalogue.get<ScenarioKind>(scenario);
     const auto file = kind.scenario_file();
     if (!file->has_case(case_name)) return changed;
     const Config shipped = file->config(case_name);

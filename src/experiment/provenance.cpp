@@ -43,6 +43,7 @@ std::string build_id() {
     if (!is_ours) return 0;
     for (const ElfW(Phdr)* segment = object->dlpi_phdr; segment != end; ++segment) {
       if (segment->p_type != PT_NOTE) continue;
+      // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader gives numbers
       const auto* notes = reinterpret_cast<const char*>(object->dlpi_addr + segment->p_vaddr);
       *static_cast<std::string*>(found) += build_id_in(notes, segment->p_memsz, segment->p_align);
     }

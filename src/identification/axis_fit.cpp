@@ -162,6 +162,7 @@ class Problem {
     if (jacobian == nullptr) return true;
     Eigen::Map<Eigen::MatrixXd> J(jacobian, NumResiduals(), NumParameters());
     J.setZero();
+    // NOLINTNEXTLINE(readability-suspicious-call-argument): `free` is rows and columns
     J.block(rows, 0, free, free).diagonal().setConstant(1.0 / prior_std_);
     for (Eigen::Index column = 0; column < free; ++column) {
       J.col(column).head(rows) = slopes.cwiseProduct(derivatives(x, positions, column, column + 1));

@@ -44,6 +44,7 @@ void invert(const Jacobian& J, double tolerance, double below, Inverse J_plus) {
 
 }  // namespace
 
+// NOLINTBEGIN(performance-unnecessary-value-param): a view
 void pseudo_inverse(const Jacobian& J, double tolerance, Inverse J_plus) {
   invert(J, tolerance, 0.0, J_plus);
 }
@@ -51,6 +52,7 @@ void pseudo_inverse(const Jacobian& J, double tolerance, Inverse J_plus) {
 void damped_pseudo_inverse(const Jacobian& J, double tolerance, Inverse J_plus) {
   invert(J, tolerance, 1.0 / (tolerance * tolerance), J_plus);
 }
+// NOLINTEND(performance-unnecessary-value-param)
 
 Eigen::VectorXd singular_values(const Jacobian& J) {
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;

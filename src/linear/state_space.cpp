@@ -95,7 +95,10 @@ void VariableHold::over(double interval_s) {
   constexpr int kMostTerms = 20;  // 0.5²⁰/20! is 4e-25
   int squarings = 0;
   double part_s = interval_s;
-  for (; norm_ * part_s > kSmall; part_s *= 0.5) ++squarings;
+  while (norm_ * part_s > kSmall) {
+    part_s *= 0.5;
+    ++squarings;
+  }
   scaled_ = generator_ * part_s;
   term_.setIdentity();
   transition_.setIdentity();
