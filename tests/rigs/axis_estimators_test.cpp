@@ -10,7 +10,6 @@
 #include "support.h"
 
 namespace breakwater::axis_estimators_test {
-namespace {
 
 NominalAxis one_axis() {
   return {.plant = damped_inertia(1.0, 0.2),
@@ -269,39 +268,4 @@ TEST_P(PublishedOnes, SurviveAnyNumber) {
   }
 }
 
-TEST(PublishedAxisEstimators, RefuseWrongKeys) {
-  struct Row {
-    const char *name, *set, *message;
-  };
-  for (const Row& row : std::vector<Row>{
-           {"immkf", "observer.process_noise=0", "observer.process_noise: must be positive"},
-           {"mhe", "observer.process_noise=0", "observer.process_noise: must be positive"},
-           {"mckf", "observer.initial_covariance=[1,1]", "needs one initial covariance for each"},
-           {"immkf", "observer.likelihood=student", "observer.likelihood: "},
-           {"immkf", "observer.stays_busy=1.5", "observer.stays_busy: "},
-           {"mckf", "observer.kernel_width=0", "observer.kernel_width: "},
-           {"eso", "observer.bandwidth_rad_s=0", "observer.bandwidth_rad_s: "},
-           {"tracking_differentiator", "observer.filter_samples=0", "observer.filter_samples: "},
-           {"vbakf", "observer.forgetting=0", "observer.forgetting: "},
-           {"gsf", "observer.parts=21", "observer.parts: "},
-           {"mhe", "observer.horizon=51", "observer.horizon: "}}) {
-    EXPECT_TRUE(has(complaint_of([&] { make(row.name, {row.set}); }), row.message))
-        << row.name << " " << row.set;
-  }
-}
-
-// An axis with the states of two inertias leaves room for a step of d alone.
-TEST(PublishedAxisEstimators, RefuseMoreStatesThanTheyHave) {
-  NominalAxis axis = one_axis();
-  axis.plant = {Eigen::MatrixXd::Zero(4, 4), Eigen::VectorXd::Unit(4, 1),
-                Eigen::RowVectorXd::Unit(4, 0)};
-  axis.plant.A(0, 1) = axis.plant.A(2, 3) = 1.0;
-  axis.plant.A.row(1) << -100.0, 0.0, 100.0, 0.0;
-  axis.plant.A.row(3) = -axis.plant.A.row(1);
-  axis.E = Eigen::VectorXd::Unit(4, 3);
-  EXPECT_TRUE(has(complaint_of([&] { make("vbakf", {"observer.disturbance_order=1"}, axis); }),
-                  "observer.disturbance_order: must be at most 0"));
-}
-
-}  // namespace
 }  // namespace breakwater::axis_estimators_test

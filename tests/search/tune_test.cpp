@@ -1,15 +1,33 @@
 #include <csignal>
 #include <cstdio>
 
-#include "search/tuning_folder.h"
+#include "study/sweep_folder.h"
 
 namespace breakwater::tune_test {
 namespace fs = std::filesystem;
-using testing::kSmall;
-using testing::kTuning;
 using testing::ProgramResult;
 
-class Tune : public testing::TuningFolder {};
+// Two cases with equal budgets, a constraint on one objective, and a validation.
+const std::string kTuning = testing::text_of(testing::source_file("tests/search/tuning.toml"));
+
+// Two generations of one case.
+const std::string kSmall = testing::text_of(testing::source_file("tests/search/small.toml"));
+
+class Tune : public testing::SweepFolder {
+ protected:
+  ProgramResult tune(const std::string& words, const testing::Moment& when = nullptr,
+                     int signal = SIGKILL) const {
+    return run("ishigami_lab tune " + words, when, signal);
+  }
+  ProgramResult tuned(const std::string& words) const { return done(tune(words)); }
+  void expect_same(const std::string& one, const std::string& other) {
+    for (const char* file :
+         {"results.csv", "front.csv", "hypervolume.csv", "report.html", "front/1.toml"}) {
+      EXPECT_NE(read(one + "/" + file), "") << file;
+      EXPECT_EQ(read(one + "/" + file), read(other + "/" + file)) << file;
+    }
+  }
+};
 
 TEST_F(Tune, WritesAFrontWhosePointsRun) {
   write("t.toml", kTuning);
