@@ -3,9 +3,7 @@
 
 #include <cairo.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,19 +20,6 @@ inline std::string probe(const std::filesystem::path& video, const std::string& 
       property + " " + video.string());
   while (!text.empty() && (text.back() == '\n' || text.back() == ',')) text.pop_back();
   return text;
-}
-
-/// The time of each frame of a video [s], by ffprobe.
-inline std::vector<double> frame_times_s(const std::filesystem::path& video) {
-  std::stringstream lines(
-      output_of("ffprobe -v error -select_streams v:0 -of csv=p=0 -show_entries "
-                "frame=best_effort_timestamp_time " +
-                video.string()));
-  std::vector<double> times;
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.empty()) times.push_back(std::strtod(line.c_str(), nullptr));
-  }
-  return times;
 }
 
 /// A PNG file's pixels: blue, green, red, unused.

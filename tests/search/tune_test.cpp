@@ -1,5 +1,4 @@
 #include <csignal>
-#include <cstdio>
 
 #include "study/sweep_folder.h"
 
@@ -9,9 +8,6 @@ using testing::ProgramResult;
 
 // Two cases with equal budgets, a constraint on one objective, and a validation.
 const std::string kTuning = testing::text_of(testing::source_file("tests/search/tuning.toml"));
-
-// Two generations of one case.
-const std::string kSmall = testing::text_of(testing::source_file("tests/search/small.toml"));
 
 class Tune : public testing::SweepFolder {
  protected:
@@ -127,60 +123,6 @@ TEST_F(Tune, ElementsOfArraysAreSearchedAlone) {
                 .out);
   // The file in the folder gives the same tuning.
   ran("breakwater tune s --quiet");
-}
-
-TEST_F(Tune, ACrashIsAFailedRun) {
-  // x.first is in -3 … 3. Values above 1 end their process; the middle does not.
-  write("t.toml", kSmall + "[set]\n\"trouble.crashes_above\" = 1\n");
-  EXPECT_EQ(tune("t.toml --out once --quiet").status, 128 + SIGABRT);
-  tuned("t.toml --out s --isolate --jobs 2");
-  const auto rows = results("s");
-  std::size_t crashes = 0;
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    const bool has_crashed = std::find(rows[i].begin(), rows[i].end(), "crashed") != rows[i].end();
-    EXPECT_EQ(has_crashed, std::stod(rows[i][5]) > 1.0);
-    crashes += has_crashed;
-  }
-  EXPECT_GT(crashes, 0U);
-  for (const auto& point : results("s", "front.csv")) {
-    if (point[0] != "case") {
-      EXPECT_LE(std::stod(point[3]), 1.0);
-    }
-  }
-  // One process at a time with repeated kills, then a single process, on the same folders.
-  for (const std::size_t count : {3, 8}) {
-    tune("t.toml --out killed --isolate --quiet", has_results("killed", count));
-  }
-  tuned("t.toml --out killed --isolate --jobs 1 --quiet");
-  expect_same("s", "killed");
-  tuned("once --isolate --quiet");
-  expect_same("s", "once");
-  // All runs are done, so nothing runs or crashes.
-  tuned("s --quiet");
-}
-
-TEST_F(Tune, ADryRunSaysHowLongItTakes) {
-  write("t.toml", kTuning + "[set]\n\"trouble.takes_s\" = 0.1\n");
-  const ProgramResult result = tuned("t.toml --out s --dry-run --jobs 2");
-  EXPECT_TRUE(result.out.starts_with(
-      "256 runs: 2 cases, 64 evaluations of each, 2 worlds and seeds together\n"
-      "at most 36 more to validate: 3 of each front in 6\nabout "))
-      << result.out;
-  // 292 runs of slightly more than 0.1 s.
-  double seconds = 0.0;
-  ASSERT_EQ(std::sscanf(result.out.c_str() + result.out.find("about "), "about %lf s on 2 cores",
-                        &seconds),
-            1)
-      << result.out;
-  EXPECT_GE(seconds, 14.6 - 0.05);
-  EXPECT_LT(seconds, 2.0 * 14.6);
-  EXPECT_FALSE(fs::exists(folder_ / "s"));
-  // Trial runs find this fault before the tuning begins.
-  write("t.toml", kTuning + "[set]\n\"trouble.fails_above\" = -1\n");
-  EXPECT_EQ(
-      tune("t.toml --out s --dry-run").err,
-      "tune: warning: plain: the candidate in the middle fails: at 0.5 s: x_1 is too large\n"
-      "tune: warning: noisy: the candidate in the middle fails: at 0.5 s: x_1 is too large\n");
 }
 
 }  // namespace breakwater::tune_test

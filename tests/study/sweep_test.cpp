@@ -1,40 +1,16 @@
-#include <sys/wait.h>
-
-#include <chrono>
 #include <csignal>
-#include <nlohmann/json.hpp>
-#include <thread>
 
 #include <breakwater/cluster/slurm_queue.h>
-#include <breakwater/experiment/provenance.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/shell/child_program.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/study_folder.h>
-#include "environment.h"
 #include "study/sweep_folder.h"
-#include "tables.h"
 
 namespace breakwater::sweep_test {
 namespace fs = std::filesystem;
 using testing::ProgramResult;
 
-class Sweep : public testing::SweepFolder {
- protected:
-  // A sweep at work, with its folder s.
-  ReadProgram begun(const std::string& words,
-                    const std::string& program = "../tests/ishigami_lab") const {
-    std::vector<std::string> all = {(testing::bin_folder() / program).string(), "sweep"};
-    for (const std::string& word : testing::words_in(words)) {
-      all.push_back(word == "s" ? (folder_ / word).string() : word);
-    }
-    return ReadProgram(all, true);
-  }
-  // Until the study s has a result.
-  void wait_for_a_result() const {
-    while (!has_results("s")(0)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-};
+class Sweep : public testing::SweepFolder {};
 
 TEST_F(Sweep, AGridHasOneRowPerRunInOrder) {
   swept(
@@ -189,53 +165,11 @@ TEST_F(Sweep, AStudyGrowsBetweenKillsAndInTasks) {
   EXPECT_EQ(read("s/comparison.csv"), read("whole/comparison.csv"));
 }
 
-TEST_F(Sweep, AStudyAtWorkDoesNotGrow) {
-  const std::string study = "ishigami --set trouble.takes_s=0.1 --out s --vary x.first=";
-  ReadProgram first = begun(study + "lin(0,1,400)");
-  wait_for_a_result();
-  EXPECT_TRUE(has(sweep(study + "lin(0,2,799)").err, " is at this study: it grows after that\n"));
-  first.interrupt();
-  while (first.next()) continue;
-  EXPECT_TRUE(has(sweep(study + "lin(0,2,799) --status").out, " of 799 points are done"));
-}
-
 TEST_F(Sweep, ACrashHasTheKeyOfItsPoint) {
   const std::string run_of = "ishigami --set x.first=3 --set trouble.crashes_above=2 ";
   swept(run_of + "--isolate --out s");
   const std::string config = ran("ishigami_lab run " + run_of + "--print-config").out;
   EXPECT_EQ(results("s").at(1).at(0), point_key(config, {}));
-}
-
-TEST_F(Sweep, APointOfAnotherProcessIsNotTheCrashedOne) {
-  ReadProgram study = begun(
-      "ishigami --vary x.first=lin(-3,3,64) --set trouble.crashes_above=2 --set "
-      "trouble.takes_s=0.04 --isolate --jobs 1 --out s");
-  wait_for_a_result();
-  swept("s --points 50-52");
-  while (study.next()) continue;
-  EXPECT_EQ(study.wait(), 0);
-  std::map<std::string, int> crashes;  // by number of the point
-  for (const auto& entry : fs::directory_iterator(folder_ / "s/shards")) {
-    std::istringstream shard(testing::text_of(entry.path()));
-    for (std::string line; std::getline(shard, line);) {
-      std::istringstream words(line);
-      std::string checksum, kind, number, key, status;
-      words >> checksum >> kind >> number;
-      if (kind == "asked") words >> number;  // behind the hash of what was asked
-      words >> key >> status;
-      if (status == "crashed") ++crashes[number];
-    }
-  }
-  ASSERT_EQ(crashes.size(), 11U);
-  EXPECT_EQ(crashes.begin()->first, "53");
-}
-
-TEST_F(Sweep, TwoProcessesWithTheSamePointsBothSucceed) {
-  swept("ishigami --vary x.first=lin(0,1,24) --set trouble.takes_s=0.03 --print-tasks --out s");
-  ReadProgram first = begun("s --points 0-23 --isolate --jobs 1");
-  swept("s --points 0-23 --isolate --jobs 1");
-  while (first.next()) continue;
-  EXPECT_EQ(first.wait(), 0);
 }
 
 TEST_F(Sweep, AReplayEqualsTheRunOrReportsADifference) {
@@ -252,15 +186,6 @@ TEST_F(Sweep, AReplayEqualsTheRunOrReportsADifference) {
   const ProgramResult differs = sweep("s --replay " + key);
   EXPECT_EQ(differs.status, 3);
   EXPECT_TRUE(has(differs.err, "is not the run of results.csv"));
-}
-
-// 100 000 points with different lengths, whose mean is 2 (first: 0.5, mean: 1).
-TEST_F(Sweep, ADryRunDoesNotLookAtEveryPoint) {
-  const ProgramResult result = sweep(
-      "ishigami --vary x.first=lin(0,1,100) --vary run.duration_s=lin(0.5,1.5,1000) --set "
-      "trouble.takes_s=0.36 --jobs 2 --dry-run");
-  EXPECT_TRUE(has(result.out, "about 10."));  // slightly more than 10 h
-  EXPECT_LT(result.seconds, 20.0);
 }
 
 TEST_F(Sweep, TheRemainingTimeIsEstimatedPerCandidate) {
@@ -298,47 +223,6 @@ TEST_F(Sweep, TwoStudiesCannotBeginInOneFolder) {
   EXPECT_THROW(study.make("a = 2\n", file), std::invalid_argument);
   study.make_anew("a = 2\n", file);
   EXPECT_TRUE(has(read("s/study.toml"), "a = 2\n"));
-}
-
-TEST_F(Sweep, WarnsOfTwoSweepsOfOneStudy) {
-  const std::string study =
-      "ishigami --vary x.first=lin(0,1,400) --set trouble.takes_s=0.1 --jobs 1 --out s";
-  ReadProgram first = begun(study);
-  wait_for_a_result();
-  ReadProgram second = begun(study);
-  std::string said;
-  while (said.find("points may be run twice") == std::string::npos) {
-    const auto line = second.next();
-    if (!line) break;
-    said += *line + "\n";
-  }
-  EXPECT_TRUE(has(said, "is at this study too"));
-  for (ReadProgram* program : {&first, &second}) {
-    program->interrupt();
-    while (program->next()) continue;
-  }
-}
-
-// Each process runs one point, so it alone would not notice the change.
-TEST_F(Sweep, AModelThatChangesBetweenProcessesEndsTheStudy) {
-  fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml");
-  ReadProgram study = begun(
-      "motor_estimation --seeds 1..7 --duration 0.01 --isolate --jobs 1 "
-      "--out s --set model.mjcf=" +
-          (folder_ / "own.xml").string(),
-      "breakwater");
-  wait_for_a_result();
-  std::ofstream(folder_ / "own.xml", std::ios::app) << "<!-- changed -->\n";
-  std::string said;
-  while (const auto line = study.next()) said += *line + "\n";
-  EXPECT_EQ(WEXITSTATUS(study.wait()), 2);
-  EXPECT_TRUE(has(said, "own.xml has changed since"));
-  EXPECT_FALSE(fs::exists(folder_ / "s/results.csv"));
-  // The results have none of the other version.
-  fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml",
-                fs::copy_options::overwrite_existing);
-  ran("breakwater sweep s");
-  EXPECT_EQ(results("s").size(), 8U);
 }
 
 TEST_F(Sweep, AStudyDoesNotContinueWithChangedModels) {
