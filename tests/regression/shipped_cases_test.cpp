@@ -42,7 +42,7 @@ class ShippedCases : public ::testing::TestWithParam<std::string> {};
 
 // The long runs end sooner: at the wall after their impact.
 Sets sooner(const std::string& scenario) {
-  if (scenario == "quadrotor_waves") return {"run.duration_s=60", "metrics.window_s=20"};
+  if (scenario == "quadrotor_waves") return {"run.duration_s=50", "metrics.window_s=20"};
   if (scenario == "impact_test") return {"run.duration_s=0.5"};
   if (scenario != "arm_wall_contact") return {};
   return {"run.duration_s=9", "wall.solid_from_s=2", "force.from_s=3", "metrics.from_s=8",
