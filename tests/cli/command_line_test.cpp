@@ -5,7 +5,6 @@
 #include "cli/program.h"
 
 namespace breakwater::command_line_test {
-namespace fs = std::filesystem;
 using testing::ProgramResult;
 
 using CommandLine = testing::ProgramTest;
@@ -31,19 +30,6 @@ TEST_F(CommandLine, AnInterruptedRunLeavesNothing) {
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_TRUE(entries().empty());
   }
-}
-
-TEST_F(CommandLine, ANewProjectPrintsItsBuildCommands) {
-  const ProgramResult result = ran("breakwater new controller mine");
-  const std::vector<std::string> said = testing::lines_of(result.out);
-  ASSERT_EQ(said.size(), 6U) << result.out;
-  const std::string prefix = said[2].substr(said[2].find(" --prefix ") + 10);
-  const std::string build = prefix.substr(0, prefix.rfind("/installed"));
-  EXPECT_TRUE(fs::exists(build + "/CMakeCache.txt")) << build;
-  EXPECT_EQ(said[2], "cmake --install " + build + " --prefix " + prefix);
-  EXPECT_EQ(said[3], "cd mine && CMAKE_PREFIX_PATH=" + prefix +
-                         " cmake --preset release && cmake --build --preset release && ctest "
-                         "--preset release");
 }
 
 TEST_F(CommandLine, ASignalEndsACompilationSoon) {

@@ -1,16 +1,55 @@
 // Broken scenario files and models are refused in one line, at once, or are legal for a stated
 // reason.
-#include "cli/mutated_input.h"
 #include <breakwater/experiment/runner.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/signals/thread_time.h>
 #include "catalogue.h"
+#include "cli/mutants.h"
+#include "cli/program.h"
 
 namespace breakwater::mutated_input_test {
 namespace fs = std::filesystem;
 using testing::Legal;
 using testing::Mutant;
-using testing::MutatedInput;
+
+constexpr double kAtOnce_s = 1.5 * testing::kSlowness;
+
+class MutatedInput : public ::testing::Test {
+ protected:
+  MutatedInput() { fs::create_directories(folder_); }
+
+  std::string write(const Mutant& mutant, std::size_t number = 0) const {
+    const fs::path path = folder_ / (std::to_string(number) + mutant.file);
+    std::ofstream(path, std::ios::binary) << mutant.text;
+    return path.string();
+  }
+
+  // Invalid: one line and exit 2, at once, nothing left behind. Legal: prints the configuration.
+  void run_program_on(const Mutant& mutant, std::size_t number = 0) const {
+    const fs::path folder = folder_ / ("cwd" + std::to_string(number));
+    fs::create_directory(folder);
+    const std::string path = write(mutant, number);
+    std::vector<std::string> arguments = {"breakwater", "run", mutant.scenario};
+    if (mutant.option == "--config") {
+      arguments.insert(arguments.end(), {"--config", path, "--print-config"});
+    } else {
+      arguments.insert(arguments.end(), {"--print-config", "--set", mutant.option + "=" + path});
+    }
+    const testing::ProgramResult result = testing::run_program(arguments, folder);
+    const bool is_legal = testing::find_legal(mutant) != nullptr;
+    EXPECT_TRUE(result.status == 2 || (is_legal && result.status == 0))
+        << mutant.name() << ": " << result.status << ": " << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), result.status == 2 ? 1 : 0)
+        << mutant.name() << ": " << result.err;
+    EXPECT_EQ(result.out.empty(), result.status == 2) << mutant.name();
+    EXPECT_LT(result.seconds, kAtOnce_s) << mutant.name();
+    EXPECT_TRUE(fs::is_empty(folder)) << mutant.name() << ": left something behind";
+    fs::remove_all(folder);
+    fs::remove(path);
+  }
+
+  const testing::TemporaryPath folder_{"mutants"};
+};
 
 // Reads and checks a run of the mutant like a program before a run. Returns the error message; ""
 // without an error.
@@ -50,7 +89,7 @@ TEST_F(MutatedInput, IsRefusedInOneLineOrLegalForAReason) {
   std::map<const Legal*, std::size_t> legal;
   for (std::size_t i = 0; i < mutants.size(); ++i) {
     const std::string& complaint = complaints[i];
-    EXPECT_LT(seconds[i], testing::kAtOnce_s) << mutants[i].name();
+    EXPECT_LT(seconds[i], kAtOnce_s) << mutants[i].name();
     if (complaint.empty()) {
       const Legal* reason = testing::find_legal(mutants[i]);
       EXPECT_NE(reason, nullptr) << mutants[i].name() << ": is accepted without a reason";
@@ -73,11 +112,12 @@ TEST_F(MutatedInput, IsRefusedInOneLineOrLegalForAReason) {
   EXPECT_GT(mutants.size(), 846U);
 }
 
-// The same with the real program: a sample here, all in the study.
+// The same with the real program. BREAKWATER_MUTANTS=all tries them all, otherwise a sample.
 TEST_F(MutatedInput, ASampleIsHandledByTheProgram) {
   std::vector<Mutant> mutants = testing::all_mutants();
   std::shuffle(mutants.begin(), mutants.end(), std::mt19937(1));
-  for (std::size_t i = 0; i < 60; ++i) run_program_on(mutants[i]);
+  if (std::getenv("BREAKWATER_MUTANTS") == nullptr) mutants.resize(60);
+  on_all_cores(mutants.size(), [&](std::size_t i) { run_program_on(mutants[i], i); });
 }
 
 // One of each kind of legal mutant runs, or fails like a run.

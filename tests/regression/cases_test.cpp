@@ -56,6 +56,11 @@ std::optional<double> number_of(const Recording& run, const std::string& metric)
   return value ? std::optional(std::abs(*value)) : value;
 }
 
+// The metric of each run whose median, or share of the value 1 ("share NAME"), is compared.
+std::string metric_of(const std::string& compared) {
+  return compared.starts_with("share ") ? compared.substr(6) : compared;
+}
+
 // A run of a shipped scenario, or of a plant's file: its scenario is "FILE.toml".
 PreparedRun prepare(const Run& run) {
   if (!run.scenario.ends_with(".toml"))
@@ -67,10 +72,11 @@ PreparedRun prepare(const Run& run) {
 // The runs of a table, each of them once.
 class Runs {
  public:
-  void want(const Run& run, const std::string& metric, bool may_fail) {
+  void want(const Run& run, const std::string& compared, bool may_fail) {
+    const std::string metric = metric_of(compared);
     for (const Run& one : seeds_of(run)) {
       outcomes_[one].numbers[metric];
-      outcomes_[one].may_fail |= may_fail;
+      outcomes_[one].may_fail |= may_fail || metric != compared;
       outcomes_[one].needs_log |= is_of_log(metric);
     }
   }
@@ -98,15 +104,18 @@ class Runs {
     }
   }
   const Outcome& outcome(const Run& run) const { return outcomes_.at(seeds_of(run).front()); }
-  // The median over the seeds; nothing if a run lacks the metric.
-  std::optional<double> number(const Run& run, const std::string& metric) const {
+  // The median over the seeds; nothing if a run lacks the metric. Or the share.
+  std::optional<double> number(const Run& run, const std::string& compared) const {
+    const std::string metric = metric_of(compared);
     std::vector<double> values;
     for (const Run& one : seeds_of(run)) {
       const std::optional<double> value = outcome(one).numbers.at(metric);
-      if (!value) return value;
-      values.push_back(*value);
+      if (!value && metric == compared) return value;
+      values.push_back(value.value_or(0.0));
     }
-    return testing::median(values);
+    if (metric == compared) return testing::median(values);
+    return static_cast<double>(std::count(values.begin(), values.end(), 1.0)) /
+           static_cast<double>(values.size());
   }
 
  private:

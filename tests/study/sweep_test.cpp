@@ -1,45 +1,38 @@
 #include <csignal>
 
-#include <breakwater/cluster/slurm_queue.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/study_folder.h>
-#include "study/sweep_folder.h"
+#include "cli/program.h"
 
 namespace breakwater::sweep_test {
 namespace fs = std::filesystem;
 using testing::ProgramResult;
 
-class Sweep : public testing::SweepFolder {};
+class Sweep : public testing::ProgramTest {
+ protected:
+  // `sweep` of the Ishigami function's program.
+  ProgramResult sweep(const std::string& words, const testing::Moment& when = nullptr,
+                      int signal = 0) const {
+    return run("ishigami_lab sweep " + words, when, signal);
+  }
+  // The same, but it must succeed.
+  ProgramResult swept(const std::string& words) const { return done(sweep(words)); }
 
-TEST_F(Sweep, AGridHasOneRowPerRunInOrder) {
-  swept(
-      "ishigami --case plain,noisy --vary x.first=0.1,0.2 --vary x.second=lin(-1,1,3) "
-      "--seeds 1..2 --out s");
-  const auto rows = results("s");
-  ASSERT_EQ(rows.size(), 1U + 2 * 3 * 2 * 2);
-  EXPECT_EQ(rows[0],
-            (std::vector<std::string>{"point", "case", "seed", "x.first", "x.second", "status",
-                                      "state_hash", "y_1", "positive_x_second_1"}));
-  for (const auto& [row, cells] :
-       {std::pair(1, "plain1 0.1 -1"), std::pair(2, "noisy1 0.1 -1"), std::pair(3, "plain2 0.1 -1"),
-        std::pair(5, "plain1 0.1 0"), std::pair(24, "noisy2 0.2 1")}) {
-    const auto& is = rows[static_cast<std::size_t>(row)];
-    EXPECT_EQ(is[1] + is[2] + " " + is[3] + " " + is[4], cells);
+  // The key of the first point of the study s.
+  std::string first_key() const {
+    const std::string row = lines("s/results.csv").at(1);
+    return row.substr(0, row.find(','));
   }
-  std::set<std::string> keys;
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    keys.insert(rows[i][0]);
-    EXPECT_EQ(rows[i][5], "complete");
-    const double y = std::sin(std::stod(rows[i][3])) +
-                     7 * std::pow(std::sin(std::stod(rows[i][4])), 2) +
-                     0.1 * std::pow(0.5, 4) * std::sin(std::stod(rows[i][3])) +
-                     (rows[i][1] == "noisy" ? 0.1 * std::sin(std::stod(rows[i][2])) : 0.0);
-    EXPECT_EQ(std::stod(rows[i][7]), y);  // 17 digits identify the double
-    EXPECT_EQ(rows[i][8].empty(), std::stod(rows[i][4]) <= 0.0);
+
+  // Runs a study and kills it `kills` times at random moments, then completes it.
+  void run_and_kill(const std::string& words, int kills, double longest_s, unsigned seed) const {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> moment(0.0, longest_s);
+    for (int i = 0; i < kills; ++i) sweep(words, testing::worked_for(moment(random)), SIGKILL);
+    swept(words);
   }
-  EXPECT_EQ(keys.size(), rows.size() - 1);
-}
+};
 
 TEST_F(Sweep, WorkersProcessesAndKillsDoNotChangeTheResults) {
   const std::string study =
@@ -65,30 +58,32 @@ TEST_F(Sweep, WorkersProcessesAndKillsDoNotChangeTheResults) {
   }
 }
 
-TEST_F(Sweep, ARunWithADamagedLineIsRepeated) {
-  const std::string study = "ishigami --vary x.first=lin(0,1,20) --out s --jobs 1";
-  swept(study);
-  const std::string whole = read("s/results.csv");
-  fs::path shard;
-  for (const auto& entry : fs::directory_iterator(folder_ / "s/shards")) shard = entry.path();
-  const std::string text = testing::text_of(shard);
-  std::string damaged = text.substr(0, text.size() - 7);      // the last line is truncated
-  damaged[damaged.find('\n', damaged.size() / 2) + 20] ^= 1;  // and one line is damaged
-  std::ofstream(shard, std::ios::binary) << damaged;
-  EXPECT_TRUE(has(sweep("s --status").out, "18 of 20 points are done"));
-  swept(study);
-  EXPECT_EQ(read("s/results.csv"), whole);
-}
-
-TEST_F(Sweep, AnInterruptionExplainsHowToContinue) {
-  const ProgramResult result =
-      sweep("ishigami --vary x.first=lin(0,1,200) --set trouble.takes_s=0.1 --out s",
-            has_results("s"), SIGINT);
-  EXPECT_EQ(result.status, 130);
-  EXPECT_TRUE(has(result.err, "of 200 points are done; the same command goes on"));
-  EXPECT_FALSE(fs::exists(folder_ / "s/results.csv"));
-  swept("s --collect");
-  EXPECT_LT(results("s").size(), 201U);
+TEST_F(Sweep, WorkersAndKillsDoNotChangeATuning) {
+  const std::string tuning =
+      "tune " + testing::source_file("tests/search/tuning.toml") + " --quiet --jobs ";
+  const auto tune = [&](const std::string& words, const testing::Moment& when = nullptr) {
+    return run("ishigami_lab " + words, when, SIGKILL);
+  };
+  const auto expect_same = [&](const std::string& other) {
+    for (const char* file :
+         {"/results.csv", "/front.csv", "/hypervolume.csv", "/report.html", "/front/1.toml"}) {
+      EXPECT_NE(read("one" + std::string(file)), "") << file;
+      EXPECT_EQ(read("one" + std::string(file)), read(other + file)) << file;
+    }
+  };
+  done(tune(tuning + "1 --out one"));
+  done(tune(tuning + "2 --out two"));
+  expect_same("two");
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> moment(0.005, 0.3);
+  for (int i = 0; i < 20; ++i) {
+    tune(tuning + (i % 2 == 0 ? "1" : "2") + " --out killed", testing::worked_for(moment(random)));
+  }
+  done(tune(tuning + "2 --out killed"));
+  expect_same("killed");
+  // The folder's name alone also works. All runs are done, so nothing runs.
+  done(tune("tune killed"));
+  expect_same("killed");
 }
 
 // Each study of 60 runs or fewer becomes a larger one, which leaves the bytes of that one begun
@@ -141,7 +136,8 @@ TEST_F(Sweep, AStudyGrows) {
     fs::remove_all(folder_ / "s");
     swept(before + " --jobs 2 --out s");
     EXPECT_TRUE(lacks(swept(after + " --jobs 3 --out s").err, "warning")) << after;
-    EXPECT_EQ(lines_of_points() + 1, results("s").size()) << "only new points run: " << after;
+    EXPECT_EQ(lines_of_points() + 1, lines("s/results.csv").size())
+        << "only new points run: " << after;
     const auto grown = outputs();
     EXPECT_EQ(swept("s").err, "");
     fs::remove_all(folder_ / "s");
@@ -169,12 +165,12 @@ TEST_F(Sweep, ACrashHasTheKeyOfItsPoint) {
   const std::string run_of = "ishigami --set x.first=3 --set trouble.crashes_above=2 ";
   swept(run_of + "--isolate --out s");
   const std::string config = ran("ishigami_lab run " + run_of + "--print-config").out;
-  EXPECT_EQ(results("s").at(1).at(0), point_key(config, {}));
+  EXPECT_EQ(first_key(), point_key(config, {}));
 }
 
 TEST_F(Sweep, AReplayEqualsTheRunOrReportsADifference) {
   swept("ishigami --vary x.first=1,2 --out s");
-  const std::string key = results("s").at(1).at(0);
+  const std::string key = first_key();
   swept("s --replay " + key.substr(0, 8));
   EXPECT_TRUE(fs::exists(folder_ / "s/runs" / key / "log.h5"));
   // Simulates a result from another machine.
@@ -207,12 +203,6 @@ TEST_F(Sweep, TheRemainingTimeIsEstimatedPerCandidate) {
   EXPECT_TRUE(has(sweep("s --status").out, "2.0 s of processor time to go"));
 }
 
-TEST_F(Sweep, UnreadableSubmissionsAreNotIgnored) {
-  fs::create_directory(folder_ / "s");
-  write("s/slurm", "no folder");
-  EXPECT_THROW(queued(StudyFolder(folder_ / "s", kSweep), 1), std::invalid_argument);
-}
-
 TEST_F(Sweep, TwoStudiesCannotBeginInOneFolder) {
   const ScenarioFile file(testing::source_file("tests/study/ishigami/ishigami.toml"), "ishigami");
   const StudyFolder study(folder_ / "s", kSweep);
@@ -223,28 +213,6 @@ TEST_F(Sweep, TwoStudiesCannotBeginInOneFolder) {
   EXPECT_THROW(study.make("a = 2\n", file), std::invalid_argument);
   study.make_anew("a = 2\n", file);
   EXPECT_TRUE(has(read("s/study.toml"), "a = 2\n"));
-}
-
-TEST_F(Sweep, AStudyDoesNotContinueWithChangedModels) {
-  fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml");
-  const std::string study =
-      "breakwater sweep motor_estimation --set model.mjcf=own.xml --seeds 1..2 --duration 0.01 "
-      "--out s";
-  ran(study);
-  std::ofstream(folder_ / "own.xml", std::ios::app) << "<!-- changed -->\n";
-  expect_refused(study,
-                 "HERE/s: HERE/own.xml has changed since: go on with what it was begun with, or "
-                 "begin anew with --rerun");
-  // Shards of both versions, of nodes that do not see the same file, say.
-  ModelHashes models = ShardIndex(folder_ / "s/shards", 2).models();
-  models.begin()->second = "0123456789abcdef";
-  Shard(folder_ / "s/shards").add(models);
-  expect_refused(study,
-                 "HERE/s/shards: some results are of another version of HERE/own.xml than others: "
-                 "begin anew with --rerun");
-  expect_refused("breakwater sweep s --collect",
-                 "HERE/s/shards: some results are of another version of HERE/own.xml than others: "
-                 "begin anew with --rerun");
 }
 
 }  // namespace breakwater::sweep_test
