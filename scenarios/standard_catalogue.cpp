@@ -2,7 +2,7 @@
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/rigs/quadrotor_parts.h>
 
-#include "beyond_axes.h"
+#include "axes_catalogue.h"
 
 namespace breakwater {
 
@@ -14,8 +14,6 @@ Catalogue standard_catalogue() {
   for (QuadrotorEstimatorKind& kind : quadrotor_estimators()) catalogue.add(std::move(kind));
   for (QuadrotorControllerKind& kind : quadrotor_controllers()) catalogue.add(std::move(kind));
   catalogue.add(estimate_command());
-  catalogue.add(identified_motor());
-  catalogue.add(identified_two_inertia());
   return catalogue;
 }
 

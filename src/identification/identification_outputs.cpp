@@ -9,6 +9,7 @@
 #include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -24,7 +25,6 @@
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/record/text_outputs.h>
-#include <breakwater/recorded/identified_scenario.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
@@ -57,7 +57,7 @@ struct RecordSource {
 // estimate.toml, a file of `breakwater estimate` with this table, plant, encoder and noise.
 std::string estimate_toml(const Catalogue& catalogue, const Identification& identification,
                           const RecordSource& source) {
-  const IdentifiedPlant plant = identified_plant(identification);
+  const IdentifiedNumbers plant = identified_plant(identification);
   const ScenarioFile file(
       source.config.empty() ? recorded_estimation().file().string() : source.config, "estimate");
   std::vector<std::string> sets = {
@@ -66,16 +66,20 @@ std::string estimate_toml(const Catalogue& catalogue, const Identification& iden
       "csv.input_column=" + toml_string(source.format.input_column),
       "csv.position_column=" + toml_string(source.format.position_column),
       fmt::format("csv.input_acts={}", source.input_acts == InputActs::after ? "after" : "before"),
-      rounding_set(plant.rounding)};
-  const auto set = [&](const char* key, double value) { sets.push_back(number_set(key, value)); };
+      fmt::format("encoder.rounding={}", identification.data.rounding == EncoderRounding::nearest
+                                             ? "nearest"
+                                             : "truncate")};
+  const auto set = [&](const char* key, double value) {
+    sets.push_back(fmt::format("{}={:.12g}", key, value));
+  };
   set("csv.time_scale", source.format.time_scale);
   set("csv.time_std_s", time_step_of(identification.data) / std::sqrt(12.0));
   set("csv.input_scale", source.format.input_scale * identification.fit.values[kTorqueConstant]);
   set("csv.position_scale", source.format.position_scale);
-  set("plant.inertia", plant.inertia);
-  set("plant.viscous_friction", plant.viscous_friction);
-  set("encoder.quantum", plant.quantum);
-  set("noise.std", plant.noise_std);
+  set("plant.inertia", plant.at("inertia"));
+  set("plant.viscous_friction", plant.at("viscous_friction"));
+  set("encoder.quantum", plant.at("quantum"));
+  set("noise.std", plant.at("noise_std"));
   RecordedEstimation estimation(catalogue);
   Fields fields = estimation.fields();
   fields.read(file.config(file.default_case(), sets));
@@ -129,49 +133,57 @@ std::string identified_json(const Identification& identification) {
   return json.dump(2) + "\n";
 }
 
-std::string identified_toml(const Catalogue& catalogue, const Identification& identification,
-                            const IdentifiedScenarioKind& scenario) {
-  const IdentifiedPlant plant = identified_plant(identification);
-  std::vector<std::string> sets = scenario.plant_sets(plant);
-  const std::vector<std::string> others = scenario.other_sets(plant);
+std::string identified_toml(const Catalogue& catalogue, const IdentifiedKeys& scenario,
+                            const IdentifiedNumbers& numbers) {
+  std::vector<std::string> sets = scenario.sets(true, numbers);
+  const std::vector<std::string> others = scenario.sets(false, numbers);
   sets.insert(sets.end(), others.begin(), others.end());
-  const auto file = catalogue.get<ScenarioKind>(scenario.name).scenario_file();
-  return prepare_run(catalogue, scenario.name, *file, scenario.case_name, sets).config_text;
+  const auto file = catalogue.get<ScenarioKind>(scenario.scenario).scenario_file();
+  return prepare_run(catalogue, scenario.scenario, *file, scenario.case_name, sets).config_text;
 }
 
 std::string unknown_text(const ParameterEstimate& estimate) {
   return estimate.reason + ". This would help: " + estimate.excitation;
 }
 
-std::string two_inertia_toml(const Catalogue& catalogue, const Identification& identification,
-                             const IdentifiedTwoInertiaKind& scenario, Side measured) {
+IdentifiedNumbers two_inertia_numbers(const Identification& identification, Side measured) {
+  constexpr double kLongestStep = 0.2;      // step of the physics times the resonance
+  constexpr double kLeastVariance = 1e-14;  // rad², for an encoder without counts and noise
   const AxisData& data = identification.data;
   const AxisValues& values = identification.fit.values;
-  const IdentifiedTwoInertia plant{.linear = {.motor_inertia = values[kMotorInertia],
-                                              .load_inertia = values[kLoadInertia],
-                                              .stiffness = values[kStiffness],
-                                              .damping = values[kDamping],
-                                              .motor_friction = values[kMotorViscous],
-                                              .load_friction = values[kLoadViscous]},
-                                   .backlash = values[kBacklash],
-                                   .motor_coulomb = values[kMotorCoulomb],
-                                   .load_coulomb = values[kLoadCoulomb],
-                                   .delay_s = std::max(0.0, values[kDelay]),
-                                   .period_s = rounded_period(data.period_s),
-                                   .quantum = data.quantum,
-                                   .rounding = data.rounding,
-                                   .noise_std = identification.fit.noise_std,
-                                   .measured = measured};
-  const auto file = catalogue.get<ScenarioKind>(scenario.name).scenario_file();
-  const std::string left_out =
-      values[kOffset] == 0.0
-          ? ""
-          : fmt::format(
-                "# Left out, since this scenario has no constant torque: offset {:.6g} N m\n",
-                values[kOffset]);
-  return left_out +
-         prepare_run(catalogue, scenario.name, *file, scenario.case_name, scenario.sets(plant))
-             .config_text;
+  const TwoInertia linear{.motor_inertia = values[kMotorInertia],
+                          .load_inertia = values[kLoadInertia],
+                          .stiffness = values[kStiffness]};
+  const double period_s = rounded_period(data.period_s), quantum = data.quantum;
+  const double noise_std = identification.fit.noise_std;
+  const double steps = std::ceil(period_s * resonance_rad_s(linear) / kLongestStep);
+  return {{"motor_inertia", linear.motor_inertia},
+          {"load_inertia", linear.load_inertia},
+          {"stiffness", linear.stiffness},
+          {"damping", values[kDamping]},
+          {"motor_friction", values[kMotorViscous]},
+          {"load_friction", values[kLoadViscous]},
+          {"motor_coulomb", values[kMotorCoulomb]},
+          {"load_coulomb", values[kLoadCoulomb]},
+          {"backlash", values[kBacklash]},
+          {"antiresonance_rad_s", antiresonance_rad_s(linear)},
+          {"delay_s", std::max(0.0, values[kDelay])},
+          {"period_s", period_s},
+          {"timestep_s", period_s / std::max(1.0, steps)},
+          {"is_quantised", quantum > 0.0 ? 1.0 : 0.0},
+          {"encoder_gear_ratio", std::numbers::pi / quantum},
+          {"truncates", data.rounding == EncoderRounding::nearest ? 0.0 : 1.0},
+          {"measures_load", measured == Side::load ? 1.0 : 0.0},
+          {"noise_std", noise_std},
+          {"sensor_variance",
+           std::max(kLeastVariance, quantum * quantum / 12.0 + noise_std * noise_std)}};
+}
+
+std::string left_out_of_two_inertia(const Identification& identification) {
+  const double offset = identification.fit.values[kOffset];
+  if (offset == 0.0) return "";
+  return fmt::format("# Left out, since this scenario has no constant torque: offset {:.6g} N m\n",
+                     offset);
 }
 
 constexpr double kNormal99 = 2.5758293035489;
@@ -458,18 +470,20 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   }
   const fs::path& out = folder.path();
   write_text_file(out / "identified.json", identified_json(result));
-  const auto& scenarios = catalogue.all<IdentifiedScenarioKind>();
-  const auto& two_inertias = catalogue.all<IdentifiedTwoInertiaKind>();
-  if (has_two && !two_inertias.empty()) {
+  const IdentifiedKeys scenario = identified_keys(catalogue, arguments.model);
+  if (has_two && !scenario.scenario.empty()) {
+    write_text_file(
+        out / "identified.toml",
+        left_out_of_two_inertia(result) +
+            identified_toml(catalogue, scenario, two_inertia_numbers(result, keys.side)));
+  } else if (!scenario.scenario.empty()) {
     write_text_file(out / "identified.toml",
-                    two_inertia_toml(catalogue, result, two_inertias.front(), keys.side));
-  } else if (!has_two && !scenarios.empty()) {
-    write_text_file(out / "identified.toml", identified_toml(catalogue, result, scenarios.front()));
+                    identified_toml(catalogue, scenario, identified_plant(result)));
     write_text_file(out / "estimate.toml", estimate_toml(catalogue, result,
                                                          {arguments.files.front(), arguments.config,
                                                           keys.format, keys.input_acts}));
-    write_text_file(out / "sweep.toml", identified_sweep(result, scenarios.front()));
-    write_text_file(out / "tune.toml", identified_tuning(result, scenarios.front()));
+    write_text_file(out / "sweep.toml", identified_sweep(result, scenario));
+    write_text_file(out / "tune.toml", identified_tuning(result, scenario));
   }
   write_text_file(out / "report.html",
                   html_page("identification", identification_result(result, warnings, command)));

@@ -5,29 +5,28 @@
 #include <vector>
 
 #include <breakwater/identification/identified_axis.h>
-#include <breakwater/recorded/identified_scenario.h>
+#include <breakwater/identification/identified_keys.h>
 
 namespace breakwater {
 
 /// Jitter leaves the mean interval a little beside a round period: that one.
 double rounded_period(double period_s);
 
-/// The estimate as a plant, in SI units.
-IdentifiedPlant identified_plant(const Identification& identification);
+/// The estimate as the numbers of a plant.
+IdentifiedNumbers identified_plant(const Identification& identification);
 
 /// Plants from the joint distribution of the parameters. It is normal in the scales of the fit. The
 /// deviations are those of the 95 % intervals, the correlations those of the likelihood's
 /// curvature. Friction stays at least 0. The phase of the encoder is uniform over one count. The
 /// same estimate has the same draws, and more draws begin with the same ones. `count` should be a
 /// power of two.
-std::vector<IdentifiedPlant> drawn_plants(const Identification& identification, std::size_t count);
+std::vector<IdentifiedNumbers> drawn_plants(const Identification& identification,
+                                            std::size_t count);
 
 /// sweep.toml, for `breakwater sweep`: draws of the parameters. It stands beside identified.toml.
-std::string identified_sweep(const Identification& identification,
-                             const IdentifiedScenarioKind& scenario);
+std::string identified_sweep(const Identification& identification, const IdentifiedKeys& scenario);
 
 /// tune.toml, for `breakwater tune`: a search over some of the draws. Others validate it.
-std::string identified_tuning(const Identification& identification,
-                              const IdentifiedScenarioKind& scenario);
+std::string identified_tuning(const Identification& identification, const IdentifiedKeys& scenario);
 
 }  // namespace breakwater

@@ -362,13 +362,4 @@ void check_record_format(const Config& config) {
   }
 }
 
-std::string number_set(const char* key, double value) {
-  return fmt::format("{}={:.12g}", key, value);
-}
-
-std::string rounding_set(EncoderRounding rounding) {
-  return rounding == EncoderRounding::nearest ? "encoder.rounding=nearest"
-                                              : "encoder.rounding=truncate";
-}
-
 }  // namespace breakwater

@@ -24,11 +24,6 @@ void bind_record_format(Fields& fields, RecordFormat& format, InputActs& input_a
 /// Refuses scales of 0.
 void check_record_format(const Config& config);
 
-/// "key=value" with 12 digits, for --set.
-std::string number_set(const char* key, double value);
-/// encoder.rounding, for --set.
-std::string rounding_set(EncoderRounding rounding);
-
 /// Compares innovations e with R = Δ²/12 + σ², the variance of the sensor's error, plus that of the
 /// error of the instant. An encoder that truncates has Δ²/3. Estimators' variances have no common
 /// unit.

@@ -284,10 +284,10 @@ TEST(Identification, DrawsHaveTheIntervalsAndTheCorrelations) {
   const Identification found = identify_axis({bench.record(1)}, {}, {});
   std::vector<std::pair<double, double>> frictions;
   double least_phase = 1.0, largest_phase = -1.0;
-  for (const IdentifiedPlant& plant : drawn_plants(found, 1024)) {
-    frictions.emplace_back(plant.viscous_friction, plant.coulomb_friction);
-    least_phase = std::min(least_phase, plant.phase);
-    largest_phase = std::max(largest_phase, plant.phase);
+  for (const IdentifiedNumbers& plant : drawn_plants(found, 1024)) {
+    frictions.emplace_back(plant.at("viscous_friction"), plant.at("coulomb_friction"));
+    least_phase = std::min(least_phase, plant.at("phase"));
+    largest_phase = std::max(largest_phase, plant.at("phase"));
   }
   const Moments drawn = moments(frictions);
   const auto std_of = [&](AxisParameter parameter) {
