@@ -1,47 +1,36 @@
 #include "module.h"
 
+#include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
 #include <map>
 #include <nlohmann/json.hpp>
-#include <utility>
+#include <tuple>
 
 #include <breakwater/study/ranking_text.h>
-#include "arrays.h"
+#include "interpreter.h"
 
 namespace breakwater::python {
 namespace {
 
-// Rows are test conditions, columns candidates.
-Eigen::MatrixXd table(const py::handle& object) {
-  const py::array_t<double> values = numbers(object, "values");
-  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-      values.data(), values.shape(0), values.shape(1));
-}
-
-// `bounds` are (metric, min, max). Equal numbers in `runs` are equal runs, in `blocks` one block.
+// Rows of `metrics`, `failed` and `runs` are test conditions, columns candidates. `bounds` are
+// (metric, min, max). Equal numbers in `runs` are equal runs, in `blocks` one block.
 std::string compare(const std::vector<std::string>& candidates,
-                    const std::map<std::string, py::object>& metrics, const py::object& failed,
-                    const py::object& runs, const std::vector<int>& blocks,
-                    const std::string& metric, const std::string& goal,
+                    const std::map<std::string, Eigen::MatrixXd>& metrics,
+                    const Eigen::MatrixXd& failed, const Eigen::MatrixXi& runs,
+                    const Eigen::VectorXi& blocks, const std::string& metric, bool is_max,
                     const std::vector<std::tuple<std::string, double, double>>& bounds,
                     double share, double confidence) {
-  PairedResults results;
-  results.candidates = candidates;
+  PairedResults results{
+      .candidates = candidates, .failed = failed, .samples = blocks, .runs = runs};
   for (const auto& [name, values] : metrics) {
     results.metrics.push_back(name);
-    results.values.push_back(table(values));
+    results.values.push_back(values);
   }
-  results.failed = table(failed);
-  results.runs = table(runs).cast<int>();
-  results.samples =
-      Eigen::Map<const Eigen::VectorXi>(blocks.data(), static_cast<Eigen::Index>(blocks.size()));
-  Requirement requirement;
+  Requirement requirement{.share = share, .confidence = confidence};
   for (const auto& [name, low, high] : bounds) requirement.bounds.push_back({name, low, high});
-  requirement.share = share;
-  requirement.confidence = confidence;
   const Ranking ranking =
-      rank_candidates(results, metric, goal == "max" ? Goal::max : Goal::min, requirement);
+      rank_candidates(results, metric, is_max ? Goal::max : Goal::min, requirement);
   nlohmann::ordered_json json = ranking_json(ranking);
   constexpr std::size_t kWidth = 100;
   json["text"] = ranking_text(ranking, kWidth);

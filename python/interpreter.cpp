@@ -3,7 +3,8 @@
 #include <cxxabi.h>
 #include <unistd.h>
 
-#include <stdexcept>
+#include <chrono>
+#include <thread>
 
 #include <breakwater/record/interrupted.h>
 
@@ -73,22 +74,6 @@ void obey_signals() {
   if (ending) throw Interrupted();
   const Locked lock;
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-}
-
-void Turn::lock() {
-  if (owner_ == std::this_thread::get_id()) {
-    throw std::invalid_argument("a signal handler cannot use the object that it interrupted");
-  }
-  if (!mutex_.try_lock()) {
-    const Unlocked unlocked;
-    while (!mutex_.try_lock_for(kLook)) obey_signals();
-  }
-  owner_ = std::this_thread::get_id();
-}
-
-void Turn::unlock() {
-  owner_ = std::thread::id();
-  mutex_.unlock();
 }
 
 PyObject* call_python(PyObject* callable, PyObject* const* arguments, std::size_t flags) {

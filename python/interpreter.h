@@ -5,11 +5,6 @@
 #include <pybind11/pybind11.h>
 
 #include <atomic>
-#include <chrono>
-#include <future>
-#include <mutex>
-#include <thread>
-#include <utility>
 
 #include <breakwater/math/float_environment.h>
 
@@ -62,38 +57,12 @@ class Unlocked {
   PyThreadState* state_;
 };
 
-/// The longest time between two looks for Ctrl-C.
-inline constexpr std::chrono::milliseconds kLook(50);
+/// A call that neither takes nor makes objects of Python.
+using Apart = py::call_guard<Call, Unlocked>;
 
 /// Runs Python's signal handlers, which only the main thread has. Throws what they throw, and
 /// Interrupted if the interpreter is about to end. The caller lacks the lock.
 void obey_signals();
-
-/// The mutex of an object that one thread uses at a time. No thread waits for it with the
-/// interpreter's lock, so its owner can always get that lock. Waiting obeys signals.
-class Turn {
- public:
-  /// The caller has the interpreter's lock. Throws std::invalid_argument if this thread has the
-  /// mutex already: then a signal handler uses the object in whose work it was called.
-  void lock();
-  void unlock();
-
- private:
-  std::timed_mutex mutex_;
-  std::atomic<std::thread::id> owner_;
-};
-
-/// Calls `work` without the interpreter's lock, in a thread of its own, and obeys signals
-/// meanwhile. After Ctrl-C the thread finishes alone: `work` owns all that it uses.
-template <typename Work>
-auto apart(Work work) {
-  std::packaged_task<decltype(work())()> task(std::move(work));
-  auto result = task.get_future();
-  const Unlocked unlocked;
-  std::thread(std::move(task)).detach();
-  while (result.wait_for(kLook) != std::future_status::ready) obey_signals();
-  return result.get();
-}
 
 /// Calls a Python object like PyObject_Vectorcall(). The caller has the lock.
 PyObject* call_python(PyObject* callable, PyObject* const* arguments, std::size_t flags);

@@ -1,4 +1,4 @@
-// The compiled part of the Python package. python/breakwater/_core.pyi lists its contents.
+// The compiled part of the Python package. write_stub.py lists its contents.
 #include <dlfcn.h>
 #include <pybind11/pybind11.h>
 
@@ -56,8 +56,6 @@ void translate(std::exception_ptr thrown) {
 
 PYBIND11_MODULE(_core, module) {
   using namespace breakwater::python;  // NOLINT: the module's own
-  pybind11::options options;
-  options.disable_function_signatures();
   set_places();
   breakwater::stop_asked = [] {
     const py::gil_scoped_acquire held;

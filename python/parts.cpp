@@ -1,13 +1,16 @@
 #include "parts.h"
 
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include <breakwater/program/program.h>
 #include <breakwater/record/output_error.h>
@@ -16,41 +19,33 @@
 #include <breakwater/rigs/plant_parts.h>
 #include <breakwater/rigs/quadrotor_parts.h>
 #include <breakwater/shell/did_you_mean.h>
-#include "arrays.h"
 #include "interpreter.h"
 
 namespace breakwater::python {
-namespace {
 
-using Input = Eigen::Ref<const Eigen::VectorXd>;
+const PythonParts* parts_of_program = nullptr;
+
+namespace {
 
 std::string class_name(const py::handle& object) {
   return py::type::of(object).attr("__name__").cast<std::string>();
 }
 
-// For all parts of this process: a program has one set of them.
-PythonErrors errors_of_parts = PythonErrors::pass;
-
-// "ZeroDivisionError: division by zero (law.py:12)"
-std::string one_line(const py::error_already_set& error) {
-  const py::list frames = py::module_::import("traceback").attr("extract_tb")(error.trace());
-  std::string text = error.type().attr("__name__").cast<std::string>() + ": " +
-                     py::str(error.value()).cast<std::string>();
-  if (frames.empty()) return text;
-  const py::object last = frames[frames.size() - 1];
-  const py::object path = py::module_::import("os.path").attr("basename")(last.attr("filename"));
-  return text + " (" + py::str(path).cast<std::string>() + ":" +
-         py::str(last.attr("lineno")).cast<std::string>() + ")";
+// Calls a function of breakwater/parts.py.
+template <typename... Arguments>
+py::object helper(const char* name, Arguments&&... arguments) {
+  return py::module_::import("breakwater.parts").attr(name)(std::forward<Arguments>(arguments)...);
 }
 
 // Calls `body`, which calls Python.
 template <typename Body>
 auto of_python(const std::string& name, const Body& body) {
-  if (errors_of_parts == PythonErrors::pass) return body();
+  if (parts_of_program == nullptr) return body();
   try {
     return body();
   } catch (const py::error_already_set& error) {
-    throw OutputError(name + ": " + one_line(error));
+    const py::object line = helper("line_of", error.value(), error.trace());
+    throw OutputError(name + ": " + line.cast<std::string>());
   }
 }
 
@@ -59,240 +54,199 @@ py::object steal_or_throw(PyObject* result) {
   return py::reinterpret_steal<py::object>(result);
 }
 
+// A pointer that may be released with or without the interpreter's lock.
+template <typename T>
+std::shared_ptr<T> share(T object) {
+  return {new T(std::move(object)), [](T* held) {
+            const Locked lock;
+            delete held;
+          }};
+}
+using SharedObject = std::shared_ptr<py::object>;
+
 // A Python object that a run calls at every sample, with the lock held. It gets new arrays, which
-// it may keep.
+// it may keep. pybind11's own conversions would take several times as long.
 class Part {
  public:
   // `sample_class` is the class of y in breakwater.samples.
-  Part(const py::object& part, const char* sample_class)
+  Part(const py::object& part, const char* sample_class, const py::dict& setup)
       : name_(class_name(part)),
-        part_(share(part)),
-        reset_(share(part.attr("reset"))),
-        update_(share(part.attr("update"))),
-        sample_class_(share(py::module_::import("breakwater.samples").attr(sample_class))),
-        dtype_(share(py::dtype::of<double>())) {}
-
-  const std::string& name() const { return name_; }
-
-  py::object call_update(const py::object& first, const py::object& second) {
-    py::object result = of_python(name_, [&] { return call(update_, first, second); });
-    copy_signals();
-    return result;
-  }
-  void call_reset(const py::object& first, const py::object& second) {
-    of_python(name_, [&] { return call(reset_, first, second); });
+        objects_(share(Objects{part.attr("reset"),
+                               part.attr("update"),
+                               py::module_::import("breakwater.samples").attr(sample_class),
+                               py::dtype::of<double>(),
+                               {}})) {
+    using Entry = std::tuple<std::string, std::string, std::string, py::array>;
+    for (const auto& [name, unit, text, array] :
+         helper("set_up", part, setup).cast<std::vector<Entry>>()) {
+      const std::vector<double> values(static_cast<std::size_t>(array.size()));
+      objects_->published.push_back({name, array, values});
+      signals_.push_back({name, unit, text, objects_->published.back().values});
+    }
     copy_signals();
   }
-  void call_reset(const py::object& state) {
-    of_python(name_, [&] { return py::handle(reset_.get())(state); });
-    copy_signals();
+
+  const std::vector<Signal>& signals() const { return signals_; }
+
+  template <typename... Arguments>
+  void reset(const Arguments&... arguments) {
+    call(objects_->reset, arguments...);
+  }
+
+  // Copies `size` numbers that update() returns. Throws std::invalid_argument.
+  void update(const py::object& first, const py::object& y, double* target, Eigen::Index size,
+              const char* what) {
+    take(call(objects_->update, first, y), target, size, what);
   }
 
   // A new array for y.
   py::object sample(const double* values, Eigen::Index size) const {
-    Py_INCREF(dtype_.get());  // the array takes this reference
+    const py::dtype& dtype = objects_->dtype;
+    Py_INCREF(dtype.ptr());  // the array takes this reference
     const Py_intptr_t shape[] = {size};
     py::object array = steal_or_throw(py::detail::npy_api::get().PyArray_NewFromDescr_(
-        type_of(sample_class_), dtype_.get(), 1, shape, nullptr, nullptr, 0, nullptr));
-    std::memcpy(py::detail::array_proxy(array.ptr())->data, values,
-                static_cast<std::size_t>(size) * sizeof(double));
+        sample_class(), dtype.ptr(), 1, shape, nullptr, nullptr, 0, nullptr));
+    std::memcpy(py::detail::array_proxy(array.ptr())->data, values, bytes(size));
     return array;
-  }
-
-  // Copies `size` numbers that a method returned. Throws std::invalid_argument.
-  void take(const py::handle& result, double* target, Eigen::Index size, const char* what) const {
-    if (size == 1 && PyFloat_Check(result.ptr())) {
-      *target = PyFloat_AS_DOUBLE(result.ptr());
-      return;
-    }
-    if (is_plain_array(result) || Py_IS_TYPE(result.ptr(), type_of(sample_class_))) {
-      const auto* array = py::detail::array_proxy(result.ptr());
-      if (array->descr == dtype_.get() && array->nd == 1 && array->dimensions[0] == size &&
-          array->strides[0] == sizeof(double)) {
-        std::memcpy(target, array->data, static_cast<std::size_t>(size) * sizeof(double));
-        return;
-      }
-    }
-    const std::string returned = name_ + ".update() returned " + what;
-    if (result.is_none()) refuse(result, size, what);
-    const py::array_t<double> values = numbers(result, returned);
-    if (values.size() != size || values.ndim() > 1) refuse(result, size, what);
-    std::memcpy(target, values.data(), static_cast<std::size_t>(size) * sizeof(double));
-  }
-
-  [[noreturn]] void refuse(const py::handle& result, Eigen::Index size, const char* what) const {
-    throw std::invalid_argument(name_ + ".update() returned " + what + ": must be " +
-                                std::to_string(size) + (size == 1 ? " number" : " numbers") +
-                                ", is " + description(result));
-  }
-
-  void set_setup(const py::object& setup) const { py::setattr(part_.get(), "setup", setup); }
-
-  // The result of signals(), a dict NAME: (unit, description, array). Keeps the arrays, and copies
-  // them after each call.
-  std::vector<Signal> signals() {
-    std::vector<Signal> list;
-    const py::object published = py::handle(part_.get()).attr("signals")();
-    const std::string place = name_ + ".signals()";
-    if (!py::isinstance<py::dict>(published)) {
-      throw std::invalid_argument(place + ": must return a dict, is " + description(published));
-    }
-    for (const auto& [key, value] : published.cast<py::dict>()) {
-      const std::string name = utf8(py::str(key), place);
-      const std::string where = place + ": " + name;
-      const bool is_entry = py::isinstance<py::tuple>(value) && py::len(value) == 3;
-      if (!is_entry) {
-        throw std::invalid_argument(where + ": must be a tuple (unit, description, array), is " +
-                                    description(value));
-      }
-      const auto entry = py::reinterpret_borrow<py::tuple>(value);
-      const py::object values = entry[2];
-      if (!is_vector(values)) {
-        throw std::invalid_argument(
-            where + ": must be an array of float64 of one dimension that is written in place, is " +
-            description(values));
-      }
-      const py::ssize_t size = values.cast<py::array>().size();
-      published_.push_back(
-          {where, share(values), std::vector<double>(static_cast<std::size_t>(size))});
-      list.push_back({name, utf8(py::str(entry[0]), where), utf8(py::str(entry[1]), where),
-                      published_.back().values});
-    }
-    copy_signals();
-    return list;
   }
 
  private:
   struct Published {
-    std::string where;
-    SharedObject array;
+    std::string name;
+    py::array array;
     std::vector<double> values;
   };
+  struct Objects {
+    py::object reset;
+    py::object update;
+    py::object sample_class;
+    py::dtype dtype;
+    std::vector<Published> published;
+  };
 
-  static bool is_vector(const py::handle& object) {
-    return py::array_t<double, py::array::c_style>::check_(object) && !is_masked(object) &&
-           py::reinterpret_borrow<py::array>(object).ndim() == 1;
+  static std::size_t bytes(Eigen::Index size) {
+    return static_cast<std::size_t>(size) * sizeof(double);
+  }
+  PyTypeObject* sample_class() const {
+    return reinterpret_cast<PyTypeObject*>(objects_->sample_class.ptr());
+  }
+
+  template <typename... Arguments>
+  py::object call(const py::object& method, const Arguments&... arguments) {
+    PyObject* all[] = {nullptr, arguments.ptr()...};
+    py::object result = of_python(name_, [&] {
+      return steal_or_throw(call_python(method.ptr(), all + 1,
+                                        sizeof...(arguments) | PY_VECTORCALL_ARGUMENTS_OFFSET));
+    });
+    copy_signals();
+    return result;
+  }
+
+  void take(const py::object& result, double* target, Eigen::Index size, const char* what) const {
+    if (size == 1 && PyFloat_Check(result.ptr())) {
+      *target = PyFloat_AS_DOUBLE(result.ptr());
+      return;
+    }
+    if (Py_IS_TYPE(result.ptr(), py::detail::npy_api::get().PyArray_Type_) ||
+        Py_IS_TYPE(result.ptr(), sample_class())) {
+      const auto* array = py::detail::array_proxy(result.ptr());
+      if (array->descr == objects_->dtype.ptr() && array->nd == 1 && array->dimensions[0] == size &&
+          array->strides[0] == sizeof(double)) {
+        std::memcpy(target, array->data, bytes(size));
+        return;
+      }
+    }
+    const auto values =
+        helper("returned", result, size, name_ + ".update() returned " + what).cast<py::array>();
+    std::memcpy(target, values.data(), bytes(size));
   }
 
   // Python may have moved an array, or given it another size or type.
   void copy_signals() {
-    for (Published& signal : published_) {
-      const py::handle object = signal.array.get();
-      const auto* const array = py::detail::array_proxy(object.ptr());
-      const std::size_t size = signal.values.size();
-      if (!is_vector(object) || array->dimensions[0] != static_cast<Py_intptr_t>(size)) {
-        throw std::invalid_argument(signal.where + ": must keep its " + std::to_string(size) +
-                                    " numbers of float64, is " + description(object));
+    for (Published& signal : objects_->published) {
+      const py::array& array = signal.array;
+      const auto size = static_cast<Eigen::Index>(signal.values.size());
+      if (!py::array_t<double, py::array::c_style>::check_(array) || array.ndim() != 1 ||
+          array.size() != size) {
+        helper("refuse_change", array, size, name_ + ".signals(): " + signal.name);
       }
-      if (size > 0) std::memcpy(signal.values.data(), array->data, size * sizeof(double));
+      if (size > 0) std::memcpy(signal.values.data(), array.data(), bytes(size));
     }
   }
 
-  static PyTypeObject* type_of(const SharedObject& type) {
-    return reinterpret_cast<PyTypeObject*>(type.get());
-  }
-
-  static py::object call(const SharedObject& method, const py::object& first,
-                         const py::object& second) {
-    PyObject* arguments[] = {nullptr, first.ptr(), second.ptr()};
-    return steal_or_throw(
-        call_python(method.get(), arguments + 1, 2 | PY_VECTORCALL_ARGUMENTS_OFFSET));
-  }
-
   std::string name_;
-  SharedObject part_;
-  SharedObject reset_;
-  SharedObject update_;
-  SharedObject sample_class_;
-  SharedObject dtype_;
-  std::vector<Published> published_;
+  std::shared_ptr<Objects> objects_;
+  std::vector<Signal> signals_;
 };
-
-py::object namespace_of(const py::dict& entries) {
-  return py::module_::import("types").attr("SimpleNamespace")(**entries);
-}
 
 class PythonController final : public Controller {
  public:
-  PythonController(const py::object& part, const char* sample_class, const py::object& setup,
+  PythonController(const py::object& part, const char* sample_class, const py::dict& setup,
                    const char* command)
-      : part_(part, sample_class), command_(command) {
-    part_.set_setup(setup);
-    signals_ = part_.signals();
-  }
+      : part_(part, sample_class, setup), command_(command) {}
 
   void reset(const Sample& first) override {
     const Locked lock;
-    part_.call_reset(py::float_(first.time_s), part_.sample(first.y.data(), first.y.size()));
+    part_.reset(py::float_(first.time_s), part_.sample(first.y.data(), first.y.size()));
   }
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
     const Locked lock;
-    const py::object result =
-        part_.call_update(py::float_(y.time_s), part_.sample(y.y.data(), y.y.size()));
-    part_.take(result, u.data(), u.size(), command_);
+    part_.update(py::float_(y.time_s), part_.sample(y.y.data(), y.y.size()), u.data(), u.size(),
+                 command_);
   }
-  std::span<const Signal> signals() const override { return signals_; }
+  std::span<const Signal> signals() const override { return part_.signals(); }
 
  private:
   Part part_;
   const char* command_;
-  std::vector<Signal> signals_;
 };
 
 class PythonAxisEstimator final : public DisturbanceEstimator {
  public:
-  PythonAxisEstimator(const py::object& part, const NominalAxis& axis, const py::object& setup)
-      : part_(part, "AxisSample"),
+  PythonAxisEstimator(const py::object& part, const NominalAxis& axis, const py::dict& setup)
+      : part_(part, "AxisSample", setup),
         states_(axis.plant.states()),
         inputs_(axis.plant.inputs()),
-        estimate_(Eigen::VectorXd::Zero(states_ + inputs_)) {
-    part_.set_setup(setup);
-    signals_ = part_.signals();
-  }
+        estimate_(Eigen::VectorXd::Zero(states_ + inputs_)) {}
 
   void reset(const Vector& x) override {
     const Locked lock;
     estimate_ << x, Eigen::VectorXd::Zero(inputs_);
-    part_.call_reset(array(x));
+    part_.reset(py::cast(Eigen::VectorXd(x)));
   }
   void update(const Vector& held_input, const Vector& y) override {
     const Locked lock;
-    const py::object result =
-        part_.call_update(array(held_input), part_.sample(y.data(), y.size()));
-    part_.take(result, estimate_.data(), estimate_.size(),
-               states_ == 2 ? "[position, velocity, disturbance]" : "[state, disturbances]");
+    part_.update(py::cast(Eigen::VectorXd(held_input)), part_.sample(y.data(), y.size()),
+                 estimate_.data(), estimate_.size(),
+                 states_ == 2 ? "[position, velocity, disturbance]" : "[state, disturbances]");
   }
   View state() const override { return {estimate_.data(), states_}; }
   View disturbance() const override { return {estimate_.data() + states_, inputs_}; }
-  std::span<const Signal> signals() const override { return signals_; }
+  std::span<const Signal> signals() const override { return part_.signals(); }
 
  private:
   Part part_;
   Eigen::Index states_;
   Eigen::Index inputs_;
   Eigen::VectorXd estimate_;
-  std::vector<Signal> signals_;
 };
 
 class PythonQuadrotorEstimator final : public QuadrotorEstimator {
  public:
-  PythonQuadrotorEstimator(const py::object& part, const py::object& setup)
-      : part_(part, "QuadrotorSample") {
-    part_.set_setup(setup);
-  }
+  PythonQuadrotorEstimator(const py::object& part, const py::dict& setup)
+      : part_(part, "QuadrotorSample", setup) {}
 
   void reset(const Vector6d& pose) override {
     const Locked lock;
     motion_ << pose, Vector6d::Zero();
     force_.setZero();
-    part_.call_reset(array(Input(pose)));
+    part_.reset(py::cast(pose));
   }
   void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
     const Locked lock;
-    const py::object result =
-        part_.call_update(array(Input(held_thrusts)), part_.sample(pose.data(), pose.size()));
     Eigen::Matrix<double, 15, 1> values;
-    part_.take(result, values.data(), 15, "[pose, its rate, force]");
+    part_.update(py::cast(held_thrusts), part_.sample(pose.data(), pose.size()), values.data(), 15,
+                 "[pose, its rate, force]");
     motion_ = values.head<12>();
     force_ = values.tail<3>();
   }
@@ -312,84 +266,70 @@ class PythonQuadrotorEstimator final : public QuadrotorEstimator {
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
 };
 
-py::object setup_of(const ArmSetup& arm) {
-  return namespace_of(py::dict(
-      py::arg("period_s") = arm.period_s,
-      py::arg("chain") = *arm.chain.planar(),  // a plant has another kind
-      py::arg("torque_limit_Nm") = array(Input(arm.acceleration.torque_limit_Nm)),
-      py::arg("nominal_inertia_kgm2") = array(Input(arm.acceleration.nominal_inertia_kgm2)),
-      py::arg("start_angles_rad") = array(Input(arm.task.start_angles_rad)),
-      py::arg("start_pose") = array(Input(arm.task.start_pose)),
-      py::arg("force_control_from_s") = arm.task.force_control_from_s,
-      py::arg("force_reference_N") = arm.task.force_reference_N,
-      py::arg("convert_gain_N_m") = arm.task.convert_gain_N_m));
+py::dict setup_of(const ArmSetup& arm) {
+  return py::dict(py::arg("period_s") = arm.period_s,
+                  py::arg("chain") = *arm.chain.planar(),  // a plant has another kind
+                  py::arg("torque_limit_Nm") = arm.acceleration.torque_limit_Nm,
+                  py::arg("nominal_inertia_kgm2") = arm.acceleration.nominal_inertia_kgm2,
+                  py::arg("start_angles_rad") = arm.task.start_angles_rad,
+                  py::arg("start_pose") = arm.task.start_pose,
+                  py::arg("force_control_from_s") = arm.task.force_control_from_s,
+                  py::arg("force_reference_N") = arm.task.force_reference_N,
+                  py::arg("convert_gain_N_m") = arm.task.convert_gain_N_m);
 }
 
-py::object setup_of(const NominalAxis& axis) {
-  return namespace_of(py::dict(
-      py::arg("period_s") = axis.period_s, py::arg("A") = matrix_array(axis.plant.A),
-      py::arg("B") = matrix_array(axis.plant.B), py::arg("C") = matrix_array(axis.plant.C),
-      py::arg("force_limit") = axis.force_limit,
-      py::arg("quantum") = array(Input(axis.sensor.quantum)),
-      py::arg("noise_std") = array(Input(axis.sensor.noise_std)), py::arg("joint") = axis.joint));
+py::dict setup_of(const NominalAxis& axis) {
+  return py::dict(py::arg("period_s") = axis.period_s, py::arg("A") = axis.plant.A,
+                  py::arg("B") = axis.plant.B, py::arg("C") = axis.plant.C,
+                  py::arg("force_limit") = axis.force_limit,
+                  py::arg("quantum") = axis.sensor.quantum,
+                  py::arg("noise_std") = axis.sensor.noise_std, py::arg("joint") = axis.joint);
 }
 
-template <typename Function>
-py::cpp_function function_of_time(const char* name, const Function& function) {
-  return [name, function](const py::args& given, const py::kwargs& named) -> py::object {
-    if (given.size() != 1 || !named.empty()) throw py::type_error(std::string(name) + "() takes t");
-    return function(number(given[0], "t"));
-  };
+py::cpp_function function_of_time(const Reference& reference) {
+  return [reference](double t) { return reference.at(t); };
 }
 
-void add_force(const py::object& setup, const ForceTask& force) {
-  if (!force.is_there()) return;
-  setup.attr("force_reference") = function_of_time(
-      "force_reference",
-      [reference = force.reference](double t) { return py::float_(reference.at(t)); });
+void add_force(const py::dict& setup, const ForceTask& force) {
+  if (force.is_there()) setup["force_reference"] = function_of_time(force.reference);
 }
 
-py::object setup_of(const AxisTask& task) {
-  py::object setup = setup_of(task.axis);
+py::dict setup_of(const AxisTask& task) {
+  py::dict setup = setup_of(task.axis);
   add_force(setup, task.force);
-  setup.attr("start_state") = array(Input(task.start_state));
-  setup.attr("reference") = function_of_time(
-      "reference",
-      [reference = task.modelled_reference()](double t) { return py::float_(reference.at(t)); });
+  setup["start_state"] = task.start_state;
+  setup["reference"] = function_of_time(task.modelled_reference());
   return setup;
 }
 
-py::object setup_of(const PlantTask& task) {
-  py::object setup = setup_of(task.whole);
+py::dict setup_of(const PlantTask& task) {
+  py::dict setup = setup_of(task.whole);
   add_force(setup, task.force);
-  setup.attr("names") = task.names;
-  setup.attr("pose") = array(Input(task.pose));
-  setup.attr("to_states") = matrix_array(task.to_states);
-  setup.attr("held_input") = array(Input(task.held_input));
-  setup.attr("force_limit") = array(Input(task.limit));
+  setup["names"] = task.names;
+  setup["pose"] = task.pose;
+  setup["to_states"] = task.to_states;
+  setup["held_input"] = task.held_input;
+  setup["force_limit"] = task.limit;
   std::vector<Reference> references;
   for (const AxisTask& axis : task.axes) references.push_back(axis.measured_reference());
-  setup.attr("reference") = function_of_time("reference", [references](double t) {
+  setup["reference"] = py::cpp_function([references](double t) {
     Eigen::VectorXd values(static_cast<Eigen::Index>(references.size()));
-    for (std::size_t i = 0; i < references.size(); ++i) {
-      values(static_cast<Eigen::Index>(i)) = references[i].at(t);
-    }
-    return array(Input(values));
+    std::ranges::transform(references, values.data(), [t](const auto& one) { return one.at(t); });
+    return values;
   });
   return setup;
 }
 
-py::object setup_of(const QuadrotorTask& task) {
+py::dict setup_of(const QuadrotorTask& task) {
   const QuadrotorParameters& plant = task.plant.parameters();
-  return namespace_of(py::dict(
-      py::arg("period_s") = task.period_s, py::arg("reference_m") = array(Input(task.reference_m)),
-      py::arg("mass_kg") = plant.moving_mass_kg(),
-      py::arg("inertia_kgm2") = array(Input(plant.inertia_kgm2)),
-      py::arg("net_weight_N") = plant.net_weight_N(),
-      py::arg("thrust_limit_N") = plant.thrust_limit_N,
-      py::arg("thruster_matrix") = matrix_array(thruster_matrix(plant.thruster_arm_m)),
-      py::arg("position_std_m") = task.position_std_m,
-      py::arg("angle_std_rad") = task.angle_std_rad));
+  return py::dict(py::arg("period_s") = task.period_s, py::arg("reference_m") = task.reference_m,
+                  py::arg("mass_kg") = plant.moving_mass_kg(),
+                  py::arg("inertia_kgm2") = plant.inertia_kgm2,
+                  py::arg("net_weight_N") = plant.net_weight_N(),
+                  py::arg("thrust_limit_N") = plant.thrust_limit_N,
+                  py::arg("thruster_matrix") = thruster_matrix(plant.thruster_arm_m),
+                  py::arg("position_std_m") = task.position_std_m,
+                  py::arg("angle_std_rad") = task.angle_std_rad);
 }
 
 // A kind whose parts `make` makes with the lock held.
@@ -405,10 +345,6 @@ Kind kind_of(const std::string& name, Make make) {
   return kind_of<Kind>(static_cast<const Kind*>(nullptr), name, make);
 }
 
-py::object object_of(const SharedObject& part) {
-  return py::reinterpret_borrow<py::object>(part.get());
-}
-
 // A controller that gets samples of the class `sample_class`, or `with_force` where there is a tip.
 template <typename Kind, typename Task>
 Kind controller_kind(const std::string& name, const SharedObject& part, const char* sample_class,
@@ -416,8 +352,8 @@ Kind controller_kind(const std::string& name, const SharedObject& part, const ch
   return kind_of<Kind>(name, [=](const Task& task, const auto&... /*estimator*/) {
     bool has_force = false;
     if constexpr (requires { task.force; }) has_force = task.force.is_there();
-    return std::make_unique<PythonController>(
-        object_of(part), has_force ? with_force : sample_class, setup_of(task), command);
+    return std::make_unique<PythonController>(*part, has_force ? with_force : sample_class,
+                                              setup_of(task), command);
   });
 }
 
@@ -429,9 +365,8 @@ AxisControllerKind axis_controller(const std::string& name, const SharedObject& 
 AxisEstimatorKind axis_estimator(const std::string& name, const SharedObject& part) {
   return kind_of<AxisEstimatorKind>(name, [part](const NominalAxis& axis) {
     // Each joint of an arm has its own.
-    const py::object own = axis.joint == 0
-                               ? object_of(part)
-                               : py::module_::import("copy").attr("deepcopy")(object_of(part));
+    const py::object own =
+        axis.joint == 0 ? *part : py::module_::import("copy").attr("deepcopy")(*part);
     return std::make_unique<PythonAxisEstimator>(own, axis, setup_of(axis));
   });
 }
@@ -443,11 +378,9 @@ const Catalogue& shipped_parts() {
   return all;
 }
 
-PythonParts::PythonParts(const Catalogue& standard, const py::object& controller,
-                         const py::object& estimator, const py::dict& controllers,
-                         const py::dict& estimators, PythonErrors errors)
-    : catalogue_(standard) {
-  errors_of_parts = errors;
+PythonParts::PythonParts(const py::tuple& parts) : catalogue_(shipped_parts()) {
+  const py::object controller = parts[0];
+  const py::object estimator = parts[1];
   if (!controller.is_none()) {
     controller_ = class_name(controller);
     const SharedObject part = share(controller);
@@ -464,21 +397,21 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
     const SharedObject part = share(estimator);
     catalogue_.add(axis_estimator(estimator_, part));
     catalogue_.add(kind_of<QuadrotorEstimatorKind>(estimator_, [part](const QuadrotorTask& task) {
-      return std::make_unique<PythonQuadrotorEstimator>(object_of(part), setup_of(task));
+      return std::make_unique<PythonQuadrotorEstimator>(*part, setup_of(task));
     }));
   }
   // Two axes may have objects of one class.
-  const auto choose = [this](const py::dict& parts, const char* key, auto&& kind) {
-    for (const auto& [name, part] : parts) {
-      const std::string axis = utf8(name, key);
+  const auto choose = [this](const py::dict& given, const char* key, auto&& kind) {
+    for (const auto& [name, part] : given) {
+      const std::string axis = py::cast<std::string>(name);
       axes_.push_back(axis);
       const std::string its_name = class_name(part) + "_" + axis;
       catalogue_.add(kind(its_name, share(py::reinterpret_borrow<py::object>(part))));
       sets_of_axes_.push_back("axis." + axis + "." + key + "=\"" + its_name + "\"");
     }
   };
-  choose(controllers, "controller.name", axis_controller);
-  choose(estimators, "observer.name", axis_estimator);
+  choose(parts[2], "controller.name", axis_controller);
+  choose(parts[3], "observer.name", axis_estimator);
 }
 
 void PythonParts::check_axes(const std::vector<std::string>& names) const {

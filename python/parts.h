@@ -3,7 +3,6 @@
 
 #include <pybind11/pybind11.h>
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,23 +14,18 @@ namespace py = pybind11;
 /// The catalogue of the `breakwater` program.
 const Catalogue& shipped_parts();
 
-/// An exception in Python passes through, or becomes an OutputError of one line, which ends a
-/// program.
-enum class PythonErrors { pass, one_line };
-
-/// The catalogue with `controller` and `estimator`, each an object or None, as kinds for every rig.
-/// Their names are those of their classes. `controllers` and `estimators` have an object for each
-/// named axis of a plant, with the name CLASS_AXIS. Throws std::invalid_argument if such a kind
-/// exists.
+/// The shipped catalogue with (controller, estimator, controllers, estimators) of Python, as kinds
+/// for every rig. The first two are objects or None, and their names are those of their classes.
+/// The others are dicts with an object for each named axis of a plant, with the name CLASS_AXIS.
+/// Throws std::invalid_argument if such a kind exists.
 ///
 /// Each object has `update` and `reset`. Before a run is checked or made, the rig sets its
-/// attribute `setup` and calls `signals()`. Its exceptions leave the run unchanged. A wrong return
-/// value is an std::invalid_argument.
+/// attribute `setup` and calls `signals()`. Its exceptions leave the run unchanged, but in a
+/// program they become an OutputError of one line. A wrong return value is an
+/// std::invalid_argument.
 class PythonParts {
  public:
-  PythonParts(const Catalogue& standard, const py::object& controller, const py::object& estimator,
-              const py::dict& controllers, const py::dict& estimators,
-              PythonErrors errors = PythonErrors::pass);
+  explicit PythonParts(const py::tuple& parts);
 
   const Catalogue& catalogue() const { return catalogue_; }
 
@@ -48,5 +42,8 @@ class PythonParts {
   std::vector<std::string> axes_;  // the axes with an object of their own
   std::vector<std::string> sets_of_axes_;
 };
+
+/// The parts of a process that is a program.
+extern const PythonParts* parts_of_program;
 
 }  // namespace breakwater::python

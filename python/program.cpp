@@ -19,8 +19,6 @@
 namespace breakwater::python {
 namespace {
 
-const PythonParts* parts_of_program = nullptr;
-
 // Calls `sweep` or `tune`. The caller has the interpreter's lock.
 int call(const std::vector<std::string>& words) {
   std::vector<const char*> argv;
@@ -53,22 +51,17 @@ pid_t copy(const std::vector<std::string>& words, int output) {
 void bind_program(py::module_& module) {
   module.def(
       "program",
-      [](const std::vector<std::string>& words, const std::string& hash,
-         const py::object& controller, const py::object& estimator, const py::dict& controllers,
-         const py::dict& estimators) {
-        const PythonParts parts(shipped_parts(), controller, estimator, controllers, estimators,
-                                PythonErrors::one_line);
+      [](const std::vector<std::string>& words, const std::string& hash, const py::tuple& given) {
+        const PythonParts parts(given);
         parts_of_program = &parts;
         own_parts = hash;
         start_copy = copy;
         return call(words);
       },
       OwnCall());
-  module.def("choices", [](const std::string& target, const py::object& controller,
-                           const py::object& estimator, const py::dict& controllers,
-                           const py::dict& estimators) {
-    return PythonParts(shipped_parts(), controller, estimator, controllers, estimators)
-        .choices(is_scenario_file(target) ? scenario_name_in(shipped_parts(), target) : target);
+  module.def("choices", [](const std::string& target, const py::tuple& parts) {
+    return PythonParts(parts).choices(
+        is_scenario_file(target) ? scenario_name_in(shipped_parts(), target) : target);
   });
 }
 

@@ -1,6 +1,7 @@
 #include "module.h"
 
 #include <fmt/format.h>
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -10,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <breakwater/config/config.h>
@@ -17,7 +19,6 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/program/program.h>
 #include <breakwater/shell/did_you_mean.h>
-#include "arrays.h"
 #include "interpreter.h"
 #include "parts.h"
 
@@ -36,7 +37,7 @@ struct OwnRun {
 // A run's folder. Its signals are read by one thread at a time.
 struct FolderRun : SavedRun {
   using SavedRun::SavedRun;
-  Turn turn;
+  std::mutex mutex;
 };
 
 // The caller lacks the interpreter's lock. Debian's HDF5 is thread-safe: h5py may use it meanwhile.
@@ -46,9 +47,8 @@ void write(const OwnRun& own, RunFolder& folder, LogStream* stream = nullptr) {
 
 OwnRun run(const std::string& scenario_or_file, const std::optional<std::string>& case_name,
            const std::optional<std::string>& other_config, std::vector<std::string> sets,
-           const py::object& controller, const py::object& estimator, const py::dict& controllers,
-           const py::dict& estimators, const std::optional<std::string>& out) {
-  const PythonParts parts(shipped_parts(), controller, estimator, controllers, estimators);
+           const py::tuple& of_python, const std::optional<std::string>& out) {
+  const PythonParts parts(of_python);
   OwnRun own;
   std::optional<RunFolder> folder;
   std::unique_ptr<LogStream> stream;
@@ -96,153 +96,117 @@ std::vector<std::string> warnings(const OwnRun& own, bool has_python_parts) {
   return lines;
 }
 
-py::dict dict_of(const std::vector<Metric>& metrics) {
+// The facts that both kinds of runs have. `run` has metrics, the absent ones and the failure.
+py::dict facts(const std::string& scenario, const std::string& case_name,
+               const std::string& config_text, const std::string& state_hash,
+               const std::vector<Metric>& metrics, const std::vector<AbsentMetric>& absent,
+               const std::optional<Failure>& failure) {
   py::dict values;
   for (const Metric& metric : metrics) values[py::str(metric.name)] = metric.value;
-  return values;
-}
-
-py::dict reasons_of(const std::vector<AbsentMetric>& absent) {
   py::dict reasons;
   for (const AbsentMetric& metric : absent) reasons[py::str(metric.name)] = metric.reason;
-  return reasons;
-}
-
-py::object failure_of(const std::optional<Failure>& failure) {
-  if (!failure) return py::none();
-  return py::make_tuple(failure->time_s, failure->reason);
+  py::object end = py::none();
+  if (failure) end = py::make_tuple(failure->time_s, failure->reason);
+  return py::dict(py::arg("scenario") = scenario, py::arg("case") = case_name,
+                  py::arg("config_text") = config_text, py::arg("state_hash") = state_hash,
+                  py::arg("metrics") = values, py::arg("absent") = reasons,
+                  py::arg("failure") = end, py::arg("is_cut") = failure && failure->is_cut);
 }
 
 // (group, name, unit, description, width) of each signal, without time bases.
-py::list signals_of(const Recording& recording) {
-  py::list list;
-  for (const Track& track : recording.tracks) {
-    for (std::size_t i = 0; i < track.signals(); ++i) {
-      const Signal& signal = track.signal(i);
-      list.append(py::make_tuple(track.name(), signal.name, signal.unit, signal.description,
-                                 signal.values.size()));
+using SignalFacts = std::tuple<std::string, std::string, std::string, std::string, std::size_t>;
+
+py::dict facts_of_own(const OwnRun& own) {
+  const Recording& all = own.recording;
+  py::dict known =
+      facts(own.prepared.scenario->name(), own.prepared.case_name, own.prepared.config_text,
+            fmt::format("{:016x}", all.state_hash), all.metrics, all.absent, all.failure);
+  std::vector<SignalFacts> list;
+  for (const Track& track : all.tracks) {
+    for (const Signal& signal : track.all_signals()) {
+      list.emplace_back(track.name(), signal.name, signal.unit, signal.description,
+                        signal.values.size());
     }
   }
-  return list;
+  known["signals"] = list;
+  known["is_streamed"] = all.tracks.front().is_streamed();
+  return known;
 }
 
-// The rows of one signal of a track, in place.
-py::array array_of(const py::object& self, const std::string& group, const std::string& name) {
-  constexpr auto kSize = static_cast<py::ssize_t>(sizeof(double));
+py::dict facts_of_saved(const FolderRun& run) {
+  py::dict known = facts(run.scenario(), run.case_name(), run.config_text(), run.state_hash(),
+                         run.metrics(), run.absent(), run.failure());
+  std::vector<SignalFacts> list;
+  for (const LogEntry& entry : run.signals()) {
+    list.emplace_back(entry.group, entry.name, entry.unit, entry.description, entry.width);
+  }
+  known["signals"] = list;
+  known["notes"] = run.notes();
+  known["warnings"] = run.warnings();
+  return known;
+}
+
+// A read-only view of rows × width values without a copy. It keeps `owner`, which has them, alive.
+py::array view_of(const double* data, std::size_t rows, std::size_t width, std::size_t row_values,
+                  const py::object& owner) {
+  py::array view(py::dtype::of<double>(), {rows, width},
+                 {row_values * sizeof(double), sizeof(double)}, data, owner);
+  py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return view;
+}
+
+// The rows of one signal of a track, in place. Python has checked its name.
+py::array array_of_own(const py::object& self, const std::string& group, const std::string& name) {
   const Track& track = self.cast<const OwnRun&>().recording.track(group);
   std::size_t column = 0;
   std::size_t width = 1;
   if (name != "time_s") {
-    column = 1;
-    std::size_t i = 0;
-    while (i < track.signals() && track.signal(i).name != name) {
-      column += track.signal(i++).values.size();
+    for (const Signal& signal : track.all_signals()) {
+      column += width;
+      width = signal.values.size();
+      if (signal.name == name) break;
     }
-    if (i == track.signals()) throw py::key_error(group + "/" + name);
-    width = track.signal(i).values.size();
   }
-  const auto rows = static_cast<py::ssize_t>(track.rows());
-  if (rows == 0) {
-    std::vector<py::ssize_t> shape = {0};
-    if (width > 1) shape.push_back(static_cast<py::ssize_t>(width));
-    return py::array_t<double>(shape);
-  }
-  const auto stride = static_cast<py::ssize_t>(track.row(0).size()) * kSize;
-  const double* const data = track.row(0).data() + column;
-  if (width == 1) return view_of(data, {rows}, {stride}, self);
-  return view_of(data, {rows, static_cast<py::ssize_t>(width)}, {stride, kSize}, self);
+  if (track.rows() == 0) return py::array_t<double>(std::vector<std::size_t>{0, width});
+  const std::span<const double> first = track.row(0);
+  return view_of(&first[column], track.rows(), width, first.size(), self);
 }
 
-void save(const OwnRun& own, const std::string& folder) {
-  const Unlocked unlocked;
-  RunFolder target(folder);
-  write(own, target);
-}
-
-py::array array_of_saved(const py::object& self, const std::string& path) {
-  constexpr auto kSize = static_cast<py::ssize_t>(sizeof(double));
+py::array array_of_saved(const py::object& self, const std::string& group,
+                         const std::string& name) {
   const LoggedSignal& signal = [&]() -> const LoggedSignal& {
     auto& run = self.cast<FolderRun&>();
-    const std::lock_guard lock(run.turn);
     const Unlocked unlocked;
-    return run.dataset(path);
+    const std::lock_guard lock(run.mutex);
+    return run.dataset(group + "/" + name);
   }();
-  const auto rows = static_cast<py::ssize_t>(signal.rows);
-  const auto width = static_cast<py::ssize_t>(signal.width);
-  if (width == 1) return view_of(signal.values.data(), {rows}, {kSize}, self);
-  return view_of(signal.values.data(), {rows, width}, {width * kSize, kSize}, self);
-}
-
-py::list signals_of(const SavedRun& run) {
-  py::list list;
-  for (const LogEntry& entry : run.signals()) {
-    list.append(
-        py::make_tuple(entry.group, entry.name, entry.unit, entry.description, entry.width));
-  }
-  return list;
+  return view_of(signal.values.data(), signal.rows, signal.width, signal.width, self);
 }
 
 }  // namespace
 
 void bind_runs(py::module_& module) {
-  bind_class<OwnRun>(module, "OwnRun")
-      .def_property_readonly("scenario",
-                             [](const OwnRun& own) { return own.prepared.scenario->name(); })
-      .def_property_readonly("case", [](const OwnRun& own) { return own.prepared.case_name; })
-      .def_property_readonly("config_text",
-                             [](const OwnRun& own) { return own.prepared.config_text; })
-      .def_property_readonly("metrics",
-                             [](const OwnRun& own) { return dict_of(own.recording.metrics); })
-      .def_property_readonly("absent",
-                             [](const OwnRun& own) { return reasons_of(own.recording.absent); })
-      .def_property_readonly("costs",
-                             [](const OwnRun& own) { return dict_of(own.recording.costs); })
-      .def_property_readonly("failure",
-                             [](const OwnRun& own) { return failure_of(own.recording.failure); })
-      .def_property_readonly(
-          "state_hash",
-          [](const OwnRun& own) { return fmt::format("{:016x}", own.recording.state_hash); })
-      .def_property_readonly("signals", [](const OwnRun& own) { return signals_of(own.recording); })
-      .def_property_readonly("is_cut", [](const OwnRun&) { return false; })
-      .def_property_readonly(
-          "is_streamed",
-          [](const OwnRun& own) { return own.recording.tracks.front().is_streamed(); })
+  py::class_<OwnRun>(module, "OwnRun")
+      .def_property_readonly("facts", facts_of_own)
       .def("warnings", warnings)
+      .def("array", array_of_own, OwnCall())
       .def(
-          "array",
-          [](const py::object& self, const std::string& group, const std::string& name) {
-            return array_of(self, group, name);
+          "save",
+          [](const OwnRun& own, const std::string& folder) {
+            RunFolder target(folder);
+            write(own, target);
           },
-          OwnCall())
-      .def("save", save, OwnCall());
+          Apart());
   module.def("run", run, OwnCall());
 
-  bind_class<FolderRun>(module, "SavedRun")
+  py::class_<FolderRun>(module, "SavedRun")
       .def(py::init([](const fs::path& folder) {
              const Unlocked unlocked;
              return std::make_unique<FolderRun>(folder);
            }),
            OwnCall())
-      .def_property_readonly("scenario", &FolderRun::scenario)
-      .def_property_readonly("case", &FolderRun::case_name)
-      .def_property_readonly("config_text", &FolderRun::config_text)
-      .def_property_readonly("metrics", [](const FolderRun& run) { return dict_of(run.metrics()); })
-      .def_property_readonly("absent",
-                             [](const FolderRun& run) { return reasons_of(run.absent()); })
-      .def_property_readonly("failure",
-                             [](const FolderRun& run) { return failure_of(run.failure()); })
-      .def_property_readonly("state_hash", &FolderRun::state_hash)
-      .def_property_readonly("signals", [](const FolderRun& run) { return signals_of(run); })
-      .def_property_readonly(
-          "is_cut", [](const FolderRun& run) { return run.failure() && run.failure()->is_cut; })
-      .def_property_readonly("notes", &FolderRun::notes)
-      .def_property_readonly("warnings", &FolderRun::warnings)
-      .def(
-          "array",
-          [](const py::object& self, const std::string& group, const std::string& name) {
-            return array_of_saved(self, group + "/" + name);
-          },
-          OwnCall());
+      .def_property_readonly("facts", facts_of_saved)
+      .def("array", array_of_saved, OwnCall());
 
   module.def("did_you_mean", did_you_mean);
   module.def("scenarios", [] {

@@ -1,6 +1,8 @@
-"""Writes named_observers.pyi: the observers' arguments as the bindings' table has them."""
+"""Writes stubs into a folder: _core.pyi as pybind11 has it, named_observers.pyi as the bindings' table has it."""
 
 import inspect
+import pathlib
+import re
 import sys
 
 from breakwater import _core, named_observers
@@ -28,5 +30,23 @@ for title, value in vars(named_observers).items():
         group.append(declaration(parameter, TABLE[value.name]))
     lines += ["", f"class {title}(Observer):", f'    """{value.__doc__}"""', "    name: str",
               f"    def __init__(self, {', '.join(plant)}, *, {', '.join(keys)}, **short: object) -> None: ..."]
-with open(sys.argv[1], "w", encoding="utf-8") as file:
-    file.write("\n".join(lines) + "\n")
+
+
+def signatures(owner: object, indent: str) -> list[str]:
+    """The functions, properties and classes of the module or of a class."""
+    found = []
+    for name, value in vars(owner).items():
+        if inspect.isclass(value):
+            found += [f"class {name}:", *signatures(value, indent + "    ")]
+        elif isinstance(value, property):
+            result = value.fget.__doc__.rsplit("-> ", 1)[1].strip()
+            found += [f"{indent}@property", f"{indent}def {name}(self) -> {result}: ..."]
+        elif inspect.isroutine(value) and (name == "__init__" or not name.startswith("_")):
+            for line in re.findall(rf"^(?:\d+\. )?({name}\(.*\) -> .*)$", value.__doc__, re.MULTILINE):
+                found += [f"{indent}@overload"] * value.__doc__.startswith(name + "(*args") + [f"{indent}def {line}: ..."]
+    return [re.sub(r"breakwater\._core\.|(?<=ndarray)\[[^\]]*\]\]|(?<=: )handle", "", line) for line in found]
+
+
+core = ["import os", "from typing import *", "", "import numpy", "", "__version__: str", *signatures(_core, "")]
+for name, text in {"_core": core, "named_observers": lines}.items():
+    pathlib.Path(sys.argv[1], f"{name}.pyi").write_text("\n".join(text) + "\n", encoding="utf-8")

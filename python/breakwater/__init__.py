@@ -21,11 +21,12 @@ Errors:       InputError, RunFailed
 docs/tutorials/python.md has the tutorial.
 """
 
-from ._core import PlanarChain, __version__
+from ._core import __version__
 from .comparisons import Comparison, compare
 from .errors import InputError
 from .identification import IdentifiedParameter, Identification, identify
 from .linear import (
+    PlanarChain,
     Plant,
     QpSolution,
     QpSolver,

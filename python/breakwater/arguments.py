@@ -7,13 +7,15 @@ import math
 import operator
 import os
 import pathlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from . import _core
 from .errors import InputError
+
+_FLOAT = np.dtype(np.float64)
 
 
 def toml_text(value: Any, where: str) -> str:
@@ -89,6 +91,94 @@ def finite(value: Any, name: str) -> float:
 def filled(values: Any, dtype: type) -> np.ndarray:
     """An array with NaN where a mask is."""
     return np.ma.array(values, dtype=dtype).filled(np.nan)
+
+
+def description(value: Any) -> str:
+    """A value for messages: "an array of shape (2, 3)", "None", "of type str"."""
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape} and dtype {value.dtype}"
+    if isinstance(value, int) and value.bit_length() > 64:
+        return f"an integer of {value.bit_length()} bits"
+    if value is None or isinstance(value, (int, float)):
+        return repr(value)
+    kind = type(value).__name__
+    return f"a {kind} of length {len(value)}" if isinstance(value, (list, tuple)) else f"of type {kind}"
+
+
+def _refusal(name: str, wish: str, value: Any) -> InputError:
+    return InputError(f"{name}: must be {wish}, is {description(value)}")
+
+
+def numbers(value: Any, name: str) -> np.ndarray:
+    """An array of float64 in C order, with NaN where a mask is."""
+    masks = value if isinstance(value, (list, tuple)) else [value]
+    has_mask = any(isinstance(entry, np.ma.MaskedArray) for entry in masks)
+    try:
+        array = np.ma.array(value) if has_mask else np.asarray(value)
+        if array.dtype.kind in "fiu":
+            return np.asarray(filled(array, np.float64) if has_mask else array, np.float64, order="C")
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise _refusal(name, "an array of real numbers", value)
+
+
+def _finite_numbers(value: Any, name: str) -> np.ndarray:
+    values = numbers(value, name)
+    if not math.isfinite(np.vdot(values, values)):  # quick, and of large numbers infinite
+        for i in np.flatnonzero(~np.isfinite(values)):
+            reason = "nan" if np.isnan(values.flat[i]) else "infinite"
+            raise InputError(f"{name}: must be finite, entry {i} is {reason}")
+    return values
+
+
+def vector(value: Any, name: str, size: int | None = None) -> np.ndarray:
+    """A vector of finite numbers. A single number fills all `size` entries."""
+    # The usual cases need not a tenth of the time.
+    if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == (size,):
+        if math.isfinite(value.dot(value)):
+            return value
+    elif size == 1 and type(value) is float and math.isfinite(value):
+        return np.array((value,))
+    values = _finite_numbers(value, name)
+    if values.ndim == 0 and size is not None:
+        return values.repeat(size)
+    if size is not None and values.shape != (size,):
+        raise _refusal(name, f"of {size} numbers", value)
+    if values.ndim != 1:
+        raise _refusal(name, "a vector, of one dimension", value)
+    return values
+
+
+def matrix(value: Any, name: str) -> np.ndarray:
+    """A matrix of finite numbers, from a number or from two dimensions."""
+    values = numbers(value, name)
+    if values.ndim not in (0, 2):
+        raise _refusal(name, "a matrix, of two dimensions", value)
+    return np.atleast_2d(_finite_numbers(values, name))
+
+
+def record(value: Any, width: int, name: str) -> np.ndarray:
+    """A finite record, rows x width."""
+    values = numbers(value, name)
+    if values.shape[1:] != (width,) and not (width == 1 and values.ndim == 1):
+        raise _refusal(name, f"of shape (samples,{'' if width == 1 else f' {width}'})", value)
+    wrong = np.argwhere(~np.isfinite(values))
+    if wrong.size > 0:
+        raise InputError(f"{name}: must be finite; sample {wrong[0][0]} is not")
+    return values.reshape(-1, width)
+
+
+def one_of(value: Any, name: str, options: Sequence[str]) -> str:
+    if value in options:
+        return value
+    raise InputError(f"{name}: must be one of {', '.join(options)}, is {value!r}")
+
+
+def whole(value: Any, name: str) -> int:
+    """A whole number that fits 32 bits."""
+    if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and -(2**31) <= value < 2**31:
+        return int(value)
+    raise _refusal(name, "a whole number of 32 bits", value)
 
 
 def text_or_none(value: Any, name: str) -> str | None:

@@ -71,7 +71,7 @@ def call_copy(words: list[str], parts: list[Any]) -> tuple[int, list[str]]:
         status = 1
         try:
             os.dup2(writing, 2)
-            status = _core.program(words, part_hash, *parts)
+            status = _core.program(words, part_hash, tuple(parts))
         except BaseException:
             traceback.print_exc()
         finally:

@@ -5,14 +5,15 @@ A matrix is anything that NumPy converts to one, with finite real numbers. An In
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+import concurrent.futures
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .arguments import filled, finite
+from .arguments import description, filled, finite, matrix, numbers, one_of, text_or_none, vector, whole
 from .errors import InputError
 
 Matrix = npt.ArrayLike
@@ -51,6 +52,19 @@ class QpSolution(NamedTuple):
     kkt_residual: float
 
 
+def _apart(work: Callable[..., Any], *arguments: object) -> Any:
+    """Work in another thread, so that Ctrl-C is heard meanwhile. The thread then finishes alone."""
+    thread = concurrent.futures.ThreadPoolExecutor(1)
+    try:
+        return thread.submit(work, *arguments).result()
+    finally:
+        thread.shutdown(wait=False)
+
+
+def _matrices(**given: Matrix) -> list[np.ndarray]:
+    return [matrix(value, name) for name, value in given.items()]
+
+
 def dare(A: Matrix, B: Matrix, Q: Matrix, R: Matrix) -> Regulator:
     """The stabilising solution S of the discrete algebraic Riccati equation
 
@@ -61,7 +75,7 @@ def dare(A: Matrix, B: Matrix, Q: Matrix, R: Matrix) -> Regulator:
     m) symmetric positive definite. Method: structured doubling algorithm (Chu et al. 2004). If a mode allows no
     stabilising solution, the InputError names its eigenvalue.
     """
-    return Regulator(*_core.dare(A, B, Q, R))
+    return Regulator(*_apart(_core.dare, *_matrices(A=A, B=B, Q=Q, R=R)))
 
 
 def lqr(A: Matrix, B: Matrix, Q: Matrix, R: Matrix) -> Regulator:
@@ -84,13 +98,6 @@ def _groups(poles: object, count: int, what: str) -> list[list[complex]]:
     return groups
 
 
-def _rows(matrix: Matrix, name: str, axis: int) -> int:
-    shape = np.shape(matrix)
-    if len(shape) not in (0, 2):
-        raise InputError(f"{name}: must be a matrix, of two dimensions, is of shape {shape}")
-    return shape[axis] if shape else 1
-
-
 def place_observer_poles(
     A: Matrix, C: Matrix, poles: Sequence[complex] | Sequence[Sequence[complex]]
 ) -> np.ndarray:
@@ -100,19 +107,22 @@ def place_observer_poles(
     that it places, n in total. A complex pole needs its conjugate. If the plant consists of decoupled
     chains, each keeps its own group (eigenstructure assignment, Moore 1976).
     """
-    return _core.place_observer_poles(A, C, _groups(poles, _rows(C, "C", 0), "output"))
+    A, C = _matrices(A=A, C=C)
+    return _apart(_core.place_observer_poles, A, C, _groups(poles, len(C), "output"))
 
 
 def place_poles(
     A: Matrix, B: Matrix, poles: Sequence[complex] | Sequence[Sequence[complex]]
 ) -> np.ndarray:
     """K (m, n) such that A - B K has these eigenvalues: place_observer_poles() of the transposed."""
-    return _core.place_poles(A, B, _groups(poles, _rows(B, "B", 1), "input"))
+    A, B = _matrices(A=A, B=B)
+    return _apart(_core.place_observer_poles, A.T, B.T, _groups(poles, B.shape[1], "input")).T
 
 
 def zero_order_hold(A: Matrix, B: Matrix, C: Matrix, period_s: float) -> Plant:
     """The plant dx/dt = A x + B u, y = C x, sampled exactly every period_s [s] with a held input."""
-    return Plant(*_core.zero_order_hold(A, B, C, finite(period_s, "period_s")))
+    plant = _matrices(A=A, B=B, C=C)
+    return Plant(*_apart(_core.zero_order_hold, *plant, finite(period_s, "period_s")))
 
 
 def extend_by_disturbance_model(
@@ -122,9 +132,8 @@ def extend_by_disturbance_model(
 
     The disturbance d opposes the input. It is a step (order 0), ramp (1) or parabola (2).
     """
-    return Plant(
-        *_core.extend_by_disturbance_model(A, B, C, _whole(order, "order"), finite(period_s, "period_s"))
-    )
+    model = whole(order, "order"), finite(period_s, "period_s")
+    return Plant(*_core.extend_by_disturbance_model(*_matrices(A=A, B=B, C=C), *model))
 
 
 def damped_inertia(inertia: float, viscous_friction: float = 0.0) -> Plant:
@@ -141,13 +150,7 @@ def damped_inertia(inertia: float, viscous_friction: float = 0.0) -> Plant:
 
 def observability_rank(A: Matrix, C: Matrix) -> int:
     """The rank of [C; C A; ...] with balanced columns. (A, C) is observable if it is n."""
-    return _core.observability_rank(A, C)
-
-
-def _whole(value: object, name: str) -> int:
-    if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
-        return int(value)
-    raise InputError(f"{name}: must be a whole number, is {type(value).__name__}")
+    return _apart(_core.observability_rank, *_matrices(A=A, C=C))
 
 
 class QpSolver:
@@ -162,7 +165,20 @@ class QpSolver:
     def __init__(
         self, H: Matrix, Omega: Matrix, *, solver: str = "active_set", max_iterations: int = 1000
     ):
-        self._qp = _core.Qp(H, Omega, str(solver), _whole(max_iterations, "max_iterations"))
+        H, Omega = _matrices(H=H, Omega=Omega)
+        is_exact = one_of(solver, "solver", ("active_set", "hildreth")) == "active_set"
+        self._qp = _apart(_core.Qp, H, Omega, is_exact, whole(max_iterations, "max_iterations"))
+        self._rows, self._variables = Omega.shape
+
+    def _bounds(self, given: Matrix | None, otherwise: float, name: str) -> np.ndarray:
+        if given is None:
+            return np.full(self._rows, otherwise)
+        values = numbers(given, name)
+        if values.shape != (self._rows,):
+            raise InputError(f"{name}: must be {self._rows} numbers, is {description(given)}")
+        if np.isnan(values).any():
+            raise InputError(f"{name}: must not be nan")
+        return values
 
     def solve(
         self,
@@ -176,7 +192,11 @@ class QpSolver:
         g (n). lower, upper (m): infinity or None means no bound. softness (m), at least 0: a constraint with
         softness s may be violated by v, which costs v^2/(2 s).
         """
-        return QpSolution(*self._qp.solve(g, lower, upper, softness))
+        soft = vector(0.0 if softness is None else softness, "softness", self._rows)
+        if (soft < 0.0).any():
+            raise InputError("softness: must not be negative")
+        both = self._bounds(lower, -np.inf, "lower"), self._bounds(upper, np.inf, "upper")
+        return QpSolution(*self._qp.solve(vector(g, "g", self._variables), *both, soft))
 
     def reset(self) -> None:
         """Forget the last solution."""
@@ -198,3 +218,50 @@ def solve_qp(
     return QpSolver(H, Omega, solver=solver, max_iterations=max_iterations).solve(
         g, lower, upper, softness
     )
+
+
+class PlanarChain:
+    """A planar serial manipulator from a URDF file: kinematics, masses and limits.
+
+    Its tip is the frame of the one link without children. InputError, with file and line, if the file is not
+    a URDF of a planar chain.
+    """
+
+    _core: _core.PlanarChain
+
+    def __init__(self, urdf: str):
+        self._core = _core.PlanarChain(text_or_none(urdf, "urdf") or "")
+
+    @classmethod
+    def _of(cls, core: _core.PlanarChain) -> PlanarChain:
+        chain = cls.__new__(cls)
+        chain._core = core
+        return chain
+
+    @property
+    def joints(self) -> int:
+        """The number n of joints."""
+        return self._core.joints
+
+    @property
+    def effort_limits_Nm(self) -> np.ndarray:
+        """The torque limits of the joints (n) [N m]."""
+        return self._core.effort_limits_Nm
+
+    def _angles(self, q_rad: Matrix) -> np.ndarray:
+        angles = vector(q_rad, "q_rad")
+        if len(angles) != self.joints:
+            raise InputError(f"q_rad: must be {self.joints} angles, is {description(q_rad)}")
+        return angles
+
+    def tip_pose(self, q_rad: Matrix) -> np.ndarray:
+        """The tip's x, y and angle [m, m, rad] at the joint angles q_rad (n) [rad]."""
+        return self._core.tip_pose(self._angles(q_rad))
+
+    def tip_jacobian(self, q_rad: Matrix) -> np.ndarray:
+        """The derivative of the pose with respect to the angles, (3, n)."""
+        return self._core.tip_jacobian(self._angles(q_rad))
+
+    def mass_matrix(self, q_rad: Matrix) -> np.ndarray:
+        """(n, n) [kg m^2], symmetric positive definite, without the motors' armature."""
+        return self._core.mass_matrix(self._angles(q_rad))

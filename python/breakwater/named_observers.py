@@ -8,9 +8,12 @@ import tomllib
 
 from . import _core
 from .linear import damped_inertia
-from .observers import Observer
+from .observers import Observer, default_of
 
-_TABLE = {name: (summary, keys) for name, summary, keys in _core.observers()}
+_TABLE = {
+    name: (summary, [(key, text, takes, value or default_of(name, key)) for key, text, takes, value in keys])
+    for name, summary, keys in _core.observers()
+}
 
 
 def _signature(name: str) -> inspect.Signature:

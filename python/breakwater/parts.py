@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+import os
+import traceback
+from collections.abc import Callable
+from types import SimpleNamespace, TracebackType
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from .arguments import checked_text, description, finite, numbers
+from .errors import InputError
+from .linear import PlanarChain
 
 
 class Controller:
@@ -94,3 +102,56 @@ class Estimator:
     def signals(self) -> dict[str, tuple[str, str, np.ndarray]]:
         """The same as Controller.signals(). The quadrotor's log does not have them."""
         return {}
+
+
+def _of_time(reference: Callable[[float], Any]) -> Callable[[float], Any]:
+    def at(t: float) -> Any:
+        return reference(finite(t, "t"))
+
+    return at
+
+
+def set_up(part: Any, setup: dict[str, Any]) -> list[tuple[str, str, str, np.ndarray]]:
+    """Give a part its `setup`. Returns its signals: (name, unit, description, array)."""
+    for name in {"reference", "force_reference"} & setup.keys():
+        setup[name] = _of_time(setup[name])
+    if "chain" in setup:
+        setup["chain"] = PlanarChain._of(setup["chain"])
+    part.setup = SimpleNamespace(**setup)
+    place = f"{type(part).__name__}.signals()"
+    published = part.signals()
+    if not isinstance(published, dict):
+        raise InputError(f"{place}: must return a dict, is {description(published)}")
+    signals = []
+    for name, entry in published.items():
+        where = f"{place}: {checked_text(str(name), place)}"
+        if not (isinstance(entry, tuple) and len(entry) == 3):
+            raise InputError(f"{where}: must be a tuple (unit, description, array), is {description(entry)}")
+        unit, text, array = checked_text(str(entry[0]), where), checked_text(str(entry[1]), where), entry[2]
+        is_plain = isinstance(array, np.ndarray) and not isinstance(array, np.ma.MaskedArray)
+        if not (is_plain and array.ndim == 1 and array.dtype == np.float64 and array.flags.c_contiguous):
+            wish = "an array of float64 of one dimension that is written in place"
+            raise InputError(f"{where}: must be {wish}, is {description(array)}")
+        signals.append((str(name), unit, text, array))
+    return signals
+
+
+def refuse_change(array: np.ndarray, size: int, where: str) -> None:
+    raise InputError(f"{where}: must keep its {size} numbers of float64, is {description(array)}")
+
+
+def returned(value: Any, size: int, what: str) -> np.ndarray:
+    """`size` numbers that an update() returned."""
+    values = numbers(value, what) if value is not None else np.empty(0)
+    if value is None or values.size != size or values.ndim > 1:
+        wish = f"{size} number{'' if size == 1 else 's'}"
+        raise InputError(f"{what}: must be {wish}, is {description(value)}")
+    return values
+
+
+def line_of(error: BaseException, trace: TracebackType | None) -> str:
+    """One line for an exception: "ZeroDivisionError: division by zero (law.py:12)"."""
+    line = f"{type(error).__name__}: {error}"
+    for frame in traceback.extract_tb(trace)[-1:]:
+        line += f" ({os.path.basename(frame.filename)}:{frame.lineno})"
+    return line

@@ -14,6 +14,7 @@ import shutil
 import sys
 import tempfile
 import tomllib
+import types
 import warnings
 import weakref
 from collections.abc import Iterator, Mapping
@@ -144,9 +145,10 @@ class Run:
         self._config: dict[str, Any] | None = None
         self._copy: pathlib.Path | None = None
         self._arrays: dict[tuple[str, str], np.ndarray] = {}
+        self._facts = types.SimpleNamespace(**core.facts)
         self._signals = {
             (group, name): (unit, description, width)
-            for group, name, unit, description, width in core.signals
+            for group, name, unit, description, width in self._facts.signals
         }
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -159,17 +161,17 @@ class Run:
     @property
     def scenario(self) -> str:
         """The scenario's name."""
-        return self._core.scenario
+        return self._facts.scenario
 
     @property
     def case(self) -> str:
         """The case's name."""
-        return self._core.case
+        return self._facts.case
 
     @property
     def metrics(self) -> dict[str, float]:
         """The metrics, with the unit in the name; empty if the run failed or was cut."""
-        return _Metrics(self._core.metrics, self)
+        return _Metrics(self._facts.metrics, self)
 
     @property
     def absent(self) -> dict[str, str]:
@@ -177,7 +179,7 @@ class Run:
 
         Empty if the run failed or was cut, or if an older version wrote its folder.
         """
-        return self._core.absent
+        return dict(self._facts.absent)
 
     @property
     def state_hash(self) -> str:
@@ -185,7 +187,7 @@ class Run:
 
         Empty if the run was cut.
         """
-        return self._core.state_hash
+        return self._facts.state_hash
 
     @property
     def folder(self) -> pathlib.Path | None:
@@ -200,7 +202,7 @@ class Run:
     @property
     def config_text(self) -> str:
         """The effective configuration as a scenario file, which reproduces the run to the bit."""
-        return self._core.config_text
+        return self._facts.config_text
 
     @property
     def config(self) -> dict[str, Any]:
@@ -212,7 +214,7 @@ class Run:
     @property
     def failure(self) -> tuple[float, str] | None:
         """Time [s] and reason of a failure, or of the end of a run that was cut; None without one."""
-        return self._core.failure
+        return self._facts.failure
 
     @property
     def time_s(self) -> np.ndarray:
@@ -242,7 +244,8 @@ class Run:
     def __getitem__(self, signal: str) -> np.ndarray:
         group, name, index = self._place(signal)
         if (group, name) not in self._arrays:
-            self._arrays[group, name] = self._core.array(group, name)
+            rows = self._core.array(group, name)
+            self._arrays[group, name] = rows[:, 0] if rows.shape[1] == 1 else rows
         values = self._arrays[group, name]
         if index is None:
             return values
@@ -410,12 +413,12 @@ class Run:
             saved = _saved(self._folder)
         except InputError as error:
             return str(error)
-        if (saved.config_text, saved.state_hash) == (self.config_text, self.state_hash):
+        if (saved.facts["config_text"], saved.facts["state_hash"]) == (self.config_text, self.state_hash):
             return None
         return f"there is another run in {self._folder}"
 
     def __repr__(self) -> str:
-        verb = "was cut" if self._core.is_cut else "failed"
+        verb = "was cut" if self._facts.is_cut else "failed"
         state = f"{verb} at {self.failure[0]:.6g} s" if self.failure else f"{len(self.metrics)} metrics"
         if count := len(self._warnings):
             state += f", {count} warning{'' if count == 1 else 's'}"
@@ -536,8 +539,7 @@ def run(
         text_or_none(case, "case"),
         path_or_none(config, "config"),
         sets,
-        *parts,
-        *of_axes,
+        (*parts, *of_axes),
         folder,
     )
     parts += [part for given in of_axes for part in given.values()]
@@ -553,7 +555,7 @@ def run(
     for part in parts:
         if part is not None:
             part.let_go()
-    data = _saved(pathlib.Path(folder)) if folder is not None and core.is_streamed else core
+    data = _saved(pathlib.Path(folder)) if folder is not None and core.facts["is_streamed"] else core
     finished = Run(data, None if folder is None else pathlib.Path(folder), lines)
     if any(line.startswith("run.seed=") for line in sets):
         _warn_of_seeds(finished)
@@ -570,7 +572,7 @@ def load(folder: str | os.PathLike[str]) -> Run:
     """
     path = folder_path(folder)
     saved = _saved(path)
-    return Run(saved, path, saved.notes + saved.warnings)
+    return Run(saved, path, saved.facts["notes"] + saved.facts["warnings"])
 
 
 def scenarios() -> dict[str, str]:

@@ -274,7 +274,7 @@ def _run(
     if any(parts):
         words.append("--isolate")
         if not is_folder:
-            words += [f"--set={line}" for line in _core.choices(target, *parts)]
+            words += [f"--set={line}" for line in _core.choices(target, tuple(parts))]
     if out is not None or is_folder:
         words += [] if out is None else [f"--out={out}"]
         return _read(words, target, pathlib.Path(out or target), parts, tables)

@@ -8,7 +8,6 @@ import numpy as np
 import pandas
 
 import breakwater as bw
-from breakwater import _core
 from support import Drive, Returns, Still, table
 
 A, B, C, PERIOD, eye = np.array([[0.0, 1.0], [0.0, -0.3]]), np.array([[0.0], [2.0]]), np.array([[1.0, 0.0]]), 0.01, np.eye(2)
