@@ -219,7 +219,9 @@ class ArrayEstimator {
  private:
   using View = DisturbanceEstimator::View;
 
-  static py::array_t<double> copy_of(const View& values) { return {values.size(), values.data()}; }
+  static py::array_t<double> copy_of(const View& values) {
+    return py::array_t<double>(values.size(), values.data());
+  }
 
   std::function<Estimator()> make_;
   Estimator estimator_;
