@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
+#include <stdexcept>
 
 #include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
@@ -10,11 +12,15 @@
 namespace breakwater {
 
 std::string with_numbers(const std::string& text, const IdentifiedNumbers& numbers, int digits) {
-  const auto number = [&](const std::string& name) { return std::optional(numbers.at(name)); };
+  const auto number = [&](const std::string& name) {
+    const auto found = numbers.find(name);
+    return found != numbers.end() ? std::optional(found->second) : std::nullopt;
+  };
   std::string filled;
   std::size_t from = 0;
   for (std::size_t at = text.find('<'); at != text.npos; at = text.find('<', from)) {
     const std::size_t end = text.find('>', at);
+    if (end == text.npos) throw std::invalid_argument(text + ": lacks a \">\"");
     const MetricExpression expression(text.substr(at + 1, end - at - 1), number, {});
     filled += text.substr(from, at - from) + fmt::format("{:.{}g}", expression.value(), digits);
     from = end + 1;
@@ -27,7 +33,8 @@ std::vector<std::string> IdentifiedKeys::sets(bool is_drawn,
   constexpr int kDigits = 12;
   std::vector<std::string> sets;
   for (const Key& key : keys) {
-    if (key.is_drawn != is_drawn || (!key.needs.empty() && numbers.at(key.needs) == 0.0)) continue;
+    const std::string needed = key.needs.empty() ? "" : "<" + key.needs + ">";
+    if (key.is_drawn != is_drawn || with_numbers(needed, numbers, kDigits) == "0") continue;
     sets.push_back(with_numbers(key.set, numbers, kDigits));
   }
   return sets;

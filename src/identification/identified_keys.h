@@ -13,6 +13,7 @@ namespace breakwater {
 using IdentifiedNumbers = std::map<std::string, double>;
 
 /// A text with <EXPRESSION> in it: a sum of products of numbers and names (MetricExpression).
+/// Throws std::invalid_argument if one is wrong.
 std::string with_numbers(const std::string& text, const IdentifiedNumbers& numbers, int digits);
 
 /// The file of a scenario that runs on an identified plant.

@@ -238,39 +238,32 @@ ArmRig::ArmRig(const AxisPlant& plant, const PlanarChain& chain, Controller& con
   const auto any = [&](auto&& has) {
     return std::any_of(plant.axes.begin(), plant.axes.end(), has);
   };
-  gather("q_true_rad", "rad", "true joint angles", [&](auto i) { return &position(i); });
-  gather("dq_true_rad_s", "rad/s", "true joint velocities", [&](auto i) { return &velocity(i); });
+  const auto gather = [&](const char* name, const char* unit, const char* what, auto of_joint) {
+    joints_.push_back({name, unit, what, of_joint, Eigen::VectorXd::Zero(chain.joints())});
+  };
+  gather("q_true_rad", "rad", "true joint angles", &AxisRig::position);
+  gather("dq_true_rad_s", "rad/s", "true joint velocities", &AxisRig::velocity);
   if (any([](const auto& one) { return one.drive.electric().is_on(); })) {
-    gather("current_A", "A", "currents of the motors", [&](auto i) { return &current_A(i); });
-    gather("motor_Nm", "N m", "true torques of the motors",
-           [&](auto i) { return &motor_force(i); });
+    gather("current_A", "A", "currents of the motors", &AxisRig::current_A);
+    gather("motor_Nm", "N m", "true torques of the motors", &AxisRig::motor_force);
   }
   if (plant.knows_disturbances) {
-    gather("friction_Nm", "N m", "dry friction of the joints",
-           [&](auto i) { return &friction(i); });
+    gather("friction_Nm", "N m", "dry friction of the joints", &AxisRig::friction);
   }
   if (any([](const auto& one) { return one.transmission.is_elastic(); })) {
     gather("motor_q_true_rad", "rad",
            "true angles of the motors over the ratios of their transmissions",
-           [&](auto i) { return &motor_position(i); });
+           &AxisRig::motor_position);
     gather("transmission_Nm", "N m", "torques of the transmissions on the joints",
-           [&](auto i) { return &transmitted(i); });
+           &AxisRig::transmitted);
   }
-}
-
-template <typename Value>
-void ArmRig::gather(const char* name, const char* unit, const char* what, Value&& value) {
-  JointValues& joints = joints_.emplace_back(JointValues{name, unit, what, {}});
-  for (std::size_t i = 0; i < static_cast<std::size_t>(chain_.joints()); ++i) {
-    joints.of_joint.push_back(value(i));
-  }
-  joints.values.setZero(chain_.joints());
 }
 
 void ArmRig::observe() {
   for (JointValues& joints : joints_) {
-    std::transform(joints.of_joint.begin(), joints.of_joint.end(), joints.values.data(),
-                   [](const double* value) { return *value; });
+    for (Eigen::Index i = 0; i < joints.values.size(); ++i) {
+      joints.values(i) = (this->*joints.of_joint)(static_cast<std::size_t>(i));
+    }
   }
   tip_ = chain_.tip_pose(q());
 }

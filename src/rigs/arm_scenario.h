@@ -38,13 +38,9 @@ class ArmRig : public AxisRig {
     const char* name;
     const char* unit;
     const char* what;
-    std::vector<const double*> of_joint;
-    Eigen::VectorXd values = {};
+    const double& (AxisRig::*of_joint)(std::size_t) const;
+    Eigen::VectorXd values;
   };
-
-  // `value(i)` has an address that does not change.
-  template <typename Value>
-  void gather(const char* name, const char* unit, const char* what, Value&& value);
 
   const PlanarChain& chain_;
   const Controller& controller_;

@@ -18,7 +18,7 @@ AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design
     plant_.axes.emplace_back(*design_.axis, catalogue);
     axis_parts_.emplace_back(catalogue, design_.controller);
   } else {
-    whole_.emplace(catalogue_);
+    whole_.emplace(catalogue_, "observer.name", "none", "axes");
   }
 }
 
@@ -61,7 +61,7 @@ AxisTask AxisScenario::task() const {
 PlantTask AxisScenario::whole_task() const {
   if (!whole_) return {.axes = {task()}, .driven = {0}};
   PlantTask task = plant_task(plant_);
-  task.observes_axes = whole_->moves_tip();
+  task.observes_axes = moves_tip();
   task.tip = [this, found = std::make_shared<std::optional<TipTask>>()] {
     if (!*found) *found = tip_task(plant_);
     return **found;
@@ -135,14 +135,14 @@ void AxisScenario::check(const Config& config) {
       config, [this] { return fields(); }, plant_.physics, context);
   warnings_ = plant().warnings();
   if (!whole_) return;
-  if (whole_->moves_tip()) warn_of_free_coordinates(task.tip().kinematics->coordinates);
+  if (moves_tip()) warn_of_free_coordinates(task.tip().kinematics->coordinates);
   warn_of_missing_signals(config, task);
 }
 
 PlantTask AxisScenario::check_whole(const Config& config) {
   for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
     // A tip leaves its pose when it presses; its force is judged then.
-    const bool holds = whole_->controller_name() != "axes" && !whole_->moves_tip();
+    const bool holds = whole_->controller_name() != "axes" && !moves_tip();
     plant_.axes[i].is_controlled = holds || has_own_loop(i);
   }
   PlantTask task = whole_task();

@@ -103,6 +103,10 @@ class AxisScenario : public Scenario {
  private:
   PlantTask whole_task() const;
   AxisLoop make_loop(const PlantTask& task) const;
+  /// Whether the chosen controller is one of an arm, for the tip.
+  bool moves_tip() const {
+    return catalogue_.get<PlantControllerKind>(whole_->controller_name()).moves_tip;
+  }
   /// Checks a plant of named axes, and returns its task.
   PlantTask check_whole(const Config& config);
   void warn_of_missing_signals(const Config& config, const PlantTask& task);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -78,24 +77,8 @@ std::shared_ptr<DisturbanceEstimator> estimator_for(const PlantTask& task, Make&
 }
 
 /// The chosen controller of a plant and its estimator of the linearised plant.
-class PlantParts
-    : public LoopParts<DisturbanceEstimator, AxisEstimatorKind, PlantControllerKind, PlantTask> {
- public:
-  explicit PlantParts(const Catalogue& catalogue)
-      : LoopParts(catalogue, "observer.name", "none", "axes") {
-    for (const PlantControllerKind& kind : catalogue.all<PlantControllerKind>()) {
-      if (kind.moves_tip) of_tip_.push_back(kind.name);
-    }
-  }
-
-  /// Whether the chosen controller is one of an arm, for the tip.
-  bool moves_tip() const {
-    return std::find(of_tip_.begin(), of_tip_.end(), controller_name()) != of_tip_.end();
-  }
-
- private:
-  std::vector<std::string> of_tip_;
-};
+using PlantParts =
+    LoopParts<DisturbanceEstimator, AxisEstimatorKind, PlantControllerKind, PlantTask>;
 
 /// Commands nothing.
 class NoControl final : public Controller {

@@ -3,9 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -15,7 +13,6 @@
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
-#include <breakwater/record/window_metrics.h>
 #include <breakwater/rigs/quadrotor_parts.h>
 #include <breakwater/signals/thread_time.h>
 #include <breakwater/sim/simulation.h>
@@ -44,24 +41,20 @@ class Converged final : public Reduction {
   explicit Converged(const ReductionSetup& /*setup*/) {}
   void add(const AddedValues& added) override {
     const Eigen::Map<const Eigen::Vector3d> error(added.all.data());
-    distance_.add(added.time_s, error.norm());
-    for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].add(added.time_s, added.all[i]);
+    farthest_m_ = std::max(farthest_m_, error.norm());
+    squares_ += error.array().square();
+    count_ += 1.0;
   }
   std::optional<double> value() const override {
-    const bool is_small = *distance_.largest() < kConvergedPeak_m &&
-                          std::all_of(axes_.begin(), axes_.end(), [](const auto& axis) {
-                            return *axis.rms() < kConvergedRmse_m;
-                          });
+    const bool is_small = farthest_m_ < kConvergedPeak_m &&
+                          (squares_ < kConvergedRmse_m * kConvergedRmse_m * count_).all();
     return is_small ? 1.0 : 0.0;
   }
 
  private:
-  static constexpr double kBegin_s = -std::numeric_limits<double>::infinity();
-
-  WindowStatistics distance_{TimeWindow{kBegin_s}};
-  std::array<WindowStatistics, 3> axes_{WindowStatistics(TimeWindow{kBegin_s}),
-                                        WindowStatistics(TimeWindow{kBegin_s}),
-                                        WindowStatistics(TimeWindow{kBegin_s})};
+  double farthest_m_ = 0.0;
+  Eigen::Array3d squares_ = Eigen::Array3d::Zero();  // sums, one for each axis
+  double count_ = 0.0;
 };
 
 MetricKind converged() {
