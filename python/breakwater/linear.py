@@ -54,6 +54,8 @@ class QpSolution(NamedTuple):
 
 def _apart(work: Callable[..., Any], *arguments: object) -> Any:
     """Work in another thread, so that Ctrl-C is heard meanwhile. The thread then finishes alone."""
+    if all(np.size(given) < 2500 for given in arguments if isinstance(given, np.ndarray)):
+        return work(*arguments)  # it takes milliseconds
     thread = concurrent.futures.ThreadPoolExecutor(1)
     try:
         return thread.submit(work, *arguments).result()
