@@ -43,8 +43,9 @@ target_compile_options(breakwater_options INTERFACE
 # the time of a unit.
 target_compile_options(breakwater_options INTERFACE
   $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>>)
-# A program loads only the libraries that it uses, so simulations load no encoder.
-target_link_options(breakwater_options INTERFACE $<BUILD_INTERFACE:-Wl,--as-needed>)
+# A program loads only the libraries that it uses, so simulations load no encoder. The loader searches
+# libstdc++ first: most symbols are there.
+target_link_options(breakwater_options INTERFACE $<BUILD_INTERFACE:-Wl,--no-as-needed,-lstdc++,--as-needed>)
 if(BREAKWATER_NATIVE)
   # GCC 12 treats its own AVX-512 intrinsics as uninitialised (GCC bug 105593). Fused multiply-adds
   # are allowed: this build makes no golden.
