@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -106,6 +107,13 @@ void check_joints(const mjModel& m, const std::string& file) {
   }
 }
 
+// Whether the engine gives another meaning than MuJoCo 3 to a file that it accepts.
+bool has_gap_outside(const mjModel& m) {
+  const std::less_equal<> fits;
+  return !std::equal(m.geom_gap, m.geom_gap + m.ngeom, m.geom_margin, fits) ||
+         !std::equal(m.pair_gap, m.pair_gap + m.npair, m.pair_margin, fits);
+}
+
 void check_timestep(double timestep_s, const std::string& file) {
   if (!(std::isfinite(timestep_s) && timestep_s > 0.0)) {
     refuse(file, "option timestep must be positive and finite");
@@ -137,11 +145,18 @@ Model Model::compile(const ModelFile& mjcf) {
   const std::string& mjcf_file = mjcf.path;
   const Compiling compiling;
   check_mjcf(mjcf_file, mjcf.most_elements);
-  const ConvertedMjcf converted = convert_mjcf(mjcf_file, mjcf.most_elements);
-  const bool is_converted = !converted.changes.empty();
   std::string fatal;
-  mjModel* loaded =
-      load_mjcf(mjcf_file, is_converted ? mjcf_text(converted.root) : std::string(), fatal);
+  mjModel* loaded = load_mjcf(mjcf_file, "", fatal);
+  if (loaded != nullptr && has_gap_outside(*loaded)) {
+    mj_deleteModel(loaded);
+    loaded = nullptr;
+  }
+  bool is_converted = false;
+  if (loaded == nullptr) {
+    const ConvertedMjcf converted = convert_mjcf(mjcf_file, mjcf.most_elements);
+    is_converted = !converted.changes.empty();
+    loaded = load_mjcf(mjcf_file, is_converted ? mjcf_text(converted.root) : "", fatal);
+  }
   if (loaded == nullptr) {
     check_memory(mjcf_file, fatal);
     // The engine counts the lines of the text that it was given.
