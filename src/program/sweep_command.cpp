@@ -116,11 +116,16 @@ std::string seed_warning(const Sweep& sweep, const std::vector<PointResult>& run
   return fmt::format("seeds: {} and {} give the same runs: {}", first, second, kNoNoise);
 }
 
-// Why the runs lack a metric, behind "no run has it": they are too short, or it is misspelt.
-std::string why_missing(const Sweep& sweep, const UnknownMetric& metric) {
+// Why the runs, of which some failed, lack a metric, behind "no run has it": they failed, are too
+// short, or it is misspelt.
+std::string why_missing(const Sweep& sweep, const UnknownMetric& metric, std::size_t runs,
+                        std::size_t failed) {
+  if (failed == runs) return ": they failed";
   const std::vector<std::string> defined = defined_metrics(sweep);
   if (std::find(defined.begin(), defined.end(), metric.name) == defined.end()) return metric.meant;
   std::string why = ": they have no window or event for it";
+  if (failed > 0)
+    why = fmt::format(": {} failed, the others have no window or event for it", failed);
   for (const std::string& set : sweep.plan().study().sets) {
     if (set.starts_with("run.duration_s=")) why += " (" + set + ")";
   }
@@ -128,21 +133,25 @@ std::string why_missing(const Sweep& sweep, const UnknownMetric& metric) {
 }
 
 // Looks for misspelt names of metrics before the study runs. For names that the scenario does not
-// define it makes a first and a last run of each candidate. Throws std::invalid_argument.
+// define it makes a first and a last run of each candidate; failed ones have no metrics. Throws
+// std::invalid_argument.
 void check_names(const Sweep& sweep) {
   const Study& study = sweep.plan().study();
   std::vector<std::string> known = defined_metrics(sweep);
   RunControl control;
   control.stop = &interrupted();
   const std::size_t candidates = sweep.plan().candidates().size();
+  bool has_ended = false;
   for (const std::size_t first : {std::size_t{0}, sweep.plan().size() - candidates}) {
     for (std::size_t c = 0; c < candidates; ++c) {
       if (unknown_metrics(study, known).empty()) return;
       const PointResult run = run_point(first + c, sweep, control);
-      if (run.status != PointStatus::complete) return;
+      if (run.status != PointStatus::complete) continue;
+      has_ended = true;
       add_metrics(run, known);
     }
   }
+  if (!has_ended) return;
   for (const UnknownMetric& one : unknown_metrics(study, known)) {
     if (one.meant.empty()) continue;
     throw std::invalid_argument(one.place + ": there is no such metric" + one.meant);
@@ -154,8 +163,10 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
   const Plan& plan = sweep.plan();
   std::vector<std::string> warnings;
   std::vector<std::string> all;
+  std::size_t failed = 0;
   for (std::size_t c = 0; c < runs.size(); ++c) {
     if (runs[c].status != PointStatus::complete) {
+      ++failed;
       warnings.push_back(fmt::format("{}: the first run {}: {}", plan.candidates()[c].label,
                                      name_of(runs[c].status), runs[c].reason));
     }
@@ -171,8 +182,8 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
   }
   check_names(sweep);
   for (const UnknownMetric& one : unknown_metrics(plan.study(), all)) {
-    warnings.push_back(
-        fmt::format("{}: none of these runs has it{}", one.place, why_missing(sweep, one)));
+    warnings.push_back(fmt::format("{}: none of these runs has it{}", one.place,
+                                   why_missing(sweep, one, runs.size(), failed)));
   }
   const std::string warning = seed_warning(sweep, runs);
   if (!warning.empty()) warnings.push_back(warning);
@@ -285,7 +296,9 @@ OpenedStudy open_study(const Catalogue& catalogue, const SweepOptions& options) 
     tables.insert_or_assign("scenario", catalogue.get<ScenarioKind>(given).name);
   }
   lay_on(options, tables);
-  return {read_study(tables, origin), new_folder(options.study, name, kSweep)};
+  Study study = read_study(tables, origin);
+  if (!options.run.duration.empty()) study.places["set.run.duration_s"] = "--duration";
+  return {std::move(study), new_folder(options.study, name, kSweep)};
 }
 
 // The first point, in the order of the study, that did not end well; nothing if all did.
@@ -341,7 +354,9 @@ class SweepCommand : public StudyCommand {
     const fs::path csv = folder_.path() / "results.csv";
     const std::vector<std::string> metrics = write_results(plan_, index, csv);
     for (const UnknownMetric& one : unknown_metrics(plan_.study(), metrics)) {
-      fmt::print(stderr, "{}: {}: no run has it{}\n", name(), one.place, why_missing(sweep_, one));
+      fmt::print(stderr, "{}: {}: no run has it{}\n", name(), one.place,
+                 why_missing(sweep_, one, index.done(),
+                             index.done() - index.count(PointStatus::complete)));
     }
     const auto comparison = compare_study(plan_, index);
     const fs::path compared = folder_.path() / "comparison.csv";
