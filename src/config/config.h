@@ -71,6 +71,7 @@ class Config {
   /// under("axis.x.") is "axis.x.joint".
   Config under(const std::string& prefix) const;
 
+  const std::string& file() const { return file_; }
   const ConfigEntry* find(const std::string& key) const;
   /// The text of a key; nothing if the key is missing or is no text.
   std::optional<std::string> text(const std::string& key) const;

@@ -348,28 +348,28 @@ void Fields::number_groups(const std::string& key, std::vector<std::vector<doubl
             }});
 }
 
-void Fields::add_choice(const std::string& key, const std::vector<std::string>& names,
+void Fields::add_choice(const std::string& key, std::vector<std::string> names,
                         std::function<void(std::size_t)> assign, std::function<std::string()> print,
                         const std::string& doc) {
-  add(key, {part_, doc, fmt::format("one of {}", fmt::join(names, ", ")),
-            [names, assign = std::move(assign)](const ConfigValue& v) -> Error {
-              // TOML reads the word nan of --set as a number.
-              const auto* number = std::get_if<double>(&v.data);
-              const std::string nan = "nan";
-              const auto* string = number != nullptr && std::isnan(*number)
-                                       ? &nan
-                                       : std::get_if<std::string>(&v.data);
-              const std::string options = fmt::format("{}", fmt::join(names, ", "));
-              if (string == nullptr) return "must be one of " + options + ", is " + describe(v);
-              const auto found = std::find(names.begin(), names.end(), *string);
-              if (found == names.end()) {
-                return "must be one of " + options + ", is " + describe(v) +
-                       did_you_mean(*string, names);
-              }
-              assign(static_cast<std::size_t>(found - names.begin()));
-              return std::nullopt;
-            },
-            [print = std::move(print)] { return toml_string(print()); }});
+  std::string takes = fmt::format("one of {}", fmt::join(names, ", "));
+  add(key,
+      {part_, doc, std::move(takes),
+       [names = std::move(names), assign = std::move(assign)](const ConfigValue& v) -> Error {
+         // TOML reads the word nan of --set as a number.
+         const auto* number = std::get_if<double>(&v.data);
+         const std::string nan = "nan";
+         const auto* string =
+             number != nullptr && std::isnan(*number) ? &nan : std::get_if<std::string>(&v.data);
+         const auto found =
+             string != nullptr ? std::find(names.begin(), names.end(), *string) : names.end();
+         if (found == names.end()) {
+           return fmt::format("must be one of {}, is {}{}", fmt::join(names, ", "), describe(v),
+                              string != nullptr ? did_you_mean(*string, names) : "");
+         }
+         assign(static_cast<std::size_t>(found - names.begin()));
+         return std::nullopt;
+       },
+       [print = std::move(print)] { return toml_string(print()); }});
 }
 
 void Fields::add(const std::string& name, Variable variable) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -158,10 +159,11 @@ class Fields {
               std::vector<std::pair<std::string, Enum>> options, const std::string& doc) {
     std::vector<std::string> names;
     for (const auto& option : options) names.push_back(option.first);
+    const auto all = std::make_shared<const decltype(options)>(std::move(options));
     add_choice(
-        key, names, [options, &target](std::size_t i) { target = options[i].second; },
-        [options, &target] {
-          for (const auto& [name, value] : options) {
+        key, std::move(names), [all, &target](std::size_t i) { target = (*all)[i].second; },
+        [all, &target] {
+          for (const auto& [name, value] : *all) {
             if (value == target) return name;
           }
           return std::string();
@@ -323,7 +325,7 @@ class Fields {
   // Checks the choices of all tables, then each table.
   void check(std::span<const Config> tables);
   void find_file(const Config& config, const Field& field) const;
-  void add_choice(const std::string& key, const std::vector<std::string>& names,
+  void add_choice(const std::string& key, std::vector<std::string> names,
                   std::function<void(std::size_t)> assign, std::function<std::string()> print,
                   const std::string& doc);
 

@@ -271,17 +271,25 @@ std::vector<MetricRow> MetricRows::own_rows() const {
 }
 
 void MetricRows::learn(const Config& config) {
-  rows_ = shipped_ = own_rows();
-  is_in_file_.assign(rows_.size(), false);
+  // The keys of the scenario's own file give its rows their values: nothing else has to.
+  const bool is_own = scenario_ && scenario_->scenario_file()->file() == config.file();
+  shipped_ = is_own ? std::vector<MetricRow>() : own_rows();
+  rows_ = shipped_;
+  places_.assign(rows_.size(), {.is_shipped = true});
   for (MetricRow& one : rows_in(config)) {
-    const auto found = std::find_if(rows_.begin(), rows_.end(), [&](const MetricRow& row) {
-      return row.prefix() == one.prefix();
-    });
+    const std::string prefix = one.prefix();
+    const auto found = std::find_if(rows_.begin(), rows_.end(),
+                                    [&](const MetricRow& row) { return row.prefix() == prefix; });
     if (found != rows_.end()) {
-      is_in_file_[static_cast<std::size_t>(found - rows_.begin())] = true;
-    } else {
-      rows_.push_back(std::move(one));
-      is_in_file_.push_back(true);
+      places_[static_cast<std::size_t>(found - rows_.begin())].is_in_file = true;
+      continue;
+    }
+    rows_.push_back(std::move(one));
+    Place& place = places_.emplace_back(Place{true, false, is_own});
+    for (auto entry = config.entries().lower_bound(prefix);
+         is_own && entry != config.entries().end() && entry->first.starts_with(prefix); ++entry) {
+      place.is_shipped |= entry->second.rank() == 0;
+      place.is_unchanged &= entry->second.rank() == 0;
     }
   }
   numbers_.clear();
@@ -320,9 +328,10 @@ void MetricRows::name_number(const std::string& text, const char* role, const Me
 void MetricRows::bind(Fields& fields) {
   if (scenario_) fields.alias(scenario_->scenario_file()->aliases());
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    if (!is_in_file_[i]) continue;
-    const Fields::LeftOut left_out(
-        fields, [this, i] { return i < shipped_.size() && rows_[i] == shipped_[i]; });
+    if (!places_[i].is_in_file) continue;
+    const Fields::LeftOut left_out(fields, [this, i] {
+      return places_[i].is_unchanged || (i < shipped_.size() && rows_[i] == shipped_[i]);
+    });
     rows_[i].bind(fields, kinds_);
   }
   for (auto& [key, number] : numbers_) {
@@ -371,7 +380,7 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
         to.value() <= from.value()) {
       config.fail(row.to_s, "must be later than " + row.from_s);
     }
-    if (i >= shipped_.size() && row.to_s != kZero && from.is_constant() && to.is_constant() &&
+    if (!places_[i].is_shipped && row.to_s != kZero && from.is_constant() && to.is_constant() &&
         to.value() <= from.value()) {
       own.fail("to_s", "must be later than from_s, or 0 for the end of the run");
     }

@@ -113,6 +113,12 @@ class MetricRows {
     bool is_positive = false;
     std::string help;
   };
+  // Where a row comes from.
+  struct Place {
+    bool is_in_file = false;    // a file of a run has its keys
+    bool is_shipped = false;    // it is the scenario's own
+    bool is_unchanged = false;  // all its keys are those of the scenario's own file
+  };
 
   std::vector<MetricRow> own_rows() const;
   void name_number(const std::string& text, const char* role, const MetricRow& row);
@@ -121,7 +127,7 @@ class MetricRows {
   std::vector<MetricKind> kinds_ = standard_metric_kinds();
   std::vector<MetricRow> rows_;
   std::vector<MetricRow> shipped_;
-  std::vector<bool> is_in_file_;  // one for each row
+  std::vector<Place> places_;  // one for each row
   std::vector<std::string> unmet_;
   std::map<std::string, Number> numbers_;
   std::map<std::string, double> known_;  // the numbers of names
