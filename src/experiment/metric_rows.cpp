@@ -295,8 +295,10 @@ void MetricRows::learn(const Config& config) {
   numbers_.clear();
   for (const MetricRow& row : rows_) {
     const Config own = config.under(row.prefix());
+    const std::string given = own.text("name").value_or(row.name);
+    const std::string& name = given.empty() ? row.table : given;
     const auto look = [&](const char* key, const std::string& shipped, const char* role) {
-      name_number(own.text(key).value_or(shipped), role, row);
+      name_number(own.text(key).value_or(shipped), role, name);
     };
     look("from_s", row.from_s, "start of the window");
     look("to_s", row.to_s, "end of the window");
@@ -307,7 +309,7 @@ void MetricRows::learn(const Config& config) {
   }
 }
 
-void MetricRows::name_number(const std::string& text, const char* role, const MetricRow& row) {
+void MetricRows::name_number(const std::string& text, const char* role, const std::string& name) {
   const std::string begin = "metrics.";
   std::size_t end = 0;
   for (std::size_t at = text.find(begin); at != text.npos; at = text.find(begin, end)) {
@@ -316,7 +318,6 @@ void MetricRows::name_number(const std::string& text, const char* role, const Me
     const bool is_sum = text.find(" + ") != text.npos || text.find(" - ") != text.npos;
     const std::string_view what = role;
     number.is_positive = number.is_positive || ((what == kLevel || what == kCutoff) && !is_sum);
-    const std::string name = row.name.empty() ? row.table : row.name;
     if (number.help.empty()) {
       number.help = fmt::format("{} of {}", role, name);
     } else if (!number.help.ends_with(" " + name)) {  // a row's numbers come one after the other

@@ -121,7 +121,7 @@ class MetricRows {
   };
 
   std::vector<MetricRow> own_rows() const;
-  void name_number(const std::string& text, const char* role, const MetricRow& row);
+  void name_number(const std::string& text, const char* role, const std::string& name);
 
   std::shared_ptr<const ScenarioKind> scenario_;
   std::vector<MetricKind> kinds_ = standard_metric_kinds();
