@@ -50,5 +50,5 @@ def signatures(owner: object, indent: str) -> list[str]:
 core = ["import os", "from typing import *", "", "import numpy", "", "__version__: str", *signatures(_core, "")]
 for name, text in {"_core": core, "named_observers": lines}.items():
     stub = pathlib.Path(sys.argv[1], f"{name}.pyi")
-    stub.unlink(missing_ok=True)  # of an earlier build: a link to a source
+    stub.unlink(missing_ok=True)  # an earlier build has a link to a source here
     stub.write_text("\n".join(text) + "\n", encoding="utf-8")
