@@ -13,12 +13,14 @@
 namespace breakwater::python {
 namespace {
 
-// Rows of `metrics`, `failed` and `runs` are test conditions, columns candidates. `bounds` are
-// (metric, min, max). Equal numbers in `runs` are equal runs, in `blocks` one block.
+// Rows of `metrics`, `failed`, `runs` and `places` are test conditions, columns candidates.
+// `bounds` are (metric, min, max). Equal numbers in `runs` are equal outcomes, in `blocks` one
+// block.
 std::string compare(const std::vector<std::string>& candidates,
                     const std::map<std::string, Eigen::MatrixXd>& metrics,
                     const Eigen::MatrixXd& failed, const Eigen::MatrixXi& runs,
-                    const Eigen::VectorXi& blocks, const std::string& metric, bool is_max,
+                    const Eigen::VectorXi& blocks, const std::vector<Place>& places,
+                    const std::string& metric, bool is_max,
                     const std::vector<std::tuple<std::string, double, double>>& bounds,
                     double share, double confidence) {
   PairedResults results{
@@ -27,6 +29,7 @@ std::string compare(const std::vector<std::string>& candidates,
     results.metrics.push_back(name);
     results.values.push_back(values);
   }
+  number_failed_runs(places, results);
   Requirement requirement{.share = share, .confidence = confidence};
   for (const auto& [name, low, high] : bounds) requirement.bounds.push_back({name, low, high});
   const Ranking ranking =

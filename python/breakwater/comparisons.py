@@ -162,6 +162,9 @@ def compare(
         cells[condition, candidate] = values
         return cells[common]
 
+    places = np.zeros((shape[0], len(condition_columns)))
+    for i, column in enumerate(condition_columns):
+        places[condition, i] = pandas.factorize(df[column])[0]
     blocks_of = np.zeros(shape[0], dtype=int)
     blocks_of[condition] = block
     order = np.argsort(blocks_of[common], kind="stable")
@@ -172,7 +175,7 @@ def compare(
     if "state_hash" in df.columns:
         own = df["state_hash"].fillna("").astype(str).to_numpy()
         cells = np.column_stack([own, failed.astype(str), *(values.astype(str) for values in metrics.values())])
-        texts = ["|".join(row) if row[0] else f"row {i}" for i, row in enumerate(cells)]
+        texts = ["|".join(row) if row[0] or failed[i] else f"row {i}" for i, row in enumerate(cells)]
         runs = pandas.factorize(np.array(texts, dtype=object))[0]
     answer = _core.compare(
         list(names),
@@ -180,6 +183,7 @@ def compare(
         grid(failed)[order],
         grid(runs)[order],
         blocks_of[common][order],
+        places[common][order].tolist(),
         metric,
         goal == "max",
         bounds,

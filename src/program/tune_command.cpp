@@ -289,7 +289,7 @@ void warn_of_copies(const TuningPlan& plan, const std::vector<PointResult>& runs
   Count search, validation;
   std::map<std::pair<std::size_t, std::size_t>, std::set<std::string>> met;  // by candidate
   for (const PointResult& run : runs) {
-    if (run.state_hash.empty()) continue;
+    if (run.status != PointStatus::complete) continue;  // it may have failed in its first step
     const TuningRun one = plan.run(run.number);
     Count& count = one.is_validation ? validation : search;
     ++count.all;

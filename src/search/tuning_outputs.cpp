@@ -35,7 +35,7 @@ PairedResults fresh_results(const TuningPlan& plan, const TuningResult& result,
   paired.values = {Eigen::MatrixXd(rows, columns)};
   paired.failed.resize(rows, columns);
   paired.runs.resize(rows, columns);
-  std::map<std::string, int> numbers;  // by state hash: equal runs are repeats
+  std::map<std::string, int> numbers;  // by state hash: equal complete runs are repeats
   for (Eigen::Index i = 0; i < columns; ++i) {
     const std::size_t tuned = cases[static_cast<std::size_t>(i)];
     const TunedFront& best = result.fronts[tuned];
@@ -43,9 +43,10 @@ PairedResults fresh_results(const TuningPlan& plan, const TuningResult& result,
     for (Eigen::Index world = 0; world < rows; ++world) {
       const PointResult& run = *made.at(plan.number(
           {tuned, best.points.front().evaluation, true, static_cast<std::size_t>(world)}));
-      const std::string own = run.state_hash.empty() ? std::to_string(run.number) : run.state_hash;
+      const bool has_failed = run.status != PointStatus::complete;
+      const std::string own = has_failed ? std::to_string(run.number) : run.state_hash;
       paired.runs(world, i) = numbers.emplace(own, static_cast<int>(numbers.size())).first->second;
-      paired.failed(world, i) = run.status == PointStatus::complete ? 0.0 : 1.0;
+      paired.failed(world, i) = has_failed ? 1.0 : 0.0;
       paired.values[0](world, i) =
           metric_of(run, objective.metric).value_or(std::numeric_limits<double>::quiet_NaN());
     }

@@ -87,8 +87,10 @@ class Sentence {
  public:
   explicit Sentence(const Ranking& ranking) : ranking_(ranking), rows_(ranking.rows) {}
 
-  std::string text() const {
-    if (ranking_.ranked == 0) return nobody();
+  std::string text() const { return (ranking_.ranked == 0 ? nobody() : of_ranked()) + left_out(); }
+
+ private:
+  std::string of_ranked() const {
     std::string text = ranking_.ranked == 1 ? alone() : ranking_.is_shown() ? best() : level();
     if (!ranking_.requirement.bounds.empty()) {
       text +=
@@ -119,7 +121,24 @@ class Sentence {
     return text;
   }
 
- private:
+  // The candidates without a median, so that no other number of them is in the answer.
+  std::string left_out() const {
+    std::vector<std::string> failing, lacking;
+    for (const RankedCandidate& row : rows_) {
+      if (!std::isnan(row.median.value) || row.blocks == 0) continue;
+      (row.failed == row.blocks ? failing : lacking).push_back(name(row));
+    }
+    std::string text;
+    if (!failing.empty()) {
+      text = fmt::format(" {} {} in all conditions.", listed(failing),
+                         failing.size() > 1 ? "fail" : "fails");
+    }
+    if (!lacking.empty() && ranking_.ranked > 0) {
+      text += fmt::format(" No run of {} has {}.", listed(lacking), ranking_.metric);
+    }
+    return text;
+  }
+
   std::string name(const RankedCandidate& row) const { return ranking_.candidates[row.candidate]; }
   std::string value(double value) const { return with_unit(value, ranking_.metric); }
   std::string extreme() const { return ranking_.goal == Goal::max ? "highest" : "lowest"; }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <stdexcept>
 #include <unordered_map>
 #include <utility>
@@ -21,56 +20,12 @@ namespace {
 constexpr std::size_t kMostWithoutBaseline = 20, kMostRanked = 100;
 constexpr double kMostCompared = 2e8;
 
-// The outcome of a run. Runs with equal outcomes are equal if they have a hash.
+// The outcome of a run. Complete runs with equal outcomes are equal.
 std::string outcome(const PointResult& result) {
   std::string text = name_of(result.status) + " " + result.state_hash;
   if (result.state_hash.empty()) text += " " + result.reason;
   for (const auto& [name, value] : result.metrics) text += fmt::format(" {}={:.17g}", name, value);
   return text;
-}
-
-// The coordinates of a test condition: the values of the varied keys and the index of its seed.
-using Place = std::vector<double>;
-
-// The coordinates that affect a candidate. A coordinate is left out if there are test conditions
-// that differ only in it, and none of them has another outcome.
-std::vector<std::size_t> effective_coordinates(const std::vector<Place>& places,
-                                               const Eigen::VectorXi& outcomes) {
-  std::vector<std::size_t> effective;
-  for (std::size_t k = 0; k < places.front().size(); ++k) {
-    std::map<Place, int> first;  // outcome by the other coordinates
-    bool has_pair = false, differs = false;
-    for (std::size_t world = 0; world < places.size(); ++world) {
-      const int outcome = outcomes(static_cast<Eigen::Index>(world));
-      Place others = places[world];
-      others[k] = 0.0;
-      const auto [met, is_new] = first.emplace(others, outcome);
-      has_pair = has_pair || !is_new;
-      differs = differs || met->second != outcome;
-    }
-    if (!has_pair || differs) effective.push_back(k);
-  }
-  return effective;
-}
-
-// Decides which runs without a state hash (refused or crashed) are repeats. Two of them are equal
-// if they ended alike and agree in all effective coordinates. Each other run gets a new number,
-// from `next` on.
-void number_without_hash(const std::vector<Place>& places,
-                         const std::vector<Eigen::Index>& without_hash, int& next,
-                         Eigen::Ref<Eigen::VectorXi> runs) {
-  if (without_hash.empty()) return;
-  const Eigen::VectorXi outcomes = runs;
-  const std::vector<std::size_t> effective = effective_coordinates(places, outcomes);
-  std::map<std::pair<int, Place>, int> numbers;
-  for (const Eigen::Index world : without_hash) {
-    Place place;
-    for (const std::size_t k : effective)
-      place.push_back(places[static_cast<std::size_t>(world)][k]);
-    const auto [found, is_new] = numbers.emplace(std::pair(outcomes(world), place), next);
-    if (is_new) ++next;
-    runs(world) = found->second;
-  }
 }
 
 // Whether each seed of a sample is a block of its own.
@@ -123,7 +78,6 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
   Eigen::Index kept = 0;
   std::unordered_map<std::string, int> numbers;  // outcome → number
   std::vector<Place> places;
-  std::vector<std::vector<Eigen::Index>> without_hash(k);
   for (std::size_t world = 0; world < all; ++world) {
     const std::size_t sample = world / plan.seeds();
     if (!are_seeds_worlds && !is_done(sample)) continue;
@@ -144,7 +98,6 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
       const std::string left = fingerprint({outcome(runs[c])});
       results.runs(kept, column) =
           numbers.emplace(left, static_cast<int>(numbers.size())).first->second;
-      if (runs[c].state_hash.empty()) without_hash[c].push_back(kept);
       if (runs[c].status != PointStatus::complete) results.failed(kept, column) = 1.0;
       for (const auto& [name, value] : runs[c].metrics) {
         const auto found = columns.find(name);
@@ -157,11 +110,7 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
   results.runs.conservativeResize(kept, Eigen::NoChange);
   results.samples.conservativeResize(kept);
   for (Eigen::MatrixXd& values : results.values) values.conservativeResize(kept, Eigen::NoChange);
-  int next = static_cast<int>(numbers.size());
-  for (std::size_t c = 0; c < k; ++c) {
-    number_without_hash(places, without_hash[c], next,
-                        results.runs.col(static_cast<Eigen::Index>(c)));
-  }
+  number_failed_runs(places, results);
   return results;
 }
 

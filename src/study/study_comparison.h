@@ -15,8 +15,7 @@ namespace breakwater {
 /// The results of a study's candidates, paired by sample and seed. Each row is a test condition
 /// that all candidates have finished. Without `metrics` they are those of compare.metrics, or all.
 /// Seeds repeat a sample; without varied keys, or with `worlds = "seeds"`, each seed is a block.
-/// Equal runs have the same number. A run without a state hash repeats another one if both ended
-/// alike and differ only in keys and seeds without effect on the candidate. Throws
+/// Equal runs have the same number, failed ones that of number_failed_runs(). Throws
 /// std::invalid_argument if the table would be too large for memory.
 PairedResults paired_results(const Plan& plan, const ShardIndex& index,
                              const std::vector<std::string>& metrics = {});

@@ -20,6 +20,18 @@ class Compare(unittest.TestCase):
         self.assertEqual(ours.data, theirs)
         self.assertEqual(len(ours.pairs), 3)
 
+    def test_failed_runs_count_in_each_condition(self):
+        with temporary_folder() as folder:
+            runs = bw.sweep("motor_estimation", case=["idob", "kfd"], vary={"noise.std_rad": [0.1, 0.2, 0.3], "fault.at_s": [0, 1]},
+                            duration=0.05, set={"metrics.from_s": 0.01, "metrics.to_s": 0.05, "fault.sensor": "angle"},
+                            goal={"rmse_velocity_rad_s": "min"}, out=folder / "study")
+            theirs = json.loads((folder / "study" / "ranking.json").read_text())
+        self.assertEqual(runs.loc[runs["status"] == "failed", "state_hash"].nunique(), 1)
+        ours = bw.compare(runs, "rmse_velocity_rad_s", by="case")
+        self.assertEqual(ours.data, theirs)
+        self.assertEqual(list(ours.table["failed"]), [3, 3])
+        self.assertEqual(list(ours.table["conditions"]), [6, 6])
+
     def test_ranks_anybodys_runs(self):
         answer = bw.compare(table(), "y", "who", on="seed")
         self.assertEqual(list(answer.table["candidate"]), ["a", "c", "b"])

@@ -204,6 +204,11 @@ TEST(Ranking, SaysWhatWouldShowADifference) {
   EXPECT_FALSE(few.comparison.metrics[0].difference.interval);
   EXPECT_TRUE(testing::has(ranking_sentence(few), "a fails in 1 of 5 conditions."));
   EXPECT_EQ(ranking_sentence(ranked(Eigen::MatrixXd::Constant(8, 2, kNaN))), "No run has peak_N.");
+  results.values[0].rightCols(2).setConstant(kNaN);
+  results.failed.col(1).setOnes();
+  EXPECT_EQ(ranking_sentence(rank_candidates(results, "peak_N", Goal::min)),
+            "a alone is ranked, with peak_N 7 N. a fails in 1 of 5 conditions. b fails in all "
+            "conditions. No run of c has peak_N.");
 }
 
 // a is lower than b and c in each condition that both have. c has the lowest median of its own.

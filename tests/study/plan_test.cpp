@@ -168,8 +168,9 @@ Plan plan(WorldUnit worlds = WorldUnit::samples) {
 
 using Choice = std::function<bool(const StudyPoint&)>;
 
-// The results of all points except `missing`. Case b crashes at `crashes`.
-PairedResults results_of(const Plan& plan, const Choice& crashes, const Choice& missing) {
+// The results of all points except `missing`. Case b crashes at `crashes`, with this state hash.
+PairedResults results_of(const Plan& plan, const Choice& crashes, const Choice& missing,
+                         const char* hash = "") {
   const testing::TemporaryPath folder{"study_comparison"};
   std::filesystem::create_directories(folder);
   {
@@ -183,6 +184,7 @@ PairedResults results_of(const Plan& plan, const Choice& crashes, const Choice& 
       if (point.candidate == 1 && crashes(point)) {
         result.status = PointStatus::crashed;
         result.reason = "signal 6";
+        result.state_hash = hash;
       } else {
         const double y = std::stod(point.values[1]) + static_cast<double>(*point.seed);
         result.state_hash = fmt::format("{:016x}", static_cast<int>(y));
@@ -198,7 +200,8 @@ bool never(const StudyPoint&) {
   return false;
 }
 
-// A crash leaves no hash. Other runs must show whether two values of a key give the same run.
+// A crash leaves no hash, and a failure in the first step that of any condition. Other runs must
+// show whether two values of a key give the same run.
 TEST(StudyComparison, ACrashMakesNoBlockOfAKeyWithoutEffect) {
   struct Row {
     const char* crashes;
@@ -209,13 +212,17 @@ TEST(StudyComparison, ACrashMakesNoBlockOfAKeyWithoutEffect) {
            Row{"never", never, 2, 2},
            Row{"at a seed", [](const auto& point) { return point.seed == 2; }, 2, 2},
            Row{"at a value", [](const auto& point) { return point.values[1] == "10"; }, 2, 2},
-           Row{"always", [](const auto&) { return true; }, 1, 2},
+           // Nothing shows that a key has no effect.
+           Row{"always", [](const auto&) { return true; }, 8, 8},
            // The key is effective here, and nobody knows which crashed runs are equal.
            Row{"at some values", [](const auto& point) { return point.values[0] >= "3"; }, 6, 6},
        }) {
-    const CandidateComparison comparison = compare_candidates(results_of(plan(), row.where, never));
-    EXPECT_EQ(comparison.reached, (std::vector<std::size_t>{2, row.blocks_of_b})) << row.crashes;
-    EXPECT_EQ(comparison.blocks, row.blocks) << row.crashes;
+    for (const char* hash : {"", "0123456789abcdef"}) {
+      const CandidateComparison comparison =
+          compare_candidates(results_of(plan(), row.where, never, hash));
+      EXPECT_EQ(comparison.reached, (std::vector<std::size_t>{2, row.blocks_of_b})) << row.crashes;
+      EXPECT_EQ(comparison.blocks, row.blocks) << row.crashes;
+    }
   }
 }
 
