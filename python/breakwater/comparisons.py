@@ -24,8 +24,10 @@ class Comparison:
 
     sentence: the answer.
     table: a row for each candidate, the best first: place (0: not ranked) and median with its interval. `conditions` is
-       their number; in `failed` of them it failed, and in `met` it met the bounds.
+       their number; in `failed` of them it failed, and in `met` it met the bounds. `missing` of its complete runs lack the
+       metric.
     pairs: a row for each pair of ranked candidates: the difference with its interval, p, and p after Holm's correction.
+    notes: metrics that some complete runs of a candidate lack, in the words of `breakwater sweep`.
     data: the same as ranking.json of a study.
     """
 
@@ -33,6 +35,7 @@ class Comparison:
         import pandas
 
         self._text = data.pop("text")
+        self.notes: list[str] = data.pop("notes")
         self.data = data
         self.sentence: str = data["sentence"]
 

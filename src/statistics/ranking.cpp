@@ -43,6 +43,9 @@ RankedCandidate counted(const PairedResults& results, std::size_t candidate,
     }
     if (!values.empty()) medians.push_back(sample_median(values));
   }
+  row.missing = static_cast<std::size_t>((results.failed.col(column).array() == 0.0 &&
+                                          values_of(results, metric).col(column).array().isNaN())
+                                             .count());
   if (row.blocks > 0) row.share = share_interval(row.met, row.blocks, requirement.confidence);
   if (!medians.empty()) row.median = estimated_median(std::move(medians), level);
   return row;

@@ -31,6 +31,7 @@ struct RankedCandidate {
   std::size_t place = 0;      ///< 1 and the number of those shown to be better; 0: not ranked
   std::size_t blocks = 0;     ///< different blocks of the candidate
   std::size_t failed = 0;     ///< blocks in which a run failed
+  std::size_t missing = 0;    ///< complete runs without the metric
   std::size_t met = 0;        ///< blocks that meet the requirement
   ConfidenceInterval share = {0.0, 1.0};  ///< share_interval() of met
   EstimatedValue median = {std::numeric_limits<double>::quiet_NaN(), std::nullopt};

@@ -287,6 +287,7 @@ nlohmann::ordered_json ranking_json(const Ranking& ranking) {
                                   {"median", json_of(one.median)},
                                   {"conditions", one.blocks},
                                   {"failed", one.failed},
+                                  {"missing", one.missing},
                                   {"met", one.met},
                                   {"met_lower", one.share.lower},
                                   {"met_upper", one.share.upper}});

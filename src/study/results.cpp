@@ -87,13 +87,14 @@ constexpr std::size_t kMostInALine = 4;  // metrics in a line
 
 // "12 of 40 complete runs of hpfc-2N" for each candidate of which only some runs have a metric. One
 // that no run of a candidate has does not apply to it.
-std::string missing(const Plan& plan, const std::vector<std::size_t>& counts,
+std::string missing(const std::vector<std::string>& candidates,
+                    const std::vector<std::size_t>& counts,
                     const std::vector<std::size_t>& complete) {
   std::vector<std::string> parts;
   for (std::size_t c = 0; c < counts.size(); ++c) {
     if (counts[c] == 0 || counts[c] == complete[c]) continue;
     parts.push_back(fmt::format("{} of {} complete runs of {}", complete[c] - counts[c],
-                                complete[c], plan.candidates()[c].label));
+                                complete[c], candidates[c]));
   }
   const std::size_t more = parts.size() - std::min(parts.size(), kMostInALine);
   parts.resize(parts.size() - more);
@@ -102,6 +103,29 @@ std::string missing(const Plan& plan, const std::vector<std::size_t>& counts,
 }
 
 }  // namespace
+
+std::vector<std::string> missing_lines(
+    const std::vector<std::string>& candidates,
+    const std::map<std::string, std::vector<std::size_t>>& counts,
+    const std::vector<std::size_t>& complete) {
+  // Metrics that are missing in the same runs share a line.
+  std::map<std::string, std::vector<std::string>> metrics;
+  for (const auto& [name, of_candidates] : counts) {
+    const std::string where = missing(candidates, of_candidates, complete);
+    if (!where.empty()) metrics[where].push_back(name);
+  }
+  std::vector<std::string> lines;
+  for (auto& [where, names] : metrics) {
+    const std::size_t more = names.size() - std::min(names.size(), kMostInALine);
+    names.resize(names.size() - more);
+    lines.push_back(fmt::format("{}{} missing: in {}", fmt::join(names, ", "),
+                                more > 0           ? fmt::format(" and {} more are", more)
+                                : names.size() > 1 ? " are"
+                                                   : " is",
+                                where));
+  }
+  return lines;
+}
 
 bool are_same_run(const PointResult& one, const PointResult& other) {
   return one.state_hash == other.state_hash && one.metrics == other.metrics;
@@ -133,22 +157,9 @@ std::vector<std::string> notes(const Plan& plan, const ShardIndex& index) {
     ++pairs;
     different += are_same_run(run, *other) ? 0 : 1;
   }
-  // Metrics that are missing in the same runs share a line.
-  std::map<std::string, std::vector<std::string>> metrics;
-  for (const auto& [name, of_candidates] : counts) {
-    const std::string where = missing(plan, of_candidates, complete);
-    if (!where.empty()) metrics[where].push_back(name);
-  }
-  std::vector<std::string> lines;
-  for (auto& [where, names] : metrics) {
-    const std::size_t more = names.size() - std::min(names.size(), kMostInALine);
-    names.resize(names.size() - more);
-    lines.push_back(fmt::format("{}{} missing: in {}", fmt::join(names, ", "),
-                                more > 0           ? fmt::format(" and {} more are", more)
-                                : names.size() > 1 ? " are"
-                                                   : " is",
-                                where));
-  }
+  std::vector<std::string> labels;
+  for (const Candidate& candidate : plan.candidates()) labels.push_back(candidate.label);
+  std::vector<std::string> lines = missing_lines(labels, counts, complete);
   if (plan.seeds() == 1 && !plan.study().goals.empty()) {
     lines.emplace_back("seeds: one, so any noise is one draw of it (--dry-run looks for noise)");
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,13 @@ void write_sqlite(const std::filesystem::path& csv, const std::filesystem::path&
 bool are_same_run(const PointResult& one, const PointResult& other);
 /// The reason for equal runs with several seeds.
 inline constexpr const char* kNoNoise = "no noise reaches them";
+
+/// Lines such as "y_1 is missing: in 7 of 12 complete runs of plain". `counts` are each metric's
+/// runs by candidate.
+std::vector<std::string> missing_lines(
+    const std::vector<std::string>& candidates,
+    const std::map<std::string, std::vector<std::size_t>>& counts,
+    const std::vector<std::size_t>& complete);
 
 /// The notes, one per line. They name metrics that some complete runs of a candidate lack, so that
 /// its medians are over fewer runs. They also name seeds that change nothing.

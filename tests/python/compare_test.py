@@ -46,7 +46,11 @@ class Compare(unittest.TestCase):
         # A run without the metric is not compared, and a condition that one candidate lacks does not count.
         gap = table()
         gap.loc[0, "y"] = np.nan
-        self.assertEqual(set(bw.compare(gap, "y", "who", on="seed").pairs["conditions"]), {9, 10})
+        some = bw.compare(gap, "y", "who", on="seed")
+        self.assertEqual(set(some.pairs["conditions"]), {9, 10})
+        self.assertEqual(list(some.table["missing"]), [1, 0, 0])
+        self.assertEqual(some.notes, ["y is missing: in 1 of 10 complete runs of a"])
+        self.assertTrue(repr(some).endswith(some.notes[0]))
         self.assertEqual(set(bw.compare(table()[1:], "y", "who", on="seed").pairs["conditions"]), {9})
 
 
