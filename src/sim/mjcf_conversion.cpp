@@ -129,7 +129,7 @@ class Conversion {
     compensate_gravity();
     convert_slack();
     widen_margins();
-    give_stack();
+    give_sizes();
     set_autolimits();
     check(root, "");
     if (has_damping_ratio_) resolve_damping_ratios();
@@ -447,19 +447,25 @@ class Conversion {
     });
   }
 
-  // MuJoCo 3 has one memory for all. The engine's own is of a fixed size, and its stack has
-  // another.
-  void give_stack() {
+  // MuJoCo 3 has one memory for all. In the engine the stack, contacts and constraints each have a
+  // fixed size. The square of the constraints, with 12 bytes each, takes most of theirs.
+  void give_sizes() {
     constexpr double kMostNumbers = 0x1p27;  // 1 GB, which costs what is used of it
+    constexpr double kLeastRows = 500;       // without `njmax`
+    constexpr double kMostRows = 4096;       // 200 MB, which cost all
     for_each_section(root, "size", [&](MjcfElement& size) {
       std::string memory = size.text("memory", "-1");
       const auto unit = std::string("KMG").find(static_cast<char>(std::toupper(memory.back())));
       if (unit != std::string::npos) memory.pop_back();
       double bytes = mjcf_numbers(size, memory, 1, 1)[0];
       if (unit != std::string::npos) bytes *= static_cast<double>(1LL << (10 * (unit + 1)));
-      if (bytes <= 0.0 || size.has("nstack")) return;
+      if (bytes <= 0.0) return;
       const double numbers = std::min(kMostNumbers, std::ceil(bytes / sizeof(mjtNum)));
-      size.set("nstack", std::to_string(static_cast<int>(numbers)));
+      const double rows = std::clamp(std::sqrt(numbers / 2.0), kLeastRows, kMostRows);
+      for (const auto& [name, count] :
+           {std::pair("nstack", numbers), {"njmax", rows}, {"nconmax", rows}}) {
+        if (!size.has(name)) size.set(name, std::to_string(static_cast<int>(count)));
+      }
     });
   }
 
