@@ -13,6 +13,7 @@
 #include <utility>
 
 #include <breakwater/config/config.h>
+#include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/page_chart.h>
@@ -335,11 +336,11 @@ void describe(CLI::App& app, Arguments& arguments) {
       ->type_name("DIR");
   app.add_option("--from", options.from_rad_s, "lowest frequency [rad/s] (default: 0.1)")
       ->type_name("OMEGA")
-      ->check(CLI::PositiveNumber);
+      ->check(must_be_positive);
   app.add_option("--to", options.to_rad_s,
                  "highest frequency [rad/s] (default: 0.9 of the Nyquist frequency)")
       ->type_name("OMEGA")
-      ->check(CLI::PositiveNumber);
+      ->check(must_be_positive);
   app.add_option("--points", options.points, "number of measured frequencies (default: 25)")
       ->type_name("N")
       ->check(CLI::Range(2, 10000));
@@ -347,15 +348,15 @@ void describe(CLI::App& app, Arguments& arguments) {
                  "amplitude of the sine at the drive [N m or N] (default: 1, but at most\n"
                  "a tenth of the drive's limit)")
       ->type_name("F")
-      ->check(CLI::PositiveNumber);
+      ->check(must_be_positive);
   app.add_option("--noise-amplitude", options.noise_amplitude,
                  "amplitude of the sine at the sensor [rad or m] (default: three of the\n"
                  "encoder's counts, or 1e-3)")
       ->type_name("X")
-      ->check(CLI::PositiveNumber);
+      ->check(must_be_positive);
   app.add_option("--settle", options.settle_s, "time before the measurement [s] (default: 5)")
       ->type_name("S")
-      ->check(CLI::NonNegativeNumber);
+      ->check(must_be_0_or_more);
   app.add_option("--jobs", options.jobs, "how many runs at a time (default: all cores)")
       ->type_name("N")
       ->check(CLI::Range(1, 4096));
@@ -394,6 +395,9 @@ void add_loops(const PreparedRun& run, const Arguments& arguments,
     throw std::invalid_argument(run.case_name + ": no driven axis has a controller");
   }
   if (loops.size() == before) {
+    if (names.front().empty()) {
+      throw std::invalid_argument("--axis: the scenario has a single axis: leave --axis out");
+    }
     throw std::invalid_argument(
         fmt::format("--axis: there is no driven axis \"{}\" with a controller{}", arguments.axis,
                     did_you_mean(arguments.axis, names)));

@@ -14,6 +14,7 @@
 
 #include <breakwater/cluster/slurm_answers.h>
 #include <breakwater/cluster/slurm_queue.h>
+#include <breakwater/config/toml_text.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/child_program.h>
@@ -250,7 +251,7 @@ void add_slurm_options(CLI::App& app, SlurmRequest& request) {
   app.add_option("--minutes", request.minutes,
                  fmt::format("plan this time for a task (default: {:g})", request.minutes))
       ->type_name("M")
-      ->check(CLI::PositiveNumber)
+      ->check(must_be_positive)
       ->group(kOnCluster);
   app.add_option("--parallel", request.parallel, "run at most this many tasks at a time")
       ->type_name("M")

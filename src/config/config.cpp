@@ -193,7 +193,8 @@ void Config::set(const std::string& assignment) {
   }
   const std::string key = assignment.substr(0, equals);
   const std::string whole = whole_key(key);
-  if (key.size() > kLongestWord || !std::all_of(whole.begin(), whole.end(), is_key_character)) {
+  if (key.size() > kLongestWord || whole.empty() ||
+      !std::all_of(whole.begin(), whole.end(), is_key_character)) {
     throw std::invalid_argument("--set: " + shown(key) + ": is no key");
   }
   const std::string text = assignment.substr(equals + 1);

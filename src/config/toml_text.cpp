@@ -59,4 +59,18 @@ std::optional<double> number_in(const std::string& text) {
   return number;
 }
 
+std::string must_be_number(const std::string& text) {
+  return number_in(text) ? "" : "must be a number, is \"" + text + '"';
+}
+
+std::string must_be_positive(const std::string& text) {
+  const auto number = number_in(text);
+  return number && *number <= 0.0 ? "must be positive, is " + text : must_be_number(text);
+}
+
+std::string must_be_0_or_more(const std::string& text) {
+  const auto number = number_in(text);
+  return number && *number < 0.0 ? "must be 0 or more, is " + text : must_be_number(text);
+}
+
 }  // namespace breakwater

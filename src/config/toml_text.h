@@ -25,4 +25,9 @@ std::string plain_text(const std::string& value);
 /// The finite number that the whole text is, if it is one.
 std::optional<double> number_in(const std::string& text);
 
+/// Checks of an option's text for CLI11: the reason why it is refused, or "".
+std::string must_be_number(const std::string& text);
+std::string must_be_positive(const std::string& text);
+std::string must_be_0_or_more(const std::string& text);
+
 }  // namespace breakwater

@@ -46,7 +46,8 @@ void look_into(const fs::path& folder, const std::function<bool(const fs::path&)
 
 FoundRuns find_runs(const fs::path& below, const std::function<bool(const fs::path&)>& is_other) {
   if (!fs::is_directory(below)) {
-    throw std::invalid_argument(below.string() + ": there is no such folder");
+    throw std::invalid_argument(below.string() + (fs::exists(below) ? ": is a file, not a folder"
+                                                                    : ": there is no such folder"));
   }
   FoundRuns found;
   look_into(below, is_other, found);

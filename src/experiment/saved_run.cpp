@@ -56,8 +56,10 @@ void SavedRun::read() {
   read_.clear();
   written_rows_.clear();
   if (!fs::is_directory(folder_)) {
-    throw std::invalid_argument(folder_.string() +
-                                ": there is no such folder; give the folder of a run");
+    throw std::invalid_argument(
+        folder_.string() +
+        (fs::exists(folder_) ? ": is a file, not a folder" : ": there is no such folder") +
+        "; give the folder of a run");
   }
   if (!fs::exists(folder_ / "manifest.json")) {
     throw std::invalid_argument(folder_.string() +

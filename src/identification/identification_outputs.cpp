@@ -534,7 +534,7 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
                    "take this inertia [kg m^2], with two_inertia the motor's, as known, and fit "
                    "the torque\n"
                    "constant instead")
-        ->check(CLI::PositiveNumber);
+        ->check(must_be_positive);
     app.add_option("--config", arguments.config,
                    "read the keys of table and encoder from this file of estimate")
         ->type_name("FILE");

@@ -11,6 +11,7 @@
 #include <memory>
 #include <thread>
 
+#include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
@@ -221,9 +222,7 @@ void describe_video(CLI::App& app, PictureArguments& arguments) {
   app.add_option("--speed", arguments.wish.speed,
                  "set the speed: 0.1 is ten times slower than real time")
       ->type_name("X")
-      ->check([](const std::string& text) {
-        return std::strtod(text.c_str(), nullptr) > 0.0 ? std::string() : text + " is not positive";
-      });
+      ->check(must_be_positive);
   app.add_option("--from", arguments.wish.from_s, "begin at this simulated time")->type_name("S");
   app.add_option("--to", arguments.wish.to_s, "end at this simulated time")->type_name("S");
   app.add_option("--out", arguments.out, "write this file (default: RUN/video.mp4)")

@@ -13,6 +13,7 @@
 #include <set>
 #include <stdexcept>
 
+#include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/differing_keys.h>
 #include <breakwater/experiment/run_tables.h>
 #include <breakwater/experiment/runner.h>
@@ -27,31 +28,14 @@
 #include <breakwater/sim/mjcf_conversion.h>
 
 namespace breakwater {
-namespace {
-
-// A number as TOML: "0.1" for ".1".
-std::string as_toml_number(const std::string& text) {
-  double value = 0.0;
-  if (!CLI::detail::lexical_cast(text, value)) return text;
-  const std::string digits = fmt::format("{}", value);
-  return digits.find_first_of(".en") == std::string::npos ? digits + ".0" : digits;
-}
-
-}  // namespace
-
 void add_run_changes(CLI::App& app, RunChanges& options, const std::string& config_help,
                      const std::string& set_help, const std::string& group) {
   app.add_option("--config", options.config, config_help)->type_name("FILE")->group(group);
   app.add_option("--set", options.sets, set_help)->type_name("KEY=VALUE")->group(group);
   app.add_option("--duration", options.duration, "the same as --set run.duration_s=S")
       ->type_name("S")
-      ->check(is_number)
+      ->check(must_be_number)
       ->group(group);
-}
-
-std::string is_number(const std::string& text) {
-  double value = 0.0;
-  return CLI::detail::lexical_cast(text, value) ? "" : "must be a number, is \"" + text + "\"";
 }
 
 void add_set(std::vector<std::string>& sets, const std::string& option, const std::string& key,
@@ -67,7 +51,7 @@ void add_set(std::vector<std::string>& sets, const std::string& option, const st
 std::vector<std::string> all_sets(const RunChanges& options) {
   std::vector<std::string> sets = options.sets;
   if (options.duration.empty()) return sets;
-  add_set(sets, "--duration", "run.duration_s", as_toml_number(options.duration));
+  add_set(sets, "--duration", "run.duration_s", toml_number(number_in(options.duration).value()));
   return sets;
 }
 
@@ -99,7 +83,7 @@ void describe(CLI::App& app, const std::string& video_program, Arguments& argume
                   "override keys of the scenario file (--print-config shows them all)");
   app.add_option("--seed", arguments.seed, "the same as --set run.seed=N")
       ->type_name("N")
-      ->check(is_number);
+      ->check(must_be_number);
   app.add_option("--out", arguments.out,
                  "the run's folder; of several runs the folder of their folders\n"
                  "(default: runs/SCENARIO/CASE-seedN)")

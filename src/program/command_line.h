@@ -22,10 +22,6 @@ struct RunChanges {
 void add_run_changes(CLI::App& app, RunChanges& options, const std::string& config_help,
                      const std::string& set_help, const std::string& group = "Options");
 
-/// A check for CLI11: returns an error text unless `text` is a number. The key itself checks the
-/// range.
-std::string is_number(const std::string& text);
-
 /// Adds OPTION=VALUE as a set of `key`, if the option was given. Throws std::invalid_argument if a
 /// --set has the same key.
 void add_set(std::vector<std::string>& sets, const std::string& option, const std::string& key,

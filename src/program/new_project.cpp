@@ -199,14 +199,11 @@ void make_project(const std::vector<fs::path>& from, const std::string& name, co
   if (fs::symlink_status(folder).type() != fs::file_type::not_found) {
     throw std::invalid_argument(out.string() + ": is there already");
   }
-  if (!fs::is_directory(folder.parent_path())) {
-    throw std::invalid_argument(folder.parent_path().string() + ": is no folder");
-  }
   const std::map<fs::path, std::string> files = files_of(from, name);
   const fs::path partial =
       folder.parent_path() / (hidden_name(folder, ".partial-") + unique_name());
   std::error_code error;
-  if (!fs::create_directory(partial, error)) {
+  if (!fs::create_directories(partial, error)) {
     throw std::invalid_argument(out.string() + ": cannot be made (" + error.message() + ")");
   }
   try {

@@ -45,21 +45,26 @@ TipPlace find_tip(const Model& model, const std::string& tip) {
   }
   std::vector<std::string> sites, ends;
   std::vector<int> bodies;
-  for (int i = 0; i < model->nsite; ++i) sites.push_back(name_in(model, mjOBJ_SITE, i));
+  const auto add_name = [&](std::vector<std::string>& names, mjtObj kind, int id) {
+    const std::string name = name_in(model, kind, id);
+    if (!name.empty()) names.push_back(name);
+  };
+  for (int i = 0; i < model->nsite; ++i) add_name(sites, mjOBJ_SITE, i);
   for (int i = 1; i < model->nbody; ++i) {
     const auto* const parents = model->body_parentid;
     if (std::find(parents, parents + model->nbody, i) != parents + model->nbody) continue;
-    ends.push_back(name_in(model, mjOBJ_BODY, i));
+    add_name(ends, mjOBJ_BODY, i);
     bodies.push_back(i);
   }
-  if (tip.empty() && sites.size() == 1) return site_at(0);
-  if (tip.empty() && sites.empty() && bodies.size() == 1) return {bodies.front(), -1};
+  if (tip.empty() && model->nsite == 1) return site_at(0);
+  if (tip.empty() && model->nsite == 0 && bodies.size() == 1) return {bodies.front(), -1};
   throw std::invalid_argument(
       (tip.empty() ? "--tip: is needed"
                    : "--tip: " + model.file() + " has no site or body \"" + tip + '"') +
-      (!sites.empty()  ? "; its sites are " + joined(sites)
-       : !ends.empty() ? "; its last bodies are " + joined(ends)
-                       : "; it has no body"));
+      (!sites.empty()    ? "; its sites are " + joined(sites)
+       : !ends.empty()   ? "; its last bodies are " + joined(ends)
+       : !bodies.empty() ? "; its last bodies have no names: name a body, or a site"
+                         : "; it has no body"));
 }
 
 // Position (3), rotation (3×3) and Jacobian (6×n) of the tip in the pose of the data.
