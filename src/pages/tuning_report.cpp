@@ -144,8 +144,10 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   const std::string kind = has_front ? "front" : "tuned";
   const std::string run = "breakwater run " + tuning.scenario + " --config " + kind + "/";
   auto lead = PageData::array();
-  if (!has_front && !table.rows.empty()) {
-    lead = {{{"finding", tuned_sentence(plan, result, ranking)}},
+  if (!table.rows.empty()) {
+    lead = {{{"finding", has_front ? fmt::format("The Pareto front has {}.",
+                                                 number_of(table.rows.size(), "point"))
+                                   : tuned_sentence(plan, result, ranking)}},
             {{"command", run + table.rows.front().label + ".toml"}}};
   }
   auto blocks = PageData::array();

@@ -41,11 +41,6 @@ std::string camel_case(const std::string& name) {
   return result;
 }
 
-std::string upper_case(std::string name) {
-  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return name;
-}
-
 std::string replaced(std::string text, const std::string& word, const std::string& by) {
   for (std::size_t at = text.find(word); at != std::string::npos;
        at = text.find(word, at + by.size())) {
@@ -54,12 +49,11 @@ std::string replaced(std::string text, const std::string& word, const std::strin
   return text;
 }
 
-// A template's folder my_part has the placeholders my_part, MyPart and MY_PART.
+// A template's folder my_part has the placeholders my_part and MyPart.
 std::string instantiated(std::string text, const fs::path& folder, const std::string& name) {
   const std::string placeholder = "my_" + folder.filename().string();
   text = replaced(std::move(text), placeholder, name);
-  text = replaced(std::move(text), camel_case(placeholder), camel_case(name));
-  return replaced(std::move(text), upper_case(placeholder), upper_case(name));
+  return replaced(std::move(text), camel_case(placeholder), camel_case(name));
 }
 
 // The texts of the files of templates by their new names, relative to the project's folder.
