@@ -139,8 +139,12 @@ class Observer(_Estimator):
         sensor = [vector(value, key, self._outputs) for key, value in (("delta", delta), ("sigma", sigma))]
         truncates = one_of(rounding, "rounding", ("nearest", "truncate")) == "truncate"
         drive = [finite(largest_input, "largest_input"), finite(pulses_per_revolution, "pulses_per_revolution")]
-        if min(drive) < 0.0:
-            raise InputError(f"{'largest_input' if drive[0] < 0.0 else 'pulses_per_revolution'}: must be 0 or more")
+        given = zip(("delta", "sigma", "largest_input", "pulses_per_revolution"), (*sensor, *drive), strict=True)
+        for key, value in given:
+            if np.min(value) < 0.0:
+                raise InputError(f"{key}: must be 0 or more")
+        if period_s is not None and self._period_s <= 0.0:
+            raise InputError("period_s: must be positive")
         name = checked_text(str(name), "name")
         defaults = {key: default_of(name, key) for key in _KEYS.get(name, ())}
         sets = [f"observer.{key}={value}" for key, value in defaults.items() if value] + _sets(keys)
