@@ -361,7 +361,7 @@ MetricExpression::MetricExpression(const std::string& text, const Numbers& numbe
   };
   constexpr const char* kSpaces = " \t\n\v\f\r";
   bool is_factor = true, is_negative = false, is_product = false;
-  for (std::size_t from = text.find_first_not_of(kSpaces), end = 0; from != text.npos;
+  for (std::size_t from = text.find_first_not_of(kSpaces), end = 0; from != std::string::npos;
        from = text.find_first_not_of(kSpaces, end), is_factor = !is_factor) {
     end = std::min(text.find_first_of(kSpaces, from), text.size());
     const std::string word = text.substr(from, end - from);

@@ -312,10 +312,11 @@ void MetricRows::learn(const Config& config) {
 void MetricRows::name_number(const std::string& text, const char* role, const std::string& name) {
   const std::string begin = "metrics.";
   std::size_t end = 0;
-  for (std::size_t at = text.find(begin); at != text.npos; at = text.find(begin, end)) {
+  for (std::size_t at = text.find(begin); at != std::string::npos; at = text.find(begin, end)) {
     end = std::min(text.find(' ', at), text.size());
     Number& number = numbers_[text.substr(at, end - at)];
-    const bool is_sum = text.find(" + ") != text.npos || text.find(" - ") != text.npos;
+    const bool is_sum =
+        text.find(" + ") != std::string::npos || text.find(" - ") != std::string::npos;
     const std::string_view what = role;
     number.is_positive = number.is_positive || ((what == kLevel || what == kCutoff) && !is_sum);
     if (number.help.empty()) {

@@ -147,7 +147,7 @@ class MetricValues {
   /// `signals` must outlive it. The first one of a name counts. `events` are the events of
   /// MetricContext. Throws std::invalid_argument if a cut-off is too high. A row [signal.NAME] may
   /// neither have the name of another signal nor need one value of a signal with several.
-  MetricValues(const MetricRows& rows, const std::vector<Signal>& signals, double end_s,
+  MetricValues(const MetricRows& rows, const std::vector<Signal>& of_run, double end_s,
                const MetricExpression::Events& events = {});
   MetricValues(MetricValues&&) noexcept;
   MetricValues& operator=(MetricValues&&) noexcept;
