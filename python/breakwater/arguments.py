@@ -64,6 +64,13 @@ def mapping(values: Mapping[str, Any] | None, name: str) -> Mapping[str, Any]:
     return values
 
 
+def not_negative(value: Any, name: str) -> float:
+    number = finite(value, name)
+    if number < 0.0:
+        raise InputError(f"{name}: must be 0 or more")
+    return number
+
+
 def checked_text(text: str, name: str) -> str:
     """A text that C++ and other programs can take."""
     if "\0" in text:

@@ -171,10 +171,12 @@ class QpSolver:
         is_exact = one_of(solver, "solver", ("active_set", "hildreth")) == "active_set"
         self._qp = _apart(_core.Qp, H, Omega, is_exact, whole(max_iterations, "max_iterations"))
         self._rows, self._variables = Omega.shape
+        self._hard = np.zeros(self._rows)
+        self._none = self._hard - np.inf, self._hard + np.inf
 
-    def _bounds(self, given: Matrix | None, otherwise: float, name: str) -> np.ndarray:
+    def _bounds(self, given: Matrix | None, otherwise: np.ndarray, name: str) -> np.ndarray:
         if given is None:
-            return np.full(self._rows, otherwise)
+            return otherwise
         values = numbers(given, name)
         if values.shape != (self._rows,):
             raise InputError(f"{name}: must be {self._rows} numbers, is {description(given)}")
@@ -194,10 +196,10 @@ class QpSolver:
         g (n). lower, upper (m): infinity or None means no bound. softness (m), at least 0: a constraint with
         softness s may be violated by v, which costs v^2/(2 s).
         """
-        soft = vector(0.0 if softness is None else softness, "softness", self._rows)
+        soft = self._hard if softness is None else vector(softness, "softness", self._rows)
         if (soft < 0.0).any():
             raise InputError("softness: must not be negative")
-        both = self._bounds(lower, -np.inf, "lower"), self._bounds(upper, np.inf, "upper")
+        both = self._bounds(lower, self._none[0], "lower"), self._bounds(upper, self._none[1], "upper")
         return QpSolution(*self._qp.solve(vector(g, "g", self._variables), *both, soft))
 
     def reset(self) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .arguments import checked_text, finite, matrix, one_of, record, toml_text, vector
+from .arguments import checked_text, finite, matrix, not_negative, one_of, record, toml_text, vector
 from .errors import InputError
 
 Matrix = npt.ArrayLike
@@ -138,11 +138,12 @@ class Observer(_Estimator):
         self._period_s = 0.0 if period_s is None else finite(period_s, "period_s")
         sensor = [vector(value, key, self._outputs) for key, value in (("delta", delta), ("sigma", sigma))]
         truncates = one_of(rounding, "rounding", ("nearest", "truncate")) == "truncate"
-        drive = [finite(largest_input, "largest_input"), finite(pulses_per_revolution, "pulses_per_revolution")]
-        given = zip(("delta", "sigma", "largest_input", "pulses_per_revolution"), (*sensor, *drive), strict=True)
-        for key, value in given:
-            if np.min(value) < 0.0:
-                raise InputError(f"{key}: must be 0 or more")
+        for key, value in zip(("delta", "sigma"), sensor, strict=True):
+            not_negative(min(value, default=0.0), key)
+        drive = [
+            not_negative(largest_input, "largest_input"),
+            not_negative(pulses_per_revolution, "pulses_per_revolution"),
+        ]
         if period_s is not None and self._period_s <= 0.0:
             raise InputError("period_s: must be positive")
         name = checked_text(str(name), "name")
@@ -177,9 +178,7 @@ class Observer(_Estimator):
         """
         inputs, outputs = self._records(u, y)
         start = None if x0 is None else vector(x0, "x0", self._states)
-        if finite(time_std_s, "time_std_s") < 0.0:
-            raise InputError("time_std_s: must be 0 or more")
-        if t is None and time_std_s != 0.0:
+        if not_negative(time_std_s, "time_std_s") != 0.0 and t is None:
             raise InputError("time_std_s: needs t, the times of the samples")
         times = None if t is None else self._times(t, outputs)
         x, d, innovation, forgetting = self._core.filter(inputs, outputs, times, start, float(time_std_s))
@@ -242,8 +241,7 @@ class QuadrotorFilter(_Estimator):
             "estimates_wave_frequency": float(bool(estimates_wave_frequency)),
             "added_mass_coefficient": added_mass_coefficient,
         }
-        if finite(added_mass_coefficient, "added_mass_coefficient") < 0.0:
-            raise InputError("added_mass_coefficient: must be 0 or more")
+        not_negative(added_mass_coefficient, "added_mass_coefficient")
         self._core = _core.ArrayEstimator(*names, {key: finite(value, key) for key, value in numbers.items()})
         self._inputs, self._outputs, self._states = 4, 6, 6
         self._angles = np.zeros(3)

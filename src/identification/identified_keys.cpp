@@ -11,18 +11,26 @@
 
 namespace breakwater {
 
-std::string with_numbers(const std::string& text, const IdentifiedNumbers& numbers, int digits) {
+namespace {
+
+double value_of(const std::string& expression, const IdentifiedNumbers& numbers) {
   const auto number = [&](const std::string& name) {
     const auto found = numbers.find(name);
     return found != numbers.end() ? std::optional(found->second) : std::nullopt;
   };
+  return MetricExpression(expression, number, {}).value();
+}
+
+}  // namespace
+
+std::string with_numbers(const std::string& text, const IdentifiedNumbers& numbers, int digits) {
   std::string filled;
   std::size_t from = 0;
-  for (std::size_t at = text.find('<'); at != text.npos; at = text.find('<', from)) {
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', from)) {
     const std::size_t end = text.find('>', at);
-    if (end == text.npos) throw std::invalid_argument(text + ": lacks a \">\"");
-    const MetricExpression expression(text.substr(at + 1, end - at - 1), number, {});
-    filled += text.substr(from, at - from) + fmt::format("{:.{}g}", expression.value(), digits);
+    if (end == std::string::npos) throw std::invalid_argument(text + ": lacks a \">\"");
+    const double value = value_of(text.substr(at + 1, end - at - 1), numbers);
+    filled += text.substr(from, at - from) + fmt::format("{:.{}g}", value, digits);
     from = end + 1;
   }
   return filled + text.substr(from);
@@ -33,8 +41,8 @@ std::vector<std::string> IdentifiedKeys::sets(bool is_drawn,
   constexpr int kDigits = 12;
   std::vector<std::string> sets;
   for (const Key& key : keys) {
-    const std::string needed = key.needs.empty() ? "" : "<" + key.needs + ">";
-    if (key.is_drawn != is_drawn || with_numbers(needed, numbers, kDigits) == "0") continue;
+    if (key.is_drawn != is_drawn) continue;
+    if (!key.needs.empty() && value_of(key.needs, numbers) == 0.0) continue;
     sets.push_back(with_numbers(key.set, numbers, kDigits));
   }
   return sets;

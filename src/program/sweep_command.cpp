@@ -123,9 +123,8 @@ std::string why_missing(const Sweep& sweep, const UnknownMetric& metric, std::si
   if (failed == runs) return ": they failed";
   const std::vector<std::string> defined = defined_metrics(sweep);
   if (std::find(defined.begin(), defined.end(), metric.name) == defined.end()) return metric.meant;
-  std::string why = ": they have no window or event for it";
-  if (failed > 0)
-    why = fmt::format(": {} failed, the others have no window or event for it", failed);
+  const std::string which = failed > 0 ? fmt::format("{} failed, the others", failed) : "they";
+  std::string why = ": " + which + " have no window or event for it";
   for (const std::string& set : sweep.plan().study().sets) {
     if (set.starts_with("run.duration_s=")) why += " (" + set + ")";
   }

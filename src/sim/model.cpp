@@ -146,16 +146,13 @@ Model Model::compile(const ModelFile& mjcf) {
   const Compiling compiling;
   check_mjcf(mjcf_file, mjcf.most_elements);
   std::string fatal;
-  mjModel* loaded = load_mjcf(mjcf_file, "", fatal);
-  if (loaded != nullptr && has_gap_outside(*loaded)) {
-    mj_deleteModel(loaded);
-    loaded = nullptr;
-  }
+  std::unique_ptr<mjModel, decltype(&mj_deleteModel)> loaded(load_mjcf(mjcf_file, "", fatal),
+                                                             &mj_deleteModel);
   bool is_converted = false;
-  if (loaded == nullptr) {
+  if (loaded == nullptr || has_gap_outside(*loaded)) {
     const ConvertedMjcf converted = convert_mjcf(mjcf_file, mjcf.most_elements);
     is_converted = !converted.changes.empty();
-    loaded = load_mjcf(mjcf_file, is_converted ? mjcf_text(converted.root) : "", fatal);
+    if (is_converted) loaded.reset(load_mjcf(mjcf_file, mjcf_text(converted.root), fatal));
   }
   if (loaded == nullptr) {
     check_memory(mjcf_file, fatal);
@@ -165,7 +162,7 @@ Model Model::compile(const ModelFile& mjcf) {
   }
   add_missing_forces(*loaded);
 
-  Model model(loaded, mjcf_file);
+  Model model(loaded.release(), mjcf_file);
   check_timestep(model->opt.timestep, mjcf_file);
   check_bodies(*model.get(), mjcf_file);
   check_geoms(*model.get(), mjcf_file);
