@@ -208,8 +208,8 @@ def path_or_none(value: Any, name: str) -> str | None:
     return path
 
 
-def folder_path(value: Any) -> pathlib.Path:
-    path = path_or_none(value, "folder")
+def checked_path(value: Any, name: str) -> str:
+    path = path_or_none(value, name)
     if path is None:
-        raise InputError("folder: must be a path, is NoneType")
-    return pathlib.Path(path)
+        raise InputError(f"{name}: must be a path, is NoneType")
+    return path

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _core
-from .arguments import did_you_mean, folder_path, mapping, path_or_none, set_lines, text_or_none
+from .arguments import checked_path, did_you_mean, mapping, path_or_none, set_lines, text_or_none
 from .commands import call, failure_of
 from .errors import InputError
 from .parts import Controller, Estimator
@@ -254,6 +254,10 @@ class Run:
             raise KeyError(f"signal: {signal!r}: has {width} value{'s' if width > 1 else ''}")
         return values if values.ndim == 1 else values[:, index - 1]
 
+    def __iter__(self) -> Iterator[str]:
+        """The names of the signals."""
+        return iter(self.signals)
+
     def __contains__(self, signal: object) -> bool:
         try:
             self._place(signal)  # type: ignore[arg-type]
@@ -322,7 +326,7 @@ class Run:
 
         An earlier run in the folder is replaced.
         """
-        target = folder_path(folder)
+        target = pathlib.Path(checked_path(folder, "folder"))
         if isinstance(self._core, _core.SavedRun):
             trouble = self._trouble()
             self._check_data(trouble, "save")
@@ -492,7 +496,7 @@ def _warn_of_seeds(finished: Run) -> None:
 
 
 def run(
-    scenario: str,
+    scenario: str | os.PathLike[str],
     case: str | None = None,
     *,
     set: Mapping[str, Any] | None = None,
@@ -520,9 +524,6 @@ def run(
     The run's warnings are Python warnings too. Raises InputError for wrong arguments, keys and values, and
     RunFailed if the run ends early. Exceptions of your controller or estimator pass through. Ctrl-C stops the run.
     """
-    scenario_name = text_or_none(scenario, "scenario")
-    if scenario_name is None:
-        raise InputError("scenario: must be a str, is None")
     sets = set_lines(set)
     if seed is not None:
         sets += set_lines({"run.seed": seed})
@@ -535,7 +536,7 @@ def run(
     ]
     folder = path_or_none(out, "out")
     core = _core.run(
-        scenario_name,
+        checked_path(scenario, "scenario"),
         text_or_none(case, "case"),
         path_or_none(config, "config"),
         sets,
@@ -570,7 +571,7 @@ def load(folder: str | os.PathLike[str]) -> Run:
     Raises InputError if the folder is damaged or not from a run. A run that failed or was cut has `failure` and
     no metrics.
     """
-    path = folder_path(folder)
+    path = pathlib.Path(checked_path(folder, "folder"))
     saved = _saved(path)
     return Run(saved, path, saved.facts["notes"] + saved.facts["warnings"])
 
@@ -580,9 +581,6 @@ def scenarios() -> dict[str, str]:
     return _core.scenarios()
 
 
-def cases(scenario: str) -> list[str]:
+def cases(scenario: str | os.PathLike[str]) -> list[str]:
     """The cases of a scenario."""
-    name = text_or_none(scenario, "scenario")
-    if name is None:
-        raise InputError("scenario: must be a str, is None")
-    return _core.cases(name)
+    return _core.cases(checked_path(scenario, "scenario"))

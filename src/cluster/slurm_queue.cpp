@@ -5,7 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -59,6 +62,35 @@ std::string last_words(const fs::path& log) {
   return "no log: the task was cancelled before it began, or its node cannot see the folder";
 }
 
+// One array job: DIR/slurm/N with job.sh, tasks (the points of each task, one line each), job (its
+// number) and TASK.log. A tuning also has candidates (the keys of its runs).
+struct Submission {
+  fs::path folder;
+  std::string job;
+  std::vector<std::string> tasks;
+};
+
+// All accepted submissions, the last one first.
+std::vector<Submission> submissions(const StudyFolder& folder) {
+  std::map<long, Submission, std::greater<>> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder.path() / "slurm", error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::vector<std::string> job = lines_of_file(entry->path() / "job");
+    if (job.empty()) continue;
+    found[std::strtol(entry->path().filename().c_str(), nullptr, 10)] = {
+        entry->path(), job.front(), lines_of_file(entry->path() / "tasks")};
+  }
+  // A task with an unreadable state may still be in the queue. Do not submit it again.
+  if (error && error != std::errc::no_such_file_or_directory) {
+    throw std::invalid_argument(fmt::format("{}: cannot be read ({})",
+                                            (folder.path() / "slurm").string(), error.message()));
+  }
+  std::vector<Submission> all;
+  for (auto& [number, submission] : found) all.push_back(std::move(submission));
+  return all;
+}
+
 }  // namespace
 
 std::vector<std::string> ask_slurm(const std::vector<std::string>& words) {
@@ -73,26 +105,6 @@ std::vector<std::string> ask_slurm(const std::vector<std::string>& words) {
   const std::string said = lines.empty() ? "has failed" : fmt::format("{}", fmt::join(lines, "; "));
   throw std::invalid_argument(said.starts_with(words.front() + ": ") ? said
                                                                      : words.front() + ": " + said);
-}
-
-std::vector<Submission> submissions(const StudyFolder& folder) {
-  std::map<int, Submission> found;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder.path() / "slurm", error), end; !error && entry != end;
-       entry.increment(error)) {
-    const std::vector<std::string> job = lines_of_file(entry->path() / "job");
-    if (job.empty()) continue;
-    found[std::atoi(entry->path().filename().c_str())] = {entry->path(), job.front(),
-                                                          lines_of_file(entry->path() / "tasks")};
-  }
-  // A task with an unreadable state may still be in the queue. Do not submit it again.
-  if (error && error != std::errc::no_such_file_or_directory) {
-    throw std::invalid_argument(fmt::format("{}: cannot be read ({})",
-                                            (folder.path() / "slurm").string(), error.message()));
-  }
-  std::vector<Submission> all;
-  for (auto& [number, submission] : found) all.push_back(std::move(submission));
-  return all;
 }
 
 Queued queued(const StudyFolder& folder, std::size_t points) {
@@ -150,14 +162,14 @@ void print_slurm_status(const StudyFolder& folder, const ShardIndex& index) {
     return;
   }
   std::vector<fs::path> logs;
-  for (auto submission = all.rbegin(); submission != all.rend(); ++submission) {
-    for (std::size_t task = 0; task < submission->tasks.size(); ++task) {
+  for (const Submission& submission : all) {
+    for (std::size_t task = 0; task < submission.tasks.size(); ++task) {
       bool is_unfinished = false;
-      for (const std::size_t point : parse_points(submission->tasks[task], index.points())) {
+      for (const std::size_t point : parse_points(submission.tasks[task], index.points())) {
         if (!index.has(point) && !is_explained[point]) is_unfinished = true;
         is_explained[point] = true;
       }
-      if (is_unfinished) logs.push_back(submission->folder / fmt::format("{}.log", task + 1));
+      if (is_unfinished) logs.push_back(submission.folder / fmt::format("{}.log", task + 1));
     }
   }
   if (logs.empty()) return;

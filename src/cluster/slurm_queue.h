@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,17 +10,6 @@
 #include <breakwater/study/study_folder.h>
 
 namespace breakwater {
-
-/// One array job: DIR/slurm/N with job.sh, tasks (the points of each task, one line each), job (its
-/// number) and TASK.log. A tuning also has candidates (the keys of its runs).
-struct Submission {
-  std::filesystem::path folder;
-  std::string job;
-  std::vector<std::string> tasks;
-};
-
-/// All accepted submissions in order. Throws std::invalid_argument if DIR/slurm cannot be read.
-std::vector<Submission> submissions(const StudyFolder& folder);
 
 /// The part of a study that is in the queue.
 struct Queued {

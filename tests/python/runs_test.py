@@ -148,7 +148,7 @@ class Logs(unittest.TestCase):
             self.assertEqual(saved.config, run.config)
             self.assertEqual(saved.metrics, run.metrics)
             self.assertCountEqual(saved.signals, run.signals)
-            for signal in [*run.signals, "time_s"]:
+            for signal in [*run, "time_s"]:
                 np.testing.assert_array_equal(saved[signal], run[signal])
                 self.assertEqual(saved.unit(signal), run.unit(signal))
             again = bw.run("motor_estimation", config=folder / "run" / "config.toml")
