@@ -24,7 +24,7 @@ as_user 'breakwater run arm_push --case drac-link1 --duration 2 --set push.start
 as_user '! breakwater video run --size 320x180 --quiet'
 inside apt-get -qy install --no-install-recommends libavformat59 >/dev/null  # recommended
 as_user 'breakwater video run --size 320x180 --quiet && breakwater report run --quiet && ls run'
-as_user 'breakwater reproduce --only 2.4.3.2 --quick --no-video --quiet --out page && ls page | head -4'
+as_user 'breakwater reproduce --only 2.4.3.2 --quick --quiet --out page && ls page | head -4'
 inside sh -c 'man -w breakwater >/dev/null 2>&1 || ls /usr/share/man/man1/breakwater.1.gz'
 
 say 'the Python module'

@@ -183,18 +183,13 @@ FigureSpec read_figure(const TomlEntry& row, const TomlEntry& forms) {
 
 SectionSpec read_section(const TomlEntry& table, const TomlEntry& forms, Effort effort,
                          std::map<std::string, RunSpec>& runs) {
-  table.allow({"id", "group", "title", "text", "docs", "video", "strip", "strip_number", "runs",
-               "table", "figures", "missing"});
+  table.allow({"id", "group", "title", "text", "docs", "runs", "table", "figures", "missing"});
   SectionSpec section;
   section.id = table["id"].text();
   section.group = table["group"].text();
   section.title = table["title"].text();
   section.text = table["text"].text_or_nothing();
   section.docs = table["docs"].text_or_nothing();
-  section.video = table["video"].text_or_nothing();
-  section.strip = table["strip"].text_or_nothing();
-  section.strip_number = table["strip_number"].text_or_nothing();
-  section.line = table.line();
   if (!section.docs.empty() && !look_for("docs/" + section.docs)) {
     table["docs"].fail("there is no page docs/" + section.docs);
   }
@@ -250,7 +245,6 @@ void check(const Experiments& experiments, const PrintedResults& printed) {
     fail(line, "there is no run " + name + did_you_mean(name, names));
   };
   for (const SectionSpec& section : experiments.sections) {
-    for (const std::string& name : {section.video, section.strip}) check_run(name, section.line);
     for (const TableSpec& table : section.tables) {
       for (const CellSpec& cell : table.cells) {
         for (const Quantity& quantity : cell.quantities()) check_run(quantity.run, cell.line);
@@ -289,8 +283,6 @@ std::vector<std::string> SectionSpec::logged_runs() const {
   for (const FigureSpec& figure : figures) {
     for (const FigureRun& run : figure.runs) add_once(names, run.run);
   }
-  add_once(names, video);
-  add_once(names, strip);
   return names;
 }
 

@@ -113,18 +113,14 @@ struct SectionSpec {
   std::string group;  ///< another name for --only: "arm"
   std::string title;
   std::string text;
-  std::string docs;   ///< a page of docs/
-  std::string video;  ///< the run whose video is shown; empty: none
-  std::string strip;  ///< the run whose strip of pictures is shown; empty: none
-  std::string strip_number;
+  std::string docs;  ///< a page of docs/
   std::vector<TableSpec> tables;
   std::vector<FigureSpec> figures;
   std::vector<MissingSpec> missing;
-  std::size_t line = 0;
 
   /// All runs of its tables and figures.
   std::vector<std::string> runs() const;
-  /// The runs whose logs its figures, video and strip need.
+  /// The runs whose logs its figures need.
   std::vector<std::string> logged_runs() const;
 };
 

@@ -36,7 +36,6 @@ struct Reproduction {
   std::filesystem::path out;
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;
-  bool with_replay = true;  ///< sections show a replay of their run
 };
 
 /// The folder of the results, OUT/shards. It identifies the folder of a reproduction.

@@ -16,7 +16,6 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
-#include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/signal_charts.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
@@ -467,33 +466,10 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
 
 namespace {
 
-// Pictures, charts and what is not shown of a section. `numbers` gets the thesis' figures.
+// Charts and what is not shown of a section. `numbers` gets the thesis' figures.
 void add_figures(const Reproduction& reproduction, const SectionSpec& section,
-                 std::set<std::string>& numbers, std::vector<std::string>& notes,
-                 PageData& blocks) {
+                 std::set<std::string>& numbers, PageData& blocks) {
   Logs logs(reproduction.out);
-  const std::string id = "section-" + anchor(section.id);
-  if (!section.video.empty()) {
-    const SavedRun& shown = logs.of(section.video);
-    if (reproduction.with_replay) {
-      const auto replay = replay_of(reproduction.catalogue, {shown.folder()}, {section.video},
-                                    {"replay-" + anchor(section.id), id, ""}, notes);
-      if (replay) add_block(blocks, "replay", replay->box);
-    }
-    if (const auto video = video_data(reproduction.catalogue, shown, id)) {
-      add_block(blocks, "video", *video);
-    }
-  }
-  const fs::path strip = run_folder(reproduction.out, section.strip) / "strip.png";
-  if (!section.strip.empty() && fs::exists(strip)) {
-    add_block(blocks, "picture",
-              {{"address", data_address(strip, "image/png")},
-               {"number", section.strip_number},
-               {"caption", "Moments of the experiment."},
-               {"id", "figure-" + anchor(section.strip_number)},
-               {"alt", "Pictures of the run " + section.strip + " in a row"}});
-    numbers.insert(section.strip_number);
-  }
   auto figures = PageData::array(), missing = PageData::array();
   for (const FigureSpec& figure : section.figures) {
     figures.push_back(figure_data(figure, section, reproduction.experiments, logs));
@@ -551,12 +527,11 @@ PageData lead_of(const Experiments& experiments, Effort effort,
   return lead;
 }
 
-// The page with all results. Reads logs, videos and strips of pictures from OUT/runs.
+// The page with all results. Reads logs from OUT/runs.
 struct ThesisPage {
   std::string html;
-  std::vector<JudgedCell> cells = {};   // in the order of the page's tables
-  std::set<std::string> figures = {};   // their numbers; "4.32 (10 ms)" is a part of Fig. 4.32
-  std::vector<std::string> notes = {};  // missing parts of a replay, one line each
+  std::vector<JudgedCell> cells = {};  // in the order of the page's tables
+  std::set<std::string> figures = {};  // their numbers; "4.32 (10 ms)" is a part of Fig. 4.32
 };
 
 ThesisPage thesis_page(const Reproduction& reproduction, const Measured& measured, Effort effort) {
@@ -577,7 +552,7 @@ ThesisPage thesis_page(const Reproduction& reproduction, const Measured& measure
     for (const TableSpec& table : spec->tables) {
       add_table(*spec, table, measured, is_own, cells, blocks);
     }
-    add_figures(reproduction, *spec, page.figures, page.notes, blocks);
+    add_figures(reproduction, *spec, page.figures, blocks);
     add_section(sections, "section-" + anchor(spec->id), spec->title, blocks);
     sections.back()["number"] = spec->id;
     page.cells.insert(page.cells.end(), cells.begin(), cells.end());
@@ -616,8 +591,6 @@ struct ReproduceArguments {
   std::vector<std::string> readings;
   bool list_readings = false;
   bool quick = false;
-  bool no_video = false;
-  bool with_replay = true;
   bool quiet = false;
 };
 
@@ -684,28 +657,6 @@ void check_out(const fs::path& out) {
   }
 }
 
-// Makes pictures and videos that are missing or older than the run. Returns the status of the last
-// failure.
-int make_pictures(const Reproduction& reproduction, bool with_video) {
-  int status = kSuccess;
-  const auto make = [&](const std::string& run, const char* command, const char* file,
-                        std::vector<std::string> options) {
-    const fs::path folder = run_folder(reproduction.out, run);
-    if (run.empty() || fs::exists(folder / file)) return;
-    std::vector<std::string> words = {own_program(), command, folder.string(), "--quiet"};
-    words.insert(words.end(), options.begin(), options.end());
-    if (!reproduction.quiet) fmt::print(stderr, "reproduce: {} of {}\n", command, run);
-    const int made = call_program(command, words);
-    if (made != kSuccess) status = made == kInterrupted ? kInterrupted : kLaterOutputFailed;
-  };
-  for (const SectionSpec* section : reproduction.sections) {
-    if (status == kInterrupted) break;
-    if (with_video) make(section->video, "video", "video.mp4", {"--size", "800x450"});
-    make(section->strip, "strip", "strip.png", {"--size", "420x240"});
-  }
-  return status;
-}
-
 int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   const fs::path file =
       arguments.file.empty() ? data_file("data/experiments.toml") : fs::path(arguments.file);
@@ -719,14 +670,10 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   check_readings(arguments, experiments, sections);
   check_out(arguments.out);
   stop_on_signals();
-  const Reproduction reproduction{
-      catalogue,      experiments,          sections, arguments.out, arguments.quiet,
-      &interrupted(), arguments.with_replay};
+  const Reproduction reproduction{catalogue,     experiments,     sections,
+                                  arguments.out, arguments.quiet, &interrupted()};
   const Measured measured = measure(reproduction);
-  const int status = make_pictures(reproduction, !arguments.no_video);
-  if (status == kInterrupted) throw Interrupted(measured.size());
-  const auto [html, cells, figures, notes] = thesis_page(reproduction, measured, effort);
-  warn("reproduce", notes);
+  const auto [html, cells, figures] = thesis_page(reproduction, measured, effort);
   const fs::path page = reproduction.out / "report.html", csv = reproduction.out / "verdicts.csv";
   replace_file(page, html);
   replace_file(csv, verdict_list(cells));
@@ -744,7 +691,7 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   }
   fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", score_text(cells), figures.size(),
              page.string(), csv.string());
-  return status;
+  return kSuccess;
 }
 
 int reproduce_main(const Catalogue& catalogue, int argc, const char* const* argv) {
@@ -769,14 +716,11 @@ int reproduce_main(const Catalogue& catalogue, int argc, const char* const* argv
       ->type_name("NAME[,NAME]")
       ->delimiter(',');
   app.add_flag("--list-readings", arguments.list_readings, "print the readings, and end");
-  app.add_flag("--no-video", arguments.no_video, "leave out the video");
-  app.add_flag("!--no-replay", arguments.with_replay, "leave out the replays");
   app.add_flag("--quiet", arguments.quiet, "print errors and the score only");
   app.footer(
       "Results of the same configuration, models and program are kept, so an interrupted\n"
       "reproduction continues. data/reproduced.toml has the criteria.\n"
-      "Exit status: 0 success, 1 a defect, 2 usage or input, 4 a picture or video could not be\n"
-      "made, 130 interrupted.");
+      "Exit status: 0 success, 1 a defect, 2 usage or input, 130 interrupted.");
   if (const auto status = parse(app, argc, argv)) return *status;
   return reproduce(catalogue, arguments);
 }

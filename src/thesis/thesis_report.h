@@ -58,8 +58,7 @@ std::string score_text(const std::vector<JudgedCell>& cells);
 /// Lines about printed results, numbers, different statements, and causes.
 std::vector<std::string> headline(const std::vector<JudgedCell>& cells);
 
-/// Exit status: 0 success, 1 an internal error, 2 usage or input, 4 a picture or video could not be
-/// made, 130 interrupted.
+/// Exit status: 0 success, 1 an internal error, 2 usage or input, 130 interrupted.
 CommandKind reproduce_command();
 
 }  // namespace breakwater
