@@ -19,7 +19,6 @@
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/did_you_mean.h>
-#include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -319,55 +318,6 @@ PageChart Comparison::chart_of(const std::string& signal) const {
   return chart;
 }
 
-std::vector<std::string> Comparison::findings() const {
-  constexpr std::size_t kMostFindings = 2;
-  std::vector<std::string> sentences, orders;
-  for (const ShownMetric& key : shown_) {
-    if (!key.is_key) continue;
-    const PageData& row = rows_[key.metric.name];
-    // The runs by a number, the smallest first; none without all numbers.
-    const auto ordered = [&](const char* number) {
-      std::vector<std::pair<double, std::size_t>> all;
-      for (std::size_t i = 0; i < runs_.size(); ++i) {
-        const PageData& cell = row[i + 1][number];
-        if (cell.is_null()) return decltype(all){};
-        all.emplace_back(cell.get<double>(), i);
-      }
-      std::sort(all.begin(), all.end());
-      return all;
-    };
-    const auto here = ordered("value"), there = ordered("printed");
-    if (here.empty()) continue;
-    if (sentences.size() < kMostFindings && here.front().first != here.back().first) {
-      const auto one = [&](const auto& entry) {
-        return fmt::format("{} ({}{})", labels_[entry.second], in_digits(entry.first),
-                           unit_after(key.metric.unit));
-      };
-      sentences.push_back(fmt::format("{} is smallest for {} and largest for {}.", key.label,
-                                      one(here.front()), one(here.back())));
-    }
-    const auto names = [&](const auto& entries) {
-      std::vector<std::string> all;
-      for (const auto& [number, run] : entries) all.push_back(labels_[run]);
-      return fmt::format("{}", fmt::join(all, ", "));
-    };
-    // A printed value that is less than that of the run before it. Equal ones have no order.
-    const auto is_other = [&](const auto& one, const auto& next) {
-      return one.first < next.first &&
-             row[one.second + 1]["printed"] > row[next.second + 1]["printed"];
-    };
-    if (!there.empty() && std::ranges::adjacent_find(here, is_other) != here.end()) {
-      orders.push_back(fmt::format(
-          "{}: the order differs from the thesis. From the smallest: here {}; in the thesis {}.",
-          key.label, names(here), names(there)));
-    }
-  }
-  if (!sentences.empty()) {
-    orders.insert(orders.begin(), fmt::format("{}", fmt::join(sentences, " ")));
-  }
-  return orders;
-}
-
 std::string Comparison::html(std::vector<std::string>& notes) const {
   std::optional<ReplayPart> replay;
   if (choice_.with_replay && runs_.size() <= kMostRuns) {
@@ -408,7 +358,6 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
   auto lead = PageData::array(), metrics = PageData::array(), keys = PageData::array(),
        signals = PageData::array(), folded = PageData::array();
   add_block(lead, "about", fmt::format("Runs of {}.", runs_.front().scenario()));
-  for (const std::string& text : findings()) add_block(lead, "finding", text);
   add_table(metrics, "Metrics", "numbers measured", rows);
   if (!other_rows.empty()) {
     add_table(folded, "All other metrics", "numbers measured", other_rows);

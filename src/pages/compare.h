@@ -49,9 +49,6 @@ class Comparison {
  private:
   PageData row_of(const ShownMetric& shown,
                   const std::vector<std::map<std::string, ReferenceValue>>& printed) const;
-  // The runs with the least and the most of the first key metrics, and metrics whose printed values
-  // have another order.
-  std::vector<std::string> findings() const;
   void choose_signals();
   PageChart chart_of(const std::string& signal) const;
 

@@ -91,10 +91,6 @@ std::string metric_label_with_unit(const std::string& metric, const std::string&
   return with_unit(metric_label(metric, unit), unit);
 }
 
-std::string unit_after(const std::string& unit) {
-  return unit.empty() || unit == "1" ? "" : " " + unit;
-}
-
 std::string key_label_with_unit(const std::string& key, const std::string& unit) {
   const std::size_t bracket = std::min(key.find('['), key.size());  // an element's
   std::string label = without_unit(key.substr(0, bracket), unit) + " " + key.substr(bracket);

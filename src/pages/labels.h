@@ -16,9 +16,6 @@ std::string metric_label(const std::string& metric, const std::string& unit);
 /// The same with its unit: "Peak force, filtered [N]".
 std::string metric_label_with_unit(const std::string& metric, const std::string& unit);
 
-/// A unit behind a number: " N"; "" without a unit.
-std::string unit_after(const std::string& unit);
-
 /// "contact stiffness [N/m]" of the key "contact.stiffness_N_m".
 std::string key_label_with_unit(const std::string& key, const std::string& unit);
 
