@@ -54,7 +54,6 @@
     return size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(2)
                                                       : String(Number(value.toPrecision(4)));
   };
-  window.shownNumber = shown;
 
   const dark = matchMedia("(prefers-color-scheme: dark)");
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -34,7 +33,7 @@ namespace {
 struct StudyDetail {
   std::size_t metrics = 0;  // metrics with charts
   std::size_t groups = 24;  // per key in a line chart
-  std::size_t cells = 900;  // per heat map
+  std::size_t cells = 96;   // per table of two keys
 };
 
 // The id of the failures' section.
@@ -73,19 +72,12 @@ class RunList {
   }
 
   std::string new_id() { return fmt::format("drawing-{}", ++drawings_); }
-  // A drawing with these marks: "id", and "data" for data/report/study.js.
-  PageData drawing(const PageData& data) { return {{"id", new_id()}, {"data", data}}; }
 
  private:
   std::vector<std::size_t> points_;
   std::unordered_map<std::size_t, std::size_t> places_;
   std::size_t drawings_ = 0;
 };
-
-// A block with drawings. `kind` is the class of their place: charts or key-bar.
-PageData drawings(const char* kind, const PageData& all) {
-  return {{"drawings", all}, {"kind", kind}};
-}
 
 // Limits that keep the page below 2 MB.
 constexpr std::size_t kMostDrawn = 12;      // candidates, each with a colour or a dash pattern
@@ -119,22 +111,17 @@ std::string in_words(const QuantileBand& band, bool is_share) {
 
 StudyDetail study_detail(const Plan& plan, std::size_t metrics) {
   // A page of 1 MB has about so many cells and marks in all, and rows of a table.
-  constexpr std::size_t kCells = 40'000, kMarks = 6'000, kRows = 2'000;
+  constexpr std::size_t kCells = 20'000, kMarks = 6'000, kRows = 2'000;
   const std::size_t keys = std::max<std::size_t>(1, plan.study().vary.size());
   const std::size_t candidates = std::min(plan.candidates().size(), kMostDrawn);
   StudyDetail detail;
   detail.metrics =
       std::min({metrics, kMostMetrics, kRows / std::min(plan.candidates().size(), kMostCompared)});
   const std::size_t all = std::max<std::size_t>(1, detail.metrics);
-  detail.cells = std::clamp<std::size_t>(kCells / (all * candidates), 64, 900);
+  detail.cells = std::clamp<std::size_t>(kCells / (all * candidates), 16, 96);
   detail.groups =
       std::clamp<std::size_t>(kMarks / (all * candidates * keys), 5, keys > 1 ? 16 : 40);
   return detail;
-}
-
-// Whether two keys are crossed, so that heat maps exist.
-bool has_heat_maps(const Study& study) {
-  return study.vary.size() == 2 && study.method == Method::grid;
 }
 
 // Makes the sections of one study's metrics.
@@ -159,22 +146,17 @@ class StudySections {
     place_of_.assign(labels.size(), drawn_.size());
     for (std::size_t i = 0; i < drawn_.size(); ++i) place_of_[drawn_[i]] = i;
 
-    if (has_heat_maps(plan.study())) {
-      const auto side = [&](std::size_t k) {
-        const std::size_t values = plan.study().vary[k].values.size();
-        return std::min(numbers.keys[k].values.size(), std::max<std::size_t>(1, values));
-      };
-      std::size_t columns = side(0), rows = side(1);
-      while (columns * rows > detail_.cells) --(columns > rows ? columns : rows);
-      sides_ = {group_values(numbers.keys[0], columns), group_values(numbers.keys[1], rows)};
-    } else {
-      for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
-        const StudyKey& key = numbers.keys[k];
-        const std::size_t enough = std::max<std::size_t>(4, key.values.size() / kOfAGroup);
-        const bool is_drawn = plan.study().vary[k].distribution.has_value();
-        keys_.push_back(
-            group_values(key, is_drawn ? std::min(enough, detail_.groups) : detail_.groups));
-      }
+    if (plan.study().vary.size() == 2 && plan.study().method == Method::grid) {
+      const std::size_t columns = std::min<std::size_t>(8, detail_.cells / 4);
+      sides_ = {group_values(numbers.keys[0], columns),
+                group_values(numbers.keys[1], detail_.cells / columns)};
+    }
+    for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
+      const StudyKey& key = numbers.keys[k];
+      const std::size_t enough = std::max<std::size_t>(4, key.values.size() / kOfAGroup);
+      const bool is_drawn = plan.study().vary[k].distribution.has_value();
+      keys_.push_back(
+          group_values(key, is_drawn ? std::min(enough, detail_.groups) : detail_.groups));
     }
   }
 
@@ -192,8 +174,8 @@ class StudySections {
                 first_of(drawn_.size(), labels_.size(), "candidates") + " have charts.");
     }
     if (!numbers_.runs.empty() && (metric || !numbers_.failures.empty())) {
-      if (!sides_.empty()) add_heat_maps(output, blocks);
       add_line_charts(output, blocks);
+      if (!sides_.empty()) add_crossed(output, blocks);
       if (plan_.study().method == Method::saltelli) add_indices(output, blocks);
     }
     add_candidates(output, blocks);
@@ -302,7 +284,8 @@ class StudySections {
                           has_crosses ? " A cross: some of the runs failed." : ""));
   }
 
-  void add_heat_maps(const Output& output, PageData& blocks) const {
+  // The values of two crossed keys, a table for each candidate.
+  void add_crossed(const Output& output, PageData& blocks) const {
     const KeyGroups &x = sides_[0], &y = sides_[1];
     const std::size_t cells = x.size() * y.size();
     const std::vector<QuantileBand> all =
@@ -311,49 +294,30 @@ class StudySections {
                 return place_of_[run.candidate] * cells + y.of_sample[run.sample] * x.size() +
                        x.of_sample[run.sample];
               });
-    const auto value_of_cell = [&](const QuantileBand& band) {
-      return output.is_failures ? band.failed_share() : band.median;
-    };
-    std::vector<double> values;
-    for (std::size_t i = 0; i < drawn_.size() * cells; ++i) values.push_back(value_of_cell(all[i]));
-    const auto [low, high] = output.is_failures ? std::pair(0.0, 1.0) : range_of(values);
-    auto maps = PageData::array();
-    for (std::size_t i = 0; i < drawn_.size(); ++i) {
-      auto list = PageData::array();
-      for (std::size_t cell = 0; cell < cells; ++cell) {
-        const QuantileBand& band = all[i * cells + cell];
-        const bool has_run = band.measured > 0 || band.failed > 0;
-        const std::size_t point = band.measured > 0 ? band.at_middle : band.first_failed;
-        list.push_back(
-            PageData::array({value_of_cell(band), band.runs, band.failed,
-                             output.is_failures ? band.runs - band.failed : band.measured,
-                             has_run ? PageData(runs_.add(point)) : PageData()}));
+    auto band = all.begin();
+    for (const std::size_t c : drawn_) {
+      PageData columns = {fmt::format("{} over {}", y.name, x.name)};
+      columns.insert(columns.end(), x.labels.begin(), x.labels.end());
+      auto rows = PageData::array();
+      for (const std::string& label : y.labels) {
+        rows.push_back({label});
+        for (std::size_t i = 0; i < x.size(); ++i, ++band) {
+          PageData cell = {{"value", output.is_failures ? band->failed_share() : band->median}};
+          if (band->failed > 0) {
+            cell["lines"] = {{{"text", in_words(*band, true)}, {"kind", "spread"}}};
+          }
+          if (band->measured + band->failed > 0) {
+            cell["run"] = runs_.add(band->measured > 0 ? band->at_middle : band->first_failed);
+          }
+          rows.back().push_back(cell);
+        }
       }
-      PageData map = runs_.drawing({{"kind", "heat"},
-                                    {"x_title", x.name},
-                                    {"y_title", y.name},
-                                    {"x", x.labels},
-                                    {"y", y.labels},
-                                    {"cells", list},
-                                    {"low", low},
-                                    {"high", high},
-                                    {"about", fmt::format("{} of {} over {} and {}", output.name,
-                                                          labels_[drawn_[i]], x.name, y.name)}});
-      map["caption"] = labels_[drawn_[i]];
-      map["about"] = map["data"]["about"];
-      maps.push_back(std::move(map));
+      add_block(blocks, "subheading", labels_[c]);
+      add_block(blocks, "table",
+                {{"label", labels_[c] + ": " + columns[0].get<std::string>()},
+                 {"columns", columns},
+                 {"rows", rows}});
     }
-    blocks.push_back(drawings("charts", maps));
-    if (low <= high) {
-      const PageData bar = runs_.drawing({{"kind", "bar"}, {"low", low}, {"high", high}});
-      blocks.push_back(drawings("key-bar", PageData::array({bar})));
-    }
-    add_block(blocks, "text",
-              output.is_failures
-                  ? "The share of a cell’s runs that failed; a cross: all of them."
-                  : "Medians over the runs of a cell. A cross: all of them failed. A "
-                    "corner: some did. A dash: no run has it. A dash at the lower "
-                    "edge: only some have it, and the median is of them.");
   }
 
   void add_indices(const Output& output, PageData& blocks) const {
@@ -441,7 +405,7 @@ class StudySections {
   std::vector<std::size_t> drawn_;
   std::vector<std::size_t> place_of_;  // by candidate in drawn_; drawn_.size(): not drawn
   std::vector<KeyGroups> keys_;        // for line charts
-  std::vector<KeyGroups> sides_;       // for heat maps
+  std::vector<KeyGroups> sides_;       // columns and rows of a table of two keys
 };
 
 constexpr std::size_t kMostColumns = 6;       // in the table of all metrics
@@ -531,33 +495,6 @@ PageData failure_blocks(const StudyNumbers& numbers, const ShardIndex& index,
   return blocks;
 }
 
-// Whether a varied key changes a metric of any candidate, with the same seed. Less than this part
-// of the value is no change that a chart shows.
-bool is_varying(const StudyNumbers& numbers, const std::vector<double>& column) {
-  constexpr double kLeast = 1e-3;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, double> first;
-  for (std::size_t i = 0; i < numbers.runs.size(); ++i) {
-    const StudyRun& run = numbers.runs[i];
-    if (!std::isfinite(column[i])) continue;
-    const double value = first.try_emplace({run.candidate, run.seed}, column[i]).first->second;
-    if (std::abs(column[i] - value) > kLeast * std::abs(value)) return true;
-  }
-  return false;
-}
-
-// Puts the first of `keys` that varies before the others: a page that begins with a flat line says
-// little. Where all are flat, the order stays.
-void begin_with_varying(StudyNumbers& numbers, const std::vector<std::string>& keys) {
-  for (const std::string& key : keys) {
-    const auto place = std::ranges::find(numbers.metrics, key);
-    const auto column = numbers.columns.begin() + (place - numbers.metrics.begin());
-    if (place == numbers.metrics.end() || !is_varying(numbers, *column)) continue;
-    std::rotate(numbers.metrics.begin(), place, place + 1);
-    std::rotate(numbers.columns.begin(), column, column + 1);
-    return;
-  }
-}
-
 // The pairs of one metric, or of the failures.
 void add_pairs(const CandidateComparison& comparison, const PageData& pairs,
                const std::string& metric, PageData& blocks) {
@@ -616,8 +553,7 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
   std::vector<std::string> first = study.named_metrics();
   for (const std::string& metric : scenario->main_metrics()) first.push_back(metric);
   for (const std::string& metric : scenario->matrix().metrics) first.push_back(metric);
-  StudyNumbers numbers = study_numbers(plan, index, first);
-  if (study.named_metrics().empty()) begin_with_varying(numbers, scenario->main_metrics());
+  const StudyNumbers numbers = study_numbers(plan, index, first);
   std::vector<std::string> labels;
   for (const Candidate& candidate : plan.candidates()) labels.push_back(candidate.label);
   std::vector<OutputIndices> indices;

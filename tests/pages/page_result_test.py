@@ -19,7 +19,7 @@ import zlib
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from chromium import run  # noqa: E402
 
-BLOCKS = {"about", "card", "code", "command", "drawings", "failure", "figures", "finding", "fold", "legend", "list", "machine",
+BLOCKS = {"about", "card", "code", "command", "failure", "figures", "finding", "fold", "legend", "list", "machine",
           "paragraph", "replay", "score", "subheading", "table", "text", "video"}
 
 
