@@ -220,26 +220,6 @@ std::vector<JudgedCell> failures_of(const std::vector<JudgedCell>& cells) {
   return failures;
 }
 
-PageData causes_section(const std::vector<JudgedCell>& failures) {
-  std::multimap<std::string, PageData> by_cause;
-  for (const JudgedCell& one : failures) {
-    const std::string cause = one.cell.cause.empty() ? "not said" : one.cell.cause;
-    by_cause.emplace(cause,
-                     PageData{{"href", "section-" + anchor(one.section)},
-                              {"link", one.section},
-                              {"what", cause},
-                              {"text", in_words(one) + ". " + reason_of(one.judged, one.cell)}});
-  }
-  auto blocks = PageData::array(), list = PageData::array();
-  for (auto& [cause, entry] : by_cause) list.push_back(std::move(entry));
-  add_block(blocks, "text",
-            "thesis: the text contradicts itself or its numbers. hardware: it is about the "
-            "laboratory's arm or cart. ours: a reading, a metric or a limit of this project is in "
-            "doubt.");
-  blocks.push_back({{"list", list}, {"kind", "missing"}});
-  return {{"id", "causes"}, {"heading", "Not reproduced, by cause"}, {"blocks", blocks}};
-}
-
 // A line of verdicts.csv. Numbers have all digits.
 ResultRow row_of(const JudgedCell& one) {
   const auto& [section, table, cell, judged, is_own] = one;
@@ -557,8 +537,6 @@ ThesisPage thesis_page(const Reproduction& reproduction, const Measured& measure
     sections.back()["number"] = spec->id;
     page.cells.insert(page.cells.end(), cells.begin(), cells.end());
   }
-  const std::vector<JudgedCell> failures = failures_of(page.cells);
-  if (!is_own && !failures.empty()) sections.push_back(causes_section(failures));
   const std::string title = experiments.title.empty() ? "Experiments" : experiments.title;
   page.html = html_page("thesis", {{"title", is_own ? title : "The thesis, reproduced"},
                                    {"lead", lead_of(experiments, effort, page.cells)},
