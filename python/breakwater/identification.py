@@ -68,7 +68,7 @@ class Identification:
         return _written(self._toml, file)
 
     def report(self, file: str | os.PathLike[str] | None = None) -> str:
-        """The page with fit, residuals and profiles, as HTML. It is also written to `file`, if given."""
+        """The page with fit and residuals, as HTML. It is also written to `file`, if given."""
         return _written(self._report, file)
 
     def __repr__(self) -> str:

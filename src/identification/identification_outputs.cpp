@@ -17,7 +17,6 @@
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/settings.h>
-#include <breakwater/identification/axis_intervals.h>
 #include <breakwater/identification/axis_model.h>
 #include <breakwater/identification/identified_axis.h>
 #include <breakwater/identification/identified_study.h>
@@ -270,28 +269,6 @@ PageData fit_figures(const Identification& identification) {
   return figures;
 }
 
-PageData profile_figures(const Identification& identification) {
-  auto figures = PageData::array();
-  for (const ParameterEstimate& estimate : identification.parameters) {
-    if (estimate.profile.size() < 3 || !estimate.is_identifiable) continue;
-    const std::string name = parameter_key(estimate.parameter);
-    PageChart chart{.id = "profile-" + name, .group = "profile-" + name};
-    chart.title = "rise of −2 ln L";
-    chart.x_title = fmt::format("change [{}]", parameter_unit(estimate.parameter));
-    chart.lines = {kChiSquare95};
-    chart.series = {{.label = name, .identity = 0, .marks = "dot"}};
-    // The differences fit the axis better than many equal digits.
-    for (const auto& [value, rise] : estimate.profile) {
-      chart.series[0].values.times_s.push_back(value - estimate.value);
-      chart.series[0].values.values.push_back(rise);
-    }
-    figures.push_back(figure_of(chart, name,
-                                fmt::format("Estimate {}. The interval ends at the dashed line.",
-                                            text_of(estimate.value))));
-  }
-  return figures;
-}
-
 // Sentences that a user must know before the numbers.
 std::vector<std::string> findings_of(const Identification& identification) {
   std::vector<std::string> findings;
@@ -335,11 +312,6 @@ PageData identification_result(const Identification& identification,
                  "intervals explain an error of 1; above 2 the held-out records disagree."}}});
   add_section(sections, "fit", "Fit and residuals",
               PageData::array({{{"figures", fit_figures(identification)}}}));
-  const PageData profiles = profile_figures(identification);
-  if (!profiles.empty()) {
-    add_section(sections, "profiles", "Profiles of the likelihood",
-                PageData::array({{{"figures", profiles}}}));
-  }
   return {{"title", is_axis ? "Identification of an axis" : "Identification of a motor and a load"},
           {"lead", lead},
           {"sections", sections}};

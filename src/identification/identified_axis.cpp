@@ -383,8 +383,7 @@ ParameterEstimate no_backlash(const AxisData& data, const FreeParameters& free, 
       profile_interval(data, free, fit, kBacklash, guess, Eigen::VectorXd::Zero(count));
   if (interval.better.deviance < fit.deviance - kChiSquare95) better = interval.better;
   ParameterEstimate estimate{.parameter = kBacklash, .high = interval.high};
-  estimate.profile = std::move(interval.profile);
-  estimate.is_identifiable = shows_spring && estimate.profile.back().second > kClear * kChiSquare95;
+  estimate.is_identifiable = shows_spring && interval.profile.back().second > kClear * kChiSquare95;
   if (!estimate.is_identifiable) explain(estimate, motion, {});
   return estimate;
 }
@@ -451,7 +450,6 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
       }
       estimate.low = interval.low;
       estimate.high = interval.high;
-      estimate.profile = std::move(interval.profile);
       if (!interval.is_known) {
         estimate.is_identifiable = false;
         explain_it();

@@ -33,8 +33,6 @@ struct ParameterEstimate {
   bool is_identifiable = true;
   std::string reason;      ///< why not
   std::string excitation;  ///< which one would help
-  /// (value, rise of −2 ln L) beside the estimate, in ascending order; 3.84 is the 95 % limit.
-  std::vector<std::pair<double, double>> profile;
 };
 
 /// Errors of the fit on one set of records.
