@@ -1,4 +1,4 @@
-// Draws the first charts at once and the others when the page is idle. Keeps time axes, videos and
+// Draws the first charts at once and the others when the page is idle. Keeps time axes and
 // replays together.
 "use strict";
 (() => {
@@ -410,55 +410,7 @@
     },
   };
 
-  class Video {
-    constructor(element) {
-      this.element = element;
-      this.from = Number(element.dataset.from);
-      this.speed = Number(element.dataset.speed);
-      this.group = groupOf(element.dataset.group);
-      this.group.players.push(this);
-      element.addEventListener("loadedmetadata", () => this.check());
-      this.now = element.parentElement.querySelector(".now");
-      const follow = () => {
-        const time = this.from + element.currentTime * this.speed;
-        this.say(time);
-        setTime(this.group, time, this);
-      };
-      const whilePlaying = () => {
-        follow();
-        if (!element.paused) requestAnimationFrame(whilePlaying);
-      };
-      element.addEventListener("play", whilePlaying);
-      for (const event of ["seeked", "timeupdate", "loadedmetadata"]) {
-        element.addEventListener(event, () => { if (!this.seeking || event === "seeked") { this.seeking = false; follow(); } });
-      }
-      if (element.readyState >= 1) {  // the metadata came before this script
-        this.check();
-        follow();
-      }
-    }
-
-    // A video with another time window cannot say which moment it shows.
-    check() {
-      const expected = Number(this.element.dataset.length);
-      if (!(expected > 0) || Math.abs(expected - this.element.duration) < 0.2) return;
-      this.group.players = this.group.players.filter((player) => player !== this);
-      if (this.now) this.now.textContent = "(of another window: it does not move with the charts)";
-    }
-
-    seek(time) {
-      const end = this.element.duration || 0;
-      this.seeking = true;
-      this.element.pause();
-      this.element.currentTime = Math.min(Math.max(0, (time - this.from) / this.speed), end);
-      this.say(time);
-    }
-
-    say(time) { if (this.now) this.now.textContent = "t = " + time.toFixed(3) + " s"; }
-  }
-
   const charts = Array.from(document.querySelectorAll(".chart"));
-  document.querySelectorAll("video[data-group]").forEach((video) => new Video(video));
   const draw = (box) => { if (!box.dataset.drawn) new Chart(box); };
   // Draws all at once, for printing and for tests.
   window.drawAllCharts = () => charts.filter((box) => !box.closest("[hidden]")).forEach(draw);

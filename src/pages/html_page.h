@@ -1,4 +1,4 @@
-// A page in one file, with its styles, scripts, charts, pictures and videos.
+// A page in one file, with its styles, scripts, charts and pictures.
 #pragma once
 
 #include <filesystem>
@@ -29,7 +29,7 @@ inline void add_section(PageData& sections, const std::string& id, const std::st
 /// "sections", and may have "toc", a list of "href" and "label", if the contents are not the
 /// sections' headings. The templates get a value as text_of() it, and has_NAME of a list. A list in
 /// a list is a row of cells for them; "data" and empty texts are not there. The scripts get no
-/// picture, no video, and no "machine". The page allows no network request. Throws
+/// picture and no "machine". The page allows no network request. Throws
 /// std::runtime_error if a template is missing or damaged.
 std::string html_page(const std::string& name, PageData data);
 

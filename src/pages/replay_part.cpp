@@ -168,23 +168,4 @@ std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<s
                     {"sections", PageData::array({PageData{{"id", "run"}, {"blocks", blocks}}})}});
 }
 
-std::optional<PageData> video_data(const Catalogue& catalogue, const SavedRun& run,
-                                   const std::string& group) {
-  const fs::path file = run.folder() / "video.mp4";
-  if (!fs::exists(file)) return std::nullopt;
-  std::deque<FinishedRun> finished;
-  finished.emplace_back(catalogue, run.folder());
-  const ShotList shots = shot_list(finished.front().shots_file());
-  const Window window = choose_window(pointers_to(finished), shots, {});
-  const double length_s = static_cast<double>(window.frames(shots.fps)) / shots.fps;
-  return PageData{
-      {"address", data_address(file, "video/mp4")},
-      {"group", group},
-      {"from_s", fmt::format("{:g}", window.from_s)},
-      {"speed", fmt::format("{:g}", window.speed)},
-      {"length_s", fmt::format("{:g}", length_s)},
-      {"alt", fmt::format("Video of the run {}: {}, {:g} times slower than life",
-                          run.folder().filename().string(), shots.title, 1.0 / window.speed)}};
-}
-
 }  // namespace breakwater

@@ -43,9 +43,4 @@ PageData window_data(const Window& window, const std::string& axis);
 std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
                         const std::string& camera, std::vector<std::string>& notes);
 
-/// The video in the folder of a run, for the templates, if there is one. The charts of `group`
-/// follow it. It is assumed to show the time window of the shot list.
-std::optional<PageData> video_data(const Catalogue& catalogue, const SavedRun& run,
-                                   const std::string& group);
-
 }  // namespace breakwater

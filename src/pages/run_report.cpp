@@ -121,8 +121,6 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     if (replay) {
       add_block(blocks, "replay", replay->box);
       window = replay->window;
-    } else if (has_scenario) {
-      if (const auto video = video_data(catalogue, run, id)) add_block(blocks, "video", *video);
     }
     SignalCharts charts = signal_charts(run, id, shots);
     if (replay && replay->chart) add_reference(*replay->chart, charts.key);

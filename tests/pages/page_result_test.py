@@ -20,7 +20,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from chromium import run  # noqa: E402
 
 BLOCKS = {"about", "card", "code", "command", "failure", "figures", "finding", "fold", "legend", "list", "machine",
-          "paragraph", "replay", "score", "subheading", "table", "text", "video"}
+          "paragraph", "replay", "score", "subheading", "table", "text"}
 
 
 def result_of(page):

@@ -642,7 +642,7 @@
   const boxes = Array.from(document.querySelectorAll(".replay"));
   // Space plays wherever the focus is, but for what it acts on itself.
   document.addEventListener("keydown", (event) => {
-    if (event.key !== " " || event.target.closest(".replay.live, button, select, input, textarea, summary, video")) return;
+    if (event.key !== " " || event.target.closest(".replay.live, button, select, input, textarea, summary")) return;
     const live = boxes.map((box) => box.replay).filter((view) => view.isReady);
     if (live.length === 0) return;
     const middle = (view) => { const at = view.box.getBoundingClientRect(); return Math.abs(at.top + at.bottom - innerHeight); };
