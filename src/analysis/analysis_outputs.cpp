@@ -79,35 +79,25 @@ struct Quantity {
   const char* column;
   const char* words;
   double (*of)(const LoopCurve&);
-  // The frequency at which it is read. Null: none stands for it.
-  double (*at_rad_s)(const LoopCurve&);
 };
 
-double bandwidth_of(const LoopCurve& curve) {
-  return curve.bandwidth_rad_s;
-}
-double crossover_of(const LoopCurve& curve) {
-  return curve.margins.crossover_rad_s;
-}
-double phase_crossover_of(const LoopCurve& curve) {
-  return curve.margins.gain_margin_rad_s;
-}
-
 constexpr std::array<Quantity, 8> kQuantities = {
-    {{"bandwidth_rad_s", "bandwidth of d_hat/d, −3 dB [rad/s]", bandwidth_of, bandwidth_of},
-     {"crossover_rad_s", "crossover |L| = 1 [rad/s]", crossover_of, crossover_of},
+    {{"bandwidth_rad_s", "bandwidth of d_hat/d, −3 dB [rad/s]",
+      [](const LoopCurve& c) { return c.bandwidth_rad_s; }},
+     {"crossover_rad_s", "crossover |L| = 1 [rad/s]",
+      [](const LoopCurve& c) { return c.margins.crossover_rad_s; }},
      {"phase_margin_deg", "phase margin [deg]",
-      [](const LoopCurve& c) { return c.margins.phase_margin_rad * kInDegrees; }, crossover_of},
+      [](const LoopCurve& c) { return c.margins.phase_margin_rad * kInDegrees; }},
      {"gain_margin_dB", "gain margin [dB]",
-      [](const LoopCurve& c) { return in_dB(c.margins.gain_margin); }, phase_crossover_of},
+      [](const LoopCurve& c) { return in_dB(c.margins.gain_margin); }},
      {"gain_reduction_margin_dB", "gain reduction margin [dB]",
-      [](const LoopCurve& c) { return in_dB(c.margins.gain_reduction_margin); }, nullptr},
+      [](const LoopCurve& c) { return in_dB(c.margins.gain_reduction_margin); }},
      {"delay_margin_ms", "delay margin [ms]",
-      [](const LoopCurve& c) { return 1e3 * c.margins.delay_margin_s; }, crossover_of},
+      [](const LoopCurve& c) { return 1e3 * c.margins.delay_margin_s; }},
      {"sensitivity_peak_1", "M_s, largest sensitivity",
-      [](const LoopCurve& c) { return c.margins.sensitivity_peak; }, nullptr},
+      [](const LoopCurve& c) { return c.margins.sensitivity_peak; }},
      {"complementary_peak_1", "M_t, largest complementary sensitivity",
-      [](const LoopCurve& c) { return c.margins.complementary_peak; }, nullptr}}};
+      [](const LoopCurve& c) { return c.margins.complementary_peak; }}}};
 
 // The first cells of a row of a CSV file.
 ResultRow begun_row(const NamedCurve& one) {
@@ -153,18 +143,6 @@ bool is_reliable(const LoopPoint& point) {
   return point.spread <= kMostSpread && std::abs(point.complementary) > 1e-9;
 }
 
-// Whether a number in the table is measured beside points that cannot be relied on.
-bool is_unsure(const NamedCurve& one, const Quantity& quantity) {
-  const std::vector<LoopPoint>& points = one.curve.points;
-  if (!one.is_measured || quantity.at_rad_s == nullptr || points.size() < 2) return false;
-  const double at_rad_s = quantity.at_rad_s(one.curve);
-  if (!std::isfinite(at_rad_s)) return false;
-  const auto above =
-      std::find_if(points.begin() + 1, points.end() - 1,
-                   [&](const LoopPoint& point) { return point.omega_rad_s >= at_rad_s; });
-  return !is_reliable(*(above - 1)) || !is_reliable(*above);
-}
-
 double nearest_turn(double phase, double to) {
   return phase + 360.0 * std::round((to - phase) / 360.0);
 }
@@ -175,7 +153,7 @@ double at(const Series& line, double x) {
   return line.values[std::min(static_cast<std::size_t>(next), line.values.size() - 1)];
 }
 
-// One column per loop and way. Numbers beside a grey dot are marked.
+// One column per loop and way.
 PageData margins_of(const std::vector<LoopAnalysis>& loops) {
   const std::vector<NamedCurve> curves = curves_of(loops);
   PageData table = {
@@ -185,14 +163,7 @@ PageData margins_of(const std::vector<LoopAnalysis>& loops) {
   }
   for (const Quantity& quantity : kQuantities) {
     PageData row = {quantity.words};
-    for (const NamedCurve& one : curves) {
-      const double value = quantity.of(one.curve);
-      row.push_back(is_unsure(one, quantity)
-                        ? PageData{{"value", value},
-                                   {"tone", "unsure"},
-                                   {"tip", "not reliable: measured beside a grey dot"}}
-                        : PageData(value));
-    }
+    for (const NamedCurve& one : curves) row.push_back(quantity.of(one.curve));
     table["rows"].push_back(row);
   }
   return table;
@@ -233,12 +204,12 @@ PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& sc
   lead.push_back({{"command", command}});
   lead.push_back({{"legend", {{"entries", legend}}}});
   auto sections = PageData::array(), figures = PageData::array();
-  add_section(
-      sections, "margins", "Margins",
-      {{{"table", margins_of(loops)}},
-       {{"text",
-         "The loop is opened at the plant’s input. The gain may fall by the reduction margin. Grey "
-         "numbers are not reliable: they are measured beside a grey dot."}}});
+  add_section(sections, "margins", "Margins",
+              {{{"table", margins_of(loops)}},
+               {{"text",
+                 "The loop is opened at the plant’s input. The gain may fall by the reduction "
+                 "margin. A number "
+                 "is not reliable if it is measured beside a grey dot."}}});
   for (const BodeResponse& response : responses) {
     const PageData charts = bode_charts(response, loops, looks);
     if (charts.empty()) continue;

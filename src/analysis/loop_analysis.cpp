@@ -160,7 +160,7 @@ LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
     throw std::invalid_argument("margins need a loop gain at two frequencies or more");
   }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  LoopMargins margins{kNone, kNone, kNone, kNone, kNone, kNone, 0.0, 0.0};
+  LoopMargins margins{kNone, kNone, kNone, kNone, kNone, 0.0, 0.0};
   double last_phase = 0.0;
   for (std::size_t i = 0; i < omega_rad_s.size(); ++i) {
     const std::complex<double> L = loop_gain[i];
@@ -189,7 +189,6 @@ LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
         const double factor = std::exp(-between(gain_a, gain_b, share));
         if (factor > 1.0 && !(margins.gain_margin <= factor)) {
           margins.gain_margin = factor;
-          margins.gain_margin_rad_s = std::exp(between(omega_a, omega_b, share));
         } else if (factor <= 1.0 && !(margins.gain_reduction_margin > factor)) {
           margins.gain_reduction_margin = factor;
         }

@@ -39,7 +39,6 @@ struct LoopMargins {
   double crossover_rad_s;        ///< the last frequency at which |L| = 1
   double phase_margin_rad;       ///< the smallest distance of arg L from −π at |L| = 1
   double gain_margin;            ///< the smallest factor above 1 that makes it unstable
-  double gain_margin_rad_s;      ///< where that is
   double gain_reduction_margin;  ///< the largest factor below 1 that makes it unstable
   double delay_margin_s;         ///< the smallest additional delay that makes it unstable
   double sensitivity_peak;  ///< M_s = max |1/(1 + L)|; 1/M_s is the smallest distance of L from −1
