@@ -26,7 +26,6 @@ namespace {
 
 constexpr std::size_t kFewestRuns = 2;
 constexpr std::size_t kManyKeys = 4;  // a longer list is folded
-constexpr std::size_t kKeySignals = 5;
 
 void check(const std::vector<SavedRun>& runs) {
   if (runs.size() < kFewestRuns) {
@@ -74,14 +73,6 @@ std::vector<Metric> choose_metrics(const std::vector<SavedRun>& runs,
     metrics.push_back(*place);
   }
   return chosen.empty() ? all : metrics;
-}
-
-// A signal's name, or those of all its values.
-std::vector<std::string> expanded(const std::string& name, std::size_t width) {
-  if (width == 1 || name.find('[') != std::string::npos) return {name};
-  std::vector<std::string> names;
-  for (std::size_t i = 1; i <= width; ++i) names.push_back(fmt::format("{}[{}]", name, i));
-  return names;
 }
 
 // The run that says what a signal is: the first that has it.
@@ -181,57 +172,40 @@ PageData Comparison::row_of(
   return row;
 }
 
-// The chosen signals, or the signals that all runs have, the most important first.
+// The chosen signals, or those of the first run's page that all runs have: the first of each of its
+// key charts, then the others.
 void Comparison::choose_signals() {
   const SavedRun& front = runs_.front();
-  const auto is_common = [&](const std::string& signal) {
-    return std::ranges::all_of(runs_, [&](const SavedRun& run) {
-      return run.has_signal(signal) && run.entry(signal).width == front.entry(signal).width;
-    });
-  };
-  // In one of the runs, or between them. A vector does.
-  const auto changes = [&](const std::string& signal) {
-    if (front.entry(signal).width > 1 && signal.find('[') == std::string::npos) return true;
-    const double first = front.signal(signal).values.front();
-    return std::ranges::any_of(runs_, [&](const SavedRun& run) {
-      return std::ranges::any_of(run.signal(signal).values, [&](double v) { return v != first; });
-    });
-  };
-  const auto differs = [&](const std::string& signal) {  // between the runs
-    const std::vector<double> first = front.signal(signal).values;
-    return std::ranges::any_of(
-        runs_, [&](const SavedRun& run) { return run.signal(signal).values != first; });
-  };
-  const auto add = [&](const std::string& name, const LogEntry& entry) {
-    for (const std::string& one : expanded(name, entry.width)) {
-      const bool is_there = std::ranges::find(signals_, one) != signals_.end();
-      if (!is_there && (!choice_.signals.empty() || changes(one))) signals_.push_back(one);
-    }
+  const auto add = [&](const std::string& signal) {
+    if (std::ranges::find(signals_, signal) == signals_.end()) signals_.push_back(signal);
   };
   for (const std::string& name : choice_.signals) {
     const SavedRun* run = first_with(runs_, name);
-    add(name, (run != nullptr ? *run : front).entry(name));
+    const std::size_t width = (run != nullptr ? *run : front).entry(name).width;
+    const bool is_vector = width > 1 && name.find('[') == std::string::npos;
+    for (std::size_t i = 1; i <= (is_vector ? width : 1); ++i) {
+      add(is_vector ? fmt::format("{}[{}]", name, i) : name);
+    }
   }
   keys_ = signals_.size();
   if (keys_ > 0) return;
-  // The first of each of the page's charts is what runs are compared by.
-  for (const ShotPage::KeyChart& chart : shots_.page.charts) {
-    const auto place = std::ranges::find_if(
-        chart.signals, [&](const std::string& name) { return is_common(name) && changes(name); });
-    if (place != chart.signals.end()) add(*place, front.entry(*place));
-  }
-  const std::vector<LoggedQuantity> logged = quantities(front.signals(), shots_);
-  // Without such a list they are compared by the first quantities that differ.
-  for (const LoggedQuantity& quantity : logged) {
-    if (!shots_.page.charts.empty() || signals_.size() >= kKeySignals) break;
-    const LogEntry& entry = quantity.kinds.front();
-    const std::string path = signal_path(entry);
-    if (entry.width == 1 && is_common(path) && differs(path)) add(path, entry);
+  const auto is_common = [&](const ChartSeries& one) {
+    return std::ranges::all_of(runs_, [&](const SavedRun& run) {
+      return run.has_signal(one.signal) &&
+             run.entry(one.signal).width == front.entry(one.signal).width;
+    });
+  };
+  const SignalCharts charts = signal_charts(front, "", shots_);
+  for (const PageChart& chart : charts.key) {
+    const auto first = std::ranges::find_if(chart.series, is_common);
+    if (first != chart.series.end()) add(first->signal);
   }
   keys_ = signals_.size();
-  for (const LoggedQuantity& quantity : logged) {
-    for (const LogEntry& entry : quantity.kinds) {
-      if (is_common(signal_path(entry))) add(signal_path(entry), entry);
+  for (const auto* some : {&charts.key, &charts.others}) {
+    for (const PageChart& chart : *some) {
+      for (const ChartSeries& one : chart.series) {
+        if (is_common(one)) add(one.signal);
+      }
     }
   }
 }

@@ -24,6 +24,7 @@ struct ChartSeries {
   std::vector<std::string> names = {};              ///< one for each mark, or none
   std::vector<double> low = {}, high = {};          ///< a band around the values, or none
   std::vector<std::vector<std::size_t>> runs = {};  ///< the page's runs behind each mark, or none
+  std::string signal = {};                          ///< its name in a run, or none
 };
 
 /// Series over one axis: time, or another quantity.

@@ -14,6 +14,20 @@ namespace {
 
 constexpr std::size_t kKeyCharts = 5;
 
+// Signals of one width and unit. They differ by their roles in a their kind: true, measured,
+// estimated, reference, commanded or applied. One that two groups have is here once, from the group
+// with more rows.
+struct LoggedQuantity {
+  std::string title;  // "Contact force", without its unit
+  std::vector<LogEntry> kinds;
+  std::size_t rank = 0;
+};
+
+// "physics/force_true_N"; a signal of the group `control` goes without "force_true_N".
+std::string signal_path(const LogEntry& entry) {
+  return entry.group == "control" ? entry.name : entry.group + "/" + entry.name;
+}
+
 // The true signal comes first, then the measured one, then the estimates.
 Identity order_of(const LogEntry& entry) {
   const Identity role = role_of_signal(entry.name).value_or(kIdentityColours);
@@ -81,9 +95,8 @@ class Charts {
       if (series.identity == kReferenceIdentity && chart != made.end()) {
         chart->series.push_back(std::move(series));
       } else if (!series.values.values.empty()) {
-        const std::string& about = series.description;
-        constants_.push_back(fmt::format("{} = {}", about.substr(0, about.find(':')),
-                                         in_digits(series.values.values.front())));
+        constants_.push_back(
+            fmt::format("{} = {}", series.signal, in_digits(series.values.values.front())));
       }
     }
     for (PageChart& chart : made) {
@@ -167,17 +180,8 @@ void name_inputs(std::vector<LoggedQuantity>& all) {
   }
 }
 
-}  // namespace
-
-std::string signal_path(const LogEntry& entry) {
-  return entry.group == "control" ? entry.name : entry.group + "/" + entry.name;
-}
-
-ChartSeries series_of(const SavedRun& run, const std::string& signal, const std::string& label) {
-  return {label, run.unit(signal), signal + ": " + run.entry(signal).description,
-          run.signal(signal)};
-}
-
+// All quantities of a log. First come those of the shot list in its order, then those of several
+// kinds, then the others.
 std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
                                        const ShotList& shots) {
   std::vector<std::string> shown;
@@ -215,6 +219,16 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
   }
   std::ranges::stable_sort(all, {}, &LoggedQuantity::rank);
   return all;
+}
+
+}  // namespace
+
+ChartSeries series_of(const SavedRun& run, const std::string& signal, const std::string& label) {
+  return {.label = label,
+          .unit = run.unit(signal),
+          .description = signal + ": " + run.entry(signal).description,
+          .values = run.signal(signal),
+          .signal = signal};
 }
 
 SignalCharts signal_charts(const SavedRun& run, const std::string& id, const ShotList& shots) {
