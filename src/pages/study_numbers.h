@@ -66,10 +66,6 @@ struct QuantileBand {
   /// Numbers of points: at the smallest value, at the median (the lower one of two), at the
   /// largest, and of the first failed run.
   std::size_t at_smallest = 0, at_middle = 0, at_largest = 0, first_failed = 0;
-
-  double failed_share() const {
-    return runs == 0 ? q10 : static_cast<double>(failed) / static_cast<double>(runs);
-  }
 };
 
 /// The runs with a finite value in a column, in the order of the values. Equal values keep the

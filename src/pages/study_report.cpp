@@ -36,9 +36,6 @@ struct StudyDetail {
   std::size_t cells = 96;   // per table of two keys
 };
 
-// The id of the failures' section.
-constexpr const char* kFailuresId = "failures";
-
 // The runs that the marks of a page refer to, each one once.
 class RunList {
  public:
@@ -97,10 +94,13 @@ std::string first_of(std::size_t shown, std::size_t all, const char* what) {
   return fmt::format("The first {} of {} {}", shown, all, what);
 }
 
-// A summary behind a median: "(0.1 to 0.2), 20 runs, 1 failed", with the 10 and 90 % quantiles. Or
-// behind a share of failures: "(1 of 20 runs failed)".
-std::string in_words(const QuantileBand& band, bool is_share) {
-  if (is_share) return fmt::format("({} of {} failed)", band.failed, number_of(band.runs, "run"));
+// "(1 of 20 runs failed)"
+std::string failures_in_words(const QuantileBand& band) {
+  return fmt::format("({} of {} failed)", band.failed, number_of(band.runs, "run"));
+}
+
+// A summary behind a median: "(0.1 to 0.2), 20 runs, 1 failed", with the 10 and 90 % quantiles.
+std::string in_words(const QuantileBand& band) {
   std::string text =
       fmt::format("({}), {}", range(band.q10, band.q90), number_of(band.runs, "run"));
   if (band.failed > 0) text += fmt::format(", {} failed", band.failed);
@@ -162,46 +162,73 @@ class StudySections {
 
   const StudyDetail& detail() const { return detail_; }
 
-  // The section of a metric, or of the failures without `metric`.
-  PageData section(std::optional<std::size_t> metric) const {
-    static const std::vector<double> kNone;
-    const std::vector<double>& column = metric ? numbers_.columns[*metric] : kNone;
-    const Output output = {metric ? numbers_.metrics[*metric] : kFailedOutput, !metric, column,
-                           in_order(column)};
+  PageData section(std::size_t metric) const {
+    const Output output = output_of(metric);
     auto blocks = PageData::array();
     if (labels_.size() > drawn_.size()) {
       add_block(blocks, "text",
                 first_of(drawn_.size(), labels_.size(), "candidates") + " have charts.");
     }
-    if (!numbers_.runs.empty() && (metric || !numbers_.failures.empty())) {
-      add_line_charts(output, blocks);
-      if (!sides_.empty()) add_crossed(output, blocks);
-      if (plan_.study().method == Method::saltelli) add_indices(output, blocks);
-    }
+    add_line_charts(output, blocks);
+    if (!sides_.empty()) add_crossed(output, blocks);
+    if (plan_.study().method == Method::saltelli) add_indices(output.name, blocks);
     add_candidates(output, blocks);
-    return {{"id", metric ? fmt::format("metric-{}", *metric + 1) : kFailuresId},
-            {"heading", metric ? title_of(output) : "Failed runs"},
-            {"tip", metric ? output.name : ""},
-            {"kind", metric ? "metric" : "metric-free"},
+    return {{"id", fmt::format("metric-{}", metric + 1)},
+            {"heading", label_of(output.name)},
+            {"tip", output.name},
+            {"kind", "metric"},
             {"blocks", blocks}};
   }
 
   // The metric over all runs of each candidate.
   std::vector<QuantileBand> by_candidate(std::size_t metric) const {
-    const std::vector<double>& column = numbers_.columns[metric];
-    return bands_of({numbers_.metrics[metric], false, column, in_order(column)});
+    return bands_of(output_of(metric));
+  }
+
+  void add_indices(const std::string& output, PageData& blocks) const {
+    auto rows = PageData::array();
+    Eigen::Index dropped = 0, counted = 0;
+    for (const OutputIndices& one : indices_) {
+      if (one.output != output) continue;
+      dropped += one.indices.dropped_rows;
+      counted += one.indices.rows;
+    }
+    for (std::size_t k = 0; k < numbers_.keys.size(); ++k) {
+      for (const OutputIndices& one : indices_) {
+        if (one.output != output || one.indices.total.empty()) continue;
+        rows.push_back({numbers_.keys[k].name, labels_[one.candidate],
+                        brief(one.indices.first_order[k]), brief(one.indices.total[k])});
+      }
+    }
+    add_block(blocks, "subheading", "Sensitivity");
+    if (rows.empty()) {
+      add_block(blocks, "text",
+                "There are no indices: it does not vary, or fewer than two rows of the design are "
+                "there.");
+      return;
+    }
+    add_block(blocks, "table",
+              {{"label", "Sensitivity indices"},
+               {"columns", {"key", "candidate", "first order (95 %)", "total (95 %)"}},
+               {"rows", rows}});
+    add_block(
+        blocks, "text",
+        fmt::format("The share of variance that a key makes alone, and with all its "
+                    "interactions; of means over seeds. {} rows of the design count, {} have a "
+                    "run without it and do not. indices.csv has all digits.",
+                    counted, dropped));
   }
 
  private:
-  struct Output {  // a metric or the failures
-    std::string name;
-    bool is_failures = false;
+  struct Output {
+    const std::string& name;
     const std::vector<double>& column;
     std::vector<std::uint32_t> order;
   };
 
-  static std::string title_of(const Output& output) {
-    return output.is_failures ? output.name : label_of(output.name);
+  Output output_of(std::size_t metric) const {
+    const std::vector<double>& column = numbers_.columns[metric];
+    return {numbers_.metrics[metric], column, in_order(column)};
   }
 
   std::vector<QuantileBand> bands_of(const Output& output) const {
@@ -216,11 +243,10 @@ class StudySections {
               [&](const StudyRun& run) {
                 return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
               });
-    PageChart chart{.id = runs_.new_id(), .title = title_of(output)};
+    PageChart chart{.id = runs_.new_id(), .title = label_of(output.name)};
     chart.group = chart.id;
     chart.x_title = key_label_with_unit(key.name, unit_of(key.name));
     chart.is_log_x = key.is_log;
-    if (output.is_failures) chart.lines = {0.0, 1.0};
     if (!key.is_number || (!key.is_binned && key.size() <= 8)) {
       for (std::size_t g = 0; g < key.size(); ++g) {
         chart.x_labels.emplace_back(key.centre[g], key.labels[g]);
@@ -246,11 +272,7 @@ class StudySections {
           to.runs.emplace_back();
           if (has_run) to.runs.back().push_back(runs_.add(run));
         };
-        if (output.is_failures) {
-          add(line, band.failed_share(), in_words(band, true), band.failed > 0, band.first_failed);
-          continue;
-        }
-        add(line, band.median, in_words(band, false), band.measured > 0, band.at_middle);
+        add(line, band.median, in_words(band), band.measured > 0, band.at_middle);
         line.low.push_back(band.q10);
         line.high.push_back(band.q90);
         has_bands |= band.q10 < band.q90;
@@ -259,7 +281,7 @@ class StudySections {
             band.measured > 0       ? band.median
             : std::isfinite(lowest) ? lowest
                                     : 0.0,
-            in_words(band, true), true, band.first_failed);
+            failures_in_words(band), true, band.first_failed);
       }
       has_crosses |= !crosses.names.empty();
       chart.series.push_back(std::move(line));
@@ -277,9 +299,8 @@ class StudySections {
     if (lines.empty()) return;
     add_block(blocks, "figures", lines);
     add_block(blocks, "text",
-              fmt::format("{}{}{} Choose a mark to see its numbers and runs.",
-                          output.is_failures ? "The share of the runs with this value."
-                                             : "A mark is the median of the runs with this value.",
+              fmt::format("A mark is the median of the runs with this value.{}{} Choose a mark to "
+                          "see its numbers and runs.",
                           has_bands ? " The band has the runs from 10 to 90 %." : "",
                           has_crosses ? " A cross: some of the runs failed." : ""));
   }
@@ -302,9 +323,9 @@ class StudySections {
       for (const std::string& label : y.labels) {
         rows.push_back({label});
         for (std::size_t i = 0; i < x.size(); ++i, ++band) {
-          PageData cell = {{"value", output.is_failures ? band->failed_share() : band->median}};
+          PageData cell = {{"value", band->median}};
           if (band->failed > 0) {
-            cell["lines"] = {{{"text", in_words(*band, true)}, {"kind", "spread"}}};
+            cell["lines"] = {{{"text", failures_in_words(*band)}, {"kind", "spread"}}};
           }
           if (band->measured + band->failed > 0) {
             cell["run"] = runs_.add(band->measured > 0 ? band->at_middle : band->first_failed);
@@ -320,57 +341,17 @@ class StudySections {
     }
   }
 
-  void add_indices(const Output& output, PageData& blocks) const {
-    auto rows = PageData::array();
-    Eigen::Index dropped = 0, counted = 0;
-    for (const OutputIndices& one : indices_) {
-      if (one.output != output.name) continue;
-      dropped += one.indices.dropped_rows;
-      counted += one.indices.rows;
-    }
-    for (std::size_t k = 0; k < numbers_.keys.size(); ++k) {
-      for (const OutputIndices& one : indices_) {
-        if (one.output != output.name || one.indices.total.empty()) continue;
-        rows.push_back({numbers_.keys[k].name, labels_[one.candidate],
-                        brief(one.indices.first_order[k]), brief(one.indices.total[k])});
-      }
-    }
-    add_block(blocks, "subheading", "Sensitivity");
-    if (rows.empty()) {
-      add_block(blocks, "text",
-                "There are no indices: it does not vary, or fewer than two rows of the design are "
-                "there.");
-      return;
-    }
-    add_block(blocks, "table",
-              {{"label", "Sensitivity indices"},
-               {"columns", {"key", "candidate", "first order (95 %)", "total (95 %)"}},
-               {"rows", rows}});
-    add_block(
-        blocks, "text",
-        fmt::format("The share of variance that a key makes alone, and with all its "
-                    "interactions; of means over seeds. {} rows of the design count, {} have a "
-                    "run without it and do not. indices.csv has all digits.",
-                    counted, dropped));
-  }
-
   void add_candidates(const Output& output, PageData& blocks) const {
     const std::vector<QuantileBand> all = bands_of(output);
-    PageData columns = {"candidate", "runs", "failed"};
-    if (!output.is_failures) {
-      columns.insert(columns.end(),
-                     {"without it", "median", "quartiles", "10 to 90 %", "smallest", "largest"});
-    }
+    const PageData columns = {"candidate", "runs",       "failed",   "without it", "median",
+                              "quartiles", "10 to 90 %", "smallest", "largest"};
     auto rows = PageData::array();
     for (std::size_t c = 0; c < std::min(all.size(), kMostCompared); ++c) {
       const QuantileBand& band = all[c];
-      const std::string share =
-          output.is_failures ? fmt::format(" ({:.3g} %)", 100.0 * band.failed_share()) : "";
-      PageData row = {
-          labels_[c],
-          band.runs,
-          {{"value", std::to_string(band.failed) + share}, {"tone", band.failed > 0 ? "off" : ""}}};
-      if (!output.is_failures) row.push_back(band.runs - band.failed - band.measured);
+      PageData row = {labels_[c],
+                      band.runs,
+                      {{"value", band.failed}, {"tone", band.failed > 0 ? "off" : ""}},
+                      band.runs - band.failed - band.measured};
       if (band.measured > 0) {
         const auto run = [&](double value, std::size_t point) -> PageData {
           return {{"value", value}, {"tip", index_.read(point).key}, {"run", runs_.add(point)}};
@@ -454,14 +435,10 @@ PageData score(const ShardIndex& index) {
   return tallies;
 }
 
-// The kinds of failures, before the section's charts.
+// The kinds of failures.
 PageData failure_blocks(const StudyNumbers& numbers, const ShardIndex& index,
                         const std::vector<std::string>& labels, RunList& runs) {
   auto blocks = PageData::array();
-  if (numbers.failures.empty()) {
-    add_block(blocks, "paragraph", "No run failed.");
-    return blocks;
-  }
   auto rows = PageData::array();
   for (std::size_t i = 0; i < std::min(numbers.failures.size(), kMostListedKinds); ++i) {
     const FailureKind& kind = numbers.failures[i];
@@ -491,7 +468,6 @@ PageData failure_blocks(const StudyNumbers& numbers, const ShardIndex& index,
               fmt::format("{} further kinds, of fewer runs, are not listed.",
                           numbers.failures.size() - kMostListedKinds));
   }
-  add_block(blocks, "subheading", "Share of runs that failed");
   return blocks;
 }
 
@@ -585,13 +561,11 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     if (comparison) add_pairs(*comparison, pairs, metric, section["blocks"]);
     all.push_back(std::move(section));
   }
-  if (!numbers.failures.empty() || study.method == Method::saltelli) {
-    PageData section = sections.section(std::nullopt);
+  if (!numbers.failures.empty()) {
     PageData blocks = failure_blocks(numbers, index, labels, runs);
-    blocks.insert(blocks.end(), section["blocks"].begin(), section["blocks"].end());
+    if (study.method == Method::saltelli) sections.add_indices(kFailedOutput, blocks);
     if (comparison) add_pairs(*comparison, pairs, kFailure, blocks);
-    section["blocks"] = blocks;
-    all.push_back(std::move(section));
+    add_section(all, "failures", "Failed runs", blocks);
   }
   if (!numbers.metrics.empty()) all.push_back(overview(sections, numbers, labels));
   if (numbers.is_sample) {
