@@ -72,35 +72,6 @@ PageChart front_chart(const Tuning& tuning, const TuningResult& result,
   return chart.scaled();
 }
 
-PageChart progress_chart(const Tuning& tuning, const TuningResult& result,
-                         const std::vector<Identity>& looks) {
-  const std::string& metric = tuning.objectives.front().metric;
-  PageChart chart{.id = "progress", .group = "progress"};
-  chart.title =
-      tuning.has_front() ? "hypervolume" : metric_label_with_unit(metric, unit_of(metric));
-  chart.x_title = "evaluations";
-  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    ChartSeries line{.label = result.fronts[c].case_name, .identity = looks[c]};
-    for (const auto& [evaluations, volume] : result.fronts[c].progress) {
-      line.values.times_s.push_back(static_cast<double>(evaluations));
-      line.values.values.push_back(volume);
-    }
-    chart.series.push_back(line);
-  }
-  return chart.scaled();
-}
-
-// The reference point of the hypervolume: "peak_N = 12, free_motion_s = 1.5".
-std::string reference_text(const Tuning& tuning, const TuningResult& result) {
-  std::vector<std::string> parts;
-  for (std::size_t i = 0; i < result.reference.size(); ++i) {
-    const Objective& objective = tuning.objectives[i];
-    const double sign = objective.goal == Goal::max ? -1.0 : 1.0;
-    parts.push_back(fmt::format("{} = {:.5g}", objective.metric, sign * result.reference[i]));
-  }
-  return fmt::format("{}", fmt::join(parts, ", "));
-}
-
 constexpr std::size_t kMostPrinted = 12;  // points of a front without validation, in a terminal
 
 // The points or tuned cases, each objective as tuned and on fresh worlds.
@@ -167,9 +138,6 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
                             std::ranges::count_if(front.evaluations, &Evaluation::is_feasible),
                             front.evaluations.size()));
   }
-  if (has_front && !table.rows.empty()) {
-    add("text", "Hypervolumes have the reference point " + reference_text(tuning, result) + ".");
-  }
   add("text",
       fmt::format(
           "{}, {} evaluations of each case, each evaluation in {} (seeds included). {}",
@@ -183,15 +151,6 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
                 "good."));
   auto sections = PageData::array();
   add_section(sections, "front", has_front ? "Pareto front" : "Tuned cases",
-              std::exchange(blocks, PageData::array()));
-  if (!table.rows.empty()) {
-    add("figures", PageData::array({figure_of(
-                       progress_chart(tuning, result, looks), "",
-                       fmt::format("A line that still {} at its end says that the budget "
-                                   "was small.",
-                                   has_front ? "climbs" : "changes"))}));
-  }
-  add_section(sections, "budget", "Progress over the budget",
               std::exchange(blocks, PageData::array()));
   add("text", has_front
                   ? fmt::format("front/N.toml is point N: {}N.toml. front.csv has all digits.", run)

@@ -155,8 +155,8 @@ void add_tune_options(CLI::App& app, TuneOptions& options) {
   app.add_option("--points", options.study.points)->group("")->excludes("--slurm", "--rerun");
   app.add_option("--candidate", options.candidates)->expected(1)->take_all()->group("");
   app.footer(
-      "The tuning's folder gets results.csv (one row a run), report.html, front.csv,\n"
-      "front/N.toml (for --config) and hypervolume.csv. With one objective there is no front, and\n"
+      "The tuning's folder gets results.csv (one row a run), report.html, front.csv\n"
+      "and front/N.toml (for --config). With one objective there is no front, and\n"
       "it gets tuned.csv and tuned/CASE.toml. The same command goes on where it\n"
       "was, whatever ended it. docs/how-to/tuning.md has the file; one that is there to be tried\n"
       "is studies/impact.toml.\n"

@@ -13,7 +13,6 @@
 #include <pagmo/bfe.hpp>
 #include <pagmo/population.hpp>
 #include <pagmo/problem.hpp>
-#include <pagmo/utils/hypervolume.hpp>
 #include <stdexcept>
 
 namespace breakwater {
@@ -136,13 +135,8 @@ void search_with(const SearchSettings& settings, const EvaluateAll& evaluate) {
   evolve(settings, evaluate);
 }
 
-double hypervolume_of(const Vectors& points, const std::vector<double>& reference) {
-  return pagmo::hypervolume(points, true).compute(reference);
-}
-
 }  // namespace
 }  // namespace breakwater
 
 extern "C" [[gnu::visibility("default")]] const breakwater::SearchEngines breakwater_search_engines;
-const breakwater::SearchEngines breakwater_search_engines = {breakwater::search_with,
-                                                             breakwater::hypervolume_of};
+const breakwater::SearchEngines breakwater_search_engines = {breakwater::search_with};

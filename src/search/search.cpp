@@ -112,19 +112,6 @@ std::vector<std::size_t> front_of(const Vectors& points) {
   return front;
 }
 
-double hypervolume_below(const Vectors& points, const std::vector<double>& reference) {
-  Vectors inside;
-  for (const std::vector<double>& point : points) {
-    bool is_inside = true;
-    for (std::size_t k = 0; k < point.size(); ++k) is_inside &= point[k] < reference[k];
-    if (is_inside) inside.push_back(point);
-  }
-  if (inside.empty()) return 0.0;
-  if (reference.size() == 1)
-    return reference[0] - std::min_element(inside.begin(), inside.end())->front();
-  return search_engines().hypervolume(inside, reference);
-}
-
 std::vector<std::size_t> evenly_spaced(std::size_t size, std::size_t count) {
   std::vector<std::size_t> numbers;
   if (size <= count) {

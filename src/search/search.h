@@ -57,11 +57,6 @@ void search(const SearchSettings& settings, const EvaluateAll& evaluate);
 /// counts.
 std::vector<std::size_t> front_of(const Vectors& points);
 
-/// The volume that the points dominate below the reference. Points beyond the reference in a
-/// coordinate do not count. 0 without points. It uses pagmo's algorithms for 2, 3 and more
-/// dimensions.
-double hypervolume_below(const Vectors& points, const std::vector<double>& reference);
-
 /// At most `count` numbers of 0 … size − 1 with equal distances, including both ends.
 std::vector<std::size_t> evenly_spaced(std::size_t size, std::size_t count);
 
@@ -71,8 +66,6 @@ std::vector<std::size_t> evenly_spaced(std::size_t size, std::size_t count);
 struct SearchEngines {
   /// search() with settings that have no objection.
   void (*search)(const SearchSettings& settings, const EvaluateAll& evaluate) = nullptr;
-  /// hypervolume_below() of points that are below the reference, in two dimensions or more.
-  double (*hypervolume)(const Vectors& points, const std::vector<double>& reference) = nullptr;
 };
 
 /// Loads the library at the first call. Throws std::invalid_argument if it is not there.

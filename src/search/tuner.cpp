@@ -289,47 +289,6 @@ std::vector<FrontPoint> front_points(const Tuning& tuning,
   return points;
 }
 
-// The reference point: the given values, or the worst feasible value of all cases.
-std::vector<double> reference_of(const Tuning& tuning, const std::vector<TunedFront>& fronts) {
-  std::vector<double> reference;
-  for (std::size_t k = 0; k < tuning.objectives.size(); ++k) {
-    const Objective& objective = tuning.objectives[k];
-    double worst = -std::numeric_limits<double>::infinity();
-    for (const TunedFront& front : fronts) {
-      for (const auto& point : feasible(tuning, front.evaluations).objectives) {
-        worst = std::max(worst, point[k]);
-      }
-    }
-    if (objective.reference) {
-      worst = objective.goal == Goal::min ? *objective.reference : -*objective.reference;
-    }
-    reference.push_back(worst);
-  }
-  return reference;
-}
-
-void measure_progress(const Tuning& tuning, const std::vector<double>& reference,
-                      TunedFront& front) {
-  const Feasible all = feasible(tuning, front.evaluations);
-  Vectors best;
-  std::size_t next = 0;
-  for (std::size_t done = 0; done < front.evaluations.size();) {
-    done = std::min(done + tuning.population, front.evaluations.size());
-    for (; next < all.numbers.size() && all.numbers[next] < done; ++next) {
-      best.push_back(all.objectives[next]);
-    }
-    Vectors kept;
-    for (const std::size_t i : front_of(best)) kept.push_back(best[i]);
-    best = std::move(kept);
-    if (tuning.has_front()) {
-      front.progress.emplace_back(done, hypervolume_below(best, reference));
-    } else if (!best.empty()) {
-      const double sign = tuning.objectives.front().goal == Goal::min ? 1.0 : -1.0;
-      front.progress.emplace_back(done, sign * best.front().front());
-    }
-  }
-}
-
 // The points of a front for the validation, with their evaluations.
 struct Validated {
   std::vector<std::size_t> points;
@@ -377,10 +336,6 @@ TuningResult tune(TuningPlan& plan, const StudyFolder& folder, const TunerOption
     front.evaluations = search_case(plan, runs, c);
     front.points = front_points(tuning, front.evaluations);
     result.fronts.push_back(std::move(front));
-  }
-  if (tuning.has_front()) result.reference = reference_of(tuning, result.fronts);
-  for (std::size_t c = 0; c < tuning.cases.size(); ++c) {
-    measure_progress(tuning, result.reference, result.fronts[c]);
   }
   if (tuning.validation) validate_all(plan, runs, options, result.fronts);
   runs.finish();

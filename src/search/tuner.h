@@ -58,12 +58,9 @@ struct TunedFront {
   std::string case_name;
   std::vector<FrontPoint> points;       ///< in the order of the first objective, best first
   std::vector<Evaluation> evaluations;  ///< all, in the order of the search
-  /// Number of evaluations, and the hypervolume or the best value of one objective.
-  std::vector<std::pair<std::size_t, double>> progress;
 };
 
 struct TuningResult {
-  std::vector<double> reference;  ///< for the hypervolume, with all goals min; empty without fronts
   std::vector<TunedFront> fronts;
   std::vector<PointResult> runs;  ///< in the order of their numbers
   /// Runs that were made again, since the shards had other values for them than the search.

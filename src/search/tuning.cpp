@@ -27,18 +27,13 @@ const TomlEntry& metric_table(const TomlEntry& entry, const char* example) {
 std::vector<Objective> read_objectives(const TomlEntry& table) {
   std::vector<Objective> objectives;
   for (const auto& [metric, entry] : table.entries()) {
-    metric_table(entry, "{ goal = \"min\", over = \"median\" }")
-        .allow({"goal", "over", "reference"});
+    metric_table(entry, "{ goal = \"min\", over = \"median\" }").allow({"goal", "over"});
     if (!entry["goal"]) entry["goal"].fail("is missing: min or max");
     Objective objective;
     objective.metric = metric;
     objective.place = entry.place();
     objective.goal = entry["goal"].choice(goal_names());
     entry["over"].choice(over_names(), objective.over);
-    objective.reference = entry["reference"].number_or_nothing();
-    if (objective.reference && table.entries().size() == 1) {
-      entry["reference"].fail("is of a hypervolume, which one objective does not have");
-    }
     objectives.push_back(std::move(objective));
   }
   if (objectives.empty()) {
@@ -300,9 +295,8 @@ std::string Tuning::print() const {
   if (!worlds.keys.empty()) text += "\n[world]\n" + print_keys(worlds.keys);
   text += "\n[objective]\n";
   for (const Objective& one : objectives) {
-    text += fmt::format("{} = {{ goal = {}, over = {}{} }}\n", toml_string(one.metric),
-                        toml_string(name_of(goal_names(), one.goal)), over(one.over),
-                        one.reference ? ", reference = " + toml_number(*one.reference) : "");
+    text += fmt::format("{} = {{ goal = {}, over = {} }}\n", toml_string(one.metric),
+                        toml_string(name_of(goal_names(), one.goal)), over(one.over));
   }
   if (!constraints.empty()) text += "\n[constraint]\n";
   for (const Constraint& one : constraints) {

@@ -29,8 +29,7 @@ struct Objective {
   std::string metric;
   Goal goal = Goal::min;
   Over over = Over::median;
-  std::optional<double> reference;  ///< for the hypervolume; default: the worst value found
-  std::string place;                ///< "FILE:LINE: objective.METRIC"
+  std::string place;  ///< "FILE:LINE: objective.METRIC"
 };
 
 struct Constraint {

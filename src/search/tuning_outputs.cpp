@@ -161,19 +161,6 @@ std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
   return csv_table(rows);
 }
 
-std::string hypervolume_csv(const TuningResult& result) {
-  std::vector<ResultRow> rows;
-  for (const TunedFront& front : result.fronts) {
-    for (const auto& [evaluations, volume] : front.progress) {
-      ResultRow& row = rows.emplace_back();
-      row.put("case", front.case_name);
-      row.put("evaluations", std::to_string(evaluations));
-      row.put("hypervolume", volume);
-    }
-  }
-  return csv_table(rows);
-}
-
 }  // namespace
 
 FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
@@ -233,7 +220,6 @@ void write_outputs(const TuningPlan& plan, const TuningResult& result,
                    const std::optional<Ranking>& ranking, const fs::path& folder) {
   const std::string kind = plan.tuning().has_front() ? "front" : "tuned";
   replace_file(folder / "results.csv", results_csv(plan, result));
-  if (plan.tuning().has_front()) replace_file(folder / "hypervolume.csv", hypervolume_csv(result));
   if (ranking) replace_file(folder / "ranking.json", ranking_json(*ranking).dump(1) + "\n");
   const FrontTable table = front_table(plan, result, ranking);
   fs::remove_all(folder / kind);

@@ -41,7 +41,7 @@ struct FrontTable {
 FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
                        const std::optional<Ranking>& ranking);
 
-/// Writes results.csv, and front.csv, hypervolume.csv and front/N.toml. With one objective there
+/// Writes results.csv, and front.csv and front/N.toml. With one objective there
 /// are tuned.csv, tuned/CASE.toml and ranking.json instead. Throws OutputError.
 void write_outputs(const TuningPlan& plan, const TuningResult& result,
                    const std::optional<Ranking>& ranking, const std::filesystem::path& folder);

@@ -64,7 +64,7 @@ KEPT = re.compile(r"\.kept(-\d+)?(/|$)")
 STREAM_FILES = {"kept"}
 RUN_FILES = {"config.toml", "metrics.json", "manifest.json", "log.h5", "log.csv"}
 # Made from what is done so far, so an interrupted study has other ones.
-OF_PARTS = {"results.csv", "results.sqlite", "comparison.csv", "comparison_by_key.csv", "front.csv", "hypervolume.csv", "tuned.csv",
+OF_PARTS = {"results.csv", "results.sqlite", "comparison.csv", "comparison_by_key.csv", "front.csv", "tuned.csv",
             "report.html"}
 
 

@@ -40,6 +40,10 @@ Vectors front_points(const Asked& asked) {
   return front;
 }
 
+double volume_below(const Vectors& front, const std::vector<double>& reference) {
+  return pagmo::hypervolume(front, true).compute(reference);
+}
+
 // Front: f₂ = 1 − √f₁. Volume below (1, 1): 2/3.
 TEST(Search, FindsTheFrontOfZDT1) {
   const pagmo::problem zdt1{pagmo::zdt(1, 10)};
@@ -49,7 +53,7 @@ TEST(Search, FindsTheFrontOfZDT1) {
                             [&](const auto& u) { return zdt1.fitness(u); });
     EXPECT_EQ(asked.answers.size(), 8000U);
     EXPECT_EQ(asked.largest_batch, 40U);
-    const double volume = hypervolume_below(front_points(asked), {1.0, 1.0});
+    const double volume = volume_below(front_points(asked), {1.0, 1.0});
     EXPECT_GT(volume, least);
     EXPECT_LT(volume, 2.0 / 3.0);
   }
@@ -61,7 +65,7 @@ TEST(Search, FindsTheFrontOfDTLZ2) {
   const Asked asked = run({.dimension = 7, .objectives = 3, .budget = 6000, .population = 60},
                           [&](const auto& u) { return dtlz2.fitness(u); });
   const Vectors front = front_points(asked);
-  const double volume = hypervolume_below(front, {1.0, 1.0, 1.0});
+  const double volume = volume_below(front, {1.0, 1.0, 1.0});
   EXPECT_GT(volume, 0.42);
   EXPECT_LT(volume, 1.0 - std::numbers::pi / 6.0);
   for (const auto& point : front) {
@@ -69,7 +73,7 @@ TEST(Search, FindsTheFrontOfDTLZ2) {
   }
 }
 
-TEST(Search, FrontsAndVolumesMatchPagmo) {
+TEST(Search, FrontsMatchPagmo) {
   testing::Random random;
   for (const std::size_t objectives : {2, 3, 4}) {
     Vectors points;
@@ -85,13 +89,7 @@ TEST(Search, FrontsAndVolumesMatchPagmo) {
     for (const auto i : sorted.front()) theirs.insert(points[i]);
     for (const auto i : front_of(points)) EXPECT_TRUE(ours.insert(points[i]).second);
     EXPECT_EQ(ours, theirs);
-    const std::vector<double> reference(objectives, 1.5);
-    EXPECT_NEAR(hypervolume_below({ours.begin(), ours.end()}, reference),
-                pagmo::hypervolume(points, true).compute(reference), 1e-12);
   }
-  EXPECT_EQ(hypervolume_below({{0.5, 0.5}, {0.0, 2.0}}, {1.0, 1.0}), 0.25);
-  EXPECT_EQ(hypervolume_below({}, {1.0, 1.0}), 0.0);
-  EXPECT_EQ(hypervolume_below({{0.25}, {0.5}}, {1.0}), 0.75);
   EXPECT_EQ(evenly_spaced(5, 3), (std::vector<std::size_t>{0, 2, 4}));
   EXPECT_EQ(evenly_spaced(2, 3), (std::vector<std::size_t>{0, 1}));
 }
