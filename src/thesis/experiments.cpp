@@ -227,8 +227,8 @@ void choose_readings(const TomlEntry& rows, const std::vector<std::string>& name
   for (const std::string& name : names) {
     if (std::ranges::find(known, name) == known.end()) {
       throw std::invalid_argument(
-          fmt::format("--reading {}: there is no such reading{}; --list-readings shows them", name,
-                      did_you_mean(name, known)));
+          fmt::format("--reading {}: there is no such reading{}; {} has them", name,
+                      did_you_mean(name, known), experiments.file));
     }
   }
 }

@@ -559,7 +559,6 @@ std::vector<std::string> sections_of(const Experiments& experiments, const std::
   return sections;
 }
 
-constexpr std::size_t kWidth = 78;         // for an indented text
 constexpr std::size_t kMostFailures = 15;  // in a terminal; the page has all
 
 struct ReproduceArguments {
@@ -567,7 +566,6 @@ struct ReproduceArguments {
   std::string out = "runs/reproduce";
   std::string file;
   std::vector<std::string> readings;
-  bool list_readings = false;
   bool quick = false;
   bool quiet = false;
 };
@@ -593,19 +591,6 @@ std::vector<const SectionSpec*> choose_sections(const Experiments& experiments,
         experiments.sections.front().id, did_you_mean(only, names)));
   }
   return chosen;
-}
-
-// The readings, with the sections whose runs they change. The first row of one has its reason.
-void print_readings(const Experiments& experiments) {
-  std::set<std::string> known;
-  for (const ReadingSpec& reading : experiments.readings) {
-    if (known.insert(reading.name).second) {
-      fmt::print("{} (sections {})\n", reading.name,
-                 fmt::join(sections_of(experiments, reading.name), ", "));
-      for (const std::string& line : wrapped(reading.why, kWidth)) fmt::print("  {}\n", line);
-    }
-    fmt::print("  {}: {}\n", reading.runs, fmt::join(reading.sets, " "));
-  }
 }
 
 // A reading that changes no run of the chosen sections is a mistake.
@@ -640,10 +625,6 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
       arguments.file.empty() ? data_file("data/experiments.toml") : fs::path(arguments.file);
   const Effort effort = arguments.quick ? Effort::quick : Effort::full;
   const Experiments experiments = read_experiments(file.string(), effort, arguments.readings);
-  if (arguments.list_readings) {
-    print_readings(experiments);
-    return kSuccess;
-  }
   const std::vector<const SectionSpec*> sections = choose_sections(experiments, arguments.only);
   check_readings(arguments, experiments, sections);
   check_out(arguments.out);
@@ -693,7 +674,6 @@ int reproduce_main(const Catalogue& catalogue, int argc, const char* const* argv
                  "other readings of the text, by their names in the list of experiments")
       ->type_name("NAME[,NAME]")
       ->delimiter(',');
-  app.add_flag("--list-readings", arguments.list_readings, "print the readings, and end");
   app.add_flag("--quiet", arguments.quiet, "print errors and the score only");
   app.footer(
       "Results of the same configuration, models and program are kept, so an interrupted\n"

@@ -343,8 +343,8 @@ TEST(Experiments, AReadingAddsItsSettingsToTheRunsOfItsPattern) {
   EXPECT_EQ(sets({"soft"}), (Sets{"k=0", "k=1", "k=1"}));
   EXPECT_EQ(sets({"soft", "hard"}), (Sets{"k=0", "k=1", "k=2"}));
   EXPECT_EQ(complaint_of([&] { sets({"softer"}); }),
-            "--reading softer: there is no such reading (did you mean soft?); --list-readings "
-            "shows them");
+            "--reading softer: there is no such reading (did you mean soft?); " + file.string() +
+                " has them");
 }
 
 TEST(Experiments, EveryReasonOfTheShippedListHasACause) {
