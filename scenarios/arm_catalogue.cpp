@@ -5,7 +5,7 @@
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/contact_settings.h>
 #include <breakwater/rigs/drive_settings.h>
-#include <breakwater/thesis/printed_references.h>
+#include <breakwater/thesis/printed_results.h>
 
 #include "axes_catalogue.h"
 

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <breakwater/experiment/references.h>
+
 namespace breakwater {
 
 enum class Verdict { reproduced, within_class, not_reproduced, not_measured };
@@ -101,5 +103,8 @@ struct PrintedValue {
 /// The printed numbers of a case; empty if the thesis prints none. Throws std::runtime_error if the
 /// files are damaged.
 std::vector<PrintedValue> printed_values(const std::string& scenario, const std::string& case_name);
+
+/// The same for the catalogue: tables and pages show them beside the numbers of a run.
+ReferenceKind printed_references();
 
 }  // namespace breakwater

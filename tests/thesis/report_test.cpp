@@ -10,7 +10,6 @@
 #include <breakwater/pictures/replay_data.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/thesis/experiments.h>
-#include <breakwater/thesis/printed_references.h>
 #include <breakwater/thesis/reproduction.h>
 #include <breakwater/thesis/thesis_report.h>
 #include "catalogue.h"
