@@ -65,7 +65,6 @@ const AxisModel& friction_axis() {
                                .known_inertia = kInertia,
                                .start_values = 2,
                                .has_backlash = false,
-                               .has_motor_encoder = true,
                                .move = move_axis,
                                .candidates = start_candidates,
                                .rigid = one_inertia};
@@ -74,24 +73,33 @@ const AxisModel& friction_axis() {
 
 namespace {
 
+constexpr const char *kAccelerate = "accelerate: steps, a sine or a multisine of the torque",
+                     *kReverse = "move at several speeds in both directions, and reverse often",
+                     *kStandStill = "pass through standstill often and slowly",
+                     *kResonate =
+                         "a larger chirp or multisine through the resonance, with the "
+                         "encoder on the motor";
+
 constexpr KnownParameter kKnown[] = {
-    {kInertia, "inertia_kgm2", "kg m^2", "inertia", 0.25},
-    {kViscous, "viscous_Nms", "N m s/rad", "viscous friction", 0.15},
-    {kCoulomb, "coulomb_Nm", "N m", "Coulomb friction", 0.15},
-    {kBreakaway, "breakaway_Nm", "N m", "breakaway friction", 0.15},
-    {kStribeckSpeed, "stribeck_speed_rad_s", "rad/s", "Stribeck speed", 0.5},
-    {kMotorInertia, "motor_inertia_kgm2", "kg m^2", "inertia of the motor", 0.25},
-    {kLoadInertia, "load_inertia_kgm2", "kg m^2", "inertia of the load", 0.25},
-    {kStiffness, "stiffness_Nm_rad", "N m/rad", "stiffness", 0.25},
-    {kDamping, "damping_Nms_rad", "N m s/rad", "damping", 0.15},
-    {kBacklash, "backlash_rad", "rad", "backlash", std::numeric_limits<double>::infinity()},
-    {kMotorViscous, "motor_viscous_Nms", "N m s/rad", "viscous friction of the motor", 0.15},
-    {kLoadViscous, "load_viscous_Nms", "N m s/rad", "viscous friction of the load", 0.15},
-    {kMotorCoulomb, "motor_coulomb_Nm", "N m", "Coulomb friction of the motor", 0.15},
-    {kLoadCoulomb, "load_coulomb_Nm", "N m", "Coulomb friction of the load", 0.15},
-    {kOffset, "offset_Nm", "N m", "offset torque", 0.15},
-    {kDelay, "delay_s", "s", "delay", 1.0},
-    {kTorqueConstant, "torque_constant", "N m", "torque constant", 0.25}};
+    {kInertia, "inertia_kgm2", "kg m^2", "inertia", 0.25, kAccelerate},
+    {kViscous, "viscous_Nms", "N m s/rad", "viscous friction", 0.15, kReverse},
+    {kCoulomb, "coulomb_Nm", "N m", "Coulomb friction", 0.15, kReverse},
+    {kBreakaway, "breakaway_Nm", "N m", "breakaway friction", 0.15, kStandStill},
+    {kStribeckSpeed, "stribeck_speed_rad_s", "rad/s", "Stribeck speed", 0.5, kStandStill},
+    {kMotorInertia, "motor_inertia_kgm2", "kg m^2", "inertia of the motor", 0.25, kResonate},
+    {kLoadInertia, "load_inertia_kgm2", "kg m^2", "inertia of the load", 0.25, kResonate},
+    {kStiffness, "stiffness_Nm_rad", "N m/rad", "stiffness", 0.25, kResonate},
+    {kDamping, "damping_Nms_rad", "N m s/rad", "damping", 0.15, kResonate},
+    {kBacklash, "backlash_rad", "rad", "backlash", std::numeric_limits<double>::infinity(),
+     "let torque and motion reverse often"},
+    {kMotorViscous, "motor_viscous_Nms", "N m s/rad", "viscous friction of the motor", 0.15,
+     kReverse},
+    {kLoadViscous, "load_viscous_Nms", "N m s/rad", "viscous friction of the load", 0.15, kReverse},
+    {kMotorCoulomb, "motor_coulomb_Nm", "N m", "Coulomb friction of the motor", 0.15, kReverse},
+    {kLoadCoulomb, "load_coulomb_Nm", "N m", "Coulomb friction of the load", 0.15, kReverse},
+    {kOffset, "offset_Nm", "N m", "offset torque", 0.15, kReverse},
+    {kDelay, "delay_s", "s", "delay", 1.0, "change the torque often: steps or a multisine"},
+    {kTorqueConstant, "torque_constant", "N m", "torque constant", 0.25, kAccelerate}};
 
 }  // namespace
 

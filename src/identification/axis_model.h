@@ -83,7 +83,6 @@ struct AxisModel {
   AxisParameter known_inertia;            ///< which one a user may know
   std::size_t start_values;               ///< numbers of a start: 2 for each inertia
   bool has_backlash;                      ///< kBacklash is fitted if the records show it
-  bool has_motor_encoder;                 ///< the first inertia has the encoder
   /// Moves the plant from a start. `positions` gets the measured one at each of stretch.times_s.
   /// The motion does not depend on the position of the start.
   void (*move)(const AxisValues& parameters, const AxisStart& start, const AxisStretch& stretch,
@@ -117,7 +116,8 @@ struct KnownParameter {
   const char* key;   ///< "inertia_kgm2"
   const char* unit;  ///< "kg m^2"
   const char* name;
-  double largest_std;  ///< limit for an identifiable parameter, in its scale
+  double largest_std;      ///< limit for an identifiable parameter, in its scale
+  const char* excitation;  ///< input that shows it
 };
 
 const KnownParameter& known_parameter(AxisParameter parameter);

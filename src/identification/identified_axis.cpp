@@ -38,8 +38,6 @@ constexpr int kRestarts = 12;        // random ones, if the residuals are not wh
 constexpr double kAround = 0.15;     // their distance, relative
 constexpr double kBetter = 0.5;      // rise of 2 ln L by which another fit counts as better
 constexpr double kWhite99 = 37.566;  // 99 % quantile of chi-square with kLags degrees of freedom
-constexpr double kSteady = 0.05;     // spread of a speed that counts as constant, relative
-constexpr double kOneWay = 0.01;     // share of the other direction that counts as none
 constexpr double kTied = 0.95;       // correlation of parameters that a record does not separate
 constexpr double kLeastPlay = 0.05;  // first guess of an interval of a backlash, in RMS twists
 constexpr double kFound = 0.1, kBest = 0.4, kBounded = 0.9;  // usual shares of the work
@@ -144,91 +142,12 @@ AxisFit best_around(const AxisData& data, const FreeParameters& free, const Axis
   return best;
 }
 
-// Features of the motion of a fit, for the reasons.
-struct MotionShown {
-  double speed_spread = 0.0;  // relative
-  double other_way = 0.0;     // share of the rarer direction
-  double input_spread = 0.0;  // relative
-  double other_push = 0.0;    // share of the input's rarer sign
-  bool is_at_motor = true;    // the encoder
-};
-
-MotionShown motion_of(const AxisData& data, const AxisFit& fit) {
-  const std::vector<double> positions = fitted_positions(data, fit);
-  double n = 0.0, sum = 0.0, squares = 0.0, forward = 0.0, moving = 0.0;
-  double inputs = 0.0, input_sum = 0.0, input_squares = 0.0, pushed_forward = 0.0;
-  std::size_t from = 0;
-  for (const AxisStretch& stretch : data.stretches) {
-    for (std::size_t k = 1; k < stretch.times_s.size(); ++k) {
-      const double v = (positions[from + k] - positions[from + k - 1]) /
-                       (stretch.times_s[k] - stretch.times_s[k - 1]);
-      n += 1.0;
-      sum += v;
-      squares += v * v;
-      if (v != 0.0) moving += 1.0;
-      if (v > 0.0) forward += 1.0;
-    }
-    from += stretch.times_s.size();
-    for (const double u : stretch.inputs) {
-      inputs += 1.0;
-      input_sum += u;
-      input_squares += u * u;
-      if (u > 0.0) pushed_forward += 1.0;
-    }
-  }
-  const auto spread = [](double count, double total, double square) {
-    const double mean = total / count;
-    return std::sqrt(std::max(0.0, square / count - mean * mean) / (square / count));
-  };
-  return {spread(n, sum, squares), std::min(forward, moving - forward) / std::max(moving, 1.0),
-          spread(inputs, input_sum, input_squares),
-          std::min(pushed_forward, inputs - pushed_forward) / inputs,
-          data.model->has_motor_encoder};
-}
-
-void explain(ParameterEstimate& estimate, const MotionShown& motion,
-             const std::vector<std::string>& tied) {
-  const AxisParameter p = estimate.parameter;
-  const bool is_friction = p == kViscous || p == kCoulomb || p == kOffset || p == kMotorViscous ||
-                           p == kLoadViscous || p == kMotorCoulomb || p == kLoadCoulomb;
-  const bool is_inertia =
-      p == kInertia || p == kTorqueConstant || p == kMotorInertia || p == kLoadInertia;
-  const bool is_spring = p == kStiffness || p == kDamping;
-  if (motion.speed_spread < kSteady && (is_friction || is_inertia)) {
-    estimate.reason = is_friction
-                          ? "the speed is almost constant, so friction and offset act alike"
-                          : "the speed is almost constant, so no torque accelerates the inertia";
-    estimate.excitation = is_friction ? "move at several speeds in both directions"
-                                      : "accelerate: steps, a sine or a multisine of the torque";
-  } else if (motion.speed_spread < kSteady && is_spring) {
-    estimate.reason = "the speed is almost constant, so the spring does not vibrate";
-    estimate.excitation = "a chirp or a multisine through the resonance";
-  } else if (motion.input_spread < kSteady && (is_friction || is_inertia)) {
-    estimate.reason =
-        "the input is almost constant, so that an axis with a multiple of all torques and inertias "
-        "moves alike";
-    estimate.excitation = "change the torque often: steps, a sine or a multisine";
-  } else if (p == kBacklash && std::min(motion.other_way, motion.other_push) < kOneWay) {
-    estimate.reason = "the motion never reverses, so the play is not crossed";
-    estimate.excitation = "let torque and motion reverse often";
-  } else if (is_friction && motion.other_way < kOneWay) {
-    estimate.reason = "the velocity never reverses, so Coulomb friction and offset act alike";
-    estimate.excitation = "let the motion reverse often";
-  } else if (p == kDelay && motion.input_spread < kSteady) {
-    estimate.reason = "the input is almost constant";
-    estimate.excitation = "change the torque often: steps or a multisine";
-  } else {
-    estimate.reason = tied.empty() ? "its interval is too wide for the size of the input"
-                                   : fmt::format("the records do not separate it from: {}",
-                                                 fmt::join(tied, ", "));
-    estimate.excitation =
-        p == kBreakaway || p == kStribeckSpeed ? "pass through standstill often and slowly"
-        : !motion.is_at_motor && (is_spring || p == kMotorInertia || p == kLoadInertia)
-            ? "a chirp or a multisine through the resonance, with the encoder on the motor"
-        : is_spring || p == kMotorInertia || p == kLoadInertia
-            ? "a larger chirp or multisine through the resonance"
-            : "a larger input with several frequencies and reversals";
-  }
+// `tied` are the parameters that a record does not separate from this one.
+void explain(ParameterEstimate& estimate, const std::vector<std::string>& tied) {
+  estimate.reason =
+      tied.empty() ? "its interval is too wide for the size of the input"
+                   : fmt::format("the records do not separate it from: {}", fmt::join(tied, ", "));
+  estimate.excitation = known_parameter(estimate.parameter).excitation;
 }
 
 // The scores of the likelihood by the position, in standard deviations: white if the model is true.
@@ -374,8 +293,7 @@ FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const AxisFi
 // The upper end of a backlash that the fit does without. `better` becomes a fit with a backlash
 // that the records demand, if the profile meets one.
 ParameterEstimate no_backlash(const AxisData& data, const FreeParameters& free, const AxisFit& fit,
-                              const MotionShown& motion, bool shows_spring,
-                              std::optional<AxisFit>& better) {
+                              bool shows_spring, std::optional<AxisFit>& better) {
   const double guess = kLeastPlay * rms_twist(data, fit) / parameter_scales(data)[kBacklash];
   const auto count = std::count(free.begin(), free.end(), true);
   ParameterInterval interval =
@@ -383,7 +301,7 @@ ParameterEstimate no_backlash(const AxisData& data, const FreeParameters& free, 
   if (interval.better.deviance < fit.deviance - kChiSquare95) better = interval.better;
   ParameterEstimate estimate{.parameter = kBacklash, .high = interval.high};
   estimate.is_identifiable = shows_spring && interval.profile.back().second > kClear * kChiSquare95;
-  if (!estimate.is_identifiable) explain(estimate, motion, {});
+  if (!estimate.is_identifiable) explain(estimate, {});
   return estimate;
 }
 
@@ -405,7 +323,6 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
       data.quantum > 0.0 && std::sqrt(noise_variance(data, fit)) < 1.5 * kLeastNoise * data.quantum;
   const std::vector<double> boots =
       result.is_bootstrapped ? bootstrap_std(data, free, fit) : std::vector<double>();
-  const MotionShown motion = motion_of(data, fit);
   // Damping and backlash mean nothing beside an unknown stiffness.
   const auto spring = std::find(order.begin(), order.end(), kStiffness);
   const Eigen::Index row = spring - order.begin();
@@ -427,7 +344,7 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
           tied.emplace_back(known_parameter(order[m]).name);
         }
       }
-      explain(estimate, motion, tied);
+      explain(estimate, tied);
     };
     const auto set_interval = [&](double its_std) {
       estimate.low = moved_parameter(data, order[n], estimate.value, -kRoot95 * its_std);
@@ -464,7 +381,7 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
   }
   if (data.model->has_backlash && !free[kBacklash]) {
     std::optional<AxisFit> better;
-    result.parameters.push_back(no_backlash(data, free, fit, motion, shows_spring, better));
+    result.parameters.push_back(no_backlash(data, free, fit, shows_spring, better));
     if (better && !is_last) {
       result.free[kBacklash] = true;
       return better;

@@ -325,7 +325,6 @@ AxisModel model() {
           .known_inertia = kMotorInertia,
           .start_values = 4,
           .has_backlash = true,
-          .has_motor_encoder = measured == Side::motor,
           .move = move_measured<measured>,
           .candidates = two_inertia_candidates<measured>,
           .rigid = as_one_inertia};

@@ -382,7 +382,6 @@ TEST(Identification, SaysWhatARecordCannotShow) {
   constant.starts_at_speed = true;
   const Identification steady = identify_axis({constant.record(6)}, {}, {});
   EXPECT_FALSE(of(steady, kInertia).is_identifiable);
-  EXPECT_NE(of(steady, kInertia).reason.find("speed is almost constant"), std::string::npos);
   EXPECT_FALSE(of(steady, kDelay).is_identifiable);
 
   // From rest: J, c, F_C and d₀ are known up to a factor.
@@ -407,7 +406,8 @@ TEST(Identification, SaysWhatARecordCannotShow) {
   EXPECT_TRUE(of(forward, kViscous).is_identifiable);
   for (const AxisParameter parameter : {kCoulomb, kOffset}) {
     EXPECT_FALSE(of(forward, parameter).is_identifiable);
-    EXPECT_NE(of(forward, parameter).reason.find("never reverses"), std::string::npos);
+    const char* const other = parameter == kCoulomb ? "offset torque" : "Coulomb friction";
+    EXPECT_TRUE(testing::has(of(forward, parameter).reason, "not separate it from: ", other));
     EXPECT_NE(of(forward, parameter).excitation.find("reverse"), std::string::npos);
   }
 }

@@ -214,9 +214,8 @@ TEST(TwoInertiaIdentification, AConstantSpeedShowsNoInertiaNoSpringAndNoBacklash
   for (const AxisParameter parameter : {kMotorInertia, kLoadInertia, kStiffness, kBacklash}) {
     EXPECT_FALSE(of(found, parameter).is_identifiable) << parameter_key(parameter);
   }
-  EXPECT_NE(of(found, kMotorInertia).reason.find("speed is almost constant"), std::string::npos);
   EXPECT_NE(of(found, kStiffness).excitation.find("resonance"), std::string::npos);
-  EXPECT_NE(of(found, kBacklash).reason.find("never reverses"), std::string::npos);
+  EXPECT_NE(of(found, kBacklash).excitation.find("reverse"), std::string::npos);
 }
 
 // A study: the number of benches is that of BREAKWATER_BENCHES (tests/CMakeLists.txt).

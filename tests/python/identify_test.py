@@ -226,7 +226,7 @@ class Identify(unittest.TestCase):
         self.assertIn("holds notes.txt", done.stderr)
 
     def test_what_a_record_cannot_show_is_said(self):
-        with self.assertWarnsRegex(UserWarning, "coulomb_Nm is not identifiable: the velocity never reverses"):
+        with self.assertWarnsRegex(UserWarning, "coulomb_Nm is not identifiable: the records do not separate it from: .*offset torque"):
             found = bw.identify(record(3, mean=0.8, swing=0.1), out=self.folder / "kept")
         self.assertFalse(found.parameters["coulomb_Nm"].identifiable)
         self.assertIn("reverse", found.parameters["coulomb_Nm"].excitation)
