@@ -208,6 +208,17 @@ void bind_runs(py::module_& module) {
       .def_property_readonly("facts", facts_of_saved)
       .def("array", array_of_saved, OwnCall());
 
+  module.def(
+      "copy_run",
+      [](const fs::path& folder, const std::string& copy) {
+        RunFolder target(copy);
+        std::error_code error;
+        fs::copy(folder, target.path(), fs::copy_options::recursive, error);
+        if (error) throw OutputError(copy + ": cannot be written (" + error.message() + ")");
+        target.commit();
+      },
+      Apart());
+
   module.def("did_you_mean", did_you_mean);
   module.def("scenarios", [] {
     py::dict summaries;

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 import json
 import math
 import operator
@@ -16,6 +18,24 @@ from . import _core
 from .errors import InputError
 
 _FLOAT = np.dtype(np.float64)
+
+
+class Rebuilt:
+    """A copy or a pickle is made from the same arguments, and has taken no sample."""
+
+    def __new__(cls, *arguments: Any, **keys: Any) -> Any:
+        made = super().__new__(cls)
+        made._made_of = arguments, keys
+        return made
+
+    def __init_subclass__(cls) -> None:
+        if "__signature__" not in vars(cls):
+            _, *parameters = inspect.signature(cls.__init__).parameters.values()
+            cls.__signature__ = inspect.Signature(parameters)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        arguments, keys = self._made_of
+        return functools.partial(type(self), **keys), arguments
 
 
 def toml_text(value: Any, where: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import inspect
 import os
@@ -18,7 +19,8 @@ from . import _core
 from .arguments import checked_text
 from .errors import InputError
 
-_USAGE = 2  # exit status for wrong arguments
+# Exit statuses for wrong arguments, and for a file that cannot be written.
+_USAGE, _NOT_WRITTEN = 2, 4
 
 
 def program() -> str:
@@ -95,7 +97,9 @@ def _hash_of(parts: list[Any]) -> str:
             for kind in type(part).__mro__:
                 if kind.__module__ not in ("builtins", "breakwater.parts"):
                     known.update(inspect.getsource(kind).encode())
-            known.update(pickle.dumps(part))
+            data = copy.copy(part)
+            getattr(data, "__dict__", {}).pop("setup", None)  # the run gives it
+            known.update(pickle.dumps(data))
         except Exception:
             known.update(os.urandom(16))
     return known.hexdigest()
@@ -103,4 +107,4 @@ def _hash_of(parts: list[Any]) -> str:
 
 def failure_of(status: int, message: str) -> Exception:
     """The exception for the exit status of a command."""
-    return InputError(message) if status == _USAGE else RuntimeError(message)
+    return {_USAGE: InputError, _NOT_WRITTEN: OSError}.get(status, RuntimeError)(message)

@@ -2,11 +2,13 @@
 
 import re
 
-_OPTION = re.compile(r"^(?:[\w ]+: )?--([a-z-]+)(?=:)")
+_COMMAND = re.compile(r"^(?:\w+: )*(?:breakwater \w+: )?(?=--)")
+_OPTION = re.compile(r"(?<![\w-])--([a-z][a-z-]*)")
 
 
 def as_argument(line: str) -> str:
-    """The line with the argument of Python in place of the option: "sampling_seed: ..."."""
+    """The line with the arguments of Python in place of the options: "sampling_seed: ..."."""
+    line = _COMMAND.sub("", line.removesuffix(" (see --help)"))
     return _OPTION.sub(lambda option: option[1].replace("-", "_"), line)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import pathlib
-import shutil
 import tempfile
 import warnings
 from collections.abc import Mapping, Sequence
@@ -14,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from . import _core
 from .arguments import filled, finite, path_or_none, set_lines, text_or_none
 from .commands import call, failure_of
 from .errors import InputError
@@ -107,23 +107,23 @@ def identify(
     lines = set_lines(set)
     with tempfile.TemporaryDirectory(prefix="breakwater_identify_") as temporary:
         folder = pathlib.Path(temporary)
+        result, copy = folder / "result", path_or_none(out, "out")
         words = ["identify", f"--model={text_or_none(model, 'model')}"]
-        words += [f"--friction={text_or_none(friction, 'friction')}", f"--out={folder / 'result'}"]
+        words += [f"--friction={text_or_none(friction, 'friction')}", f"--out={result}"]
         words += [f"--set={line}" for line in lines]
         if inertia is not None:
             words.append(f"--inertia={finite(inertia, 'inertia')!r}")
         if holdout is not None:
             words += [f"--holdout={file}" for file in _files(holdout, "holdout", folder)]
         status, said = call([*words, "--", *_files(data, "data", folder)])
-        said = [line.removeprefix(_WARNING) for line in said]
-        has_result = (folder / "result" / "identified.json").exists()
-        if status not in (0, _NOT_TO_BE_USED) or not has_result:
+        said = [line.removeprefix(_WARNING).replace(f"{folder}/", "") for line in said]
+        if status not in (0, _NOT_TO_BE_USED) or not (result / "identified.json").exists():
             raise failure_of(status, said[-1] if said else f"identify: exit status {status}")
         for line in said:
             warnings.warn(line, stacklevel=2)
-        if out is not None:
-            shutil.copytree(folder / "result", path_or_none(out, "out"), dirs_exist_ok=True)
-        return Identification(folder / "result")
+        if copy is not None:
+            _core.copy_run(result, copy)
+        return Identification(result)
 
 
 def _written(text: str, file: Any) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .arguments import description, filled, finite, matrix, numbers, one_of, text_or_none, vector, whole
+from .arguments import Rebuilt, description, filled, finite, matrix, numbers, one_of, text_or_none, vector, whole
 from .errors import InputError
 
 Matrix = npt.ArrayLike
@@ -155,7 +155,7 @@ def observability_rank(A: Matrix, C: Matrix) -> int:
     return _apart(_core.observability_rank, *_matrices(A=A, C=C))
 
 
-class QpSolver:
+class QpSolver(Rebuilt):
     """Solves quadratic programs of one shape. Each solve starts from the last solution:
 
         minimise z' H z / 2 + g' z   subject to   lower <= Omega z <= upper.

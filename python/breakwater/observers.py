@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .arguments import checked_text, finite, matrix, not_negative, one_of, record, toml_text, vector
+from .arguments import Rebuilt, checked_text, finite, matrix, not_negative, one_of, record, toml_text, vector
 from .errors import InputError
 
 Matrix = npt.ArrayLike
@@ -70,7 +70,7 @@ class Estimates(NamedTuple):
     forgetting: np.ndarray
 
 
-class _Estimator:
+class _Estimator(Rebuilt):
     _core: _core.ArrayEstimator
     _inputs: int
     _outputs: int

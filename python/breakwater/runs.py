@@ -70,21 +70,32 @@ def checked_parts(controller: Any, estimator: Any, controllers: Any, estimators:
     if controller is not None and estimator is not None:
         raise InputError("estimator: a controller in Python uses none: update your estimator in its update()")
     controllers, estimators = mapping(controllers, "controllers"), mapping(estimators, "estimators")
+    for name, one, several in (("controller", controller, controllers), ("estimator", estimator, estimators)):
+        if one is not None and several:
+            raise InputError(f"{name}s: {name} is given too, for all axes: leave one of both out")
     for axis in controllers.keys() & estimators.keys():
         raise InputError(f"estimators: {axis}: its controller in Python uses none: update your estimator in its update()")
     return [
         _part(controller, Controller, "controller"),
         _part(estimator, Estimator, "estimator"),
-        {axis: _part(part, Controller, f"controllers: {axis}") for axis, part in controllers.items()},
-        {axis: _part(part, Estimator, f"estimators: {axis}") for axis, part in estimators.items()},
+        _parts(controllers, Controller, "controller"),
+        _parts(estimators, Estimator, "estimator"),
     ]
 
 
-def _part(value: Any, base: type, name: str) -> Any:
-    if value is None or isinstance(value, base):
+def _part(value: Any, base: type, name: str, is_needed: bool = False) -> Any:
+    if isinstance(value, base) or (value is None and not is_needed):
         return value
     hint = " (did you mean an object of it?)" if isinstance(value, type) else ""
     raise InputError(f"{name}: must be a bw.{base.__name__}, is {type(value).__name__}{hint}")
+
+
+def _parts(given: Mapping[str, Any], base: type, kind: str) -> dict[str, Any]:
+    axes: dict[int, str] = {}
+    for axis, part in given.items():
+        if (other := axes.setdefault(id(part), axis)) != axis:
+            raise InputError(f"{kind}s: {axis}: its object is that of {other}: each axis needs one of its own")
+    return {axis: _part(part, base, f"{kind}s: {axis}", True) for axis, part in given.items()}
 
 
 class _Handle:
@@ -140,7 +151,7 @@ class Run:
 
     def __init__(self, core: Any, folder: pathlib.Path | None, warnings: list[str]):
         self._core = core
-        self._folder = folder
+        self._folder = folder and folder.absolute()
         self._warnings = warnings
         self._config: dict[str, Any] | None = None
         self._copy: pathlib.Path | None = None
@@ -156,7 +167,7 @@ class Run:
         self._check_data(trouble, "pickle")
         with self._some_folder(trouble is None) as folder:
             files = {name: (folder / name).read_bytes() for name in _FILES if (folder / name).exists()}
-        return _unpickled, (files, self._folder and self._folder.absolute(), self._warnings)
+        return _unpickled, (files, self._folder, self._warnings)
 
     @property
     def scenario(self) -> str:
@@ -332,11 +343,11 @@ class Run:
             self._check_data(trouble, "save")
             if trouble is not None or self._folder is None or target.resolve() != self._folder.resolve():
                 with self._some_folder(trouble is None) as folder:
-                    shutil.copytree(folder, target)
+                    _core.copy_run(folder, str(target))
         else:
             self._core.save(str(target))
         if self._folder is None:
-            self._folder = target
+            self._folder = target.absolute()
         return target
 
     def video(
@@ -354,8 +365,8 @@ class Run:
 
         The default file is video.mp4 in the run's folder. speed 0.1 is ten times slower than real time.
 
-        Raises InputError for wrong arguments or a wrong folder, or if the file cannot be written (a full disk).
-        Raises RuntimeError for another failure. Both have the program's message.
+        Raises InputError for wrong arguments or a wrong folder, OSError if the file cannot be written (a full
+        disk), and RuntimeError for another failure. All have the program's message.
         """
         options = {"speed": speed, "from": from_s, "to": to_s, "camera": camera, "size": size, "look": look}
         return self._picture("video", "video.mp4", file, options)
@@ -367,8 +378,8 @@ class Run:
 
         The default file is replay.html in the run's folder. A notebook shows it for a run automatically.
 
-        Raises InputError for wrong arguments or a wrong folder, or if the file cannot be written (a full disk).
-        Raises RuntimeError for another failure. Both have the program's message.
+        Raises InputError for wrong arguments or a wrong folder, OSError if the file cannot be written (a full
+        disk), and RuntimeError for another failure. All have the program's message.
         """
         return self._picture("replay", "replay.html", file, {"camera": camera})
 
@@ -430,7 +441,8 @@ class Run:
             log = f"{len(self.time_s)} samples"
         except InputError:  # the folder is damaged
             log = "no log"
-        return f"<Run {self.scenario} {self.case}: {log}, {state}, state hash {self.state_hash}>"
+        end = f", state hash {self.state_hash}" if self.state_hash else ""
+        return f"<Run {self.scenario} {self.case}: {log}, {state}{end}>"
 
     def _repr_html_(self) -> str:
         """The output in a notebook: the replay in a frame, or else the metrics and the reason."""

@@ -316,7 +316,7 @@ std::unique_ptr<LogStream> make_log_stream(const PreparedRun& run, const ModelHa
 }
 
 void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
-               double wall_s, RunFolder& folder, bool csv, LogStream* stream) {
+               double wall_s, RunFolder& folder, bool csv, LogStream* stream) try {
   const std::filesystem::path& path = folder.path();
   std::filesystem::path log = path / "log.h5";
   if (stream != nullptr) {
@@ -331,6 +331,9 @@ void write_run(const PreparedRun& run, const ModelHashes& models, const Recordin
   write_manifest(folder, manifest_before(run, models),
                  results_of(recording, wall_s, file_hash(path / "log.h5")), stream != nullptr);
   folder.commit();
+} catch (const OutputError& error) {
+  if (is_kept(folder.path())) throw;
+  throw with_final_name(error, folder.path(), folder.target());
 }
 
 std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,

@@ -124,12 +124,17 @@ int replay(const Catalogue& catalogue, const RunsArguments& arguments) {
   const fs::path file =
       arguments.out.empty() ? runs.front().folder() / "replay.html" : fs::path(arguments.out);
   std::vector<std::string> notes;
+  const auto not_drawn = [](const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return kLaterOutputFailed;
+  };
   try {
     replace_file(file, replay_page(runs, labels_of(catalogue, open_all(arguments.runs)),
                                    arguments.camera, notes));
   } catch (const RenderError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return kLaterOutputFailed;
+    return not_drawn(error);
+  } catch (const OutputError& error) {
+    return not_drawn(error);
   }
   for (const std::string& note : notes) fmt::print(stderr, "replay: {}\n", note);
   if (!arguments.quiet) fmt::print("replay: {}\n", file.string());

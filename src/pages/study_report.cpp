@@ -318,7 +318,7 @@ class StudySections {
     auto band = all.begin();
     for (const std::size_t c : drawn_) {
       PageData columns = {fmt::format("{} over {}", y.name, x.name)};
-      columns.insert(columns.end(), x.labels.begin(), x.labels.end());
+      for (const std::string& label : x.labels) columns.push_back(label);
       auto rows = PageData::array();
       for (const std::string& label : y.labels) {
         rows.push_back({label});

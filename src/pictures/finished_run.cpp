@@ -6,6 +6,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include <breakwater/experiment/provenance.h>
+
 namespace breakwater {
 namespace {
 
@@ -49,6 +51,7 @@ FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path
   config_ = std::make_unique<Config>(file.config(case_name()));
   shots_file_ = breakwater::shots_file(kind, *config_);
   read_settings(kind);
+  note_changed_models();
 
   if (times_s().size() < 2 || qpos().rows < 2) {
     throw std::invalid_argument(log_file() + ": is too short to show anything");
@@ -74,6 +77,20 @@ void FinishedRun::read_settings(const ScenarioKind& kind) {
                     (folder() / "config.toml").string(), key, entry->origin));
   }
   fields.read_finished(*config_);
+}
+
+void FinishedRun::note_changed_models() {
+  const auto model = config_->text("model.mjcf");
+  if (!model) return;
+  try {
+    for (const auto& [file, hash] : model_hashes({config_->find_file_of("model.mjcf", *model)})) {
+      const auto then = saved_.models().find(file);
+      if (then == saved_.models().end() || then->second == hash) continue;
+      notes_.push_back(fmt::format("{}: has changed since the run {}", file, folder().string()));
+    }
+  } catch (const std::invalid_argument&) {
+    return;  // a page needs no model
+  }
 }
 
 Model FinishedRun::load_scene() const {

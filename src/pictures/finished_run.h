@@ -66,6 +66,7 @@ class FinishedRun {
 
  private:
   std::string log_file() const { return (folder() / "log.h5").string(); }
+  void note_changed_models();
   void read_settings(const ScenarioKind& kind);
 
   const Catalogue* catalogue_;

@@ -99,16 +99,19 @@ void report(const PictureArguments& arguments, const FinishedRun& run, const std
   if (!arguments.quiet) fmt::print("{}: {}\n", what, file.string());
 }
 
-// The place of a picture. It is a PNG, and its name must say so.
+// The place of a picture or video, whose name must say what it is.
 fs::path picture_file(const PictureArguments& arguments, const fs::path& otherwise) {
   if (arguments.out.empty()) return otherwise;
   fs::path file = arguments.out;
   std::string end = file.extension().string();
   std::transform(end.begin(), end.end(), end.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (end != ".png") {
-    throw std::invalid_argument(fmt::format(
-        "--out {}: pictures are PNG: choose a name that ends with .png", arguments.out));
+  const bool is_video = otherwise.extension() == ".mp4";
+  if (end != otherwise.extension()) {
+    throw std::invalid_argument(fmt::format("--out {}: {}: choose a name that ends with {}",
+                                            arguments.out,
+                                            is_video ? "a video is MP4" : "pictures are PNG",
+                                            otherwise.extension().string()));
   }
   return file;
 }
@@ -126,8 +129,7 @@ int video(const Catalogue& catalogue, const PictureArguments& arguments) {
   stage.style.height = size.height;
   stage.style.look = read_look(arguments.look, kFullLook);
   stage.style.time_decimals = window.speed / fps < 0.01 ? 3 : 2;
-  const fs::path file =
-      arguments.out.empty() ? runs.front().folder() / "video.mp4" : fs::path(arguments.out);
+  const fs::path file = picture_file(arguments, runs.front().folder() / "video.mp4");
 
   stop_on_signals();
   VideoFile output(file, {.width = size.width, .height = size.height, .fps = fps});
@@ -154,8 +156,8 @@ int video(const Catalogue& catalogue, const PictureArguments& arguments) {
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   report(arguments, runs.front(), renderer,
-         fmt::format("video, {} frames of {}x{} in {:.1f} s by {}", frames, size.width, size.height,
-                     wall_s, renderer),
+         fmt::format("video, {} frame{} of {}x{} in {:.1f} s by {}", frames, frames == 1 ? "" : "s",
+                     size.width, size.height, wall_s, renderer),
          file);
   return kSuccess;
 }

@@ -180,6 +180,7 @@ void check_project_name(const Catalogue& catalogue, const std::string& name) {
     throw std::invalid_argument(
         fmt::format("new: NAME is taken: there is the {} \"{}\"", what, name));
   };
+  if (name == "shots") refuse("shot list");
   if (catalogue.has<ScenarioKind>(name)) refuse(ScenarioKind::kWhat);
   for (const ListedPart& part : catalogue.parts()) {
     if (part.name == name) refuse(part.what);

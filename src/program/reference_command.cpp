@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <breakwater/experiment/runner.h>
-#include <breakwater/record/text_outputs.h>
+#include <breakwater/record/partial_file.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/paths.h>
@@ -270,13 +270,13 @@ int reference_main(const Catalogue& catalogue, int argc, const char* const* argv
     if (const auto status = parse(app, argc, argv)) return *status;
 
     std::filesystem::create_directories(out / "scenarios");
-    write_text_file((out / "commands.md").string(), commands_page(catalogue));
-    write_text_file((out / "exit-statuses.md").string(), exit_statuses_page());
+    replace_file(out / "commands.md", commands_page(catalogue));
+    replace_file(out / "exit-statuses.md", exit_statuses_page());
     for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
-      write_text_file((out / "scenarios" / (kind.name + ".md")).string(),
+      replace_file(out / "scenarios" / (kind.name + ".md"),
                       scenario_page(catalogue, kind, {"run.duration_s=0.1"}));
     }
-    write_text_file((out / "estimate.md").string(),
+    replace_file(out / "estimate.md",
                     scenario_page(catalogue, recorded_estimation(),
                                   {"csv.file=" + data_file("data/estimate/motor.csv").string(),
                                    "plant.inertia=1e-3", "encoder.quantum=1.5e-3"}));

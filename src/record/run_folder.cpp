@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
@@ -101,6 +102,12 @@ std::string complaint_of(const fs::path& folder) {
   if (fs::is_empty(folder, error) || is_finished(folder)) return "";
   return "holds something that is not a run, or one whose manifest.json is damaged; it is left "
          "alone: delete it to go on";
+}
+
+// The new folder takes the place of the earlier one, which a process that works in it would lose.
+bool is_working_folder(const fs::path& folder) {
+  const fs::path here = fs::current_path(), there = fs::canonical(folder);
+  return std::mismatch(there.begin(), there.end(), here.begin(), here.end()).first == there.end();
 }
 
 bool may_be_replaced(const fs::path& folder) {
@@ -314,7 +321,10 @@ RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
   try {
     restore_earlier(target_, beside);
     if (fs::exists(target_)) {
-      const std::string complaint = complaint_of(target_);
+      std::string complaint = complaint_of(target_);
+      if (complaint.empty() && is_working_folder(target_)) {
+        complaint = "is the working folder, or has it inside: name a folder of its own for the run";
+      }
       if (!complaint.empty()) throw std::invalid_argument(target.string() + ": " + complaint);
     }
     made_parents_ = missing_parents(target_.parent_path());
