@@ -228,7 +228,11 @@ void bind_runs(py::module_& module) {
     return summaries;
   });
   module.def("cases", [](const std::string& scenario) {
-    return shipped_parts().get<ScenarioKind>(scenario).scenario_file()->cases();
+    const Catalogue& all = shipped_parts();
+    const bool is_file = is_scenario_file(scenario);
+    return all.get<ScenarioKind>(is_file ? scenario_name_in(all, scenario) : scenario)
+        .scenario_file(is_file ? scenario : "")
+        ->cases();
   });
 }
 

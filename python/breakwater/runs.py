@@ -594,5 +594,5 @@ def scenarios() -> dict[str, str]:
 
 
 def cases(scenario: str | os.PathLike[str]) -> list[str]:
-    """The cases of a scenario."""
+    """The cases of a scenario or of a scenario file."""
     return _core.cases(checked_path(scenario, "scenario"))

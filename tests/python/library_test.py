@@ -1,6 +1,8 @@
 """The library on arrays, compared with NumPy, SciPy, CVXOPT and runs of the programs."""
 
+import copy
 import ctypes
+import pickle
 import signal
 import sys
 import threading
@@ -150,6 +152,8 @@ class Filters(unittest.TestCase):
         for name, f in every_filter().items():
             with self.subTest(name):
                 x, d, innovation, forgetting = f.filter(u, y)
+                for again in (copy.deepcopy(f), pickle.loads(pickle.dumps(f))):
+                    np.testing.assert_array_equal(again.filter(u, y).x, x)
                 self.assertEqual((x.shape, d.shape, forgetting.shape), ((400, 2), (400, 1), (400,)))
                 f.reset([y[0], 0.0])
                 for k in range(400):

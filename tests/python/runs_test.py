@@ -151,7 +151,9 @@ class Logs(unittest.TestCase):
             for signal in [*run, "time_s"]:
                 np.testing.assert_array_equal(saved[signal], run[signal])
                 self.assertEqual(saved.unit(signal), run.unit(signal))
-            again = bw.run("motor_estimation", config=folder / "run" / "config.toml")
+            config = folder / "run" / "config.toml"
+            self.assertEqual(bw.cases(config), [run.case])
+            again = bw.run(config)
             self.assertEqual(again.state_hash, run.state_hash)
             self.assertIsNone(again.folder)
             values = saved["position_hat_rad"]
@@ -306,7 +308,8 @@ print("main ends")
                 np.testing.assert_array_equal(made[signal_name], own[signal_name])
             again = pickle.loads(pickle.dumps(made))  # by its copy
             self.assertRaisesRegex(bw.InputError, "^file: must be given", again.replay)
-            self.assertEqual(bw.load(again.save(folder / "made")).state_hash, own.state_hash)
+            for _ in range(2):  # the second one in place of the first
+                self.assertEqual(bw.load(again.save(folder / "made")).state_hash, own.state_hash)
 
             saved = bw.run("motor_estimation", **MOTOR, out=folder / "run")
             self.assertEqual(pickle.loads(pickle.dumps(saved)).folder, folder / "run")

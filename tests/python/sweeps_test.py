@@ -256,7 +256,9 @@ class PartsInPython(unittest.TestCase):
             for law in (Drive(4.0), None):
                 with self.assertRaisesRegex(bw.InputError, "another (program|class in Python)|another study"):
                     study(law, [1, 2, 3])
-            bw.sweep(folder / "s", controller=Drive(2.0))
+            used = Drive(2.0)
+            bw.run("motor_estimation", case="idob", duration=0.05, controller=used)
+            bw.sweep(folder / "s", controller=used)
 
     def test_a_tuning_is_the_same_on_any_number_of_workers(self):
         with temporary_folder() as folder:
