@@ -1,4 +1,4 @@
-"""The library on arrays, compared with NumPy, SciPy, CVXOPT and runs of the programs."""
+"""The library on arrays, compared with runs of the programs."""
 
 import copy
 import ctypes
@@ -10,7 +10,6 @@ import unittest
 
 import numpy as np
 import scipy.linalg
-import scipy.signal
 
 import breakwater as bw
 from breakwater import _core
@@ -60,80 +59,7 @@ def every_filter():
     }
 
 
-class Design(unittest.TestCase):
-    def setUp(self):
-        random = np.random.default_rng(3)
-        self.A = random.normal(size=(4, 4))
-        self.B = random.normal(size=(4, 2))
-        self.C = random.normal(size=(2, 4))
-
-    def test_riccati_is_that_of_scipy(self):
-        Q, R = np.diag([1.0, 2, 3, 4]), np.array([[2.0, 0.5], [0.5, 1.0]])
-        K, S = bw.dare(self.A, self.B, Q, R)
-        np.testing.assert_allclose(S, scipy.linalg.solve_discrete_are(self.A, self.B, Q, R), rtol=1e-9)
-        np.testing.assert_allclose(
-            K, np.linalg.solve(R + self.B.T @ S @ self.B, self.B.T @ S @ self.A), rtol=1e-9)
-        np.testing.assert_array_equal(bw.lqr(self.A, self.B, Q, R).K, K)
-        K, S = bw.dare(2.0, 1, 1, 1)  # numbers are 1x1
-        self.assertAlmostEqual(S[0, 0], 2 + np.sqrt(5))
-
-    def test_poles_are_where_they_were_asked_for(self):
-        def eigenvalues(matrix):
-            return sorted(np.linalg.eigvals(matrix), key=lambda z: (round(z.real, 6), z.imag))
-
-        groups = [[0.1, 0.2], [0.3 + 0.1j, 0.3 - 0.1j]]
-        expected = sorted([pole for group in groups for pole in group],
-                          key=lambda z: (np.real(z), np.imag(z)))
-        L = bw.place_observer_poles(self.A, self.C, groups)
-        self.assertEqual(L.shape, (4, 2))
-        np.testing.assert_allclose(eigenvalues(self.A - L @ self.C), expected, atol=1e-9)
-        K = bw.place_poles(self.A, self.B, groups)
-        np.testing.assert_allclose(eigenvalues(self.A - self.B @ K), expected, atol=1e-9)
-        L = bw.place_observer_poles(A, C, np.array([-3.0, -4.0]))
-        np.testing.assert_allclose(eigenvalues(A - L @ C), [-4, -3], atol=1e-9)
-
-    def test_units_change_no_result(self):
-        for solver in ("active_set", "hildreth"):
-            for row, cost in ((1e-9, 1.0), (2.0**27, 1.0), (1.0, 1e-8), (2.0**-27, 2.0**27)):
-                with self.subTest(solver, row=row, cost=cost):
-                    solution = bw.solve_qp([[cost]], [-cost], [[row]], None, [0.5 * row], solver=solver)
-                    self.assertEqual(solution.status, "solved")
-                    self.assertAlmostEqual(solution.z[0], 0.5, delta=1e-12)
-            nothing = bw.solve_qp([[1.0]], [-1.0], [[0.0]], [1.0], solver=solver)
-            self.assertEqual(nothing.status, "infeasible")
-        Q, R = np.diag([1.0, 2, 3, 4]), np.array([[2.0, 0.5], [0.5, 1.0]])
-        K = bw.dare(self.A, self.B, Q, R).K
-        D, E = np.diag([1e8, 1e-8, 1.0, 1e4]), np.diag([1e-6, 1e6])
-        mixed = bw.dare(np.linalg.inv(D) @ self.A @ D, np.linalg.inv(D) @ self.B @ E, D @ Q @ D, E @ R @ E)
-        np.testing.assert_allclose(E @ mixed.K @ np.linalg.inv(D), K, rtol=1e-9)
-        np.testing.assert_allclose(bw.place_poles([[0, 1], [0, -3]], [[0], [1]], [-3, -5]), [[15, 5]])
-
-    def test_a_sampled_plant_is_that_of_scipy(self):
-        A_d, B_d, C_d = bw.zero_order_hold(self.A, self.B, self.C, 0.3)
-        theirs = scipy.signal.cont2discrete((self.A, self.B, self.C, np.zeros((2, 2))), 0.3)
-        for ours, its in zip((A_d, B_d, C_d), theirs):
-            np.testing.assert_allclose(ours, its, rtol=1e-10, atol=1e-12)
-        self.assertEqual(bw.observability_rank(A, C), 2)
-        self.assertEqual(bw.observability_rank(A, [[0, 1]]), 1)
-        np.testing.assert_array_equal(bw.damped_inertia(0.5, 0.15).A, A)
-        extended = bw.extend_by_disturbance_model(A_d, B_d, C_d, 1, 0.3)
-        self.assertEqual(extended.A.shape, (8, 8))
-
-    def test_quadratic_programs_are_solved_by_both_solvers(self):
-        H, g = np.diag([2.0, 4.0]), np.array([-4.0, -8.0])
-        Omega = np.array([[1.0, 1.0], [1.0, -1.0]])
-        for solver in ("active_set", "hildreth"):
-            # The constraint z1 + z2 = 2 excludes the minimiser (2, 2). Lagrange gives (2/3, 4/3).
-            solution = bw.solve_qp(H, g, Omega, None, [2.0, np.inf], solver=solver)
-            self.assertEqual(solution.status, "solved")
-            np.testing.assert_allclose(solution.z, [2 / 3, 4 / 3], atol=1e-7)
-            np.testing.assert_allclose(solution.mu, [8 / 3, 0.0], atol=1e-6)
-        qp = bw.QpSolver(H, Omega)
-        np.testing.assert_allclose(qp.solve(g).z, [2, 2])
-        self.assertEqual(qp.solve(g, [3, 0], [2, 1]).status, "infeasible")
-        soft = qp.solve(g, None, [2.0, np.inf], softness=[1e3, 0.0])
-        self.assertGreater(soft.z.sum(), 3.9)
-
+class Kinematics(unittest.TestCase):
     def test_the_arms_kinematics(self):
         chain = bw.PlanarChain("models/arm.urdf")
         q = np.array([0.3, -0.4, 0.5])

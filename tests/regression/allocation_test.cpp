@@ -137,8 +137,9 @@ TEST(Allocation, QuadraticProgramsDoNotAllocate) {
   testing::Random random;
   allocations = 0;
   for (int k = 0; k < 200; ++k) {
-    auto [model, input] =
-        k % 2 == 0 ? testing::hard_feasible_qp(random) : testing::hard_infeasible_qp(random);
+    QpModel model = testing::random_qp_model(random, {2 + k % 23, 2 + k % 59});
+    QpInput input = testing::random_feasible_input(random, model);
+    if (k % 2 == 1) testing::make_infeasible(random, model, input, std::pow(10.0, k % 7 - 6));
     const auto solver = make_qp_solver(QpSolverKind::active_set, model, 1);
     QpSolution solution(model.H.rows(), model.Omega.rows());
     for (const double softness : {0.0, 0.1}) {
