@@ -297,7 +297,7 @@ class QuadraticPrograms(unittest.TestCase):
         self.both(test)
 
     def test_a_hundred_thousand_programs_of_the_carts_sizes_are_solved(self):
-        """Cold and along a slowly changing sequence. What is at the solution stays there."""
+        """Cold and along a slowly changing sequence. A solution is found again at once."""
         random = np.random.default_rng(101)
         for n, m, models in ((5, 30, 660), (3, 26, 660), (3, 106, 660), (114, 228, 20)):
             changes = 0
@@ -376,9 +376,9 @@ class QuadraticPrograms(unittest.TestCase):
         self.both(test)
 
     def test_hard_programs_are_solved_or_proven_infeasible(self):
-        """Of those with a solution none may be called infeasible, and at most 0.3 % be unsolved. Of
-        the others none may be solved, and all but 1 in 1e4 must have a certificate: rounding hides
-        a few. With the last row softened they are solved."""
+        """None with a solution may be called infeasible, and at most 0.3 % be unsolved. No other
+        one may be solved, and all but 1 in 1e4 must have a certificate: rounding hides a few. With
+        the last row softened they are solved."""
         random = np.random.default_rng(301)
         unsolved = {"feasible": 0, "softened": 0}
         unproven = 0
@@ -648,8 +648,8 @@ class Plants(unittest.TestCase):
         A[0, 2], A[1, 3] = 1, 5
         np.testing.assert_allclose(bw.place_observer_poles(A, C, [[-1, -2], [-3, -4]]),
                                    [[3, 0], [0, 7], [2, 0], [0, 12 / 5]], atol=1e-14)
-        # A pole of one group may be an eigenvalue of its own chain, of another one, or of both:
-        # s^2 + (3 + h1) s + (3 h1 + h2) = (s + 3)(s + 5).
+        # A pole of one group may be an eigenvalue of its own chain, of another one, or of both.
+        # Here s^2 + (3 + h1) s + (3 h1 + h2) = (s + 3)(s + 5).
         A, C = np.array([[0, 1], [0, -3]]), np.array([[1, 0]])
         np.testing.assert_allclose(bw.place_observer_poles(A, C, [-3, -5]), [[5], [0]], atol=1e-14)
         both = bw.place_observer_poles(*(scipy.linalg.block_diag(M, M) for M in (A, C)),

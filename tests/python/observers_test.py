@@ -32,7 +32,7 @@ def random_plant(random, n, m, p):
 
 
 def plain(e, S):
-    """What a Kalman filter without adaptation does at a sample: see textbook()."""
+    """A Kalman filter without adaptation: see textbook()."""
     return 1.0, None, np.subtract, 1.0
 
 
@@ -105,7 +105,7 @@ class Estimators(unittest.TestCase):
 class Forgetting(Estimators):
     def test_each_filter_is_its_equation(self):
         """Random plants of 1 to 4 states, 1 or 2 inputs and outputs and all orders of the
-        disturbance. Those with one output and up to six states have a recursion of their own."""
+        disturbance. One output with up to six states has a recursion of its own."""
         random = np.random.default_rng(3)
         low, high = 1.0, 0.0
         for k in range(24):
@@ -501,8 +501,9 @@ class Published(Estimators):
 
         for name, q, keys in (("immkf", 1e-8, dict(noise_ratio=1e4, stays_quiet=0.999)),
                               ("mckf", 1e-6, dict(kernel_width=3.0))):
-            gauss, code = (error(published(name, sensor(quantum), q, plant, likelihood=kind, **keys))
-                           for kind in ("gauss", "code"))
+            gauss, code = (
+                error(published(name, sensor(quantum), q, plant, likelihood=kind, **keys))
+                for kind in ("gauss", "code"))
             self.assertLess(code, 0.3**2 * gauss)
 
     def test_the_first_code_after_a_gap_is_a_whole_interval(self):
@@ -618,8 +619,9 @@ class Published(Estimators):
         u, y = np.sin(0.1 * k), 0.05 * np.round(6 * np.sin(0.05 * k))
         for name, keys in (("immkf", {}), ("mckf", {}), ("immkf", {"likelihood": "code"}),
                            ("mckf", {"likelihood": "code"}), ("gsf", {"parts": 5})):
-            found = [published(name, sensor(0.05 * unit, 1e-3 * unit), 1e-2 * unit**2, unit=unit, **keys)
-                     .filter(unit * u, unit * y, x0=[0, 0]).x / unit for unit in (1, 1000)]
+            found = [published(name, sensor(0.05 * unit, 1e-3 * unit), 1e-2 * unit**2, unit=unit,
+                               **keys).filter(unit * u, unit * y, x0=[0, 0]).x / unit
+                     for unit in (1, 1000)]
             np.testing.assert_allclose(*found, atol=1e-6)
 
 
