@@ -24,63 +24,6 @@ TEST(Pfc, GainsFromOneSecondMatchEq286) {
   EXPECT_NEAR(pfc.k_d(), 12.012, 5e-4);
 }
 
-// Applies an input u(i) = Σ μ_l (i T)^l to the double integrator of Eqs. 2.71 and 2.72 and returns
-// the positions. It uses neither responses nor an inverse.
-std::vector<double> play(const Eigen::VectorXd& mu, double q, double dq, int samples) {
-  std::vector<double> positions = {q};
-  for (int i = 0; i < samples; ++i) {
-    double u = 0.0;
-    for (int l = static_cast<int>(mu.size()) - 1; l >= 0; --l) u = u * i * T_s + mu(l);
-    q += T_s * dq;
-    dq += T_s * u;
-    positions.push_back(q);
-  }
-  return positions;
-}
-
-TEST(Pfc, CollocationMeetsTheReferenceTrajectory) {
-  // μ_1 is that of the controller. With suitable other coefficients the input meets the reference
-  // at all three coincidence points. A least-squares fit of simulated responses finds them, so the
-  // test checks all three equations.
-  for (const double t_ref : {0.5, 0.7, 1.0, 1.2}) {
-    const Pfc pfc({t_ref, T_s, 3, 3});
-    const double s = 0.4, q = 0.1, dq = -0.3;
-    const auto& h = pfc.coincidence_points();
-    const double mu_1 = pfc.acceleration(s, q, dq);
-    Eigen::Matrix<double, 3, 2> free;
-    Eigen::Vector3d missing;
-    const auto base = play(Eigen::Vector3d(mu_1, 0, 0), q, dq, h.back());
-    const auto ramp = play(Eigen::Vector3d(0, 1, 0), 0, 0, h.back());
-    const auto parabola = play(Eigen::Vector3d(0, 0, 1), 0, 0, h.back());
-    for (int j = 0; j < 3; ++j) {
-      const double target = s - std::pow(pfc.alpha(), h[j]) * (s - q);
-      missing(j) = target - base[h[j]];
-      free.row(j) << ramp[h[j]], parabola[h[j]];
-    }
-    const Eigen::Vector2d rest = free.colPivHouseholderQr().solve(missing);
-    EXPECT_LT((free * rest - missing).cwiseAbs().maxCoeff(), 1e-10) << t_ref;
-  }
-}
-
-TEST(Pfc, WithMorePointsIsTheLeastSquaresFit) {
-  // The normal equations with eight points and two bases (Eqs. 2.78, 2.80).
-  const Pfc pfc({0.8, T_s, 8, 2});
-  const double s = -0.2, q = 0.3, dq = 0.5;
-  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d right = Eigen::Vector2d::Zero();
-  const auto& points = pfc.coincidence_points();
-  const auto step = play(Eigen::Vector2d(1, 0), 0, 0, points.back());
-  const auto ramp = play(Eigen::Vector2d(0, 1), 0, 0, points.back());
-  for (const int h : points) {
-    const Eigen::Vector2d y_b(step[h], ramp[h]);
-    const double missing = (1 - std::pow(pfc.alpha(), h)) * (s - q) - h * T_s * dq;
-    normal += y_b * y_b.transpose();
-    right += y_b * missing;
-  }
-  const Eigen::Vector2d mu = normal.fullPivLu().solve(right);
-  EXPECT_NEAR(pfc.acceleration(s, q, dq), mu(0), 1e-8 * std::abs(mu(0)));
-}
-
 TEST(Pfc, OnePointAndAStepHasItsClosedForm) {
   // h (h−1)/2 T² u = (1 − α^h)(s − q) − h T q̇
   const Pfc pfc({0.5, T_s, 1, 1});
@@ -250,22 +193,6 @@ TEST(DisturbanceCancellingPd, ReachesItsReferenceUnderAnyDisturbance) {
     const Eigen::Vector2d x = run_loop(controller, d, INFINITY, 1500);
     EXPECT_NEAR(x(0), 0.5, 1e-9) << d;
     EXPECT_NEAR(controller.disturbance(), d, 1e-9);
-  }
-}
-
-TEST(DisturbanceCancellingPd, FollowsEquation422) {
-  DisturbanceCancellingPd controller(idob(damped_inertia(1.0, 0.0)), design());
-  Sample sample{0.0, Eigen::VectorXd::Zero(1)};
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
-  controller.reset(sample);
-  for (int k = 0; k < 200; ++k) {
-    sample.time_s = k * kPeriod;
-    sample.y(0) = 0.1 * std::sin(0.3 * k);
-    controller.update(sample, u);
-    const double reference = k < 100 ? 0.0 : 0.5;
-    EXPECT_EQ(controller.reference(), reference);
-    EXPECT_DOUBLE_EQ(u(0), 10.0 * (reference - controller.position()) -
-                               5.0 * controller.velocity() + controller.disturbance());
   }
 }
 

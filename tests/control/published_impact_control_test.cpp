@@ -4,7 +4,9 @@
 #include <breakwater/control/contact_mpc.h>
 #include <breakwater/control/energy_admittance.h>
 #include <breakwater/control/impact_qp.h>
+#include <breakwater/control/implicit_force_pfc.h>
 #include <breakwater/control/soft_contact.h>
+#include <breakwater/control/workspace_control.h>
 #include <breakwater/linear/riccati.h>
 #include "control/wall_arm.h"
 #include "support.h"
@@ -296,8 +298,22 @@ TEST_F(PublishedImpactControl, RefuseInvalidParameters) {
   mpc_refuses([](auto& d) { d.period_s = 1.5e-3; });
   mpc_refuses([](auto& d) { d.acceleration_m_s2 = 0.0; });
   mpc_refuses([](auto& d) { d.wall_correction_per_s = -1.0; });
+  task_.convert_gain_N_m = 20.0;
+  EXPECT_NO_THROW(Hpfc(chain_, acceleration_, task_, {}));
+  const auto gains_refuse = [&](auto&& spoil) {
+    refuses.operator()<Hpfc>(WorkspaceControlDesign{}, spoil);
+  };
+  gains_refuse([](auto& d) { d.k_p = -1.0; });
+  gains_refuse([](auto& d) { d.k_f = -1.0; });
+  gains_refuse([](auto& d) { d.singular_value_floor = -0.02; });
+  EXPECT_REFUSED(ImplicitForcePfc(chain_, acceleration_, task_, {std::vector<PfcDesign>(2)}));
+  task_.convert_gain_N_m = 0.0;
+  EXPECT_REFUSED(Drac(chain_, acceleration_, task_, {}));
+  task_.convert_gain_N_m = 20.0;
   task_.wall_x_m = INFINITY;
   mpc_refuses([](auto&) {});
+  task_.start_angles_rad = Eigen::Vector2d(0, 0);
+  EXPECT_REFUSED(Drac(chain_, acceleration_, task_, {}));
 }
 
 // Torque-limited soft contact: its formulas against integration, its estimators against true

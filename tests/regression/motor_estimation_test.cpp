@@ -1,4 +1,4 @@
-// The motor behind an encoder: Table 4.8 over phases, poles, and keys. Its bounds are in cases.txt.
+// The motor behind an encoder: Table 4.8 over phases. Its bounds are in cases.txt.
 #include <breakwater/thesis/printed_results.h>
 #include "regression/run_case.h"
 
@@ -143,24 +143,5 @@ INSTANTIATE_TEST_SUITE_P(MotorEstimation, QuantisedRow, ::testing::ValuesIn(kRow
                            return std::string(row.param.period_s[3] == '2' ? "T10ms" : "T1ms") +
                                   "_n" + std::to_string(row.param.bits);
                          });
-
-// At rest those of the variable factor are near 1, and those of a fixed one well inside (Figs
-// 4.40–4.43).
-TEST(MotorEstimation, PolesOfVariableAndOfFixedFactors) {
-  const Sets sets = {"encoder.bits=48",    "control.period_s=1e-3", "noise.std_rad=0.1",
-                     "observer.alpha=100", "run.duration_s=30",     "observer.lambda=0.98"};
-  const auto slowest_at_end = [&](const char* name) {
-    const Recording run = testing::completed_run("motor_estimation", name, sets);
-    const auto re = run.track("control").values("poles_discrete_re");
-    const auto im = run.track("control").values("poles_discrete_im");
-    double largest = 0.0;
-    for (std::size_t i = re.size() - 3; i < re.size(); ++i) {
-      largest = std::max(largest, std::hypot(re[i], im[i]));
-    }
-    return largest;
-  };
-  EXPECT_GT(slowest_at_end("vfakfd"), 0.9995);
-  EXPECT_LT(slowest_at_end("fakfd-095"), 0.995);
-}
 
 }  // namespace breakwater::motor_estimation_test

@@ -1,10 +1,13 @@
-// The scenario plant: its loops, keys and models. Its bounds are in cases.txt.
+// The scenario plant: its loops, keys and models, and a contact law of a user. Its bounds are in
+// cases.txt.
 #include <Eigen/LU>
 
 #include <breakwater/analysis/loop_analysis.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/rigs/axis_scenario.h>
+#include <breakwater/rigs/contact_settings.h>
 #include <breakwater/rigs/plant_parts.h>
+#include <breakwater/sim/contact.h>
 #include "catalogue.h"
 
 namespace breakwater::plant_test {
@@ -186,6 +189,37 @@ TEST(PlantTest, ImpactHasTheEffectiveMass) {
   EXPECT_NEAR(all.at("impulse_Ns"), all.at("mass_kg") * change, 1e-3 * all.at("impulse_Ns"));
   // Half of a sine: its peak is v sqrt(k m).
   EXPECT_NEAR(all.at("peak_N"), all.at("transient_N"), 1e-3 * all.at("peak_N"));
+}
+
+// A law from outside, by a function.
+struct Cubic final : ContactForceLaw {
+  explicit Cubic(double k) : stiffness(k) {}
+  double force(double penetration_m, double, ContactState&) const override {
+    return stiffness * penetration_m * penetration_m * penetration_m;
+  }
+  double stiffness;
+};
+
+TEST(ContactLawKinds, AUserAddsOneWithAFunction) {
+  Catalogue own = standard_catalogue();
+  struct Settings {
+    double stiffness = 0.0;
+  };
+  own.add(ContactLawKind(
+      "cubic", "k x^3",
+      +[](Fields& fields, Settings& settings) {
+        fields.number("cubic_N_m3", settings.stiffness, positive(), "k [N/m^3]");
+      },
+      +[](const Settings& settings) -> std::unique_ptr<ContactForceLaw> {
+        return std::make_unique<Cubic>(settings.stiffness);
+      }));
+  const PreparedRun run = prepare_run(
+      own, "impact_test", testing::scenario_file("impact_test"), "kelvin_voigt",
+      {"contact.law=cubic", "contact.cubic_N_m3=1e8", "run.duration_s=0.2", "impact.distance_m=0"});
+  const Recording recording = run.scenario->run({});
+  // k x⁴/4 = m v²/2
+  EXPECT_NEAR(*recording.metric("penetration_m"), std::pow(2.0 * 0.04 / 1e8, 0.25), 1e-7);
+  EXPECT_NEAR(*recording.metric("restitution"), 1.0, 1e-6);
 }
 
 }  // namespace

@@ -15,19 +15,6 @@ using testing::run_case;
 using testing::Sets;
 using testing::operator+;
 
-// The printed "pseudo-feedback" by a weight on the disturbance has no effect.
-TEST(OffsetFree, DisturbanceWeightChangesNoInput) {
-  const auto inputs = [](const std::string& weight) {
-    return run_case("cart_offset_free", "proposed", {"controller.q_disturbance=" + weight})
-        .track("control")
-        .values("command_N");
-  };
-  const std::vector<double> without = inputs("0");
-  const std::vector<double> with = inputs("1e6");
-  ASSERT_EQ(without.size(), with.size());
-  for (std::size_t k = 0; k < without.size(); ++k) ASSERT_NEAR(without[k], with[k], 1e-9) << k;
-}
-
 // The conventional controllers stay in another posture after a hand has turned the arm. Filters
 // without forgetting follow a step of force too slowly. One filter diverges.
 bool loses_its_reference(const std::string& scenario, const std::string& name) {
