@@ -1,4 +1,5 @@
-// Statistical tests, intervals and verdicts, against SciPy, the definitions, and equal candidates.
+// Statistical tests, intervals and verdicts, against SciPy, the definitions, and equal
+// candidates. Rankings are in tests/python/compare_test.py.
 #include <breakwater/statistics/paired_comparison.h>
 
 #include <fmt/format.h>
@@ -8,8 +9,10 @@
 #include <breakwater/math/error_function.h>
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/quantile.h>
+#include <breakwater/statistics/ranking.h>
 #include <breakwater/statistics/signed_rank.h>
 #include <breakwater/study/comparison_table.h>
+#include <breakwater/study/ranking_text.h>
 #include "python.h"
 
 namespace breakwater::comparisons_test {
@@ -565,6 +568,46 @@ TEST(Comparisons, FewerFailuresAreBetter) {
 
 TEST(Comparisons, QuantilesOfASample) {
   EXPECT_EQ(quantile({1, 2, 3, 5}, 0.5), 2.5);
+}
+
+// Two candidates that differ with P(D + D' > 0) of a normal law.
+TEST(Ranking, TheNumberThatIsNeededHasItsPower) {
+  testing::Random random(23);
+  for (const double shift : {0.5, 1.0}) {
+    const double share = normal_cdf(std::numbers::sqrt2 * shift);
+    const std::size_t needed = differences_needed(share, 0.05).value();
+    int shown = 0;
+    for (int i = 0; i < 1000; ++i) {
+      std::vector<double> d;
+      for (std::size_t j = 0; j < needed; ++j) d.push_back(shift + deviate(random));
+      shown += SignedRank(d).p() <= 0.05;
+    }
+    EXPECT_GE(shown, 760) << needed;
+    EXPECT_LE(shown, shift < 1.0 ? 880 : 1000);  // for large differences fewer are enough
+  }
+  EXPECT_EQ(differences_needed(1.0, 0.05).value(), 11U);
+  EXPECT_FALSE(differences_needed(0.5, 0.05));
+  EXPECT_NEAR(SignedRank({1, 2, -0.5, 3}).share_above(), 1.0, 1e-15);
+  EXPECT_NEAR(SignedRank({1, -1, -2, 3}).share_above(), 3.5 / 6.0, 1e-15);
+}
+
+TEST(Ranking, HasATableOfTwentyLinesIn80Columns) {
+  testing::Random random(24);
+  Eigen::MatrixXd peaks(30, 40), times(30, 40);
+  for (double& peak : peaks.reshaped()) peak = 123.456 + deviate(random);
+  for (double& time : times.reshaped()) time = 0.5 + 0.01 * deviate(random);
+  PairedResults results = results_of({"peak_N", "time_s"}, {peaks, times});
+  for (std::size_t c = 0; c < 40; ++c) {
+    results.candidates[c] = fmt::format("a-long-name-of-a-case, controller.k_position = {}", c);
+  }
+  const Requirement require{.bounds = {{.metric = "time_s", .max = 0.6}}};
+  const std::string text = ranking_text(rank_candidates(results, "peak_N", Goal::min, require), 80);
+  const std::string table = text.substr(text.find("\n\n") + 2);
+  EXPECT_LE(std::count(table.begin(), table.end(), '\n'), 20);
+  EXPECT_TRUE(testing::has(table, "… and 23 more", "100 % [88, 100]"));
+  for (const std::string& line : testing::lines_of(text)) {
+    EXPECT_LE(line.size(), 80U + 4U) << line;  // "…" has three bytes
+  }
 }
 
 }  // namespace breakwater::comparisons_test
