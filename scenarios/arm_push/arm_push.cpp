@@ -56,8 +56,6 @@ class PostureOvershoot final : public Reduction {
   double last_offset_rad_ = 0.0;  // largest of all joints
 };
 
-}  // namespace
-
 std::vector<MetricKind> kinds_of_a_push() {
   return {{.name = "rebound",
            .meaning = "farthest value past 0, on the other side of the second signal",
@@ -69,8 +67,6 @@ std::vector<MetricKind> kinds_of_a_push() {
            .has_level = true,
            .takes_all = true}};
 }
-
-namespace {
 
 // The arm holds its start pose. A stiff hand pushes the end of one link, turns it, holds it and
 // lets go. The torques saturate; the question is how the arm returns.

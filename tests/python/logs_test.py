@@ -14,6 +14,8 @@ import breakwater as bw
 
 INF = np.inf
 SCENARIOS = pathlib.Path(__file__).resolve().parents[2] / "scenarios"
+WALL = {"run.duration_s": 17, "wall.solid_from_s": 9, "force.from_s": 10, "record.fine_from_s": 0,
+        "record.fine_to_s": 17, "metrics.from_s": 13, "metrics.to_s": 16}
 # Case, keys, names that are neither keys nor events, and metrics that the log does not suffice for.
 RUNS = (
     ("motor_estimation", "mdob", {"encoder.bits": 8}, {}, "lambda_mean_1 lambda_min_1"),
@@ -29,13 +31,10 @@ RUNS = (
      "overshoot_rad rmse_disturbance_Nm rmse_load_velocity_rad_s"),
     ("impact_test", "hertz", {"record.fine_from_s": 0, "record.fine_to_s": 10}, {},
      "bounce_count contact_impulse_Ns restitution"),
-    ("arm_push", "proposed-link2", {}, {"release": 5},
-     "overshoot_rad posture_overshoot_rad reversal_count settling_time_s tip_error_m x_overshoot_m"
-     " y_overshoot_m"),
-    ("arm_wall_contact", "proposed-2N",
-     {"run.duration_s": 17, "wall.solid_from_s": 9, "force.from_s": 10, "record.fine_from_s": 0,
-      "record.fine_to_s": 17, "metrics.from_s": 13, "metrics.to_s": 16,
-      "contact.stiffness_N_m": 5000}, {"force_control": 10}, "impact_mass_kg impact_velocity_m_s"),
+    ("arm_push", "proposed-link2", {}, {"release": 5}, ""),
+    ("arm_push", "hpfc-link2", {}, {"release": 5}, ""),  # returns in another posture
+    ("arm_wall_contact", "proposed-2N", {**WALL, "contact.stiffness_N_m": 5000},
+     {"force_control": 10}, "impact_mass_kg impact_velocity_m_s"),
     ("quadrotor_waves", "resonator", {"run.duration_s": 20, "metrics.window_s": 8}, {},
      "attitude_estimate_rmse_rad converged horizontal_force_rmse_N horizontal_force_rmse_of_zero_N"
      " nees_mean position_estimate_rmse_m position_measurement_rmse_m roll_rate_rmse_rad_s"
@@ -78,6 +77,28 @@ class Window:
         return np.concatenate([self.before, self.v])
 
 
+def rebound(offset, released):
+    return max(0, np.max(-np.copysign(1, released) * offset))
+
+
+def posture_overshoot(w):
+    joints, tip_error = w.x.shape[1] // 2, w.x[-1, -1]
+    farthest, last = rebound(w.x[:, :joints], w.x[:, joints:-1]), np.abs(w.x[-1, :joints]).max()
+    return max(farthest, last) if tip_error <= w.level and last > 0.2 else farthest
+
+
+def turns(values, level):
+    """How often they turn back by more than the level."""
+    count, direction, least, most = 0, 0, values[0], values[0]
+    for value in values:
+        least, most = min(least, value), max(most, value)
+        if direction >= 0 and value < most - level or direction <= 0 and value > least + level:
+            count += direction != 0
+            direction = -direction or (1 if value > least + level else -1)
+            least = most = value
+    return count
+
+
 def beyond(w):
     return 100 * max(0, np.max(np.sign(-w.v[0]) * w.v)) / abs(w.v[0])
 
@@ -98,7 +119,9 @@ KINDS = {
     "bounces": lambda w: w.rises(w.all()) - 1 if w.rises(w.all()) else None,
     "rises": lambda w: w.rises(w.v), "rise_rate": lambda w: w.rises(w.v) / (w.end - w.start),
     "decay": Window.decay, "relative_rms": lambda w: rms(w.x[:, 0] - w.x[:, 1]) / rms(w.x[:, 1]),
-    "rms_per_value": lambda w: rms(w.x),
+    "rms_per_value": lambda w: rms(w.x), "rebound": lambda w: rebound(w.x[:, 0], w.x[:, 1]),
+    "posture_overshoot": posture_overshoot,
+    "reversals": lambda w: max(turns(column, w.level) for column in w.x.T),
 }
 TAKEN = {"value": lambda x: x, "largest": lambda x: x.max(axis=1, keepdims=True),
          "largest_size": lambda x: np.abs(x).max(axis=1, keepdims=True),
@@ -109,8 +132,9 @@ class Metrics(unittest.TestCase):
     def expect_metrics(self, scenario, case, sets, known, missing):
         run = bw.run(scenario, case, set=sets)
         known = dict(known)
-        # The arm's start pose is (0.45 m, 0, 0).
-        same = {"y_offset_m": "y_true_m", "phi_offset_rad": "phi_true_rad"}
+        # The arm is at its start pose first.
+        moved = {"x_offset_m": "x_true_m", "y_offset_m": "y_true_m",
+                 "phi_offset_rad": "phi_true_rad", "joint_offset_rad": "q_true_rad"}
         if "physics/force_true_N" in run:
             t, touches = run["physics/time_s"], run["physics/force_true_N"] > 0
             touches = touches & (t >= known.get("force_control", 0))
@@ -131,9 +155,20 @@ class Metrics(unittest.TestCase):
             is_fine = row.get("at", "step" if scenario == "impact_test" else "") == "step"
             track = "physics/" if is_fine and "physics" in run.groups else ""
             t = run[track + "time_s"]
-            signals = [run[track + same.get(name, name)].reshape(len(t), -1)
-                       if name != "force_reference_N" else np.full((len(t), 1), 2.0)
-                       for name in [*row["of"].split(", "), *filter(None, [row.get("minus")])]]
+
+            def signal(name):
+                if name == "force_reference_N":
+                    return np.full((len(t), 1), 2.0)
+                if name == "tip_error_m":
+                    return np.hypot(signal("x_offset_m"), signal("y_offset_m"))
+                if name.startswith("released_"):
+                    offsets = signal(name.removeprefix("released_"))
+                    return 0 * offsets + offsets[t < known["release"] - 1e-9][-1]
+                values = run[track + moved.get(name, name)].reshape(len(t), -1)
+                return values - values[0] if name in moved else values
+
+            names = [*row["of"].split(", "), *filter(None, [row.get("minus")])]
+            signals = [signal(name) for name in names]
             x = np.hstack(signals)
             if "minus" in row:
                 x = np.hstack(signals[:-1])
@@ -179,6 +214,41 @@ class Metrics(unittest.TestCase):
         for row in RUNS:
             with self.subTest(row[:2]):
                 self.expect_metrics(*row)
+
+    def test_absent_ones_say_why(self):
+        not_reached = "the run does not reach "
+        for scenario, sets, duration_s, absent, present in (
+            ("arm_wall_contact", WALL, 9.9, {
+                "free_motion_time_s": "the run does not cover its window, from force_control to the"
+                                      " run's end"}, ()),
+            ("arm_wall_contact", WALL, 10.4, {
+                "peak_force_raw_N": not_reached + "first_contact", "bounce_count": "",
+                "free_motion_time_s": "the value never rises above the level"},
+             ["saturated_time_s"]),
+            ("arm_wall_contact", WALL, 10.6, {
+                "contact_impulse_Ns": not_reached + "first_contact + 0.2"}, ["peak_force_raw_N"]),
+            ("arm_wall_contact", WALL, 15.9, {"mean_force_error_N": not_reached}, ()),
+            ("arm_wall_contact", WALL, 16.0, {}, ["mean_force_error_N"]),
+            ("arm_push", {}, 2.0, {"max_push_rad": ""}, ()),
+            ("arm_push", {}, 4.9, {"overshoot_rad": ""}, ["max_push_rad"]),
+            ("arm_push", {}, 5.2, {"settling_time_s": "the magnitude ends beyond the level"},
+             ["overshoot_rad"]),
+            ("motor_estimation", {"metric.d.of": "saturated", "metric.d.kind": "decay",
+                                  "metric.d.unit": "1"}, 5.0, {
+                "d": "the value is constant in the window's first fifth"}, ()),
+        ):
+            with self.subTest(scenario, duration_s=duration_s):
+                run = bw.run(scenario, set={**sets, "run.duration_s": duration_s})
+                for name, reason in absent.items():
+                    self.assertNotIn(name, run.metrics)
+                    self.assertIn(reason, run.absent[name])
+                self.assertLessEqual(set(present), set(run.metrics))
+
+    def test_the_impact_has_the_speed_of_the_tip(self):
+        run = bw.run("arm_wall_contact", "hpfc-2N", set=WALL)
+        k = np.searchsorted(run.time_s, 10 + run.metrics["free_motion_time_s"]) - 1
+        speed = np.diff(run["x_true_m"])[k] / 1e-3
+        self.assertAlmostEqual(run.metrics["impact_velocity_m_s"] / speed, 1, delta=0.01)
 
     def test_the_raw_velocity_is_the_raw_difference(self):
         run = bw.run("motor_estimation", "mdob", set={"encoder.bits": 8})
