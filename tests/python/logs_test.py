@@ -483,6 +483,30 @@ class Drive(unittest.TestCase):
         self.assertEqual(len(hashes), 2)
 
 
+class Disturbances(unittest.TestCase):
+    KEYS = {"amplitude_Nm": 3.0, "frequency_rad_s": 2.0, "start_s": 1.0, "second_amplitude_Nm": 0.7,
+            "second_frequency_rad_s": 6.0, "end_frequency_rad_s": 5.0, "sweep_s": 2.0}
+
+    def test_each_has_its_shape_from_its_start_to_its_end(self):
+        """The phase of a chirp is the integral of its frequency, which changes linearly and then
+        stays."""
+        for kind, shape in {
+            "none": lambda t: 0 * t, "step": lambda t: 3 + 0 * t, "ramp": lambda t: 3 * t,
+            "sine": lambda t: 3 * np.sin(2 * t),
+            "two_sines": lambda t: 3 * np.sin(2 * t) + 0.7 * np.sin(6 * t),
+            "chirp": lambda t: 3 * np.sin(np.where(t < 2, 2 * t + 0.75 * t**2, 7 + 5 * (t - 2))),
+        }.items():
+            for offset, end_s in ((0.0, INF), (-0.4, 4.5)):
+                ends = {} if end_s == INF else {"end_s": end_s}
+                run = bw.run("motor_estimation", "idob", duration=6, set={
+                    f"disturbance.{key}": value for key, value in
+                    {**self.KEYS, **ends, "kind": kind, "offset_Nm": offset}.items()})
+                t = run.time_s
+                acts = (t >= 1 - 1e-9) & (t < end_s - 1e-9)
+                np.testing.assert_allclose(run["d_true_Nm"], offset + acts * shape(t - 1),
+                                           atol=1e-9, err_msg=kind)
+
+
 def impact_laws(K, v):
     """For an impact of 1 kg: name, keys, the force of x, x' and z with z', and about how long the
     contact takes."""

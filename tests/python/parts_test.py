@@ -283,6 +283,50 @@ class Told(unittest.TestCase):
         self.assertEqual(bw.run("motor_estimation", "stf", duration=0.01, controller=Returns(0.0)).warnings, [])
 
 
+class InEachScenario(unittest.TestCase):
+    def test_a_spring_holds_every_axis_without_metrics_of_an_estimate(self):
+        class Spring(bw.Controller):
+            def update(self, t, y):
+                return -4.0 * y.position
+
+        for scenario in ("motor_estimation", "cart_estimation", "cart_position", "cart_offset_free",
+                         "cart_constrained"):
+            run = bw.run(scenario, duration=5, controller=Spring())
+            self.assertNotRegex(" ".join(run.metrics), "disturbance|estimate")
+        for scenario, count in (("arm_wall_contact", 3), ("quadrotor_waves", 4)):
+            run = bw.run(scenario, duration=1, controller=Returns(np.zeros(count)))
+            self.assertGreater(len(run.time_s), 99)
+
+    def test_the_law_yields_by_the_error_of_an_estimate(self):
+        """With a step of 10 N m and an estimate of 6 the PD control yields by 4/K_p."""
+        class Constant(bw.Estimator):
+            def update(self, u, y):
+                return [y.position, 0.0, 6.0]
+
+        run = bw.run("motor_estimation", duration=10, estimator=Constant(), set={
+            "encoder.bits": 0, "controller.kd": 0, "plant.viscous_friction_Nms_rad": 20})
+        self.assertAlmostEqual(run.metrics["rmse_disturbance_Nm"], 4.0, delta=1e-9)
+        self.assertAlmostEqual(abs(run["position_true_rad"][-1]), 0.4, delta=0.02)
+
+    def test_friction_holds_each_joint_of_the_arm(self):
+        """Each joint has 80 % of its friction as a load, and so has a shelf that is no joint of
+        the chain. By the formula of friction.h the shelf creeps 0.2 um in 2 s, and the joints less
+        than 0.1 urad. Beyond its friction a joint moves."""
+        mjcf = (pathlib.Path(__file__).parents[2] / "models/arm.xml").read_text()
+        mjcf = mjcf.replace("<worldbody>", """<worldbody><body name="shelf">
+            <inertial pos="0 0 0" mass="2" diaginertia="0.01 0.01 0.01"/>
+            <joint name="lift" type="slide" axis="0 0 1" armature="0" frictionloss="24.525"/>
+            </body>""")
+        with temporary_folder() as folder:
+            (folder / "shelf.xml").write_text(mjcf.replace('qpos="0 0 0"', 'qpos="0 0 0 0"'))
+            crept, moved = (np.abs(run["qpos"][-1] - run["qpos"][0]) for run in (
+                bw.run("arm_push", duration=2, controller=Returns(3 * [torque]),
+                       set={"model.mjcf": str(folder / "shelf.xml")}) for torque in (3.2, 4.2)))
+        self.assertAlmostEqual(crept[0], 1.962e-7, delta=1e-9)
+        self.assertLess(crept[1:].max(), 1e-7)
+        self.assertGreater(moved[1], 0.01)
+
+
 class Nonsense(unittest.TestCase):
     def test_of_a_controller_is_named_and_numbers_of_any_kind_are_taken(self):
         for value in (np.zeros(3, np.float32), [0, 0, 0], (0.0, 0.0, 0.0), np.zeros(6)[::2]):
