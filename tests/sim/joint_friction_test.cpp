@@ -1,4 +1,4 @@
-// Friction on a transmission, and refusals. tests/python/friction_test.py has the laws.
+// Friction on a transmission, and refusals. tests/python/plants_test.py has the laws.
 #include <breakwater/sim/external_force.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>

@@ -1,10 +1,13 @@
-"""A mass on a slide with friction, compared with fine integrations by SciPy and closed forms."""
+"""Plants of one and two masses: friction beside fine integrations by SciPy, and a transmission
+beside closed forms."""
 
 import itertools
+import pathlib
 import unittest
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import breakwater as bw
 from support import temporary_folder
@@ -160,6 +163,132 @@ class Friction(unittest.TestCase):
             self.assertAlmostEqual(abs(run["x_velocity_true_m_s"][-1]), max(left_N, 0), delta=1e-3)
             friction_N = 2.0 if left_N > 0 else 1.2
             self.assertAlmostEqual(abs(run["x_friction_N"][-1]), friction_N, delta=2e-3)
+
+
+MOTOR, LOAD = 0.01, 0.02  # the inertias of models/two_inertia.xml
+ELASTIC = """scenario = "plant"
+default_case = "own"
+model.mjcf = "two.xml"
+physics = { timestep_s = 1e-3, integrator = "rk4" }
+control.period_s = 1e-3
+run = { duration_s = 1.0, seed = 1 }
+start.keyframe = "home"
+[axis.x]
+joint = "load"
+transmission = { motor_joint = "motor", stiffness_Nm_rad = 50.0 }
+controller = { name = "pd", kp = 0.0, kd = 0.0 }
+observer.name = "none"
+nominal.model = "rigid"
+[case.own]
+"""
+
+
+class Torque(bw.Controller):
+    def __init__(self, law):
+        self.law = law
+
+    def update(self, t, y):
+        return self.law(t, y.position)
+
+
+class Transmission(unittest.TestCase):
+    def setUp(self):
+        self.folder = self.enterContext(temporary_folder())
+        (self.folder / "two.toml").write_text(ELASTIC)
+
+    def run_with(self, duration_s, start=(0, 0), law=None, friction=(0, 0), timestep_s=1e-3,
+                 **keys):
+        model = pathlib.Path(__file__).parents[2] / "models/two_inertia.xml"
+        text = model.read_text().replace('qpos="0 0"', f'qpos="{start[0]} {start[1]}"')
+        for name, damping in zip(("motor", "load"), friction, strict=True):
+            text = text.replace(f'name="{name}" type', f'name="{name}" damping="{damping}" type')
+        (self.folder / "two.xml").write_text(text)
+        own = {f"axis.x.transmission.{key}": value for key, value in keys.items() if "." not in key}
+        more = {key: value for key, value in keys.items() if "." in key}
+        return bw.run(
+            str(self.folder / "two.toml"), controllers={"x": Torque(law)} if law else None,
+            set={"run.duration_s": duration_s, "physics.timestep_s": timestep_s,
+                 "control.period_s": timestep_s, **own, **more})
+
+    def state(self, run):
+        """Angles and speeds of motor and load."""
+        return (run[f"x_{name}"] for name in ("motor_position_rad", "position_true_rad",
+                                              "motor_velocity_rad_s", "velocity_true_rad_s"))
+
+    def test_a_free_spring_keeps_momentum_and_energy(self):
+        for ratio, error in itertools.product((1.0, 2.5), (0.0, 0.05)):
+            run = self.run_with(1.0, (0.4, -0.1), timestep_s=1e-4, ratio=ratio,
+                                kinematic_error_rad=error, **{"axis.x.start.velocity_rad_s": -1.0})
+            _, _, dm, dl = self.state(run)
+            energy = 0.5 * (MOTOR * dm**2 + LOAD * dl**2 + run["x_transmission_Nm"] ** 2 / 50)
+            self.assertLess(np.ptp(energy), 1e-8 * energy[0])
+            change = np.ptp(ratio * MOTOR * dm + LOAD * dl)
+            self.assertTrue(change < 1e-12 if error == 0 else change > 1e-4)
+
+    def test_a_damper_takes_exactly_the_energy_that_is_lost(self):
+        run = self.run_with(0.2, (0.2, 0.0), timestep_s=1e-5, damping_Nms_rad=0.05)
+        qm, ql, dm, dl = self.state(run)
+        lost = np.trapz(0.05 * (dm - dl) ** 2, run.time_s)
+        left = 0.5 * (MOTOR * dm**2 + LOAD * dl**2 + 50 * (qm - ql) ** 2)[-1]
+        self.assertAlmostEqual(left + lost, 0.5 * 50 * 0.2**2, delta=1e-6)
+        self.assertGreater(lost, 0.5)
+
+    def responses(self, omega, settle_s, ratio, damping):
+        """Both angles over the motor's torque, measured over ten periods and in closed form. A
+        weak feedback of the position is part of the torque, which is held between the samples."""
+        steps = round(20 * np.pi / (omega * 1e-3))
+        w = 20 * np.pi / (steps * 1e-3)
+        run = self.run_with(settle_s + (steps - 1) * 1e-3, friction=(0.15, 0),
+                            law=lambda t, q: 0.1 * np.sin(w * t) - 0.3 * q, ratio=ratio,
+                            damping_Nms_rad=damping, **{"axis.x.encoder.side": "motor"})
+        turned = np.exp(-1j * w * run.time_s[-steps:])
+        torque = run["x_applied_Nm"][-steps:] @ turned * np.exp(-0.5j * w * 1e-3)
+        found = [angle[-steps:] @ turned / torque for angle in list(self.state(run))[:2]]
+        s, k = 1j * w, 50 + damping * 1j * w
+        stiffness = [[MOTOR * s * s + 0.15 * s + k / ratio**2, -k / ratio],
+                     [-k / ratio, LOAD * s * s + k]]
+        return np.array(found), np.linalg.solve(stiffness, [1, 0])
+
+    def test_the_frequency_response_is_that_of_two_inertias(self):
+        for ratio in (1.0, 2.0):
+            notch, peak = np.sqrt(50 / LOAD), np.sqrt(50 * (1 / LOAD + 1 / (ratio**2 * MOTOR)))
+            for omega in 0.1 * peak * np.geomspace(1, 30, 11):
+                if min(abs(omega / peak - 1), abs(omega / notch - 1)) < 0.02:
+                    continue
+                found, expected = self.responses(omega, 4.0, ratio, 0.03)
+                quotient = found / expected
+                self.assertLess(np.abs(20 * np.log10(np.abs(quotient))).max(), 1.0, omega)
+                self.assertLess(np.abs(np.angle(quotient, deg=True)).max(), 5.0, omega)
+
+    def test_resonances_are_within_half_a_percent(self):
+        """At the anti-resonance the motor's angle, and at the resonance the load's, turns its
+        sign."""
+        for side, at in enumerate((50.0, np.sqrt(50 * (1 / MOTOR + 1 / LOAD)))):
+            below, above = (self.responses(share * at, 12.0, 1.0, 0.01)[0][side].real
+                            for share in (0.995, 1.005))
+            self.assertTrue(below < 0 < above, (below, above))
+
+    def test_backlash_oscillates_as_the_describing_function_predicts(self):
+        """u = -k_p q_l, with friction at both inertias. For a dead zone the describing function is
+        a lower stiffness K' of the spring. The loop oscillates where it has poles on the imaginary
+        axis: w^2 = K' S/C, K' (J_m J_l S^2/C^2 - (J_m + J_l) S/C) = c_m c_l S/C - k_p."""
+        c_m, c_l, play, gain = 0.3, 0.02, 0.02, 10.0
+        S, C = c_m + c_l, MOTOR * c_l + LOAD * c_m
+        reduced = c_m * c_l * S / C - gain
+        reduced /= MOTOR * LOAD * (S / C) ** 2 - (MOTOR + LOAD) * S / C
+        self.assertTrue(0 < reduced < 50)
+        # 1 - (2/pi) (asin r + r sqrt(1 - r^2)) = K'/K with r = b/(2 A).
+        r = brentq(lambda r: 1 - 2 / np.pi * (np.arcsin(r) + r * np.sqrt(1 - r * r)) - reduced / 50,
+                   0, 1)
+        run = self.run_with(25.0, (0.05, 0.05), lambda t, q: -gain * q, (c_m, c_l), 5e-4,
+                            backlash_rad=play)
+        late = run.time_s >= 15
+        qm, ql, *_ = (values[late] for values in self.state(run))
+        risings = run.time_s[late][1:][(ql[:-1] < 0) & (ql[1:] >= 0)]
+        self.assertGreater(len(risings), 10)
+        found = 2 * np.pi / np.diff(risings).mean()
+        self.assertAlmostEqual(found / np.sqrt(reduced * S / C), 1, delta=0.1)
+        self.assertAlmostEqual(np.abs(qm - ql).max() / (0.5 * play / r), 1, delta=0.2)
 
 
 if __name__ == "__main__":
