@@ -616,6 +616,34 @@ class Impact(unittest.TestCase):
                 self.assertLess(fine, 0.7 * coarse + 1e-7, name + integrator)
                 self.assertLess(fine, 2e-3, name + integrator)
 
+    def free_wall(self, integrator):
+        """Time, the ball's position and speed, the wall's position, and force: 0.5 kg with 0.3 m/s
+        on 10 kN/m and a wall of 1.5 kg."""
+        run = bw.run("impact_test", "kelvin_voigt_clipped", duration=0.04, set={
+            "physics.integrator": integrator, "physics.timestep_s": 1e-4, "impact.mass_kg": 0.5,
+            "impact.speed_m_s": 0.3, "impact.distance_m": 0, "contact.stiffness_N_m": 1e4,
+            "contact.damping_Ns_m": 0, "wall.motion": "free", "wall.mass_kg": 1.5,
+            "wall.stiffness_N_m": 0, "wall.damping_Ns_m": 0, "record.fine_from_s": 0,
+            "record.fine_to_s": 1})
+        return (run[f"physics/{name}"] for name in
+                ("time_s", "qpos", "qvel", "wall_m", "force_true_N"))
+
+    def test_a_free_wall_has_the_motion_of_its_closed_form(self):
+        """Two masses on a spring: half a period of a sine."""
+        t, ball, _, wall, force = self.free_wall("rk4")
+        omega = np.sqrt(1e4 * (1 / 0.5 + 1 / 1.5))
+        early = t < 0.95 * np.pi / omega
+        depth, way = 0.3 / omega * np.sin(omega * t), 0.3 * t
+        for found, expected, close in ((ball - ball[0], way / 4 + 3 / 4 * depth, 1e-10),
+                                       (wall, (way - depth) / 4, 1e-10), (force, 1e4 * depth, 1e-6)):
+            np.testing.assert_allclose(found[early], expected[early], atol=close)
+
+    def test_eulers_method_moves_a_free_wall_by_the_speed_that_the_force_gave_it(self):
+        t, _, speed, wall, _ = self.free_wall("euler")
+        of_wall = 0.5 * (0.3 - speed) / 1.5
+        np.testing.assert_allclose(np.diff(wall), 1e-4 * of_wall[1:], atol=1e-15)
+        self.assertAlmostEqual(of_wall[-1] * 1.5, 2 * 0.3 / (1 / 0.5 + 1 / 1.5), delta=3e-4)
+
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore")

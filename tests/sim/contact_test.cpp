@@ -1,4 +1,5 @@
-// Contacts of the engine and of own laws against closed forms.
+// Contacts of the engine and of own laws against closed forms. regression/cases.txt has friction,
+// and tests/python/logs_test.py walls that move.
 #include <fmt/format.h>
 
 #include <breakwater/linear/eigenvalues.h>
@@ -172,74 +173,6 @@ TEST(ContactStability, SlopesAreThoseOfTheLaw) {
   EXPECT_NEAR(slopes_of(solid, {}, 1e-3, 0.0, 1.0).relaxation_1_s, 100.0, 1e-3);
 }
 
-constexpr double kBall_kg = 0.5, kWall_kg = 1.5, kStiffness_N_m = 1e4, kSpeed_m_s = 0.3;
-// The two masses oscillate on the spring of the contact.
-const double kOmega_rad_s = std::sqrt(kStiffness_N_m * (1.0 / kBall_kg + 1.0 / kWall_kg));
-
-// A ball that touches a free wall.
-class Impact {
- public:
-  Impact(Integrator integrator, double step_s)
-      : controller_([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {}),
-        simulation_(model(integrator, step_s), controller_, {}, 1),
-        contact_(simulation_.model(), "ball", "wall",
-                 std::make_unique<KelvinVoigt>(kStiffness_N_m, 0.0, KelvinVoigt::By::force),
-                 {.kind = WallMotionKind::free, .mass_kg = kWall_kg}) {
-    contact_.set_solid(true);
-    simulation_.add(contact_);
-    const double speed = kSpeed_m_s;
-    simulation_.set_velocity({&speed, 1});
-  }
-  void step() { simulation_.step(); }
-  double time_s() const { return simulation_.data().time; }
-  double ball_m() const { return simulation_.data().qpos[0]; }
-  double ball_m_s() const { return simulation_.data().qvel[0]; }
-  const WallContact& contact() const { return contact_; }
-
- private:
-  static Model model(Integrator integrator, double step_s) {
-    Model model = testing::model_of(R"(<mujoco><option gravity="0 0 0"/><worldbody>
-      <geom name="wall" type="plane" size="1 1 1" zaxis="-1 0 0" contype="0" conaffinity="0"/>
-      <body><inertial pos="0 0 0" mass="0.5" diaginertia="1 1 1"/>
-        <joint name="x" type="slide" axis="1 0 0"/>
-        <geom name="ball" type="sphere" size="0.02" pos="-0.02 0 0" mass="0" contype="0"
-          conaffinity="0"/></body></worldbody></mujoco>)");
-    model.set_physics(step_s, integrator);
-    return model;
-  }
-
-  testing::FunctionController controller_;
-  Simulation simulation_;
-  WallContact contact_;
-};
-
-// Euler's method moves the wall by the new speed, as the engine moves the ball.
-TEST(WallContact, AFreeWallMovesByTheSpeedThatTheForceGaveIt) {
-  Impact impact(Integrator::euler, 1e-4);
-  double impulse = 0.0, wall_m = 0.0;
-  for (int k = 0; k < 400; ++k) {
-    impact.step();
-    ASSERT_NEAR(impact.contact().wall_m(), wall_m, 1e-15) << k;
-    impulse += impact.contact().impulse_Ns();
-    wall_m += 1e-4 * impulse / kWall_kg;
-    ASSERT_NEAR(impact.ball_m_s(), kSpeed_m_s - impulse / kBall_kg, 1e-12) << k;
-  }
-  EXPECT_NEAR(impulse, 2.0 * kSpeed_m_s / (1.0 / kBall_kg + 1.0 / kWall_kg), 1e-3 * impulse);
-}
-
-// Two masses on a spring: half a period of a sine, then both are free.
-TEST(WallContact, AFreeWallHasTheClosedFormsMotion) {
-  Impact impact(Integrator::rk4, 1e-4);
-  const double share = kBall_kg / (kBall_kg + kWall_kg), end_s = M_PI / kOmega_rad_s;
-  for (double t = 0.0; t < 0.95 * end_s; t = impact.time_s()) {
-    const double depth = kSpeed_m_s / kOmega_rad_s * std::sin(kOmega_rad_s * t);
-    ASSERT_NEAR(impact.ball_m(), share * kSpeed_m_s * t + (1.0 - share) * depth, 1e-10) << t;
-    impact.step();
-    ASSERT_NEAR(impact.contact().wall_m(), share * (kSpeed_m_s * t - depth), 1e-10) << t;
-    ASSERT_NEAR(impact.contact().force_N(), kStiffness_N_m * depth, 1e-6) << t;
-  }
-}
-
 // A plane of any normal turns by the whole angle, and a geom with it.
 // The frames are those that the engine computes.
 TEST(TiltWall, TurnsThePlaneByTheAngle) {
@@ -285,99 +218,6 @@ TEST(PlaceWall, MovesAFloor) {
   EXPECT_EQ(data->geom_xpos[0], 0.25);
 }
 
-// A ball of 1 kg on a rough plane. The gravity is tilted in place of the plane.
-class Slope {
- public:
-  Slope(const std::string& joints, double slope, double coefficient, double stick_m_s = kStick_m_s)
-      : controller_([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {}),
-        simulation_(testing::model_of(
-                        "<mujoco><option timestep=\"2e-5\" gravity=\"" + std::to_string(slope) +
-                        R"( 0 -10"/><worldbody><geom name="wall" type="plane" size="9 9 1"
-      contype="0" conaffinity="0"/><body pos="0 0 0.1">)" +
-                        joints + R"(<geom name="ball" type="sphere" size="0.1" mass="1" contype="0"
-      conaffinity="0"/></body></worldbody></mujoco>)"),
-                    controller_, {}, 1),
-        contact_(simulation_.model(), "ball", "wall",
-                 std::make_unique<KelvinVoigt>(1e4, 200.0, KelvinVoigt::By::force), {},
-                 {coefficient, stick_m_s}) {
-    contact_.set_solid(true);
-    simulation_.add(contact_);
-    for (int k = 0; k < 25000; ++k) simulation_.step();
-    const double before_m_s = simulation_.data().qvel[0];
-    for (int k = 0; k < 5000; ++k) simulation_.step();
-    speed_m_s_ = simulation_.data().qvel[0];
-    acceleration_m_s2_ = (speed_m_s_ - before_m_s) / 0.1;
-  }
-
-  static constexpr double kStick_m_s = 1e-3;
-  static constexpr const char* kSlides = R"(<joint type="slide" axis="1 0 0"/>
-      <joint type="slide" axis="0 1 0"/><joint type="slide" axis="0 0 1"/>)";
-
-  double speed_m_s_;
-  double acceleration_m_s2_;
-
- private:
-  testing::FunctionController controller_;
-
- public:
-  Simulation simulation_;
-  WallContact contact_;
-};
-
-TEST(WallContact, FrictionIsCoulombsWhileItSlides) {
-  Slope slope(Slope::kSlides, 5.0, 0.3);
-  EXPECT_NEAR(slope.acceleration_m_s2_, 5.0 - 0.3 * 10.0, 1e-4);
-  EXPECT_NEAR(slope.contact_.friction_N(), 3.0, 1e-5);
-  slope.contact_.set_solid(false);
-  slope.simulation_.step();
-  EXPECT_EQ(slope.contact_.friction_N(), 0.0);
-}
-
-// At rest it creeps: mu N v/sqrt(v^2 + v_s^2) is the load.
-TEST(WallContact, FrictionCreepsWhereItWouldStick) {
-  const Slope slope(Slope::kSlides, 5.0, 1.0);
-  EXPECT_NEAR(slope.speed_m_s_, Slope::kStick_m_s * 0.5 / std::sqrt(1.0 - 0.25), 1e-8);
-  EXPECT_NEAR(slope.acceleration_m_s2_, 0.0, 1e-6);
-}
-
-// The largest damping is m/h. The ball slides in two directions, so that m is half of its mass.
-TEST(WallContact, FrictionIsStableAtAnyStickVelocity) {
-  const double timestep_s = 2e-5;
-  const Slope sticks(Slope::kSlides, 5.0, 1.0, 1e-9);
-  EXPECT_NEAR(sticks.speed_m_s_, 5.0 * timestep_s / 0.5, 1e-8);
-  EXPECT_NEAR(sticks.acceleration_m_s2_, 0.0, 1e-6);
-  const Slope slides(Slope::kSlides, 5.0, 0.3, 1e-9);
-  EXPECT_NEAR(slides.acceleration_m_s2_, 5.0 - 0.3 * 10.0, 1e-6);
-}
-
-// Three balls of one body stick: their dampers together are at most m/h.
-TEST(WallContact, FrictionsOfOneBodyAreStable) {
-  std::string balls;
-  for (const char* name : {"a", "b", "c"}) {
-    balls +=
-        fmt::format(R"(<geom name="{}" size="0.1" mass="1" contype="0" conaffinity="0"/>)", name);
-  }
-  testing::FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {});
-  Simulation simulation(
-      testing::model_of(R"(<mujoco><option timestep="2e-5" gravity="5 0 -10"/><worldbody>
-      <geom name="wall" type="plane" size="9 9 1" contype="0" conaffinity="0"/><body pos="0 0 0.1">)" +
-                        std::string(Slope::kSlides) + balls + "</body></worldbody></mujoco>"),
-      controller, {}, 1);
-  std::vector<std::unique_ptr<WallContact>> contacts;
-  for (const char* name : {"a", "b", "c"}) {
-    contacts.push_back(std::make_unique<WallContact>(
-        simulation.model(), name, "wall",
-        std::make_unique<KelvinVoigt>(1e4, 200.0, KelvinVoigt::By::force), WallMotion(),
-        ContactFriction{1.0, 1e-9}));
-    contacts.back()->set_solid(true);
-    contacts.back()->set_contacts_with_friction(3);
-    simulation.add(*contacts.back());
-  }
-  for (int k = 0; k < 5000; ++k) simulation.step();
-  // The load over all dampers. Each ball slides in two directions, so that its m is half of 3 kg.
-  EXPECT_NEAR(simulation.data().qvel[0], 3.0 * 5.0 / (1.5 / 2e-5), 1e-8);
-}
-
 // The first touch is in a later stage of RK4's step.
 TEST(WallContact, FrictionActsFromTheFirstTouch) {
   testing::FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {});
@@ -385,9 +225,9 @@ TEST(WallContact, FrictionActsFromTheFirstTouch) {
       testing::model_of(
           R"(<mujoco><option timestep="1e-3" gravity="0 0 0" integrator="RK4"/><worldbody>
       <geom name="wall" type="plane" size="9 9 1" contype="0" conaffinity="0"/>
-      <body pos="0 0 0.1001">)" +
-          std::string(Slope::kSlides) +
-          R"(<geom name="ball" size="0.1" mass="1" contype="0" conaffinity="0"/></body></worldbody>
+      <body pos="0 0 0.1001"><joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
+        <joint type="slide" axis="0 0 1"/>
+        <geom name="ball" size="0.1" mass="1" contype="0" conaffinity="0"/></body></worldbody>
       </mujoco>)"),
       controller, {}, 1);
   WallContact contact(simulation.model(), "ball", "wall",
@@ -399,12 +239,6 @@ TEST(WallContact, FrictionActsFromTheFirstTouch) {
   EXPECT_EQ(contact.force_N(), 0.0);
   EXPECT_GT(contact.impulse_Ns(), 0.0);
   EXPECT_NEAR(1.0 - simulation.data().qvel[0], 0.5 * contact.impulse_Ns(), 1e-6);
-}
-
-// A ball that does not slide rolls: its inertia is 2/5 m r^2.
-TEST(WallContact, FrictionTurnsABall) {
-  const Slope slope("<freejoint/>", 2.0, 1.0);
-  EXPECT_NEAR(slope.acceleration_m_s2_, 2.0 / 1.4, 1e-3);
 }
 
 TEST(GeomContact, IsTheWeightOfTheBallThatRests) {
