@@ -167,6 +167,111 @@ class Estimate(unittest.TestCase):
         self.assertRegex(done.stderr, "did you mean plant.inertia")
 
 
+class Irregular(unittest.TestCase):
+    """Records with jitter and lost rows of a motor that a servo moves along 2 sin 2t. A load of
+    0.05 N m steps on it at 1 s. Its controller samples and holds at the record's times."""
+
+    T, J, C, LOAD, COUNT = 5e-4, 1e-3, 2e-4, 0.05, 2 * np.pi / 65536
+    OBSERVERS = {"stf": {}, "qvff": {}, "qbank": {"largest_disturbance": 0.5},
+                 "idob": {"poles": [-10, -20, -30]},
+                 "mdob": {"cutoff_rad_s": 20, "derivative_cutoff_rad_s": 50}}
+
+    def setUp(self):
+        self.folder = self.enterContext(temporary_folder())
+
+    def record(self, jitter=0.0, seed=1):
+        """Times, torques and positions; each time is shifted by at most `jitter` periods."""
+        t = np.arange(8001.0)
+        t[1:] += np.random.default_rng(seed).uniform(-jitter, jitter, 8000)
+        t *= self.T
+        q, v, rows = 0.0, 0.0, []
+        for now, after in zip(t, [*t[1:], t[-1]]):
+            u = 0.4 * (2 * np.sin(2 * now) - q) + 0.02 * (4 * np.cos(2 * now) - v)
+            rows.append((u, self.COUNT * round(q / self.COUNT)))
+            change = min(max(now, 1.0), after)
+            for h, force in ((change - now, u), (after - change, u - self.LOAD)):
+                end, decay = force / self.C, np.exp(-self.C / self.J * h)
+                q += end * h + (v - end) * (1 - decay) * self.J / self.C
+                v = end + (v - end) * decay
+        return (t, *np.array(rows).T)
+
+    def lose(self, record, share, random):
+        """Loses bursts of 1 to 60 rows up to this share, at least half a second apart."""
+        left = round(share * len(record[0]))
+        bursts, kept = left // 60 + 1, np.ones(len(record[0]), bool)
+        for i in reversed(range(bursts)):
+            length = left if i == 0 else min(left, random.integers(1, 61))
+            first = round((i + 0.5) * len(kept) / bursts)
+            kept[first:first + length] = False
+            left -= length
+        return [column[kept] for column in record]
+
+    def error(self, d_hat, t):
+        """From half a second after the load's step and from 0.2 s after each gap."""
+        gap_s = np.maximum.accumulate(np.where(np.diff(t, prepend=0) > 1.5 * self.T, t, 0))
+        late = (t >= 1.5) & (t >= gap_s + 0.2)
+        return np.sqrt(np.mean((d_hat - self.LOAD)[late] ** 2))
+
+    def filtered(self, name, t, u, y):
+        f = bw.Observer(name, *bw.damped_inertia(self.J, self.C), period_s=self.T, delta=self.COUNT,
+                        **self.OBSERVERS[name])
+        return f.filter(u, y, t).d[:, 0]
+
+    def estimated(self, record, *sets, observer="stf"):
+        """A run of `breakwater estimate`, and what it says."""
+        write(self.folder / "motor.csv", *record)
+        done = estimate(self.folder, "--csv", "motor.csv", "--observer", observer, "--out", "est",
+                        "--set", f"plant.inertia={self.J}", f"plant.viscous_friction={self.C}",
+                        f"encoder.quantum={self.COUNT!r}", *sets)
+        return bw.load(self.folder / "est"), done.stderr
+
+    def test_jitter_and_lost_rows_cost_little_beside_the_clean_record(self):
+        clean = self.record()
+        of_clean = {name: self.error(self.filtered(name, *clean), clean[0])
+                    for name in self.OBSERVERS}
+        for i in range(20):
+            random = np.random.default_rng(100 + i)
+            rows = self.lose(self.record(0.1 * i / 19, 100 + i), 0.05 * (7 * i % 20) / 19, random)
+            for name, alone in of_clean.items():
+                found = self.error(self.filtered(name, *rows), rows[0])
+                self.assertLessEqual(found, max(1.5 * alone, 0.01 * self.LOAD), (name, i))
+
+    def test_the_default_filter_does_not_estimate_a_load_from_jitter(self):
+        run, said = self.estimated(self.record(0.04, 3))
+        self.assertLessEqual(np.abs(run["d_hat_Nm"][run.time_s >= 0.1]).max(), 1.5 * self.LOAD)
+        self.assertLessEqual(self.error(run["d_hat_Nm"], run.time_s), 0.01 * self.LOAD)
+        self.assertNotIn("does not explain", said)
+
+    def test_one_lost_row_does_not_start_the_filter_again(self):
+        run, _ = self.estimated([np.delete(column, 5000) for column in self.record()])
+        self.assertEqual(run.metrics["gap_count"], 1)
+        self.assertLessEqual(np.abs(run["d_hat_Nm"][run.time_s >= 1.2]).max(), 1.1 * self.LOAD)
+        self.assertEqual(run["stretch"][-1], 1)
+
+    def test_uncertain_times_act_as_a_sensors_error_that_grows_with_the_speed(self):
+        """The record has a constant period, but the samples were not taken so."""
+        _, u, y = self.record(0.2, 5)
+        rows = self.T * np.arange(len(u)), u, y
+        believed, said = self.estimated(rows)
+        self.assertRegex(said, "the model does not explain the data: .*csv.time_std_s")
+        known, said = self.estimated(rows, f"csv.time_std_s={0.2 * self.T / np.sqrt(3)}")
+        self.assertNotIn("does not explain", said)
+        largest = [np.abs(run["d_hat_Nm"][run.time_s >= 0.1]).max() for run in (known, believed)]
+        self.assertLess(largest[0], 0.3 * largest[1])
+        self.assertLessEqual(self.error(known["d_hat_Nm"], known.time_s), 0.02 * self.LOAD)
+
+    def test_a_model_that_does_not_explain_the_data_is_warned_of(self):
+        clean = self.record()
+        for observer in ("stf", "qvff", "qbank", "idob"):
+            self.assertNotIn("does not explain", self.estimated(clean, observer=observer)[1])
+        for wrong in ("csv.input_scale=-1", "csv.position_scale=57.3"):
+            self.assertIn("does not explain", self.estimated(clean, wrong, observer="idob")[1])
+
+    def test_qbank_needs_no_tuning(self):
+        t, u, y = self.record(0.05, 7)
+        self.assertLessEqual(self.error(self.filtered("qbank", t, u, y), t), 0.01 * self.LOAD)
+
+
 class Log(unittest.TestCase):
     def test_datasets_have_units_and_scales(self):
         with temporary_folder() as folder:
