@@ -14,8 +14,6 @@ import unittest
 
 BIN = pathlib.Path(sys.argv.pop()).resolve() if len(sys.argv) > 1 else None
 
-FAILS = ["--set", "fault.sensor=q1", "fault.at_s=0.3"]  # a run of the arm for half a second
-
 
 def environment(**changes):
     """The environment with changes; None removes a variable."""
@@ -60,8 +58,3 @@ class Folder(unittest.TestCase):
         os.close(leader)
         process.wait()
         return seen.decode()
-
-    def push(self, name, *more, status=0):
-        """Half a second of arm_push in folder `name`."""
-        return self.call("arm_push", "--quiet", "--duration", "0.5", "--out", name, *more,
-                         status=status)

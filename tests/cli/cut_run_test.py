@@ -17,7 +17,7 @@ import unittest
 import h5py
 import numpy as np
 
-from called_program import BIN, FAILS, Folder, environment
+from called_program import BIN, Folder, environment
 
 STUDY = "--study" in sys.argv
 if STUDY:
@@ -153,13 +153,6 @@ class CutRun(Folder):
         self.assertRegex(lines[3], r"^\.run\.partial-")
         self.assertGreater(self.rows(self.folder / "saved"), 0)
 
-    def test_a_file_limit_is_told_before_the_run(self):
-        done = subprocess.run(["sh", "-c", f"ulimit -f 4000; exec {BIN}/motor_estimation --quiet --duration 100 "
-                               "--set record.stream=true --out run"], cwd=self.folder, text=True, capture_output=True)
-        self.assertEqual(done.returncode, 2)
-        self.assertRegex(done.stderr, r"^\S*/log.h5: cannot be written \(File too large\)\n$")
-        self.assertEqual(list(self.folder.iterdir()), [])
-
     def test_a_signal_leaves_the_log(self):
         for sent in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             partial, status, err = self.cut(sent)
@@ -195,25 +188,6 @@ class CutRun(Folder):
         self.assertEqual(err, f"{partial.name}: a process still writes this run\n")
         process.kill()
         process.communicate()
-
-    def test_a_run_that_fails_or_ends_is_that_without_a_stream(self):
-        for words in ((), FAILS):
-            status = 3 if words else 0
-            self.push("memory", *words, status=status)
-            self.push("stream", *(words or ["--set"]), "record.stream=true", status=status)
-            memory, stream = self.folder / "memory", self.folder / "stream"
-            self.assertEqual({path.name for path in memory.iterdir()},
-                             {path.name for path in stream.iterdir()})
-            self.assertEqual((memory / "log.h5").read_bytes(), (stream / "log.h5").read_bytes())
-            hashes = [json.loads((run / "manifest.json").read_text())["state_hash"]
-                      for run in (memory, stream)]
-            self.assertEqual(*hashes)
-
-    def test_refuses_what_needs_the_log_in_memory(self):
-        _, err = self.call("motor_estimation", *STREAM, "--csv", status=2)
-        self.assertEqual(err, "--csv: needs the log in memory, so leave out record.stream=true\n")
-        _, err = self.call("motor_estimation", *STREAM, "record.compression=3", status=2)
-        self.assertIn("record.stream: needs record.compression=0", err)
 
     def test_memory_does_not_grow_with_the_run(self):
         def peak_kB(duration, *more):

@@ -1,4 +1,4 @@
-"""Runs without `log_hash` in the manifest, so that their logs may have any origin.
+"""Damaged runs, and runs without `log_hash` in the manifest, so that their logs may have any origin.
 
 Usage: foreign_run_test.py BIN_FOLDER [--study]
 """
@@ -119,6 +119,56 @@ class ForeignRun(Folder):
                 self.assertEqual(len(lines), 1, lines)
                 refused += status == 2
         self.assertGreater(refused, MUTATIONS // 10, "hardly any damage was done")
+
+
+class DamagedRun(Folder):
+    """Each file of a run with wrong values: the line of each reader says so, and names the file."""
+
+    def setUp(self):
+        super().setUp()
+        self.call("motor_estimation", "--quiet", "--duration", "0.1", "--out", "run")
+        self.manifest, self.metrics = (json.loads((self.folder / f"run/{name}.json").read_text()) for name in ("manifest", "metrics"))
+
+    def refuses(self, name, content, part, is_wrong=True):
+        """Whether both readers refuse the content of a file by a line with this part, if it is wrong."""
+        (self.folder / "run" / f"{name}.json").write_text(content if isinstance(content, str) else json.dumps(content))
+        for command in (["diff", "run", "run"], ["report", "run", "--no-replay", "--out", "page"]):
+            with self.subTest(command=command[0], content=content):
+                status, lines = read(command, self.folder)
+                self.assertEqual(status, 2 if is_wrong else status, lines)
+                self.assertIn(status, (0, 2), lines)
+                self.assertTrue(status == 0 or len(lines) == 1, lines)
+                self.assertTrue(not is_wrong or part in lines[0], lines)
+
+    def test_every_wrong_value_of_the_manifest(self):
+        self.assertEqual([len(self.manifest["models"]["models/motor.xml"]), len(self.manifest["program"])], [16, 16])
+        for key, value in self.manifest.items():
+            for wrong in (None, -1.5, True, "", [], {"a": {}}, 1e300):
+                is_typed = type(wrong) is not type(value) and not (isinstance(wrong, float) and isinstance(value, (int, float)))
+                self.refuses("manifest", {**self.manifest, key: wrong}, "manifest.json: ",
+                             is_typed and key in ("scenario", "case", "seed", "status", "program", "models"))
+            left = {name: value for name, value in self.manifest.items() if name != key}
+            self.refuses("manifest", left, "manifest.json: ", key in ("scenario", "case", "seed", "status", "state_hash"))
+        for whole in ("", "{", "[]", "null", '{"scenario": 1, "state_hash": 2}'):
+            self.refuses("manifest", whole, "run")
+        failed = {**self.manifest, "status": "failed"}  # it has a time and a reason
+        self.refuses("manifest", failed, "time_s: is missing")
+        self.refuses("manifest", {**failed, "time_s": "soon", "reason": "x"}, "time_s: must be a number")
+        self.refuses("manifest", {**failed, "time_s": 1.0, "reason": "x"}, "", False)
+
+    def test_every_wrong_value_of_the_metrics(self):
+        self.refuses("metrics", {**self.metrics, "more_m": 1}, "metrics.json: is damaged")
+        del self.manifest["metrics_hash"]  # as in runs of before
+        (self.folder / "run/manifest.json").write_text(json.dumps(self.manifest))
+        for key in self.metrics:
+            for wrong in (True, "1", [], {}):
+                self.refuses("metrics", {**self.metrics, key: wrong}, f"metrics.json: {key}: must be a number")
+            self.refuses("metrics", {**self.metrics, key: None}, "", False)
+        for whole in ("", "{", "[1]", "3", '{"a": 1e999}'):
+            self.refuses("metrics", whole, "metrics.json: is no object of numbers")
+        self.refuses("metrics", '{\n"a": 1,\n2}', " (line 3 is no JSON)")
+        (self.folder / "run/metrics.json").unlink()
+        self.assertIn("it has no metrics.json", read(["diff", "run", "run"], self.folder)[1][0])
 
 
 if __name__ == "__main__":

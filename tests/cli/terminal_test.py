@@ -1,5 +1,4 @@
-"""The output of a run on a terminal and into a pipe: progress with present measurements,
-colours, tables within the width, JSON.
+"""The output of a run on a terminal and into a pipe: progress with present measurements, tables within the width.
 
 Usage: terminal_test.py BIN_FOLDER
 """
@@ -8,7 +7,7 @@ import json
 import re
 import unittest
 
-from called_program import FAILS, Folder
+from called_program import Folder
 
 # Contact at about 5.5 s of 20, so there are metrics to show.
 WALL = ["arm_wall_contact", "--duration", "20", "--set", "wall.solid_from_s=4", "force.from_s=5",
@@ -63,21 +62,6 @@ class Progress(Folder):
         self.assertEqual(self.on_terminal(*WALL, "--quiet", "--out", "seen"), "")
 
 
-class Colours(Folder):
-    FAILING = ["arm_push", "--duration", "0.5", "--out", "run", *FAILS]
-
-    def test_are_on_a_terminal_alone(self):
-        self.assertIn("\033[31mfailed\033[0m", self.on_terminal(*self.FAILING))
-        _, err = self.call(*self.FAILING, status=3)
-        self.assertIn("failed", err)
-        self.assertNotIn("\033", err)
-
-    def test_no_color_is_obeyed(self):
-        for changes in ({"NO_COLOR": "1"}, {"TERM": "dumb"}):
-            self.assertNotIn("\033[31m", self.on_terminal(*self.FAILING, **changes))
-        self.assertIn("\033[31m", self.on_terminal(*self.FAILING, NO_COLOR=""))
-
-
 class Tables(Folder):
     ALL = ["motor_estimation", "--case", "all", "--out", "all"]
 
@@ -91,35 +75,6 @@ class Tables(Folder):
                 self.assertLessEqual(len(line), columns, line)
         for case in self.call("motor_estimation", "--list-cases")[0].split():
             self.assertIn(case, out)
-
-    def test_run_as_json_has_what_the_folders_have(self):
-        told = json.loads(self.call(*self.ALL, "--json")[0])
-        self.assertEqual(told["scenario"], "motor_estimation")
-        self.assertEqual([run["case"] for run in told["runs"]],
-                         self.call("motor_estimation", "--list-cases")[0].split())
-        for run in told["runs"]:
-            self.assertEqual(run["status"], "complete")
-            self.assertGreater(run["metrics"]["rmse_position_rad"], 0.0)
-            self.assertEqual(run["metrics"],
-                             json.loads((self.folder / run["folder"] / "metrics.json").read_text()))
-        failed = json.loads(self.call("arm_push", "--duration", "0.5", "--json", "--out", "f", *FAILS,
-                                      status=3)[0])["runs"][0]
-        self.assertEqual(failed["status"], "failed")
-        self.assertAlmostEqual(failed["time_s"], 0.3, delta=0.01)
-        self.assertTrue(failed["reason"])
-
-    def test_compare_as_json_has_values_and_differences(self):
-        for folder, case in (("a", "stf"), ("b", "idob")):
-            self.call("motor_estimation", "--quiet", "--case", case, "--out", folder)
-        told = json.loads(self.call("breakwater", "compare", "a", "b", "--json", "--no-replay")[0])
-        metrics = [json.loads((self.folder / run / "metrics.json").read_text()) for run in "ab"]
-        self.assertEqual([run["folder"] for run in told["runs"]], ["a", "b"])
-        self.assertTrue(told["metrics"])
-        for row in told["metrics"]:
-            values = [of.get(row["name"]) for of in metrics]
-            self.assertEqual(row["values"], values)
-            if None not in values:
-                self.assertAlmostEqual(row["differences"][1], values[1] - values[0])
 
 
 if __name__ == "__main__":

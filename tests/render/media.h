@@ -9,8 +9,26 @@
 #include <vector>
 
 #include "shell.h"
+#include "support.h"
 
 namespace breakwater::testing {
+
+/// Runs programs in a temporary folder.
+class ProgramTest : public ::testing::Test {
+ protected:
+  ProgramTest() { std::filesystem::create_directories(folder_); }
+
+  /// The output of a command of ours, as a shell reads it.
+  std::string ran(const std::string& command) const {
+    return output_of("cd " + folder_.string() + " && " + (bin_folder() / command).string());
+  }
+  void write(const std::string& file, const std::string& text) const {
+    std::ofstream(folder_ / file) << text;
+  }
+  std::string read(const std::string& file) const { return text_of(folder_ / file); }
+
+  const TemporaryPath folder_{"programs"};
+};
 
 /// One property of a video's stream, by ffprobe.
 inline std::string probe(const std::filesystem::path& video, const std::string& property) {

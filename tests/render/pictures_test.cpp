@@ -1,13 +1,10 @@
 // Pictures and videos of runs: they are right and repeatable, and their failure does not harm the
 // run.
-#include <csignal>
-
 #include <nlohmann/json.hpp>
 
 #include <breakwater/pictures/staging.h>
 #include <breakwater/sim/model.h>
 #include "catalogue.h"
-#include "cli/program.h"
 #include "environment.h"
 #include "render/media.h"
 #include "tables.h"
@@ -17,7 +14,6 @@ namespace fs = std::filesystem;
 using testing::Environment;
 using testing::Png;
 using testing::probe;
-using testing::ProgramResult;
 
 // The wall experiment in 6 s: contact at about 5.53 s.
 const std::string kShortWall =
@@ -26,6 +22,7 @@ const std::string kShortWall =
 
 class Pictures : public testing::ProgramTest {
  protected:
+  nlohmann::json json(const std::string& file) const { return nlohmann::json::parse(read(file)); }
   // A run of the wall experiment in folder NAME.
   void wall(const std::string& name, const std::string& case_name = "proposed-2N") {
     ran(kShortWall + "--case " + case_name + " --out " + name);
@@ -63,17 +60,6 @@ TEST_F(Pictures, PicturesOfOneMomentAreAlikeAndNameTheirRenderer) {
   // Different pictures differ.
   ran("breakwater still run --at 0.3 --size 320x180 --look full --camera top");
   EXPECT_GT(mean_difference(Png(folder_ / "run/still.png"), Png(folder_ / "egl.png")), 3.0);
-}
-
-TEST_F(Pictures, AnInterruptedVideoLeavesNothing) {
-  wall("run");
-  const std::vector<std::string> before = entries();
-  const ProgramResult result =
-      run("breakwater video run --from 0 --to 6 --speed 0.01", has_made_something(), SIGINT);
-  EXPECT_EQ(result.status, 130) << result.err;
-  EXPECT_EQ(testing::lines_of(result.err).size(), 1U) << result.err;
-  EXPECT_TRUE(has(result.err, "interrupted"));
-  EXPECT_EQ(entries(), before);
 }
 
 TEST_F(Pictures, RunsStandSideBySide) {

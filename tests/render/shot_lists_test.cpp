@@ -1,7 +1,6 @@
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/pictures/staging.h>
 #include "catalogue.h"
-#include "cli/program.h"
 #include "render/media.h"
 
 namespace breakwater::shot_lists_test {
@@ -86,8 +85,9 @@ TEST_P(ShotLists, FitARunOfTheirScenario) {
       std::to_string(shots.to_s));
 
   constexpr int kFps = 2;
-  EXPECT_EQ(
-      ran("breakwater video run --look fast --size 640x480 --fps " + std::to_string(kFps)).err, "");
+  EXPECT_EQ(ran("breakwater video run --look fast --size 640x480 --fps " + std::to_string(kFps) +
+                " 2>&1 > said"),
+            "");
   const auto frames = std::llround((shots.to_s - shots.from_s) / shots.speed * kFps);
   EXPECT_EQ(testing::probe(folder_ / "run/video.mp4", "nb_read_frames"), std::to_string(frames));
 

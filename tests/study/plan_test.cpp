@@ -1,9 +1,12 @@
 // A study before it runs: values, points, and what is compared.
 #include <fmt/format.h>
 
+#include <breakwater/config/config.h>
+#include <breakwater/record/file_hash.h>
 #include <breakwater/study/plan.h>
 #include <breakwater/study/study.h>
 #include <breakwater/study/study_comparison.h>
+#include <breakwater/study/study_folder.h>
 #include <breakwater/study/sweep.h>
 #include <breakwater/study/value_list.h>
 #include "support.h"
@@ -238,6 +241,19 @@ TEST(StudyComparison, AHalfFinishedSampleMakesNoBlock) {
   const PairedResults of_seeds = results_of(plan(WorldUnit::seeds), never, missing);
   EXPECT_EQ(of_seeds.samples.size(), 8 * 3 - 1);
   EXPECT_EQ(compare_candidates(of_seeds).blocks, 6U);
+}
+
+TEST(StudyFolder, TwoStudiesCannotBeginInIt) {
+  const testing::TemporaryPath folder{"study_folder"};
+  const ScenarioFile file(testing::source_file("tests/study/ishigami/ishigami.toml"), "ishigami");
+  const StudyFolder study(folder, kSweep);
+  study.make("a = 1\n", file);
+  EXPECT_TRUE(has(testing::text_of(folder / "study.toml"), file_hash(file.file())));
+  EXPECT_NO_THROW(study.make("a = 1\n", file));  // as another process at the same time
+  EXPECT_NO_THROW(study.make("a = 1\n\n[slurm]\naccount = \"mine\"\n", file));
+  EXPECT_THROW(study.make("a = 2\n", file), std::invalid_argument);
+  study.make_anew("a = 2\n", file);
+  EXPECT_TRUE(has(testing::text_of(folder / "study.toml"), "a = 2\n"));
 }
 
 }  // namespace breakwater::plan_test

@@ -6,7 +6,6 @@
 #include <breakwater/pages/compare.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/page_chart.h>
-#include <breakwater/pictures/finished_run.h>
 #include <breakwater/pictures/replay_data.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/thesis/experiments.h>
@@ -352,114 +351,16 @@ TEST(Experiments, EveryReasonOfTheShippedListHasACause) {
   }
 }
 
-// A short run in a folder, for damage.
-class DamagedRun : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const std::string scenario = "motor_estimation";
-    std::vector<PreparedRun> runs;
-    runs.push_back(testing::prepare(scenario, testing::scenario_file(scenario).default_case(),
-                                    {"run.duration_s=0.1"}));
-    execute_runs(runs, {folder_}, {.csv = false, .quiet = true, .stop = nullptr});
-    manifest_ = nlohmann::json::parse(std::ifstream(folder_ / "manifest.json"));
-    metrics_ = nlohmann::json::parse(std::ifstream(folder_ / "metrics.json"));
-  }
-
-  // The error message of each reader of runs; "" without an error. An exception other than
-  // std::invalid_argument would count as an internal error.
-  std::vector<std::string> complaints() const {
-    const std::vector<std::string> all = {
-        complaint_of([&] { const SavedRun run(folder_); }),
-        complaint_of([&] { const FinishedRun run(testing::catalogue(), folder_); })};
-    for (const std::string& complaint : all) EXPECT_TRUE(lacks(complaint, "\n"));
-    return all;
-  }
-  // The same after a file of the run gets this content.
-  template <typename Content>
-  std::vector<std::string> complaints_of(const std::string& file, const Content& content) const {
-    std::ofstream(folder_ / file) << content;
-    return complaints();
-  }
-
-  const testing::TemporaryPath folder_{"damaged"};
-  nlohmann::json manifest_;
-  nlohmann::json metrics_;
-};
-
-TEST_F(DamagedRun, HandlesEveryWrongValueOfTheManifest) {
-  const std::set<std::string> needed = {"scenario", "case", "seed", "status"};
-  const std::set<std::string> read = {"scenario", "case",   "seed",      "status",
-                                      "program",  "models", "state_hash"};
-  ASSERT_EQ(complaints(), std::vector<std::string>(2));
-  ASSERT_EQ(manifest_["models"].size(), 1U);
-  EXPECT_EQ(manifest_["models"]["models/motor.xml"].get<std::string>().size(), 16U);
-  EXPECT_EQ(manifest_["program"].get<std::string>().size(), 16U);
-  std::vector<std::string> keys;
-  for (const auto& [key, value] : manifest_.items()) keys.push_back(key);
-  for (const std::string& key : keys) {
-    const auto refused = [&](const nlohmann::json& manifest, bool is_wrong) {
-      for (const std::string& complaint : complaints_of("manifest.json", manifest)) {
-        EXPECT_TRUE(!is_wrong || complaint.find("manifest.json: ") != std::string::npos)
-            << key << " = " << manifest.value(key, nlohmann::json("missing")) << ": " << complaint;
-      }
-    };
-    for (const char* wrong : {"null", "-1.5", "true", "\"\"", "[]", "{\"a\":{}}", "1e300"}) {
-      nlohmann::json manifest = manifest_;
-      manifest[key] = nlohmann::json::parse(wrong);
-      const bool is_typed = manifest[key].type() != manifest_[key].type();
-      refused(manifest, read.contains(key) && key != "state_hash" && is_typed);
-    }
-    nlohmann::json manifest = manifest_;
-    manifest.erase(key);
-    refused(manifest, needed.contains(key) || key == "state_hash");
-  }
-  for (const char* whole : {"", "{", "[]", "null", "{\"scenario\": 1, \"state_hash\": 2}"}) {
-    for (const std::string& complaint : complaints_of("manifest.json", whole)) {
-      EXPECT_NE(complaint, "") << whole;
-    }
-  }
-  // A failed run has a time and a reason.
-  manifest_["status"] = "failed";
-  EXPECT_TRUE(has(complaints_of("manifest.json", manifest_)[0], "time_s: is missing"));
-  manifest_["time_s"] = "soon";
-  manifest_["reason"] = "x";
-  EXPECT_TRUE(has(complaints_of("manifest.json", manifest_)[0], "time_s: must be a number"));
-  manifest_["time_s"] = 1.0;
-  EXPECT_EQ(complaints_of("manifest.json", manifest_)[0], "");
-}
-
-TEST_F(DamagedRun, HandlesEveryWrongValueOfTheMetrics) {
-  ASSERT_FALSE(metrics_.empty());
-  EXPECT_TRUE(has(complaints_of("metrics.json", metrics_)[0], "metrics.json: is damaged"));
-  manifest_.erase("metrics_hash");  // as in runs of before
-  std::ofstream(folder_ / "manifest.json") << manifest_;
-  for (const auto& [key, value] : metrics_.items()) {
-    for (const char* wrong : {"true", "\"1\"", "[]", "{}"}) {
-      nlohmann::json metrics = metrics_;
-      metrics[key] = nlohmann::json::parse(wrong);
-      EXPECT_TRUE(has(complaints_of("metrics.json", metrics)[0],
-                      "metrics.json: " + key + ": must be a number"));
-    }
-    nlohmann::json metrics = metrics_;
-    metrics[key] = nullptr;
-    EXPECT_EQ(complaints_of("metrics.json", metrics)[0], "");
-    EXPECT_FALSE(SavedRun(folder_).metric(key));
-    metrics.erase(key);
-    EXPECT_EQ(complaints_of("metrics.json", metrics)[0], "");
-  }
-  for (const char* whole : {"", "{", "[1]", "3", "{\"a\": 1e999}"}) {
-    EXPECT_TRUE(
-        has(complaints_of("metrics.json", whole)[0], "metrics.json: is no object of numbers"));
-  }
-  EXPECT_TRUE(has(complaints_of("metrics.json", "{\n\"a\": 1,\n2}")[0], " (line 3 is no JSON)"));
-  std::filesystem::remove(folder_ / "metrics.json");
-  EXPECT_TRUE(has(complaints()[0], "it has no metrics.json"));
-}
-
-TEST_F(DamagedRun, IsReadToItsEndIfAnotherRunReplacesIt) {
-  const SavedRun run(folder_);
+TEST(SavedRun, IsReadToItsEndIfAnotherRunReplacesIt) {
+  const testing::TemporaryPath folder{"replaced"};
+  const std::string scenario = "motor_estimation";
+  std::vector<PreparedRun> runs;
+  runs.push_back(testing::prepare(scenario, testing::scenario_file(scenario).default_case(),
+                                  {"run.duration_s=0.1"}));
+  execute_runs(runs, {folder}, {.csv = false, .quiet = true, .stop = nullptr});
+  const SavedRun run(folder);
   const std::size_t rows = run.signals().front().rows;
-  std::filesystem::remove_all(folder_);
+  std::filesystem::remove_all(folder);
   for (const LogEntry& entry : run.signals()) {
     EXPECT_EQ(run.dataset(entry.group + "/" + entry.name).rows, rows) << entry.name;
   }
