@@ -53,7 +53,7 @@ ParameterInterval profile_interval(const AxisData& data, const FreeParameters& f
   others[parameter] = false;
   ParameterInterval interval;
   interval.better = fit;
-  interval.profile.emplace_back(fit.values[parameter], 0.0);
+  interval.highest = {fit.values[parameter], 0.0};
   // The curvature at the fit may be that of a point. The search goes on to where a parameter counts
   // as unknown.
   const double known = kRoot95 * known_parameter(parameter).largest_std;
@@ -87,7 +87,7 @@ ParameterInterval profile_interval(const AxisData& data, const FreeParameters& f
       }
       if (nearest.deviance < interval.better.deviance) interval.better = nearest;
       if (rise <= kChiSquare95 && sign * (value - inside) > 0.0) inside = value;
-      interval.profile.emplace_back(value, rise);
+      interval.highest = std::max(interval.highest, {value, rise});
       const bool is_at_end =
           value == moved_parameter(data, parameter, fit.values[parameter], sign * 2.0 * reach);
       if (is_at_end && rise <= kChiSquare95) return value;
@@ -109,7 +109,6 @@ ParameterInterval profile_interval(const AxisData& data, const FreeParameters& f
   };
   interval.low = side(-1.0);
   interval.high = side(1.0);
-  std::sort(interval.profile.begin(), interval.profile.end());
   return interval;
 }
 

@@ -15,8 +15,8 @@ inline constexpr double kChiSquare95 = 3.841458820694124;  ///< one degree of fr
 struct ParameterInterval {
   double low = 0.0;
   double high = 0.0;
-  std::vector<std::pair<double, double>> profile;  ///< (value, rise of −2 ln L), ascending
-  bool is_closed = true;                           ///< both ends were found
+  std::pair<double, double> highest;  ///< largest value that was tried, and its rise of −2 ln L
+  bool is_closed = true;              ///< both ends were found
   bool is_known = true;  ///< the rise is large enough where the parameter counts as unknown
   AxisFit better;        ///< the most likely fit of all, which may be above the given one
 };

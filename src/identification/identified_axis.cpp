@@ -300,7 +300,7 @@ ParameterEstimate no_backlash(const AxisData& data, const FreeParameters& free, 
       profile_interval(data, free, fit, kBacklash, guess, Eigen::VectorXd::Zero(count));
   if (interval.better.deviance < fit.deviance - kChiSquare95) better = interval.better;
   ParameterEstimate estimate{.parameter = kBacklash, .high = interval.high};
-  estimate.is_identifiable = shows_spring && interval.profile.back().second > kClear * kChiSquare95;
+  estimate.is_identifiable = shows_spring && interval.highest.second > kClear * kChiSquare95;
   if (!estimate.is_identifiable) explain(estimate, {});
   return estimate;
 }

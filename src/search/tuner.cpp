@@ -259,33 +259,20 @@ std::vector<Evaluation> search_case(TuningPlan& plan, Runs& runs, std::size_t tu
   return evaluations;
 }
 
-// The objectives and numbers of the feasible evaluations.
-struct Feasible {
-  std::vector<std::size_t> numbers;
-  Vectors objectives;
-};
-
-Feasible feasible(const Tuning& tuning, const std::vector<Evaluation>& evaluations) {
-  Feasible all;
-  for (std::size_t i = 0; i < evaluations.size(); ++i) {
-    if (!evaluations[i].is_feasible()) continue;
-    all.numbers.push_back(i);
-    all.objectives.push_back(minimised(tuning, evaluations[i]));
-  }
-  return all;
-}
-
 std::vector<FrontPoint> front_points(const Tuning& tuning,
                                      const std::vector<Evaluation>& evaluations) {
-  const Feasible all = feasible(tuning, evaluations);
-  std::vector<std::size_t> front = front_of(all.objectives);
-  std::stable_sort(front.begin(), front.end(), [&](std::size_t a, std::size_t b) {
-    return all.objectives[a] < all.objectives[b];
-  });
-  std::vector<FrontPoint> points;
-  for (const std::size_t i : front) {
-    points.push_back({all.numbers[i], evaluations[all.numbers[i]]});
+  std::vector<std::size_t> feasible;
+  Vectors objectives;
+  for (std::size_t i = 0; i < evaluations.size(); ++i) {
+    if (!evaluations[i].is_feasible()) continue;
+    feasible.push_back(i);
+    objectives.push_back(minimised(tuning, evaluations[i]));
   }
+  std::vector<std::size_t> front = front_of(objectives);
+  std::stable_sort(front.begin(), front.end(),
+                   [&](std::size_t a, std::size_t b) { return objectives[a] < objectives[b]; });
+  std::vector<FrontPoint> points;
+  for (const std::size_t i : front) points.push_back({feasible[i], evaluations[feasible[i]]});
   return points;
 }
 
