@@ -286,11 +286,6 @@ LoopCurve designed_curve(const AxisOfPlant& axis, const AnalysisOptions& options
   return curve;
 }
 
-// All measured responses of one loop.
-struct SineResponses {
-  std::vector<SineResponse> of_force, of_noise;
-};
-
 LoopPoint measured_point(const SineResponse& force, const SineResponse& noise) {
   LoopPoint p = point(force.omega_rad_s, force.gain, noise.gain);
   p.spread = force.spread;
@@ -374,14 +369,10 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
 
   // The lowest frequencies of all loops come first, because they take the longest.
   const auto points = static_cast<std::size_t>(options.points);
-  std::vector<SineResponses> measured(loops.size());
-  for (SineResponses& one : measured) {
-    one.of_force.resize(points);
-    one.of_noise.resize(points);
-  }
   std::vector<std::vector<double>> omegas;
   for (const double to : to_rad_s) omegas.push_back(frequencies(options.from_rad_s, to, points));
   std::vector<double> times_s(2 * points * loops.size());
+  std::vector<SineResponse> measured(times_s.size());  // of the force, then of the noise
   for (std::size_t task = 0; task < times_s.size(); ++task) {
     constexpr double kPeriods = 4.0;
     times_s[task] = options.settle_s + kPeriods * 2.0 * std::numbers::pi /
@@ -401,15 +392,14 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
             .amplitude = is_force ? force_amplitude(axis, options) : noise_amplitude(axis, options),
             .settle_s = options.settle_s,
             .stop = options.stop};
-        (is_force ? measured[loop].of_force : measured[loop].of_noise)[i] =
-            measure_sine(axis, test);
+        measured[task] = measure_sine(axis, test);
         progress.finish(task);
       },
       options.jobs);
   for (std::size_t loop = 0; loop < loops.size(); ++loop) {
     for (std::size_t i = 0; i < points && !results[loop].designed.is_unstable; ++i) {
-      results[loop].measured.points.push_back(
-          measured_point(measured[loop].of_force[i], measured[loop].of_noise[i]));
+      const std::size_t task = 2 * (i * loops.size() + loop);
+      results[loop].measured.points.push_back(measured_point(measured[task], measured[task + 1]));
     }
     judge(results[loop].designed, results[loop].estimates);
     judge(results[loop].measured, results[loop].estimates);
