@@ -14,14 +14,13 @@ struct QpSize {
 /// 5/60, 3/52, 3/212 and 114/456 variables and one-sided constraints.
 inline constexpr QpSize kQpSizes[] = {{5, 30}, {3, 26}, {3, 106}, {114, 228}};
 
-/// Constraints are random, sums of consecutive variables as in Δu form, multiples or near copies of
-/// others, or zero.
+/// Constraints are random, sums of consecutive variables as in Δu form, or multiples of others.
 inline QpModel random_qp_model(Random& random, const QpSize& size) {
   const auto [n, m] = size;
   QpModel model;
   const Eigen::MatrixXd root = random.matrix(n, n);
   model.H = root.transpose() * root;
-  model.H.diagonal().array() += std::pow(10.0, random.uniform(-6.0, 1.0));
+  model.H.diagonal().array() += std::pow(10.0, random.uniform(-3.0, 1.0));
   model.Omega = random.matrix(m, n);
   for (Eigen::Index i = 1; i < m; ++i) {
     const double kind = random.uniform(0.0, 1.0);
@@ -31,11 +30,6 @@ inline QpModel random_qp_model(Random& random, const QpSize& size) {
       model.Omega.row(i).head(length).setOnes();
     } else if (kind < 0.35) {
       model.Omega.row(i) = random.uniform(-2.0, 2.0) * model.Omega.row(i - 1);
-    } else if (kind < 0.4) {
-      const double off = std::pow(10.0, random.uniform(-9.0, -3.0));
-      model.Omega.row(i) = model.Omega.row(i - 1) + off * model.Omega.row(i);
-    } else if (kind > 0.995) {
-      model.Omega.row(i).setZero();
     }
   }
   return model;

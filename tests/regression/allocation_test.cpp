@@ -138,6 +138,10 @@ TEST(Allocation, QuadraticProgramsDoNotAllocate) {
   allocations = 0;
   for (int k = 0; k < 200; ++k) {
     QpModel model = testing::random_qp_model(random, {2 + k % 23, 2 + k % 59});
+    model.H(0, 0) *= std::pow(10.0, k % 8);
+    for (Eigen::Index i = 2; i < model.Omega.rows(); i += 5) {  // near copies
+      model.Omega.row(i) = model.Omega.row(i - 1) + 1e-7 * model.Omega.row(i);
+    }
     QpInput input = testing::random_feasible_input(random, model);
     if (k % 2 == 1) testing::make_infeasible(random, model, input, std::pow(10.0, k % 7 - 6));
     const auto solver = make_qp_solver(QpSolverKind::active_set, model, 1);

@@ -276,8 +276,9 @@ TEST(Comparisons, AnIntervalHasTheUnitOfItsValues) {
 PairedResults results_of(const std::vector<std::string>& metrics,
                          const std::vector<Eigen::MatrixXd>& values) {
   PairedResults results;
-  const Eigen::Index candidates = values.at(0).cols();
-  for (char name = 'a'; name < 'a' + candidates; ++name) results.candidates.emplace_back(1, name);
+  for (Eigen::Index c = 0; c < values.at(0).cols(); ++c) {
+    results.candidates.emplace_back(1, static_cast<char>('a' + c % 26));
+  }
   results.metrics = metrics;
   results.values = values;
   results.failed = Eigen::MatrixXd::Zero(values[0].rows(), candidates);
