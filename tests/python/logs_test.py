@@ -1,6 +1,7 @@
 """Second implementations on the logs of runs. They have each metric from the rows of the scenario's
 file, the laws of the arm and of a motor, the drive's friction, and impacts."""
 
+import itertools
 import pathlib
 import re
 import tomllib
@@ -433,6 +434,56 @@ class Drive(unittest.TestCase):
             self.assertTrue((run["friction_Nm"] * v < 0)[:-1][slides].all())
             held = bw.run("motor_estimation", "dkf", set=law)
             self.assertLess(held.metrics["rmse_disturbance_Nm"], 0.1)
+
+    def motor(self, u, steps, step_s=1e-4, plant={}, **keys):
+        """The motor under a constant command."""
+        class Constant(bw.Controller):
+            def update(self, t, y):
+                return u
+
+        return bw.run("motor_estimation", controller=Constant(), set={
+            "physics.timestep_s": step_s, "control.period_s": step_s, "disturbance.kind": "none",
+            "run.duration_s": step_s * steps, **plant,
+            **{f"drive.{key}": value for key, value in keys.items()}})
+
+    def test_the_current_loop_has_the_step_response_of_its_closed_form(self):
+        """w^2/(s^2 + 2 z w s + w^2), or w/(s + w). The force of the first order is the mean over a
+        step, so that its impulse is exact."""
+        for omega, zeta in itertools.product((50.0, 1000.0, 3e4), (0.0, 0.3, 0.7, 1.0, 2.5)):
+            run = self.motor(1.0, 300, current_bandwidth_rad_s=omega, current_damping_ratio=zeta,
+                             torque_constant_Nm_A=0.5)
+            t = run.time_s
+            if zeta == 0.0:
+                expected = -np.expm1(-omega * t)
+                impulse = t + np.expm1(-omega * t) / omega
+                np.testing.assert_allclose(run["velocity_true_rad_s"], impulse, atol=1e-11)
+            elif zeta == 1.0:
+                expected = 1 - np.exp(-omega * t) * (1 + omega * t)
+            else:
+                root = np.sqrt(zeta**2 - 1 + 0j)
+                a, b = omega * (-zeta + root), omega * (-zeta - root)
+                expected = np.real(1 + (b * np.exp(a * t) - a * np.exp(b * t)) / (a - b))
+            np.testing.assert_allclose(run["current_A"], 2 * expected, atol=2e-7, err_msg=zeta)
+
+    def test_limits_of_current_and_voltage(self):
+        for command in (4.0, 7.0, -9.0):
+            run = self.motor(command, 10, torque_constant_Nm_A=2.0, current_limit_A=3.0)
+            np.testing.assert_allclose(run["motor_Nm"][-1], np.clip(command, -6, 6))
+        # The top speed, where k (U - k v)/R = b v.
+        for inductance, bandwidth, zeta in itertools.product((0.0, 0.01), (0.0, 500.0), (0.0, 0.7)):
+            loop = {} if bandwidth == 0.0 else {"current_damping_ratio": zeta}
+            run = self.motor(100.0, 20_000, 1e-3, {
+                "plant.inertia_ratio": 0.2, "plant.viscous_friction_Nms_rad": 0.1},
+                torque_constant_Nm_A=0.5, voltage_limit_V=24.0, resistance_ohm=2.0,
+                inductance_H=inductance, current_bandwidth_rad_s=bandwidth, **loop)
+            self.assertAlmostEqual(run["velocity_true_rad_s"][-1], 12 / 0.45, delta=1e-6)
+
+    def test_cogging_and_ripple_are_sines_of_the_position(self):
+        run = self.motor(2.0, 4000, 1e-3, cogging_Nm=0.3, cogging_per_turn=12, ripple_ratio=0.05,
+                         ripple_per_turn=6)
+        q = run["position_true_rad"]
+        expected = 2 * (1 + 0.05 * np.sin(6 * q)) + 0.3 * np.sin(12 * q)
+        np.testing.assert_allclose(run["motor_Nm"], expected, atol=1e-12)
 
     def test_each_part_changes_the_motor_and_logs_its_signals(self):
         ideal = bw.run("motor_estimation", "vfakfd", duration=3)
