@@ -685,8 +685,9 @@ class Impact(unittest.TestCase):
         omega = np.sqrt(1e4 * (1 / 0.5 + 1 / 1.5))
         early = t < 0.95 * np.pi / omega
         depth, way = 0.3 / omega * np.sin(omega * t), 0.3 * t
-        for found, expected, close in ((ball - ball[0], way / 4 + 3 / 4 * depth, 1e-10),
-                                       (wall, (way - depth) / 4, 1e-10), (force, 1e4 * depth, 1e-6)):
+        for found, expected, close in (
+                (ball - ball[0], way / 4 + 3 / 4 * depth, 1e-10),
+                (wall, (way - depth) / 4, 1e-10), (force, 1e4 * depth, 1e-6)):
             np.testing.assert_allclose(found[early], expected[early], atol=close)
 
     def test_eulers_method_moves_a_free_wall_by_the_speed_that_the_force_gave_it(self):
