@@ -1,13 +1,15 @@
 """Long work in one process: memory, descriptors and time a repetition stay flat.
 
 Samples come from /proc, outside of the process. They are in build/soak/PART.csv. The exit status is 1 if a trend
-is significant and larger than its bound (trend.py). The bounds are for the growth over the whole part. They are 1 MB
+is significant and larger than its bound. The bounds are for the growth over the whole part. They are 1 MB
 of resident memory, half a descriptor, and 5 % of the processor's time a repetition. --short takes a few seconds and
 does not judge times. --plant-leak runs a process with a leak instead.
 """
 
 import argparse
 import csv
+import dataclasses
+import math
 import os
 import pathlib
 import shutil
@@ -20,6 +22,48 @@ import time
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 BOUNDS = {"memory": 1000.0, "descriptors": 0.5, "time": 0.05}  # kB, 1, share
 WARM_UP = {False: 0.2, True: 0.6}  # share of a part, by --short: caches and encoders fill
+
+
+BLOCKS = 16  # means of blocks are nearly independent, unlike single samples
+SIGNIFICANT = 4.0  # t value of the slope; with 14 degrees of freedom p = 0.0007
+
+
+@dataclasses.dataclass
+class Trend:
+    """The trend of a series behind its warm-up."""
+
+    start: float  # at the end of the warm-up
+    growth: float  # extrapolated over the whole series
+    t: float  # the slope over its standard error
+
+    def exceeds(self, bound):
+        """Whether the growth is significant and larger than the bound."""
+        return self.growth > bound and self.t > SIGNIFICANT
+
+
+def trend(counts, values, warm_up=0.2):
+    """The trend of values over the number of repetitions, by least squares over means of blocks.
+
+    warm_up is the share of the series in which caches fill. It is left out.
+    """
+    import numpy as np  # not before the arguments are read
+
+    counts, values = np.asarray(counts, float), np.asarray(values, float)
+    late = counts > counts[0] + warm_up * (counts[-1] - counts[0])
+    x, y = counts[late], values[late]
+    if len(x) < 2 * BLOCKS:
+        raise ValueError(f"a trend needs {2 * BLOCKS} samples behind the warm-up, has {len(x)}")
+    x = np.array([part.mean() for part in np.array_split(x, BLOCKS)])
+    y = np.array([part.mean() for part in np.array_split(y, BLOCKS)])
+    away = x - x.mean()
+    slope = (away @ y) / (away @ away)
+    start = y.mean() + slope * (x[0] - x.mean())
+    residual = y - y.mean() - slope * away
+    error = math.sqrt((residual @ residual) / (BLOCKS - 2) / (away @ away))
+    # Rounding alone makes no trend of a constant series.
+    if abs(slope) * (counts[-1] - counts[0]) < 1e-9 * max(1.0, abs(start)):
+        return Trend(start, 0.0, 0.0)
+    return Trend(start, slope * (counts[-1] - counts[0]), slope / error if error > 0 else math.copysign(math.inf, slope))
 
 
 class Watch:
@@ -115,7 +159,6 @@ class Soak:
             table = csv.writer(file)
             table.writerow(["count", "wall_s", "resident_kB", "descriptors", "processor_s"])
             table.writerows(samples)
-        from trend import BLOCKS, trend  # not before the arguments are read: it needs NumPy
         warm_up = WARM_UP[self.is_short]
         if len(samples) * (1 - warm_up) < 2 * BLOCKS + 2:
             sys.exit(f"soak: {name}: has {len(samples)} samples, too few for a trend")

@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from trend import trend
+from soak import trend
 
 COUNTS = np.arange(1, 101) * 1000.0
 SHARE = COUNTS / COUNTS[-1]
