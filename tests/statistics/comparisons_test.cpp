@@ -281,7 +281,7 @@ PairedResults results_of(const std::vector<std::string>& metrics,
   }
   results.metrics = metrics;
   results.values = values;
-  results.failed = Eigen::MatrixXd::Zero(values[0].rows(), candidates);
+  results.failed = Eigen::MatrixXd::Zero(values[0].rows(), values[0].cols());
   return results;
 }
 
