@@ -258,6 +258,7 @@ class PartsInPython(unittest.TestCase):
                     study(law, [1, 2, 3])
             used = Drive(2.0)
             bw.run("motor_estimation", case="idob", duration=0.05, controller=used)
+            used.runs = 0
             bw.sweep(folder / "s", controller=used)
 
     def test_a_tuning_is_the_same_on_any_number_of_workers(self):
