@@ -1,4 +1,4 @@
-"""Links, tables and their numbers: the checks find errors, and the tree has none.
+"""Links, tables and their numbers: the checks find errors, and the tree has none. The list of experiments is whole.
 
 Usage: docs_test.py BUILD_BIN_FOLDER WORK_FOLDER
 """
@@ -9,6 +9,7 @@ import pathlib
 import re
 import sys
 import tempfile
+import tomllib
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -72,6 +73,52 @@ class Links(Page):
                                 ("`a_b` and [c](d.md)", "a_b-and-c")]:
             self.assertEqual(markdown_pages.anchor(heading), anchor)
         self.assertEqual(markdown_pages.anchors("# A\n# A\n"), {"a", "a-1"})
+
+
+class Thesis(unittest.TestCase):
+    """The list of the thesis' experiments, and the tables of its claims."""
+
+    SECTIONS = tomllib.loads((ROOT / "data/experiments.toml").read_text())["section"]
+    CELLS = [cell for section in SECTIONS for table in section.get("table", []) for cell in table["cells"]]
+
+    def test_has_every_table_and_figure(self):
+        figures = {figure["n"].partition(" ")[0] for section in self.SECTIONS for figure in section.get("figures", [])}
+        self.assertGreaterEqual(len(figures), 119)
+        # Each printed number and verdict is judged somewhere, except two misprints. There are 56 + 14 of
+        # the motor, 6 of the quadrotor, 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm.
+        printed = {cell["printed"] for cell in self.CELLS if "printed" in cell}
+        self.assertEqual(len(printed), 134)
+        self.assertLessEqual({
+            "offset_free.table_2_5.general_mpc.tracking", "cart_estimation.table_4_4.sine.second",
+            "cart_estimation.table_4_5.gamma_1_00.response_s_at_least", "cart_estimation.table_4_7.sine.second_order_gamma",
+            "motor_estimation.table_4_8.Ts_1e-2.n48[6]", "motor_estimation.table_4_9.variance_1e-4[6]",
+            "quadrotor_waves.converges.ekf_none", "arm_wall_contact.force_5N.drac.mean_force_error_N",
+            "arm_wall_contact.tuned.force_5N.peak_force_N"}, printed)
+        self.assertFalse({"motor_estimation.table_4_8.Ts_1e-2.n48[0]", "motor_estimation.table_4_8.Ts_1e-3.n48[0]"} & printed)
+
+    def test_every_cell_has_a_criterion_and_every_reason_a_cause(self):
+        patterns = [re.escape(of).replace(r"\*", ".*")
+                    for one in tomllib.loads((ROOT / "data/reproduced.toml").read_text())["class"] for of in one["of"]]
+        for cell in self.CELLS:
+            with self.subTest(cell):
+                self.assertTrue("says" not in cell or "above" in cell or "below" in cell)
+                self.assertTrue("printed" not in cell or any(re.fullmatch(one, cell["printed"]) for one in patterns))
+                self.assertEqual("why" in cell, "cause" in cell)
+        for section in self.SECTIONS:
+            self.assertTrue((ROOT / "docs" / section["docs"]).is_file())
+
+    def test_the_tables_of_claims_name_every_section_and_no_other(self):
+        """Entries there have names such as "2.4.3.2: which"."""
+        rows = []
+        for table in (ROOT / "docs/reference/thesis-claims").iterdir():
+            head, *lines = table.read_text().splitlines()
+            self.assertEqual(head, "section,claim,entry", table)
+            rows += lines
+        self.assertGreater(len(rows), 120)
+        row = r'[234][0-9.]*,.+,"?(none|as |the |beside: |Tables? |[0-9.]+: ).*'
+        self.assertEqual([line for line in rows if not re.fullmatch(row, line)], [])
+        named = {place for line in rows for place in re.findall(r'(?:,"?|; )([234](?:\.[0-9])+): ', line)}
+        self.assertEqual(named, {section["id"] for section in self.SECTIONS})
 
 
 class PlainWords(unittest.TestCase):

@@ -16,6 +16,8 @@ import subprocess
 import sys
 import zlib
 
+import numpy as np
+
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from chromium import run  # noqa: E402
 
@@ -67,6 +69,37 @@ def cell(value):
     return "-" if value is None else value if isinstance(value, str) else f"{value:.4g}"
 
 
+# Linear RGB as dichromats see it: G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, "A Physiologically-based Model
+# for Simulation of Color Vision Deficiency", 2009, severity 1.
+SIGHTS = [np.eye(3), [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+          [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+          [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]]]
+XYZ = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]])
+
+
+def lab(rgb, sight):
+    ratios = XYZ @ np.clip(sight @ rgb, 0, 1) / [0.95047, 1.0, 1.08883]
+    f = np.where(ratios > 216 / 24389, np.cbrt(ratios), (24389 / 27 * ratios + 16) / 116)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+def check_colours(page):
+    """Readers of any sight tell lines apart and see them on their paper, in light and in dark."""
+    papers, sets = re.findall("--paper: (#[0-9a-f]{6})", page), re.findall(r":root\{(--c0:#.*?)\}", page)
+    assert len(papers) == len(sets) == 2, papers
+    for paper, colours in zip(papers, sets):
+        srgb = np.array([[int(text[i:i + 2], 16) / 255 for i in (1, 3, 5)]
+                         for text in [paper, *re.findall(r"--c\d:(#[0-9a-f]{6})", colours)]])
+        below, *lines = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+        assert len(lines) == 8
+        for one, other in itertools.combinations(range(8), 2):
+            far = [np.linalg.norm(lab(lines[one], sight) - lab(lines[other], sight)) for sight in SIGHTS]
+            assert min(far) >= 20, (paper, one, other, far)
+        for line in lines:  # WCAG 1.4.11
+            bright, dark = sorted((XYZ[1] @ line, XYZ[1] @ below), reverse=True)
+            assert (bright + 0.05) / (dark + 0.05) >= 3, line
+
+
 def check_analysis(call, folder):
     printed = call("analyze", "motor_estimation", "--case", "idob,vfakfd", "--points", "3", "--from", "5",
                    "--to", "50", "--settle", "1", "--out", "analysis").splitlines()
@@ -97,6 +130,7 @@ def check_runs(call, folder):
     for case in ("idob", "kfd"):
         call("run", "motor_estimation", "--case", case, "--seed", "3", "--duration", "11", "--quiet", "--out", case)
     call("report", "idob", "--out", "report")
+    check_colours((folder / "report/report.html").read_text())
     run = result_of((folder / "report/report.html").read_text())
     check_schema(run, "runs")
     measured = json.loads((folder / "idob/metrics.json").read_text())
