@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import pathlib
 
 SWEEP = ("breakwater", "sweep", "cart_position", "--seeds", "1..4", "--duration", "0.1", "--set",
          "noise.std_m=1e-5", "--jobs", "2", "--keep", "all", "--quiet", "--out", "study")
@@ -20,37 +21,9 @@ class Workload:
     twice: bool = False  # a second process makes the same at the same time
 
 
-TUNING = """\
-scenario = "ishigami"
-budget = 16
-population = 8
-[search]
-"x.first" = { uniform = [-3, 3] }
-"x.second" = { uniform = [-1, 3] }
-[objective]
-y_1 = { goal = "min" }
-positive_x_second_1 = { goal = "max" }
-[validate]
-seeds = { first = 101, count = 2 }
-"""
-
-# A part of the thesis that takes a moment.
-EXPERIMENTS = """\
-title = "Short"
-[[section]]
-id = "1"
-group = "cart"
-title = "A cart"
-text = "A cart goes."
-runs = [{ name = "cart", scenario = "cart_position", case = "idob", sets = ["run.duration_s=0.1"], seeds = [2, 2] }]
-figures = [{ n = "1", title = "The cart", form = "position", run = "cart" }]
-[[section.table]]
-title = "Position"
-columns = ["measured"]
-cells = [{ row = "the cart [m]", shows = "not said", run = "cart", metric = "max_position_m" }]
-[form.position]
-panels = [{ title = "position", signals = ["position_true_m"] }]
-"""
+TESTS = pathlib.Path(__file__).resolve().parents[1]
+TUNING = (TESTS / "search/small.toml").read_text() + "[validate]\nseeds = { first = 101, count = 2 }\n"
+EXPERIMENTS = (TESTS / "cli/data/statements.toml").read_text()
 
 # Slurm's programs. Each task runs before sbatch prints the job's number.
 SLURM = {
