@@ -1,7 +1,4 @@
 // The streamed log equals the one from memory, and what is left of it after a kill is a part of it.
-#include <sys/wait.h>
-#include <csignal>
-
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/log_stream.h>
 #include <breakwater/record/run_folder.h>
@@ -58,12 +55,6 @@ class LogStreams : public ::testing::Test {
     write_hdf5_log(file, tracks.recorded(), 0);
     return text_of(file);
   }
-  // Streams `rows` of 20 rows, and is not finished.
-  void leave(int rows) {
-    LogStream stream(folder_, "x = 1\n", "{}");
-    Tracks tracks(&stream, 20);
-    for (int k = 0; k < rows; ++k) tracks.append(k);
-  }
 
   const testing::TemporaryPath base_{"streams"};
   const fs::path folder_ = fs::path(base_.string() + "_run");
@@ -101,37 +92,6 @@ TEST_F(LogStreams, RefuseMoreRowsThanExpected) {
   EXPECT_THROW(tracks.append(2), std::logic_error);
 }
 
-bool is_beginning(const LoggedSignal& part, const LoggedSignal& whole) {
-  return part.width == whole.width && part.rows <= whole.rows &&
-         std::equal(part.values.begin(), part.values.end(), whole.values.begin());
-}
-
-TEST_F(LogStreams, LeaveTheRowsOfARunThatDoesNotEnd) {
-  whole_log(20);
-  const std::string whole = folder_ / "memory.h5", part = folder_ / "log.h5";
-  for (int rows = 1; rows <= 20; ++rows) {
-    SCOPED_TRACE(rows);
-    leave(rows);
-    EXPECT_EQ(text_of(folder_ / "manifest.json"), "{}");
-    EXPECT_EQ(text_of(folder_ / "config.toml"), "x = 1\n");
-    const std::size_t fine_rows = kFinePerRow * std::clamp(rows - 3, 0, 3);
-    for (const LogEntry& entry : list_hdf5_signals(part)) {
-      const std::size_t written = written_rows(part, entry.group);
-      EXPECT_EQ(written, entry.group == "control" ? rows : fine_rows);
-      for (const std::string& name : {entry.name, std::string("time_s")}) {
-        const std::string path = entry.group + "/" + name;
-        EXPECT_TRUE(
-            is_beginning(read_hdf5_signal(part, path, written), read_hdf5_signal(whole, path)))
-            << path;
-      }
-    }
-    const LoggedSignal times = read_hdf5_signal(part, "control/time_s");
-    for (std::size_t i = 0; i < times.rows; ++i) {
-      EXPECT_EQ(std::isnan(times.values[i]), i >= static_cast<std::size_t>(rows));
-    }
-  }
-}
-
 // The log has its name only when all its times are NaN: a kill before that leaves none.
 TEST_F(LogStreams, HaveNoLogBeforeItsTimesAreThere) {
   fs::create_directory(folder_ / "log.h5");
@@ -141,37 +101,6 @@ TEST_F(LogStreams, HaveNoLogBeforeItsTimesAreThere) {
   const LoggedSignal times = read_hdf5_signal(folder_ / ".log.h5.partial", "control/time_s");
   EXPECT_EQ(times.rows, 5U);
   for (const double time_s : times.values) EXPECT_TRUE(std::isnan(time_s));
-}
-
-// More rows than the buffers hold, so that some are in the file before any half second has passed.
-TEST_F(LogStreams, LeaveTheRowsOfAKilledProcess) {
-  constexpr std::size_t kBuffered = 1 << 17;
-  constexpr std::size_t kRows = 2 * kBuffered + 1000;
-  const pid_t child = fork();
-  if (child == 0) {
-    LogStream stream(folder_, "", "{}");
-    double x[2] = {0.0, 0.0};
-    Track track("control", {{"x", "1", "two numbers", x}}, 3 * kBuffered, &stream);
-    for (std::size_t k = 0; k < kRows; ++k) {
-      x[0] = static_cast<double>(k);
-      x[1] = -x[0];
-      track.append(0.5 * x[0]);
-    }
-    std::raise(SIGKILL);
-  }
-  waitpid(child, nullptr, 0);
-  const std::string log = folder_ / "log.h5";
-  const std::size_t rows = written_rows(log, "control");
-  EXPECT_GE(rows, 2 * kBuffered);
-  EXPECT_LE(rows, kRows);
-  const LoggedSignal times = read_hdf5_signal(log, "control/time_s", rows);
-  const LoggedSignal values = read_hdf5_signal(log, "control/x", rows);
-  for (std::size_t k = 0; k < rows; ++k) {
-    const double expected = static_cast<double>(k);
-    ASSERT_EQ(times.values[k], 0.5 * expected);
-    ASSERT_EQ(values.row(k)[0], expected);
-    ASSERT_EQ(values.row(k)[1], -expected);
-  }
 }
 
 // The number of a killed process may be that of the next one.

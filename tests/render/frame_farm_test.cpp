@@ -126,40 +126,4 @@ TEST(VideoFile, NamesAMissingEncoder) {
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-// Names that libavformat would read as addresses.
-TEST(VideoFile, IsAFileWhateverItsName) {
-  const testing::TemporaryPath folder{"video_names"};
-  std::filesystem::create_directories(folder / "http:/a");
-  const std::vector<std::uint8_t> frame(64 * 64 * 3 / 2, 128);
-  for (const char* name : {"2N:5N.mp4", "http:/a/x.mp4", "pipe:1"}) {
-    VideoFile video(folder / name, {.width = 64, .height = 64, .fps = 30});
-    video.append(frame.data());
-    video.finish();
-    EXPECT_GT(std::filesystem::file_size(folder / name), 500U) << name;
-  }
-  const std::filesystem::path before = std::filesystem::current_path();
-  std::filesystem::current_path(folder);
-  VideoFile relative("tcp:x.mp4", {.width = 64, .height = 64, .fps = 30});
-  relative.append(frame.data());
-  relative.finish();
-  EXPECT_TRUE(std::filesystem::exists("tcp:x.mp4"));
-  std::filesystem::current_path(before);
-}
-
-TEST(VideoFile, LeavesNothingIfUnfinished) {
-  const testing::TemporaryPath folder{"video"};
-  std::filesystem::create_directories(folder);
-  {
-    VideoFile video(folder / "a.mp4", {.width = 64, .height = 64, .fps = 30});
-    const std::vector<std::uint8_t> frame(yuv420p_bytes(64, 64), 128);
-    video.append(frame.data());
-    EXPECT_FALSE(std::filesystem::is_empty(folder));
-  }
-  EXPECT_TRUE(std::filesystem::is_empty(folder));
-}
-
-TEST(VideoFile, RefusesAMissingFolder) {
-  EXPECT_THROW(VideoFile("/no/such/folder/a.mp4", {}), OutputError);
-}
-
 }  // namespace breakwater::frame_farm_test

@@ -1,5 +1,4 @@
 #include <nlohmann/json.hpp>
-#include <regex>
 
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/saved_run.h>
@@ -15,10 +14,6 @@
 #include "tables.h"
 
 namespace breakwater::report_test {
-
-Experiments own_experiments(Effort effort = Effort::quick) {
-  return read_experiments(testing::source_file("data/experiments.toml"), effort);
-}
 
 TEST(Verdict, NumbersHaveTwoBands) {
   Standard standard;
@@ -170,90 +165,9 @@ TEST(Measurement, EqualsTheResultInTheShard) {
   EXPECT_TRUE(failed.values.empty());
 }
 
-std::vector<CellSpec> cells_of(const Experiments& experiments) {
-  std::vector<CellSpec> cells;
-  for (const SectionSpec& section : experiments.sections) {
-    for (const TableSpec& table : section.tables) {
-      cells.insert(cells.end(), table.cells.begin(), table.cells.end());
-    }
-  }
-  return cells;
-}
-
-TEST(Experiments, HaveEveryTableAndNinetyFigures) {
-  const Experiments experiments = own_experiments();
-  std::set<std::string> cells;
-  std::set<std::string> figures;
-  for (const CellSpec& cell : cells_of(experiments)) cells.insert(cell.printed);
-  for (const SectionSpec& section : experiments.sections) {
-    for (const FigureSpec& figure : section.figures) {
-      figures.insert(figure.number.substr(0, figure.number.find(' ')));
-    }
-  }
-  EXPECT_GE(figures.size(), 119U);
-  for (const char* path :
-       {"offset_free.table_2_5.general_mpc.tracking", "cart_estimation.table_4_4.sine.second",
-        "cart_estimation.table_4_5.gamma_1_00.response_s_at_least",
-        "cart_estimation.table_4_7.sine.second_order_gamma",
-        "motor_estimation.table_4_8.Ts_1e-2.n48[6]", "motor_estimation.table_4_9.variance_1e-4[6]",
-        "quadrotor_waves.converges.ekf_none", "arm_wall_contact.force_5N.drac.mean_force_error_N",
-        "arm_wall_contact.tuned.force_5N.peak_force_N"}) {
-    EXPECT_TRUE(cells.contains(path)) << path;
-  }
-  // Each printed number and verdict is judged somewhere, except two misprints. There are 56 + 14 of
-  // the motor, 6 of the quadrotor, 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm.
-  cells.erase("");
-  EXPECT_EQ(cells.size(), 134U);
-  for (const char* misprint :
-       {"motor_estimation.table_4_8.Ts_1e-2.n48[0]", "motor_estimation.table_4_8.Ts_1e-3.n48[0]"}) {
-    EXPECT_FALSE(cells.contains(misprint)) << misprint;
-  }
-}
-
-// Entries there have names such as "2.4.3.2: which".
-TEST(Experiments, TheTablesOfClaimsNameEverySectionAndNoOther) {
-  std::set<std::string> sections;
-  for (const SectionSpec& section : own_experiments().sections) sections.insert(section.id);
-  std::set<std::string> named;
-  const std::regex row(R"(^[234][0-9.]*,.+,"?(none|as |the |beside: |Tables? |[0-9.]+: ).*$)");
-  const std::regex place(R"((,"?|; )([234](\.[0-9])+): )");
-  const std::filesystem::path tables = testing::source_file("docs/reference/thesis-claims");
-  int rows = 0;
-  for (const auto& table : std::filesystem::directory_iterator(tables)) {
-    std::ifstream claims(table.path());
-    std::string line;
-    std::getline(claims, line);
-    EXPECT_EQ(line, "section,claim,entry") << table.path();
-    while (std::getline(claims, line)) {
-      ++rows;
-      EXPECT_TRUE(std::regex_match(line, row)) << table.path() << ": " << line;
-      for (std::sregex_iterator match(line.begin(), line.end(), place), end; match != end;
-           ++match) {
-        named.insert((*match)[2]);
-      }
-    }
-  }
-  EXPECT_GT(rows, 120);
-  EXPECT_EQ(named, sections);
-}
-
-TEST(Experiments, EveryShippedCellHasACriterion) {
-  const Experiments experiments = own_experiments(Effort::full);
-  for (const SectionSpec& section : experiments.sections) {
-    EXPECT_FALSE(section.docs.empty());
-    EXPECT_TRUE(std::filesystem::exists(testing::source_file("docs/" + section.docs)));
-  }
-  for (const CellSpec& cell : cells_of(experiments)) {
-    if (!cell.printed.empty()) {
-      EXPECT_NO_THROW(printed_results().standard(cell.printed)) << cell.printed;
-    } else if (!cell.says.empty()) {
-      EXPECT_TRUE(cell.holds.above || cell.holds.below) << cell.says;
-    }
-  }
-}
-
 TEST(Experiments, OnlyTheShippedListIsThatOfTheThesis) {
-  EXPECT_FALSE(own_experiments().is_own);
+  const std::string shipped = testing::source_file("data/experiments.toml");
+  EXPECT_FALSE(read_experiments(shipped, Effort::quick).is_own);
   const testing::TemporaryPath file{"mine.toml", "title = \"Mine\"\n"};
   const Experiments mine = read_experiments(file.string(), Effort::quick);
   EXPECT_TRUE(mine.is_own);
@@ -343,12 +257,6 @@ TEST(Experiments, AReadingAddsItsSettingsToTheRunsOfItsPattern) {
   EXPECT_EQ(complaint_of([&] { sets({"softer"}); }),
             "--reading softer: there is no such reading (did you mean soft?); " + file.string() +
                 " has them");
-}
-
-TEST(Experiments, EveryReasonOfTheShippedListHasACause) {
-  for (const CellSpec& cell : cells_of(own_experiments())) {
-    EXPECT_EQ(cell.why.empty(), cell.cause.empty()) << cell.line;
-  }
 }
 
 TEST(SavedRun, IsReadToItsEndIfAnotherRunReplacesIt) {
