@@ -99,7 +99,8 @@ void report(const PictureArguments& arguments, const FinishedRun& run, const std
   if (!arguments.quiet) fmt::print("{}: {}\n", what, file.string());
 }
 
-// The place of a picture or video, whose name must say what it is.
+// The place of a picture, whose name must say that it is a PNG, or of a video, whose name must not
+// say that it is another format.
 fs::path picture_file(const PictureArguments& arguments, const fs::path& otherwise) {
   if (arguments.out.empty()) return otherwise;
   fs::path file = arguments.out;
@@ -107,7 +108,7 @@ fs::path picture_file(const PictureArguments& arguments, const fs::path& otherwi
   std::transform(end.begin(), end.end(), end.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const bool is_video = otherwise.extension() == ".mp4";
-  if (end != otherwise.extension()) {
+  if (end != otherwise.extension() && !(is_video && end.empty())) {
     throw std::invalid_argument(fmt::format("--out {}: {}: choose a name that ends with {}",
                                             arguments.out,
                                             is_video ? "a video is MP4" : "pictures are PNG",

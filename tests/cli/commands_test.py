@@ -59,7 +59,8 @@ class Table:
         """The same for a command, the text of a file, or a part of an output."""
         text = self.filled(text)
         for short, long in (("\\n", "\n"), ("\\t", "\t"), ("HERE", str(self.folder)), ("BIN/", f"{BIN}/"),
-                            ("TEST/", f"{BIN.parent}/tests/"), ("PROJECT/", f"{ROOT}/")):
+                            ("TEST/", f"{BIN.parent}/tests/"), ("PROJECT/", f"{ROOT}/"),
+                            ("SOON_S", str(int(6 * AT_ONCE_S)))):
             text = text.replace(short, long)
         return text
 
@@ -70,10 +71,11 @@ class Table:
         program = BIN / words[0]
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         done = subprocess.run([program if program.exists() else BIN.parent / "tests" / words[0], *words[1:]], cwd=self.folder,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="surrogateescape")
+                              stdin=subprocess.DEVNULL, capture_output=True)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         status = done.returncode if done.returncode >= 0 else 128 - done.returncode
-        return status, done.stdout, done.stderr, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        out, err = (output.decode(errors="surrogateescape") for output in (done.stdout, done.stderr))
+        return status, out, err, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
     def command_of(self, own):
         """The heading stands before each command, except before the absolute path of a program."""
@@ -113,9 +115,9 @@ class Table:
             return {"out": out, "err": err, "both": err + out}[where]
         if where.startswith("hash:"):
             return re.search('"state_hash": "(.*?)"', (self.folder / where[5:] / "manifest.json").read_text())[1]
-        if not (self.folder / where).is_file():
-            return f"there is no {where}"
-        return (self.folder / where).read_text(errors="surrogateescape")
+        is_there = (self.folder / where).is_file()
+        self.expect(is_there, f"there is no {where}")
+        return (self.folder / where).read_bytes().decode(errors="surrogateescape") if is_there else ""
 
     def check(self, check, result):
         where, verb, *text = check.split(" ", 2)

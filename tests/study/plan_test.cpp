@@ -105,6 +105,35 @@ TEST(Points, AreSortedWithoutRepetition) {
   }
 }
 
+using Values = std::vector<double>;
+
+TEST(ValueList, HasTheNumbersOfTwelveDigits) {
+  EXPECT_EQ(value_list("lin(0.06,0.12,4)"), (Values{0.06, 0.08, 0.1, 0.12}));
+  EXPECT_EQ(value_list(" lin( -1 , 1, 5 ) "), (Values{-1.0, -0.5, 0.0, 0.5, 1.0}));
+  EXPECT_EQ(value_list("lin(0,1,11)"),
+            (Values{0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0}));
+  EXPECT_EQ(value_list("log(1e-3,1e3,7)"), (Values{1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3}));
+  EXPECT_EQ(value_list("log(500,8000,5)"), (Values{500, 1000, 2000, 4000, 8000}));
+  EXPECT_EQ(value_list("lin(0.1,0.3,2)"), (Values{0.1, 0.3}));
+}
+
+TEST(ValueList, KeepsAllDigitsOfOtherNumbers) {
+  EXPECT_EQ(value_list("lin(0,1,4)"), (Values{0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0}));
+  const Values values = value_list("log(1,2,13)");  // semitones
+  for (int i = 0; i <= 12; ++i) {
+    EXPECT_NEAR(values[i], std::exp2(i / 12.0), 4e-16 * values[i]) << i;
+  }
+}
+
+TEST(ValueList, EndsAreExactAndValuesGoUp) {
+  for (const std::string rule : {"lin(0.1,0.7,1000)", "log(0.1,0.7,1000)", "lin(-3.3,1e9,77)"}) {
+    const Values values = value_list(rule);
+    EXPECT_EQ(values.front(), rule[4] == '-' ? -3.3 : 0.1);
+    EXPECT_EQ(values.back(), rule[4] == '-' ? 1e9 : 0.7);
+    for (std::size_t i = 1; i < values.size(); ++i) EXPECT_LT(values[i - 1], values[i]) << rule;
+  }
+}
+
 TEST(ValueList, RefusesInvalidArguments) {
   for (const auto& row : testing::rows_of("ValueLists")) {
     for (const std::string& text : testing::forms_of(row.at(0))) {
