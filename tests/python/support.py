@@ -2,13 +2,16 @@
 
 import contextlib
 import ctypes
+import functools
 import pathlib
 import tempfile
 
+import numpy as np
 import pandas
 
 import breakwater as bw
 
+near = functools.partial(np.testing.assert_allclose, rtol=0)
 BIN = pathlib.Path(bw.commands.program()).parent
 
 
