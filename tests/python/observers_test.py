@@ -379,14 +379,22 @@ class Published(Estimators):
         y = np.where(k % every > after, jump, 0) + random.uniform(-NOISE, NOISE, samples)
         return random.uniform(-1, 1, (samples, 1)), y[:, None]
 
-    def test_immkf_is_the_textbook_recursion(self):
-        u, y = self.walk(8, 400, 0.3, 80, 60)
-        y += 0.03 * np.sin(0.2 * np.arange(400))[:, None]
-        A, B, C = extended(axis())
-        stay = np.array([[0.95, 0.05], [0.4, 0.6]])
-        x, mu, rows = np.zeros((2, 3)), np.full(2, 0.5), []
-        P = np.array(2 * [np.diag([1e-2, 0.5, 2])])
-        for k in range(400):
+    def logged(self, case, **own):
+        """The model, inputs, measurements, R, Q of d and P0 of a run's observer, and the run."""
+        run = bw.run("motor_estimation", case, duration=2, set={
+            "disturbance.start_s": 1, "disturbance.amplitude_Nm": 100,
+            **{f"observer.{key}": value for key, value in own.items()}})
+        R, own = (2 * np.pi / 4096) ** 2 / 3, run.config["observer"]
+        y, u = run["position_measured_rad"][:, None], run["command_Nm"][:, None]
+        return (extended(axis(1.0, 0.0, 1e-3)), u, y, R, own["process_noise"],
+                np.diag(own["initial_covariance"]), run)
+
+    def immkf(self, model, u, y, R, q, P0, stays):
+        """x, innovation and weight of the busy model."""
+        A, B, _ = model
+        stay = np.array([[stays[0], 1 - stays[0]], [1 - stays[1], stays[1]]])
+        x, mu, rows, P = np.zeros((2, 3)), np.full(2, 0.5), [], np.array([P0, P0])
+        for k in range(len(y)):
             c, x0, P0 = mu, x, P
             if k > 0:
                 c = mu @ stay
@@ -394,22 +402,32 @@ class Published(Estimators):
                 x0 = share.T @ x
                 P0 = [sum(share[i, j] * (P[i] + np.outer(x[i] - x0[j], x[i] - x0[j]))
                           for i in range(2)) for j in range(2)]
-                P0 = np.array([A @ P0[j] @ A.T + np.diag([0, 0, (1e-3, 1e5)[j]])
-                               for j in range(2)])
+                P0 = np.array([A @ P0[j] @ A.T + np.diag([0, 0, q[j]]) for j in range(2)])
                 x0 = x0 @ A.T + B[:, 0] * u[k - 1]
-            S, e = P0[:, 0, 0] + NOISE**2, y[k] - x0[:, 0]
+            S, e = P0[:, 0, 0] + R, y[k] - x0[:, 0]
             K = P0[:, :, 0] / S[:, None]
             x = x0 + K * e[:, None]
             P = P0 - K[:, :, None] * P0[:, None, 0]
-            mu = c * np.exp(-0.5 * e**2 / S) / np.sqrt(S)
+            far = e**2 / S
+            mu = c * np.exp(0.5 * (far.min() - far)) / np.sqrt(S)
             mu = mu / mu.sum()
             rows.append((mu @ x, c @ e, mu[1]))
-        x, e, mu = (np.array(column) for column in zip(*rows))
+        return (np.array(column) for column in zip(*rows))
+
+    def test_immkf_is_the_textbook_recursion(self):
+        u, y = self.walk(8, 400, 0.3, 80, 60)
+        y += 0.03 * np.sin(0.2 * np.arange(400))[:, None]
+        x, e, mu = self.immkf(extended(axis()), u, y, NOISE**2, (1e-3, 1e5),
+                              np.diag([1e-2, 0.5, 2]), (0.95, 0.6))
         self.assertTrue(mu.max() > 0.9 and mu.min() < 0.1)
         f = published("immkf", NOISY, 1e-3, noise_ratio=1e8, stays_quiet=0.95, stays_busy=0.6)
         found = f.filter(u, y, x0=[0, 0])
         self.expect_same([found.x, found.d, found.innovation],
                          [x[:, :2], x[:, 2:], e[:, None]], 1e-9)
+        *inputs, q, P0, run = self.logged("immkf", noise_ratio=1e8)
+        *_, mu = self.immkf(*inputs, (q, 1e8 * q), P0, (0.999, 0.5))
+        self.assertGreater(np.ptp(mu), 0.5)
+        near(run["model_weight"][:, 1], mu, atol=1e-9)
 
     def test_mckf_is_the_multi_kernel_filter_of_the_paper(self):
         """It has a kernel for each row of the Cholesky factor of P(k|k-1), d first."""
@@ -436,35 +454,43 @@ class Published(Estimators):
         found = published("mckf", NOISY, 1e-2, kernel_width=1.5).filter(u, y, x0=[0, 0])
         self.expect_same([found.x, found.d, found.forgetting], [x[:, 1:], x[:, :1], weight], 1e-7)
 
+    def vbakf(self, model, u, y, R, q, P0, rho, tau, iterations):
+        """x, R, and how far the prior differs from P, in parts of it, at most."""
+        A, B, C = model
+        x, P, farthest, rows = np.zeros(3), P0, 0.0, []
+        u_R = 2 + 1 / (1 - rho)
+        U_R = (u_R - 2) * R
+        for k in range(len(y)):
+            if k > 0:
+                x, P = A @ x + B[:, 0] * u[k - 1], A @ P @ A.T + np.diag([0, 0, q])
+            u_before, U_before = rho * (u_R - 2) + 2, rho * U_R
+            now, variance = x, P
+            for _ in range(iterations):
+                prior = (tau * P + variance + np.outer(now - x, now - x)) / (tau + 1)
+                U_R = U_before + (y[k, 0] - now[0]) ** 2 + variance[0, 0]
+                u_R = u_before + 1
+                R = U_R / (u_R - 2)
+                variance = np.linalg.inv(np.linalg.inv(prior) + C.T @ C / R)
+                now = x + variance @ C.T @ (y[k] - C @ x) / R
+            farthest = max(farthest, np.linalg.norm(prior - P) / np.linalg.norm(P))
+            x, P = now, variance
+            rows.append((x, R))
+        return *(np.array(column) for column in zip(*rows)), farthest
+
     def test_vbakf_is_the_filter_of_both_covariances(self):
         """Huang et al., with the dense parameters of both inverse Wishart distributions. With a
         strong prior of P it is the filter of the noise alone (Sarkka and Nummenmaa)."""
         u, y = self.walk(12, 300, 0.4, 60, 45)
-        A, B, C = extended(axis())
         for rho, tau, iterations in ((0.9, 1e15, 4), (0.9, 3.0, 6)):
-            x, P, farthest, rows = np.zeros(3), np.diag([1e-2, 0.5, 2]), 0.0, []
-            u_R = 2 + 1 / (1 - rho)
-            U_R = (u_R - 2) * NOISE**2
-            for k in range(300):
-                if k > 0:
-                    x, P = A @ x + B[:, 0] * u[k - 1], A @ P @ A.T + np.diag([0, 0, 1e-2])
-                u_before, U_before = rho * (u_R - 2) + 2, rho * U_R
-                now, variance = x, P
-                for _ in range(iterations):
-                    prior = (tau * P + variance + np.outer(now - x, now - x)) / (tau + 1)
-                    U_R = U_before + (y[k, 0] - now[0]) ** 2 + variance[0, 0]
-                    u_R = u_before + 1
-                    R = U_R / (u_R - 2)
-                    variance = np.linalg.inv(np.linalg.inv(prior) + C.T @ C / R)
-                    now = x + variance @ C.T @ (y[k] - C @ x) / R
-                farthest = max(farthest, np.linalg.norm(prior - P) / np.linalg.norm(P))
-                x, P = now, variance
-                rows.append(x)
+            x, _, farthest = self.vbakf(extended(axis()), u, y, NOISE**2, 1e-2,
+                                        np.diag([1e-2, 0.5, 2]), rho, tau, iterations)
             self.assertEqual(farthest > 0.02, tau < 10)
             found = published("vbakf", NOISY, 1e-2, forgetting=rho, prior_samples=tau,
                               iterations=iterations).filter(u, y, x0=[0, 0])
-            self.expect_same([np.hstack([found.x, found.d])], [np.array(rows)],
-                             1e-7 if tau < 10 else 1e-9)
+            self.expect_same([np.hstack([found.x, found.d])], [x], 1e-7 if tau < 10 else 1e-9)
+        *inputs, run = self.logged("vbakf")
+        _, R, _ = self.vbakf(*inputs, 0.999, 3.0, 10)
+        np.testing.assert_allclose(run["noise_variance"], R, rtol=1e-8)
 
     def test_the_likelihood_of_a_code(self):
         random = np.random.default_rng(3)
