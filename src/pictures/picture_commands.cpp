@@ -109,10 +109,9 @@ fs::path picture_file(const PictureArguments& arguments, const fs::path& otherwi
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const bool is_video = otherwise.extension() == ".mp4";
   if (end != otherwise.extension() && !(is_video && end.empty())) {
-    throw std::invalid_argument(fmt::format("--out {}: {}: choose a name that ends with {}",
-                                            arguments.out,
-                                            is_video ? "a video is MP4" : "pictures are PNG",
-                                            otherwise.extension().string()));
+    throw std::invalid_argument(fmt::format(
+        "--out {}: {}: choose a name that ends with {}", arguments.out,
+        is_video ? "a video is MP4" : "pictures are PNG", otherwise.extension().string()));
   }
   return file;
 }
