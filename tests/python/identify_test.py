@@ -206,6 +206,15 @@ class Identify(unittest.TestCase):
         run = bw.run("two_inertia", config=self.folder / "id" / "identified.toml", duration=0.5)
         self.assertGreater(len(run.time_s), 200)
 
+    def test_clocks_that_differ_are_found(self):
+        shifted = dict(self.data)
+        # The row of u is 0.31 s late.
+        shifted["u"] = np.interp(self.data["time_s"] + 0.31, self.data["time_s"], self.data["u"])
+        with self.assertWarnsRegex(UserWarning, r"the clocks of u and y differ: u acts later by 0\.3\d* s"):
+            found = bw.identify(shifted)
+        self.assertAlmostEqual(found.parameters["inertia_kgm2"].value / TRUE["inertia_kgm2"], 1.0, delta=0.02)
+        self.assertFalse(found.parameters["delay_s"].identifiable)
+
     def test_the_folder_is_replaced_as_a_whole_or_left_alone(self):
         write(self.folder / "bench.csv", self.data)
         identify(self.folder, "bench.csv", "--out", "id")
