@@ -429,7 +429,7 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   settings.progress = [&](double share) { line->update(0, share); };
   const Identification result = [&] {
     try {
-      return identify_axis(records, held_out, settings);
+      return identify_despite_clocks(records, held_out, settings);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(
           fmt::format("{}: {}", fmt::join(arguments.files, ", "), error.what()));

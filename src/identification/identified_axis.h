@@ -20,7 +20,7 @@ struct IdentificationSettings {
   EncoderRounding rounding = EncoderRounding::nearest;
   /// Takes this as J and fits the torque constant instead.
   std::optional<double> known_inertia;
-  /// Gets the done share of the work, if set.
+  /// Gets the done share of the work, if set. A second search begins again.
   std::function<void(double)> progress;
 };
 
@@ -79,5 +79,14 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
 /// `settle_s` of each stretch give inputs alone.
 AxisData axis_data(const std::vector<RecordedAxis>& records, bool inputs_act_before,
                    double settle_s);
+
+/// identify_axis(), also for records in which the input acts much later or earlier than its rows
+/// say. If the fit has no start or no white residuals, each record's offset is searched. The range
+/// is −2 s to 2 s, and at most a quarter of the record. It is where the equation of motion has the
+/// least residual (start_candidates()), to about 5 ms, if windows of several lengths agree. The
+/// offsets are taken if they halve the error. The delay then is what remains, and not identifiable.
+Identification identify_despite_clocks(std::vector<RecordedAxis> records,
+                                       std::vector<RecordedAxis> held_out,
+                                       const IdentificationSettings& settings);
 
 }  // namespace breakwater
