@@ -372,7 +372,7 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
   std::vector<std::vector<double>> omegas;
   for (const double to : to_rad_s) omegas.push_back(frequencies(options.from_rad_s, to, points));
   std::vector<double> times_s(2 * points * loops.size());
-  std::vector<SineResponse> measured(times_s.size());  // of the force, then of the noise
+  std::vector<SineResponse> measured(times_s.size());  // with the force, then with the noise
   for (std::size_t task = 0; task < times_s.size(); ++task) {
     constexpr double kPeriods = 4.0;
     times_s[task] = options.settle_s + kPeriods * 2.0 * std::numbers::pi /

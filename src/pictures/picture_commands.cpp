@@ -99,8 +99,8 @@ void report(const PictureArguments& arguments, const FinishedRun& run, const std
   if (!arguments.quiet) fmt::print("{}: {}\n", what, file.string());
 }
 
-// The place of a picture, whose name must say that it is a PNG, or of a video, whose name must not
-// say that it is another format.
+// The place of a picture or video. The name of a picture must end with .png. That of a video must
+// not end with another format.
 fs::path picture_file(const PictureArguments& arguments, const fs::path& otherwise) {
   if (arguments.out.empty()) return otherwise;
   fs::path file = arguments.out;
