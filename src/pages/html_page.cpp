@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include <breakwater/experiment/version.h>
-#include <breakwater/pictures/replay_data.h>
+#include <breakwater/render/scene_description.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/render/identity.h>
 #include <breakwater/shell/digits.h>

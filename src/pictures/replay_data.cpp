@@ -1,43 +1,14 @@
 #include <breakwater/pictures/replay_data.h>
 
 #include <fmt/format.h>
-#include <zlib.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <stdexcept>
 #include <vector>
 
 namespace breakwater {
-
-std::string base64(const void* bytes, std::size_t size) {
-  static constexpr const char* kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const auto* data = static_cast<const unsigned char*>(bytes);
-  std::string text;
-  text.reserve((size + 2) / 3 * 4);
-  for (std::size_t i = 0; i < size; i += 3) {
-    const std::size_t left = std::min<std::size_t>(3, size - i);
-    unsigned word = 0;
-    for (std::size_t k = 0; k < 3; ++k) word = word << 8U | (k < left ? data[i + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += k <= left ? kDigits[word >> (18U - 6U * static_cast<unsigned>(k)) & 63U] : '=';
-    }
-  }
-  return text;
-}
-
-std::string packed_bytes(std::span<const std::uint8_t> bytes) {
-  uLongf size = compressBound(bytes.size());
-  std::vector<std::uint8_t> packed(size);
-  if (compress2(packed.data(), &size, bytes.data(), bytes.size(), Z_BEST_COMPRESSION) != Z_OK) {
-    throw std::runtime_error("zlib cannot compress the data of a page");
-  }
-  return base64(packed.data(), size);
-}
 
 namespace {
 
@@ -63,23 +34,6 @@ void append_channel(std::span<const double> values, double unit, std::vector<std
   }
 }
 
-std::vector<double> read_channel(std::span<const std::uint8_t> bytes, std::size_t& at,
-                                 std::size_t count, double unit) {
-  std::vector<double> values;
-  std::int64_t last = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    std::uint64_t word = 0;
-    std::uint8_t byte = 128U;
-    for (unsigned shift = 0; (byte & 128U) != 0; shift += 7) {
-      if (at >= bytes.size() || shift > 63) throw std::invalid_argument("a channel is cut off");
-      byte = bytes[at++];
-      word |= static_cast<std::uint64_t>(byte & 127U) << shift;
-    }
-    last += static_cast<std::int64_t>(word >> 1U) ^ -static_cast<std::int64_t>(word & 1U);
-    values.push_back(static_cast<double>(last) * unit);
-  }
-  return values;
-}
 namespace {
 
 constexpr double kFramesPerSecond = 60.0;
@@ -186,179 +140,6 @@ constexpr double kSmallestPosition_m = 1e-6;
 constexpr double kRotationUnit = 1e-5;
 constexpr double kSignalSteps = 1e5;
 
-// Eight digits are enough for pictures.
-double rounded(double value) {
-  if (!std::isfinite(value) || value == 0.0) return 0.0;
-  const double unit = std::pow(10.0, 7.0 - std::floor(std::log10(std::abs(value))));
-  const double near = std::round(value * unit) / unit;
-  return std::isfinite(near) ? near : value;
-}
-
-template <typename Numbers>
-Json list(const Numbers& numbers) {
-  Json all = Json::array();
-  for (const auto value : numbers) all.push_back(rounded(static_cast<double>(value)));
-  return all;
-}
-
-template <typename Number>
-std::string packed(const std::vector<Number>& numbers) {
-  return packed_bytes(
-      {reinterpret_cast<const std::uint8_t*>(numbers.data()), numbers.size() * sizeof(Number)});
-}
-
-// Vertices have indices of 16 or 32 bits.
-std::string packed_faces(const std::vector<int>& faces, std::size_t vertices) {
-  if (vertices <= 65536) return packed(std::vector<std::uint16_t>(faces.begin(), faces.end()));
-  return packed(std::vector<std::uint32_t>(faces.begin(), faces.end()));
-}
-
-Json pose_json(const Pose& pose) {
-  Json all = list(pose.position_m);
-  for (const double value : pose.rotation) all.push_back(rounded(value));
-  return all;
-}
-
-// The page has shared assets of several runs only once.
-class Assets {
- public:
-  int of(const Json& asset) {
-    const auto [place, is_new] = numbers_.emplace(asset.dump(), static_cast<int>(all_.size()));
-    if (is_new) all_.push_back(asset);
-    return place->second;
-  }
-  const Json& all() const { return all_; }
-
- private:
-  std::map<std::string, int> numbers_;
-  Json all_ = Json::array();
-};
-
-Json mesh_json(const SceneMesh& mesh) {
-  return {{"kind", "mesh"},
-          {"vertices", packed(mesh.vertices)},
-          {"normals", packed(mesh.normals)},
-          {"texcoords", mesh.texcoords.empty() ? "" : packed(mesh.texcoords)},
-          {"wide", mesh.vertices.size() / 3 > 65536},
-          {"faces", packed_faces(mesh.faces, mesh.vertices.size() / 3)}};
-}
-
-Json field_json(const SceneHeightField& field, bool is_waving) {
-  // The waves give the other data.
-  return {{"kind", "field"},
-          {"rows", field.rows},
-          {"columns", field.columns},
-          {"size", list(field.size)},
-          {"heights", is_waving ? "" : packed(field.heights)}};
-}
-
-Json texture_json(const SceneTexture& texture) {
-  return {{"kind", "texture"},
-          {"width", texture.width},
-          {"height", texture.height},
-          {"cube", texture.is_cube},
-          {"rgb", packed(texture.rgb)}};
-}
-
-const char* shape_name(SceneGeom::Shape shape) {
-  switch (shape) {
-    case SceneGeom::Shape::plane:
-      return "plane";
-    case SceneGeom::Shape::height_field:
-      return "field";
-    case SceneGeom::Shape::sphere:
-      return "sphere";
-    case SceneGeom::Shape::capsule:
-      return "capsule";
-    case SceneGeom::Shape::ellipsoid:
-      return "ellipsoid";
-    case SceneGeom::Shape::cylinder:
-      return "cylinder";
-    case SceneGeom::Shape::box:
-      return "box";
-    case SceneGeom::Shape::mesh:
-      break;
-  }
-  return "mesh";
-}
-
-Json light_json(const SceneLight& light) {
-  return {{"directional", light.is_directional}, {"shadow", light.casts_shadow},
-          {"ambient", list(light.ambient)},      {"diffuse", list(light.diffuse)},
-          {"specular", list(light.specular)},    {"cutoff", rounded(light.cutoff_deg)},
-          {"exponent", rounded(light.exponent)}};
-}
-
-Json scene_json(const SceneDescription& scene, const std::vector<WavingSurface>& surfaces,
-                Assets& assets) {
-  const auto is_waving = [&](const std::string& name) {
-    return std::any_of(surfaces.begin(), surfaces.end(),
-                       [&](const WavingSurface& surface) { return surface.geom == name; });
-  };
-  const auto texture = [&](int id) {
-    return id < 0 ? -1 : assets.of(texture_json(scene.textures[static_cast<std::size_t>(id)]));
-  };
-  Json geoms = Json::array();
-  for (const SceneGeom& geom : scene.geoms) {
-    Json one = {{"id", geom.id},
-                {"name", geom.name},
-                {"body", geom.body},
-                {"shape", shape_name(geom.shape)},
-                {"size", list(geom.size)},
-                {"pose", pose_json(geom.pose)},
-                {"rgba", list(geom.rgba)},
-                {"emission", rounded(geom.emission)},
-                {"specular", rounded(geom.specular)},
-                {"shininess", rounded(geom.shininess)}};
-    if (geom.texture >= 0) {
-      one["texture"] = texture(geom.texture);
-      one["repeat"] = list(geom.texture_repeat);
-      one["uniform"] = geom.texture_is_uniform;
-    }
-    if (geom.mesh >= 0) {
-      one["asset"] = assets.of(mesh_json(scene.meshes[static_cast<std::size_t>(geom.mesh)]));
-    }
-    if (geom.height_field >= 0) {
-      one["asset"] = assets.of(field_json(
-          scene.height_fields[static_cast<std::size_t>(geom.height_field)], is_waving(geom.name)));
-    }
-    geoms.push_back(one);
-  }
-  Json cameras = Json::array();
-  for (const SceneCamera& camera : scene.cameras) {
-    cameras.push_back({{"name", camera.name}, {"fovy", rounded(camera.field_of_view_deg)}});
-  }
-  Json lights = Json::array();
-  for (const SceneLight& light : scene.lights) lights.push_back(light_json(light));
-  Json joints = Json::array();
-  for (const SceneJoint& joint : scene.joints) {
-    joints.push_back({{"name", joint.name},
-                      {"hinge", joint.is_hinge},
-                      {"body", joint.body},
-                      {"parent", joint.parent},
-                      {"anchor", list(joint.anchor_m)},
-                      {"axis", list(joint.axis)},
-                      {"limited", joint.is_limited},
-                      {"range", list(joint.range)},
-                      {"pointer", list(joint.pointer)},
-                      {"bodyPointer", list(joint.body_pointer)}});
-  }
-  return {
-      {"bodies", scene.bodies},
-      {"geoms", geoms},
-      {"sky", texture(scene.sky)},
-      {"cameras", cameras},
-      {"lights", lights},
-      {"joints", joints},
-      {"headlight", light_json(scene.headlight)},
-      {"centre", list(scene.centre_m)},
-      {"extent", rounded(scene.extent_m)},
-      {"near", rounded(scene.near_m)},
-      {"far", rounded(scene.far_m)},
-      {"free",
-       {{"pose", pose_json(scene.free_camera)}, {"fovy", rounded(scene.free_field_of_view_deg)}}}};
-}
-
 // The smallest and the largest finite value.
 std::pair<double, double> range_of(std::span<const double> values) {
   double low = INFINITY;
@@ -374,8 +155,6 @@ std::pair<double, double> range_of(std::span<const double> values) {
 // Collects the channels of a run, with their indices.
 class Channels {
  public:
-  explicit Channels(std::size_t frames) : frames_(frames) {}
-
   // A constant track is written as its seven numbers. Any other is written as the index of its
   // first channel and the unit of its positions.
   Json track(const PoseTrack& track) {
@@ -416,7 +195,6 @@ class Channels {
   }
 
   int count() const { return count_; }
-  std::size_t frames() const { return frames_; }
   std::string bytes() const { return packed_bytes(bytes_); }
 
  private:
@@ -425,14 +203,16 @@ class Channels {
     ++count_;
   }
 
-  std::size_t frames_;
   int count_ = 0;
   std::vector<std::uint8_t> bytes_;
 };
 
 Json arrow_json(const ArrowTrack& track, const Model& model, const std::vector<double>& times_s,
                 Channels& channels) {
-  const SiteOnBody site = site_on_body(model, track.arrow.site);
+  const int site = track.arrow.site;
+  Pose pose;
+  std::copy_n(model->site_pos + std::ptrdiff_t{3} * site, 3, pose.position_m.begin());
+  std::copy_n(model->site_quat + std::ptrdiff_t{4} * site, 4, pose.rotation.begin());
   Json components = Json::array();
   for (const Series& series : track.components) {
     components.push_back(channels.signal(series, times_s));
@@ -440,21 +220,21 @@ Json arrow_json(const ArrowTrack& track, const Model& model, const std::vector<d
   const Colour& colour = track.arrow.colour;
   return {{"name", track.name},
           {"unit", track.unit},
-          {"body", site.body},
-          {"site", pose_json(site.pose)},
-          {"offset", list(track.arrow.offset_m)},
-          {"along", list(track.along)},
+          {"body", model->site_bodyid[site]},
+          {"site", pose_json(pose)},
+          {"offset", rounded_list(track.arrow.offset_m)},
+          {"along", rounded_list(track.along)},
           {"inSite", track.arrow.in_site_frame},
           {"scale", rounded(track.metres_per_unit)},
           {"mark", rounded(track.arrow.contact_mark_m)},
-          {"colour", list(std::array{colour.red, colour.green, colour.blue})},
+          {"colour", rounded_list(std::array{colour.red, colour.green, colour.blue})},
           {"values", components}};
 }
 
 Json wave_json(const SurfaceWave& wave) {
-  return list(std::array{wave.amplitude_m, wave.wave_x_rad_m, wave.wave_y_rad_m, wave.omega_rad_s,
-                         wave.phase_rad, wave.weight_before, wave.weight_after, wave.change_from_s,
-                         wave.change_to_s});
+  return rounded_list(std::array{wave.amplitude_m, wave.wave_x_rad_m, wave.wave_y_rad_m,
+                                 wave.omega_rad_s, wave.phase_rad, wave.weight_before,
+                                 wave.weight_after, wave.change_from_s, wave.change_to_s});
 }
 
 Json surfaces_json(const std::vector<WavingSurface>& surfaces) {
@@ -481,29 +261,28 @@ Json visibility_json(const std::vector<Visibility>& changes) {
   return all;
 }
 
-Json run_json(const LabelledRun& labelled, PictureRun& staged, const Window& window, Assets& assets,
-              std::vector<std::string>& notes) {
+Json run_json(const LabelledRun& labelled, PictureRun& staged, const Window& window,
+              SceneAssets& assets, std::vector<std::string>& notes) {
   const std::vector<TimeSpan> spans = replay_times(staged.times_s, window);
   const std::vector<double> times_s = times_of(spans);
   const ReplayMotion motion = replay_motion(staged, times_s);
-  const SceneDescription scene = describe_scene(staged.model, motion.geoms);
   const std::string folder = labelled.run.folder().string();
-  if (scene.skipped > 0) {
+  if (const int skipped = staged.model->nskin + staged.model->ntendon; skipped > 0) {
     notes.push_back(
-        fmt::format("{}: {} skins and tendons of its model are not shown", folder, scene.skipped));
+        fmt::format("{}: {} skins and tendons of its model are not shown", folder, skipped));
   }
   if (motion.is_incomplete) {
     notes.push_back(folder +
                     ": its pictures change colours or places of geoms, but the page shows "
                     "only the last ones");
   }
-  Channels channels(times_s.size());
+  Channels channels;
   Json run;
   run["label"] = labelled.label;
   Json time = Json::array();
   for (const TimeSpan& span : spans) time.push_back({span.from_s, span.step_s, span.count});
   run["times"] = time;
-  run["scene"] = scene_json(scene, staged.surfaces, assets);
+  run["scene"] = describe_scene(staged.model, motion.geoms, staged.surfaces, assets);
   run["bodies"] = tracks_json(motion.bodies, channels);
   run["cameras"] = tracks_json(motion.cameras, channels);
   run["lights"] = tracks_json(motion.lights, channels);
@@ -527,7 +306,7 @@ ReplayData replay_data(const std::vector<LabelledRun>& runs, const ShotList& sho
   for (const LabelledRun& run : runs) finished.push_back(&run.run);
   data.window = choose_window(finished, shots, {});
   const Window whole = data.whole = whole_window(finished);
-  Assets assets;
+  SceneAssets assets;
   Json json;
   json["title"] = shots.title;
   json["begin"] = whole.from_s;

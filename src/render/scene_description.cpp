@@ -1,15 +1,65 @@
 #include <breakwater/render/scene_description.h>
 
+#include <zlib.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <map>
+#include <cmath>
 #include <stdexcept>
 
 #include <breakwater/render/render_error.h>
 #include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
+
+std::string base64(const void* bytes, std::size_t size) {
+  static constexpr const char* kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const auto* data = static_cast<const unsigned char*>(bytes);
+  std::string text;
+  text.reserve((size + 2) / 3 * 4);
+  for (std::size_t i = 0; i < size; i += 3) {
+    const std::size_t left = std::min<std::size_t>(3, size - i);
+    unsigned word = 0;
+    for (std::size_t k = 0; k < 3; ++k) word = word << 8U | (k < left ? data[i + k] : 0U);
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += k <= left ? kDigits[word >> (18U - 6U * static_cast<unsigned>(k)) & 63U] : '=';
+    }
+  }
+  return text;
+}
+
+std::string packed_bytes(std::span<const std::uint8_t> bytes) {
+  uLongf size = compressBound(bytes.size());
+  std::vector<std::uint8_t> packed(size);
+  if (compress2(packed.data(), &size, bytes.data(), bytes.size(), Z_BEST_COMPRESSION) != Z_OK) {
+    throw std::runtime_error("zlib cannot compress the data of a page");
+  }
+  return base64(packed.data(), size);
+}
+
+double rounded(double value) {
+  if (!std::isfinite(value) || value == 0.0) return 0.0;
+  const double unit = std::pow(10.0, 7.0 - std::floor(std::log10(std::abs(value))));
+  const double near = std::round(value * unit) / unit;
+  return std::isfinite(near) ? near : value;
+}
+
+nlohmann::ordered_json pose_json(const Pose& pose) {
+  nlohmann::ordered_json all = rounded_list(pose.position_m);
+  for (const double value : pose.rotation) all.push_back(rounded(value));
+  return all;
+}
+
+int SceneAssets::of(const nlohmann::ordered_json& asset) {
+  const auto [place, is_new] = numbers_.emplace(asset.dump(), static_cast<int>(all_.size()));
+  if (is_new) all_.push_back(asset);
+  return place->second;
+}
+
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 std::ptrdiff_t row_at(int width, int i) {
   return static_cast<std::ptrdiff_t>(width) * i;
@@ -20,6 +70,18 @@ std::array<double, N> numbers(const Number* from) {
   std::array<double, N> all{};
   std::copy_n(from, N, all.begin());
   return all;
+}
+
+// Row `id` of an array with rows of `width` numbers.
+template <typename Number>
+Json row(const Number* from, int id, int width = 3) {
+  return rounded_list(std::span(from + row_at(width, id), static_cast<std::size_t>(width)));
+}
+
+template <typename Number>
+std::string packed(const Number* from, std::ptrdiff_t count) {
+  return packed_bytes({reinterpret_cast<const std::uint8_t*>(from),
+                       static_cast<std::size_t>(count) * sizeof(Number)});
 }
 
 std::string name_of(const Model& model, mjtObj kind, int id) {
@@ -33,127 +95,106 @@ Pose pose_of(const mjtNum* position, const mjtNum* matrix) {
   return {numbers<3>(position), {q.w(), q.x(), q.y(), q.z()}};
 }
 
-Eigen::Quaterniond quaternion(const mjtNum* q) {
-  return {q[0], q[1], q[2], q[3]};
+Eigen::Map<const Eigen::Vector3d> vector3(const mjtNum* v) {
+  return Eigen::Map<const Eigen::Vector3d>(v);
 }
 
-Eigen::Vector3d vector3(const mjtNum* v) {
-  return {v[0], v[1], v[2]};
-}
-
-std::array<double, 3> triple(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-SceneGeom::Shape shape_of(int type) {
+const char* shape_name(int type) {
   switch (type) {
     case mjGEOM_PLANE:
-      return SceneGeom::Shape::plane;
+      return "plane";
     case mjGEOM_HFIELD:
-      return SceneGeom::Shape::height_field;
+      return "field";
     case mjGEOM_SPHERE:
-      return SceneGeom::Shape::sphere;
+      return "sphere";
     case mjGEOM_CAPSULE:
-      return SceneGeom::Shape::capsule;
+      return "capsule";
     case mjGEOM_ELLIPSOID:
-      return SceneGeom::Shape::ellipsoid;
+      return "ellipsoid";
     case mjGEOM_CYLINDER:
-      return SceneGeom::Shape::cylinder;
+      return "cylinder";
     case mjGEOM_BOX:
-      return SceneGeom::Shape::box;
+      return "box";
     default:
-      return SceneGeom::Shape::mesh;
+      return "mesh";
   }
 }
 
-SceneMesh mesh_of(const mjModel& m, int id) {
-  SceneMesh mesh;
-  const int first = m.mesh_vertadr[id];
-  const int vertices = m.mesh_vertnum[id];
-  mesh.vertices.assign(m.mesh_vert + row_at(3, first), m.mesh_vert + row_at(3, first + vertices));
-  mesh.normals.assign(m.mesh_normal + row_at(3, first),
-                      m.mesh_normal + row_at(3, first + vertices));
-  if (m.mesh_texcoordadr[id] >= 0) {
-    const float* const from = m.mesh_texcoord + row_at(2, m.mesh_texcoordadr[id]);
-    mesh.texcoords.assign(from, from + row_at(2, vertices));
-  }
-  const int face = m.mesh_faceadr[id];
-  mesh.faces.assign(m.mesh_face + row_at(3, face),
-                    m.mesh_face + row_at(3, face + m.mesh_facenum[id]));
-  return mesh;
+// Faces have three vertices each, counter-clockwise from outside. Their indices have 16 or 32 bits.
+Json mesh_json(const mjModel& m, int id) {
+  const int first = m.mesh_vertadr[id], vertices = m.mesh_vertnum[id];
+  const int texcoords = m.mesh_texcoordadr[id];
+  const int* const faces = m.mesh_face + row_at(3, m.mesh_faceadr[id]);
+  const std::vector<std::uint16_t> narrow(faces, faces + row_at(3, m.mesh_facenum[id]));
+  const bool is_wide = vertices > 65536;
+  return {
+      {"kind", "mesh"},
+      {"vertices", packed(m.mesh_vert + row_at(3, first), row_at(3, vertices))},
+      {"normals", packed(m.mesh_normal + row_at(3, first), row_at(3, vertices))},
+      {"texcoords",
+       texcoords < 0 ? "" : packed(m.mesh_texcoord + row_at(2, texcoords), row_at(2, vertices))},
+      {"wide", is_wide},
+      {"faces", is_wide ? packed(faces, row_at(3, m.mesh_facenum[id]))
+                        : packed(narrow.data(), std::ssize(narrow))}};
 }
 
-SceneHeightField height_field_of(const mjModel& m, int id) {
-  SceneHeightField field;
-  field.rows = m.hfield_nrow[id];
-  field.columns = m.hfield_ncol[id];
-  field.size = numbers<3>(m.hfield_size + row_at(4, id));
-  const float* const from = m.hfield_data + m.hfield_adr[id];
-  field.heights.assign(from, from + row_at(field.rows, field.columns));
-  return field;
+// Heights from 0 to 1, with increasing x and y.
+Json field_json(const mjModel& m, int id, bool is_waving) {
+  const int rows = m.hfield_nrow[id], columns = m.hfield_ncol[id];
+  return {{"kind", "field"},
+          {"rows", rows},
+          {"columns", columns},
+          {"size", rounded_list(std::span(m.hfield_size + row_at(4, id), 3))},
+          {"heights",
+           is_waving ? "" : packed(m.hfield_data + m.hfield_adr[id], row_at(rows, columns))}};
 }
 
-SceneTexture texture_of(const mjModel& m, int id) {
-  SceneTexture texture;
-  texture.width = m.tex_width[id];
-  texture.height = m.tex_height[id];
-  texture.is_cube = m.tex_type[id] != mjTEXTURE_2D;
-  const mjtByte* const from = m.tex_rgb + m.tex_adr[id];
-  texture.rgb.assign(from, from + row_at(3, texture.width) * texture.height);
-  return texture;
+// The height of a cube is six times its width: right, left, up, down, front, back.
+Json texture_json(const mjModel& m, int id) {
+  const int width = m.tex_width[id], height = m.tex_height[id];
+  return {{"kind", "texture"},
+          {"width", width},
+          {"height", height},
+          {"cube", m.tex_type[id] != mjTEXTURE_2D},
+          {"rgb", packed(m.tex_rgb + m.tex_adr[id], row_at(3, width) * height)}};
 }
 
-// The numbers of assets in the description, in the order of first use.
-class Numbering {
- public:
-  template <typename Asset, typename Make>
-  int of(int id, std::vector<Asset>& assets, Make make) {
-    if (id < 0) return -1;
-    const auto [place, is_new] = numbers_.emplace(id, static_cast<int>(assets.size()));
-    if (is_new) assets.push_back(make(id));
-    return place->second;
-  }
+constexpr float kUnlit[3] = {};
 
- private:
-  std::map<int, int> numbers_;
-};
-
-SceneLight headlight_of(const mjModel& m) {
-  SceneLight light;
-  if (m.vis.headlight.active == 0) return light;
-  light.ambient = numbers<3>(m.vis.headlight.ambient);
-  light.diffuse = numbers<3>(m.vis.headlight.diffuse);
-  light.specular = numbers<3>(m.vis.headlight.specular);
-  return light;
+Json light_json(bool is_directional, bool casts_shadow, const float* ambient, const float* diffuse,
+                const float* specular, double cutoff_deg, double exponent) {
+  return {{"directional", is_directional}, {"shadow", casts_shadow},
+          {"ambient", row(ambient, 0)},    {"diffuse", row(diffuse, 0)},
+          {"specular", row(specular, 0)},  {"cutoff", rounded(cutoff_deg)},
+          {"exponent", rounded(exponent)}};
 }
 
-SceneLight light_of(const mjModel& m, int id) {
-  SceneLight light;
-  light.is_directional = m.light_directional[id] != 0;
-  light.casts_shadow = m.light_castshadow[id] != 0;
-  light.cutoff_deg = m.light_cutoff[id];
-  light.exponent = m.light_exponent[id];
-  if (m.light_active[id] == 0) return light;
-  light.ambient = numbers<3>(m.light_ambient + row_at(3, id));
-  light.diffuse = numbers<3>(m.light_diffuse + row_at(3, id));
-  light.specular = numbers<3>(m.light_specular + row_at(3, id));
-  return light;
+// The light at the camera.
+Json headlight_json(const mjModel& m) {
+  const auto& light = m.vis.headlight;
+  const bool is_on = light.active != 0;
+  return light_json(false, true, is_on ? light.ambient : kUnlit, is_on ? light.diffuse : kUnlit,
+                    is_on ? light.specular : kUnlit, 45.0, 10.0);
 }
 
-SceneJoint joint_of(const Model& model, int id) {
+Json light_json(const mjModel& m, int id) {
+  const auto colour = [&](const float* of_all) {
+    return m.light_active[id] != 0 ? of_all + row_at(3, id) : kUnlit;
+  };
+  return light_json(m.light_directional[id] != 0, m.light_castshadow[id] != 0,
+                    colour(m.light_ambient), colour(m.light_diffuse), colour(m.light_specular),
+                    m.light_cutoff[id], m.light_exponent[id]);
+}
+
+// A hinge or slide joint, in the frame of the parent of its body, at position 0. The pointers are
+// unit vectors perpendicular to the axis: one at position 0, and the same fixed to the body.
+Json joint_json(const Model& model, int id) {
   const mjModel& m = *model.get();
-  SceneJoint joint;
-  joint.name = name_of(model, mjOBJ_JOINT, id);
-  joint.is_hinge = m.jnt_type[id] == mjJNT_HINGE;
-  joint.body = m.jnt_bodyid[id];
-  joint.parent = m.body_parentid[joint.body];
-  const Eigen::Quaterniond R = quaternion(m.body_quat + row_at(4, joint.body));
+  const bool is_hinge = m.jnt_type[id] == mjJNT_HINGE;
+  const int body = m.jnt_bodyid[id];
+  const mjtNum* const q = m.body_quat + row_at(4, body);
+  const Eigen::Quaterniond R(q[0], q[1], q[2], q[3]);
   const Eigen::Vector3d axis = vector3(m.jnt_axis + row_at(3, id)).normalized();
-  joint.anchor_m =
-      triple(vector3(m.body_pos + row_at(3, joint.body)) + R * vector3(m.jnt_pos + row_at(3, id)));
-  joint.axis = triple(R * axis);
-  joint.is_limited = m.jnt_limited[id] != 0;
-  joint.range = numbers<2>(m.jnt_range + row_at(2, id));
   // The axis of the body that is most perpendicular to the joint, so that the pointer lies along
   // the link.
   Eigen::Vector3d pointer = Eigen::Vector3d::UnitX();
@@ -161,20 +202,26 @@ SceneJoint joint_of(const Model& model, int id) {
     if (std::abs(other.dot(axis)) < std::abs(pointer.dot(axis)) - 1e-9) pointer = other;
   }
   pointer = (pointer - pointer.dot(axis) * axis).normalized();
-  joint.body_pointer = triple(pointer);
   // At qpos0 the body is posed as in the file, but the pointer is for position 0.
   const double at_file = m.qpos0[m.jnt_qposadr[id]];
-  const Eigen::Quaterniond back(Eigen::AngleAxisd(joint.is_hinge ? -at_file : 0.0, axis));
-  joint.pointer = triple(R * (back * pointer));
-  if (!joint.is_hinge) {
-    joint.anchor_m =
-        triple(Eigen::Vector3d(joint.anchor_m[0], joint.anchor_m[1], joint.anchor_m[2]) -
-               at_file * (R * axis));
-  }
-  return joint;
+  const Eigen::Quaterniond back(Eigen::AngleAxisd(is_hinge ? -at_file : 0.0, axis));
+  Eigen::Vector3d anchor =
+      vector3(m.body_pos + row_at(3, body)) + R * vector3(m.jnt_pos + row_at(3, id));
+  if (!is_hinge) anchor -= at_file * (R * axis);
+  return {{"name", name_of(model, mjOBJ_JOINT, id)},
+          {"hinge", is_hinge},
+          {"body", body},
+          {"parent", m.body_parentid[body]},
+          {"anchor", rounded_list(anchor)},
+          {"axis", rounded_list(Eigen::Vector3d(R * axis))},
+          {"limited", m.jnt_limited[id] != 0},
+          {"range", row(m.jnt_range, id, 2)},
+          {"pointer", rounded_list(Eigen::Vector3d(R * (back * pointer)))},
+          {"bodyPointer", rounded_list(pointer)}};
 }
 
-void describe_free_camera(const Model& model, SceneDescription& scene) {
+// Shows the whole model.
+Json free_camera_json(const Model& model) {
   mjvCamera camera;
   mjv_defaultFreeCamera(model.get(), &camera);
   constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -188,8 +235,66 @@ void describe_free_camera(const Model& model, SceneDescription& scene) {
   axes.col(1) = right.cross(forward);
   axes.col(2) = -forward;
   const Eigen::Vector3d position = vector3(camera.lookat) - camera.distance * forward;
-  scene.free_camera = pose_of(position.data(), axes.data());
-  scene.free_field_of_view_deg = model->vis.global.fovy;
+  return {{"pose", pose_json(pose_of(position.data(), axes.data()))},
+          {"fovy", rounded(model->vis.global.fovy)}};
+}
+
+// The assets of one model, which are packed once.
+class ModelAssets {
+ public:
+  explicit ModelAssets(SceneAssets& assets) : assets_(assets) {}
+  template <typename Make>
+  int of(const char* kind, int id, Make make) {
+    const auto [place, is_new] = numbers_.try_emplace({kind, id}, 0);
+    if (is_new) place->second = assets_.of(make());
+    return place->second;
+  }
+
+ private:
+  SceneAssets& assets_;
+  std::map<std::pair<std::string, int>, int> numbers_;
+};
+
+// A visible shape, rigid on a body, with its assets. The shininess is OpenGL's exponent divided by
+// 128. Repeats of a uniform texture are per metre, not per geom.
+Json geom_json(const Model& model, int id, const std::vector<WavingSurface>& surfaces,
+               ModelAssets& assets) {
+  const mjModel& m = *model.get();
+  const int material = m.geom_matid[id];
+  std::array<double, 4> rgba = numbers<4>(m.geom_rgba + row_at(4, id));
+  // As the engine does it: the compiler's grey means that the geom has no colour.
+  if (material >= 0 && rgba == std::array<double, 4>{0.5, 0.5, 0.5, 1.0}) {
+    rgba = numbers<4>(m.mat_rgba + row_at(4, material));
+  }
+  const std::string name = name_of(model, mjOBJ_GEOM, id);
+  const Pose pose = {numbers<3>(m.geom_pos + row_at(3, id)),
+                     numbers<4>(m.geom_quat + row_at(4, id))};
+  Json geom = {{"id", id},
+               {"name", name},
+               {"body", m.geom_bodyid[id]},
+               {"shape", shape_name(m.geom_type[id])},
+               {"size", row(m.geom_size, id)},
+               {"pose", pose_json(pose)},
+               {"rgba", rounded_list(rgba)},
+               {"emission", rounded(material < 0 ? 0.0 : m.mat_emission[material])},
+               {"specular", rounded(material < 0 ? 0.5 : m.mat_specular[material])},
+               {"shininess", rounded(material < 0 ? 0.5 : m.mat_shininess[material])}};
+  if (material >= 0 && m.mat_texid[material] >= 0) {
+    const int texture = m.mat_texid[material];
+    geom["texture"] = assets.of("texture", texture, [&] { return texture_json(m, texture); });
+    geom["repeat"] = row(m.mat_texrepeat, material, 2);
+    geom["uniform"] = m.mat_texuniform[material] != 0;
+  }
+  const int data = m.geom_dataid[id];
+  if (m.geom_type[id] == mjGEOM_HFIELD) {
+    const bool is_waving =
+        std::any_of(surfaces.begin(), surfaces.end(),
+                    [&](const WavingSurface& surface) { return surface.geom == name; });
+    geom["asset"] = assets.of("field", data, [&] { return field_json(m, data, is_waving); });
+  } else if (geom["shape"] == "mesh" && data >= 0) {
+    geom["asset"] = assets.of("mesh", data, [&] { return mesh_json(m, data); });
+  }
+  return geom;
 }
 
 }  // namespace
@@ -202,72 +307,42 @@ bool is_drawn(const Model& model, int geom) {
   return rgba[3] > 0.0F && (material < 0 || model->mat_rgba[4 * material + 3] > 0.0F);
 }
 
-SceneDescription describe_scene(const Model& model, const std::vector<int>& geoms) {
+nlohmann::ordered_json describe_scene(const Model& model, const std::vector<int>& geoms,
+                                      const std::vector<WavingSurface>& surfaces,
+                                      SceneAssets& all_assets) {
   const mjModel& m = *model.get();
-  SceneDescription scene;
-  for (int i = 0; i < m.nbody; ++i) scene.bodies.push_back(name_of(model, mjOBJ_BODY, i));
-  Numbering meshes;
-  Numbering fields;
-  Numbering textures;
-  const auto texture = [&](int id) {
-    return textures.of(id, scene.textures, [&](int i) { return texture_of(m, i); });
+  ModelAssets assets(all_assets);
+  const auto each = [](int count, auto make) {
+    Json all = Json::array();
+    for (int i = 0; i < count; ++i) all.push_back(make(i));
+    return all;
   };
-  for (const int id : geoms) {
-    SceneGeom geom;
-    geom.id = id;
-    geom.name = name_of(model, mjOBJ_GEOM, id);
-    geom.body = m.geom_bodyid[id];
-    geom.shape = shape_of(m.geom_type[id]);
-    geom.size = numbers<3>(m.geom_size + row_at(3, id));
-    geom.pose = {numbers<3>(m.geom_pos + row_at(3, id)), numbers<4>(m.geom_quat + row_at(4, id))};
-    geom.rgba = numbers<4>(m.geom_rgba + row_at(4, id));
-    const int material = m.geom_matid[id];
-    if (material >= 0) {
-      // As the engine does it: the compiler's grey means that the geom has no colour.
-      if (geom.rgba == std::array<double, 4>{0.5, 0.5, 0.5, 1.0}) {
-        geom.rgba = numbers<4>(m.mat_rgba + row_at(4, material));
-      }
-      geom.emission = m.mat_emission[material];
-      geom.specular = m.mat_specular[material];
-      geom.shininess = m.mat_shininess[material];
-      geom.texture = texture(m.mat_texid[material]);
-      geom.texture_repeat = numbers<2>(m.mat_texrepeat + row_at(2, material));
-      geom.texture_is_uniform = m.mat_texuniform[material] != 0;
-    }
-    if (geom.shape == SceneGeom::Shape::mesh) {
-      geom.mesh = meshes.of(m.geom_dataid[id], scene.meshes, [&](int i) { return mesh_of(m, i); });
-    } else if (geom.shape == SceneGeom::Shape::height_field) {
-      geom.height_field = fields.of(m.geom_dataid[id], scene.height_fields,
-                                    [&](int i) { return height_field_of(m, i); });
-    }
-    scene.geoms.push_back(geom);
-  }
-  for (int i = 0; i < m.ntex && scene.sky < 0; ++i) {
-    if (m.tex_type[i] == mjTEXTURE_SKYBOX) scene.sky = texture(i);
-  }
-  for (int i = 0; i < m.ncam; ++i) {
-    scene.cameras.push_back({name_of(model, mjOBJ_CAMERA, i), m.cam_fovy[i]});
-  }
-  scene.headlight = headlight_of(m);
-  for (int i = 0; i < m.nlight; ++i) scene.lights.push_back(light_of(m, i));
+  Json scene;
+  scene["bodies"] = each(m.nbody, [&](int i) { return name_of(model, mjOBJ_BODY, i); });
+  scene["geoms"] = each(static_cast<int>(geoms.size()), [&](int i) {
+    return geom_json(model, geoms[static_cast<std::size_t>(i)], surfaces, assets);
+  });
+  const int* const sky = std::find(m.tex_type, m.tex_type + m.ntex, int{mjTEXTURE_SKYBOX});
+  const auto sky_id = static_cast<int>(sky - m.tex_type);
+  scene["sky"] =
+      sky_id < m.ntex ? assets.of("texture", sky_id, [&] { return texture_json(m, sky_id); }) : -1;
+  scene["cameras"] = each(m.ncam, [&](int i) {
+    return Json{{"name", name_of(model, mjOBJ_CAMERA, i)}, {"fovy", rounded(m.cam_fovy[i])}};
+  });
+  scene["lights"] = each(m.nlight, [&](int i) { return light_json(m, i); });
+  scene["joints"] = Json::array();
   for (int i = 0; i < m.njnt; ++i) {
     if (m.jnt_type[i] == mjJNT_HINGE || m.jnt_type[i] == mjJNT_SLIDE) {
-      scene.joints.push_back(joint_of(model, i));
+      scene["joints"].push_back(joint_json(model, i));
     }
   }
-  scene.centre_m = numbers<3>(m.stat.center);
-  scene.extent_m = m.stat.extent;
-  scene.near_m = m.vis.map.znear * m.stat.extent;
-  scene.far_m = m.vis.map.zfar * m.stat.extent;
-  describe_free_camera(model, scene);
-  scene.skipped = m.nskin + m.ntendon;
+  scene["headlight"] = headlight_json(m);
+  scene["centre"] = row(m.stat.center, 0);
+  scene["extent"] = rounded(m.stat.extent);
+  scene["near"] = rounded(m.vis.map.znear * m.stat.extent);
+  scene["far"] = rounded(m.vis.map.zfar * m.stat.extent);
+  scene["free"] = free_camera_json(model);
   return scene;
-}
-
-SiteOnBody site_on_body(const Model& model, int site) {
-  return {model->site_bodyid[site],
-          {numbers<3>(model->site_pos + row_at(3, site)),
-           numbers<4>(model->site_quat + row_at(4, site))}};
 }
 
 ScenePoser::ScenePoser(const Model& model) : model_(model) {
@@ -294,7 +369,7 @@ Pose ScenePoser::camera(int id) const {
 
 Pose ScenePoser::light(int id) const {
   const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(
-      -Eigen::Vector3d::UnitZ(), vector3(data_->light_xdir + row_at(3, id)));
+      -Eigen::Vector3d::UnitZ(), Eigen::Vector3d(vector3(data_->light_xdir + row_at(3, id))));
   return {numbers<3>(data_->light_xpos + row_at(3, id)), {q.w(), q.x(), q.y(), q.z()}};
 }
 

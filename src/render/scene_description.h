@@ -6,11 +6,14 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <breakwater/sim/model.h>
+#include <breakwater/sim/surface_waves.h>
 
 namespace breakwater {
 
@@ -31,109 +34,44 @@ struct Pose {
   std::array<double, 4> rotation{1.0, 0.0, 0.0, 0.0};
 };
 
-struct SceneMesh {
-  std::vector<float> vertices;   ///< x, y, z each, in the geom's frame [m]
-  std::vector<float> normals;    ///< one for each vertex
-  std::vector<float> texcoords;  ///< u, v each; empty if there are none
-  std::vector<int> faces;        ///< three vertices each, counter-clockwise from outside
-};
+/// Base64 by RFC 4648, padded.
+std::string base64(const void* bytes, std::size_t size);
 
-struct SceneHeightField {
-  int rows = 0;                  ///< along y
-  int columns = 0;               ///< along x
-  std::array<double, 3> size{};  ///< half lengths along x and y, height of a full value [m]
-  std::vector<float> heights;    ///< 0 … 1, rows × columns, with increasing x and y
-};
+/// Bytes as base64 of a zlib stream (RFC 1950), the format "deflate" of browsers.
+std::string packed_bytes(std::span<const std::uint8_t> bytes);
 
-struct SceneTexture {
-  int width = 0;
-  int height = 0;  ///< a cube's is six times its width: right, left, up, down, front, back
-  bool is_cube = false;
-  std::vector<std::uint8_t> rgb;
-};
+/// Numbers for pictures: eight digits are enough, and 0 stands for one that is not finite.
+double rounded(double value);
+template <typename Numbers>
+nlohmann::ordered_json rounded_list(const Numbers& numbers) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const auto value : numbers) all.push_back(rounded(static_cast<double>(value)));
+  return all;
+}
+/// The seven numbers of a pose.
+nlohmann::ordered_json pose_json(const Pose& pose);
 
-/// A visible shape, rigid on a body.
-struct SceneGeom {
-  enum class Shape { plane, height_field, sphere, capsule, ellipsoid, cylinder, box, mesh };
+/// Meshes, height fields and textures. Runs that share one have it only once.
+class SceneAssets {
+ public:
+  /// The index of an asset.
+  int of(const nlohmann::ordered_json& asset);
+  const nlohmann::ordered_json& all() const { return all_; }
 
-  int id = 0;  ///< in the model
-  std::string name;
-  int body = 0;
-  Shape shape = Shape::sphere;
-  std::array<double, 3> size{};  ///< as in MJCF: half lengths [m]; 0 for an infinite plane
-  Pose pose;                     ///< in the body's frame
-  std::array<double, 4> rgba{};
-  double emission = 0.0;
-  double specular = 0.5;
-  double shininess = 0.5;  ///< OpenGL's exponent divided by 128
-  int texture = -1;        ///< index of SceneDescription::textures; −1: none
-  std::array<double, 2> texture_repeat{1.0, 1.0};
-  bool texture_is_uniform = false;  ///< repeats are per metre, not per geom
-  int mesh = -1;                    ///< index of meshes
-  int height_field = -1;            ///< index of height_fields
-};
-
-struct SceneCamera {
-  std::string name;
-  double field_of_view_deg = 45.0;  ///< vertical
-};
-
-struct SceneLight {
-  bool is_directional = false;  ///< false: a spot
-  bool casts_shadow = true;
-  std::array<double, 3> ambient{};
-  std::array<double, 3> diffuse{};
-  std::array<double, 3> specular{};
-  double cutoff_deg = 45.0;  ///< for a spot
-  double exponent = 10.0;    ///< for a spot: the intensity is proportional to cos^exponent
-};
-
-/// A hinge or slide joint, in the frame of the parent of its body, at position 0.
-struct SceneJoint {
-  std::string name;
-  bool is_hinge = false;
-  int body = 0;
-  int parent = 0;
-  std::array<double, 3> anchor_m{};
-  std::array<double, 3> axis{};
-  bool is_limited = false;
-  std::array<double, 2> range{};    ///< [rad or m]
-  std::array<double, 3> pointer{};  ///< unit vector perpendicular to the axis, at position 0 …
-  std::array<double, 3> body_pointer{};  ///< … and the same, fixed to the body
-};
-
-struct SceneDescription {
-  std::vector<std::string> bodies;  ///< names; 0 is the world
-  std::vector<SceneTexture> textures;
-  int sky = -1;  ///< texture of the sky; −1: none
-  std::vector<SceneMesh> meshes;
-  std::vector<SceneHeightField> height_fields;
-  std::vector<SceneGeom> geoms;
-  std::vector<SceneCamera> cameras;
-  std::vector<SceneLight> lights;
-  std::vector<SceneJoint> joints;
-  SceneLight headlight;  ///< at the camera
-  std::array<double, 3> centre_m{};
-  double extent_m = 1.0;
-  double near_m = 0.01;
-  double far_m = 100.0;
-  Pose free_camera;  ///< shows the whole model
-  double free_field_of_view_deg = 45.0;
-  int skipped = 0;  ///< number of skins and tendons, which it does not describe
+ private:
+  std::map<std::string, int> numbers_;
+  nlohmann::ordered_json all_ = nlohmann::ordered_json::array();
 };
 
 /// Whether SceneView now draws a geom: its group is drawn, and it is not fully transparent.
 bool is_drawn(const Model& model, int geom);
 
-/// The look of these geoms of the model, with their assets.
-SceneDescription describe_scene(const Model& model, const std::vector<int>& geoms);
-
-/// A site of the model: its body and its place in the body's frame.
-struct SiteOnBody {
-  int body = 0;
-  Pose pose;
-};
-SiteOnBody site_on_body(const Model& model, int site);
+/// The look of these geoms of the model, its cameras, lights, hinges and slides, for
+/// data/report/replay. Lengths are in m, angles in rad or, where OpenGL has them so, degrees. The
+/// heights of `surfaces` are left out: waves give them.
+nlohmann::ordered_json describe_scene(const Model& model, const std::vector<int>& geoms,
+                                      const std::vector<WavingSurface>& surfaces,
+                                      SceneAssets& assets);
 
 /// Computes poses for given positions of the joints, by the kinematics of SceneView.
 class ScenePoser {

@@ -33,7 +33,7 @@ HEADERS = {
     "mujoco|mjdata|mjmodel": "sim render", "EGL/|GL/|libav": "render", "urdf|tinyxml|console_bridge": "plants",
     "^hdf5": "record", r"toml\+\+": "config study search pictures thesis",
     "CLI/": "shell recorded study cluster pictures pages thesis analysis identification program",
-    "nlohmann": "record experiment study search pictures pages thesis identification program",
+    "nlohmann": "record experiment render study search pictures pages thesis identification program",
     "^ceres/": "identification", "mustache": "pages", "^boost/": "study"}
 
 

@@ -1,11 +1,28 @@
 // The data of a replay's page: its times, and compressed numbers.
 #include <breakwater/pictures/replay_data.h>
 
-#include <zlib.h>
-
 #include "support.h"
 
 namespace breakwater::replay_motion_test {
+
+// As the page reads a channel of `count` values that begins at `at`, which moves behind it.
+std::vector<double> read_channel(std::span<const std::uint8_t> bytes, std::size_t& at,
+                                 std::size_t count, double unit) {
+  std::vector<double> values;
+  std::int64_t last = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint64_t word = 0;
+    std::uint8_t byte = 128U;
+    for (unsigned shift = 0; (byte & 128U) != 0; shift += 7) {
+      if (at >= bytes.size() || shift > 63) throw std::invalid_argument("a channel is cut off");
+      byte = bytes[at++];
+      word |= static_cast<std::uint64_t>(byte & 127U) << shift;
+    }
+    last += static_cast<std::int64_t>(word >> 1U) ^ -static_cast<std::int64_t>(word & 1U);
+    values.push_back(static_cast<double>(last) * unit);
+  }
+  return values;
+}
 
 TEST(MotionCodec, NumbersRoundTripWithinAUnit) {
   testing::Random random(3);
@@ -35,27 +52,6 @@ TEST(MotionCodec, RepeatsTheLastValueForNanAndRefusesATruncatedChannel) {
   EXPECT_EQ(read_channel(bytes, at, 4, 0.5), (std::vector{1.0, 1.0, 1.0, 2.0}));
   at = 0;
   EXPECT_THROW(read_channel(bytes, at, 5, 0.5), std::invalid_argument);
-}
-
-TEST(PageData, BytesArePackedAsAZlibStream) {
-  const std::vector<std::uint8_t> bytes(10000, 7);
-  const std::string text = packed_bytes(bytes);
-  EXPECT_LT(text.size(), 100U);
-  // Decodes base64, then zlib.
-  std::vector<std::uint8_t> stream;
-  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (std::size_t i = 0; i < text.size(); i += 4) {
-    unsigned word = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      word =
-          word << 6U | (text[i + k] == '=' ? 0U : static_cast<unsigned>(digits.find(text[i + k])));
-    }
-    for (unsigned shift : {16U, 8U, 0U}) stream.push_back(static_cast<std::uint8_t>(word >> shift));
-  }
-  std::vector<std::uint8_t> back(bytes.size());
-  uLongf size = back.size();
-  ASSERT_EQ(uncompress(back.data(), &size, stream.data(), stream.size()), Z_OK);
-  EXPECT_EQ(back, bytes);
 }
 
 std::vector<double> log_times(double end_s, double step_s) {
