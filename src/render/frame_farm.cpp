@@ -1,9 +1,6 @@
 #include <breakwater/render/frame_farm.h>
 
 #include <fcntl.h>
-#include <poll.h>
-#include <semaphore.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -12,11 +9,11 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <breakwater/render/render_error.h>
@@ -24,76 +21,44 @@
 namespace breakwater {
 namespace {
 
-// Frames that a process may draw before the first of them is taken.
-constexpr std::size_t kAhead = 4;
-constexpr int kPollMs = 200;
-
-// Small enough for one atomic write to a pipe.
-struct Answer {
-  enum class Kind { ready, drawn, failed };
-  Kind kind = Kind::ready;
-  std::array<char, 400> text{};  // ready: the name of the renderer; failed: the reason
+// The head of a message of a process; its bytes follow. The first message is the name of the
+// renderer. Each other one is a frame, or the reason of a failure.
+struct Head {
+  bool is_failure;
+  std::size_t bytes;
 };
-static_assert(sizeof(Answer) <= 512, "POSIX' PIPE_BUF");
 
-// An answer that is lost ends the process: the parent then sees its end.
-void say(int answers, Answer::Kind kind, const std::string& words) {
-  Answer answer{kind};
-  std::snprintf(answer.text.data(), answer.text.size(), "%s", words.c_str());
-  ssize_t put = 0;
-  do {
-    put = write(answers, &answer, sizeof(answer));
-  } while (put < 0 && errno == EINTR);
-  if (put != sizeof(answer)) _exit(EXIT_FAILURE);
+// A message that is lost ends the process: the parent then sees its end.
+void say(int output, bool is_failure, std::string_view message) {
+  const Head head = {is_failure, message.size()};
+  for (std::string_view left :
+       {std::string_view(reinterpret_cast<const char*>(&head), sizeof head), message}) {
+    while (!left.empty()) {
+      const ssize_t put = write(output, left.data(), left.size());
+      if (put < 0 && errno == EINTR) continue;
+      if (put <= 0) _exit(EXIT_FAILURE);
+      left.remove_prefix(static_cast<std::size_t>(put));
+    }
+  }
 }
 
-// Memory for the frames, shared by the children and the parent. Frame k is drawn by process k mod
-// `processes`, into slot k mod (kAhead · processes).
-class SharedFrames {
- public:
-  SharedFrames(const FrameFarm& farm, std::size_t processes)
-      : processes_(processes), frame_bytes_(farm.frame_bytes) {
-    data_ = mmap(nullptr, bytes(), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (data_ == MAP_FAILED) throw RenderError("video: no memory for the frames");
-    for (std::size_t i = 0; i < processes; ++i) sem_init(&free(i), 1, kAhead);
-  }
-  SharedFrames(const SharedFrames&) = delete;
-  SharedFrames& operator=(const SharedFrames&) = delete;
-  ~SharedFrames() { munmap(data_, bytes()); }
-
-  std::size_t processes() const { return processes_; }
-  // The number of free slots of a process.
-  sem_t& free(std::size_t process) const { return static_cast<sem_t*>(data_)[process]; }
-  std::uint8_t* slot(std::size_t frame) const {
-    return static_cast<std::uint8_t*>(data_) + sizeof(sem_t) * processes_ +
-           frame % (kAhead * processes_) * frame_bytes_;
-  }
-
- private:
-  std::size_t bytes() const { return (sizeof(sem_t) + kAhead * frame_bytes_) * processes_; }
-
-  std::size_t processes_;
-  std::size_t frame_bytes_;
-  void* data_;
-};
-
-[[noreturn]] void work(std::size_t number, int answers, const FrameFarm& farm,
-                       const SharedFrames& shared,
+// Draws frame `number` and each `processes`-th one behind it. It draws one while the pipe is read.
+[[noreturn]] void work(std::size_t number, std::size_t processes, int output, const FrameFarm& farm,
                        const std::function<Drawer(std::size_t)>& start) {
   int status = EXIT_FAILURE;
   try {
     // One thread is enough: there is a process for each core.
     setenv("LP_NUM_THREADS", "0", 1);
     const Drawer drawer = start(number);
-    say(answers, Answer::Kind::ready, drawer.renderer);
-    for (std::size_t frame = number; frame < farm.frames; frame += shared.processes()) {
-      while (sem_wait(&shared.free(number)) != 0) continue;  // a signal came
-      drawer.draw(frame, shared.slot(frame));
-      say(answers, Answer::Kind::drawn, "");
+    say(output, false, drawer.renderer);
+    std::vector<std::uint8_t> picture(farm.frame_bytes);
+    for (std::size_t frame = number; frame < farm.frames; frame += processes) {
+      drawer.draw(frame, picture.data());
+      say(output, false, {reinterpret_cast<const char*>(picture.data()), picture.size()});
     }
     status = EXIT_SUCCESS;
   } catch (const std::exception& error) {
-    say(answers, Answer::Kind::failed, error.what());
+    say(output, true, error.what());
   } catch (...) {
     // The parent sees the status.
   }
@@ -102,18 +67,18 @@ class SharedFrames {
 
 struct Child {
   pid_t pid;
-  int answers;
+  int output;
 };
 
 // The child processes. They end with this object.
 class Children {
  public:
-  Children(const FrameFarm& farm, const SharedFrames& shared,
+  Children(const FrameFarm& farm, std::size_t processes,
            const std::function<Drawer(std::size_t)>& start)
       : farm_(farm) {
-    for (std::size_t i = 0; i < shared.processes(); ++i) {
-      std::array<int, 2> answers{};
-      if (pipe2(answers.data(), O_CLOEXEC) != 0) fail();
+    for (std::size_t i = 0; i < processes; ++i) {
+      std::array<int, 2> ends{};
+      if (pipe2(ends.data(), O_CLOEXEC) != 0) fail();
       const pid_t parent = getpid();
       const pid_t pid = fork();
       if (pid == 0) {
@@ -123,11 +88,11 @@ class Children {
         std::signal(SIGINT, SIG_IGN);
         std::signal(SIGHUP, SIG_IGN);
         std::signal(SIGTERM, SIG_DFL);
-        close(answers[0]);
-        work(i, answers[1], farm, shared, start);
+        close(ends[0]);
+        work(i, processes, ends[1], farm, start);
       }
-      close(answers[1]);
-      children_.push_back({pid, answers[0]});
+      close(ends[1]);
+      children_.push_back({pid, ends[0]});
       if (pid < 0) fail();
     }
   }
@@ -135,32 +100,38 @@ class Children {
   Children& operator=(const Children&) = delete;
   ~Children() { end(); }
 
-  // The next answer of a child. Throws Stopped, or RenderError if the child failed or died.
-  Answer next(std::size_t number) {
-    Child& child = children_[number];
-    pollfd ready{child.answers, POLLIN, 0};
-    do {
-      if (farm_.stop != nullptr && *farm_.stop) throw Stopped();
-    } while (poll(&ready, 1, kPollMs) <= 0);
-    Answer answer;
-    ssize_t got = 0;
-    do {
-      got = read(child.answers, &answer, sizeof(answer));
-    } while (got < 0 && errno == EINTR);
-    if (got != sizeof(answer)) {
-      int status = 0;
-      waitpid(child.pid, &status, 0);
-      child.pid = -1;
-      throw RenderError("video: a process that drew it ended (" +
-                        (WIFSIGNALED(status) ? "signal " + std::to_string(WTERMSIG(status))
-                                             : "status " + std::to_string(WEXITSTATUS(status))) +
-                        ")");
-    }
-    if (answer.kind == Answer::Kind::failed) throw RenderError(answer.text.data());
-    return answer;
+  // The next message of a child. Throws Stopped, or RenderError if the child failed or died.
+  const std::string& next(std::size_t number) {
+    Head head{};
+    read_from(children_[number], reinterpret_cast<char*>(&head), sizeof head);
+    message_.resize(head.bytes);
+    read_from(children_[number], message_.data(), head.bytes);
+    if (head.is_failure) throw RenderError(message_);
+    return message_;
   }
 
  private:
+  void read_from(Child& child, char* to, std::size_t bytes) {
+    while (bytes > 0) {
+      if (farm_.stop != nullptr && *farm_.stop) throw Stopped();
+      const ssize_t got = read(child.output, to, bytes);
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) fail_for_end(child);
+      to += got;
+      bytes -= static_cast<std::size_t>(got);
+    }
+  }
+
+  [[noreturn]] static void fail_for_end(Child& child) {
+    int status = 0;
+    waitpid(child.pid, &status, 0);
+    child.pid = -1;
+    throw RenderError("video: a process that drew it ended (" +
+                      (WIFSIGNALED(status) ? "signal " + std::to_string(WTERMSIG(status))
+                                           : "status " + std::to_string(WEXITSTATUS(status))) +
+                      ")");
+  }
+
   [[noreturn]] void fail() {
     const std::string reason = std::strerror(errno);
     end();
@@ -169,7 +140,7 @@ class Children {
 
   void end() {
     for (const Child& child : children_) {
-      close(child.answers);
+      close(child.output);
       if (child.pid <= 0) continue;
       kill(child.pid, SIGKILL);
       waitpid(child.pid, nullptr, 0);
@@ -179,6 +150,7 @@ class Children {
 
   const FrameFarm& farm_;
   std::vector<Child> children_;
+  std::string message_;
 };
 
 }  // namespace
@@ -187,18 +159,15 @@ std::string draw_frames(const FrameFarm& farm, const std::function<Drawer(std::s
                         const std::function<void(const std::uint8_t* frame)>& take) {
   const std::size_t processes =
       std::clamp<std::size_t>(farm.frames, 1, std::max(farm.processes, 1U));
-  const SharedFrames shared(farm, processes);
-  Children children(farm, shared, start);
+  Children children(farm, processes, start);
   std::string renderer;
   for (std::size_t frame = 0; frame < farm.frames; ++frame) {
     if (farm.progress) {
       farm.progress(static_cast<double>(frame) / static_cast<double>(farm.frames));
     }
     const std::size_t process = frame % processes;
-    if (frame < processes) renderer = children.next(process).text.data();
-    children.next(process);
-    take(shared.slot(frame));
-    sem_post(&shared.free(process));
+    if (frame < processes) renderer = children.next(process);
+    take(reinterpret_cast<const std::uint8_t*>(children.next(process).data()));
   }
   return renderer;
 }
