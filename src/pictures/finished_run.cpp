@@ -2,25 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <optional>
 #include <stdexcept>
 
 #include <breakwater/experiment/provenance.h>
 
 namespace breakwater {
-namespace {
-
-std::vector<Series> columns(const std::vector<double>& times_s, const LoggedSignal& signal) {
-  std::vector<Series> all(signal.width, Series{times_s, std::vector<double>(signal.rows)});
-  for (std::size_t i = 0; i < signal.rows; ++i) {
-    for (std::size_t k = 0; k < signal.width; ++k) all[k].values[i] = signal.row(i)[k];
-  }
-  return all;
-}
-
-}  // namespace
-
 std::filesystem::path shots_file(const ScenarioKind& kind, const Config& config) {
   const std::filesystem::path shots = kind.shots();
   const auto model = config.text("model.mjcf");
@@ -110,26 +96,11 @@ Model FinishedRun::load_scene() const {
   return model;
 }
 
-std::vector<Series> FinishedRun::vector_signal(const std::string& name) const {
-  return columns(times_s(), saved_.dataset("control/" + name));
-}
-
-Series FinishedRun::signal(const std::string& name) const {
-  const SignalName wanted = signal_name(name);
-  std::vector<Series> all = vector_signal(wanted.name);
-  const std::size_t index = std::max<std::size_t>(1, wanted.index);
-  if (index > all.size() || (wanted.index == 0 && all.size() > 1)) {
-    throw std::invalid_argument(log_file() + ": " + name + ": the signal has " +
-                                std::to_string(all.size()) + " values; choose one, as NAME[1]");
-  }
-  return std::move(all[index - 1]);
-}
-
 Series FinishedRun::value(const std::string& key_or_signal) const {
   if (const auto number = config_->number(key_or_signal)) {
     return {{times_s().front(), end_s()}, {*number, *number}};
   }
-  return signal(key_or_signal);
+  return saved_.signal(key_or_signal);
 }
 
 std::string FinishedRun::fill_in(const std::string& text) const {

@@ -54,11 +54,6 @@ class FinishedRun {
   bool has(const std::string& key_or_signal) const {
     return config_->number(key_or_signal) || saved_.has_signal(key_or_signal);
   }
-  /// A signal at the control rate: NAME, or NAME[3] for its third value. Throws
-  /// std::invalid_argument if the log does not have it.
-  Series signal(const std::string& name) const;
-  /// The values of a vector signal, one series each.
-  std::vector<Series> vector_signal(const std::string& name) const;
   /// A number of the run's configuration as a constant series, or a signal.
   Series value(const std::string& key_or_signal) const;
   /// `text` with each {KEY} replaced by the value of the key. Throws if there is no such key.

@@ -83,10 +83,6 @@ PictureStage set_stage(const std::deque<FinishedRun>& runs, const ShotList& shot
   return stage;
 }
 
-void warn_if_slow(const Offscreen& offscreen) {
-  if (const auto warning = offscreen.slowness()) fmt::print(stderr, "pictures: {}\n", *warning);
-}
-
 // Notes the renderer in the manifest if the picture is in its run's folder. A video also contains
 // it.
 void report(const PictureArguments& arguments, const FinishedRun& run, const std::string& renderer,
@@ -140,10 +136,9 @@ int video(const Catalogue& catalogue, const PictureArguments& arguments) {
   farm.processes = std::max(1U, std::thread::hardware_concurrency());
   farm.stop = &interrupted();
   farm.progress = [&](double done) { progress.update(0, done); };
-  const auto start = [&](std::size_t process) -> Drawer {
+  const auto start = [&](std::size_t /*process*/) -> Drawer {
     const auto picture = std::make_shared<Picture>(stage.runs, stage.style);
     const auto converter = std::make_shared<ColourConverter>(size.width, size.height);
-    if (process == 0) warn_if_slow(picture->offscreen());
     return {[picture, converter, &window, fps](std::size_t number, std::uint8_t* frame) {
               converter->convert(picture->draw(window.time_of(number, fps)), frame);
             },
@@ -181,7 +176,6 @@ int still(const Catalogue& catalogue, const PictureArguments& arguments) {
   const fs::path file = picture_file(arguments, runs.front().folder() / "still.png");
 
   Picture picture(stage.runs, stage.style);
-  warn_if_slow(picture.offscreen());
   Canvas canvas(size.width, size.height);
   std::copy_n(picture.draw(arguments.at_s), 4 * size.width * size.height, canvas.pixels());
   replace_file(file, canvas.png());

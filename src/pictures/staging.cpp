@@ -38,8 +38,11 @@ ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Mode
   track.arrow.contact_mark_m = shot.contact_mark_m;
   track.arrow.colour = colour;
   const bool is_indexed = shot.signal.find('[') != std::string::npos;
-  track.components =
-      is_indexed ? std::vector{run.signal(shot.signal)} : run.vector_signal(shot.signal);
+  const std::size_t width = is_indexed ? 1 : run.saved().entry(shot.signal).width;
+  for (std::size_t i = 1; i <= width; ++i) {
+    track.components.push_back(
+        run.saved().signal(is_indexed ? shot.signal : fmt::format("{}[{}]", shot.signal, i)));
+  }
   if (track.components.size() != 1 && track.components.size() != 3) {
     throw std::invalid_argument("arrow: signal " + shot.signal + " has " +
                                 std::to_string(track.components.size()) + " values, not 1 or 3");
@@ -217,7 +220,7 @@ std::optional<double> time_of(const ShotMoment& moment, const FinishedRun& run) 
   double time_s = moment.at_s;
   if (!moment.first_positive.empty()) {
     if (!run.has(moment.first_positive)) return std::nullopt;
-    const Series signal = run.signal(moment.first_positive);
+    const Series signal = run.saved().signal(moment.first_positive);
     std::size_t i = 0;
     while (i < signal.values.size() &&
            (signal.times_s[i] < moment.at_s || signal.values[i] <= 0.0)) {
@@ -291,7 +294,6 @@ Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle
   const int width = count * style.width + (count - 1) * kGap;
   Canvas page(width, style.height + caption + chart_height);
   Picture picture(stage.runs, stage.style);
-  if (const auto warning = picture.offscreen().slowness()) stage.notes.push_back(*warning);
   Canvas panel(style.width, style.height);
   for (int i = 0; i < count; ++i) {
     const Moment& moment = moments[static_cast<std::size_t>(i)];

@@ -221,9 +221,4 @@ void* Offscreen::find(const char* name) {
   return reinterpret_cast<void*>(egl<decltype(eglGetProcAddress)>("eglGetProcAddress")(name));
 }
 
-std::optional<std::string> Offscreen::slowness() const {
-  if (!renderer_.starts_with("softpipe") && !renderer_.starts_with("swrast")) return std::nullopt;
-  return "OpenGL is drawn by " + renderer_ + ", not by llvmpipe, which is 15 times faster";
-}
-
 }  // namespace breakwater

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,9 +49,6 @@ class Offscreen {
 
   /// The name of the renderer and the library: "llvmpipe (LLVM 15.0.6, 256 bits), EGL".
   const std::string& renderer() const { return renderer_; }
-  /// A warning, in one line, if it is a software renderer other than llvmpipe. Mesa's other
-  /// renderers are about 15 times slower.
-  std::optional<std::string> slowness() const;
 
  private:
   class Context;

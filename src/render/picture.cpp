@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <limits>
 
 namespace breakwater {
 namespace {
@@ -200,39 +199,13 @@ std::string speed_text(double speed) {
                      : fmt::format("{:.3g}\u00d7 faster", speed);
 }
 
-// Finds a place for a number of half size `half` beside an arrow. The place is beyond the arrow's
-// tip. If a part of the plant is there, it is the place with most room: across the arrow's middle
-// or tip, or behind it. It is always within the panel.
-Point free_place(const Point& from, const Point& to, const Point& half, const Point& panel,
-                 const std::vector<SceneView::Circle>& parts) {
-  constexpr double kEnough = 2.0;  // pixels
+// The place of a number of half size `half` beyond an arrow's tip, within the panel.
+Point place_beyond(const Point& from, const Point& to, const Point& half, const Point& panel) {
   const double length = std::max(std::hypot(to.x - from.x, to.y - from.y), 1.0);
   const Point along{(to.x - from.x) / length, (to.y - from.y) / length};
-  const Point back{-along.x, -along.y};
-  const Point up = along.x >= 0.0 ? Point{along.y, -along.x} : Point{-along.y, along.x};
-  const Point down{-up.x, -up.y};
-  const Point middle{0.5 * (from.x + to.x), 0.5 * (from.y + to.y)};
-  Point best = to;
-  double most = -std::numeric_limits<double>::infinity();
-  for (const auto& [base, direction] :
-       {std::pair(to, along), std::pair(middle, up), std::pair(middle, down), std::pair(from, back),
-        std::pair(to, up), std::pair(to, down)}) {
-    const double reach =
-        std::abs(direction.x) * half.x + std::abs(direction.y) * half.y + 0.5 * half.y;
-    const Point at{std::clamp(base.x + reach * direction.x, half.x, panel.x - half.x),
-                   std::clamp(base.y + reach * direction.y, half.y, panel.y - half.y)};
-    double room = kEnough;
-    for (const SceneView::Circle& part : parts) {
-      const double x = std::max(std::abs(part.centre.x - at.x) - half.x, 0.0);
-      const double y = std::max(std::abs(part.centre.y - at.y) - half.y, 0.0);
-      room = std::min(room, std::hypot(x, y) - part.radius);
-    }
-    if (room > most) {
-      most = room;
-      best = at;
-    }
-  }
-  return best;
+  const double reach = std::abs(along.x) * half.x + std::abs(along.y) * half.y + 0.5 * half.y;
+  return {std::clamp(to.x + reach * along.x, half.x, panel.x - half.x),
+          std::clamp(to.y + reach * along.y, half.y, panel.y - half.y)};
 }
 
 }  // namespace
@@ -275,27 +248,12 @@ Picture::Picture(std::vector<PictureRun>& runs, const PictureStyle& style)
     Panel& panel = panels_[i];
     panel.view =
         std::make_unique<SceneView>(offscreen_, runs_[i].model, runs_[i].camera, style_.look);
-    if (panel.area.width < panel.area.height * 4.0 / 3.0) include_window(runs_[i], panel);
     if (panel.chart_area.width > 0.0) {
       panel.chart = std::make_unique<Chart>(style_.chart_title, runs_[i].lines, style_.chart_range,
                                             static_cast<int>(panel.chart_area.width),
                                             static_cast<int>(panel.chart_area.height),
                                             unit_px(panel.area.width, style_.height));
     }
-  }
-}
-
-// Includes the poses of the run in the chart's time range in the view, or all poses.
-void Picture::include_window(PictureRun& run, Panel& panel) {
-  constexpr int kPoses = 24;
-  const bool has_window = !run.lines.empty();
-  const double from = has_window ? style_.chart_range.from_s : run.times_s.front();
-  const double to = has_window ? style_.chart_range.to_s : run.times_s.back();
-  for (int i = 0; i < kPoses; ++i) {
-    const double time_s = from + (to - from) * i / (kPoses - 1);
-    if (run.animate) run.animate(run.model, time_s);
-    interpolate_qpos(run, time_s, qpos_);
-    panel.view->include_in_frame(qpos_);
   }
 }
 
@@ -438,12 +396,8 @@ void Picture::draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Pa
     const auto scaled = [&](const Point& point) {
       return Point{point.x / samples, point.y / samples};
     };
-    std::vector<SceneView::Circle> parts;
-    for (const SceneView::Circle& part : panel.view->moving_parts()) {
-      parts.push_back({scaled(part.centre), part.radius / samples});
-    }
-    const Point at = free_place(scaled(ends->from), scaled(ends->to), half,
-                                {panel.area.width, panel.area.height}, parts);
+    const Point at = place_beyond(scaled(ends->from), scaled(ends->to), half,
+                                  {panel.area.width, panel.area.height});
     canvas.text({panel.area.left + at.x, panel.area.top + at.y + 0.36 * size}, number, size,
                 arrow.colour, Align::center, true, true);
   }

@@ -114,7 +114,6 @@ class Picture {
   };
 
   void lay_out();
-  void include_window(PictureRun& run, Panel& panel);
   void draw_scene(PictureRun& run, Panel& panel, double time_s);
   void draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Panel& panel) const;
   void draw_caption(Canvas& canvas, const PictureRun& run, const Panel& panel, double time_s) const;

@@ -20,9 +20,6 @@ namespace {
 constexpr int kMaxGeoms = 2000;
 // The content at the first aspect ratio stays visible in a narrower picture.
 constexpr double kFramedAspect = 4.0 / 3.0;
-constexpr double kFullAspect = 16.0 / 9.0;
-constexpr double kRoom = 1.12;     // size of a frame relative to its content
-constexpr double kClosest = 0.25;  // smallest frame relative to the camera's own
 constexpr double kArrowRadius_m = 0.006;
 constexpr float kGlow = 0.45F;  // makes arrows visible in shadow
 
@@ -42,35 +39,6 @@ struct CameraAxes {
   Eigen::Vector3d up;
   Eigen::Vector3d right;
 };
-
-struct Bead {
-  Eigen::Vector3d centre;
-  double radius;
-};
-
-// Spheres along the longest axis of a geom that approximately cover it.
-std::vector<Bead> beads_of(const mjvGeom& geom) {
-  constexpr int kMostBeads = 9;
-  using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
-  const Eigen::Matrix3d R = Eigen::Map<const RowMajor>(geom.mat).cast<double>();
-  const Eigen::Vector3d centre = Eigen::Map<const Eigen::Vector3f>(geom.pos).cast<double>();
-  const Eigen::Vector3d size = Eigen::Map<const Eigen::Vector3f>(geom.size).cast<double>();
-  Eigen::Index longest = 0;
-  const double length = size.maxCoeff(&longest);
-  double radius = 0.0;
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    if (k != longest) radius = std::max(radius, size[k]);
-  }
-  if (!(radius > 0.0)) return {{centre, length}};
-  const double way = std::max(0.0, geom.type == mjGEOM_CAPSULE ? length : length - radius);
-  const int count = std::clamp(static_cast<int>(std::ceil(way / radius)) + 1, 1, kMostBeads);
-  std::vector<Bead> beads;
-  for (int i = 0; i < count; ++i) {
-    const double along = count == 1 ? 0.0 : way * (2.0 * i / (count - 1) - 1.0);
-    beads.push_back({centre + along * R.col(longest), radius});
-  }
-  return beads;
-}
 
 // Calls the engine. An error of the engine ends the picture.
 template <typename Body>
@@ -236,64 +204,16 @@ void SceneView::draw(const mjrRect& viewport, const std::vector<SceneArrow>& arr
   draw_by_engine("pictures", [&] { mjr_render(viewport, &scene_, &context_); });
 }
 
-void SceneView::include_in_frame(std::span<const double> qpos) {
-  pose(qpos);
-  draw_by_engine("pictures", [&] {
-    mjv_updateScene(model_.get(), data_.get(), &options_, nullptr, &camera_, mjCAT_ALL, &scene_);
-  });
-  const mjvGLCamera camera = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);
-  const double half_height =
-      0.5 * (camera.frustum_top - camera.frustum_bottom) / camera.frustum_near;
-  const Eigen::Vector2d corner(kFullAspect * half_height, half_height);
-  const Eigen::AlignedBox2d frame(-corner, corner);
-  const CameraAxes axes(camera);
-  for (int i = 0; i < scene_.ngeom; ++i) {
-    const mjvGeom& geom = scene_.geoms[i];
-    if (geom.type == mjGEOM_PLANE || geom.type == mjGEOM_HFIELD) continue;
-    if (geom.category == mjCAT_DECOR) continue;
-    for (const Bead& bead : beads_of(geom)) {
-      const Eigen::Vector3d ray = bead.centre - axes.eye;
-      const double depth = ray.dot(axes.forward);
-      if (depth <= camera.frustum_near) continue;
-      const Eigen::Vector2d at(ray.dot(axes.right) / depth, ray.dot(axes.up) / depth);
-      if (!frame.contains(at)) continue;
-      const Eigen::Vector2d half = Eigen::Vector2d::Constant(bead.radius / depth);
-      content_.extend(Eigen::AlignedBox2d(at - half, at + half).intersection(frame));
-    }
-  }
-}
-
-// A narrow picture shows the content with a margin, or the view that a 4:3 picture would show.
+// A narrow picture shows the view that a 4:3 picture would show.
 void SceneView::fit_frame(double aspect) {
   if (aspect >= kFramedAspect) return;
   for (mjvGLCamera& camera : scene_.camera) {
-    const double near = camera.frustum_near;
-    const double half = 0.5 * (camera.frustum_top - camera.frustum_bottom) / near;
-    Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-    double half_height = half * kFramedAspect / aspect;
-    if (!content_.isEmpty()) {
-      centre = content_.center();
-      const Eigen::Vector2d room = 0.5 * kRoom * content_.sizes();
-      half_height = std::max({room.y(), room.x() / aspect, kClosest * half});
-    }
-    camera.frustum_bottom = static_cast<float>(near * (centre.y() - half_height));
-    camera.frustum_top = static_cast<float>(near * (centre.y() + half_height));
-    camera.frustum_center = static_cast<float>(near * centre.x());
+    const double middle = 0.5 * (camera.frustum_top + camera.frustum_bottom);
+    const double half_height =
+        0.5 * (camera.frustum_top - camera.frustum_bottom) * kFramedAspect / aspect;
+    camera.frustum_bottom = static_cast<float>(middle - half_height);
+    camera.frustum_top = static_cast<float>(middle + half_height);
   }
-}
-
-std::vector<SceneView::Circle> SceneView::moving_parts() const {
-  std::vector<Circle> circles;
-  for (int i = 0; i < scene_.ngeom; ++i) {
-    const mjvGeom& geom = scene_.geoms[i];
-    if (geom.category != mjCAT_DYNAMIC) continue;
-    for (const Bead& bead : beads_of(geom)) {
-      if (const auto at = project(bead.centre)) {
-        circles.push_back({at->point, bead.radius * at->per_metre});
-      }
-    }
-  }
-  return circles;
 }
 
 std::optional<SceneView::Ends> SceneView::ends_of(const SceneArrow& arrow) const {
@@ -301,11 +221,11 @@ std::optional<SceneView::Ends> SceneView::ends_of(const SceneArrow& arrow) const
   const auto from = project(segment.from);
   const auto to = project(segment.to);
   if (!from || !to) return std::nullopt;
-  return Ends{from->point, to->point};
+  return Ends{*from, *to};
 }
 
 // Projects as OpenGL does, with the camera's frustum.
-std::optional<SceneView::Projected> SceneView::project(const Eigen::Vector3d& point) const {
+std::optional<Point> SceneView::project(const Eigen::Vector3d& point) const {
   const mjvGLCamera camera = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);
   const CameraAxes axes(camera);
   const Eigen::Vector3d ray = point - axes.eye;
@@ -316,9 +236,7 @@ std::optional<SceneView::Projected> SceneView::project(const Eigen::Vector3d& po
   const double middle = 0.5 * (camera.frustum_top + camera.frustum_bottom);
   const double x = ray.dot(axes.right) / depth - camera.frustum_center / camera.frustum_near;
   const double y = ray.dot(axes.up) / depth - middle / camera.frustum_near;
-  return Projected{
-      {0.5 * viewport_.width + per_tangent * x, 0.5 * viewport_.height - per_tangent * y},
-      per_tangent / depth};
+  return Point{0.5 * viewport_.width + per_tangent * x, 0.5 * viewport_.height - per_tangent * y};
 }
 
 }  // namespace breakwater

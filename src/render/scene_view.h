@@ -4,7 +4,6 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -74,11 +73,6 @@ class SceneView {
   SceneView(const SceneView&) = delete;
   SceneView& operator=(const SceneView&) = delete;
 
-  /// Makes narrow pictures show the bounded geoms at these positions, as far as they are in the
-  /// camera's frame of 16:9. In a picture narrower than 4:3 the camera's own frame would show only
-  /// a band. It may be called several times before draw().
-  void include_in_frame(std::span<const double> qpos);
-
   /// Poses the plant, with changed height fields. Throws RenderError, as draw(), if the engine
   /// fails.
   void pose(std::span<const double> qpos);
@@ -91,13 +85,6 @@ class SceneView {
     Point to;
   };
   std::optional<Ends> ends_of(const SceneArrow& arrow) const;
-  /// The moving parts as circles in the last drawn part [pixels from left and top]. Valid after
-  /// draw().
-  struct Circle {
-    Point centre;
-    double radius;
-  };
-  std::vector<Circle> moving_parts() const;
 
  private:
   struct Segment {
@@ -105,11 +92,7 @@ class SceneView {
     Eigen::Vector3d to;
   };
   Segment place(const SceneArrow& arrow) const;
-  struct Projected {
-    Point point;
-    double per_metre;  // pixels at this depth
-  };
-  std::optional<Projected> project(const Eigen::Vector3d& point) const;
+  std::optional<Point> project(const Eigen::Vector3d& point) const;
   void fit_frame(double aspect);
   void add(const SceneArrow& arrow);
   void upload_height_fields();
@@ -121,8 +104,6 @@ class SceneView {
   mjvCamera camera_;
   mjvOption options_;
   mjrRect viewport_{};
-  // The frame's content, as tangents of angles from the camera's axis; empty if lower > upper.
-  Eigen::AlignedBox2d content_;
   std::vector<float> uploaded_heights_;
 };
 
