@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -28,7 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kTasksWithoutScheduler = 100;
 constexpr int kWarning_s = 60;  // this long before a time limit
 
 // Distributes `points` over `tasks` shares, one line each.
@@ -41,10 +39,6 @@ std::vector<std::string> shares(const std::vector<std::size_t>& points, std::siz
     lines.push_back(print_points({at(task), at(task + 1)}));
   }
   return lines;
-}
-
-std::size_t tasks_by_time(double seconds, double minutes) {
-  return static_cast<std::size_t>(std::max(1.0, std::ceil(seconds / (60.0 * minutes))));
 }
 
 // Makes a new folder for each submission.
@@ -157,11 +151,8 @@ std::size_t most_tasks() {
 }
 
 SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
-                    const SlurmRequest& request, const std::function<double()>& seconds) {
-  const std::size_t most = most_tasks();
-  std::size_t tasks = request.tasks > 0 ? request.tasks : tasks_by_time(seconds(), request.minutes);
-  tasks = std::min({tasks, most, points.size()});
-
+                    const SlurmRequest& request) {
+  const std::size_t tasks = std::min({request.tasks, most_tasks(), points.size()});
   const fs::path submission = new_submission(study.folder);
   replace_file(submission / "tasks", fmt::format("{}\n", fmt::join(shares(points, tasks), "\n")));
   if (!study.candidates.empty()) {
@@ -212,9 +203,7 @@ void wait_for_queue(const StudyFolder& folder, std::size_t points) {
 void print_tasks(const SlurmStudy& study, const std::vector<std::size_t>& points,
                  const SlurmRequest& request) {
   if (points.empty()) return;
-  const std::size_t tasks =
-      std::min(request.tasks > 0 ? request.tasks : kTasksWithoutScheduler, points.size());
-  for (const std::string& line : shares(points, tasks)) {
+  for (const std::string& line : shares(points, std::min(request.tasks, points.size()))) {
     fmt::print("{} {}\n", task_command(study, request), line);
   }
 }
@@ -244,14 +233,9 @@ std::size_t task_threads() {
 
 void add_slurm_options(CLI::App& app, SlurmRequest& request) {
   app.add_option("--tasks", request.tasks,
-                 "split the work into this many tasks (default: by --minutes)")
+                 fmt::format("split the work into this many tasks (default: {})", request.tasks))
       ->type_name("N")
       ->check(CLI::Range(1, 1000000))
-      ->group(kOnCluster);
-  app.add_option("--minutes", request.minutes,
-                 fmt::format("plan this time for a task (default: {:g})", request.minutes))
-      ->type_name("M")
-      ->check(must_be_positive)
       ->group(kOnCluster);
   app.add_option("--parallel", request.parallel, "run at most this many tasks at a time")
       ->type_name("M")

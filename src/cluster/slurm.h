@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,8 +14,7 @@ namespace breakwater {
 
 /// The request to the cluster.
 struct SlurmRequest {
-  std::size_t tasks = 0;             ///< 0: determined by `minutes`
-  double minutes = 30.0;             ///< duration of a task
+  std::size_t tasks = 100;           ///< at most
   std::size_t parallel = 0;          ///< tasks at the same time; 0: no limit
   std::vector<std::string> options;  ///< options for sbatch, one word each
   std::vector<std::string> of_task;  ///< further options of the command of each task: "--isolate"
@@ -41,11 +39,10 @@ struct SubmittedJob {
   std::size_t tasks = 0;
 };
 
-/// Submits `points` as one array job, DIR/slurm/N. If the request has no number of tasks, `seconds`
-/// is called: it returns the total processor time [s]. Throws std::invalid_argument with sbatch's
+/// Submits `points` as one array job, DIR/slurm/N. Throws std::invalid_argument with sbatch's
 /// message.
 SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
-                    const SlurmRequest& request, const std::function<double()>& seconds);
+                    const SlurmRequest& request);
 
 /// Waits until the queue has no task of the study, or a signal comes. It goes on waiting if the
 /// cluster does not answer for a while.
@@ -68,7 +65,7 @@ std::size_t task_threads();
 
 inline constexpr const char* kOnCluster = "On a cluster";  ///< the group of options
 
-/// Adds --tasks, --minutes, --parallel and --sbatch. Their default values are those of the request.
+/// Adds --tasks, --parallel and --sbatch. Their default values are those of the request.
 void add_slurm_options(CLI::App& app, SlurmRequest& request);
 
 }  // namespace breakwater

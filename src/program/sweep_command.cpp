@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -235,27 +234,6 @@ std::string counted(const ShardIndex& index) {
   return text;
 }
 
-// Estimated processor time of the undone points: for each, the mean of its candidate.
-double time_to_go_s(const Plan& plan, const ShardIndex& index) {
-  const std::size_t candidates = plan.candidates().size();
-  std::vector<double> cost_s(candidates);
-  std::vector<std::size_t> done(candidates);
-  for (std::size_t point = 0; point < index.points(); ++point) {
-    if (!index.has(point)) continue;
-    cost_s[point % candidates] += index.cost_s(point);
-    ++done[point % candidates];
-  }
-  const double each_s =
-      std::accumulate(cost_s.begin(), cost_s.end(), 0.0) / static_cast<double>(index.done());
-  double all_s = 0.0;
-  for (std::size_t c = 0; c < candidates; ++c) {
-    const std::size_t left = plan.size() / candidates - done[c];
-    all_s += static_cast<double>(left) *
-             (done[c] > 0 ? cost_s[c] / static_cast<double>(done[c]) : each_s);
-  }
-  return all_s;
-}
-
 namespace fs = std::filesystem;
 
 struct OpenedStudy {
@@ -338,9 +316,6 @@ class SweepCommand : public StudyCommand {
 
   void print_status(const ShardIndex& index) const override {
     fmt::print("{}: {}\n", folder_.path().string(), counted(index));
-    if (index.done() > 0 && index.done() < index.points()) {
-      fmt::print("{} of processor time to go\n", duration_text(time_to_go_s(plan_, index)));
-    }
   }
 
   void check() const override {
@@ -563,12 +538,8 @@ class SweepCommand : public StudyCommand {
     return true;
   }
 
-  // One run of each candidate shows how long the points take.
   void submit_points(const std::vector<std::size_t>& points) const {
-    const SubmittedJob job = submit(on_cluster(), points, options_.request, [&] {
-      return estimate(sweep_, interrupted()).seconds * static_cast<double>(points.size()) /
-             static_cast<double>(plan_.size());
-    });
+    const SubmittedJob job = submit(on_cluster(), points, options_.request);
     if (options_.quiet) return;
     fmt::print("{} in {}: job {}\n", number_of(points.size(), "point"),
                number_of(job.tasks, "task"), job.number);

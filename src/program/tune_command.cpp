@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -47,8 +46,6 @@ struct ClusterTuning {
   StudyFolder folder;
   SlurmRequest request;
   bool quiet = false;
-  // Makes some runs here to estimate the time of the others.
-  std::function<void(const std::vector<std::size_t>& runs)> make_here;
 };
 
 constexpr int kMostWithoutResult = 3;  // jobs in a row without a result
@@ -57,23 +54,6 @@ constexpr int kMostWithoutResult = 3;  // jobs in a row without a result
 std::vector<std::size_t> missing(const ShardIndex& index, std::vector<std::size_t> runs) {
   std::erase_if(runs, [&](std::size_t run) { return index.has(run); });
   return runs;
-}
-
-// Mean processor time of the finished runs of the same case; nothing if there are none. Crashed
-// runs do not count.
-std::optional<double> mean_s(const TuningPlan& plan, const ShardIndex& index,
-                             const std::vector<std::size_t>& runs) {
-  const std::size_t tuned = plan.run(runs.front()).tuned;
-  double cost_s = 0.0;
-  std::size_t count = 0;
-  for (std::size_t number = 0; number < index.points(); ++number) {
-    if (!index.has(number) || plan.run(number).tuned != tuned) continue;
-    if (!(index.cost_s(number) > 0.0)) continue;
-    cost_s += index.cost_s(number);
-    ++count;
-  }
-  if (count == 0) return std::nullopt;
-  return cost_s / static_cast<double>(count);
 }
 
 // A text such as "ours, evaluations 17 to 32: 64 runs".
@@ -101,14 +81,9 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
     if (interrupted()) throw Interrupted();
     const ShardIndex index =
         folder.index(plan.size(), [&](std::size_t run) { return plan.asked(run); });
-    const std::optional<double> each_s = mean_s(plan, index, runs);
     const std::size_t before = left.size();
     left = missing(index, runs);
     if (left.empty()) return;
-    if (cluster.request.tasks == 0 && !each_s) {
-      cluster.make_here({left.front()});  // shows how long the others take
-      continue;
-    }
     if (left.size() < before) without_result = 0;
     if (without_result++ == kMostWithoutResult) {
       throw RunsMissing(fmt::format("{} jobs in a row have brought nothing of {}",
@@ -116,9 +91,7 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
     }
     const SlurmStudy study = {folder, plan.tuning().slurm,
                               fmt::format("{}\n", fmt::join(plan.candidate_lines(left), "\n"))};
-    const SubmittedJob job = submit(study, left, cluster.request, [&] {
-      return each_s.value_or(0.0) * static_cast<double>(left.size());
-    });
+    const SubmittedJob job = submit(study, left, cluster.request);
     if (cluster.quiet) continue;
     fmt::print("{} in {}: job {}\n", text_of(plan, left), number_of(job.tasks, "task"), job.number);
     std::fflush(stdout);  // standard output may be a file that somebody watches
@@ -127,7 +100,7 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
 
 namespace fs = std::filesystem;
 
-constexpr double kMinutesOfTask = 5.0;  // short, since a generation waits for its last task
+constexpr std::size_t kTasks = 10;
 
 struct TuneOptions {
   StudyOptions study;
@@ -136,7 +109,7 @@ struct TuneOptions {
 };
 
 void add_tune_options(CLI::App& app, TuneOptions& options) {
-  options.study.request.minutes = kMinutesOfTask;
+  options.study.request.tasks = kTasks;
   add_study_options(
       app, options.study,
       {.target = "a tuning's file, or the folder of a tuning, to go on with it",
@@ -146,9 +119,8 @@ void add_tune_options(CLI::App& app, TuneOptions& options) {
        .slurm = "run each generation as an array job, and wait here for it"});
   app.add_option("--set", options.sets, "a key of every run, as in [set] of the file")
       ->type_name("KEY=VALUE");
-  app.get_option("--dry-run")->excludes("--isolate");
   app.get_option("--slurm")->excludes("--jobs");
-  for (const char* option : {"--tasks", "--minutes", "--parallel", "--sbatch"}) {
+  for (const char* option : {"--tasks", "--parallel", "--sbatch"}) {
     app.get_option(option)->needs("--slurm");
   }
   // On a cluster: "@DIR/slurm/N/tasks:LINE". In a process of --isolate: "0-9", and candidates.
@@ -167,7 +139,6 @@ void add_tune_options(CLI::App& app, TuneOptions& options) {
 struct OpenedTuning {
   Tuning tuning;
   StudyFolder folder;
-  std::string target;  // does not depend on the working folder
 };
 
 Tuning tuning_of(const StudyFolder& folder) {
@@ -188,7 +159,7 @@ OpenedTuning open_tuning(const Catalogue& catalogue, const TuneOptions& given) {
       throw std::invalid_argument(options.target +
                                   ": is a tuning's folder: leave --out and --set out");
     }
-    return {tuning_of(folder), folder, folder.path().string()};
+    return {tuning_of(folder), folder};
   }
   const auto file = file_of_study(options.target);
   if (!file) {
@@ -199,8 +170,7 @@ OpenedTuning open_tuning(const Catalogue& catalogue, const TuneOptions& given) {
   }
   toml::table tables = study_tables(file->string());
   lay_sets(given.sets, file->string(), tables);
-  return {read_tuning(tables, file->string()), new_folder(options, target.stem().string(), kTune),
-          file->string()};
+  return {read_tuning(tables, file->string()), new_folder(options, target.stem().string(), kTune)};
 }
 
 // The number of runs of all searches.
@@ -223,27 +193,6 @@ void print_count(const TuningPlan& plan) {
              tuning.cases.size() * tuning.validated_points * tuning.validation->size(),
              tuning.validated_points, tuning.has_front() ? "front" : "case",
              tuning.validation->size());
-}
-
-// Checks for faults that only runs show. With --isolate another process does it, since a run may
-// crash.
-void check_apart(const std::string& target, const std::vector<std::string>& sets) {
-  std::vector<std::string> words = {own_program(), kTune.command, target, "--dry-run", "--quiet"};
-  for (const std::string& set : sets) words.insert(words.end(), {"--set", set});
-  EndedProgram ended = run_beside(std::move(words), [](ReadProgram& child) {
-    if (interrupted()) child.interrupt();
-  });
-  if (interrupted()) throw Interrupted();
-  std::string error;
-  if (ended.has_crashed()) {
-    warn(kTune.command, {fmt::format("a candidate in the middle crashes: {}", ended.end())});
-  } else if (ended.exit_status() == kUsage) {
-    error = ended.take_reason();
-  } else if (ended.status != 0) {
-    error = "--isolate: the process that tries each case ended with " + ended.end();
-  }
-  ended.repeat_said();
-  if (!error.empty()) throw std::invalid_argument(error);
 }
 
 // Progress: one line for the searches and one for the validation, whose runs are known later.
@@ -335,8 +284,6 @@ class TuneCommand : public StudyCommand {
       : StudyCommand(std::move(opened.folder), options.study),
         catalogue_(catalogue),
         plan_(catalogue, std::move(opened.tuning)),
-        target_(std::move(opened.target)),
-        sets_(options.sets),
         candidates_(options.candidates) {}
 
  protected:
@@ -369,8 +316,8 @@ class TuneCommand : public StudyCommand {
   }
 
   void check() const override {
-    if (options_.isolate) return check_apart(target_, sets_);
     warn(name(), plan_.check());
+    if (options_.isolate) return;  // a run could crash this process
     warn(name(), plan_.try_each_case(interrupted(), false).warnings);
   }
 
@@ -451,7 +398,7 @@ class TuneCommand : public StudyCommand {
     };
     if (options_.slurm) {
       tuner.elsewhere = [&](const std::vector<std::size_t>& runs) {
-        run_on_slurm(plan_, {folder_, options_.request, options_.quiet, make_here}, runs);
+        run_on_slurm(plan_, {folder_, options_.request, options_.quiet}, runs);
       };
     } else if (options_.isolate) {
       tuner.elsewhere = make_here;
@@ -461,8 +408,7 @@ class TuneCommand : public StudyCommand {
 
   const Catalogue& catalogue_;
   TuningPlan plan_;
-  std::string target_;
-  const std::vector<std::string> sets_, candidates_;
+  const std::vector<std::string> candidates_;
 };
 
 }  // namespace
