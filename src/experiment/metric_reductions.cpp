@@ -7,36 +7,35 @@
 #include <stdexcept>
 
 #include <breakwater/config/toml_text.h>
-#include <breakwater/record/window_metrics.h>
 
 namespace breakwater {
 namespace {
 
 constexpr double kOpen = std::numeric_limits<double>::infinity();
 
-using Value = std::optional<double> (WindowStatistics::*)() const;
+using Value = std::optional<double> (SampleStatistics::*)() const;
 
 template <Value kValue>
 class Statistic final : public Reduction {
  public:
   explicit Statistic(const ReductionSetup& /*setup*/) {}
-  void add(const AddedValues& added) override { values_.add(added.time_s, added.value); }
+  void add(const AddedValues& added) override { values_.add(added.value); }
   std::optional<double> value() const override { return (values_.*kValue)(); }
 
  private:
-  WindowStatistics values_{TimeWindow{-kOpen}};
+  SampleStatistics values_;
 };
 
 class RmsChange final : public Reduction {
  public:
   explicit RmsChange(const ReductionSetup& /*setup*/) {}
   void add(const AddedValues& added) override {
-    changes_.add(added.time_s, added.value - added.last.value_or(0.0));
+    changes_.add(added.value - added.last.value_or(0.0));
   }
   std::optional<double> value() const override { return changes_.rms(); }
 
  private:
-  WindowStatistics changes_{TimeWindow{-kOpen}};
+  SampleStatistics changes_;
 };
 
 class Excess final : public Reduction {
@@ -49,22 +48,50 @@ class Excess final : public Reduction {
   double largest_ = 0.0;
 };
 
-// A time from the start of the window, which may be an event.
-template <typename Time, typename Start>
-class FromStart final : public Reduction {
+class Settling final : public Reduction {
  public:
-  explicit FromStart(const ReductionSetup& setup) : setup_(setup) {}
+  explicit Settling(const ReductionSetup& setup) : setup_(setup) {}
   void add(const AddedValues& added) override {
-    if (!time_) {
-      time_.emplace(Start{setup_.window.from_s.value()}, std::abs(setup_.level.value()));
+    const bool is_inside = std::abs(added.value) <= std::abs(setup_.level.value());
+    if (!is_inside) {
+      settled_at_s_.reset();
+    } else if (!settled_at_s_) {
+      settled_at_s_ = added.time_s;
     }
-    time_->add(added.time_s, added.value);
   }
-  std::optional<double> value() const override { return time_->value(); }
+  std::optional<double> value() const override {
+    if (!settled_at_s_) return std::nullopt;
+    return *settled_at_s_ - setup_.window.from_s.value();
+  }
 
  private:
   ReductionSetup setup_;
-  std::optional<Time> time_;
+  std::optional<double> settled_at_s_;
+};
+
+bool exceeds(double value, double level) {
+  return value > level;
+}
+
+// No value reaches a level of 0.
+bool reaches(double value, double level) {
+  return level != 0.0 && std::abs(value) >= std::abs(level);
+}
+
+template <bool (*kIsThere)(double value, double level)>
+class TimeUntil final : public Reduction {
+ public:
+  explicit TimeUntil(const ReductionSetup& setup) : setup_(setup) {}
+  void add(const AddedValues& added) override {
+    if (!time_s_ && kIsThere(added.value, setup_.level.value())) {
+      time_s_ = added.time_s - setup_.window.from_s.value();
+    }
+  }
+  std::optional<double> value() const override { return time_s_; }
+
+ private:
+  ReductionSetup setup_;
+  std::optional<double> time_s_;
 };
 
 template <double (*kAddend)(const ReductionSetup& setup, const AddedValues& added)>
@@ -99,21 +126,6 @@ double time_outside(const ReductionSetup& setup, const AddedValues& added) {
   const bool is_below = added.value < setup.lower.value();
   return is_below ? setup.period_s : time_above(setup, added);
 }
-
-class Exceed final : public Reduction {
- public:
-  explicit Exceed(const ReductionSetup& setup) : setup_(setup) {}
-  void add(const AddedValues& added) override {
-    if (!value_ && added.value > setup_.level.value()) {
-      value_ = added.time_s - setup_.window.from_s.value();
-    }
-  }
-  std::optional<double> value() const override { return value_; }
-
- private:
-  ReductionSetup setup_;
-  std::optional<double> value_;
-};
 
 // The values of a line at 0, by least squares.
 class LineAtZero {
@@ -280,8 +292,8 @@ class RelativeRms final : public Reduction {
  public:
   explicit RelativeRms(const ReductionSetup& /*setup*/) {}
   void add(const AddedValues& added) override {
-    error_.add(added.time_s, added.all[0] - added.all[1]);
-    truth_.add(added.time_s, added.all[1]);
+    error_.add(added.all[0] - added.all[1]);
+    truth_.add(added.all[1]);
   }
   std::optional<double> value() const override {
     if (!(*truth_.rms() > 0.0)) return std::nullopt;
@@ -289,8 +301,8 @@ class RelativeRms final : public Reduction {
   }
 
  private:
-  WindowStatistics error_{TimeWindow{-kOpen}};
-  WindowStatistics truth_{TimeWindow{-kOpen}};
+  SampleStatistics error_;
+  SampleStatistics truth_;
 };
 
 // √(mean |e|²/n) of a vector of n values. Eigen's sum of squares keeps the bits of fixed vectors.
@@ -300,13 +312,49 @@ class RmsPerValue final : public Reduction {
       : values_(static_cast<Eigen::Index>(setup.values)) {}
   void add(const AddedValues& added) override {
     values_ = Eigen::Map<const Eigen::VectorXd>(added.all.data(), values_.size());
-    squares_.add(added.time_s, values_.squaredNorm() / static_cast<double>(values_.size()));
+    squares_.add(values_.squaredNorm() / static_cast<double>(values_.size()));
   }
   std::optional<double> value() const override { return std::sqrt(*squares_.mean()); }
 
  private:
   Eigen::VectorXd values_;
-  WindowStatistics squares_{TimeWindow{-kOpen}};
+  SampleStatistics squares_;
+};
+
+// The number of times that a value turns back by more than `band` from its farthest point. The
+// first motion is not a turn.
+class ReversalCount {
+ public:
+  explicit ReversalCount(double band) : band_(band) {}
+
+  void add(double value) {
+    if (way_ == 0.0) {
+      smallest_ = std::min(smallest_, value);
+      largest_ = std::max(largest_, value);
+      if (value > smallest_ + band_) set_out(1.0, value);
+      if (value < largest_ - band_) set_out(-1.0, value);
+    } else if (way_ * (value - farthest_) > 0.0) {
+      farthest_ = value;
+    } else if (way_ * (farthest_ - value) > band_) {
+      ++count_;
+      set_out(-way_, value);
+    }
+  }
+
+  int value() const { return count_; }
+
+ private:
+  void set_out(double way, double from) {
+    way_ = way;
+    farthest_ = from;
+  }
+
+  double band_;
+  int count_ = 0;
+  double way_ = 0.0;  // direction: 1, -1, or 0 before the first motion
+  double farthest_ = 0.0;
+  double smallest_ = std::numeric_limits<double>::infinity();
+  double largest_ = -std::numeric_limits<double>::infinity();
 };
 
 // The largest number of all values.
@@ -425,17 +473,17 @@ double MetricWindow::length_s() const {
 const std::vector<MetricKind>& standard_metric_kinds() {
   using enum ReducedUnit;
   static const std::vector<MetricKind> kinds = {
-      {"rms", "root mean square", signal, make_reduction<Statistic<&WindowStatistics::rms>>},
-      {"mean", "mean", signal, make_reduction<Statistic<&WindowStatistics::mean>>},
+      {"rms", "root mean square", signal, make_reduction<Statistic<&SampleStatistics::rms>>},
+      {"mean", "mean", signal, make_reduction<Statistic<&SampleStatistics::mean>>},
       {"running_mean", "mean, by Welford's recursion", signal,
-       make_reduction<Statistic<&WindowStatistics::running_mean>>},
-      {"max", "largest value", signal, make_reduction<Statistic<&WindowStatistics::largest>>},
-      {"min", "smallest value", signal, make_reduction<Statistic<&WindowStatistics::smallest>>},
-      {"peak", "largest magnitude", signal, make_reduction<Statistic<&WindowStatistics::peak>>},
+       make_reduction<Statistic<&SampleStatistics::running_mean>>},
+      {"max", "largest value", signal, make_reduction<Statistic<&SampleStatistics::largest>>},
+      {"min", "smallest value", signal, make_reduction<Statistic<&SampleStatistics::smallest>>},
+      {"peak", "largest magnitude", signal, make_reduction<Statistic<&SampleStatistics::peak>>},
       {"std", "sample standard deviation", signal,
-       make_reduction<Statistic<&WindowStatistics::standard_deviation>>},
+       make_reduction<Statistic<&SampleStatistics::standard_deviation>>},
       {"deviation", "largest deviation from the mean", signal,
-       make_reduction<Statistic<&WindowStatistics::largest_deviation>>},
+       make_reduction<Statistic<&SampleStatistics::largest_deviation>>},
       {"excess", "largest value, or 0 if none is above 0", signal, make_reduction<Excess>},
       {"first", "first value of the window", signal, make_reduction<First>},
       {"last", "last value of the window", signal, make_reduction<Last>},
@@ -450,27 +498,27 @@ const std::vector<MetricKind>& standard_metric_kinds() {
        .meaning =
            "time from the window's start until the magnitude stays within the level to its end",
        .unit = time,
-       .make = make_reduction<FromStart<SettlingTime, TimeWindow>>,
+       .make = make_reduction<Settling>,
        .has_level = true,
        .why_absent = "the magnitude ends beyond the level"},
       {.name = "settled",
        .meaning = "time from the window's start until the magnitude stays within the level to the "
                   "end of the run, which covers the window",
        .unit = time,
-       .make = make_reduction<FromStart<SettlingTime, TimeWindow>>,
+       .make = make_reduction<Settling>,
        .has_level = true,
        .goes_on = true,
        .why_absent = "the magnitude ends beyond the level"},
       {.name = "reach",
        .meaning = "time from the window's start until the magnitude first reaches the level",
        .unit = time,
-       .make = make_reduction<FromStart<ReachTime, double>>,
+       .make = make_reduction<TimeUntil<reaches>>,
        .has_level = true,
        .why_absent = "the magnitude never reaches the level"},
       {.name = "exceed",
        .meaning = "time from the window's start until the value is first above the level",
        .unit = time,
-       .make = make_reduction<Exceed>,
+       .make = make_reduction<TimeUntil<exceeds>>,
        .has_level = true,
        .why_absent = "the value never rises above the level"},
       {.name = "jump",

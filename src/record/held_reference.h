@@ -10,9 +10,15 @@
 #include <utility>
 #include <vector>
 
-#include <breakwater/record/window_metrics.h>
-
 namespace breakwater {
+
+/// An interval of time, both ends included.
+struct TimeWindow {
+  double from_s = 0.0;
+  double to_s = std::numeric_limits<double>::infinity();
+
+  bool contains(double time_s) const { return time_s >= from_s && time_s <= to_s; }
+};
 
 /// Splits the time from the reference's last change to the end of the run into eight equal parts,
 /// and watches the error e = reference − response. The reference is not held if the root mean

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <span>
 
+#include <breakwater/experiment/metric_reductions.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/observers/record_intervals.h>
 #include <breakwater/plants/damped_inertia.h>
-#include <breakwater/record/window_metrics.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/sim/state_hash.h>
@@ -270,7 +270,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   const std::size_t rows = record_.times_s.size();
   Track log("control", std::move(signals), rows);
   StateHash hash;
-  WindowStatistics d(TimeWindow{-std::numeric_limits<double>::infinity()});
+  SampleStatistics d;
   InnovationStatistics statistics(sensor_std());
   RecordIntervals intervals({.times_s = record_.times_s,
                              .inputs = record_.inputs,
@@ -309,7 +309,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
     const double estimates[] = {estimator->state()(0), estimator->state()(1),
                                 estimator->disturbance()(0)};
     hash.update(estimates);
-    d.add(time_s, estimates[2]);
+    d.add(estimates[2]);
     if (!innovation.empty() && !starts) {
       statistics.add(innovation.front(), estimates[1] * time_std_s_);
     }

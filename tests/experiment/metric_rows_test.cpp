@@ -75,6 +75,73 @@ TEST(MetricRowsTest, SecondOrderResponse) {
   EXPECT_NEAR(history.metric("s_s").value(), last_outside_s + 1e-4, 1e-9);
 }
 
+// The metric of a row for these values of a_m, from 0 s on.
+std::optional<double> reduced(const std::string& row, const std::vector<double>& values,
+                              double period_s = 1.0) {
+  History history = history_of("[metric.m]\nof = \"a_m\"\nunit = \"m\"\n" + row);
+  double& a = history.signal("a_m")[0];
+  MetricValues& run = history.run();
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    a = values[k];
+    run.at_step(period_s * static_cast<double>(k));
+    run.at_sample(period_s * static_cast<double>(k));
+  }
+  return history.metric("m");
+}
+
+TEST(MetricRowsTest, AWindowHasBothOfItsEnds) {
+  const std::vector<double> values = {100.0, -3.0, -2.0, -1.0, 100.0};
+  for (const auto& [kind, expected] : std::map<std::string, double>{{"mean", -2.0},
+                                                                    {"running_mean", -2.0},
+                                                                    {"rms", std::sqrt(14.0 / 3.0)},
+                                                                    {"max", -1.0},
+                                                                    {"min", -3.0},
+                                                                    {"peak", 3.0},
+                                                                    {"std", 1.0},
+                                                                    {"deviation", 1.0}}) {
+    const std::string row = "kind = \"" + kind + "\"\nfrom_s = 1.0\n";
+    EXPECT_DOUBLE_EQ(reduced(row + "to_s = 3.0\n", values).value(), expected) << kind;
+    EXPECT_FALSE(reduced(row + "to_s = 3.0\n", {1.0})) << kind << " without values";
+    EXPECT_FALSE(reduced(row + "to_s = 11.0\n", values)) << kind << " of a run that is too short";
+  }
+}
+
+TEST(MetricRowsTest, TheSpreadDoesNotSufferFromALargeMean) {
+  SampleStatistics statistics;
+  for (int k = 0; k < 1000; ++k) statistics.add(1e8 + (k % 2 == 0 ? 0.5 : -0.5));
+  EXPECT_NEAR(*statistics.standard_deviation(), 0.5 * std::sqrt(1000.0 / 999.0), 1e-6);
+}
+
+TEST(MetricRowsTest, ReversalsAreLargerThanTheLevel) {
+  const std::string row = "kind = \"reversals\"\nlevel = 0.1\n";
+  EXPECT_EQ(reduced(row, {0.0, 0.05, -0.04, 0.05}), 0.0) << "within the band";
+  EXPECT_EQ(reduced(row, {0.0, 0.5, 1.0}), 0.0) << "the first way";
+  EXPECT_EQ(reduced(row, {0.0, 1.0, 0.95, 1.0, 0.91}), 0.0);
+  EXPECT_EQ(reduced(row, {0.0, 1.0, 0.95, 0.89}), 1.0) << "by small steps";
+  EXPECT_EQ(reduced(row, {0.0, -1.0, 0.0, -1.0, 0.0}), 3.0);
+  // Each swing of a damped cosine is e^(−0.2 π) times the one before: 1.54 (does not count), 0.83,
+  // 0.45, 0.24, 0.13, 0.07.
+  std::vector<double> swings;
+  for (int i = 0; i < 10000; ++i) swings.push_back(std::exp(-0.002 * i) * std::cos(0.01 * i));
+  EXPECT_EQ(reduced(row, swings, 1e-3), 4.0);
+}
+
+TEST(MetricRowsTest, TimesCountFromTheWindowsStart) {
+  const std::string settling = "kind = \"settling\"\nlevel = 0.5\nfrom_s = 1.0\nto_s = 7.0\n";
+  const std::vector<double> errors = {9.0, 9.0, 0.4, 0.6, 0.5, -0.1, 0.0};
+  EXPECT_EQ(reduced(settling, errors), 3.0);  // in the band from 4 s
+  std::vector<double> leaves = errors;
+  leaves.insert(leaves.end(), {0.7, 0.0});  // values behind the window do not count
+  EXPECT_FALSE(reduced(settling, leaves));
+  const std::string settled = "kind = \"settled\"\nlevel = 0.5\nfrom_s = 1.0\nto_s = ";
+  const std::vector<double> late = {9.0, 9.0, 9.0, 9.0, 9.0, 9.0, 0.0, 0.0};
+  EXPECT_EQ(reduced(settled + "3.0\n", late), 5.0) << "the rest of the run counts";
+  EXPECT_FALSE(reduced(settled + "11.0\n", late));
+  const std::string reach = "kind = \"reach\"\nfrom_s = 1.0\nlevel = ";
+  EXPECT_EQ(reduced(reach + "2.0\n", {3.0, 1.0, 1.9, -2.0, 5.0}), 2.0);
+  EXPECT_FALSE(reduced(reach + "0.0\n", {3.0, 1.0, 1.9, -2.0, 5.0}));
+}
+
 TEST(MetricRowsTest, WindowsFollowEvents) {
   History history(
       "[metric.after]\nof = \"a_m\"\nkind = \"sum\"\nfrom_s = \"hit\"\n"

@@ -1,62 +1,8 @@
-// Metrics of windows, and whether a reference is held.
+// Whether a reference is held.
 #include <breakwater/record/held_reference.h>
-#include <breakwater/record/window_metrics.h>
 #include "support.h"
 
-namespace breakwater::window_metrics_test {
-
-TEST(WindowStatistics, AreThoseOfTheirDefinitions) {
-  WindowStatistics statistics(TimeWindow{});
-  EXPECT_FALSE(statistics.mean() || statistics.peak() || statistics.largest_deviation());
-  for (const double value : {-3.0, -2.0, -1.0}) statistics.add(0.0, value);
-  EXPECT_DOUBLE_EQ(*statistics.mean(), -2.0);
-  EXPECT_DOUBLE_EQ(*statistics.rms(), std::sqrt(14.0 / 3.0));
-  EXPECT_EQ(*statistics.largest(), -1.0);
-  EXPECT_EQ(*statistics.smallest(), -3.0);
-  EXPECT_EQ(*statistics.peak(), 3.0);
-  EXPECT_DOUBLE_EQ(*statistics.standard_deviation(), 1.0);
-  EXPECT_DOUBLE_EQ(*statistics.largest_deviation(), 1.0);
-}
-
-TEST(WindowStatistics, TheSpreadDoesNotSufferFromALargeMean) {
-  WindowStatistics statistics(TimeWindow{});
-  for (int t = 0; t < 1000; ++t) statistics.add(t, 1e8 + (t % 2 == 0 ? 0.5 : -0.5));
-  EXPECT_NEAR(*statistics.standard_deviation(), 0.5 * std::sqrt(1000.0 / 999.0), 1e-6);
-}
-
-TEST(ReversalCount, CountsReversalsLargerThanTheBand) {
-  const auto turns = [](const std::vector<double>& values) {
-    ReversalCount count(0.1);
-    for (const double value : values) count.add(value);
-    return count.value();
-  };
-  EXPECT_EQ(turns({}), 0);
-  EXPECT_EQ(turns({0.0, 0.05, -0.04, 0.05}), 0) << "within the band";
-  EXPECT_EQ(turns({0.0, 0.5, 1.0}), 0) << "the first way";
-  EXPECT_EQ(turns({0.0, 1.0, 0.95, 1.0, 0.91}), 0);
-  EXPECT_EQ(turns({0.0, 1.0, 0.95, 0.89}), 1) << "by small steps";
-  EXPECT_EQ(turns({0.0, -1.0, 0.0, -1.0, 0.0}), 3);
-}
-
-TEST(ReversalCount, ForADampedCosineStopsWithinTheBand) {
-  ReversalCount count(0.1);
-  // Each swing is e^(−0.2 π) times the one before: 1.54 (does not count), 0.83, 0.45, 0.24, 0.13,
-  // 0.07.
-  for (int i = 0; i < 10000; ++i) count.add(std::exp(-0.002 * i) * std::cos(0.01 * i));
-  EXPECT_EQ(count.value(), 4);
-}
-
-TEST(ReachTime, CountsToTheFirstEntryOfThatSize) {
-  ReachTime reach(1.0, 2.0), of_nothing(1.0, 0.0);
-  for (const auto& [time_s, value] : {std::pair(2.0, 1.9), std::pair(3.0, -2.0)}) {
-    EXPECT_FALSE(reach.value()) << time_s;
-    reach.add(time_s, value);
-    of_nothing.add(time_s, value);
-  }
-  reach.add(4.0, 5.0);
-  EXPECT_EQ(reach.value(), 2.0);
-  EXPECT_FALSE(of_nothing.value());
-}
+namespace breakwater::held_reference_test {
 
 // The warning for a run of 8 s with a reference of 1 m or `asked`; "" if there is none.
 std::string warning_of(const std::function<double(double)>& error, double asked = 1.0,
@@ -123,4 +69,4 @@ TEST(HeldReference, ReportsNothingForATimeOutsideTheRun) {
   EXPECT_EQ(warning_of([](double) { return 1.0; }, 1.0, 6.0), "");
 }
 
-}  // namespace breakwater::window_metrics_test
+}  // namespace breakwater::held_reference_test
