@@ -3,12 +3,16 @@
 #include <elf.h>
 #include <link.h>
 
-#include <algorithm>
+#include <span>
 #include <string_view>
 
 #include <breakwater/plants/mjcf_tree.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/shell/paths.h>
+
+// The linker's name of the first byte of the program or module.
+// NOLINTNEXTLINE(bugprone-reserved-identifier)
+extern "C" [[gnu::visibility("hidden")]] const ElfW(Ehdr) __ehdr_start;
 
 namespace breakwater {
 namespace {
@@ -33,23 +37,13 @@ std::string_view build_id_in(const char* notes, std::size_t size, std::size_t al
 
 // The build id that the linker wrote into the program or module with this code, as it is loaded.
 std::string build_id() {
+  const auto* const begin = reinterpret_cast<const char*>(&__ehdr_start);
+  const auto* const segments = reinterpret_cast<const ElfW(Phdr)*>(begin + __ehdr_start.e_phoff);
   std::string id;
-  const auto visit = [](dl_phdr_info* object, std::size_t, void* found) {
-    const auto here = reinterpret_cast<ElfW(Addr)>(&build_id_in) - object->dlpi_addr;
-    const ElfW(Phdr)* const end = object->dlpi_phdr + object->dlpi_phnum;
-    const bool is_ours = std::any_of(object->dlpi_phdr, end, [&](const ElfW(Phdr) & segment) {
-      return segment.p_type == PT_LOAD && here - segment.p_vaddr < segment.p_memsz;
-    });
-    if (!is_ours) return 0;
-    for (const ElfW(Phdr)* segment = object->dlpi_phdr; segment != end; ++segment) {
-      if (segment->p_type != PT_NOTE) continue;
-      // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader gives numbers
-      const auto* notes = reinterpret_cast<const char*>(object->dlpi_addr + segment->p_vaddr);
-      *static_cast<std::string*>(found) += build_id_in(notes, segment->p_memsz, segment->p_align);
-    }
-    return 1;
-  };
-  dl_iterate_phdr(visit, &id);
+  for (const ElfW(Phdr) & segment : std::span(segments, __ehdr_start.e_phnum)) {
+    if (segment.p_type != PT_NOTE) continue;
+    id += build_id_in(begin + segment.p_offset, segment.p_memsz, segment.p_align);
+  }
   return id;
 }
 
