@@ -20,9 +20,9 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/did_you_mean.h>
-#include <breakwater/shell/digits.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
+#include <breakwater/shell/table.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/study/result_row.h>
 #include <breakwater/study/study.h>
@@ -333,7 +333,6 @@ void describe(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 4096));
   app.add_flag("--design-only", arguments.is_design_only, "measure nothing");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
-  add_digits(app);
   app.footer(
       "Designed: the controller and its estimator with the linear plant, if they are linear.\n"
       "Measured: one sine after another in the simulation, with the case's encoder, drive and\n"

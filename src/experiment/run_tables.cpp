@@ -6,12 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include <breakwater/experiment/references.h>
-#include <breakwater/shell/digits.h>
-#include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -108,45 +105,6 @@ std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& r
     text += table.print(width);
   }
   return text;
-}
-
-std::string with_colours(const std::string& table, bool colourful) {
-  std::string text = table;
-  for (const auto& [word, tone] :
-       {std::pair("failed", Tone::bad), std::pair(" *", Tone::doubtful)}) {
-    const std::string coloured = toned(word, tone, colourful);
-    for (std::size_t at = text.find(word); at != std::string::npos;
-         at = text.find(word, at + coloured.size())) {
-      text.replace(at, std::string(word).size(), coloured);
-    }
-  }
-  return text;
-}
-
-std::string runs_json(const std::string& scenario, const std::vector<RunSummary>& runs,
-                      const Catalogue& catalogue) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const RunSummary& run : runs) {
-    nlohmann::ordered_json entry = {{"case", run.case_name},
-                                    {"folder", run.folder.string()},
-                                    {"status", run.failure ? "failed" : "complete"}};
-    if (run.failure) {
-      entry["time_s"] = run.failure->time_s;
-      entry["reason"] = run.failure->reason;
-    }
-    entry["metrics"] = nlohmann::ordered_json::object();
-    const std::vector<ReferenceValue> printed = printed_for(catalogue, scenario, run);
-    for (const Metric& metric : run.metrics) {
-      entry["metrics"][metric.name] = metric.value;
-      if (const auto* value = find(printed, &ReferenceValue::metric, metric.name)) {
-        entry["printed"][metric.name] = {{"value", value->number},
-                                         {"agrees", value->agrees(metric.value).is_met}};
-      }
-    }
-    list.push_back(entry);
-  }
-  const nlohmann::ordered_json all = {{"scenario", scenario}, {"runs", list}};
-  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,

@@ -24,13 +24,4 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
 std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& runs,
                           std::size_t width);
 
-/// The table with failed runs and marked numbers in colour, if `colourful`.
-std::string with_colours(const std::string& table, bool colourful);
-
-/// Runs as JSON: `scenario` and `runs`. Each run has `case`, `folder`, `status`, `metrics` and
-/// `printed`. A failed run also has `time_s` and `reason`. A printed metric has its `value`, and
-/// `agrees` compares the run with it.
-std::string runs_json(const std::string& scenario, const std::vector<RunSummary>& runs,
-                      const Catalogue& catalogue);
-
 }  // namespace breakwater

@@ -351,12 +351,6 @@ std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
   try {
     on_all_cores(runs.size(), [&](std::size_t i) {
       RunControl control{[&progress, i](double done) { progress.update(i, done); }, options.stop};
-      // Only for a single run: the numbers of several would alternate.
-      if (runs.size() == 1 && progress.is_seen()) {
-        control.measured = [&](const std::vector<Metric>& so_far) {
-          progress.note(brief(main_metrics(runs[i].scenario->main_metrics(), so_far)));
-        };
-      }
       summaries[i] = execute(runs[i], folders[i], options, control);
       progress.finish(i);
     });

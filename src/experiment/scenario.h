@@ -23,9 +23,7 @@ class Catalogue;
 struct RunControl {
   std::function<void(double fraction_done)> progress;  ///< may be empty
   const std::atomic<bool>* stop = nullptr;             ///< ends the run when it becomes true
-  bool logs = true;  ///< false: only the metrics count, and the tracks may have no rows
-  /// Gets the present metrics together with the progress; may be empty.
-  std::function<void(const std::vector<Metric>& so_far)> measured = {};
+  bool logs = true;             ///< false: only the metrics count, and the tracks may have no rows
   LogStream* stream = nullptr;  ///< for the tracks, if they are not to be in memory
 };
 

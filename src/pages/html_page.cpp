@@ -11,10 +11,9 @@
 #include <stdexcept>
 
 #include <breakwater/experiment/version.h>
-#include <breakwater/render/scene_description.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/render/identity.h>
-#include <breakwater/shell/digits.h>
+#include <breakwater/render/scene_description.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/table.h>
 

@@ -39,7 +39,7 @@ std::vector<std::filesystem::path> page_libraries();
 /// The bytes of a file as a data: address. Empty if there is no such file.
 std::string data_address(const std::filesystem::path& file, const std::string& type);
 
-/// A value of the data as text: a number in digits (shell/digits.h), "-" where there is none.
+/// A value of the data as text: a number in digits (in_digits), "-" where there is none.
 std::string text_of(const PageData& value);
 
 /// A table of texts. The first row has the columns.

@@ -14,9 +14,9 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/shell/child_program.h>
-#include <breakwater/shell/digits.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
+#include <breakwater/shell/table.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -181,7 +181,6 @@ int runs_main(const Catalogue& catalogue, int argc, const char* const* argv) {
         ->type_name("S");
     app.add_option("--to", arguments.choice.to_s, "simulated time that they end with")
         ->type_name("S");
-    add_digits(app);
     app.add_flag("--json", arguments.json, "print the table as JSON");
     app.add_flag("--csv", arguments.csv, "write compare.csv: the metrics and their differences");
     app.add_flag("--latex", arguments.latex, "write compare.tex: the page's tables for booktabs");

@@ -7,7 +7,7 @@
 
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
-#include <breakwater/shell/digits.h>
+#include <breakwater/shell/table.h>
 
 namespace breakwater {
 namespace {

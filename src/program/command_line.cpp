@@ -21,9 +21,9 @@
 #include <breakwater/program/commands.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/shell/child_program.h>
-#include <breakwater/shell/digits.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
+#include <breakwater/shell/table.h>
 #include <breakwater/sim/engine_guard.h>
 #include <breakwater/sim/mjcf_conversion.h>
 
@@ -69,7 +69,6 @@ struct Arguments {
   std::string video_file;
   bool csv = false;
   bool quiet = false;
-  bool json = false;
   bool list_cases = false;
   bool matrix = false;
   bool print_config = false;
@@ -97,8 +96,6 @@ void describe(CLI::App& app, const std::string& video_program, Arguments& argume
           ->expected(0, 1);
   app.add_flag("--csv", arguments.csv, "write log.csv as well");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
-  app.add_flag("--json", arguments.json, "print JSON in place of the table");
-  add_digits(app);
   app.add_flag("--list-cases", arguments.list_cases, "print the cases, one a line, and exit");
   app.add_flag("--matrix", arguments.matrix,
                "run every case under every condition, on all cores, and print one table a metric\n"
@@ -153,9 +150,8 @@ void check_folder_of_runs(const fs::path& folder) {
 void report_failures(const std::string& scenario, const std::vector<RunSummary>& runs) {
   for (const RunSummary& run : runs) {
     if (!run.failure) continue;
-    fmt::print(stderr, "{} {}: {} at t = {:.6g} s: {}; its log is in {}\n", scenario, run.case_name,
-               toned("failed", Tone::bad, is_colourful(stderr)), run.failure->time_s,
-               run.failure->reason, run.folder.string());
+    fmt::print(stderr, "{} {}: failed at t = {:.6g} s: {}; its log is in {}\n", scenario,
+               run.case_name, run.failure->time_s, run.failure->reason, run.folder.string());
   }
 }
 
@@ -199,8 +195,7 @@ int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments,
   if (arguments.video->count() == 0) return kSuccess;
   int status = kSuccess;
   for (const RunSummary& run : runs) {
-    const int made = make_video(video_program, run.folder, arguments.video_file,
-                                arguments.quiet || arguments.json);
+    const int made = make_video(video_program, run.folder, arguments.video_file, arguments.quiet);
     if (made == kInterrupted) return kInterrupted;
     if (made != kSuccess) status = kLaterOutputFailed;
   }
@@ -248,10 +243,6 @@ void print_warnings(const std::string& scenario, const std::vector<PreparedRun>&
   }
 }
 
-std::string coloured(const std::string& table) {
-  return with_colours(table, is_colourful(stdout));
-}
-
 // One call of the program.
 struct Call {
   const Catalogue& catalogue;
@@ -295,11 +286,7 @@ int run_batch(const Call& call, const Batch& batch,
   report_failures(call.scenario, summaries);
   if (!arguments.quiet) print_late_warnings(call.scenario, summaries);
   const int video_status = make_videos(summaries, arguments, call.video_program);
-  if (arguments.json) {
-    fmt::print("{}", runs_json(call.scenario, summaries, call.catalogue));
-  } else if (!arguments.quiet) {
-    fmt::print("{}", table(summaries, out.string()));
-  }
+  if (!arguments.quiet) fmt::print("{}", table(summaries, out.string()));
   const bool failed = std::any_of(summaries.begin(), summaries.end(),
                                   [](const RunSummary& run) { return run.failure.has_value(); });
   return failed ? static_cast<int>(kRunFailed) : video_status;
@@ -338,16 +325,15 @@ int run_cases(const Call& call) {
   return run_batch(
       call, batch, [&](const std::vector<RunSummary>& runs, const std::string& out) -> std::string {
         if (several) {
-          return fmt::format(
-              "results: {}\n\n{}", out,
-              coloured(comparison_table(call.scenario, runs, call.catalogue, output_width())));
+          return fmt::format("results: {}\n\n{}", out,
+                             comparison_table(call.scenario, runs, call.catalogue, output_width()));
         }
         const RunSummary& run = runs.front();
         if (run.failure) return "";
         return fmt::format(
             "{} {}: {:.6g} s simulated in {:.1f} s\nresults: {}\n\n{}", call.scenario,
             label_of(call.catalogue, run.folder, call.scenario, run.case_name), run.simulated_s,
-            run.wall_s, out, coloured(metrics_table(call.scenario, run, call.catalogue)));
+            run.wall_s, out, metrics_table(call.scenario, run, call.catalogue));
       });
 }
 
@@ -381,8 +367,7 @@ int run_matrix(const Call& call) {
     batch.shared.push_back(value);
   }
   return run_batch(call, batch, [&](const std::vector<RunSummary>& runs, const std::string& out) {
-    return fmt::format("results: {}\n\n{}", out,
-                       coloured(matrix_tables(matrix, runs, output_width())));
+    return fmt::format("results: {}\n\n{}", out, matrix_tables(matrix, runs, output_width()));
   });
 }
 

@@ -8,7 +8,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -50,8 +49,7 @@ void run_for_a_moment(const Catalogue& catalogue, const ScenarioKind& kind) {
   const auto file = kind.scenario_file();
   const PreparedRun run = prepare_run(catalogue, kind.name, *file, file->default_case(), {kMoment});
   model_hashes(run.model_files);
-  const Recording recording =
-      run.scenario->run({.progress = {}, .stop = nullptr, .logs = false, .measured = {}});
+  const Recording recording = run.scenario->run({.progress = {}, .stop = nullptr, .logs = false});
   if (recording.failure) throw std::runtime_error(recording.failure->reason);
 }
 
@@ -81,6 +79,7 @@ HealthCheck check_pictures() {
     if (!missing.empty()) {
       return {"pictures", State::missing, missing, "apt install libegl1 libgl1-mesa-dri"};
     }
+    Canvas(kPictureSide, kPictureSide);  // throws without Cairo
     FrameFarm farm;
     farm.frames = farm.frame_bytes = 1;
     const auto start = [](std::size_t) -> Drawer {
@@ -107,19 +106,6 @@ HealthCheck check_video() {
   }
 }
 
-HealthCheck check_font() {
-  try {
-    const std::string wanted = Canvas::font();
-    const std::string used = Canvas(1, 1).font_in_use();
-    if (used == wanted) return {"font", State::ok, used, ""};
-    return {"font", State::missing,
-            fmt::format("pictures are lettered in {}, not in {}", used, wanted),
-            "apt install fonts-dejavu-core"};
-  } catch (const RenderError& error) {
-    return {"font", State::missing, error.what(), "apt install libcairo2"};
-  }
-}
-
 HealthCheck check_pages() {
   std::vector<std::string> missing;
   for (const fs::path& file : page_libraries()) {
@@ -136,7 +122,7 @@ HealthCheck check_pages() {
 std::vector<HealthCheck> check_health(const Catalogue& catalogue) {
   // It forks, so it comes first: the runs may leave threads.
   const HealthCheck pictures = check_pictures();
-  return {check_scenarios(catalogue), pictures, check_video(), check_font(), check_pages()};
+  return {check_scenarios(catalogue), pictures, check_video(), check_pages()};
 }
 
 constexpr std::size_t kWidth = 80;
@@ -152,10 +138,6 @@ const char* word(State state) {
       return "broken";
   }
   return "";
-}
-
-Tone tone(State state) {
-  return state == State::ok ? Tone::good : state == State::missing ? Tone::doubtful : Tone::bad;
 }
 
 std::size_t count(const std::vector<HealthCheck>& checks, State state) {
@@ -174,13 +156,10 @@ std::string summary(const std::vector<HealthCheck>& checks) {
 }
 
 void print_checks(const std::vector<HealthCheck>& checks) {
-  const bool colourful = is_colourful(stdout);
   const std::string indent(kTextColumn, ' ');
   for (const HealthCheck& check : checks) {
     const std::vector<std::string> lines = wrapped(one_line(check.found), kWidth - kTextColumn);
-    fmt::print("{:<10}{}{}\n", check.what,
-               toned(fmt::format("{:<9}", word(check.state)), tone(check.state), colourful),
-               lines.front());
+    fmt::print("{:<10}{:<9}{}\n", check.what, word(check.state), lines.front());
     for (std::size_t i = 1; i < lines.size(); ++i) fmt::print("{}{}\n", indent, lines[i]);
     if (check.install.empty()) continue;
     for (const std::string& line : wrapped(check.install, kWidth - kTextColumn - 2)) {
@@ -190,32 +169,19 @@ void print_checks(const std::vector<HealthCheck>& checks) {
   fmt::print("\n{}\n", summary(checks));
 }
 
-void print_checks_json(const std::vector<HealthCheck>& checks) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const HealthCheck& check : checks) {
-    list.push_back({{"what", check.what},
-                    {"state", word(check.state)},
-                    {"found", check.found},
-                    {"install", check.install}});
-  }
-  fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-}
-
 }  // namespace
 
 int doctor_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   const std::string program = own_program_name() + " doctor";
   return guarded(program, [&] {
     CLI::App app("check this machine and name the packages to install", program);
-    bool json = false;
-    app.add_flag("--json", json, "print a list of objects instead: what, state, found, install");
     app.footer(
         "missing: an optional part is not installed; everything else works.\n"
         "broken: a part does not work, or a necessary part is not installed.\n"
         "Exit status: 0 nothing is broken, 1 something is, 2 usage.");
     if (const auto status = parse(app, argc, argv)) return *status;
     const std::vector<HealthCheck> checks = check_health(catalogue);
-    json ? print_checks_json(checks) : print_checks(checks);
+    print_checks(checks);
     return static_cast<int>(count(checks, State::broken) == 0 ? kSuccess : kDefect);
   });
 }

@@ -30,9 +30,8 @@ constexpr const char* kListIndent = "    ";
 struct Entry {
   fs::path folder;
   fs::file_time_type written;
-  std::string kind;    // run, study or tuning
-  std::string status;  // status of a run; for a study the number of its runs
-  Tone tone = Tone::good;
+  std::string kind;      // run, study or tuning
+  std::string status;    // status of a run; for a study the number of its runs
   std::string scenario;  // empty: unknown
   std::string reason;
   std::vector<Metric> metrics;
@@ -40,26 +39,16 @@ struct Entry {
 };
 
 Entry entry_of(const ListedRun& run) {
-  using Status = ListedRun::Status;
-  const Tone tone = run.status == Status::complete || run.status == Status::running ? Tone::good
-                    : run.status == Status::failed                                  ? Tone::bad
-                                                   : Tone::doubtful;
-  return {run.folder,          run.written, "run",
-          name_of(run.status), tone,        run.scenario,
-          run.reason,          run.metrics, {{"case", run.case_name}, {"seed", run.seed}}};
+  return {run.folder,   run.written, "run",       name_of(run.status),
+          run.scenario, run.reason,  run.metrics, {{"case", run.case_name}, {"seed", run.seed}}};
 }
 
 Entry entry_of(const StudySummary& study) {
   const std::string failed = study.failed > 0 ? fmt::format(", {} failed", study.failed) : "";
-  return {study.folder,
-          study.written,
-          study.kind,
-          number_of(study.runs, "run") + failed,
-          study.failed > 0 ? Tone::doubtful : Tone::good,
-          study.scenario,
-          "",
-          study.medians,
-          {{"runs", study.runs}, {"failed", study.failed}}};
+  return {study.folder,   study.written,
+          study.kind,     number_of(study.runs, "run") + failed,
+          study.scenario, "",
+          study.medians,  {{"runs", study.runs}, {"failed", study.failed}}};
 }
 
 Entry study_entry(const fs::path& folder) {
@@ -67,15 +56,8 @@ Entry study_entry(const fs::path& folder) {
     return entry_of(summarise_study(folder));
   } catch (const std::exception& error) {  // one unreadable study does not end the list
     std::error_code ignored;
-    return {folder,
-            fs::last_write_time(folder, ignored),
-            "study",
-            "damaged",
-            Tone::doubtful,
-            "",
-            error.what(),
-            {},
-            nlohmann::ordered_json::object()};
+    return {folder, fs::last_write_time(folder, ignored), "study", "damaged", "", error.what(),
+            {},     nlohmann::ordered_json::object()};
   }
 }
 
@@ -135,7 +117,6 @@ void print_lines(const std::string& text, std::size_t width) {
 
 void print_entries(const Catalogue& catalogue, const std::vector<Entry>& entries,
                    const fs::path& below) {
-  const bool colourful = is_colourful(stdout);
   const std::size_t width = output_width();
   MainMetrics main(catalogue);
   if (entries.empty()) fmt::print("no run below {}\n", below.string());
@@ -145,9 +126,7 @@ void print_entries(const Catalogue& catalogue, const std::vector<Entry>& entries
     const std::string status = fmt::format("{:<9}", entry.status);
     const std::string folder = one_line(entry.folder.string());
     const bool fits = when.size() + 2 + status.size() + 1 + folder.size() <= width;
-    fmt::print("{}  {}{}{}\n", toned(when, Tone::faint, colourful),
-               toned(status, entry.tone, colourful), fits ? " " : "\n" + std::string(kListIndent),
-               folder);
+    fmt::print("{}  {}{}{}\n", when, status, fits ? " " : "\n" + std::string(kListIndent), folder);
     print_lines(origin_of(catalogue, entry), width);
     const std::string numbers = brief(main.of(entry));
     const bool is_median = entry.kind != "run" && !numbers.empty();

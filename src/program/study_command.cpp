@@ -12,7 +12,6 @@
 #include <breakwater/cluster/slurm_queue.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/all_cores.h>
-#include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
@@ -37,7 +36,6 @@ void add_study_options(CLI::App& app, StudyOptions& options, const StudyOptionsH
       ->group(help.begun)
       ->excludes("--rerun");
   app.add_flag("--quiet", options.quiet, "print errors and warnings only")->group(help.how);
-  add_digits(app)->group(help.how);
   app.add_flag("--slurm", options.slurm, help.slurm)->group(kOnCluster);
   add_slurm_options(app, options.request);
 }

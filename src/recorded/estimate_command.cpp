@@ -14,9 +14,9 @@
 #include <breakwater/experiment/runner.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/shell/child_program.h>
-#include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/shell/table.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -173,7 +173,6 @@ int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv)
                    "write the result to this folder (default: runs/estimate/NAME)")
         ->type_name("DIR");
     app.add_flag("--quiet", arguments.quiet, "print errors only");
-    add_digits(app);
     app.add_flag("--list-cases", arguments.list_cases,
                  "print the file's cases, one a line, and exit");
     app.add_flag("--print-config", arguments.print_config,

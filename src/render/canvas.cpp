@@ -1,6 +1,6 @@
 #include <breakwater/render/canvas.h>
 
-#include <cairo-ft.h>
+#include <cairo.h>
 
 #include <cmath>
 #include <numbers>
@@ -23,9 +23,8 @@ const LoadedLibrary& cairo() {
 #define X(name) BREAKWATER_LOADED(cairo, NoCairo, name)
 // clang-format off
 X(cairo_arc) X(cairo_clip) X(cairo_close_path) X(cairo_create) X(cairo_destroy) X(cairo_fill)
-X(cairo_ft_scaled_font_lock_face) X(cairo_ft_scaled_font_unlock_face) X(cairo_get_scaled_font)
 X(cairo_image_surface_create_for_data) X(cairo_line_to) X(cairo_move_to) X(cairo_new_path)
-X(cairo_paint) X(cairo_rectangle) X(cairo_restore) X(cairo_save) X(cairo_scaled_font_get_type)
+X(cairo_paint) X(cairo_rectangle) X(cairo_restore) X(cairo_save)
 X(cairo_select_font_face) X(cairo_set_dash) X(cairo_set_font_size) X(cairo_set_line_join)
 X(cairo_set_line_width) X(cairo_set_source_rgba) X(cairo_set_source_surface) X(cairo_show_text)
 X(cairo_status) X(cairo_status_to_string) X(cairo_stroke) X(cairo_surface_destroy)
@@ -34,7 +33,7 @@ X(cairo_text_path)
 // clang-format on
 #undef X
 
-                                            constexpr const char* kFont = "DejaVu Sans";
+                                    constexpr const char* kFont = "DejaVu Sans";
 constexpr Colour kHalo{1.0, 1.0, 1.0, 0.8};
 
 std::size_t bytes(int width, int height) {
@@ -124,20 +123,6 @@ void Canvas::use_font(double size, bool bold) {
   cairo_select_font_face(drawing_->context, kFont, CAIRO_FONT_SLANT_NORMAL,
                          bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(drawing_->context, size);
-}
-
-std::string Canvas::font() {
-  return kFont;
-}
-
-std::string Canvas::font_in_use() {
-  use_font(1.0, false);
-  cairo_scaled_font_t* const scaled = cairo_get_scaled_font(drawing_->context);
-  if (cairo_scaled_font_get_type(scaled) != CAIRO_FONT_TYPE_FT) return "";
-  FT_FaceRec_* const face = cairo_ft_scaled_font_lock_face(scaled);
-  std::string family = face != nullptr && face->family_name != nullptr ? face->family_name : "";
-  cairo_ft_scaled_font_unlock_face(scaled);
-  return family;
 }
 
 double Canvas::text_width(const std::string& text, double size, bool bold) {

@@ -36,10 +36,6 @@ enum class Align { left, center, right };
 /// Draws with Cairo on a picture of 4 bytes per pixel (blue, green, red, unused).
 class Canvas {
  public:
-  /// The wanted font, and the font that replaces it if it is not installed.
-  static std::string font();
-  std::string font_in_use();
-
   /// Makes a white picture of its own. Both constructors throw RenderError if there is no Cairo.
   Canvas(int width, int height);
   /// Draws on a picture that must outlive it.

@@ -12,7 +12,6 @@
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/search/search.h>
-#include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/study/ranking_text.h>
 

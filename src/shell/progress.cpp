@@ -61,11 +61,6 @@ void Progress::update(std::size_t job, double fraction_done) {
   if (std::chrono::steady_clock::now() - drawn_ >= interval) draw();
 }
 
-void Progress::note(std::string text) {
-  const std::lock_guard lock(mutex_);
-  note_ = std::move(text);
-}
-
 void Progress::draw() {
   drawn_ = std::chrono::steady_clock::now();
   const double done = std::inner_product(done_.begin(), done_.end(), weights_.begin(), 0.0) /
@@ -80,7 +75,6 @@ void Progress::draw() {
     line += fmt::format(", {:.0f} s left", elapsed_s * (1.0 - done) / done);
   }
   if (in_place_) {
-    if (!note_.empty()) line += "   " + note_;
     // A line that wraps could not be rewritten.
     line = "\r\033[K" + line.substr(0, terminal_width(STDERR_FILENO).value_or(kUsualWidth) - 1);
   } else {
@@ -99,32 +93,6 @@ std::size_t output_width() {
   const auto asked = environment("COLUMNS");
   const unsigned long columns = asked ? std::strtoul(asked->c_str(), nullptr, 10) : 0;
   return columns > 0 ? columns : kUsualWidth;
-}
-
-namespace {
-
-const char* code(Tone tone) {
-  switch (tone) {
-    case Tone::good:
-      return "\033[32m";
-    case Tone::doubtful:
-      return "\033[33m";
-    case Tone::bad:
-      return "\033[31m";
-    case Tone::faint:
-      return "\033[2m";
-  }
-  return "";
-}
-
-}  // namespace
-
-bool is_colourful(std::FILE* stream) {
-  return isatty(fileno(stream)) != 0 && !environment("NO_COLOR") && environment("TERM") != "dumb";
-}
-
-std::string toned(const std::string& text, Tone tone, bool colourful) {
-  return colourful ? code(tone) + text + "\033[0m" : text;
 }
 
 }  // namespace breakwater

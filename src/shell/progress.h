@@ -1,4 +1,4 @@
-// Progress and colours on a terminal.
+// Progress on a terminal.
 #pragma once
 
 #include <chrono>
@@ -24,10 +24,6 @@ class Progress {
 
   void update(std::size_t job, double fraction_done);
   void finish(std::size_t job) { update(job, 1.0); }
-  /// Sets the text behind the line, as far as the terminal is wide enough.
-  void note(std::string text);
-  /// Whether a user can see a note.
-  bool is_seen() const { return visible_ && in_place_; }
 
  private:
   void draw();
@@ -40,21 +36,10 @@ class Progress {
   bool in_place_ = true;
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point drawn_;
-  std::string note_;
   std::mutex mutex_;
 };
 
 /// The width of tables: that of the terminal on stdout, otherwise COLUMNS or 80.
 std::size_t output_width();
-
-enum class Tone { good, doubtful, bad, faint };
-
-/// Whether output to `stream` may be coloured: it is a terminal, `TERM` is not `dumb`, and NO_COLOR
-/// is unset or empty (no-color.org).
-bool is_colourful(std::FILE* stream);
-
-/// The text between the escape codes of this colour if `colourful`. Pad before: codes have no
-/// width.
-std::string toned(const std::string& text, Tone tone, bool colourful);
 
 }  // namespace breakwater

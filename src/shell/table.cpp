@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace breakwater {
@@ -88,6 +89,12 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
     lines.back() += word;
   }
   return lines;
+}
+
+std::string in_digits(double value) {
+  constexpr double kLargestWhole = 1e9;
+  const bool is_whole = std::abs(value) < kLargestWhole && value == std::round(value);
+  return is_whole ? fmt::format("{:.0f}", value) : fmt::format("{:.4g}", value);
 }
 
 std::string number_of(std::size_t count, const std::string& what) {

@@ -33,6 +33,9 @@ class Table {
 /// line. Returns at least one line.
 std::vector<std::string> wrapped(const std::string& text, std::size_t width);
 
+/// A number with four significant digits, a whole one below 1e9 with all. Files have all digits.
+std::string in_digits(double value);
+
 /// "1 run", "2 runs".
 std::string number_of(std::size_t count, const std::string& what);
 

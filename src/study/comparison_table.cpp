@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <breakwater/config/names.h>
-#include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {

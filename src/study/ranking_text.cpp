@@ -10,7 +10,6 @@
 
 #include <breakwater/config/names.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/study/comparison_table.h>
 

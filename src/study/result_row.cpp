@@ -7,7 +7,7 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/text_outputs.h>
-#include <breakwater/shell/digits.h>
+#include <breakwater/shell/table.h>
 
 namespace breakwater {
 

@@ -17,7 +17,7 @@ BIN = pathlib.Path(sys.argv.pop()).resolve() if len(sys.argv) > 1 else None
 
 def environment(**changes):
     """The environment with changes; None removes a variable."""
-    changed = {**os.environ, "TERM": "xterm", "NO_COLOR": None, "COLUMNS": None, **changes}
+    changed = {**os.environ, "TERM": "xterm", "COLUMNS": None, **changes}
     return {key: str(value) for key, value in changed.items() if value is not None}
 
 
