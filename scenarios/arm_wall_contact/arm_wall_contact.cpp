@@ -1,10 +1,4 @@
 // Scenario arm_wall_contact: position/force control against a wall (thesis 2.4.3.2, 2.4.3.4).
-#include <algorithm>
-#include <cmath>
-
-#include <breakwater/experiment/run_loop.h>
-#include <breakwater/math/float_environment.h>
-#include <breakwater/record/held_reference.h>
 #include <breakwater/rigs/arm_scenario.h>
 #include <breakwater/sim/contact.h>
 #include <breakwater/sim/linear_model.h>
@@ -30,9 +24,9 @@ class ArmWallContact final : public ArmScenario {
   std::string summary() const override {
     return "hybrid position/force control against a wall: impact force, free-motion time";
   }
-  Fields fields() override {
-    Fields fields;
-    bind(fields);
+
+ private:
+  void bind(Fields& fields) override {
     plant_.tip->chain.bind(fields);
     fields.number("wall.distance_m", wall_distance_m_, positive(),
                   "distance from the tip at the start pose to the wall's face [m]");
@@ -50,92 +44,42 @@ class ArmWallContact final : public ArmScenario {
                   "start of the window of the force error [s]");
     fields.number("metrics.to_s", metrics_to_s_, positive(),
                   "end of the window of the force error [s]");
-    fields.number("record.fine_from_s", fine_from_s_, not_negative(),
-                  "time from which forces are logged at the physics rate [s]");
-    fields.number("record.fine_to_s", fine_to_s_, not_negative(),
-                  "time until which forces are logged at the physics rate [s]");
-    rows_.bind(fields);
-    return fields;
+    plant_.bind_fine(fields);
   }
 
-  void check(const Config& config) override {
-    check_arm(config);
+  MetricContext complete(const Config& config) override {
     if (wall_solid_from_s_ > force_from_s_) {
       config.fail("wall.solid_from_s", "must not be after force.from_s");
     }
     if (metrics_to_s_ <= metrics_from_s_) {
       config.fail("metrics.to_s", "must be after metrics.from_s");
     }
-    if (fine_to_s_ < fine_from_s_) {
-      config.fail("record.fine_to_s", "must not be before record.fine_from_s");
-    }
     if (metrics_from_s_ < force_from_s_) {
       config.fail("metrics.from_s", "must not be before force.from_s");
     }
     force().from_s = plant_.physics.sample_time_s(force_from_s_);
-    rows_.check(config, [this] { return fields(); }, plant_.physics,
-                {.known = {{"force_control", force().from_s}}, .events = {"first_contact"}});
+    return {.known = {{"force_control", force().from_s}}, .events = {"first_contact"}};
   }
 
-  Recording run(const RunControl& control) const override {
-    const math::FloatEnvironment floats;
-    const std::unique_ptr<Controller> controller = make_controller();
-    ArmRig rig(plant_, chain(), *controller);
+  void extend(RigRun& run, AxisRig& rig) const override {
     const Simulation& sim = rig.simulation();
-    const PhysicsSettings& physics = plant_.physics;
-    const std::int64_t steps = physics.step_at(plant_.run.duration_s);
-    const std::int64_t solid_step = physics.step_at(wall_solid_from_s_);
-    const std::int64_t fine_from = physics.step_at(fine_from_s_);
-    const std::int64_t fine_to =
-        control.logs ? std::min(physics.step_at(fine_to_s_), steps) : fine_from;
-
-    Track fine("physics", rig.fine_signals(),
-               static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)),
-               control.stream);
-
-    const TipPose pose = start_pose();
-    TipPose tip_offset = TipPose::Zero();
-    double impact_mass_kg = 0.0;
-    std::vector<Signal> of_metrics = rig.fine_signals();
-    of_metrics.push_back({"force_reference_N", "N", "", view(force().value)});
-    of_metrics.push_back({"tip_speed_x_m_s", "m/s", "", view(sim.sensor("tip_vel"))});
-    of_metrics.push_back({"impact_mass_kg", "kg", "", view(impact_mass_kg)});
-    of_metrics.push_back({"y_offset_m", "m", "", view(tip_offset[1])});
-    of_metrics.push_back({"phi_offset_rad", "rad", "", view(tip_offset[2])});
-    for (const Signal& signal : rig.signals()) of_metrics.push_back(signal);
-    MetricValues values(rows_, of_metrics, plant_.run.duration_s,
-                        {{"first_contact", &rig.first_contact_s()}});
-
-    // The tip first moves to its start pose, and later touches the wall and presses.
-    HeldReference held_pose({0.0, force_from_s_}, "the tip", "m");
-    HeldReference held_force = rig.held_force({metrics_from_s_, metrics_to_s_});
-    ApparentMass mass_along_x(sim.model(), "tip", Eigen::Vector3d::UnitX());
-
-    const auto step = [&](std::int64_t k) {
-      if (k == solid_step) rig.set_solid(true);
-      rig.step();
-      if (rig.first_contact_s() == sim.time_s()) {
-        impact_mass_kg = mass_along_x(sim.model(), sim.data());
-      }
-      if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
+    run.before_step = [&rig, solid = plant_.physics.step_at(wall_solid_from_s_)](std::int64_t k) {
+      if (k == solid) rig.set_solid(true);
     };
-    const auto sample = [&](double time_s) {
-      rig.observe();
-      tip_offset = rig.tip() - pose;
-      const double away_m = tip_offset.head<2>().norm();
-      if (sim.steps() == 1) held_pose.ask(away_m);
-      held_pose.add(time_s, away_m);
-      held_force.add(time_s, rig.force_error_N());
-    };
-    Recording recording =
-        record_run(sim, physics, steps, rig.signals(), control, step, sample, &values);
-    if (!recording.failure) {
-      held_pose.warn(recording.warnings);
-      held_force.warn(recording.warnings);
-    }
-    if (fine.rows() > 0) recording.tracks.push_back(std::move(fine));
-    return recording;
+    const auto impact_mass_kg = std::make_shared<double>(0.0);
+    run.after_step =
+        [&rig, &sim, impact_mass_kg,
+         mass = std::make_shared<ApparentMass>(sim.model(), "tip", Eigen::Vector3d::UnitX())] {
+          if (rig.first_contact_s() == sim.time_s())
+            *impact_mass_kg = (*mass)(sim.model(), sim.data());
+        };
+    run.for_metrics.push_back({"force_reference_N", "N", "", view(force().value)});
+    run.for_metrics.push_back({"tip_speed_x_m_s", "m/s", "", view(sim.sensor("tip_vel"))});
+    run.for_metrics.push_back({"impact_mass_kg", "kg", "", view(*impact_mass_kg)});
+    run.judged->push_back(rig.judged_force({metrics_from_s_, metrics_to_s_}));
   }
+  // Later the tip touches the wall and presses.
+  TimeWindow holds_start_pose() const override { return {0.0, force_from_s_}; }
 
   void prepare_model(Model& model) const override {
     plant_.contacts.front().prepare(model);
@@ -146,7 +90,6 @@ class ArmWallContact final : public ArmScenario {
     plant_.contacts.front().animate(model, wall_x_m(), time_s);
   }
 
- private:
   ArmTask task() const override {
     ArmTask task = ArmScenario::task();
     task.force_control_from_s = force_from_s_;
@@ -167,8 +110,6 @@ class ArmWallContact final : public ArmScenario {
   double convert_gain_per_m_ = 0.0;
   double metrics_from_s_ = 0.0;
   double metrics_to_s_ = 0.0;
-  double fine_from_s_ = 0.0;
-  double fine_to_s_ = 0.0;
 };
 
 }  // namespace

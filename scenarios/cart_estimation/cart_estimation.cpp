@@ -81,22 +81,23 @@ class CartEstimation final : public AxisScenario {
     return {};
   }
 
-  std::vector<AxisSignal> additions(const AxisRig& rig, const AxisLoop& loop) const override {
+  void extend(RigRun& run, const AxisRig& rig, const AxisLoop& loop) const override {
     // Also simulate the loop without noise: the difference is the effect of the noise.
     AxisPlant plant = plant_;
     plant.axis().has_noise = false;
     const auto quiet = std::make_shared<AxisLoop>(parts().make(task()));
     quiet->controller->set_watched(false);
     const auto quiet_rig = std::make_shared<AxisRig>(plant, *quiet->controller);
-    const auto noise_N = [quiet, quiet_rig, &rig, &loop](double /*time_s*/) {
-      while (quiet_rig->simulation().steps() < rig.simulation().steps()) quiet_rig->step();
-      if (!loop.estimates()) return 0.0;
-      return loop.estimator->disturbance()(0) - quiet->estimator->disturbance()(0);
-    };
-    const auto rate_N_s = [this](double time_s) { return plant_.axis().force.rate(time_s); };
-    return {
-        {"d_hat_noise_N", "N", "part of the estimated disturbance that the noise causes", noise_N},
-        {"d_rate_N_s", "N/s", "", rate_N_s}};
+    run.compute("d_hat_noise_N", "N", "part of the estimated disturbance that the noise causes",
+                [quiet, quiet_rig, &rig, &loop](double /*time_s*/) {
+                  while (quiet_rig->simulation().steps() < rig.simulation().steps()) {
+                    quiet_rig->step();
+                  }
+                  if (!loop.estimates()) return 0.0;
+                  return loop.estimator->disturbance()(0) - quiet->estimator->disturbance()(0);
+                });
+    run.compute("d_rate_N_s", "N/s", "",
+                [this](double time_s) { return plant_.axis().force.rate(time_s); });
   }
 
   std::size_t shape_ = 0;

@@ -63,10 +63,7 @@ class ImpactTest final : public Scenario {
     plant_.tip->chain.bind_filter(fields);
     plant_.tip->chain.bind_noise(fields);
     plant_.tip->chain.bind(fields);
-    fields.number("record.fine_from_s", fine_from_s_, not_negative(),
-                  "time from which on forces are logged at the physics rate [s]");
-    fields.number("record.fine_to_s", fine_to_s_, not_negative(),
-                  "time until which forces are logged at the physics rate [s]");
+    plant_.bind_fine(fields);
     rows_.bind(fields);
     return fields;
   }
@@ -80,9 +77,6 @@ class ImpactTest final : public Scenario {
     check_plant(plant_, config);
     axis.start_position = -distance_m_;
     axis.force = {.kind = DisturbanceKind::step, .amplitude = -push_N_};
-    if (fine_to_s_ < fine_from_s_) {
-      config.fail("record.fine_to_s", "must not be before record.fine_from_s");
-    }
     const double along_normal = math::cos(wall_.angle_rad());
     wall_.check_impact(config, plant_.physics, mass_kg_ / (along_normal * along_normal),
                        axis.start_velocity * along_normal);
@@ -104,7 +98,10 @@ class ImpactTest final : public Scenario {
 
     const double& force_N = wall_.is_of_engine() ? sim.sensor("tip_touch") : contact->force_N();
     const std::span<const double> measured = view(sim.sample().y);
-    const std::vector<Signal> fine_signals = {
+    RigRun run;
+    run.samples_end = false;
+    run.judged.emplace();
+    run.fine = {
         {"qpos", "m", "the carriage's position", sim.qpos()},
         {"qvel", "m/s", "the carriage's speed", sim.qvel()},
         {"force_true_N", "N", "normal contact force, true", view(force_N)},
@@ -113,44 +110,25 @@ class ImpactTest final : public Scenario {
          view(rig.filtered_force_N())},
         {"penetration_m", "m", "penetration; negative: the gap", view(contact->penetration_m())},
         {"wall_m", "m", "how far the wall has moved", view(contact->wall_m())}};
-    std::vector<Signal> signals = fine_signals;
-    signals.push_back(
+    run.signals = run.fine;
+    run.signals.push_back(
         {"force_measured_N", "N", "filtered force as sampled", measured.subspan(1, 1)});
-    signals.push_back(
+    run.signals.push_back(
         {"force_raw_measured_N", "N", "the same before the low-pass", measured.subspan(2, 1)});
-
-    const PhysicsSettings& physics = plant_.physics;
-    const std::int64_t steps = physics.step_at(plant_.run.duration_s);
-    const std::int64_t fine_from = physics.step_at(fine_from_s_);
-    const std::int64_t fine_to =
-        control.logs ? std::min(physics.step_at(fine_to_s_), steps) : fine_from;
-    Track fine("physics", fine_signals,
-               static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)),
-               control.stream);
-    double impulse_Ns = 0.0;
     double first_contact_s = std::numeric_limits<double>::infinity();
     double first_separation_s = first_contact_s;
-    std::vector<Signal> of_metrics = signals;
-    of_metrics.push_back({"approach_m_s", "m/s", "", view(contact->approach_m_s())});
-    of_metrics.push_back({"impulse_Ns", "N s", "", view(impulse_Ns)});
-    MetricValues values(
-        rows_, of_metrics, plant_.run.duration_s,
-        {{"first_contact", &first_contact_s}, {"first_separation", &first_separation_s}});
-    const auto step = [&](std::int64_t k) {
-      rig.step();
+    run.for_metrics = {{"approach_m_s", "m/s", "", view(contact->approach_m_s())},
+                       {"impulse_Ns", "N s", "", view(contact->impulse_Ns())}};
+    run.events = {{"first_contact", &first_contact_s}, {"first_separation", &first_separation_s}};
+    run.after_step = [&] {
       // The impulse, because the contact may begin at a later stage of a step.
-      impulse_Ns = contact->impulse_Ns();
-      if (impulse_Ns > 0.0) {
+      if (contact->impulse_Ns() > 0.0) {
         first_contact_s = std::min(first_contact_s, sim.time_s());
       } else if (first_contact_s <= sim.time_s()) {
         first_separation_s = std::min(first_separation_s, sim.time_s());
       }
-      if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
     };
-    Recording recording = record_run(
-        sim, physics, steps, std::move(signals), control, step, [](double) {}, &values);
-    if (fine.rows() > 0) recording.tracks.push_back(std::move(fine));
-    return recording;
+    return rig.run(control, rows_, std::move(run));
   }
 
   void prepare_model(Model& model) const override {
@@ -174,8 +152,6 @@ class ImpactTest final : public Scenario {
   double mass_kg_ = 0.0;
   double distance_m_ = 0.0;
   double push_N_ = 0.0;
-  double fine_from_s_ = 0.0;
-  double fine_to_s_ = 0.0;
 };
 
 }  // namespace

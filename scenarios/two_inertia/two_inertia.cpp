@@ -69,24 +69,18 @@ class TwoInertiaDrive final : public AxisScenario {
     return {.known = {{"last_step", reverses ? reversal_s_ : from_s}}};
   }
 
-  std::vector<AxisSignal> additions(const AxisRig& rig, const AxisLoop& loop) const override {
-    const double direction = plant().axis().reference.at(plant_.run.duration_s) < 0.0 ? -1.0 : 1.0;
-    std::vector<AxisSignal> own = {{"beyond_rad", "rad", "", [direction, &rig](double) {
-                                      return -direction * (rig.reference() - rig.position());
-                                    }}};
-    if (!loop.estimates()) return own;
+  void extend(RigRun& run, const AxisRig& /*rig*/, const AxisLoop& loop) const override {
+    if (!loop.estimates()) return;
     const NominalAxis nominal = task().axis;
     const bool has_spring = nominal.E.size() != 0;
     const Eigen::Index velocity = has_spring ? nominal.controlled + 1 : 1;
     const double per_load = has_spring ? 1.0 : nominal.measured_ratio;
     const double at_load = has_spring ? 1.0 : plant_.axis().transmission.design.ratio;
-    own.push_back({"load_velocity_hat_rad_s", "rad/s", "", [velocity, per_load, &loop](double) {
-                     return loop.estimator->state()(velocity) / per_load;
-                   }});
-    own.push_back({"load_d_hat_Nm", "N m", "", [at_load, &loop](double) {
-                     return loop.estimator->disturbance()(0) * at_load;
-                   }});
-    return own;
+    run.compute("load_velocity_hat_rad_s", "rad/s", "", [velocity, per_load, &loop](double) {
+      return loop.estimator->state()(velocity) / per_load;
+    });
+    run.compute("load_d_hat_Nm", "N m", "",
+                [at_load, &loop](double) { return loop.estimator->disturbance()(0) * at_load; });
   }
 
   Kind kind_ = Kind::position_step;

@@ -187,21 +187,13 @@ class Jump final : public Reduction {
   double last_s_ = -kOpen;
 };
 
-class Overshoot final : public Reduction {
+class Overshoot final : public Beyond {
  public:
-  explicit Overshoot(const ReductionSetup& /*setup*/) {}
-  void add(const AddedValues& added) override {
-    if (!first_) first_ = added.value;
-    beyond_ = std::max(beyond_, *first_ > 0.0 ? -added.value : added.value);
-  }
+  using Beyond::Beyond;
   std::optional<double> value() const override {
-    if (*first_ == 0.0) return std::nullopt;
-    return 100.0 * beyond_ / std::abs(*first_);
+    if (first() == 0.0) return std::nullopt;
+    return 100.0 * *Beyond::value() / std::abs(first());
   }
-
- private:
-  std::optional<double> first_;
-  double beyond_ = 0.0;  // the farthest value on the other side of 0
 };
 
 class Bounces final : public Reduction {
@@ -400,6 +392,14 @@ class Decay final : public Reduction {
 
 }  // namespace
 
+void Beyond::add(const AddedValues& added) {
+  if (!has_first_) std::copy(added.all.begin(), added.all.end(), first_.begin());
+  has_first_ = true;
+  for (std::size_t i = 0; i < first_.size(); ++i) {
+    beyond_ = std::max(beyond_, first_[i] > 0.0 ? -added.all[i] : added.all[i]);
+  }
+}
+
 MetricExpression::MetricExpression(const std::string& text, const Numbers& numbers,
                                    const Events& events) {
   const auto wrong = [&] {
@@ -527,6 +527,10 @@ const std::vector<MetricKind>& standard_metric_kinds() {
        .make = make_reduction<Jump>,
        .has_level = true,
        .why_absent = "the run is too short before or after the jump"},
+      {.name = "beyond",
+       .meaning = "farthest value beyond 0, on the other side of the window's first value",
+       .make = make_reduction<Beyond>,
+       .takes_all = true},
       {.name = "overshoot",
        .meaning = "farthest value beyond 0, on the other side of the window's first value, as a "
                   "share of this first value",

@@ -163,6 +163,22 @@ class Reduction {
   virtual std::optional<double> value() const = 0;
 };
 
+/// The farthest of all values beyond 0, on the other side of their first ones.
+class Beyond : public Reduction {
+ public:
+  explicit Beyond(const ReductionSetup& setup) : first_(setup.values) {}
+  void add(const AddedValues& added) override;
+  std::optional<double> value() const override { return beyond_; }
+
+ protected:
+  double first() const { return first_.front(); }
+
+ private:
+  std::vector<double> first_;
+  bool has_first_ = false;
+  double beyond_ = 0.0;
+};
+
 /// The unit of a reduction's number, for a signal with the unit N.
 enum class ReducedUnit { signal, time, percent, one, rate, time_integral };
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/math/float_environment.h>
 #include <breakwater/observers/stacked_estimator.h>
 
 namespace breakwater {
@@ -13,17 +13,14 @@ namespace {
 
 constexpr double kFrictionOfModel = -1.0;
 constexpr const char* kFriction = "plant.coulomb_friction_Nm";
-constexpr const char* kHome = "home";
-constexpr const char* kForceSensor = "tip_force";
 
 Eigen::VectorXd to_eigen(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
 AxisSettings arm_joint(const std::string& name, std::size_t i, const Catalogue& catalogue) {
-  Axis axis = named_axis(name, name, "", true);
+  Axis axis = named_axis(name, name, Axis::kJoint, true);
   axis.channel = "q" + std::to_string(i + 1);
-  axis.counts_pulses = false;
   return {std::move(axis), catalogue};
 }
 
@@ -47,38 +44,6 @@ TransmissionSettings at_joint(TransmissionSettings transmission) {
   return transmission;
 }
 
-// Actuator i must drive joint i of the chain, with its limits. The controllers limit their torque
-// as in the URDF, and the plant as in the MJCF.
-void check_actuators(const Model& model, const PlanarChain& chain) {
-  const auto refuse = [&](const std::string& reason) {
-    throw std::invalid_argument(model.file() + ": " + reason);
-  };
-  if (model->nu != chain.joints()) {
-    refuse("has " + std::to_string(model->nu) + " actuators for the URDF's " +
-           std::to_string(chain.joints()) + " joints");
-  }
-  for (int i = 0; i < model->nu; ++i) {
-    const std::string actuator = "actuator " + std::to_string(i + 1);
-    const std::string& name = chain.joint(i).name;
-    const int joint = model.id(mjOBJ_JOINT, name);
-    if (model->jnt_type[joint] != mjJNT_HINGE || model->actuator_trntype[i] != mjTRN_JOINT ||
-        model->actuator_trnid[2 * i] != joint) {
-      refuse(actuator + " must drive the hinge \"" + name + "\"");
-    }
-    const double effort = chain.effort_limits_Nm()(i);
-    const mjtNum* range = model->actuator_ctrlrange + static_cast<std::ptrdiff_t>(2) * i;
-    const bool has_its_limits = model->actuator_gear[static_cast<std::ptrdiff_t>(6) * i] == 1.0 &&
-                                model->actuator_ctrllimited[i] != 0 &&
-                                std::abs(range[0] + effort) <= 1e-9 * effort &&
-                                std::abs(range[1] - effort) <= 1e-9 * effort;
-    if (!has_its_limits) {
-      refuse(actuator + " must have gear 1 and the ctrlrange ±" + std::to_string(effort) +
-             " N m of the URDF's \"" + name + "\"");
-    }
-    if (mj_id2name(model.get(), mjOBJ_ACTUATOR, i) == nullptr) refuse(actuator + " needs a name");
-  }
-}
-
 }  // namespace
 
 void show_geoms(Model& model, const std::string& prefix, bool visible) {
@@ -99,8 +64,8 @@ ArmScenario::ArmScenario(const Catalogue& catalogue, MetricRows rows, bool start
       controller_(catalogue, "controller.name"),
       observer_(catalogue, "observer.name", "idob") {
   plant_.axes.push_back(arm_joint("joint1", 0, catalogue));
-  plant_.keyframe = kHome;
-  plant_.tip.emplace().sensor = kForceSensor;
+  plant_.keyframe = "home";
+  plant_.tip.emplace().sensor = "tip_force";
   plant_.tip->touch = "tip_touch";
 }
 
@@ -121,7 +86,8 @@ void ArmScenario::learn(const Config& config) {
   transmissions_.resize(plant_.axes.size());
 }
 
-void ArmScenario::bind(Fields& fields) {
+Fields ArmScenario::fields() {
+  Fields fields;
   bind_model(fields, plant_.mjcf);
   fields.file("model.urdf", urdf_, "URDF file of the arm, the controllers' nominal model");
   plant_.physics.bind(fields);
@@ -147,9 +113,12 @@ void ArmScenario::bind(Fields& fields) {
                 "standard deviation of white noise on each angle sample [rad]");
   plant_.tip->chain.bind_noise(fields);
   plant_.faults.bind(fields, "q1, q2, ..., force, force_raw", plant_.run.duration_s);
+  bind(fields);
+  rows_.bind(fields);
+  return fields;
 }
 
-void ArmScenario::check_arm(const Config& config) {
+void ArmScenario::check(const Config& config) {
   if (!chain_) chain_ = load_planar_chain(urdf_);
   const auto one_per_joint = [&](const char* key, std::size_t size) {
     if (size != static_cast<std::size_t>(chain().joints())) {
@@ -159,38 +128,40 @@ void ArmScenario::check_arm(const Config& config) {
   };
   one_per_joint("task.start_angles_rad", start_angles_rad_.size());
   one_per_joint("observer.nominal_inertia_kgm2", nominal_inertia_kgm2_.size());
-  // A wrong model has errors about the model, not about keys that an arm does not have.
-  const Model model = Model::load_physics(plant_.mjcf);
-  check_actuators(model, chain());
-  model.id(mjOBJ_KEY, kHome);
-  model.id(mjOBJ_SENSOR, kForceSensor);
-  const std::vector<double> home = plant_.pose(model);
   for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
     AxisSettings& joint = plant_.axes[i];
     if (joint.coulomb_friction < 0.0 && joint.coulomb_friction != kFrictionOfModel) {
       config.under(joint.axis.prefix())
           .fail(kFriction, "must be -1 (the value of the model file) or not negative");
     }
-    joint.axis.actuator = mj_id2name(model.get(), mjOBJ_ACTUATOR, static_cast<int>(i));
-    joint.encoder.quantum =
-        encoder_counts_per_turn_ > 0.0 ? 2.0 * std::numbers::pi / encoder_counts_per_turn_ : 0.0;
+    joint.counts = {encoder_counts_per_turn_ > 0.0 ? 1 : 0, 0.5 * encoder_counts_per_turn_};
     joint.encoder.rounding = plant_.axes.front().encoder.rounding;
     joint.noise_std = plant_.axes.front().noise_std;
     joint.transmission = at_joint(transmissions_[i]);
     joint.transmission.nominal.load_inertia = nominal_inertia_kgm2_[i];
-    const int at = model->jnt_qposadr[model.id(mjOBJ_JOINT, joint.axis.joint)];
-    if (starts_at_reference_) {
-      joint.start_position = start_angles_rad_[i] - home[static_cast<std::size_t>(at)];
-    }
   }
   check_plant(plant_, config);
+  // The controllers limit their torque as in the URDF, and the plant as in the MJCF.
+  const Eigen::VectorXd effort_Nm = chain().effort_limits_Nm();
+  for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
+    AxisSettings& joint = plant_.axes[i];
+    const double limit_Nm = effort_Nm(static_cast<Eigen::Index>(i));
+    if (std::abs(joint.force_limit() - limit_Nm) > 1e-9 * limit_Nm) {
+      throw std::invalid_argument(plant_.mjcf.path + ": the actuator of \"" + joint.axis.joint +
+                                  "\" must have the limits ±" + std::to_string(limit_Nm) +
+                                  " N m of the URDF");
+    }
+    if (starts_at_reference_) joint.start_position = start_angles_rad_[i] - joint.reference.before;
+  }
   // A log with the friction of one joint has that of all.
   plant_.knows_disturbances =
       std::any_of(plant_.axes.begin(), plant_.axes.end(),
                   [](const auto& one) { return one.drive.make_friction(1.0) != nullptr; });
-  for (Eigen::Index i = 0; i < chain().joints(); ++i) observer_.check(config, nominal_joint(i));
+  for (const NominalAxis& one : nominal_joints()) observer_.check(config, one);
   const auto controller = controller_.check(config, setup());
-  ArmRig(plant_, chain(), *controller);  // throws if the model lacks something
+  AxisRig(plant_, *controller);  // throws if the model lacks something
+  rows_.check(
+      config, [this] { return fields(); }, plant_.physics, complete(config));
 }
 
 TipPose ArmScenario::start_pose() const {
@@ -209,45 +180,83 @@ ArmSetup ArmScenario::setup() const {
   AccelerationControlDesign design;
   design.nominal_inertia_kgm2 = to_eigen(nominal_inertia_kgm2_);
   design.torque_limit_Nm = chain().effort_limits_Nm();
-  design.make_observer = [this] { return make_observer(); };
+  design.make_observer = [this] {
+    std::vector<std::unique_ptr<DisturbanceEstimator>> joints;
+    for (const NominalAxis& one : nominal_joints()) joints.push_back(observer_.make(one));
+    return std::make_unique<StackedEstimator>(std::move(joints));
+  };
   design.feed = observer_feed_;
   design.period_s = plant_.physics.control_period_s;
   return {chain(), std::move(design), task(), plant_.physics.control_period_s};
 }
 
-// A joint as its estimator models it: J_n q̈ = τ − d. The coupling with other joints is part of d.
-NominalAxis ArmScenario::nominal_joint(Eigen::Index joint) const {
-  NominalAxis axis = plant_.nominal(static_cast<std::size_t>(joint));
-  axis.force_limit = chain().effort_limits_Nm()(joint);
-  axis.pulses_per_revolution = encoder_counts_per_turn_;
-  axis.joint = static_cast<int>(joint);
-  axis.joints = static_cast<int>(chain().joints());
-  return axis;
-}
-
-std::unique_ptr<DisturbanceEstimator> ArmScenario::make_observer() const {
-  std::vector<std::unique_ptr<DisturbanceEstimator>> joints;
-  for (Eigen::Index i = 0; i < chain().joints(); ++i) {
-    joints.push_back(observer_.make(nominal_joint(i)));
+// The joints as their estimators model them: J_n q̈ = τ − d. The coupling is part of d.
+std::vector<NominalAxis> ArmScenario::nominal_joints() const {
+  std::vector<NominalAxis> joints;
+  for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
+    joints.push_back(plant_.nominal(i));
+    joints.back().joint = static_cast<int>(i);
+    joints.back().joints = static_cast<int>(plant_.axes.size());
   }
-  return std::make_unique<StackedEstimator>(std::move(joints));
+  return joints;
 }
 
-ArmRig::ArmRig(const AxisPlant& plant, const PlanarChain& chain, Controller& controller)
-    : AxisRig(plant, controller), chain_(chain), controller_(controller) {
+void ArmScenario::add_signals(RigRun& run, const AxisRig& rig) const {
+  struct State {
+    Eigen::VectorXd q;
+    TipPose tip = TipPose::Zero();
+    TipPose offset = TipPose::Zero();
+  };
+  const auto n = plant_.axes.size();
+  const std::span<const double> measured = view(rig.simulation().sample().y);
+  const auto add = [&](const char* name, const char* unit, const char* text,
+                       std::span<const double> values) {
+    run.signals.push_back({name, unit, text, values});
+  };
+  const auto gather = [&](const char* name, const char* unit, const char* text,
+                          const double& (AxisRig::*of_joint)(std::size_t) const) {
+    run.compute(name, unit, text, n,
+                [&rig, of_joint](double, std::size_t i) { return (rig.*of_joint)(i); });
+  };
   const auto any = [&](auto&& has) {
-    return std::any_of(plant.axes.begin(), plant.axes.end(), has);
+    return std::any_of(plant_.axes.begin(), plant_.axes.end(), has);
   };
-  const auto gather = [&](const char* name, const char* unit, const char* what, auto of_joint) {
-    joints_.push_back({name, unit, what, of_joint, Eigen::VectorXd::Zero(chain.joints())});
-  };
+  run.fine = {
+      {"qpos", "rad", "the engine's generalised positions", rig.positions()},
+      {"force_true_N", "N", "true normal contact force", view(rig.contact_force_N())},
+      {"force_sensor_N", "N", "force sensor, before its low-pass", view(rig.sensor_force_N())},
+      {"force_filtered_N", "N", "force sensor, behind its low-pass", view(rig.filtered_force_N())}};
+  run.signals = {run.fine[0]};
   gather("q_true_rad", "rad", "true joint angles", &AxisRig::position);
   gather("dq_true_rad_s", "rad/s", "true joint velocities", &AxisRig::velocity);
+  const auto state = std::make_shared<State>(State{Eigen::VectorXd(chain().joints())});
+  run.compute("x_true_m", "m", "true x of the tip",
+              [this, &rig, state, start = start_pose()](double) {
+                for (Eigen::Index i = 0; i < state->q.size(); ++i) {
+                  state->q(i) = rig.position(static_cast<std::size_t>(i));
+                }
+                state->tip = chain().tip_pose(state->q);
+                state->offset = state->tip - start;
+                return state->tip[0];
+              });
+  run.compute("y_true_m", "m", "true y of the tip", [state](double) { return state->tip[1]; });
+  run.compute("phi_true_rad", "rad", "true angle of the tip",
+              [state](double) { return state->tip[2]; });
+  run.signals.push_back(run.fine[1]);
+  add("q_measured_rad", "rad", "sampled joint angles", measured.first(n));
+  add("force_measured_N", "N", "sampled force behind the low-pass", measured.subspan(n, 1));
+  add("force_raw_measured_N", "N", "sampled force before the low-pass", measured.subspan(n + 1, 1));
+  gather("torque_command_Nm", "N m", "commanded joint torques", &AxisRig::command);
+  gather("torque_applied_Nm", "N m", "joint torques after saturation", &AxisRig::actuation);
+  add("saturated", "1", "1 where any torque is at its limit", view(rig.saturated()));
+  if (const WallContact* wall = rig.wall()) {
+    add("wall_m", "m", "how far the wall has moved", view(wall->wall_m()));
+  }
   if (any([](const auto& one) { return one.drive.electric().is_on(); })) {
     gather("current_A", "A", "currents of the motors", &AxisRig::current_A);
     gather("motor_Nm", "N m", "true torques of the motors", &AxisRig::motor_force);
   }
-  if (plant.knows_disturbances) {
+  if (plant_.knows_disturbances) {
     gather("friction_Nm", "N m", "dry friction of the joints", &AxisRig::friction);
   }
   if (any([](const auto& one) { return one.transmission.is_elastic(); })) {
@@ -257,53 +266,34 @@ ArmRig::ArmRig(const AxisPlant& plant, const PlanarChain& chain, Controller& con
     gather("transmission_Nm", "N m", "torques of the transmissions on the joints",
            &AxisRig::transmitted);
   }
+  constexpr const char* kForMetrics = "";
+  run.compute("x_offset_m", "m", kForMetrics, [state](double) { return state->offset[0]; });
+  run.compute("y_offset_m", "m", kForMetrics, [state](double) { return state->offset[1]; });
+  run.compute("phi_offset_rad", "rad", kForMetrics, [state](double) { return state->offset[2]; });
+  run.compute("joint_offset_rad", "rad", kForMetrics, n, [this, state](double, std::size_t i) {
+    return state->q(static_cast<Eigen::Index>(i)) - start_angles_rad_[i];
+  });
+  run.compute("tip_error_m", "m", kForMetrics,
+              [state](double) { return state->offset.head<2>().norm(); });
+  run.judged.emplace().push_back(
+      {HeldReference(holds_start_pose(), "the tip", "m"),
+       [state, from_s = holds_start_pose().from_s](HeldReference& held, double time_s) {
+         const double error_m = state->offset.head<2>().norm();
+         if (time_s <= from_s) held.ask(error_m);
+         held.add(time_s, error_m);
+       }});
 }
 
-void ArmRig::observe() {
-  for (JointValues& joints : joints_) {
-    for (Eigen::Index i = 0; i < joints.values.size(); ++i) {
-      joints.values(i) = (this->*joints.of_joint)(static_cast<std::size_t>(i));
-    }
-  }
-  tip_ = chain_.tip_pose(q());
-}
-
-std::vector<Signal> ArmRig::signals() const {
-  const auto n = static_cast<std::size_t>(chain_.joints());
-  const Simulation& sim = simulation();
-  const std::span<const double> measured = view(sim.sample().y);
-  const auto of_joints = [this](std::size_t i) {
-    const JointValues& one = joints_[i];
-    return Signal{one.name, one.unit, one.what, view(one.values)};
-  };
-  std::vector<Signal> signals = {
-      fine_signals().front(),
-      of_joints(0),
-      of_joints(1),
-      {"x_true_m", "m", "true x of the tip", view(tip_[0])},
-      {"y_true_m", "m", "true y of the tip", view(tip_[1])},
-      {"phi_true_rad", "rad", "true angle of the tip", view(tip_[2])},
-      {"force_true_N", "N", "true normal contact force", view(contact_force_N())},
-      {"q_measured_rad", "rad", "sampled joint angles", measured.first(n)},
-      {"force_measured_N", "N", "sampled force behind the low-pass", measured.subspan(n, 1)},
-      {"force_raw_measured_N", "N", "sampled force before the low-pass",
-       measured.subspan(n + 1, 1)},
-      {"torque_command_Nm", "N m", "commanded joint torques", view(sim.command())},
-      {"torque_applied_Nm", "N m", "joint torques after saturation", view(sim.actuation())},
-      {"saturated", "1", "1 where any torque is at its limit", view(saturated())}};
-  if (wall() != nullptr) {
-    signals.push_back({"wall_m", "m", "how far the wall has moved", view(wall()->wall_m())});
-  }
-  for (std::size_t i = 2; i < joints_.size(); ++i) signals.push_back(of_joints(i));
-  for (const Signal& signal : controller_.signals()) signals.push_back(signal);
-  return signals;
-}
-
-std::vector<Signal> ArmRig::fine_signals() const {
-  return {{"qpos", "rad", "the engine's generalised positions", positions()},
-          {"force_true_N", "N", "true normal contact force", view(contact_force_N())},
-          {"force_sensor_N", "N", "force sensor, before its low-pass", view(sensor_force_N())},
-          {"force_filtered_N", "N", "force sensor, behind its low-pass", view(filtered_force_N())}};
+Recording ArmScenario::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
+  const std::unique_ptr<Controller> controller = controller_.make(setup());
+  AxisRig rig(plant_, *controller);
+  RigRun run;
+  run.samples_end = false;
+  add_signals(run, rig);
+  run.signals.insert(run.signals.end(), controller->signals().begin(), controller->signals().end());
+  extend(run, rig);
+  return rig.run(control, rows_, std::move(run));
 }
 
 }  // namespace breakwater

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <breakwater/rigs/loop_response.h>
@@ -196,38 +197,43 @@ const double& AxisRig::current_A(std::size_t axis) const {
   return simulation_->motor(static_cast<int>(axes_[axis].actuator)).current_A();
 }
 
-HeldReference AxisRig::held_force(const TimeWindow& window) const {
+RigRun::Judged AxisRig::judged_force(const TimeWindow& window) const {
   HeldReference held(window, "the force of the tip", "N");
   held.ask(plant_.tip->reference.value);
-  return held;
+  return {std::move(held),
+          [this](HeldReference& force, double time_s) { force.add(time_s, force_error_N()); }};
 }
 
-std::vector<HeldReference> AxisRig::held_references() const {
+std::vector<RigRun::Judged> AxisRig::judged() const {
   const double end_s = plant_.run.duration_s >= plant_.judged_to_s ? plant_.run.duration_s : 0.0;
-  std::vector<HeldReference> held;
+  std::vector<RigRun::Judged> judged;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const AxisSettings& one = plant_.axes[i];
-    held.emplace_back(
-        TimeWindow{one.reference.from_s, end_s},
+    HeldReference held(
+        {one.reference.from_s, end_s},
         one.axis.name.empty() ? "the position" : "the position of axis " + one.axis.name,
         one.axis.units.position);
     if (one.reference.kind == ReferenceShape::step) {
-      held.back().ask(one.reference.value - one.reference.before);
+      held.ask(one.reference.value - one.reference.before);
     } else if (one.reference.kind == ReferenceShape::hold && one.is_controlled) {
-      held.back().ask(one.start_position);
-      held.back().stay_within(
-          one.axis.counts_pulses ? kFarTurned : kFarMoved * simulation_->model()->stat.extent);
+      held.ask(one.start_position);
+      held.stay_within(one.axis.counts_pulses ? kFarTurned
+                                              : kFarMoved * simulation_->model()->stat.extent);
     }
+    judged.push_back({std::move(held), [this, &one, i](HeldReference& position, double time_s) {
+                        position.add(time_s, one.reference.at(time_s) -
+                                                 measured(i) / one.transmission.measured_ratio());
+                      }});
   }
-  if (plant_.tip) held.push_back(held_force({plant_.tip->reference.from_s, end_s}));
-  return held;
+  if (plant_.tip) judged.push_back(judged_force({plant_.tip->reference.from_s, end_s}));
+  return judged;
 }
 
-void AxisRig::warn(const std::vector<HeldReference>& held,
+void AxisRig::warn(const std::vector<RigRun::Judged>& judged,
                    std::vector<std::string>& warnings) const {
-  for (std::size_t i = 0; i < held.size(); ++i) {
+  for (std::size_t i = 0; i < judged.size(); ++i) {
     const std::size_t before = warnings.size();
-    held[i].warn(warnings);
+    judged[i].held.warn(warnings);
     const auto loop =
         std::find_if(loops_.begin(), loops_.end(), [i](const Loop& one) { return one.axis == i; });
     if (warnings.size() == before || loop == loops_.end()) continue;
@@ -246,6 +252,65 @@ void AxisRig::warn_of_saturation(std::int64_t saturated, std::int64_t samples,
       "a drive is at its limit in {:.0f} % of the samples (signal saturated): the controller "
       "cannot act on its feedback then",
       100.0 * static_cast<double>(saturated) / static_cast<double>(samples)));
+}
+
+void RigRun::compute(std::string name, std::string unit, std::string text, std::size_t size,
+                     std::function<double(double time_s, std::size_t i)> value) {
+  computed_.push_back({std::vector<double>(size), std::move(value)});
+  std::vector<Signal>& of_kind = text.empty() ? for_metrics : signals;
+  of_kind.push_back({std::move(name), std::move(unit), std::move(text), computed_.back().now});
+}
+
+void RigRun::compute(std::string name, std::string unit, std::string text,
+                     std::function<double(double time_s)> value) {
+  compute(std::move(name), std::move(unit), std::move(text), 1,
+          [value = std::move(value)](double time_s, std::size_t) { return value(time_s); });
+}
+
+Recording AxisRig::run(const RunControl& control, const MetricRows& rows, RigRun run) {
+  const PhysicsSettings& physics = plant_.physics;
+  const double duration_s = plant_.run.duration_s;
+  const std::int64_t steps = physics.step_at(duration_s);
+  const std::int64_t fine_from = physics.step_at(plant_.fine_from_s);
+  const std::int64_t fine_to =
+      control.logs ? std::min(physics.step_at(plant_.fine_to_s), steps) : fine_from;
+  for (const std::vector<Signal>* more : {&run.fine, &run.signals}) {
+    run.for_metrics.insert(run.for_metrics.end(), more->begin(), more->end());
+  }
+  run.events.emplace("first_contact", &first_contact_s_);
+  MetricValues values(rows, run.for_metrics, duration_s, run.events);
+  std::optional<Track> fine;
+  if (fine_to > fine_from) {
+    fine.emplace("physics", std::move(run.fine), static_cast<std::size_t>(fine_to - fine_from),
+                 control.stream);
+  }
+  std::vector<RigRun::Judged> judged = run.judged ? std::move(*run.judged) : this->judged();
+  std::int64_t samples = 0, saturated = 0;
+  const auto whole_step = [&](std::int64_t k) {
+    drives_.set_watched(control.logs || values.watches(simulation_->time_of(k)));
+    if (run.before_step) run.before_step(k);
+    step();
+    if (run.after_step) run.after_step();
+    if (k >= fine_from && k < fine_to) fine->append(simulation_->time_s());
+  };
+  const auto sample = [&](double time_s) {
+    for (RigRun::Computed& one : run.computed_) {
+      for (std::size_t i = 0; i < one.now.size(); ++i) one.now[i] = one.value(time_s, i);
+    }
+    for (RigRun::Judged& one : judged) one.add(one.held, time_s);
+    ++samples;
+    if (saturated_ > 0.0) ++saturated;
+  };
+  Recording recording = record_run(*simulation_, physics, steps + (run.samples_end ? 1 : 0),
+                                   std::move(run.signals), control, whole_step, sample, &values);
+  if (!recording.failure) {
+    warn(judged, recording.warnings);
+    if (!run.judged) warn_of_saturation(saturated, samples, recording.warnings);
+  }
+  // The last step only shows the values at the end.
+  recording.simulated_s = std::min(recording.simulated_s, duration_s);
+  if (fine && fine->rows() > 0) recording.tracks.push_back(std::move(*fine));
+  return recording;
 }
 
 void AxisRig::add_tip_signals(std::vector<Signal>& signals) const {

@@ -1,9 +1,10 @@
 // A plant of axes under a controller.
 #pragma once
 
-#include <algorithm>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,40 @@
 #include <breakwater/sim/simulation.h>
 
 namespace breakwater {
+
+/// Additions of a scenario to a run of its rig.
+struct RigRun {
+  /// A reference that the run judges. `add` gives it the error of a sample.
+  struct Judged {
+    HeldReference held;
+    std::function<void(HeldReference& held, double time_s)> add;
+  };
+
+  std::vector<Signal> signals;      ///< logged at the control rate
+  std::vector<Signal> for_metrics;  ///< not logged; the first of a name counts
+  std::vector<Signal> fine;         ///< logged at the physics rate from AxisPlant::fine_from_s on
+  MetricExpression::Events events;  ///< besides `first_contact`
+  /// Otherwise those of the axes and of the tip, and the limits of the drives.
+  std::optional<std::vector<Judged>> judged;
+  std::function<void(std::int64_t step)> before_step;
+  std::function<void()> after_step;
+  bool samples_end = true;  ///< with a sample at the end
+
+  /// Adds a signal of `size` values, each of which is computed after a sample. Without a text it is
+  /// for metrics alone.
+  void compute(std::string name, std::string unit, std::string text, std::size_t size,
+               std::function<double(double time_s, std::size_t i)> value);
+  void compute(std::string name, std::string unit, std::string text,
+               std::function<double(double time_s)> value);
+
+ private:
+  friend class AxisRig;
+  struct Computed {
+    std::vector<double> now;
+    std::function<double(double time_s, std::size_t i)> value;
+  };
+  std::vector<Computed> computed_;
+};
 
 /// A plant of axes under a controller, with the true values for log and metrics. The controller
 /// gets the samples of AxisPlant::sensing() and commands the driven axes.
@@ -113,43 +148,13 @@ class AxisRig {
     return force_reference_ - (contact_force_ != nullptr ? *contact_force_ : filtered_force_N());
   }
   /// Judges this error in a window.
-  HeldReference held_force(const TimeWindow& window) const;
+  RigRun::Judged judged_force(const TimeWindow& window) const;
   /// Switches the first contact on or off.
   void set_solid(bool is_solid);
 
-  /// Runs for the duration of the settings, with a sample at the end. It is record_run(), where
-  /// each step is `step(k)`, which steps this rig. It warns if a position or the tip's force
-  /// misses its reference, or if a drive is at its limit in most samples.
-  template <typename Step, typename Sample>
-  Recording run(const RunControl& control, std::vector<Signal> signals, Step&& step,
-                Sample&& sample, MetricValues* values = nullptr) {
-    const double duration_s = plant_.run.duration_s;
-    std::vector<HeldReference> held = held_references();
-    std::int64_t samples = 0, saturated = 0;
-    const auto watched_sample = [&](double time_s) {
-      for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
-        const AxisSettings& axis = plant_.axes[i];
-        held[i].add(time_s, axis.reference.at(time_s) -
-                                this->measured(i) / axis.transmission.measured_ratio());
-      }
-      if (plant_.tip) {
-        held.back().add(time_s, force_error_N());
-      }
-      ++samples;
-      if (saturated_ > 0.0) ++saturated;
-      sample(time_s);
-    };
-    Recording recording =
-        record_run(*simulation_, plant_.physics, plant_.physics.step_at(duration_s) + 1,
-                   std::move(signals), control, std::forward<Step>(step), watched_sample, values);
-    if (!recording.failure) {
-      warn(held, recording.warnings);
-      warn_of_saturation(saturated, samples, recording.warnings);
-    }
-    // The last step only shows the values at the end.
-    recording.simulated_s = std::min(recording.simulated_s, duration_s);
-    return recording;
-  }
+  /// Runs for the duration of the settings. It warns if a reference is not held, or if a drive is
+  /// at its limit in most samples.
+  Recording run(const RunControl& control, const MetricRows& rows, RigRun run);
 
  private:
   struct DrivenAxis {
@@ -199,6 +204,7 @@ class AxisRig {
     }
     void reset(const Sample& first) override { controller_.reset(first); }
     void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
+    void set_watched(bool is_watched) override { controller_.set_watched(is_watched); }
     std::span<const Signal> signals() const override { return controller_.signals(); }
 
    private:
@@ -207,8 +213,8 @@ class AxisRig {
     Eigen::VectorXd command_;
   };
 
-  std::vector<HeldReference> held_references() const;
-  void warn(const std::vector<HeldReference>& held, std::vector<std::string>& warnings) const;
+  std::vector<RigRun::Judged> judged() const;
+  void warn(const std::vector<RigRun::Judged>& judged, std::vector<std::string>& warnings) const;
   void add_tip_signals(std::vector<Signal>& signals) const;
   static void warn_of_saturation(std::int64_t saturated, std::int64_t samples,
                                  std::vector<std::string>& warnings);

@@ -212,30 +212,17 @@ std::vector<Signal> AxisScenario::metric_signals(const AxisRig& rig, const AxisL
 
 Recording AxisScenario::run(const RunControl& control) const {
   const math::FloatEnvironment floats;
-  const AxisPlant plant = this->plant();
   const PlantTask task = whole_task();
   const AxisLoop loop = make_loop(task);
-  AxisRig rig(plant, *loop.controller);
+  AxisRig rig(plant(), *loop.controller);
   for (std::size_t i : task.driven) {
     if (has_own_loop(i)) rig.know_loop(axis_parts_[i], task.axes[i], i);
   }
-  std::vector<AxisSignal> own = additions(rig, loop);
-  std::vector<Signal> logged = rig.signals();
-  std::vector<Signal> signals = metric_signals(rig, loop);
-  for (const AxisSignal& one : own) {
-    (one.text.empty() ? signals : logged).push_back({one.name, one.unit, one.text, view(one.now)});
-  }
-  signals.insert(signals.end(), logged.begin(), logged.end());
-  MetricValues values(rows_, signals, plant.run.duration_s,
-                      {{"first_contact", &rig.first_contact_s()}});
-  const auto step = [&](std::int64_t k) {
-    loop.controller->set_watched(control.logs || values.watches(rig.simulation().time_of(k)));
-    rig.step();
-  };
-  const auto sample = [&](double time_s) {
-    for (AxisSignal& one : own) one.now = one.value(time_s);
-  };
-  Recording recording = rig.run(control, std::move(logged), step, sample, &values);
+  RigRun run;
+  run.signals = rig.signals();
+  run.for_metrics = metric_signals(rig, loop);
+  extend(run, rig, loop);
+  Recording recording = rig.run(control, rows_, std::move(run));
   if (design_.optimises && !recording.failure) {
     add_qp_metrics(*loop.controller, recording);
   }

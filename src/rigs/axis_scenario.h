@@ -27,15 +27,6 @@ struct AxisOfPlant {
   const AxisSettings& settings() const { return plant.axes[index]; }
 };
 
-/// A further signal of a scenario's run.
-struct AxisSignal {
-  std::string name;
-  std::string unit;
-  std::string text;                            ///< empty: it is for metrics alone, and not logged
-  std::function<double(double time_s)> value;  ///< is called after each sample
-  double now = 0.0;
-};
-
 /// The name of a scenario of axes, and what its file need not say.
 struct AxisScenarioDesign {
   std::string name;
@@ -93,10 +84,8 @@ class AxisScenario : public Scenario {
   /// Reads and checks what only this scenario has, after the plant's settings. Returns the names
   /// for the rows of its metrics. Throws as check().
   virtual MetricContext complete(const Config& /*config*/) { return {}; }
-  virtual std::vector<AxisSignal> additions(const AxisRig& /*rig*/,
-                                            const AxisLoop& /*loop*/) const {
-    return {};
-  }
+  /// Adds signals and more to a run.
+  virtual void extend(RigRun& /*run*/, const AxisRig& /*rig*/, const AxisLoop& /*loop*/) const {}
   /// The parts of the only axis.
   const AxisParts& parts() const { return axis_parts_.front(); }
 

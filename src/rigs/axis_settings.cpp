@@ -25,6 +25,7 @@ int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
   try {
     return model.id(kind, name);
   } catch (const std::invalid_argument& error) {
+    if (own.find(key) == nullptr) throw;  // the scenario gives the name
     constexpr std::size_t kFew = 12;
     const bool is_geom = kind == mjOBJ_GEOM;
     std::vector<std::string> names;
@@ -59,9 +60,11 @@ void check_part(const Config& own, Check&& check) {
 
 int actuator_id(const Model& model, const Axis& axis) {
   if (axis.actuator != Axis::kJoint) return model.id(mjOBJ_ACTUATOR, axis.actuator);
-  const int joint = model.id(mjOBJ_JOINT, axis.joint);
-  for (int i = 0; i < model->nu; ++i) {
-    if (model.drives(i, joint)) return i;
+  // A transmission with a rotor moves it there.
+  for (const std::string& joint : {axis.joint, TransmissionSettings().motor(axis.joint)}) {
+    for (int i = 0; model.has(mjOBJ_JOINT, joint) && i < model->nu; ++i) {
+      if (model.drives(i, model.id(mjOBJ_JOINT, joint))) return i;
+    }
   }
   throw std::invalid_argument(model.file() + ": no actuator drives joint \"" + axis.joint + '"');
 }
@@ -314,7 +317,17 @@ void AxisPlant::bind(Fields& fields) {
   faults.bind(fields, fmt::format("{}", fmt::join(channels, ", ")), run.duration_s);
 }
 
+void AxisPlant::bind_fine(Fields& fields) {
+  fields.number("record.fine_from_s", fine_from_s, not_negative(),
+                "time from which forces are logged at the physics rate [s]");
+  fields.number("record.fine_to_s", fine_to_s, not_negative(),
+                "time until which forces are logged at the physics rate [s]");
+}
+
 void AxisPlant::complete(const Config& config) {
+  if (fine_to_s < fine_from_s) {
+    config.fail("record.fine_to_s", "must not be before record.fine_from_s");
+  }
   load_model(&config);
   const Model model = model_of_file();  // the true plant may differ from the nominal one
   if (keyframe != Axis::kNone) id_of(config, "start.keyframe", model, mjOBJ_KEY, keyframe);

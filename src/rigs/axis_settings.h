@@ -139,6 +139,8 @@ struct AxisPlant {
   double inertia_ratio = 1.0;      ///< ratio of the plant's inertia to that of its model file
   bool knows_disturbances = true;  ///< the axes' disturbances, and friction as a part of them
   double judged_to_s = 0.0;        ///< end of the metrics' windows: a shorter run has no metrics
+  double fine_from_s = 0.0;        ///< window of the track at the physics rate, if there is one
+  double fine_to_s = 0.0;
   bool senses_true_state = false;  ///< samples also have the true positions and velocities
   /// The keyframe of the start pose; kNone: the pose of the model's joints.
   std::string keyframe = Axis::kNone;
@@ -162,6 +164,9 @@ struct AxisPlant {
 
   /// The keys of a plant with named axes, or of one axis without a name.
   void bind(Fields& fields);
+
+  /// The keys record.fine_….
+  void bind_fine(Fields& fields);
 
   /// Reads the tables that the keys name, and takes from the model what they leave to it. Throws
   /// std::invalid_argument `ORIGIN: KEY: reason`.

@@ -66,7 +66,7 @@ class WallContact final : public StagedForce {
   /// Source: ISO/TS 15066:2016, A.3.6.
   const double& transient_N() const { return transient_N_; }
   /// Integral of the force over the last step, by the integrator's own stages [N s].
-  double impulse_Ns() const { return impulse_Ns_; }
+  const double& impulse_Ns() const { return impulse_Ns_; }
 
   /// The law's slopes at a penetration and a speed, and the mass that the contact meets in the
   /// data's configuration.

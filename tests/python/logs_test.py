@@ -78,13 +78,14 @@ class Window:
         return np.concatenate([self.before, self.v])
 
 
-def rebound(offset, released):
-    return max(0, np.max(-np.copysign(1, released) * offset))
+def beyond(x):
+    """The farthest value of a column beyond 0, on the other side of its first one."""
+    return max(0, np.max(np.where(x[0] > 0, -1, 1) * x))
 
 
 def posture_overshoot(w):
-    joints, tip_error = w.x.shape[1] // 2, w.x[-1, -1]
-    farthest, last = rebound(w.x[:, :joints], w.x[:, joints:-1]), np.abs(w.x[-1, :joints]).max()
+    joints, tip_error = w.x[:, :-1], w.x[-1, -1]
+    farthest, last = beyond(joints), np.abs(joints[-1]).max()
     return max(farthest, last) if tip_error <= w.level and last > 0.2 else farthest
 
 
@@ -100,10 +101,6 @@ def turns(values, level):
     return count
 
 
-def beyond(w):
-    return 100 * max(0, np.max(np.sign(-w.v[0]) * w.v)) / abs(w.v[0])
-
-
 KINDS = {
     "rms": lambda w: rms(w.v), "rmse": lambda w: rms(w.v),
     "mean": lambda w: np.mean(w.v), "running_mean": lambda w: np.mean(w.v),
@@ -114,13 +111,14 @@ KINDS = {
     "integral": lambda w: w.period_s * w.v.sum(),
     "settling": Window.settled, "settled": Window.settled,
     "reach": lambda w: w.since(np.abs(w.v) >= abs(w.level)) if w.level else None,
-    "exceed": lambda w: w.since(w.v > w.level), "overshoot": beyond,
+    "exceed": lambda w: w.since(w.v > w.level), "beyond": lambda w: beyond(w.x),
+    "overshoot": lambda w: 100 * beyond(w.v) / abs(w.v[0]),
     "time": lambda w: w.period_s * np.sum(w.v > w.level),
     "time_outside": lambda w: w.period_s * np.sum((w.v > w.level) | (w.v < w.lower)),
     "bounces": lambda w: w.rises(w.all()) - 1 if w.rises(w.all()) else None,
     "rises": lambda w: w.rises(w.v), "rise_rate": lambda w: w.rises(w.v) / (w.end - w.start),
     "decay": Window.decay, "relative_rms": lambda w: rms(w.x[:, 0] - w.x[:, 1]) / rms(w.x[:, 1]),
-    "rms_per_value": lambda w: rms(w.x), "rebound": lambda w: rebound(w.x[:, 0], w.x[:, 1]),
+    "rms_per_value": lambda w: rms(w.x),
     "posture_overshoot": posture_overshoot,
     "reversals": lambda w: max(turns(column, w.level) for column in w.x.T),
 }
@@ -162,9 +160,6 @@ class Metrics(unittest.TestCase):
                     return np.full((len(t), 1), 2.0)
                 if name == "tip_error_m":
                     return np.hypot(signal("x_offset_m"), signal("y_offset_m"))
-                if name.startswith("released_"):
-                    offsets = signal(name.removeprefix("released_"))
-                    return 0 * offsets + offsets[t < known["release"] - 1e-9][-1]
                 values = run[track + moved.get(name, name)].reshape(len(t), -1)
                 return values - values[0] if name in moved else values
 
