@@ -24,6 +24,34 @@ TEST(Pfc, GainsFromOneSecondMatchEq286) {
   EXPECT_NEAR(pfc.k_d(), 12.012, 5e-4);
 }
 
+// Eqs. 2.78 and 2.80, with simulated responses. With as many bases as points it meets all of them.
+TEST(Pfc, IsTheLeastSquaresFit) {
+  const auto play = [](double effect, int l, double q, double dq, int samples) {
+    for (int i = 0; i < samples; ++i) {
+      q += T_s * dq;
+      dq += T_s * effect * std::pow(i * T_s, l);
+    }
+    return q;
+  };
+  const double s = 0.4, q = 0.1, dq = -0.3;
+  for (const PfcDesign& design : {PfcDesign{0.5, T_s, 3, 3},
+                                  {0.7, T_s, 3, 3},
+                                  {1.0, T_s, 3, 3},
+                                  {1.2, T_s, 3, 3},
+                                  {0.8, T_s, 8, 2}}) {
+    const Pfc pfc(design);
+    const std::vector<int>& h = pfc.coincidence_points();
+    Eigen::MatrixXd responses(design.coincidence_points, design.basis_functions);
+    Eigen::VectorXd missing(responses.rows());
+    for (Eigen::Index j = 0; j < responses.rows(); ++j) {
+      missing(j) = s - std::pow(pfc.alpha(), h[j]) * (s - q) - play(0.0, 0, q, dq, h[j]);
+      for (int l = 0; l < responses.cols(); ++l) responses(j, l) = play(1.0, l, 0.0, 0.0, h[j]);
+    }
+    const double first = responses.colPivHouseholderQr().solve(missing)(0);
+    EXPECT_NEAR(pfc.acceleration(s, q, dq), first, 1e-10 * std::abs(first)) << design.target_response_time_s;
+  }
+}
+
 TEST(Pfc, OnePointAndAStepHasItsClosedForm) {
   // h (h−1)/2 T² u = (1 − α^h)(s − q) − h T q̇
   const Pfc pfc({0.5, T_s, 1, 1});
