@@ -233,8 +233,11 @@ class Irregular(unittest.TestCase):
             random = np.random.default_rng(100 + i)
             rows = self.lose(self.record(0.1 * i / 19, 100 + i), 0.05 * (7 * i % 20) / 19, random)
             for name, alone in of_clean.items():
-                found = self.error(self.filtered(name, *rows), rows[0])
-                self.assertLessEqual(found, max(1.5 * alone, 0.01 * self.LOAD), (name, i))
+                d_hat, t = self.filtered(name, *rows), rows[0]
+                if i % 9 == 1 and name in ("stf", "qvff"):  # from a file too
+                    run, _ = self.estimated(rows, observer=name)
+                    d_hat, t = run["d_hat_Nm"], run.time_s
+                self.assertLessEqual(self.error(d_hat, t), max(1.5 * alone, 0.01 * self.LOAD), (name, i))
 
     def test_the_default_filter_does_not_estimate_a_load_from_jitter(self):
         run, said = self.estimated(self.record(0.04, 3))

@@ -88,6 +88,7 @@ class Friction(unittest.TestCase):
         for integrator in INTEGRATORS:
             run = self.run_with(law, duration_s, integrator=integrator, **sets)
             x = run["x_position_true_m"][every::every]
+            self.assertGreaterEqual(len(x), 399)
             self.assertLess(np.abs(x - reference[:len(x)]).max(), 0.005 * np.abs(reference).max())
 
     def test_bristles_have_the_presliding_hysteresis_of_a_fine_integration(self):
