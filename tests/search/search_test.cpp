@@ -248,7 +248,7 @@ seeds = { first = 1, count = 3 }
 [world]
 "w.x" = "lin(0,1,3)"
 [objective]
-t = { goal = "min", over = "q90", reference = 4 }
+t = { goal = "min", over = "q90" }
 g = { goal = "max" }
 [constraint]
 b = { max = 1 }
