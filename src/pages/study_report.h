@@ -22,7 +22,8 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
                         const std::optional<CandidateComparison>& comparison,
                         const std::optional<Ranking>& ranking);
 
-/// Writes DIR/report.html: the Pareto fronts over the first two objectives, and each point of a front with its file. Throws OutputError.
+/// Writes DIR/report.html: the Pareto fronts over the first two objectives, and each point of a
+/// front with its file. Throws OutputError.
 void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
                          const TuningResult& result, const std::optional<Ranking>& ranking,
                          const std::filesystem::path& folder);

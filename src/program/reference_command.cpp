@@ -274,12 +274,12 @@ int reference_main(const Catalogue& catalogue, int argc, const char* const* argv
     replace_file(out / "exit-statuses.md", exit_statuses_page());
     for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
       replace_file(out / "scenarios" / (kind.name + ".md"),
-                      scenario_page(catalogue, kind, {"run.duration_s=0.1"}));
+                   scenario_page(catalogue, kind, {"run.duration_s=0.1"}));
     }
     replace_file(out / "estimate.md",
-                    scenario_page(catalogue, recorded_estimation(),
-                                  {"csv.file=" + data_file("data/estimate/motor.csv").string(),
-                                   "plant.inertia=1e-3", "encoder.quantum=1.5e-3"}));
+                 scenario_page(catalogue, recorded_estimation(),
+                               {"csv.file=" + data_file("data/estimate/motor.csv").string(),
+                                "plant.inertia=1e-3", "encoder.quantum=1.5e-3"}));
     fmt::print("{}\n", (out / "commands.md").string());
     return static_cast<int>(kSuccess);
   });

@@ -130,8 +130,7 @@ class DamagedRun(Folder):
         self.manifest, self.metrics = (json.loads((self.folder / f"run/{name}.json").read_text()) for name in ("manifest", "metrics"))
 
     def refuses(self, name, content, part, is_wrong=True, is_right=False):
-        """Whether both readers refuse the content of a file by a line with this part, if it is wrong, and take it if it
-        is right."""
+        """Both readers refuse the content of a file by a line with this part, if it is wrong. They take what is right."""
         (self.folder / "run" / f"{name}.json").write_text(content if isinstance(content, str) else json.dumps(content))
         for command in (["diff", "run", "run"], ["report", "run", "--no-replay", "--out", "page"]):
             with self.subTest(command=command[0], content=content):

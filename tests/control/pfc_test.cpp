@@ -48,7 +48,8 @@ TEST(Pfc, IsTheLeastSquaresFit) {
       for (int l = 0; l < responses.cols(); ++l) responses(j, l) = play(1.0, l, 0.0, 0.0, h[j]);
     }
     const double first = responses.colPivHouseholderQr().solve(missing)(0);
-    EXPECT_NEAR(pfc.acceleration(s, q, dq), first, 1e-10 * std::abs(first)) << design.target_response_time_s;
+    EXPECT_NEAR(pfc.acceleration(s, q, dq), first, 1e-10 * std::abs(first))
+        << design.target_response_time_s;
   }
 }
 
