@@ -56,6 +56,9 @@ TEST(ActiveSet, NewMatricesAreANewProblem) {
     changed.solve(input, solution);
     fresh.solve(input, expected);
     ASSERT_EQ(solution.status, QpStatus::solved) << i;
+    const Eigen::VectorXd pull = second.Omega.transpose() * solution.mu;
+    ASSERT_LE((second.H * solution.z + input.g + pull).norm(),
+              1e-7 * (input.g.norm() + pull.norm()));
     ASSERT_LT((solution.z - expected.z).cwiseAbs().maxCoeff(), 1e-6) << i;
   }
   ActiveSetQp solver(unit_model(), 10);
