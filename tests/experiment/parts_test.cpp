@@ -1,6 +1,11 @@
-// Parts with their own keys: required keys, readers, printed files.
+// Parts with their own keys: required keys, readers, printed files. Also external parts in
+// Breakwater's experiments.
 #include <breakwater/experiment/parts.h>
 
+#include <breakwater/experiment/runner.h>
+#include <breakwater/program/program.h>
+#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/quadrotor_parts.h>
 #include "support.h"
 #include "tables.h"
 
@@ -145,6 +150,52 @@ TEST_F(PartsTest, TheCatalogueListsThem) {
   EXPECT_FALSE(catalogue_.has<ToyKind>("Small"));
   EXPECT_THROW(catalogue_.add(ToyKind("large", "another", bind_large, make_number<'l'>)),
                std::invalid_argument);
+}
+
+// Feedback of the first measurement.
+class Spring final : public Controller {
+ public:
+  explicit Spring(double k) : k_(k) {}
+  void reset(const Sample&) override {}
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
+    pull_N_ = -k_ * y.y(0);
+    u.setConstant(pull_N_);
+  }
+  std::span<const Signal> signals() const override { return signals_; }
+
+ private:
+  double k_;
+  double pull_N_ = 0.0;
+  std::vector<Signal> signals_ = {{"pull_N", "N", "-k times the measurement", view(pull_N_)}};
+};
+
+void bind_spring(Fields& fields, Number& number) {
+  fields.number("controller.spring_constant", number.value, any(), "its stiffness");
+}
+std::unique_ptr<Controller> make_axis_spring(const Number& number, const AxisTask&,
+                                             std::shared_ptr<DisturbanceEstimator>) {
+  return std::make_unique<Spring>(number.value);
+}
+std::unique_ptr<Controller> make_quadrotor_spring(const Number& number, const QuadrotorTask&,
+                                                  std::shared_ptr<QuadrotorEstimator>) {
+  return std::make_unique<Spring>(number.value);
+}
+
+TEST(OwnParts, AnAxisAndTheQuadrotorTakeAnExternalController) {
+  Catalogue catalogue = standard_catalogue();
+  catalogue.add(AxisControllerKind("spring", "pulls back", bind_spring, make_axis_spring));
+  catalogue.add(
+      QuadrotorControllerKind("spring", "pulls back", bind_spring, make_quadrotor_spring));
+  for (const char* scenario : {"motor_estimation", "quadrotor_waves"}) {
+    const ScenarioFile file(catalogue.get<ScenarioKind>(scenario).file().string(), scenario);
+    const Recording run = prepare_run(catalogue, scenario, file, file.default_case(),
+                                      {"controller.name=spring", "controller.spring_constant=0.1",
+                                       "run.duration_s=1"})
+                              .scenario->run({});
+    ASSERT_FALSE(run.failure) << scenario << ": " << run.failure->reason;
+    EXPECT_GT(run.track("control").rows(), 99U) << scenario;
+    EXPECT_EQ(run.track("control").values("pull_N").size(), run.track("control").rows());
+  }
 }
 
 }  // namespace breakwater::parts_test
