@@ -1,6 +1,7 @@
 // The loop allocates nothing after the first sample. The test counts calls of malloc.
 #include <dlfcn.h>
 #include <atomic>
+#include <set>
 
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/gsf.h>
@@ -131,18 +132,25 @@ INSTANTIATE_TEST_SUITE_P(Allocation, Loops,
                          ::testing::ValuesIn(testing::tables_of("tests/regression/allocation.txt")),
                          testing::test_name);
 
-// Ill-conditioned programs, dependent constraints and infeasible programs reach all branches of the
-// solver.
+// With ill-conditioned programs, dependent rows, equations and infeasible programs.
 TEST(Allocation, QuadraticProgramsDoNotAllocate) {
   testing::Random random;
   allocations = 0;
+  std::set<QpStatus> statuses;
   for (int k = 0; k < 200; ++k) {
     QpModel model = testing::random_qp_model(random, {2 + k % 23, 2 + k % 59});
-    model.H(0, 0) *= std::pow(10.0, k % 8);
-    for (Eigen::Index i = 2; i < model.Omega.rows(); i += 5) {  // near copies
-      model.Omega.row(i) = model.Omega.row(i - 1) + 1e-7 * model.Omega.row(i);
+    const Eigen::VectorXd scale = Eigen::VectorXd::LinSpaced(model.H.rows(), 0.0, -0.5 * (k % 9));
+    const Eigen::ArrayXd units = Eigen::pow(10.0, scale.array());
+    model.H = units.matrix().asDiagonal() * model.H * units.matrix().asDiagonal();
+    for (Eigen::Index i = 2; i < model.Omega.rows(); i += 5) {  // near copies and sums
+      model.Omega.row(i) = model.Omega.row(i - 1) + (i % 2 ? 1e-7 : 1.0) * model.Omega.row(i - 2);
     }
     QpInput input = testing::random_feasible_input(random, model);
+    for (Eigen::Index i = 0; i < model.Omega.rows(); i += 5) {
+      if (i < k % model.Omega.rows() && input.lower(i) > -INFINITY && input.upper(i) < INFINITY) {
+        input.lower(i) = input.upper(i) = 0.5 * (input.lower(i) + input.upper(i));
+      }
+    }
     if (k % 2 == 1) testing::make_infeasible(random, model, input, std::pow(10.0, k % 7 - 6));
     const auto solver = make_qp_solver(QpSolverKind::active_set, model, 1);
     QpSolution solution(model.H.rows(), model.Omega.rows());
@@ -153,9 +161,11 @@ TEST(Allocation, QuadraticProgramsDoNotAllocate) {
       solver->solve(input, solution);
       counting = false;
       allow_eigen_malloc(true);
+      statuses.insert(solution.status);
     }
   }
   EXPECT_EQ(allocations, 0);
+  EXPECT_TRUE(statuses.count(QpStatus::solved) && statuses.count(QpStatus::infeasible));
 }
 
 // Jitter, gaps with missing inputs, and uncertain times.
