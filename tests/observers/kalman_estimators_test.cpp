@@ -1,5 +1,5 @@
-// Covariances of the Kalman filters with disturbance estimation, and refused designs of all
-// observers. tests/python/observers_test.py has their equations.
+// The Kalman filters with disturbance estimation, and refused designs of all observers.
+// tests/python/observers_test.py has the equations of those with designs that Python reaches.
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
@@ -27,6 +27,7 @@
 
 namespace breakwater::kalman_estimators_test {
 
+using testing::congruence;
 using testing::Random;
 
 ExtendedPlant double_integrator(double period_s) {
@@ -57,6 +58,124 @@ void expect_covariances(const Filters& filters, const std::string& where) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
     ASSERT_GT(eigen.eigenvalues()(0), 0.0) << where << " " << i;
   }
+}
+
+Eigen::MatrixXd random_covariance(Random& random, Eigen::Index size, double scale) {
+  const Eigen::MatrixXd root = random.matrix(size, size);
+  return scale * (root * root.transpose() + 0.1 * Eigen::MatrixXd::Identity(size, size));
+}
+
+// With dense Q, R and P0, at each sample. One output has a recursion of its own.
+TEST(KalmanEstimators, EqualMatrixProducts) {
+  using Eigen::MatrixXd, Eigen::VectorXd;
+  Random random(3);
+  double least = 1.0, most = 0.0, inflated = 1.0;  // range of λ
+  for (int trial = 0; trial < 24; ++trial) {
+    const Eigen::Index n = 1 + trial % 4, p = 1 + trial / 4 % 2,
+                       m = std::min(n, trial < 16 ? p : 1);
+    StateSpace plant{random.matrix(n, n), random.matrix(n, m), random.matrix(p, n)};
+    plant.A *= random.uniform(0.5, 0.98) / spectral_radius(plant.A);
+    if (trial % 3 == 0) plant.C = MatrixXd::Identity(p, n);
+    KalmanDesign design{extend_by_disturbance_model(plant, n < 4 && p == 1 ? trial % 3 : 0, 0.1)};
+    const Eigen::Index N = design.plant.states();
+    design.Q = random_covariance(random, N, 1e-2);
+    design.R = random_covariance(random, p, 1.0);
+    design.P0 = random_covariance(random, N, 1.0);
+    // `adapt` may change P(k|k−1) and R, and gives λ. `after` gives P(k|k) of P and K C P.
+    const auto expect_same = [&](const char* name, double close, KalmanEstimator&& filter,
+                                 const auto& adapt, const auto& after) {
+      const StateSpace& s = design.plant.sampled;
+      VectorXd x = VectorXd::Zero(N);
+      MatrixXd P = design.P0;
+      for (int k = 0; k < 300; ++k) {
+        const VectorXd u = random.vector(m), y = random.vector(p, k % 50 == 0 ? 30.0 : 1.0);
+        if (k > 0) {
+          x = s.A * x + s.B * u;
+          P = congruence(s.A, P) + design.Q;
+        }
+        const VectorXd e = y - s.C * x;
+        MatrixXd R = design.R;
+        const double lambda = adapt(e, congruence(s.C, P), P, R);
+        const MatrixXd K = testing::kalman_gain(P, s.C, R);
+        x += K * e;
+        P = after(P, K * s.C * P, lambda);
+        filter.update(u, y);
+        EXPECT_LT((filter.extended_state() - x).norm(), close * (1.0 + x.norm()))
+            << name << " " << trial << " " << k;
+        EXPECT_LT((filter.P() - P).norm(), close * (1.0 + P.norm())) << name << trial << " " << k;
+        EXPECT_NEAR(filter.lambda(), lambda, close) << name;
+      }
+    };
+    const auto unchanged = [](const VectorXd&, const MatrixXd&, MatrixXd&, MatrixXd&) {
+      return 1.0;
+    };
+    const auto subtract = [](const MatrixXd& P, const MatrixXd& KCP, double) {
+      return MatrixXd(P - KCP);
+    };
+    const SensorError coarse = sensor(1e300, p), fine = sensor(0.4, p, 0.1);
+    expect_same("KFD", 1e-11, Kfd(design), unchanged, subtract);
+    expect_same("FAKFD of 1", 1e-11, Fakfd(design, VectorXd::Ones(N)), unchanged, subtract);
+    expect_same("STF of 1", 1e-11, Stf(design, coarse), unchanged, subtract);
+    const VectorXd gamma = VectorXd::LinSpaced(N, 1.0, 1.3);
+    const auto fixed = [](const VectorXd&, const MatrixXd&, MatrixXd&, MatrixXd&) {
+      return 1 / 1.3;
+    };
+    expect_same("FAKFD", 1e-11, Fakfd(design, gamma), fixed,
+                [&](const MatrixXd& P, const MatrixXd& KCP, double) {
+                  const MatrixXd root = gamma.cwiseSqrt().asDiagonal();
+                  return congruence(root, P - KCP);
+                });
+    const VectorXd slow = diagonal_gamma(design.plant, 1.05);
+    const auto slowly = [](const VectorXd&, const MatrixXd&, MatrixXd&, MatrixXd&) {
+      return 1 / 1.05;
+    };
+    for (const CovarianceForm form : {CovarianceForm::printed, CovarianceForm::left}) {
+      if (p > 1 || N != n + 2) break;  // its rounding errors grow
+      expect_same("Eq. 4.5", 1e-10, AsymmetricFakfd(design, slow, form), slowly,
+                  [&](const MatrixXd& P, const MatrixXd& KCP, double) {
+                    const MatrixXd G = slow.asDiagonal();
+                    return form == CovarianceForm::left ? MatrixXd(G * (P - KCP))
+                                                        : MatrixXd(G * P - KCP);
+                  });
+    }
+    for (const double dead_zone : {0.2, 1e300}) {
+      const VfakfdDesign how{VectorXd::Constant(p, 4.0), VectorXd::Constant(p, dead_zone), 0.6,
+                             dead_zone == 0.2 ? 0.98 : 1.0};
+      expect_same(
+          "VFAKFD", 1e-11, Vfakfd(design, how),
+          [&](const VectorXd& e, const MatrixXd& S, MatrixXd&, MatrixXd& R) {
+            const VectorXd size = (e.cwiseAbs().array() - dead_zone).cwiseMax(0.0) / 2.0;
+            const VectorXd outside = size.cwiseProduct(e.cwiseSign());
+            const MatrixXd I = MatrixXd::Identity(p, p);
+            const double raw = how.lambda_max - outside.dot((I + S).llt().solve(outside));
+            const double lambda = std::clamp(raw, how.lambda_min, how.lambda_max);
+            R = lambda * I;
+            least = std::min(least, lambda);
+            if (dead_zone == 0.2) most = std::max(most, lambda);
+            return lambda;
+          },
+          [](const MatrixXd& P, const MatrixXd& KCP, double lambda) {
+            return MatrixXd((P - KCP) / lambda);
+          });
+    }
+    expect_same(
+        "STF", N == 3 && p == 1 ? 1e-11 : 1e-6, Stf(design, fine),
+        [&](const VectorXd& e, const MatrixXd& S, MatrixXd& P, MatrixXd& R) {
+          double factor = 1.0;
+          for (Eigen::Index i = 0; i < p; ++i) {
+            const double gate = 0.4 + 5.0 * 0.1 + 2.0 * std::sqrt(S(i, i));
+            const double share = 4.0 * e(i) * e(i) / (S(i, i) + R(i, i));
+            if (std::abs(e(i)) > gate) factor = std::max(factor, share);
+          }
+          P *= factor;
+          inflated = std::min(inflated, 1.0 / factor);
+          return 1.0 / factor;
+        },
+        subtract);
+  }
+  EXPECT_EQ(least, 0.6);
+  EXPECT_EQ(most, 0.98);
+  EXPECT_LT(inflated, 0.5);
 }
 
 TEST(KalmanEstimators, CovarianceStaysPositiveDefiniteForAMillionSamples) {
