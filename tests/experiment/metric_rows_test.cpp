@@ -78,8 +78,8 @@ TEST(MetricRowsTest, SecondOrderResponse) {
 // The metric of a row for these values of a_m, from 0 s on.
 std::optional<double> reduced(const std::string& row, const std::vector<double>& values,
                               double period_s = 1.0) {
-  History history = history_of("[metric.m]\nof = \"a_m\"\nunit = \"m\"\n" + row);
-  double& a = history.signal("a_m")[0];
+  History history("[metric.m]\nof = \"a_m\"\nunit = \"m\"\n" + row);
+  double& a = history.signal("a_m");
   MetricValues& run = history.run();
   for (std::size_t k = 0; k < values.size(); ++k) {
     a = values[k];
