@@ -30,7 +30,7 @@ RUNS = (
      {"noise.enabled": True, "metrics.from_s": 30, "metrics.to_s": 40}, {}, ""),
     ("cart_constrained", "proposed-idob", {}, {"push_s": 0}, ""),
     ("two_inertia", "sf-kfd", {}, {"last_step": 0.1},
-     "overshoot_rad rmse_disturbance_Nm rmse_load_velocity_rad_s"),
+     "rmse_disturbance_Nm rmse_load_velocity_rad_s"),
     ("impact_test", "hertz", {"record.fine_from_s": 0, "record.fine_to_s": 10}, {},
      "bounce_count contact_impulse_Ns restitution"),
     ("arm_push", "proposed-link2", {}, {"release": 5}, ""),

@@ -201,7 +201,7 @@ class Nonsense(unittest.TestCase):
                 bw.sweep("motor_estimation", **brief, metrics="nothing", out=folder / "new")
             self.assertIn("nothing", str(caught[0].message))
             self.assertEqual(pathlib.Path(caught[0].filename).name, "sweeps_test.py")
-            with self.assertRaisesRegex(bw.InputError, "leave --case, --vary, --out"):
+            with self.assertRaisesRegex(bw.InputError, "leave case, vary, out"):
                 bw.sweep(folder / "new", case="idob")
 
 

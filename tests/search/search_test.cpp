@@ -40,7 +40,10 @@ Vectors front_points(const Asked& asked) {
   return front;
 }
 
-double volume_below(const Vectors& front, const std::vector<double>& reference) {
+// Points that are not below the reference have no volume.
+double volume_below(Vectors front, const std::vector<double>& reference) {
+  std::erase_if(
+      front, [&](const auto& point) { return !std::ranges::equal(point, reference, std::less()); });
   return pagmo::hypervolume(front, true).compute(reference);
 }
 
