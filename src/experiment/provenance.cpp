@@ -11,7 +11,7 @@
 #include <breakwater/shell/paths.h>
 
 // The linker's name of the first byte of the program or module.
-// NOLINTNEXTLINE(bugprone-reserved-identifier)
+// NOLINTNEXTLINE(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp)
 extern "C" [[gnu::visibility("hidden")]] const ElfW(Ehdr) __ehdr_start;
 
 namespace breakwater {

@@ -97,6 +97,7 @@ void KalmanEstimator::pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const {
 }
 
 void KalmanEstimator::predict(const Vector& held_input, const Vector& y) {
+  // NOLINTNEXTLINE(cert-flp30-c): pieces are whole numbers
   for (double piece = 0.0; !has_prior_ && piece < pieces_; piece += 1.0) {
     if (kernel_) {
       kernel_->predict(A_.data(), B_.data(), Q_.data(), held_input(0), extended_state_.data(),
