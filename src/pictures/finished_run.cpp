@@ -8,7 +8,7 @@
 
 namespace breakwater {
 std::filesystem::path shots_file(const ScenarioKind& kind, const Config& config) {
-  const std::filesystem::path shots = kind.shots();
+  std::filesystem::path shots = kind.shots();
   const auto model = config.text("model.mjcf");
   if (!model) return shots;
   try {
