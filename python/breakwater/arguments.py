@@ -8,7 +8,6 @@ import json
 import math
 import operator
 import os
-import pathlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 

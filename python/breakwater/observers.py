@@ -13,7 +13,7 @@ docs/explanation/methods/disturbance-kalman-filters.md has the equations.
 from __future__ import annotations
 
 import re
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt

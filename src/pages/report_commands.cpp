@@ -11,8 +11,8 @@
 #include <breakwater/pages/compare.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/replay_part.h>
+#include <breakwater/pictures/picture_commands.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/render/render_error.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
@@ -124,21 +124,13 @@ int replay(const Catalogue& catalogue, const RunsArguments& arguments) {
   const fs::path file =
       arguments.out.empty() ? runs.front().folder() / "replay.html" : fs::path(arguments.out);
   std::vector<std::string> notes;
-  const auto not_drawn = [](const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return kLaterOutputFailed;
-  };
-  try {
+  return drawing_status([&] {
     replace_file(file, replay_page(runs, labels_of(catalogue, open_all(arguments.runs)),
                                    arguments.camera, notes));
-  } catch (const RenderError& error) {
-    return not_drawn(error);
-  } catch (const OutputError& error) {
-    return not_drawn(error);
-  }
-  for (const std::string& note : notes) fmt::print(stderr, "replay: {}\n", note);
-  if (!arguments.quiet) fmt::print("replay: {}\n", file.string());
-  return kSuccess;
+    for (const std::string& note : notes) fmt::print(stderr, "replay: {}\n", note);
+    if (!arguments.quiet) fmt::print("replay: {}\n", file.string());
+    return kSuccess;
+  });
 }
 
 int runs_main(const Catalogue& catalogue, int argc, const char* const* argv) {

@@ -14,9 +14,8 @@ namespace {
 
 constexpr std::size_t kKeyCharts = 5;
 
-// Signals of one width and unit. They differ by their roles in a their kind: true, measured,
-// estimated, reference, commanded or applied. One that two groups have is here once, from the group
-// with more rows.
+// Signals of one width and unit. They differ by their roles: true, measured, estimated, reference,
+// commanded or applied. One that two groups have is here once, from the group with more rows.
 struct LoggedQuantity {
   std::string title;  // "Contact force", without its unit
   std::vector<LogEntry> kinds;

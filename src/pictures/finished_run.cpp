@@ -7,6 +7,7 @@
 #include <breakwater/experiment/provenance.h>
 
 namespace breakwater {
+
 std::filesystem::path shots_file(const ScenarioKind& kind, const Config& config) {
   std::filesystem::path shots = kind.shots();
   const auto model = config.text("model.mjcf");

@@ -261,21 +261,6 @@ const Command& find_command(const std::string& name) {
                        [&](const Command& c) { return c.name == name; });
 }
 
-// If a picture fails, the run is still complete: the exit status is a different one.
-int draw(const Command& command, const Catalogue& catalogue, const PictureArguments& arguments) {
-  opengl_asked();  // refuse wrong environment variables at once
-  try {
-    return command.execute(catalogue, arguments);
-  } catch (const RenderError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-  } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-  } catch (const Stopped&) {
-    throw Interrupted();
-  }
-  return kLaterOutputFailed;
-}
-
 int picture_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   const Command& command = find_command(argv[0]);
   const std::string program = own_program_name() + " " + command.name;
@@ -288,11 +273,25 @@ int picture_main(const Catalogue& catalogue, int argc, const char* const* argv) 
     PictureArguments arguments;
     command.describe(app, arguments);
     if (const auto status = parse(app, argc, argv)) return *status;
-    return draw(command, catalogue, arguments);
+    opengl_asked();  // refuse wrong environment variables at once
+    return drawing_status([&] { return command.execute(catalogue, arguments); });
   });
 }
 
 }  // namespace
+
+int drawing_status(const std::function<int()>& draw) {
+  try {
+    return draw();
+  } catch (const RenderError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+  } catch (const OutputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+  } catch (const Stopped&) {
+    throw Interrupted();
+  }
+  return kLaterOutputFailed;
+}
 
 std::vector<CommandKind> picture_commands() {
   std::vector<CommandKind> all;

@@ -18,7 +18,7 @@ namespace breakwater {
 namespace {
 
 constexpr int kMaxGeoms = 2000;
-// The content at the first aspect ratio stays visible in a narrower picture.
+// The content at this aspect ratio stays visible in a narrower picture.
 constexpr double kFramedAspect = 4.0 / 3.0;
 constexpr double kArrowRadius_m = 0.006;
 constexpr float kGlow = 0.45F;  // makes arrows visible in shadow

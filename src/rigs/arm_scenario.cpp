@@ -230,6 +230,7 @@ void ArmScenario::add_signals(RigRun& run, const AxisRig& rig) const {
   gather("q_true_rad", "rad", "true joint angles", &AxisRig::position);
   gather("dq_true_rad_s", "rad/s", "true joint velocities", &AxisRig::velocity);
   const auto state = std::make_shared<State>(State{Eigen::VectorXd(chain().joints())});
+  // It computes the state that the signals behind it read.
   run.compute("x_true_m", "m", "true x of the tip",
               [this, &rig, state, start = start_pose()](double) {
                 for (Eigen::Index i = 0; i < state->q.size(); ++i) {

@@ -62,8 +62,10 @@ int actuator_id(const Model& model, const Axis& axis) {
   if (axis.actuator != Axis::kJoint) return model.id(mjOBJ_ACTUATOR, axis.actuator);
   // A transmission with a rotor moves it there.
   for (const std::string& joint : {axis.joint, TransmissionSettings().motor(axis.joint)}) {
-    for (int i = 0; model.has(mjOBJ_JOINT, joint) && i < model->nu; ++i) {
-      if (model.drives(i, model.id(mjOBJ_JOINT, joint))) return i;
+    if (!model.has(mjOBJ_JOINT, joint)) continue;
+    const int id = model.id(mjOBJ_JOINT, joint);
+    for (int i = 0; i < model->nu; ++i) {
+      if (model.drives(i, id)) return i;
     }
   }
   throw std::invalid_argument(model.file() + ": no actuator drives joint \"" + axis.joint + '"');
