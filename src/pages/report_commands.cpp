@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
+#include <breakwater/experiment/differing_keys.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/compare.h>
 #include <breakwater/pages/html_page.h>

@@ -173,7 +173,7 @@ struct AxisPlant {
   void complete(const Config& config);
 
   /// The nominal model of an axis, for the estimator and the controller.
-  NominalAxis nominal(std::size_t axis = 0) const;
+  NominalAxis nominal(std::size_t i = 0) const;
   /// A line for each axis whose nominal model of one inertia has no motor of its own, and one for
   /// the actuators that motors replace.
   std::vector<std::string> warnings() const;
@@ -186,7 +186,7 @@ struct AxisPlant {
   /// viscous friction. Throws std::invalid_argument if they give no positive definite mass matrix.
   Model nominal_model() const;
   /// Coulomb friction of an axis and its motor, as a force of the drive. Throws as load_model().
-  double coulomb_friction_at_drive(std::size_t axis) const;
+  double coulomb_friction_at_drive(std::size_t i) const;
   /// The pose of all joints that the keyframe gives. Throws std::invalid_argument if there is none.
   std::vector<double> pose(const Model& model) const;
   /// The same with the axes' distances of the start.
