@@ -1,10 +1,10 @@
 #include <breakwater/control/quadrotor_estimator.h>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include <breakwater/control/quadrotor_filters.h>
-#include <breakwater/observers/wave_frequency.h>
 
 namespace breakwater {
 namespace {
@@ -116,6 +116,40 @@ class ThrusterEstimator final : public FilterEstimator<Filter> {
   bool models_disturbance() const override { return Filter::N > 12; }
 };
 
+// A bank on the vertical axis, whose shapes may change.
+WaveForceBankDesign bank_design(const QuadrotorEstimatorDesign& design,
+                                const QuadrotorModel& model) {
+  WaveForceBankDesign waves = design.waves;
+  waves.mass_kg = model.parameters().moving_mass_kg();
+  waves.bias_std_N = design.resonator.bias_std_N;
+  waves.velocity_std_m_s = design.resonator.velocity_std_m_s;
+  waves.position_std_m = design.position_std_m;
+  waves.period_s = design.period_s;
+  return waves;
+}
+
+// The candidates of the frequency of one resonator, which two equal ones of half its variance are.
+WaveForceBank frequency_bank(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model) {
+  WaveForceBankDesign waves = bank_design(design, model);
+  waves.shapes.clear();
+  for (const double period_s : candidate_periods()) {
+    const Resonator half{2.0 * std::numbers::pi / period_s, design.resonator.damping,
+                         std::sqrt(0.5)};
+    waves.shapes.push_back({half, half});
+  }
+  waves.weakest_N = design.resonator.force_std_N;
+  waves.strengths = 1;
+  return WaveForceBank(waves);
+}
+
+// The known vertical force on the vehicle at this motion [N].
+double known_vertical_force(const Eigen::Vector4d& thrusts,
+                            const QuadrotorEstimator::Motion& motion,
+                            const QuadrotorParameters& parameters) {
+  const double up = AttitudeTrig(motion.segment<3>(3)).thrust_axis().z();
+  return thrusts.sum() * up - parameters.net_weight_N();
+}
+
 class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> {
  public:
   ResonatorEstimator(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model,
@@ -126,19 +160,18 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
         force_std_N_(design.resonator.force_std_N),
         damping_(design.resonator.damping),
         parameters_(model.parameters()),
-        frequency_(frequency_design(design, model), design.wave_frequency_rad_s) {}
+        bank_(frequency_bank(design, model)) {}
 
   void reset(const Vector6d& pose) override {
     FilterEstimator::reset(pose);
-    frequency_.reset(pose(2));
+    bank_.reset(pose(2));
     if (tracks_) assume(guess_rad_s_);
   }
 
   void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
     if (tracks_) {
-      const double up = AttitudeTrig(motion().segment<3>(3)).thrust_axis().z();
-      frequency_.update(held_thrusts.sum() * up - parameters_.net_weight_N(), pose(2));
-      assume(frequency_.omega_rad_s());
+      bank_.update(known_vertical_force(held_thrusts, motion(), parameters_), pose(2));
+      assume(wave_frequency_rad_s());
     }
     FilterEstimator::update(held_thrusts, pose);
   }
@@ -157,23 +190,10 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
   bool models_disturbance() const override { return true; }
   double wave_force_std_N() const override { return force_std_N_; }
   double wave_frequency_rad_s() const override {
-    return tracks_ ? frequency_.omega_rad_s() : guess_rad_s_;
+    return tracks_ && !bank_.is_settling() ? mean_frequency(bank_.resonators()) : guess_rad_s_;
   }
 
  private:
-  static WaveFrequencyDesign frequency_design(const QuadrotorEstimatorDesign& design,
-                                              const QuadrotorModel& model) {
-    WaveFrequencyDesign f;
-    f.mass_kg = model.parameters().moving_mass_kg();
-    f.damping = design.resonator.damping;
-    f.force_std_N = design.resonator.force_std_N;
-    f.bias_std_N = design.resonator.bias_std_N;
-    f.velocity_std_m_s = design.resonator.velocity_std_m_s;
-    f.position_std_m = design.position_std_m;
-    f.period_s = design.period_s;
-    return f;
-  }
-
   void assume(double omega_rad_s) {
     filter_.change_process([&](WaveResonators& p) { p.set_frequency(omega_rad_s); });
     filter_.set_process_noise(filter_.process().Q());
@@ -184,7 +204,7 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
   double force_std_N_;
   double damping_;
   QuadrotorParameters parameters_;
-  WaveFrequency frequency_;
+  WaveForceBank bank_;
 };
 
 // Two resonators per axis. A WaveForceBank on the vertical axis adapts them to the sea state.
@@ -208,8 +228,7 @@ class SpectrumEstimator final : public FilterEstimator<Ukf<WaveForces<2, 2>, 6>>
   }
 
   void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
-    const double up = AttitudeTrig(motion().segment<3>(3)).thrust_axis().z();
-    bank_.update(held_thrusts.sum() * up - parameters_.net_weight_N(), pose(2));
+    bank_.update(known_vertical_force(held_thrusts, motion(), parameters_), pose(2));
     assume();
     FilterEstimator::update(held_thrusts, pose);
   }
@@ -283,13 +302,7 @@ std::unique_ptr<QuadrotorEstimator> make_resonator(const QuadrotorEstimatorDesig
 std::unique_ptr<QuadrotorEstimator> make_spectrum(const QuadrotorEstimatorDesign& design,
                                                   const QuadrotorModel& model) {
   using Process = SpectrumEstimator::Process;
-  WaveForceBankDesign waves = design.waves;
-  waves.mass_kg = model.parameters().moving_mass_kg();
-  waves.bias_std_N = design.resonator.bias_std_N;
-  waves.velocity_std_m_s = design.resonator.velocity_std_m_s;
-  waves.position_std_m = design.position_std_m;
-  waves.period_s = design.period_s;
-  const WaveForceBank bank(waves);
+  const WaveForceBank bank(bank_design(design, model));
   const ResonatorPair& first = bank.resonators();
   const Process process(model, design.resonator.process_noise(), first, kHorizontalShare,
                         design.period_s, design.kinematics);

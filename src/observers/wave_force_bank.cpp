@@ -82,7 +82,6 @@ void WaveForceBank::reset(double position_m) {
 
 void WaveForceBank::update(double known_force_N, double position_m) {
   elapsed_s_ += design_.period_s;
-  const bool is_settling = elapsed_s_ < design_.settling_s;
   const double keep = 1.0 - design_.period_s / design_.memory_s;
   const double step = design_.period_s / design_.mass_kg;
   double best = -1e300;
@@ -96,12 +95,12 @@ void WaveForceBank::update(double known_force_N, double position_m) {
     x.segment<2>(5).noalias() = shape.second * c.x.segment<2>(5);
     const double innovation = position_m - x(0);
     c.x = x + c.gain * innovation;
-    if (is_settling) continue;
+    if (is_settling()) continue;
     c.log_likelihood =
         keep * c.log_likelihood - 0.5 * (c.log_variance + innovation * innovation / c.variance);
     best = std::max(best, c.log_likelihood);
   }
-  if (!is_settling) average(best);
+  if (!is_settling()) average(best);
 }
 
 void WaveForceBank::average(double best) {
@@ -122,6 +121,16 @@ void WaveForceBank::average(double best) {
     return Resonator{math::exp(sum(from)), math::exp(sum(from + 1)), math::exp(sum(from + 2))};
   };
   resonators_ = {resonator(0), resonator(3)};
+}
+
+std::vector<double> candidate_periods() {
+  constexpr double kShortest_s = 4.0, kLongest_s = 14.0;
+  constexpr int kPeriods = 15;
+  std::vector<double> periods_s;
+  for (int i = 0; i < kPeriods; ++i) {
+    periods_s.push_back(kShortest_s * math::pow(kLongest_s / kShortest_s, i / (kPeriods - 1.0)));
+  }
+  return periods_s;
 }
 
 double total_std(const ResonatorPair& pair) {

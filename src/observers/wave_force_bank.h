@@ -40,6 +40,8 @@ class WaveForceBank {
   /// One sample: the known force held since the last sample, and the position measured now.
   /// Allocates nothing.
   void update(double known_force_N, double position_m);
+  /// Whether the estimate still is that of all candidates together.
+  bool is_settling() const { return elapsed_s_ < design_.settling_s; }
   /// The resonators of the wave force [N].
   const ResonatorPair& resonators() const { return resonators_; }
 
@@ -68,6 +70,10 @@ class WaveForceBank {
   ResonatorPair resonators_;
   double elapsed_s_ = 0.0;
 };
+
+/// The candidate periods of a sea whose period is not known [s]: 15 from 4 to 14 s, in equal
+/// ratios.
+std::vector<double> candidate_periods();
 
 /// The standard deviation of a pair's force [N].
 double total_std(const ResonatorPair& pair);

@@ -165,8 +165,6 @@ ForceSpectrum with_noise_of(const AxisNoise& axis, ForceSpectrum spectrum) {
 // resonators fit the visible part of the spectrum of a force of medium strength.
 void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& settings,
                     const SeaState& assumed, const QuadrotorTask& task) {
-  constexpr double kShortest_s = 4.0, kLongest_s = 14.0;
-  constexpr int kPeriods = 15;
   const QuadrotorParameters& vehicle = task.plant.parameters();
   const AxisNoise vertical{.mass_kg = vehicle.moving_mass_kg(),
                            .position_std_m = design.position_std_m,
@@ -184,14 +182,12 @@ void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& sett
     bank.weakest_N = middle_N = design.resonator.force_std_N;
     bank.strengths = 1;
   }
-  const bool one = !design.estimates_wave_frequency;
-  const int periods = one ? 1 : kPeriods;
+  const std::vector<double> periods_s =
+      design.estimates_wave_frequency ? candidate_periods() : std::vector{assumed.peak_period_s};
   double log_walk = 0.0;
-  for (int i = 0; i < periods; ++i) {
+  for (const double period_s : periods_s) {
     SeaState sea = assumed;
-    if (!one) {
-      sea.peak_period_s = kShortest_s * math::pow(kLongest_s / kShortest_s, i / (kPeriods - 1.0));
-    }
+    sea.peak_period_s = period_s;
     const ForceSpectrum force = force_spectrum(sea, -task.reference_m.z(), middle_N);
     ResonatorPair pair = fit_resonators(with_noise_of(vertical, force));
     for (Resonator& r : pair) r.std /= middle_N;
@@ -201,8 +197,8 @@ void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& sett
     for (double& density : torque.density) {
       density *= kHorizontalShare * settings.torque_arm_m * settings.torque_arm_m;
     }
-    log_walk +=
-        math::log(fit_walk(with_noise_of(roll, torque), design.period_s) / middle_N) / periods;
+    log_walk += math::log(fit_walk(with_noise_of(roll, torque), design.period_s) / middle_N) /
+                static_cast<double>(periods_s.size());
   }
   design.torque_walk_per_force_m = settings.torque_arm_m == 0.0 ? 0.0 : math::exp(log_walk);
 }

@@ -3,7 +3,6 @@
 #include <breakwater/control/backstepping.h>
 #include <breakwater/control/quadrotor_filters.h>
 #include <breakwater/control/wave_mpc.h>
-#include <breakwater/observers/wave_frequency.h>
 #include "support.h"
 
 namespace breakwater::quadrotor_control_test {
@@ -207,71 +206,6 @@ TEST(QuadrotorProcesses, PropertyFiltersNeedNoRepair) {
   endures(Ukf<WaveResonators, 6>(resonators, endurance_design(resonators)), steps);
   endures(Ukf<ThrusterDisturbance<2>, 6>(polynomial, endurance_design(polynomial)), steps);
   endures(Ekf<ThrusterDisturbance<2>, 6>(polynomial, endurance_design(polynomial), 0.0), steps);
-}
-
-// A sine with known period, from a wrong initial value. The likelihood over a minute is flat, and
-// its mean is up to 17 % too long.
-TEST(WaveFrequency, FindsThePeriodOfAForce) {
-  for (const double period_s : {6.0, 8.0, 11.0}) {
-    WaveFrequency frequency({.mass_kg = 1.38}, 2.0 * M_PI / 14.0);
-    testing::Random random(3);
-    double p = 0.0, v = 0.0;
-    frequency.reset(0.0);
-    for (int k = 0; k < 12000; ++k) {
-      const double t = kPeriod_s * k;
-      const double force = 0.3 * std::sin(2.0 * M_PI / period_s * t);
-      const double hold = -1.0 * p - 1.5 * v;  // a known force against drift
-      frequency.update(hold, p + 0.17 * random.uniform(-1, 1));
-      p += kPeriod_s * v;
-      v += kPeriod_s / 1.38 * (force + hold);
-    }
-    EXPECT_NEAR(2.0 * M_PI / frequency.omega_rad_s(), period_s, 0.2 * period_s);
-  }
-}
-
-// The two candidates are the ends of the range; the right one has all the likelihood.
-TEST(WaveFrequency, CandidatesBeginAndEndWithTheRange) {
-  for (const double period_s : {5.0, 12.0}) {
-    WaveFrequency frequency({.shortest_period_s = 5.0, .longest_period_s = 12.0, .candidates = 2},
-                            1.0);
-    double p = 0.0, v = 0.0;
-    for (int k = 0; k < 12000; ++k) {
-      frequency.update(-p - 1.5 * v, p);
-      const double force = std::sin(2.0 * M_PI / period_s * kPeriod_s * k);
-      p += kPeriod_s * v;
-      v += kPeriod_s * (force - p - 1.5 * v);
-    }
-    EXPECT_NEAR(2.0 * M_PI / frequency.omega_rad_s(), period_s, 1e-3 * period_s);
-  }
-}
-
-TEST(WaveFrequency, DoesNotDependOnWhereTheAxisStarts) {
-  WaveFrequency here({.settling_s = 1.0}, 1.0), there({.settling_s = 1.0}, 1.0);
-  there.reset(50.0);
-  for (int k = 0; k < 500; ++k) {
-    const double p = 0.3 * std::sin(0.02 * k);
-    here.update(0.0, p);
-    there.update(0.0, 50.0 + p);
-  }
-  EXPECT_NEAR(there.omega_rad_s(), here.omega_rad_s(), 1e-6);
-  EXPECT_NE(here.omega_rad_s(), 1.0);
-}
-
-TEST(WaveFrequency, RefusesNonsense) {
-  using Design = WaveFrequencyDesign;
-  EXPECT_REFUSED(WaveFrequency({}, 0.0));
-  EXPECT_REFUSED(WaveFrequency({.damping = 1.0}, 1.0));
-  EXPECT_REFUSED(WaveFrequency({.candidates = 1}, 1.0));
-  EXPECT_REFUSED(WaveFrequency({.longest_period_s = 4.0}, 1.0));
-  for (double Design::*positive :
-       {&Design::mass_kg, &Design::damping, &Design::force_std_N, &Design::bias_std_N,
-        &Design::velocity_std_m_s, &Design::position_std_m, &Design::shortest_period_s,
-        &Design::memory_s, &Design::period_s}) {
-    Design design;
-    design.*positive = 0.0;
-    EXPECT_EQ(complaint_of([&] { WaveFrequency(design, 1.0); }),
-              "wave frequency: every value must be positive");
-  }
 }
 
 // The printed Q of the highest derivative alone makes it a random walk. It can also be given by

@@ -293,6 +293,40 @@ TEST(WaveForceBank, FindsThePeriod) {
   }
 }
 
+// Two equal resonators of half the variance are one. The likelihood of a noisy sine over a minute
+// is flat, and its mean is up to 17 % too long. The right one of two candidates has all the
+// likelihood.
+TEST(WaveForceBank, FindsThePeriodOfASine) {
+  const auto found = [](const std::vector<double>& candidates_s, double period_s, double noise_m) {
+    WaveForceBankDesign design{.mass_kg = 1.38,
+                               .bias_std_N = 2e-3,
+                               .velocity_std_m_s = 3e-3,
+                               .weakest_N = 0.3,
+                               .strengths = 1};
+    for (const double candidate_s : candidates_s) {
+      const Resonator half{2.0 * M_PI / candidate_s, 0.15, std::sqrt(0.5)};
+      design.shapes.push_back({half, half});
+    }
+    WaveForceBank bank(design);
+    testing::Random random(3);
+    double p = 0.0, v = 0.0;
+    for (int k = 0; k < 12000; ++k) {
+      const double force = 0.3 * std::sin(2.0 * M_PI / period_s * kPeriod_s * k);
+      const double hold = -1.0 * p - 1.5 * v;  // a known force against drift
+      bank.update(hold, p + noise_m * random.uniform(-1, 1));
+      p += kPeriod_s * v;
+      v += kPeriod_s / 1.38 * (force + hold);
+    }
+    return 2.0 * M_PI / mean_frequency(bank.resonators());
+  };
+  for (const double period_s : {6.0, 8.0, 11.0}) {
+    EXPECT_NEAR(found(candidate_periods(), period_s, 0.17), period_s, 0.2 * period_s);
+  }
+  for (const double period_s : {5.0, 12.0}) {
+    EXPECT_NEAR(found({5.0, 12.0}, period_s, 0.0), period_s, 1e-3 * period_s);
+  }
+}
+
 // Derivatives of ψ̇ = (q sin φ + r cos φ)/cos θ and the other angles, by differences. A rotation
 // matrix moves with body rates under torques and drag.
 TEST(QuadrotorModel, RigidAccelerationMatchesTheBody) {
