@@ -1,40 +1,43 @@
 // Scenario cart_estimation: disturbance models and forgetting factors (thesis 4.2.4).
+#include <breakwater/math/functions.h>
 #include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/world/disturbance.h>
 
 namespace breakwater {
 namespace {
 
-// The delay T of an estimate by least squares: d̂(t) = d(t) − T ḋ(t), the delay of a ramp's
-// estimate. With a gain it is d̂(t) = g d(t) − T ḋ(t): the gain separates a wrong amplitude from a
-// delay. T is NaN or infinite if d is constant. The values are d̂, d and the rate of d.
-template <bool has_gain>
+// The delay T of an estimate by least squares: d̂(t) = d(t) − T ḋ(t) of a ramp, and d̂(t) = g d(t −
+// T) of a sine, whose frequency is the level. T is NaN or infinite if d is constant. The values are
+// d̂, d and the rate of d.
+template <bool is_sine>
 class Lag final : public Reduction {
  public:
-  explicit Lag(const ReductionSetup& /*setup*/) {}
+  explicit Lag(const ReductionSetup& setup) : omega_rad_s_(setup.level.value()) {}
   void add(const AddedValues& added) override {
     const Eigen::Vector2d d(added.all[1], added.all[2]);
     d_d_ += d * d.transpose();
     error_d_ += (added.all[0] - d(0)) * d;
   }
   std::optional<double> value() const override {
-    if (!has_gain) return -error_d_(1) / d_d_(1, 1);
-    const double d_rate = d_d_(0, 1);
-    return -(error_d_(1) - error_d_(0) * d_rate / d_d_(0, 0)) /
-           (d_d_(1, 1) - d_rate * d_rate / d_d_(0, 0));
+    if (!is_sine) return -error_d_(1) / d_d_(1, 1);
+    // g d(t − T) = g cos(ω T) d(t) − g sin(ω T)/ω ḋ(t)
+    const Eigen::Vector2d fit = d_d_.inverse() * error_d_;
+    return math::atan2(-omega_rad_s_ * fit(1), 1.0 + fit(0)) / omega_rad_s_;
   }
 
  private:
+  double omega_rad_s_;
   Eigen::Matrix2d d_d_ = Eigen::Matrix2d::Zero();
   Eigen::Vector2d error_d_ = Eigen::Vector2d::Zero();
 };
 
-template <bool has_gain>
+template <bool is_sine>
 MetricKind lag(const char* name, const std::string& how) {
   return {.name = name,
           .meaning = "delay of an estimate, by least squares" + how,
           .unit = ReducedUnit::time,
-          .make = make_reduction<Lag<has_gain>>,
+          .make = make_reduction<Lag<is_sine>>,
+          .has_level = is_sine,
           .takes_all = true};
 }
 
@@ -44,14 +47,16 @@ MetricKind lag(const char* name, const std::string& how) {
 class CartEstimation final : public AxisScenario {
  public:
   explicit CartEstimation(const Catalogue& catalogue)
-      : AxisScenario(catalogue,
-                     {.name = "cart_estimation",
-                      .summary = "disturbance models and forgetting factors of Kalman "
-                                 "filters on a cart",
-                      .axis = cart_axis(),
-                      .controller = "pd",
-                      .reductions = {lag<false>("lag", ""),
-                                     lag<true>("lag_beside_gain", ", together with a gain")}}) {}
+      : AxisScenario(
+            catalogue,
+            {.name = "cart_estimation",
+             .summary = "disturbance models and forgetting factors of Kalman "
+                        "filters on a cart",
+             .axis = cart_axis(),
+             .controller = "pd",
+             .reductions = {
+                 lag<false>("lag", ""),
+                 lag<true>("lag_of_sine", " together with a gain; the level is the frequency")}}) {}
 
  private:
   void bind(Fields& fields) override {

@@ -94,8 +94,8 @@ class Run:
         elapsed, omega = self.t - self.at(f"disturbance.{kind}_start_s"), self.at(f"disturbance.{kind}_rad_s")
         rate = self.at(f"disturbance.{kind}_N") * omega * np.cos(omega * elapsed) * (elapsed >= 0)
         late = self.within(self.at("metrics.noise_from_s"), self.at("metrics.noise_to_s"))
-        (_, delay), *_ = np.linalg.lstsq(np.stack([d, rate], axis=1)[late], d_hat[late], rcond=None)
-        return -delay
+        (in_phase, of_rate), *_ = np.linalg.lstsq(np.stack([d, rate], axis=1)[late], d_hat[late], rcond=None)
+        return np.arctan2(-omega * of_rate, in_phase) / omega
 
     # ---- The arm at the wall ------------------------------------------------------------------
 
