@@ -50,7 +50,6 @@ DASHES = ["-", (0, (9, 3)), (0, (5, 3)), (0, (9, 3, 2, 3)), (0, (2, 3)), (0, (14
 STYLE = {
     "font.size": 8,
     "font.family": "serif",
-    "text.parse_math": False,  # a name may have any $ in it
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.linewidth": 0.6,
@@ -93,12 +92,17 @@ def values_of(differences, first, step, is_log):
     return [10**value for value in values] if is_log else values
 
 
+def literal(text):
+    """A text without formulas: matplotlib takes what is between two dollar signs for one."""
+    return text.replace("$", r"\$")
+
+
 def axis_label(title, height):
     """The title with its unit on a line of its own, as large as the height allows."""
     text = title.replace(" [", "\n[")
     # Letters of a serif are about half as wide as high.
     size = min(STYLE["font.size"], 72 * height / (0.52 * max(map(len, text.split("\n")))))
-    return {"ylabel": text, "fontsize": size}
+    return {"ylabel": literal(text), "fontsize": size}
 
 
 def columns(labels, width):
@@ -161,7 +165,7 @@ def draw(charts, window, width):
             if band:
                 axis.fill_between(places, *band, color=COLOURS[series["colour"]], alpha=0.16, linewidth=0)
             axis.plot(*zip(*[point for point in points if low <= point[0] <= high] or [(math.nan, math.nan)]),
-                      label=series["label"], color=COLOURS[series["colour"]], linestyle=dash, fillstyle="none",
+                      label=literal(series["label"]), color=COLOURS[series["colour"]], linestyle=dash, fillstyle="none",
                       marker=MARKS[series.get("marks", "")])
         for value in data["lines"]:
             axis.axhline(value, color="black", linewidth=0.6, linestyle=":")
@@ -169,10 +173,10 @@ def draw(charts, window, width):
         axis.set_yscale("log" if data.get("log") else "linear")
         axis.set_ylabel(**axis_label(data["title"], PANEL_HEIGHT))
         if "labels" in x:
-            axis.set_xticks(*zip(*((10**place if x["log"] else place, label) for place, label in x["labels"])), minor=False)
+            axis.set_xticks(*zip(*((10**place if x["log"] else place, literal(label)) for place, label in x["labels"])), minor=False)
             axis.set_xticks([], minor=True)
         if axis is axes[-1, 0] or len({chart["data"].get("x", x)["title"] for chart in charts}) > 1:
-            axis.set_xlabel(x["title"])
+            axis.set_xlabel(literal(x["title"]))
     lines, labels = axes[0, 0].get_legend_handles_labels()
     if len(lines) > 1:
         axes[0, 0].legend(lines, labels, loc="lower left", bbox_to_anchor=(0, 1), ncols=columns(labels, width), borderpad=0,

@@ -6,9 +6,9 @@
 namespace breakwater {
 namespace {
 
-// The delay T of an estimate by least squares: d̂(t) = d(t) − T ḋ(t) of a ramp, and d̂(t) = g d(t −
-// T) of a sine, whose frequency is the level. T is NaN or infinite if d is constant. The values are
-// d̂, d and the rate of d.
+// The delay T of an estimate by least squares. For a ramp it is that of d̂(t) = d(t) − T ḋ(t). For a
+// sine, whose frequency is the level, it is that of d̂(t) = g d(t − T). T is NaN or infinite if d is
+// constant. The values are d̂, d and the rate of d.
 template <bool is_sine>
 class Lag final : public Reduction {
  public:

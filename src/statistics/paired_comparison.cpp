@@ -393,7 +393,8 @@ CandidateComparison compare_candidates(const PairedResults& results,
   for (const auto& [x, y] : pairs_of(results)) {
     pairs.push_back({x, y, Blocks(results, {x, y}), of_one[x], of_one[y]});
   }
-  std::vector<SignedRank> tests;  // one for each of comparison.metrics
+  constexpr double kRounding = 1e-12;  // relative to the values
+  std::vector<SignedRank> tests;       // one for each of comparison.metrics
   for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const Groups differences = differences_of(results, metric, pairs[i]);
@@ -401,7 +402,9 @@ CandidateComparison compare_candidates(const PairedResults& results,
       if (medians.empty()) continue;
       MetricComparison one =
           compare_metric(results, metric, pairs[i], differences, medians, 1.0 - settings.alpha);
-      tests.emplace_back(medians);
+      const double largest =
+          results.values[metric].array().abs().maxCoeff<Eigen::PropagateNumbers>();
+      tests.emplace_back(medians, kRounding * largest);
       one.p = tests.back().p();
       one.difference.value = tests.back().pseudo_median();
       comparison.metrics.push_back(one);

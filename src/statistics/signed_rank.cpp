@@ -46,7 +46,8 @@ double value_at(std::int64_t place) {
 
 }  // namespace
 
-SignedRank::SignedRank(std::vector<double> differences) : sorted_(std::move(differences)) {
+SignedRank::SignedRank(std::vector<double> differences, double zero)
+    : sorted_(std::move(differences)), zero_(zero) {
   std::sort(sorted_.begin(), sorted_.end());
   if (size() <= kMostExact) cdf_ = distribution_of_sum(size());
 }
@@ -60,6 +61,10 @@ std::size_t SignedRank::at_most(double value) const {
   return count;
 }
 
+double SignedRank::last_below_zero() const {
+  return std::nextafter(-zero_, std::numeric_limits<double>::lowest());
+}
+
 double SignedRank::average(std::size_t k) const {
   std::int64_t low = place_of(sorted_.front()), high = place_of(sorted_.back());
   while (low < high) {
@@ -70,7 +75,8 @@ double SignedRank::average(std::size_t k) const {
       low = middle + 1;
     }
   }
-  return value_at(low);
+  const double value = value_at(low);
+  return std::abs(value) <= zero_ ? 0.0 : value;
 }
 
 double SignedRank::cdf(std::size_t w) const {
@@ -81,8 +87,8 @@ double SignedRank::cdf(std::size_t w) const {
 }
 
 double SignedRank::p() const {
-  const std::size_t below = at_most(-std::numeric_limits<double>::denorm_min());
-  return std::min(1.0, 2.0 * cdf(std::min(at_most(0.0), averages() - below)));
+  const std::size_t below = at_most(last_below_zero());
+  return std::min(1.0, 2.0 * cdf(std::min(at_most(zero_), averages() - below)));
 }
 
 double SignedRank::pseudo_median() const {
@@ -115,8 +121,7 @@ double SignedRank::share_above() const {
   };
   const double all = static_cast<double>(averages() - size());
   if (all == 0.0) return 0.5;
-  const double below = pairs_at_most(-std::numeric_limits<double>::denorm_min());
-  return 1.0 - 0.5 * (below + pairs_at_most(0.0)) / all;
+  return 1.0 - 0.5 * (pairs_at_most(last_below_zero()) + pairs_at_most(zero_)) / all;
 }
 
 std::optional<std::size_t> differences_needed(double share_above, double alpha) {

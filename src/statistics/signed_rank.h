@@ -24,8 +24,9 @@ namespace breakwater {
 /// 598–611.
 class SignedRank {
  public:
-  /// The differences must be finite.
-  explicit SignedRank(std::vector<double> differences);
+  /// The differences must be finite. Averages up to `zero` in magnitude are zero: so large may be
+  /// the rounding error of a difference.
+  explicit SignedRank(std::vector<double> differences, double zero = 0.0);
 
   double p() const;
   /// The median of the Walsh averages, which estimates the pseudo-median: the median of (D + D')/2
@@ -43,10 +44,12 @@ class SignedRank {
   std::size_t size() const { return sorted_.size(); }
   std::size_t averages() const { return size() * (size() + 1) / 2; }
   std::size_t at_most(double value) const;  // number of Walsh averages
+  double last_below_zero() const;           // the largest number below zero
   double average(std::size_t k) const;      // the k-th smallest, from 1
   double cdf(std::size_t w) const;          // P(W₊ ≤ w)
 
   std::vector<double> sorted_;
+  double zero_;
   std::vector<double> cdf_;  // empty for large n
 };
 

@@ -4,6 +4,7 @@ import json
 import unittest
 
 import numpy as np
+import pandas as pd
 
 import breakwater as bw
 from breakwater import _core
@@ -53,6 +54,16 @@ class Compare(unittest.TestCase):
         self.assertEqual(some.notes, ["y is missing: in 1 of 10 complete runs of a"])
         self.assertTrue(repr(some).endswith(some.notes[0]))
         self.assertEqual(set(bw.compare(table()[1:], "y", "who", on="seed").pairs["conditions"]), {9})
+
+    def test_rounding_breaks_no_tie(self):
+        """Differences of milliseconds cancel in pairs. In seconds only a rounding error is left of some sums."""
+        before, change = np.array([382, 377, 176, 307, 293, 121, 319, 287]), np.array([4, 1, 5, 4, 2, -2, 4, 1])
+        for unit in (1, 1e-3):
+            runs = pd.DataFrame({"who": ["a"] * 8 + ["b"] * 8, "on": [*range(8)] * 2,
+                                 "settling_s": unit * np.concatenate([before, before + change])})
+            pair = bw.compare(runs, "settling_s", by="who", on="on").pairs.iloc[0]
+            self.assertEqual(pair["p"], 14 / 256)
+            self.assertEqual(pair["difference_lower"], 0.0)
 
 
 def ranked(peaks, times=None, failed=None, runs=None, goal="min", bound=None, share=1.0):
