@@ -1,5 +1,5 @@
-// Draws the first charts at once and the others when the page is idle. Keeps time axes and
-// replays together.
+// Draws the first charts at once and the others when the page scrolls to them. Keeps time axes
+// and replays together.
 "use strict";
 (() => {
   const FIRST_CHARTS = 8;  // charts drawn before the first scroll
@@ -165,14 +165,10 @@
         highlightCallback: (event, time) => this.isPlayed ? this.showValues(time) : setTime(this.group, time),
         unhighlightCallback: () => this.isPlayed ? this.showValues(this.group.time) : setTime(this.group, null),
         drawCallback: (graph, isFirst) => { if (!isFirst) this.drawn(); },
-        clickCallback: (event, time) => {
-          setTime(this.group, time, this);
-          this.choose(time, event.offsetY);
-        },
+        clickCallback: (event, time) => setTime(this.group, time, this),
       });
       this.cursor = element("div", "cursor", this.plot);
       this.cursor.hidden = true;
-      if (this.isPlayed) this.makeGrip();
       this.plot.addEventListener("keydown", (event) => this.key(event));
       this.group.charts.push(this);
       this.axis.charts.push(this);
@@ -286,20 +282,6 @@
       this.series.forEach((series, i) => { this.values[i].textContent = this.textAt(time, i); });
     }
 
-    // Gives the marks at x to the page's script: the nearest to `y`, or all.
-    choose(x, y) {
-      if (!window.chooseMarks || x === null) return;
-      const far = ({i}) => Math.abs(this.graph.toDomYCoord(this.at(x, i + 1)) - y);
-      let marks = this.series.map((series, i) => ({i, runs: series.runs?.[this.placeOf(series, x)],
-          text: `${series.label}, ${this.x.title} = ${this.textOfX(x)}: ${this.textAt(x, i)}`}))
-        .filter(({i, runs}) => runs?.length && this.graph.visibility()[i]);
-      if (y !== undefined) {
-        const nearest = Math.min(...marks.map(far));
-        marks = marks.filter((mark) => far(mark) === nearest);  // a cross may lie on a dot
-      }
-      window.chooseMarks(marks);
-    }
-
     xOf(series) { return numbers(series.t, this.x.from, this.x.step); }
 
     placeOf(series, x) { return this.xOf(series).indexOf(x); }
@@ -331,32 +313,6 @@
       const inside = time !== null && time >= range[0] && time <= range[1];
       this.cursor.hidden = !inside;
       if (inside) this.cursor.style.left = this.graph.toDomXCoord(time) + "px";
-      if (this.isPlayed) {
-        this.cursor.setAttribute("aria-valuenow", String(time === null ? range[0] : time));
-        this.cursor.setAttribute("aria-valuetext", shown(time) + " s");
-      }
-    }
-
-    makeGrip() {
-      const grip = this.cursor;
-      grip.classList.add("grip");
-      grip.tabIndex = 0;
-      grip.setAttribute("role", "slider");
-      grip.setAttribute("aria-label", "Time, with what plays it");
-      const [first, last] = this.graph.xAxisExtremes();
-      grip.setAttribute("aria-valuemin", String(first));
-      grip.setAttribute("aria-valuemax", String(last));
-      grip.addEventListener("pointerdown", (event) => {
-        event.stopPropagation();
-        event.preventDefault();
-        const move = (e) => {
-          const x = e.clientX - this.plot.getBoundingClientRect().left;
-          setTime(this.group, this.graph.toDataXCoord(x), this);  // players follow
-        };
-        addEventListener("pointermove", move);
-        addEventListener("pointerup", () => removeEventListener("pointermove", move), {once: true});
-      });
-      grip.addEventListener("mousedown", (event) => event.stopPropagation());
     }
 
     key(event) {
@@ -372,7 +328,6 @@
         case "ArrowRight": setTime(this.group, nextOf(1), this); break;
         case "+": zoomTo(0.6); break;
         case "-": zoomTo(1.6); break;
-        case "Enter": this.choose(this.group.time); break;
         case "0": case "Escape": zoom(this.axis, null, null); break;
         default: return;
       }
@@ -412,38 +367,16 @@
 
   const charts = Array.from(document.querySelectorAll(".chart"));
   const draw = (box) => { if (!box.dataset.drawn) new Chart(box); };
-  // Draws all at once, for printing and for tests.
-  window.drawAllCharts = () => charts.filter((box) => !box.closest("[hidden]")).forEach(draw);
-
-  // Draws the other charts when the page is idle or scrolls to them.
-  function drawTheRest() {
-    const rest = charts.filter((box) => !box.dataset.drawn && box.offsetParent);
-    const soon = window.requestIdleCallback || ((work) => setTimeout(() => work({timeRemaining: () => 8}), 30));
-    const go = (idle) => {
-      do {
-        const next = rest.shift();
-        if (!next) return;
-        draw(next);
-      } while (idle.timeRemaining() > 4);
-      soon(go);
-    };
-    soon(go);
-    if (!("IntersectionObserver" in window)) return;
-    const seen = new IntersectionObserver((entries) => {
-      for (const entry of entries) {
-        if (!entry.isIntersecting) continue;
-        seen.unobserve(entry.target);
-        draw(entry.target);
-      }
-    }, {rootMargin: "400px"});
-    charts.forEach((box) => seen.observe(box));
-  }
+  // Draws the other charts when the page scrolls to them, or they are unfolded.
+  const seen = new IntersectionObserver((entries) => {
+    for (const entry of entries) if (entry.isIntersecting) draw(entry.target);
+  }, {rootMargin: "800px"});
 
   const redrawAll = () => charts.forEach((box) => { if (box.chart) box.chart.redraw(); });
   // Chromium prints a canvas as it was before, so redrawing is too late. The charts are made
   // smaller.
   window.addEventListener("beforeprint", () => {
-    drawAllCharts();
+    charts.forEach(draw);
     document.body.classList.add("paper");
     for (const {chart} of charts) {
       if (!chart) continue;
@@ -460,7 +393,7 @@
   // The scripts behind this one add the players.
   setTimeout(() => {
     charts.filter((box) => box.offsetParent).slice(0, FIRST_CHARTS).forEach(draw);
-    drawTheRest();
+    charts.forEach((box) => seen.observe(box));
     document.querySelectorAll("button.range").forEach((button) => button.addEventListener("click", () => {
       const axis = axisOf(button.dataset.axis);
       const whole = axis.window !== null;

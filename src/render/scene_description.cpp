@@ -186,40 +186,6 @@ Json light_json(const mjModel& m, int id) {
                     m.light_cutoff[id], m.light_exponent[id]);
 }
 
-// A hinge or slide joint, in the frame of the parent of its body, at position 0. The pointers are
-// unit vectors perpendicular to the axis: one at position 0, and the same fixed to the body.
-Json joint_json(const Model& model, int id) {
-  const mjModel& m = *model.get();
-  const bool is_hinge = m.jnt_type[id] == mjJNT_HINGE;
-  const int body = m.jnt_bodyid[id];
-  const mjtNum* const q = m.body_quat + row_at(4, body);
-  const Eigen::Quaterniond R(q[0], q[1], q[2], q[3]);
-  const Eigen::Vector3d axis = vector3(m.jnt_axis + row_at(3, id)).normalized();
-  // The axis of the body that is most perpendicular to the joint, so that the pointer lies along
-  // the link.
-  Eigen::Vector3d pointer = Eigen::Vector3d::UnitX();
-  for (const Eigen::Vector3d& other : {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)}) {
-    if (std::abs(other.dot(axis)) < std::abs(pointer.dot(axis)) - 1e-9) pointer = other;
-  }
-  pointer = (pointer - pointer.dot(axis) * axis).normalized();
-  // At qpos0 the body is posed as in the file, but the pointer is for position 0.
-  const double at_file = m.qpos0[m.jnt_qposadr[id]];
-  const Eigen::Quaterniond back(Eigen::AngleAxisd(is_hinge ? -at_file : 0.0, axis));
-  Eigen::Vector3d anchor =
-      vector3(m.body_pos + row_at(3, body)) + R * vector3(m.jnt_pos + row_at(3, id));
-  if (!is_hinge) anchor -= at_file * (R * axis);
-  return {{"name", name_of(model, mjOBJ_JOINT, id)},
-          {"hinge", is_hinge},
-          {"body", body},
-          {"parent", m.body_parentid[body]},
-          {"anchor", rounded_list(anchor)},
-          {"axis", rounded_list(Eigen::Vector3d(R * axis))},
-          {"limited", m.jnt_limited[id] != 0},
-          {"range", row(m.jnt_range, id, 2)},
-          {"pointer", rounded_list(Eigen::Vector3d(R * (back * pointer)))},
-          {"bodyPointer", rounded_list(pointer)}};
-}
-
 // Shows the whole model.
 Json free_camera_json(const Model& model) {
   mjvCamera camera;
@@ -330,12 +296,6 @@ nlohmann::ordered_json describe_scene(const Model& model, const std::vector<int>
     return Json{{"name", name_of(model, mjOBJ_CAMERA, i)}, {"fovy", rounded(m.cam_fovy[i])}};
   });
   scene["lights"] = each(m.nlight, [&](int i) { return light_json(m, i); });
-  scene["joints"] = Json::array();
-  for (int i = 0; i < m.njnt; ++i) {
-    if (m.jnt_type[i] == mjJNT_HINGE || m.jnt_type[i] == mjJNT_SLIDE) {
-      scene["joints"].push_back(joint_json(model, i));
-    }
-  }
   scene["headlight"] = headlight_json(m);
   scene["centre"] = row(m.stat.center, 0);
   scene["extent"] = rounded(m.stat.extent);

@@ -66,7 +66,7 @@ class SceneAssets {
 /// Whether SceneView now draws a geom: its group is drawn, and it is not fully transparent.
 bool is_drawn(const Model& model, int geom);
 
-/// The look of these geoms of the model, its cameras, lights, hinges and slides, for
+/// The look of these geoms of the model, its cameras and lights, for
 /// data/report/replay. Lengths are in m, angles in rad or, where OpenGL has them so, degrees. The
 /// heights of `surfaces` are left out: waves give them.
 nlohmann::ordered_json describe_scene(const Model& model, const std::vector<int>& geoms,

@@ -367,18 +367,6 @@ TEST(SceneDescription, ListsTheDrawnGeoms) {
   EXPECT_FALSE(drawn("clear"));
 }
 
-TEST(SceneDescription, AJointsPointerShowsItsAngle) {
-  const Model model = robot();
-  const Json joints = Described(model).scene["joints"];
-  ASSERT_EQ(joints.size(), 1U);
-  const Json& elbow = joints[0];
-  EXPECT_TRUE(elbow["hinge"] && elbow["limited"]);
-  EXPECT_EQ(elbow["range"], (Json{-1.0, 2.0}));
-  EXPECT_EQ(elbow["anchor"], (Json{1.0, 0.0, 0.5}));
-  EXPECT_EQ(elbow["pointer"], elbow["bodyPointer"]);  // at 0 the body is as in the file
-  EXPECT_NEAR(elbow["axis"][2], 1.0, 1e-12);
-}
-
 TEST(ScenePoser, TurnsTheArmAboutItsJoint) {
   const Model model = robot();
   ScenePoser poser(model);

@@ -4,7 +4,6 @@
   // Its identity's, as the page has it now.
   const runColour = (run) => getComputedStyle(document.documentElement).getPropertyValue("--c" + run.colour).trim();
   const GHOST_OPACITY = 0.42;
-  const TRAIL_POINTS = 1500;
   const SHORTEST_ARROW_M = 1e-4;
 
   const vector = ([x, y, z]) => new THREE.Vector3(x, y, z);
@@ -150,7 +149,7 @@
       this.material.uniforms.colour.value.fromArray(colour);
     }
 
-    pose(run, frame, bodies, shown) {
+    pose(run, frame, bodies, showsForces) {
       const {json} = this;
       const body = bodies[json.body];
       const [x, y, z, w, a, b, c] = json.site;
@@ -165,9 +164,9 @@
       this.from.copy(this.site).add(vector(json.offset));
       this.to.copy(this.from).add(reach);
       const length = reach.length();
-      const isSeen = shown.arrows && length > SHORTEST_ARROW_M;
+      const isSeen = showsForces && length > SHORTEST_ARROW_M;
       this.object.visible = isSeen;
-      this.mark.visible = shown.contacts && json.mark > 0 && this.value > 0;
+      this.mark.visible = showsForces && json.mark > 0 && this.value > 0;
       this.mark.position.copy(this.site);
       if (!isSeen) return;
       this.object.position.copy(this.from);
@@ -178,89 +177,10 @@
     }
   }
 
-  // The way that a point has come.
-  class Trail {
-    constructor(run, body, point, colour) {
-      this.run = run;
-      this.body = body;
-      this.point = vector(point);
-      this.step = Math.max(1, Math.ceil(run.times.frames / TRAIL_POINTS));
-      const count = Math.ceil(run.times.frames / this.step) + 1;
-      this.positions = new Float32Array(3 * count);
-      const position = new THREE.Vector3(), rotation = new THREE.Quaternion();
-      for (let i = 0; i + 1 < count; ++i) {
-        run.bodies[body].write({frame: i * this.step, part: 0}, position, rotation);
-        this.at(position, rotation).toArray(this.positions, 3 * i);
-      }
-      const geometry = new THREE.BufferGeometry();
-      geometry.setAttribute("position", new THREE.BufferAttribute(this.positions.slice(), 3));
-      this.object = new THREE.Line(geometry, new THREE.LineBasicMaterial({color: colour, transparent: true, opacity: 0.85}));
-      this.object.frustumCulled = false;
-    }
-
-    at(position, rotation) { return this.point.clone().applyQuaternion(rotation).add(position); }
-
-    pose(frame, bodies) {
-      const whole = Math.floor(frame.frame / this.step) + 1;
-      const now = this.at(bodies[this.body].position, bodies[this.body].quaternion);
-      const attribute = this.object.geometry.attributes.position;
-      attribute.array.set(this.positions);
-      now.toArray(attribute.array, 3 * whole);
-      attribute.needsUpdate = true;
-      this.object.geometry.setDrawRange(0, whole + 1);
-    }
-  }
-
-  // Axes of a body: x red, y green, z blue.
-  function axes(length) {
-    const made = new THREE.AxesHelper(length);
-    made.material.depthTest = false;
-    made.renderOrder = 5;
-    return made;
-  }
-
-  // A joint's axis, its range and where it is in it.
-  class Limits {
-    constructor(json, size) {
-      this.json = json;
-      this.object = new THREE.Group();
-      this.pointer = new THREE.Group();
-      const line = (points, colour, parent) => {
-        const geometry = new THREE.BufferGeometry().setFromPoints(points);
-        const made = new THREE.Line(geometry, new THREE.LineBasicMaterial({color: colour, depthTest: false}));
-        made.renderOrder = 5;
-        parent.add(made);
-      };
-      const anchor = vector(json.anchor), axis = vector(json.axis), zero = vector(json.pointer);
-      line([anchor.clone().addScaledVector(axis, -0.6 * size), anchor.clone().addScaledVector(axis, 0.6 * size)],
-           "#7a3fb0", this.object);
-      if (json.hinge) {
-        const spoke = (angle) => zero.clone().applyAxisAngle(axis, angle).multiplyScalar(size).add(anchor);
-        if (json.limited) {
-          const [low, high] = json.range;
-          const points = Array.from({length: 49}, (_, i) => spoke(low + (high - low) * i / 48));
-          line([anchor, ...points, anchor], "#7a3fb0", this.object);
-        }
-        line([new THREE.Vector3(), vector(json.bodyPointer).multiplyScalar(size)], "#e0a000", this.pointer);
-      } else if (json.limited) {
-        line(json.range.map((value) => anchor.clone().addScaledVector(axis, value)), "#7a3fb0", this.object);
-      }
-    }
-
-    pose(bodies) {
-      const parent = bodies[this.json.parent], body = bodies[this.json.body];
-      this.object.position.copy(parent.position);
-      this.object.quaternion.copy(parent.quaternion);
-      this.pointer.position.copy(vector(this.json.anchor).applyQuaternion(parent.quaternion).add(parent.position));
-      this.pointer.quaternion.copy(body.quaternion);
-    }
-  }
-
   // One run in the scene.
   class Actor {
-    constructor(run, number, data, stage) {
+    constructor(run, data, stage) {
       this.run = run;
-      this.number = number;
       this.colour = runColour(run);
       this.root = new THREE.Group();
       this.bodies = run.scene.bodies.map(() => new THREE.Group());
@@ -271,14 +191,7 @@
       this.visibility = run.visibility.map((one) => ({...one, mesh: this.meshes.find((m) => m.geom.id === one.geom)}));
       this.arrows = run.arrows.map((json) => new Arrow(json, stage.shared));
       for (const arrow of this.arrows) this.root.add(arrow.object, arrow.mark);
-      this.trails = this.makeTrails();
-      for (const trail of this.trails) this.root.add(trail.object);
-      const size = this.size = this.reachOfBodies();
       this.moving = this.bodies.map((_, i) => i).filter((i) => run.bodies[i].moves);
-      this.frames = this.moving.map((i) => ({body: i, object: axes(0.35 * size)}));
-      this.limits = run.scene.joints.map((json) => new Limits(json, 0.3 * size));
-      for (const {body, object} of this.frames) this.bodies[body].add(object);
-      for (const limit of this.limits) this.root.add(limit.object, limit.pointer);
     }
 
     addGeom(geom, data, stage) {
@@ -314,22 +227,7 @@
       this.meshes.push({geom, mesh, material, ghost, moves, isBounded, casts: mesh.castShadow});
     }
 
-    // The trail of the first arrow's site. Without arrows, that of the last moving body.
-    makeTrails() {
-      const {run} = this;
-      const arrow = run.arrows.find((a) => run.bodies[a.body].moves);
-      const last = run.bodies.map((track, i) => track.moves ? i : -1).filter((i) => i > 0).pop();
-      if (!arrow && last === undefined) return [];
-      return [arrow ? new Trail(run, arrow.body, arrow.site, this.colour) : new Trail(run, last, [0, 0, 0], this.colour)];
-    }
-
-    // The radius of what moves, at the beginning.
-    reachOfBodies() {
-      const radii = this.meshes.filter((m) => m.moves && m.isBounded).map((m) => m.mesh.geometry.boundingSphere.radius);
-      return radii.length > 0 ? 2 * Math.max(...radii) : 0.5 * this.run.scene.extent;
-    }
-
-    pose(time, shown) {
+    pose(time, showsForces) {
       const {run} = this;
       const frame = this.frame = run.times.place(time);
       run.bodies.forEach((track, i) => track.write(frame, this.bodies[i].position, this.bodies[i].quaternion));
@@ -337,21 +235,11 @@
         if (mesh) mesh.hidden = atFirst === (changes.filter((at) => at <= frame.frame).length % 2 === 1);
       }
       for (const water of this.waters) water.pose(Math.min(Math.max(time, run.times.begin), run.times.end));
-      for (const arrow of this.arrows) arrow.pose(run, frame, this.bodies, shown);
-      for (const trail of this.trails) {
-        trail.object.visible = shown.trails;
-        if (shown.trails) trail.pose(frame, this.bodies);
-      }
-      for (const {object} of this.frames) object.visible = shown.frames;
-      for (const limit of this.limits) {
-        limit.object.visible = limit.pointer.visible = shown.joints;
-        if (shown.joints) limit.pose(this.bodies);
-      }
+      for (const arrow of this.arrows) arrow.pose(run, frame, this.bodies, showsForces);
     }
 
-    // "whole": as it is; "ghost": what moves, in the run's colour; "none".
+    // "whole": as it is; "ghost": what moves, in the run's colour.
     appear(how, shadows) {
-      this.root.visible = how !== "none";
       for (const arrow of this.arrows) arrow.paint(how === "ghost" ? new THREE.Color(this.colour).toArray() : arrow.json.colour);
       for (const one of this.meshes) {
         const {mesh, material, ghost, moves, casts} = one;
@@ -360,29 +248,6 @@
         mesh.castShadow = shadows && casts && how === "whole";
         mesh.receiveShadow = how === "whole" && !this.waters.some((w) => w.mesh === mesh);
       }
-    }
-
-    // Small balls along what moves now, in the world: where a number would be in the way.
-    beads() {
-      const beads = [];
-      for (const {geom, moves, isBounded, mesh} of this.meshes) {
-        if (!moves || !isBounded) continue;
-        const body = this.bodies[geom.body];
-        const [x, y, z] = geom.size;
-        const [radius, half, axis] = geom.shape === "capsule" || geom.shape === "cylinder" ? [x, y, 2]
-          : geom.shape === "sphere" ? [x, 0, 2]
-          : geom.shape === "mesh" ? [0.7 * mesh.geometry.boundingSphere.radius, 0, 2]
-          : (() => { const k = geom.size.indexOf(Math.max(x, y, z)); return [Math.max(...geom.size.filter((_, i) => i !== k)), geom.size[k], k]; })();
-        const count = Math.max(1, Math.min(9, Math.ceil(half / Math.max(radius, 1e-6))));
-        for (let i = 0; i < count; ++i) {
-          const way = count === 1 ? 0 : half * (2 * i / (count - 1) - 1);
-          const centre = new THREE.Vector3().setComponent(axis, way);
-          if (geom.shape === "mesh") centre.copy(mesh.geometry.boundingSphere.center);
-          beads.push({radius, centre: centre.applyQuaternion(mesh.quaternion).add(mesh.position)
-            .applyQuaternion(body.quaternion).add(body.position)});
-        }
-      }
-      return beads;
     }
 
     // A ball around what moves now, in the world.
@@ -428,15 +293,14 @@
       this.shared = Replay.shading.lightUniforms();
       const {scene} = data.runs[0];
       this.far = scene.far;
-      this.actors = data.runs.map((run, i) => new Actor(run, i, data, this));
+      this.actors = data.runs.map((run) => new Actor(run, data, this));
       for (const actor of this.actors) this.scene.add(actor.root);
       this.backdrop = Replay.shading.backdrop();
       this.backdrop.visible = scene.sky < 0;  // a sky hides it
       this.scene.add(this.backdrop);
       if (scene.sky >= 0) this.scene.add(Replay.shading.sky(this.textureOf(scene.sky)));
       this.makeLights(scene);
-      this.shown = {arrows: true, contacts: true, trails: false, joints: false, frames: false};
-      this.mode = "ghosts";
+      this.showsForces = true;
       this.shadows = true;
     }
 
@@ -466,6 +330,7 @@
         (light.directional ? shared.directionalSpecular : shared.spotSpecular).value.push(vector(light.specular));
         (light.directional ? shared.directionalApart : shared.spotApart).value.push(light.shadow ? 1 : 0);
         made.target = new THREE.Object3D();
+        made.shadow.mapSize.set(2048, 2048);
         this.scene.add(made, made.target);
         this.lights.push({made, json: light, track: this.data.runs[0].lights[i]});
       }
@@ -521,25 +386,13 @@
     }
 
     pose(time) {
-      for (const actor of this.actors) actor.pose(time, this.shown);
+      for (const actor of this.actors) actor.pose(time, this.showsForces);
       this.poseLights();
     }
 
-    // For the picture of one run beside others, or of all in one.
-    appear(only) {
-      this.actors.forEach((actor, i) => {
-        if (only !== null) actor.appear(i === only ? "whole" : "none", this.shadows);
-        else actor.appear(i === 0 ? "whole" : this.mode === "ghosts" ? "ghost" : "none", this.shadows);
-      });
-    }
-
-    setShadowMap(side) {
-      for (const {made} of this.lights) {
-        if (made.shadow.mapSize.x === side) continue;
-        made.shadow.mapSize.set(side, side);
-        if (made.shadow.map) made.shadow.map.dispose();
-        made.shadow.map = null;
-      }
+    // The first run as it is, the others as ghosts.
+    appear() {
+      this.actors.forEach((actor, i) => actor.appear(i === 0 ? "whole" : "ghost", this.shadows));
     }
 
     thinWater(every) {

@@ -3,26 +3,6 @@
 (() => {
   const SLICES = 40;
 
-  // A profile (radius, z, and its normal) turned about z.
-  function turned(profile) {
-    const position = [], normal = [], index = [];
-    const rows = profile.length;
-    for (let i = 0; i <= SLICES; ++i) {
-      const angle = 2 * Math.PI * i / SLICES, c = Math.cos(angle), s = Math.sin(angle);
-      for (const [r, z, nr, nz] of profile) {
-        position.push(r * c, r * s, z);
-        normal.push(nr * c, nr * s, nz);
-      }
-    }
-    for (let i = 0; i < SLICES; ++i) {
-      for (let k = 0; k + 1 < rows; ++k) {
-        const a = i * rows + k, b = a + rows;
-        index.push(a, b, b + 1, a, b + 1, a + 1);
-      }
-    }
-    return geometry(position, normal, index);
-  }
-
   function geometry(position, normal, index, uv) {
     const made = new THREE.BufferGeometry();
     made.setAttribute("position", new THREE.BufferAttribute(new Float32Array(position), 3));
@@ -33,48 +13,28 @@
     return made;
   }
 
-  // A quarter of a circle or more, from angle a to b above the equator, about height z0.
-  function arc(radius, z0, a, b, steps) {
-    return Array.from({length: steps + 1}, (_, i) => {
-      const angle = a + (b - a) * i / steps, c = Math.cos(angle), s = Math.sin(angle);
-      return [radius * c, z0 + radius * s, c, s];
-    });
-  }
+  // The library's axis is y.
+  const upright = (made) => made.rotateX(Math.PI / 2);
 
-  function sphere() { return turned(arc(1, 0, -Math.PI / 2, Math.PI / 2, SLICES / 2)); }
+  function sphere() { return upright(new THREE.SphereBufferGeometry(1, SLICES, SLICES / 2)); }
 
   function capsule(radius, half) {
-    return turned([...arc(radius, -half, -Math.PI / 2, 0, SLICES / 4), ...arc(radius, half, 0, Math.PI / 2, SLICES / 4)]);
+    const profile = Array.from({length: SLICES / 2 + 2}, (_, i) => {
+      const isUpper = i > SLICES / 4, angle = Math.PI * (2 * (i - isUpper) / SLICES - 0.5);
+      return new THREE.Vector2(radius * Math.cos(angle), radius * Math.sin(angle) + (isUpper ? half : -half));
+    });
+    return upright(new THREE.LatheBufferGeometry(profile, SLICES));
   }
 
-  function cylinder(radius, half) {
-    return turned([[0, -half, 0, -1], [radius, -half, 0, -1], [radius, -half, 1, 0], [radius, half, 1, 0],
-                   [radius, half, 0, 1], [0, half, 0, 1]]);
-  }
+  function cylinder(radius, half) { return upright(new THREE.CylinderBufferGeometry(radius, radius, 2 * half, SLICES)); }
 
   // From z = 0 to its tip at z = length.
   function cone(radius, length) {
-    const slope = Math.hypot(radius, length);
-    const nr = length / slope, nz = radius / slope;
-    return turned([[0, 0, 0, -1], [radius, 0, 0, -1], [radius, 0, nr, nz], [0, length, nr, nz]]);
-  }
-
-  function ellipsoid([x, y, z]) {
-    const made = sphere();
-    const position = made.attributes.position, normal = made.attributes.normal;
-    for (let i = 0; i < position.count; ++i) {
-      const n = new THREE.Vector3(normal.getX(i) / x, normal.getY(i) / y, normal.getZ(i) / z).normalize();
-      normal.setXYZ(i, n.x, n.y, n.z);
-      position.setXYZ(i, x * position.getX(i), y * position.getY(i), z * position.getZ(i));
-    }
-    return made;
+    return upright(new THREE.ConeBufferGeometry(radius, length, SLICES)).translate(0, 0, length / 2);
   }
 
   // A size of 0 goes on as far as one sees.
-  function plane([x, y], far) {
-    const a = x > 0 ? x : far, b = y > 0 ? y : far;
-    return geometry([-a, -b, 0, a, -b, 0, a, b, 0, -a, b, 0], [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1], [0, 1, 2, 0, 2, 3]);
-  }
+  function plane([x, y], far) { return new THREE.PlaneBufferGeometry(2 * (x || far), 2 * (y || far)); }
 
   // Every n-th row and column, and the last ones.
   function gridIndex(rows, columns, every = 1) {
@@ -138,7 +98,7 @@
       case "sphere": return sphere().scale(x, x, x);
       case "capsule": return capsule(x, y);
       case "cylinder": return cylinder(x, y);
-      case "ellipsoid": return ellipsoid(geom.size);
+      case "ellipsoid": return sphere().scale(x, y, z);
       case "box": return new THREE.BoxBufferGeometry(2 * x, 2 * y, 2 * z);
       case "field": return field(asset);
       default: return mesh(asset);

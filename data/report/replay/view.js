@@ -6,12 +6,8 @@
   const FRAMED_ASPECT = 4 / 3;
   const LIGHT = {top: [200 / 255, 212 / 255, 224 / 255], bottom: [240 / 255, 243 / 255, 246 / 255]};
   const DARK = {top: [0.10, 0.12, 0.15], bottom: [0.20, 0.23, 0.27]};
-  // From the best to the quickest. `pixels`: for each pixel of the page. `shadow`: side of the shadow map (0: none).
-  // `water`: without a graphics card, every n-th row and column of the water is drawn.
-  const QUALITIES = [{pixels: 2, shadow: 2048, water: 1}, {pixels: 1, shadow: 1024, water: 2},
-                     {pixels: 0.75, shadow: 512, water: 2}, {pixels: 0.66, shadow: 0, water: 2},
-                     {pixels: 0.45, shadow: 0, water: 3}];
-  const SLOW_MS = 55, QUICK_MS = 22;
+  // `pixels`: for each pixel of the page. `water`: every n-th row and column of it is drawn. Without a graphics card, what moves is drawn quickly.
+  const BEST = {pixels: 2, shadows: true, water: 1}, QUICK = {pixels: 0.66, shadows: false, water: 2};
   const REST_MS = 350;  // then what stands still is drawn once more, as well as can be
 
   const prefersDark = matchMedia("(prefers-color-scheme: dark)");
@@ -69,10 +65,6 @@
       this.time = Number(box.dataset.time);
       this.isPlaying = false;
       this.player = null;  // the charts' view of this replay
-      this.quality = 1;
-      this.look = "auto";
-      this.intervals = [];
-      this.layout = "ghosts";
     }
 
     get isReady() { return Boolean(this.stage); }
@@ -115,7 +107,6 @@
       this.stage = new Replay.Stage(this.data, this.isSoftware ? 1 : 8);
       this.camera = new THREE.PerspectiveCamera(45, 1, 0.01, 100);
       this.camera.up.set(0, 0, 1);
-      this.quality = this.isSoftware ? 1 : 0;
       this.labels = element("div", "labels", this.picture);
       this.captions = element("div", "captions", this.picture);
       this.makeControls(json);
@@ -192,28 +183,12 @@
       const more = element("details", "more", bar);
       element("summary", "", more, "Show");
       const menu = element("div", "menu", more);
-      this.switches = {};
-      const shown = this.stage.shown;
-      const switches = [["arrows", "forces (A)", this.data.runs.some((r) => r.arrows.length > 0)],
-                        ["contacts", "contact points", this.data.runs.some((r) => r.arrows.some((a) => a.mark > 0))],
-                        ["trails", "trails (T)", this.stage.actors.some((a) => a.trails.length > 0)],
-                        ["joints", "joints and limits (J)", scene.joints.length > 0],
-                        ["frames", "frames of bodies (B)", true]];
-      for (const [key, text, isThere] of switches) {
-        if (!isThere) continue;
+      if (this.data.runs.some((run) => run.arrows.length > 0)) {
         const label = element("label", "", menu);
-        const box = this.switches[key] = element("input", "", label);
-        box.type = "checkbox";
-        box.checked = shown[key];
-        label.append(" " + text);
-        box.addEventListener("change", () => { shown[key] = box.checked; this.seek(this.time); });
+        this.forces = Object.assign(element("input", "", label), {type: "checkbox", checked: true});
+        label.append(" forces (A)");
+        this.forces.addEventListener("change", () => { this.stage.showsForces = this.forces.checked; this.seek(this.time); });
       }
-      if (this.data.runs.length > 1) {
-        this.layoutChoice = this.select(menu, "Runs", [["ghosts", "ghosts in one scene (G)"], ["beside", "side by side (G)"], ["first", "the first alone"]],
-                                        (v) => this.setLayout(v));
-      }
-      this.lookChoice = this.select(menu, "Look", [["auto", "look: as the machine can"], ["full", "look: full"], ["fast", "look: fast"]],
-                                    (v) => this.setLook(v));
       element("p", "keys-help", menu, "Drag to turn, right drag or two fingers to move, wheel or pinch to zoom. Keys: space plays, , and . step, "
               + "← → a second, [ ] slower and faster, 1–9 cameras, 0 back to the camera, F follows.");
       this.button(bar, "Full screen", "full", () => this.fullScreen()).classList.add("wide-only");
@@ -234,12 +209,6 @@
     key(event) {
       if (event.ctrlKey || event.metaKey || event.altKey) return;
       const isTyped = /^(SELECT|INPUT)$/.test(event.target.tagName);
-      const toggled = {a: "arrows", t: "trails", j: "joints", b: "frames"}[event.key.toLowerCase()];
-      if (toggled && this.switches[toggled] && !isTyped) {
-        this.switches[toggled].click();
-        event.preventDefault();
-        return;
-      }
       if (isTyped && event.target !== this.slider && event.key !== "Escape") return;
       if (event.target.tagName === "BUTTON" && (event.key === " " || event.key === "Enter")) return;
       const by = (seconds) => { this.pause(); this.seek(this.time + seconds, true); };
@@ -251,10 +220,10 @@
         case "ArrowRight": by(event.shiftKey ? 10 : this.speed); break;
         case "Home": by(this.begin - this.time); break;
         case "End": by(this.end - this.time); break;
+        case "a": case "A": if (this.forces) this.forces.click(); break;
         case "[": this.changeSpeed(-1); break;
         case "]": this.changeSpeed(1); break;
         case "0": this.useCamera(this.data.camera); break;
-        case "g": case "G": if (this.layoutChoice) this.setLayout(this.layout === "ghosts" ? "beside" : "ghosts"); break;
         case "f": case "F": this.follow(this.followed === null ? this.stage.actors[0].moving[0] : null); break;
         default: {
           const camera = Number(event.key) - 1;
@@ -282,23 +251,6 @@
       this.setSpeed(Number(option.value));
     }
 
-    setLayout(layout) {
-      this.layout = layout;
-      this.stage.mode = layout;
-      if (this.layoutChoice) this.layoutChoice.value = layout;
-      this.makeCaptions();
-      this.resize();
-    }
-
-    // "auto" lowers and raises itself; "full" has shadows always, "fast" never.
-    setLook(look) {
-      this.look = look;
-      this.lookChoice.value = look;
-      this.quality = look === "fast" ? 3 : look === "full" ? 1 : this.isSoftware ? 1 : 0;
-      this.intervals = [];
-      this.invalidate();
-    }
-
     // ---- time
 
     toggle() { if (this.isPlaying) this.pause(); else this.play(); }
@@ -310,7 +262,6 @@
       this.playButton.title = "Pause (space)";
       this.playButton.setAttribute("aria-label", this.playButton.title);
       this.lastTick = null;
-      this.intervals = [];
       this.invalidate();
     }
 
@@ -453,118 +404,56 @@
       this.invalidate();
     }
 
-    // One to three runs stand in a row, four in a square; on what is higher than wide they stand in a
-    // column.
-    panels() {
-      const count = this.data.runs.length;
-      if (this.layout !== "beside" || count === 1) return [{x: 0, y: 0, w: 1, h: 1, only: null}];
-      let columns = count === 4 ? 2 : count;
-      if (this.height > this.width) columns = count === 4 ? 2 : 1;
-      const rows = Math.ceil(count / columns);
-      return Array.from({length: count}, (_, i) => ({
-        x: (i % columns) / columns, y: Math.floor(i / columns) / rows, w: 1 / columns, h: 1 / rows, only: i}));
-    }
-
     draw(best) {
       const {renderer, stage} = this;
-      const quality = QUALITIES[best && this.look !== "fast" ? 0 : this.quality];
-      const pixels = quality.pixels * (quality.pixels >= 1 ? Math.min(devicePixelRatio || 1, quality.pixels === 2 ? 1 : 2) : 1);
-      if (renderer.getPixelRatio() !== pixels) renderer.setPixelRatio(pixels);
+      const quality = best || !this.isSoftware ? BEST : QUICK;
+      if (renderer.getPixelRatio() !== quality.pixels) renderer.setPixelRatio(quality.pixels);
       const size = renderer.getSize(new THREE.Vector2());
       if (size.x !== this.width || size.y !== this.height) renderer.setSize(this.width, this.height, false);
-      renderer.shadowMap.enabled = quality.shadow > 0;
-      if (stage.shadows !== quality.shadow > 0) {
-        stage.shadows = quality.shadow > 0;
+      renderer.shadowMap.enabled = quality.shadows;
+      if (stage.shadows !== quality.shadows) {
+        stage.shadows = quality.shadows;
         stage.poseLights();
       }
-      if (quality.shadow > 0) stage.setShadowMap(quality.shadow);
-      stage.thinWater(this.isSoftware ? quality.water : 1);
+      stage.thinWater(quality.water);
       const tone = prefersDark.matches && !matchMedia("print").matches ? DARK : LIGHT;
       stage.setBackdrop(tone.top, tone.bottom);
       this.placeCamera();
-      const panels = this.panels();
-      renderer.setScissorTest(panels.length > 1);
       this.labels.textContent = "";
-      for (const panel of panels) {
-        const x = Math.round(panel.x * this.width), w = Math.round((panel.x + panel.w) * this.width) - x;
-        const top = Math.round(panel.y * this.height), h = Math.round((panel.y + panel.h) * this.height) - top;
-        const y = this.height - top - h;
-        renderer.setViewport(x, y, w, h);
-        renderer.setScissor(x, y, w, h);
-        renderer.clear();
-        this.setAspect(w / h);
-        stage.appear(panel.only);
-        renderer.render(stage.scene, this.camera);
-        this.label(panel.only, {x, top, w, h});
-      }
-      this.captions.style.display = "";
-      this.runLabels.forEach((caption, i) => {
-        const panel = panels.length > 1 ? panels[i] : null;
-        caption.hidden = this.layout === "first" && i > 0;
-        caption.style.position = panel ? "absolute" : "";
-        caption.style.left = panel ? `calc(${100 * panel.x}% + 8px)` : "";
-        caption.style.top = panel ? `calc(${100 * panel.y}% + 8px)` : "";
-      });
+      renderer.clear();
+      this.setAspect(this.width / this.height);
+      stage.appear();
+      renderer.render(stage.scene, this.camera);
+      this.label();
       if (!this.box.dataset.firstMs) this.box.dataset.firstMs = String(Math.round(performance.now()));
     }
 
-    // The numbers beside the arrows: beyond the tip, or where else nothing of the plant is.
-    label(only, area) {
-      const shown = this.stage.shown.arrows ? this.stage.actors : [];
-      const placed = [];
-      shown.forEach((actor, i) => {
-        if (!(only === null ? i === 0 || this.layout === "ghosts" : i === only)) return;
-        const plant = this.balls(actor, area);
+    // The numbers beyond the tips of the arrows.
+    label() {
+      const most = {x: this.width, y: this.height};
+      for (const actor of this.stage.showsForces ? this.stage.actors : []) {
         for (const arrow of actor.arrows) {
           if (!arrow.json.unit || !arrow.object.visible || arrow.from.distanceTo(arrow.to) < 0.004) continue;
-          const from = this.project(arrow.from, area), to = this.project(arrow.to, area);
+          const from = this.project(arrow.from), to = this.project(arrow.to);
           if (!from || !to) continue;
           const text = numberText(arrow.value) + " " + arrow.json.unit;
-          const at = this.freePlace(from, to, text, area, [...plant, ...placed]);
-          placed.push({x: at.x, y: at.y, r: 12});
+          const half = {x: 0.31 * 15 * text.length, y: 9}, length = Math.max(Math.hypot(to.x - from.x, to.y - from.y), 1);
+          const along = {x: (to.x - from.x) / length, y: (to.y - from.y) / length};
+          const reach = Math.abs(along.x) * half.x + Math.abs(along.y) * half.y + 6;
+          const inside = (k) => Math.min(Math.max(to[k] + reach * along[k], half[k]), most[k] - half[k]) + "px";
           const made = element("span", "force", this.labels, text);
-          made.style.color = `rgb(${arrow.colour.map((v) => Math.round(255 * v)).join(",")})`;
-          made.style.left = area.x + at.x + "px";
-          made.style.top = area.top + at.y + "px";
+          Object.assign(made.style, {left: inside("x"), top: inside("y"),
+                                     color: `rgb(${arrow.colour.map((v) => Math.round(255 * v)).join(",")})`});
         }
-      });
+      }
     }
 
-    // In pixels of the panel; nothing for what is behind the camera.
-    project(point, area) {
+    // In pixels; nothing for what is behind the camera.
+    project(point) {
       const p = point.clone().applyMatrix4(this.camera.matrixWorldInverse);
       if (p.z > -this.camera.near) return null;
-      const scale = 0.5 * area.h * this.camera.projectionMatrix.elements[5] / -p.z;
-      return {x: 0.5 * area.w + scale * p.x, y: 0.5 * area.h - scale * p.y, scale};
-    }
-
-    // The moving bodies as circles on the picture.
-    balls(actor, area) {
-      const circles = [];
-      for (const {centre, radius} of actor.beads()) {
-        const at = this.project(centre, area);
-        if (at) circles.push({x: at.x, y: at.y, r: radius * at.scale});
-      }
-      return circles;
-    }
-
-    freePlace(from, to, text, area, circles) {
-      const half = {x: 0.31 * 15 * text.length, y: 9};
-      const length = Math.max(Math.hypot(to.x - from.x, to.y - from.y), 1);
-      const along = {x: (to.x - from.x) / length, y: (to.y - from.y) / length};
-      const reach = (d) => Math.abs(d.x) * half.x + Math.abs(d.y) * half.y + 6;
-      const middle = {x: (from.x + to.x) / 2, y: (from.y + to.y) / 2};
-      const up = along.x >= 0 ? {x: along.y, y: -along.x} : {x: -along.y, y: along.x};
-      const down = {x: -up.x, y: -up.y}, back = {x: -along.x, y: -along.y};
-      let best = null;
-      for (const [base, d] of [[to, along], [middle, up], [middle, down], [from, back], [to, up], [to, down]]) {
-        const x = Math.min(Math.max(base.x + reach(d) * d.x, half.x), area.w - half.x);
-        const y = Math.min(Math.max(base.y + reach(d) * d.y, half.y), area.h - half.y);
-        // How far the number's box is from the nearest circle.
-        const room = Math.min(...circles.map((c) => Math.hypot(Math.max(Math.abs(c.x - x) - half.x, 0), Math.max(Math.abs(c.y - y) - half.y, 0)) - c.r), 2);
-        if (!best || room > best.room + 1e-9) best = {x, y, room};
-      }
-      return best;
+      const scale = 0.5 * this.height * this.camera.projectionMatrix.elements[5] / -p.z;
+      return {x: 0.5 * this.width + scale * p.x, y: 0.5 * this.height - scale * p.y};
     }
 
     invalidate() {
@@ -581,7 +470,6 @@
       if (this.isPlaying) {
         if (this.lastTick !== null) {
           const passed = now - this.lastTick;
-          this.adapt(passed);
           const time = this.time + Math.min(passed, 250) / 1000 * this.speed;
           if (time >= this.end) this.pause();
           this.lastTick = now;
@@ -598,18 +486,6 @@
     // A still picture has the best quality.
     rest() {
       if (this.isReady && !this.isPlaying && !this.waiting) this.draw(true);
-    }
-
-    // Where drawing is slow, less is drawn; where it is quick again, more.
-    adapt(passed) {
-      if (this.look !== "auto") return;
-      this.intervals.push(passed);
-      if (this.intervals.length < 12) return;
-      const middle = this.intervals.sort((a, b) => a - b)[6];
-      this.intervals = [];
-      if (middle > SLOW_MS && this.quality + 1 < QUALITIES.length) ++this.quality;
-      else if (middle < QUICK_MS && this.quality > (this.isSoftware ? 1 : 0) && !this.wasLowered) --this.quality;
-      if (middle > SLOW_MS) this.wasLowered = true;
     }
 
     // Frees the graphics card; start() makes it all again.
