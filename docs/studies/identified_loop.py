@@ -3,8 +3,8 @@
 
     docs/studies/identified_loop.py [FOLDER] [--plants N] [--jobs N]       # studies/identified-loop, 50 plants
 
-A hidden plant gets a bench record by the simulator of this file, `identify`, `tune` with draws of tune.toml, and
-`sweep` with draws of sweep.toml and the found controller. Then the hidden plant runs. Two candidates are tuned in the
+A hidden plant gets a bench record by the simulator of this file, `identify`, `tune` with draws of draws.csv, and
+`sweep` with draws of draws.csv and the found controller. Then the hidden plant runs. Two candidates are tuned in the
 same way without a bench, on a typical plant and on eight plants of the series. FOLDER/N has the parts of plant N.
 Finished plants are not repeated. The results are identified-loop.csv beside this file, and a summary.
 """
@@ -17,7 +17,6 @@ import shutil
 import statistics
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -29,14 +28,16 @@ TYPICAL = {"inertia": 1.5e-3, "viscous": 3e-3, "coulomb": 0.06, "offset": 0.0, "
 ENCODER_BITS = [10, 12, 14]
 BUDGET = 64
 SEARCH_SEEDS = 4
-SEARCH_DRAWS = 2  # the first worlds of tune.toml
+SEARCH_DRAWS = 2  # the first ones of draws.csv
 SERIES = 8  # plants of the candidate "series"
-# The prediction: the first draws of sweep.toml, each with these seeds. The noise matters more than the draws.
+# The prediction: the first ones of draws.csv, each with these seeds. The noise matters more than the draws.
 DRAWS, SEEDS = 16, 40
 OUTSIDE = DRAWS * SEEDS // 40  # the end of the interval is the run of this rank
-# Keys of all runs. tune.toml has the first three, too.
+# Keys of all runs.
 TASK = {"observer.name": '"kfd"', "observer.process_noise_on": '"disturbance"',
         "observer.initial_covariance": "[1, 1, 1]", "run.duration_s": "0.8", "disturbance.start_s": "0.2"}
+KEYS = {"inertia": "inertia_kgm2", "viscous": "viscous_Nms", "coulomb": "coulomb_Nm", "offset": "offset_Nm",
+        "delay": "delay_s"}  # of identified.json
 
 
 def call(*words):
@@ -107,11 +108,17 @@ def tuned(file, folder, jobs):
     return {key: row[key] for key in ("controller.kp", "controller.kd", "observer.process_noise")}
 
 
+def drawn(file, count):
+    """{key: values} of the first draws."""
+    with open(file, newline="", encoding="utf-8") as table:
+        rows = list(csv.DictReader(table))[:count]
+    return {key: f"[{', '.join(row[key] for row in rows)}]" for key in rows[0]}
+
+
 def interval(source, file, folder, keys, jobs):
-    """The 95 % interval of the metric over the first draws of sweep.toml, and the number of failed runs."""
-    vary = flat(tomllib.loads(source.read_text(encoding="utf-8"))["vary"])
+    """The 95 % interval of the metric over the first draws, and the number of failed runs."""
     file.write_text(toml(head("id/identified.toml", SEEDS, {"method": '"list"'}) | {
-        "set": keys, "vary": {key: values[:DRAWS] for key, values in vary.items()}}), encoding="utf-8")
+        "set": keys, "vary": drawn(source, DRAWS)}), encoding="utf-8")
     call("breakwater", "sweep", file, "--out", folder, "--jobs", jobs, "--quiet")
     with open(folder / "results.csv", newline="", encoding="utf-8") as table:
         values = sorted(float(row[METRIC] or math.inf) for row in csv.DictReader(table))
@@ -145,22 +152,20 @@ def tuning(config, keys, search, most_torque, world, seeds):
                    "constraint": {"rms_torque_Nm": f"{{ max = {most_torque} }}"}, "world": world})
 
 
-def flat(tables, prefix=""):
-    """{"a.b": value} of nested tables. A range is a value, too."""
-    found = {}
-    for key, value in tables.items():
-        is_table = isinstance(value, dict) and "log_uniform" not in value
-        found |= flat(value, f"{prefix}{key}.") if is_table else {prefix + key: value}
-    return found
+def ranges(plant):
+    """The ranges of the searched keys: delay and period bound the frequencies of controller and observer."""
+    fastest, J = 1 / (plant["delay"] + PERIOD_S), plant["inertia"]
+    slowest = 0.02 * fastest
+    return {"controller.kp": (J * slowest ** 2, J * fastest ** 2), "controller.kd": (J * slowest, 2 * J * fastest),
+            "observer.process_noise": ((J * PERIOD_S) ** 2 * slowest ** 6, (J * PERIOD_S) ** 2 * fastest ** 6)}
 
 
-def own_tuning(file):
-    """tune.toml of `identify` with the task, the budget and the seeds of this study, without validation."""
-    source = tomllib.loads(file.read_text(encoding="utf-8"))
-    search = {key: value["log_uniform"] for key, value in flat(source["search"]).items()}
-    world = {key: values[:SEARCH_DRAWS] for key, values in flat(source["world"]).items()}
-    return tuning("id/identified.toml", TASK, search, source["constraint"]["rms_torque_Nm"]["max"], world,
-                  SEARCH_SEEDS)
+def own_tuning(folder, found, largest_input):
+    """A tuning in the first draws. A torque beyond that of disturbance and friction is noise or a limit cycle."""
+    plant = {name: found[key]["value"] for name, key in KEYS.items()}
+    most_torque = 0.55 * largest_input + 1.1 * abs(plant["offset"]) + 1.1 * plant["coulomb"]
+    return tuning("id/identified.toml", TASK, ranges(plant | {"delay": max(0, plant["delay"])}), most_torque,
+                  drawn(folder / "draws.csv", SEARCH_DRAWS), SEARCH_SEEDS)
 
 
 def without_bench(folder, config, plants, bits, jobs):
@@ -168,19 +173,14 @@ def without_bench(folder, config, plants, bits, jobs):
     own = {"nominal.inertia_kgm2": TYPICAL["inertia"], "nominal.viscous_friction_Nms_rad": TYPICAL["viscous"]}
     if not (folder / "tune.toml").exists():
         folder.mkdir(parents=True, exist_ok=True)
-        fastest, J = 1 / (TYPICAL["delay"] + PERIOD_S), TYPICAL["inertia"]
-        slowest = 0.02 * fastest
         count = 2 * math.pi / 2 ** bits
-        search = {"controller.kp": (J * slowest ** 2, J * fastest ** 2),
-                  "controller.kd": (J * slowest, 2 * J * fastest),
-                  "observer.process_noise": ((J * PERIOD_S) ** 2 * slowest ** 6, (J * PERIOD_S) ** 2 * fastest ** 6)}
         keys = TASK | own | {"disturbance.amplitude_Nm": 0.3, "noise.std_rad": 0.9 * count}
         world = {key: [plant_keys(plant)[key] for plant in plants] for key in plant_keys(TYPICAL)}
         world["encoder.phase_rad"] = [count * ((n + 0.5) / len(plants) - 0.5) for n in range(len(plants))]
         # The keys and the world replace all that this file says of its motor.
         shutil.copy(config, folder / "identified.toml")
         (folder / "tune.toml").write_text(
-            tuning("identified.toml", keys, search, 0.4, world, SEARCH_DRAWS * SEARCH_SEEDS // len(plants)),
+            tuning("identified.toml", keys, ranges(TYPICAL), 0.4, world, SEARCH_DRAWS * SEARCH_SEEDS // len(plants)),
             encoding="utf-8")
     return tuned(folder / "tune.toml", folder / "tune", jobs) | own
 
@@ -190,22 +190,21 @@ def row_of(folder, number, jobs):
     here = folder / str(number)
     here.mkdir(parents=True, exist_ok=True)
     record = here / "bench.csv"
-    record.write_text("time_s,u,y\n" + "".join(f"{t},{u},{y:.9g}\n" for t, u, y in bench(plant, number)),
-                      encoding="utf-8")
+    rows = bench(plant, number)
+    record.write_text("time_s,u,y\n" + "".join(f"{t},{u},{y:.9g}\n" for t, u, y in rows), encoding="utf-8")
     row = {"plant": number} | {f"true_{key}": f"{value:.6g}" for key, value in plant.items()}
     status = call("breakwater", "identify", record, "--out", here / "id", "--quiet")
     result = here / "id/identified.json"
     if not result.exists():  # the fit found no likelihood
         return row | {"converged": 0}
     found = json.loads(result.read_text(encoding="utf-8"))
-    for name, key in (("inertia", "inertia_kgm2"), ("viscous", "viscous_Nms"), ("coulomb", "coulomb_Nm"),
-                      ("offset", "offset_Nm"), ("delay", "delay_s")):
+    for name, key in KEYS.items():
         row |= {f"{name}_{end}": f"{found[key][end]:.6g}" for end in ("low", "high")}
     row |= {"converged": int(status == 0), "white": int(found["fit"]["white"])}
     config = here / "id/identified.toml"
-    (here / "tune.toml").write_text(own_tuning(here / "id/tune.toml"), encoding="utf-8")
+    (here / "tune.toml").write_text(own_tuning(here / "id", found, max(abs(u) for _, u, _ in rows)), encoding="utf-8")
     keys = tuned(here / "tune.toml", here / "tune", jobs)
-    low, high, failed = interval(here / "id/sweep.toml", here / "sweep.toml", here / "predicted", TASK | keys, jobs)
+    low, high, failed = interval(here / "id/draws.csv", here / "sweep.toml", here / "predicted", TASK | keys, jobs)
     true = true_metric(here / "true", config, plant, number, keys)
     row |= {"predicted_low": low, "predicted_high": high, "predicted_failures": failed, "identified": true, "inside": int(low <= true <= high)}
     bits = plant["bits"]

@@ -98,7 +98,7 @@ def identify(
     inertia: the known inertia [kg m²], with "two_inertia" that of the motor. The torque constant is then found
        instead.
     set: keys of table and encoder, such as {"csv.input_scale": 0.068, "encoder.quantum": 0.0}.
-    out: the folder for identified.json, identified.toml, sweep.toml, tune.toml and report.html. By default nothing is kept.
+    out: the folder for identified.json, identified.toml, draws.csv, estimate.toml and report.html. By default nothing is kept.
 
     A fit that did not converge, or that the held-out records contradict, gives a Python warning; see .converged
     and .holds. So do repairs of a table, and parameters that are not identifiable. Raises InputError for wrong

@@ -19,7 +19,7 @@
 #include <breakwater/experiment/settings.h>
 #include <breakwater/identification/axis_model.h>
 #include <breakwater/identification/identified_axis.h>
-#include <breakwater/identification/identified_study.h>
+#include <breakwater/identification/identified_plants.h>
 #include <breakwater/identification/two_inertia_axis.h>
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/record/run_folder.h>
@@ -454,8 +454,7 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
     write_text_file(out / "estimate.toml", estimate_toml(catalogue, result,
                                                          {arguments.files.front(), arguments.config,
                                                           keys.format, keys.input_acts}));
-    write_text_file(out / "sweep.toml", identified_sweep(result, scenario));
-    write_text_file(out / "tune.toml", identified_tuning(result, scenario));
+    write_text_file(out / "draws.csv", drawn_csv(result, scenario));
   }
   write_text_file(out / "report.html",
                   html_page("identification", identification_result(result, warnings, command)));
@@ -520,9 +519,9 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
     app.footer(
         "The folder gets identified.json, identified.toml (a scenario file of this plant) and "
         "report.html.\n"
-        "With --model axis it also gets sweep.toml and tune.toml (studies over its uncertainty), "
-        "and\n"
-        "estimate.toml (for estimate on the table).\n"
+        "With --model axis it also gets draws.csv (draws of the plant, for a study) and "
+        "estimate.toml\n"
+        "(for estimate on the table).\n"
         "Exit status: 0 success, 1 a defect, 2 usage or input, 3 the fit did not converge or the "
         "held-out tables disagree.");
     if (const auto status = parse(app, argc, argv)) return *status;

@@ -23,14 +23,15 @@ double value_of(const std::string& expression, const IdentifiedNumbers& numbers)
 
 }  // namespace
 
-std::string with_numbers(const std::string& text, const IdentifiedNumbers& numbers, int digits) {
+std::string with_numbers(const std::string& text, const IdentifiedNumbers& numbers) {
+  constexpr int kDigits = 12;
   std::string filled;
   std::size_t from = 0;
   for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', from)) {
     const std::size_t end = text.find('>', at);
     if (end == std::string::npos) throw std::invalid_argument(text + ": lacks a \">\"");
     const double value = value_of(text.substr(at + 1, end - at - 1), numbers);
-    filled += text.substr(from, at - from) + fmt::format("{:.{}g}", value, digits);
+    filled += text.substr(from, at - from) + fmt::format("{:.{}g}", value, kDigits);
     from = end + 1;
   }
   return filled + text.substr(from);
@@ -38,12 +39,11 @@ std::string with_numbers(const std::string& text, const IdentifiedNumbers& numbe
 
 std::vector<std::string> IdentifiedKeys::sets(bool is_drawn,
                                               const IdentifiedNumbers& numbers) const {
-  constexpr int kDigits = 12;
   std::vector<std::string> sets;
   for (const Key& key : keys) {
     if (key.is_drawn != is_drawn) continue;
     if (!key.needs.empty() && value_of(key.needs, numbers) == 0.0) continue;
-    sets.push_back(with_numbers(key.set, numbers, kDigits));
+    sets.push_back(with_numbers(key.set, numbers));
   }
   return sets;
 }
@@ -55,7 +55,7 @@ IdentifiedKeys identified_keys(const Catalogue& catalogue, const std::string& mo
     const toml::table table = parse_toml_file(file);
     const TomlEntry root(table, file);
     if (root["model"].text() != model) continue;
-    IdentifiedKeys found{kind.name, root["case"].text(), root["tuning"].text_or_nothing(), {}};
+    IdentifiedKeys found{kind.name, root["case"].text(), {}};
     for (const bool is_drawn : {true, false}) {
       for (const auto& [name, entry] : root[is_drawn ? "drawn" : "set"].entries()) {
         if (!entry.node()->is_table()) {

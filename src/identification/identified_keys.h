@@ -14,7 +14,7 @@ using IdentifiedNumbers = std::map<std::string, double>;
 
 /// A text with <EXPRESSION> in it: a sum of products of numbers and names (MetricExpression).
 /// Throws std::invalid_argument if one is wrong.
-std::string with_numbers(const std::string& text, const IdentifiedNumbers& numbers, int digits);
+std::string with_numbers(const std::string& text, const IdentifiedNumbers& numbers);
 
 /// The file of a scenario that runs on an identified plant.
 struct IdentifiedKeys {
@@ -26,7 +26,6 @@ struct IdentifiedKeys {
 
   std::string scenario;   ///< its name; empty: there is no such scenario
   std::string case_name;  ///< the case that identified.toml has
-  std::string tuning;     ///< the lines of a tuning with its algorithm, keys and objectives
   std::vector<Key> keys;
 
   /// "key=value" of the keys of one of both kinds, in the same order for each plant.

@@ -87,7 +87,7 @@ bool is_of_a_run(const std::string& name) {
       "video.mp4", "replay.html", "report.html", "measured.html", "compare.html", "compare.csv",
       "compare.tex", "compare.svg", "compare.pdf", kKept,
       // an identification's
-      kIdentified, "identified.toml", "estimate.toml", "sweep.toml", "tune.toml"};
+      kIdentified, "identified.toml", "estimate.toml", "draws.csv", "sweep.toml", "tune.toml"};
   return names.contains(name) ||
          (name.starts_with('.') && name.find(".partial-") != std::string::npos);
 }

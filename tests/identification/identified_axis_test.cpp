@@ -2,7 +2,7 @@
 #include <breakwater/identification/axis_intervals.h>
 #include <breakwater/identification/axis_model.h>
 #include <breakwater/identification/identified_axis.h>
-#include <breakwater/identification/identified_study.h>
+#include <breakwater/identification/identified_plants.h>
 #include <breakwater/statistics/quantile.h>
 #include "identification/bench.h"
 

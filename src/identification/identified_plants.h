@@ -1,4 +1,4 @@
-// Studies of an identified axis: a sweep and a tuning over its uncertainty.
+// The plants of an identified axis: its estimate, and draws of its uncertainty.
 #pragma once
 
 #include <string>
@@ -23,10 +23,7 @@ IdentifiedNumbers identified_plant(const Identification& identification);
 std::vector<IdentifiedNumbers> drawn_plants(const Identification& identification,
                                             std::size_t count);
 
-/// sweep.toml, for `breakwater sweep`: draws of the parameters. It stands beside identified.toml.
-std::string identified_sweep(const Identification& identification, const IdentifiedKeys& scenario);
-
-/// tune.toml, for `breakwater tune`: a search over some of the draws. Others validate it.
-std::string identified_tuning(const Identification& identification, const IdentifiedKeys& scenario);
+/// draws.csv: 32 of them, a row each with the keys of the scenario.
+std::string drawn_csv(const Identification& identification, const IdentifiedKeys& scenario);
 
 }  // namespace breakwater
