@@ -4,12 +4,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 
 #include <breakwater/cluster/slurm_answers.h>
 #include <breakwater/cluster/slurm_queue.h>
@@ -19,7 +21,6 @@
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/signals/environment.h>
-#include <breakwater/study/slurm_settings.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -78,8 +79,7 @@ std::string task_command(const SlurmStudy& study, const SlurmRequest& request) {
 
 std::string job_script(const SlurmStudy& study, const fs::path& submission, std::size_t tasks,
                        const SlurmRequest& request) {
-  const SlurmSettings& slurm = study.settings;
-  std::string text = slurm.modules.empty() ? "#!/bin/bash\n" : "#!/bin/bash -l\n";
+  std::string text = "#!/bin/bash\n";
   text += directive("job-name", std::string(study.folder.kind().command) + "-" +
                                     study.folder.path().filename().string());
   text += directive("array", request.parallel > 0 ? fmt::format("1-{}%{}", tasks, request.parallel)
@@ -89,24 +89,34 @@ std::string job_script(const SlurmStudy& study, const fs::path& submission, std:
   text += directive("chdir", fs::current_path().string());
   text += directive("signal", fmt::format("B:USR1@{}", kWarning_s));
   text += "#SBATCH --requeue\n";
-  if (!slurm.account.empty()) text += directive("account", slurm.account);
-  if (!slurm.partition.empty()) text += directive("partition", slurm.partition);
-  if (!slurm.constraint.empty()) text += directive("constraint", slurm.constraint);
-  for (const std::string& line : slurm.options) text += "#SBATCH " + line + "\n";
   text += "fail() {\n  echo \"$(hostname): $1\" >&2\n  exit 127\n}\n";
-  for (const std::string& module : slurm.modules) {
-    text += fmt::format("module load {0} || fail {1}\n", shell_quoted(module),
-                        shell_quoted("module load " + module + " has failed"));
-  }
-  for (const std::string& line : slurm.environment) {
-    text += fmt::format("export {0} || fail {1}\n", shell_quoted(line),
-                        shell_quoted("export " + line + " has failed"));
-  }
   text += fmt::format(
       "[ -x {} ] || fail {}\nexec {} @{}:$SLURM_ARRAY_TASK_ID\n", shell_quoted(own_program()),
       shell_quoted("there is no " + own_program() + ": it must lie where all nodes see it"),
       task_command(study, request), shell_quoted((submission / "tasks").string()));
   return text;
+}
+
+// A complaint about options of sbatch that would override those of the job script, such as
+// --array; empty if there are none.
+std::string overriding(const std::string& options) {
+  // As getopt does, sbatch takes the begin of a name too.
+  static constexpr std::array kLong = {"--array",  "--chdir",  "--open-mode",
+                                       "--output", "--signal", "--wrap"};
+  static constexpr std::array kShort = {"-a", "-D", "-o"};
+  constexpr std::size_t kShortestBegin = 4;  // "--ar": all options with one letter are ambiguous
+  std::istringstream words(options);
+  for (std::string word; words >> word;) {
+    const std::string name = word.substr(0, word.find('='));
+    const bool is_long =
+        name.size() >= kShortestBegin && std::any_of(kLong.begin(), kLong.end(), [&](auto option) {
+          return std::string_view(option).starts_with(name);
+        });
+    const bool is_short = std::any_of(kShort.begin(), kShort.end(),
+                                      [&](auto option) { return word.starts_with(option); });
+    if (is_long || is_short) return word + ": is an option that the job script sets: leave it out";
+  }
+  return "";
 }
 
 [[noreturn]] void fail_for_points(const std::string& text, const std::string& reason) {

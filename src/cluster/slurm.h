@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/study/slurm_settings.h>
 #include <breakwater/study/study_folder.h>
 
 namespace breakwater {
@@ -23,7 +22,6 @@ struct SlurmRequest {
 /// The study of the points. A task calls `breakwater COMMAND DIR --quiet OPTIONS --points POINTS`.
 struct SlurmStudy {
   StudyFolder folder;
-  SlurmSettings settings = {};
   std::string candidates = {};  ///< for a tuning: DIR/slurm/N/candidates, the keys of its runs
 };
 

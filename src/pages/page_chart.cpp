@@ -157,7 +157,6 @@ PageData PageChart::json() const {
       entry["low"] = differences(one.low, first, unit);
       entry["high"] = differences(one.high, first, unit);
     }
-    if (!one.runs.empty()) entry["runs"] = one.runs;
     list.push_back(std::move(entry));
   }
   PageData data = {{"title", axis_title()}, {"lines", lines}, {"series", list}};

@@ -17,14 +17,13 @@ struct ChartSeries {
   std::string unit;
   std::string description;
   Series values;
-  bool is_off = false;                              ///< hidden at first
-  std::optional<Identity> identity;                 ///< its look, if it is the first here with that
-  bool has_line = true;                             ///< between the values
-  std::string marks;                                ///< at the values: "", "dot" or "cross"
-  std::vector<std::string> names = {};              ///< one for each mark, or none
-  std::vector<double> low = {}, high = {};          ///< a band around the values, or none
-  std::vector<std::vector<std::size_t>> runs = {};  ///< the page's runs behind each mark, or none
-  std::string signal = {};                          ///< its name in a run, or none
+  bool is_off = false;                      ///< hidden at first
+  std::optional<Identity> identity;         ///< its look, if it is the first here with that
+  bool has_line = true;                     ///< between the values
+  std::string marks;                        ///< at the values: "", "dot" or "cross"
+  std::vector<std::string> names = {};      ///< one for each mark, or none
+  std::vector<double> low = {}, high = {};  ///< a band around the values, or none
+  std::string signal = {};                  ///< its name in a run, or none
 };
 
 /// Series over one axis: time, or another quantity.

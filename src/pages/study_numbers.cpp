@@ -12,9 +12,7 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/math/functions.h>
-#include <breakwater/record/partial_file.h>
 #include <breakwater/statistics/quantile.h>
-#include <breakwater/study/result_row.h>
 
 namespace breakwater {
 namespace {
@@ -242,8 +240,9 @@ std::vector<OutputIndices> study_indices(const StudyNumbers& numbers, std::size_
   return all;
 }
 
-void write_indices(const std::vector<OutputIndices>& all, const StudyNumbers& numbers,
-                   const std::vector<std::string>& labels, const std::filesystem::path& file) {
+std::vector<ResultRow> index_rows(const std::vector<OutputIndices>& all,
+                                  const StudyNumbers& numbers,
+                                  const std::vector<std::string>& labels) {
   std::vector<ResultRow> rows;
   for (const OutputIndices& one : all) {
     for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
@@ -260,7 +259,7 @@ void write_indices(const std::vector<OutputIndices>& all, const StudyNumbers& nu
       row.put("dropped_rows", std::to_string(one.indices.dropped_rows));
     }
   }
-  replace_file(file, csv_table(rows));
+  return rows;
 }
 
 }  // namespace breakwater

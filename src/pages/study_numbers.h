@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -13,6 +12,7 @@
 
 #include <breakwater/statistics/sensitivity.h>
 #include <breakwater/study/plan.h>
+#include <breakwater/study/result_row.h>
 #include <breakwater/study/shards.h>
 
 namespace breakwater {
@@ -94,11 +94,11 @@ inline constexpr const char* kFailedOutput = "failed";
 /// fewer for a very large study, but at least 200.
 std::vector<OutputIndices> study_indices(const StudyNumbers& numbers, std::size_t candidates);
 
-/// Writes indices.csv with a line for each output, candidate and key. Columns: `candidate`,
+/// The rows of indices.csv: one for each output, candidate and key. Columns: `candidate`,
 /// `output`, `key`, `first_order`, `first_order_lower`, `first_order_upper`, `total`,
-/// `total_lower`, `total_upper`, `rows`, `dropped_rows`. A missing value is empty. Throws
-/// OutputError.
-void write_indices(const std::vector<OutputIndices>& all, const StudyNumbers& numbers,
-                   const std::vector<std::string>& labels, const std::filesystem::path& file);
+/// `total_lower`, `total_upper`, `rows`, `dropped_rows`. A missing value is empty.
+std::vector<ResultRow> index_rows(const std::vector<OutputIndices>& all,
+                                  const StudyNumbers& numbers,
+                                  const std::vector<std::string>& labels);
 
 }  // namespace breakwater

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -33,46 +32,6 @@ struct StudyDetail {
   std::size_t metrics = 0;  // metrics with charts
   std::size_t groups = 24;  // per key in a line chart
   std::size_t cells = 96;   // per table of two keys
-};
-
-// The runs that the marks of a page refer to, each one once.
-class RunList {
- public:
-  // Adds a point and returns its index in the list.
-  std::size_t add(std::size_t point) {
-    const auto [place, is_new] = places_.emplace(point, points_.size());
-    if (is_new) points_.push_back(point);
-    return place->second;
-  }
-
-  // The list for the page's script: "runs" (each with key, candidate, seed and varied values) and
-  // the names of candidates and keys.
-  PageData json(const Plan& plan, const ShardIndex& index) const {
-    PageData json = {{"candidates", PageData::array()},
-                     {"keys", PageData::array()},
-                     {"runs", PageData::array()}};
-    for (const Candidate& one : plan.candidates()) json["candidates"].push_back(one.label);
-    for (const VariedKey& key : plan.study().vary) json["keys"].push_back(key.key);
-    for (const std::size_t number : points_) {
-      const StudyPoint point = plan.point(number);
-      PageData run = {index.read(number).key, point.candidate,
-                      point.seed ? std::to_string(*point.seed) : ""};
-      for (const std::string& value : point.values) {
-        const auto number_of_value = number_in(value);
-        run.push_back(number_of_value ? fmt::format("{:.6g}", *number_of_value)
-                                      : plain_text(value));
-      }
-      json["runs"].push_back(std::move(run));
-    }
-    return {{"id", "study-runs"}, {"data", json}};
-  }
-
-  std::string new_id() { return fmt::format("drawing-{}", ++drawings_); }
-
- private:
-  std::vector<std::size_t> points_;
-  std::unordered_map<std::size_t, std::size_t> places_;
-  std::size_t drawings_ = 0;
 };
 
 // Limits that keep the page below 2 MB.
@@ -128,15 +87,14 @@ class StudySections {
  public:
   // `labels` and `looks` are the names of the candidates. All references must outlive the object.
   StudySections(const Plan& plan, const ShardIndex& index, const StudyNumbers& numbers,
-                const std::vector<OutputIndices>& indices, const std::vector<std::string>& labels,
-                const std::vector<Identity>& looks, RunList& runs)
+                const std::vector<ResultRow>& indices, const std::vector<std::string>& labels,
+                const std::vector<Identity>& looks)
       : plan_(plan),
         index_(index),
         numbers_(numbers),
         indices_(indices),
         labels_(labels),
         looks_(looks),
-        runs_(runs),
         detail_(study_detail(plan, numbers.metrics.size())) {
     for (std::size_t c = 0; c < std::min(labels.size(), kMostDrawn); ++c) drawn_.push_back(c);
     for (std::size_t c = kMostDrawn; c < labels.size(); ++c) {
@@ -185,37 +143,20 @@ class StudySections {
   }
 
   void add_indices(const std::string& output, PageData& blocks) const {
-    auto rows = PageData::array();
-    Eigen::Index dropped = 0, counted = 0;
-    for (const OutputIndices& one : indices_) {
-      if (one.output != output) continue;
-      dropped += one.indices.dropped_rows;
-      counted += one.indices.rows;
-    }
-    for (std::size_t k = 0; k < numbers_.keys.size(); ++k) {
-      for (const OutputIndices& one : indices_) {
-        if (one.output != output || one.indices.total.empty()) continue;
-        rows.push_back({numbers_.keys[k].name, labels_[one.candidate],
-                        brief(one.indices.first_order[k]), brief(one.indices.total[k])});
-      }
+    const std::vector<std::string> columns = {"key",   "candidate", "first_order",
+                                              "total", "rows",      "dropped_rows"};
+    std::vector<std::vector<std::string>> rows = {columns};
+    for (const ResultRow& row : indices_) {
+      if (row.at("output") != output || row.at("total").empty()) continue;
+      rows.push_back(row.in(columns));
+      for (const std::size_t shown : {2, 3}) rows.back()[shown] = row.shown(columns[shown]);
     }
     add_block(blocks, "subheading", "Sensitivity");
-    if (rows.empty()) {
-      add_block(blocks, "text",
-                "There are no indices: it does not vary, or fewer than two rows of the design are "
-                "there.");
-      return;
-    }
-    add_block(blocks, "table",
-              {{"label", "Sensitivity indices"},
-               {"columns", {"key", "candidate", "first order (95 %)", "total (95 %)"}},
-               {"rows", rows}});
-    add_block(
-        blocks, "text",
-        fmt::format("The share of variance that a key makes alone, and with all its "
-                    "interactions; of means over seeds. {} rows of the design count, {} have a "
-                    "run without it and do not. indices.csv has all digits.",
-                    counted, dropped));
+    if (rows.size() > 1) add_block(blocks, "table", text_table("Sensitivity indices", rows));
+    add_block(blocks, "text",
+              "The share of variance that a key makes alone, and with all its interactions; of "
+              "means over seeds, with 95 % intervals. There are none if the metric does not vary, "
+              "or fewer than two rows of the design have it. indices.csv has all digits.");
   }
 
  private:
@@ -235,6 +176,8 @@ class StudySections {
                  [](const StudyRun& run) { return run.candidate; });
   }
 
+  std::string key_of(std::size_t point) const { return index_.read(point).key; }
+
   PageChart line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
                        bool& has_crosses) const {
     const std::vector<QuantileBand> all =
@@ -242,8 +185,9 @@ class StudySections {
               [&](const StudyRun& run) {
                 return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
               });
-    PageChart chart{.id = runs_.new_id(), .title = label_of(output.name)};
-    chart.group = chart.id;
+    PageChart chart{.title = label_of(output.name)};
+    chart.id = chart.group =
+        fmt::format("chart-{}-{}", &output.column - numbers_.columns.data(), &key - keys_.data());
     chart.x_title = key_label_with_unit(key.name, unit_of(key.name));
     chart.is_log_x = key.is_log;
     if (!key.is_number || (!key.is_binned && key.size() <= 8)) {
@@ -263,15 +207,13 @@ class StudySections {
                           .marks = "cross"};
       for (std::size_t g = 0; g < key.size(); ++g) {
         const QuantileBand& band = all[i * key.size() + g];
-        const auto add = [&](ChartSeries& to, double y, const std::string& text, bool has_run,
-                             std::size_t run) {
+        const auto add = [&](ChartSeries& to, double y, const std::string& text) {
           to.values.times_s.push_back(key.centre[g]);
           to.values.values.push_back(y);
           to.names.push_back(text);
-          to.runs.emplace_back();
-          if (has_run) to.runs.back().push_back(runs_.add(run));
         };
-        add(line, band.median, in_words(band), band.measured > 0, band.at_middle);
+        add(line, band.median,
+            in_words(band) + (band.measured > 0 ? ", run " + key_of(band.at_middle) : ""));
         line.low.push_back(band.q10);
         line.high.push_back(band.q90);
         has_bands |= band.q10 < band.q90;
@@ -280,7 +222,7 @@ class StudySections {
             band.measured > 0       ? band.median
             : std::isfinite(lowest) ? lowest
                                     : 0.0,
-            failures_in_words(band), true, band.first_failed);
+            failures_in_words(band) + ", run " + key_of(band.first_failed));
       }
       has_crosses |= !crosses.names.empty();
       chart.series.push_back(std::move(line));
@@ -298,8 +240,8 @@ class StudySections {
     if (lines.empty()) return;
     add_block(blocks, "figures", lines);
     add_block(blocks, "text",
-              fmt::format("A mark is the median of the runs with this value.{}{} Choose a mark to "
-                          "see its numbers and runs.",
+              fmt::format("A mark is the median of the runs with this value.{}{} It names the "
+                          "nearest run for --replay.",
                           has_bands ? " The band has the runs from 10 to 90 %." : "",
                           has_crosses ? " A cross: some of the runs failed." : ""));
   }
@@ -323,11 +265,11 @@ class StudySections {
         rows.push_back({label});
         for (std::size_t i = 0; i < x.size(); ++i, ++band) {
           PageData cell = {{"value", band->median}};
+          if (band->measured + band->failed > 0) {
+            cell["tip"] = key_of(band->measured > 0 ? band->at_middle : band->first_failed);
+          }
           if (band->failed > 0) {
             cell["lines"] = {{{"text", failures_in_words(*band)}, {"kind", "spread"}}};
-          }
-          if (band->measured + band->failed > 0) {
-            cell["run"] = runs_.add(band->measured > 0 ? band->at_middle : band->first_failed);
           }
           rows.back().push_back(cell);
         }
@@ -353,7 +295,7 @@ class StudySections {
                       band.runs - band.failed - band.measured};
       if (band.measured > 0) {
         const auto run = [&](double value, std::size_t point) -> PageData {
-          return {{"value", value}, {"tip", index_.read(point).key}, {"run", runs_.add(point)}};
+          return {{"value", value}, {"tip", key_of(point)}};
         };
         row.insert(row.end(), {run(band.median, band.at_middle), range(band.q25, band.q75),
                                range(band.q10, band.q90), run(band.smallest, band.at_smallest),
@@ -377,10 +319,9 @@ class StudySections {
   const Plan& plan_;
   const ShardIndex& index_;
   const StudyNumbers& numbers_;
-  const std::vector<OutputIndices>& indices_;
+  const std::vector<ResultRow>& indices_;
   const std::vector<std::string>& labels_;
   const std::vector<Identity>& looks_;
-  RunList& runs_;
   StudyDetail detail_;
   std::vector<std::size_t> drawn_;
   std::vector<std::size_t> place_of_;  // by candidate in drawn_; drawn_.size(): not drawn
@@ -399,8 +340,7 @@ std::string shortened(const std::string& text) {
   return text.substr(0, end) + " …";
 }
 
-// The parts of the page that depend on the machine or the folder. They stand in one place. The
-// page's script reads the command from there.
+// The parts of the page that depend on the machine or the folder. They stand in one place.
 PageData this_machine(const ShardIndex& index, const std::string& go_on) {
   auto blocks = PageData::array();
   if (index.done() > 0) {
@@ -417,7 +357,7 @@ PageData this_machine(const ShardIndex& index, const std::string& go_on) {
             "One run again, with its log, in a folder of its own; POINT is what the charts and "
             "tables name:");
   add_block(blocks, "command", go_on + " --replay POINT");
-  return {{"go_on", go_on}, {"blocks", blocks}};
+  return {{"blocks", blocks}};
 }
 
 PageData score(const ShardIndex& index) {
@@ -436,7 +376,7 @@ PageData score(const ShardIndex& index) {
 
 // The kinds of failures.
 PageData failure_blocks(const StudyNumbers& numbers, const ShardIndex& index,
-                        const std::vector<std::string>& labels, RunList& runs) {
+                        const std::vector<std::string>& labels) {
   auto blocks = PageData::array();
   auto rows = PageData::array();
   for (std::size_t i = 0; i < std::min(numbers.failures.size(), kMostListedKinds); ++i) {
@@ -448,8 +388,7 @@ PageData failure_blocks(const StudyNumbers& numbers, const ShardIndex& index,
     }
     auto points = PageData::array();
     for (const std::size_t point : kind.first) {
-      points.push_back(
-          {{"text", index.read(point).key}, {"kind", "code"}, {"run", runs.add(point)}});
+      points.push_back({{"text", index.read(point).key}, {"kind", "code"}});
     }
     rows.push_back({kind.runs,
                     {{"value", name_of(kind.status)},
@@ -471,21 +410,18 @@ PageData failure_blocks(const StudyNumbers& numbers, const ShardIndex& index,
 }
 
 // The pairs of one metric, or of the failures.
-void add_pairs(const CandidateComparison& comparison, const PageData& pairs,
-               const std::string& metric, PageData& blocks) {
-  PageData table = {
-      {"label", pairs["label"]}, {"columns", pairs["columns"]}, {"rows", PageData::array()}};
-  for (const PageData& row : pairs["rows"]) {
-    if (row[0] == metric) table["rows"].push_back(row);
-  }
-  if (table["rows"].empty()) return;
+void add_pairs(const std::optional<CandidateComparison>& comparison, const std::string& metric,
+               PageData& blocks) {
+  if (!comparison) return;
+  const auto rows = comparison_table(*comparison, metric);
+  if (rows.size() == 1) return;
   add_block(blocks, "subheading", "Paired, in the same worlds");
-  add_block(blocks, "table", table);
+  add_block(blocks, "table", text_table("Paired comparison", rows));
   std::string text =
       "“No difference shown” is not “equal”. comparison.csv has all digits, and "
       "docs/how-to/comparing.md says what the columns are. Holm’s correction is over all metrics "
       "and pairs of this study.";
-  for (const std::string& note : comparison_notes(comparison)) text += " " + note + ".";
+  for (const std::string& note : comparison_notes(*comparison)) text += " " + note + ".";
   add_block(blocks, "text", text);
 }
 
@@ -531,15 +467,14 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
   const StudyNumbers numbers = study_numbers(plan, index, first);
   std::vector<std::string> labels;
   for (const Candidate& candidate : plan.candidates()) labels.push_back(candidate.label);
-  std::vector<OutputIndices> indices;
+  std::vector<ResultRow> indices;
   if (study.method == Method::saltelli) {
-    indices = study_indices(numbers, labels.size());
-    write_indices(indices, numbers, labels, folder.path() / "indices.csv");
+    indices = index_rows(study_indices(numbers, labels.size()), numbers, labels);
+    replace_file(folder.path() / "indices.csv", csv_table(indices));
   }
-  RunList runs;
   const std::vector<Identity> looks =
       candidate_identities(labels, cases_of(catalogue, study.scenario));
-  const StudySections sections(plan, index, numbers, indices, labels, looks, runs);
+  const StudySections sections(plan, index, numbers, indices, labels, looks);
 
   auto lead = PageData::array(), all = PageData::array(), set_up = PageData::array();
   add_block(lead, "about", scenario->summary());
@@ -553,17 +488,16 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
   }
   add_block(lead, "score", score(index));
 
-  const PageData pairs = comparison ? comparison_pairs(*comparison) : PageData();
   for (std::size_t m = 0; m < sections.detail().metrics; ++m) {
     const std::string& metric = numbers.metrics[m];
     PageData section = sections.section(m);
-    if (comparison) add_pairs(*comparison, pairs, metric, section["blocks"]);
+    add_pairs(comparison, metric, section["blocks"]);
     all.push_back(std::move(section));
   }
   if (!numbers.failures.empty()) {
-    PageData blocks = failure_blocks(numbers, index, labels, runs);
+    PageData blocks = failure_blocks(numbers, index, labels);
     if (study.method == Method::saltelli) sections.add_indices(kFailedOutput, blocks);
-    if (comparison) add_pairs(*comparison, pairs, kFailure, blocks);
+    add_pairs(comparison, kFailure, blocks);
     add_section(all, "failures", "Failed runs", blocks);
   }
   if (!numbers.metrics.empty()) all.push_back(overview(sections, numbers, labels));
@@ -578,11 +512,10 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
                                             shell_word(folder.path().string()))));
   add_block(set_up, "code", {{"summary", "Study file"}, {"text", study.print()}});
   add_section(all, "set-up", "Set-up", set_up);
-  replace_file(folder.path() / "report.html",
-               html_page("study", {{"title", "Study of " + study.scenario},
-                                   {"lead", lead},
-                                   {"sections", all},
-                                   {"runs", runs.json(plan, index)}}));
+  replace_file(
+      folder.path() / "report.html",
+      html_page("study",
+                {{"title", "Study of " + study.scenario}, {"lead", lead}, {"sections", all}}));
 }
 
 }  // namespace breakwater

@@ -115,12 +115,13 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   const std::string kind = has_front ? "front" : "tuned";
   const std::string run = "breakwater run " + tuning.scenario + " --config " + kind + "/";
   auto lead = PageData::array();
-  if (!table.rows.empty()) {
-    lead = {{{"finding", has_front ? fmt::format("The Pareto front has {}.",
-                                                 number_of(table.rows.size(), "point"))
-                                   : tuned_sentence(plan, result, ranking)}},
-            {{"command", run + table.rows.front().label + ".toml"}}};
+  if (has_front || ranking) {
+    add_block(lead, "finding",
+              has_front
+                  ? fmt::format("The Pareto front has {}.", number_of(table.rows.size(), "point"))
+                  : ranking_sentence(*ranking));
   }
+  if (!table.rows.empty()) add_block(lead, "command", run + table.rows.front().label + ".toml");
   auto blocks = PageData::array();
   const auto add = [&blocks](const char* name, const PageData& value) {
     add_block(blocks, name, value);
@@ -171,10 +172,7 @@ std::string tuning_text(const TuningPlan& plan, const TuningResult& result,
   std::vector<FrontRow> rows = table.rows;
   std::string text;
   if (!plan.tuning().has_front()) {
-    text = ranking ? ranking_text(*ranking, width)
-                   : fmt::format(
-                         "{}\n",
-                         fmt::join(wrapped(tuned_sentence(plan, result, ranking), width), "\n"));
+    if (ranking) text = ranking_text(*ranking, width);
   } else if (plan.tuning().validation) {
     std::erase_if(rows, [](const FrontRow& row) { return row.cells.at("fresh_failures").empty(); });
   } else if (rows.size() > kMostPrinted) {

@@ -98,7 +98,6 @@ int StudyCommand::run() {
     const bool is_same = StudyFolder::is_same(text(), text_there());
     if (!is_same) check_growth();
     before.reset(new ShardIndex(index()));
-    if (!options_.rerun) warn(name(), before->foreign());
     if (options_.status) {
       print_status(*before);
       print_slurm_status(folder_, *before);

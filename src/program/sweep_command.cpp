@@ -85,7 +85,7 @@ std::vector<std::string> defined_metrics(const Sweep& sweep) {
 }
 
 // Whether another seed changes the runs, and what follows for the seeds of the study. Empty if
-// nothing does, or if a run takes long.
+// nothing does.
 std::string seed_warning(const Sweep& sweep, const std::vector<PointResult>& runs) {
   const Plan& plan = sweep.plan();
   if (plan.study().seeds.empty()) return "";
@@ -95,21 +95,17 @@ std::string seed_warning(const Sweep& sweep, const std::vector<PointResult>& run
   const Sweep& other = next_seed ? *next_seed : sweep;
   const std::size_t place = is_one ? 0 : 1;  // where the second seed is
   const std::uint64_t first = plan.study().seeds[0], second = other.plan().study().seeds[place];
-  try {
-    for (std::size_t c = 0; c < runs.size(); ++c) {
-      if (runs[c].status != PointStatus::complete) continue;
-      BriefLook look(interrupted());
-      const PointResult run = run_point(place * runs.size() + c, other, look.control());
-      if (are_same_run(run, runs[c])) continue;
-      if (!is_one) return "";
-      return fmt::format(
-          "seeds: {} gives another run of {} than {}: one seed is one draw of the "
-          "noise, and more of them show what depends on it",
-          second, plan.candidates()[c].label, first);
-    }
-  } catch (const Interrupted&) {
-    if (interrupted()) throw;
-    return "";
+  RunControl control;
+  control.stop = &interrupted();
+  for (std::size_t c = 0; c < runs.size(); ++c) {
+    if (runs[c].status != PointStatus::complete) continue;
+    const PointResult run = run_point(place * runs.size() + c, other, control);
+    if (are_same_run(run, runs[c])) continue;
+    if (!is_one) return "";
+    return fmt::format(
+        "seeds: {} gives another run of {} than {}: one seed is one draw of the "
+        "noise, and more of them show what depends on it",
+        second, plan.candidates()[c].label, first);
   }
   if (is_one || runs.front().status != PointStatus::complete) return "";
   return fmt::format("seeds: {} and {} give the same runs: {}", first, second, kNoNoise);
@@ -206,19 +202,11 @@ void print_preview(const Sweep& sweep, std::size_t jobs) {
   Table table({"candidate", "one run", "metrics"});
   for (std::size_t c = 0; c < time.runs.size(); ++c) {
     table.add({plan.candidates()[c].label, fmt::format("{:.3g} s", time.runs[c].cost_s),
-               time.is_whole[c] ? std::to_string(time.runs[c].metrics.size()) : "–"});
+               std::to_string(time.runs[c].metrics.size())});
   }
   fmt::print("\n{}\n{}", table.print(output_width()), time_needed(time.seconds, jobs));
   std::fflush(stdout);
-  const auto cut = std::find(time.is_whole.begin(), time.is_whole.end(), false);
-  if (cut == time.is_whole.end()) {
-    warn(kSweep.command, warnings_of(sweep, time.runs));
-  } else {
-    const auto c = static_cast<std::size_t>(cut - time.is_whole.begin());
-    warn(kSweep.command, {fmt::format("{}: a run takes so long that it was stopped: its metrics "
-                                      "are not checked",
-                                      plan.candidates()[c].label)});
-  }
+  warn(kSweep.command, warnings_of(sweep, time.runs));
 }
 
 // A text such as "3 of 40 points are done; of these 1 failed".
@@ -334,7 +322,7 @@ class SweepCommand : public StudyCommand {
     }
     const auto comparison = compare_study(plan_, index);
     const fs::path compared = folder_.path() / "comparison.csv";
-    if (comparison) replace_file(compared, comparison_csv(*comparison));
+    if (comparison) replace_file(compared, csv_table(comparison_rows(*comparison)));
     const auto ranking = rank_study(plan_, index);
     if (ranking) {
       replace_file(folder_.path() / "ranking.json", ranking_json(*ranking).dump(1) + "\n");
@@ -509,7 +497,7 @@ class SweepCommand : public StudyCommand {
   }
 
   bool stops() const { return plan_.study().on_failure == OnFailure::stop; }
-  SlurmStudy on_cluster() const { return {folder_, plan_.study().slurm}; }
+  SlurmStudy on_cluster() const { return {folder_}; }
   // Removes points in the queue from `points`, so that they do not run twice, and reports them.
   // Returns whether there were any.
   bool leave_out_queued(std::vector<std::size_t>& points) const {

@@ -89,7 +89,7 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
       throw RunsMissing(fmt::format("{} jobs in a row have brought nothing of {}",
                                     kMostWithoutResult, text_of(plan, left)));
     }
-    const SlurmStudy study = {folder, plan.tuning().slurm,
+    const SlurmStudy study = {folder,
                               fmt::format("{}\n", fmt::join(plan.candidate_lines(left), "\n"))};
     const SubmittedJob job = submit(study, left, cluster.request);
     if (cluster.quiet) continue;
@@ -299,10 +299,10 @@ class TuneCommand : public StudyCommand {
     warn(name(), plan_.check());
     if (!options_.quiet) print_count(plan_);
     std::fflush(stdout);
-    const Trial trial = plan_.try_each_case(interrupted(), true);
+    const Trial trial = plan_.try_each_case(interrupted());
     warn(name(), trial.warnings);
     if (options_.quiet) return;
-    fmt::print("{}", time_needed(trial.search_s + trial.validation_s, options_.jobs));
+    fmt::print("{}", time_needed(trial.seconds, options_.jobs));
   }
 
   void print_status(const ShardIndex& index) const override {
@@ -318,7 +318,7 @@ class TuneCommand : public StudyCommand {
   void check() const override {
     warn(name(), plan_.check());
     if (options_.isolate) return;  // a run could crash this process
-    warn(name(), plan_.try_each_case(interrupted(), false).warnings);
+    warn(name(), plan_.try_each_case(interrupted()).warnings);
   }
 
   // The process that searches sends the values of the keys.
@@ -355,12 +355,6 @@ class TuneCommand : public StudyCommand {
     }
     try {
       const TuningResult result = search_and_validate();
-      if (result.replaced > 0) {
-        warn(name(), {fmt::format("{}: {} in the shards had other values than this search asks "
-                                  "for, and ran again. tune.toml, libpagmo or libnlopt is another "
-                                  "one, or a shard is of another tuning",
-                                  folder_.path().string(), number_of(result.replaced, "run"))});
-      }
       warn_of_copies(plan_, result.runs);
       const std::optional<Ranking> ranking = rank_tuned(plan_, result);
       write_outputs(plan_, result, ranking, folder_.path());

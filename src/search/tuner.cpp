@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -135,8 +134,6 @@ class Runs {
   // Call it after the last run. Throws OutputError.
   void finish() { shard_.finish(); }
 
-  std::size_t replaced() const { return replaced_.size(); }
-
   std::vector<PointResult> all() const {
     std::vector<PointResult> results;
     for (const auto& [number, result] : known_) results.push_back(result);
@@ -150,7 +147,6 @@ class Runs {
   void look() {
     ShardIndex(folder_.shards(), plan_.size()).check_models();
     earlier_ = results_by_key(folder_.shards(), &PointResult::asked);
-    for (const auto& [asked, result] : earlier_) numbers_.insert(result.number);
   }
 
   // Takes the finished runs out of `earlier_` and returns the numbers of the others.
@@ -161,7 +157,6 @@ class Runs {
       const auto found = earlier_.find(asked_of(origin_, plan_.asked(number)));
       if (found == earlier_.end()) {
         missing.push_back(number);
-        if (numbers_.contains(number)) replaced_.insert(number);
         continue;
       }
       PointResult result = found->second;
@@ -206,8 +201,6 @@ class Runs {
   const std::string origin_;
   Shard shard_;
   std::unordered_map<std::string, PointResult> earlier_;  // from the shards, by PointResult::asked
-  std::set<std::size_t> numbers_;                         // runs in the shards
-  std::set<std::size_t> replaced_;
   std::unordered_map<std::size_t, PointResult> known_;  // in use by the search
 };
 
@@ -327,7 +320,6 @@ TuningResult tune(TuningPlan& plan, const StudyFolder& folder, const TunerOption
   if (tuning.validation) validate_all(plan, runs, options, result.fronts);
   runs.finish();
   result.runs = runs.all();
-  result.replaced = runs.replaced();
   return result;
 }
 

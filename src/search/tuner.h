@@ -63,8 +63,6 @@ struct TunedFront {
 struct TuningResult {
   std::vector<TunedFront> fronts;
   std::vector<PointResult> runs;  ///< in the order of their numbers
-  /// Runs that were made again, since the shards had other values for them than the search.
-  std::size_t replaced = 0;
 };
 
 struct TunerOptions {

@@ -247,7 +247,7 @@ Tuning read_tuning(const toml::table& tables, const std::string& file) {
   if (const TomlEntry vary = root["vary"]) vary.fail("is of a sweep: breakwater sweep");
   root.allow({"scenario", "config", "case", "for_each", "set", "algorithm", "budget", "population",
               "sampling_seed", "seeds", "search", "worlds", "world", "objective", "constraint",
-              "validate", "slurm", "made_by"});
+              "validate", "made_by"});
   Tuning tuning;
   read_base(root, tuning);
   root["algorithm"].choice(search_algorithms(), tuning.algorithm);
@@ -310,7 +310,7 @@ std::string Tuning::print() const {
     if (!validation->seeds.empty()) text += print_seeds(validation->seeds);
     if (!validation->keys.empty()) text += "\n[validate.world]\n" + print_keys(validation->keys);
   }
-  return text + slurm.print();
+  return text;
 }
 
 std::optional<TuningCandidate> read_candidate(const std::string& line, const Tuning& tuning) {

@@ -232,26 +232,4 @@ void write_outputs(const TuningPlan& plan, const TuningResult& result,
   replace_file(folder / (kind + ".csv"), csv_table(table.columns, rows));
 }
 
-std::string tuned_sentence(const TuningPlan& plan, const TuningResult& result,
-                           const std::optional<Ranking>& ranking) {
-  if (ranking) return ranking_sentence(*ranking);
-  const Tuning& tuning = plan.tuning();
-  const std::vector<std::size_t> order = tuned_order(tuning, result, ranking);
-  if (order.empty()) return "No candidate met the constraints without a failure.";
-  const TunedFront& best = result.fronts[order.front()];
-  const Objective& objective = tuning.objectives.front();
-  const auto& fresh = best.points.front().fresh;
-  const bool has_fresh = fresh && fresh->failures == 0;
-  const Evaluation& shown = has_fresh ? *fresh : best.points.front().tuned;
-  return fmt::format(
-      "{} has the {} {} {} in {}.{}", best.case_name, name_of(over_names(), objective.over),
-      objective.metric, brief(shown.objectives.front()),
-      has_fresh ? number_of(plan.worlds(true).size(), "fresh condition")
-                : "the conditions of its search",
-      fresh && !has_fresh
-          ? fmt::format(" In fresh ones {} failed.", number_of(fresh->failures, "run"))
-      : fresh ? ""
-              : " Nothing was validated: the value is too good.");
-}
-
 }  // namespace breakwater

@@ -46,8 +46,4 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
 void write_outputs(const TuningPlan& plan, const TuningResult& result,
                    const std::optional<Ranking>& ranking, const std::filesystem::path& folder);
 
-/// The result of a tuning with one objective, in one or two sentences.
-std::string tuned_sentence(const TuningPlan& plan, const TuningResult& result,
-                           const std::optional<Ranking>& ranking);
-
 }  // namespace breakwater

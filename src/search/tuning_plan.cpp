@@ -94,7 +94,7 @@ std::vector<std::string> TuningPlan::check() const {
   return warnings;
 }
 
-Trial TuningPlan::try_each_case(const std::atomic<bool>& stop, bool is_brief) const {
+Trial TuningPlan::try_each_case(const std::atomic<bool>& stop) const {
   Trial trial;
   const auto runs = static_cast<double>(evaluations() * tuning_.worlds.size());
   const std::size_t fresh =
@@ -104,28 +104,14 @@ Trial TuningPlan::try_each_case(const std::atomic<bool>& stop, bool is_brief) co
     std::vector<std::string> sets =
         own_sets(c, values(c, std::vector<double>(tuned.search.size(), 0.5)));
     for (std::string& set : tuning_.worlds.sets(0)) sets.push_back(std::move(set));
-    BriefLook look(stop);
-    RunControl control = look.control();
-    if (!is_brief) control = {.stop = &stop};
+    RunControl control;
+    control.stop = &stop;
     control.logs = false;
     const double begin_s = thread_time_s();
-    double cost_s = 0.0;
-    std::optional<Recording> run;
-    try {
-      const PreparedRun prepared =
-          prepare_point(catalogue_, tuning_.scenario, *file_, tuned.name, sets);
-      run = prepared.scenario->run(control);
-      cost_s = thread_time_s() - begin_s;
-    } catch (const Interrupted&) {
-      if (stop) throw;
-      cost_s = look.whole_s();
-      trial.warnings.push_back(fmt::format(
-          "{}: a run takes so long that it was stopped: its metrics are not checked", tuned.name));
-    }
-    trial.search_s += runs * cost_s;
-    trial.validation_s += static_cast<double>(fresh) * cost_s;
-    if (!run) continue;
-    const Recording& recording = *run;
+    const PreparedRun prepared =
+        prepare_point(catalogue_, tuning_.scenario, *file_, tuned.name, sets);
+    const Recording recording = prepared.scenario->run(control);
+    trial.seconds += (runs + static_cast<double>(fresh)) * (thread_time_s() - begin_s);
     if (recording.failure) {
       trial.warnings.push_back(fmt::format("{}: the candidate in the middle fails: at {:.6g} s: {}",
                                            tuned.name, recording.failure->time_s,

@@ -25,8 +25,7 @@ struct TuningRun {
 
 /// The result of one trial run of each case.
 struct Trial {
-  double search_s = 0.0;              ///< estimated processor time of all searches
-  double validation_s = 0.0;          ///< the same for the validation, at most
+  double seconds = 0.0;               ///< estimated processor time of search and validation
   std::vector<std::string> warnings;  ///< one per failed run
 };
 
@@ -46,9 +45,8 @@ class TuningPlan : public PointSource {
   /// each ineffective key. Throws std::invalid_argument for the first mistake.
   std::vector<std::string> check() const;
   /// Runs each case in the middle of its ranges, in the first test condition. Throws Interrupted,
-  /// and std::invalid_argument if a complete run lacks a metric of an objective or constraint. If
-  /// `is_brief`, a long run is only a BriefLook.
-  Trial try_each_case(const std::atomic<bool>& stop, bool is_brief) const;
+  /// and std::invalid_argument if a complete run lacks a metric of an objective or constraint.
+  Trial try_each_case(const std::atomic<bool>& stop) const;
 
   std::size_t size() const;
   /// The number of runs of all searches with full budgets.

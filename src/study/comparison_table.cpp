@@ -4,20 +4,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <utility>
 #include <vector>
 
 #include <breakwater/config/names.h>
+#include <breakwater/config/toml_text.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
 namespace {
 
-constexpr const char* kOfTheOther = "of the other";  // a column that a terminal has no room for
-
-std::string percent(double share) {
-  return fmt::format("{:.0f} %", 100.0 * share);
-}
+// Printed columns: a head, and its column of comparison.csv. The first ones are labels.
+constexpr std::size_t kLabels = 3;
+constexpr std::pair<const char*, const char*> kPrinted[] = {{"metric", "metric"},
+                                                            {"candidate", "candidate"},
+                                                            {"reference", "reference"},
+                                                            {"blocks", "blocks"},
+                                                            {"pairs", "pairs"},
+                                                            {"median", "median"},
+                                                            {"difference (95 %)", "difference"},
+                                                            {"p", "p_holm"},
+                                                            {"better in", "probability_better"},
+                                                            {"verdict", "verdict"}};
 
 }  // namespace
 
@@ -25,7 +34,7 @@ std::string p_text(double p, const std::string& equals) {
   return p < 1e-15 ? "< 1e-15" : fmt::format("{}{:.2g}", equals, p);
 }
 
-std::string comparison_csv(const CandidateComparison& comparison) {
+std::vector<ResultRow> comparison_rows(const CandidateComparison& comparison) {
   std::vector<ResultRow> rows;
   // The cells of a pair, with those of its metric or of its failures.
   const auto add = [&](const auto& one, const MetricComparison* metric,
@@ -58,7 +67,7 @@ std::string comparison_csv(const CandidateComparison& comparison) {
   };
   for (const MetricComparison& one : comparison.metrics) add(one, &one, nullptr);
   for (const FailureComparison& one : comparison.failures) add(one, nullptr, &one);
-  return csv_table(rows);
+  return rows;
 }
 
 std::size_t blocks_for_verdict(std::size_t blocks, std::size_t tests) {
@@ -136,56 +145,25 @@ std::string signed_text(const CandidateComparison& comparison) {
 
 }  // namespace
 
-nlohmann::ordered_json comparison_pairs(const CandidateComparison& comparison) {
-  using Json = nlohmann::ordered_json;
-  const bool has_repeats = comparison.has_repeats();
-  Json columns = {"metric", "candidate", "reference", "verdict", "blocks"};
-  if (has_repeats) columns.push_back("pairs");
-  columns.insert(columns.end(), {"median", kOfTheOther, "difference (95 %)", "p", "better in"});
-  auto rows = Json::array();
-  const auto with_line = [](const std::string& value, const std::string& line) {
-    Json cell = {{"value", value}, {"lines", Json::array()}};
-    if (!line.empty()) cell["lines"].push_back({{"text", line}, {"kind", "spread"}});
-    return cell;
-  };
-  const auto median = [&](const EstimatedValue& one) {
-    return with_line(in_digits(one.value),
-                     one.interval ? fmt::format("{} to {}", in_digits(one.interval->lower),
-                                                in_digits(one.interval->upper))
-                                  : "");
-  };
-  const auto add = [&](const std::string& metric, const auto& one, const std::vector<Json>& numbers,
-                       const Json& share) {
-    const char* const tone = one.verdict == ComparisonVerdict::better  ? "good"
-                             : one.verdict == ComparisonVerdict::worse ? "off"
-                             : one.verdict == ComparisonVerdict::no_difference_shown ||
-                                     one.verdict == ComparisonVerdict::too_few_blocks
-                                 ? "unknown"
-                                 : "";
-    Json row = {metric,
-                comparison.candidates[one.candidate],
-                comparison.candidates[one.reference],
-                {{"value", name_of(one.verdict)}, {"tone", tone}},
-                fmt::format("{}{}", one.blocks, one.blocks < comparison.blocks ? " *" : "")};
-    if (has_repeats) row.push_back(std::to_string(one.pairs));
-    for (const Json& number : numbers) row.push_back(number);
-    row.insert(row.end(), {p_text(one.p_holm), share});
-    rows.push_back(row);
-  };
-  for (const MetricComparison& one : comparison.metrics) {
-    add(one.metric, one, {median(one.median), median(one.reference_median), brief(one.difference)},
-        one.probability_better ? Json(percent(*one.probability_better))
-                               : with_line("-", "smaller in " + percent(one.probability_smaller)));
+std::vector<std::vector<std::string>> comparison_table(const CandidateComparison& comparison,
+                                                       const std::string& metric) {
+  std::vector<std::vector<std::string>> table(1);
+  for (const auto& [head, column] : kPrinted) table[0].emplace_back(head);
+  for (const ResultRow& row : comparison_rows(comparison)) {
+    const std::string of = row.at("metric");
+    if (!metric.empty() && metric != of) continue;
+    std::vector<std::string>& cells = table.emplace_back();
+    for (const std::string column : std::views::values(kPrinted)) {
+      const auto p = column == "p_holm" ? number_in(row.at(column)) : std::nullopt;
+      cells.push_back(cells.size() < kLabels                 ? row.at(column)
+                      : p                                    ? p_text(*p)
+                      : of == kFailure && column == "median" ? row.at("failures")
+                                                             : row.shown(column));
+      const bool is_fewer = row.at(column) != std::to_string(comparison.blocks);
+      if (column == "blocks" && is_fewer) cells.back() += " *";
+    }
   }
-  for (const FailureComparison& one : comparison.failures) {
-    const auto difference = static_cast<long>(one.failures - one.reference_failures);
-    add(kFailure, one,
-        {std::to_string(one.failures), std::to_string(one.reference_failures),
-         with_line(fmt::format("{:+d}", difference),
-                   fmt::format("{} alone, the other {}", one.alone, one.reference_alone))},
-        "-");
-  }
-  return {{"label", "Paired comparison"}, {"columns", columns}, {"rows", rows}};
+  return table;
 }
 
 std::vector<std::string> comparison_notes(const CandidateComparison& comparison) {
@@ -206,18 +184,9 @@ std::vector<std::string> comparison_notes(const CandidateComparison& comparison)
 }
 
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width) {
-  const nlohmann::ordered_json pairs = comparison_pairs(comparison);
-  constexpr std::size_t kLabels = 3;
-  const auto place = std::ranges::find(pairs["columns"], kOfTheOther);
-  const auto texts = [&](const nlohmann::ordered_json& cells) {
-    std::vector<std::string> all;
-    for (const auto& cell : cells) all.push_back(cell.is_object() ? cell["value"] : cell);
-    all.erase(all.begin() + (place - pairs["columns"].begin()));
-    std::rotate(all.begin() + kLabels, all.begin() + kLabels + 1, all.end());  // verdict: last
-    return all;
-  };
-  Table table(texts(pairs["columns"]), kLabels);
-  for (const auto& row : pairs["rows"]) table.add(texts(row));
+  const auto rows = comparison_table(comparison);
+  Table table(rows.front(), kLabels);
+  for (std::size_t i = 1; i < rows.size(); ++i) table.add(rows[i]);
   std::string text = table.print(width);
   for (const std::string& note : comparison_notes(comparison)) {
     text += fmt::format("{}\n", fmt::join(wrapped(note, width), "\n"));

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -14,9 +13,9 @@ namespace breakwater {
 /// In place of a metric in the rows of failures.
 inline constexpr const char* kFailure = "failure";
 
-/// comparison.csv: a row per metric and pair of candidates, then a row for the failures of each
-/// pair (`metric` is "failure"). Numbers have 17 digits. Cells that do not apply are empty.
-std::string comparison_csv(const CandidateComparison& comparison);
+/// The rows of comparison.csv: one per metric and pair of candidates, then a row for the failures
+/// of each pair (`metric` is "failure"). Numbers have 17 digits. Cells that do not apply are empty.
+std::vector<ResultRow> comparison_rows(const CandidateComparison& comparison);
 
 /// A p value behind `equals`, such as "0.012". Below the rounding error it is "< 1e-15".
 std::string p_text(double p, const std::string& equals = "");
@@ -31,9 +30,9 @@ inline constexpr const char* kFewerMetrics = "fewer metrics (compare.metrics)";
 std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, double least_p,
                      const std::string& fewer = kFewerMetrics);
 
-/// The pairs as a table of a page (docs/explanation/decisions/0023-a-page-is-data.md). It has a row
-/// per metric and pair, then one for the failures of each pair (`metric` is kFailure).
-nlohmann::ordered_json comparison_pairs(const CandidateComparison& comparison);
+/// The columns and rows for readers, of one metric (or kFailure), or of all.
+std::vector<std::vector<std::string>> comparison_table(const CandidateComparison& comparison,
+                                                       const std::string& metric = "");
 
 /// Sentences for readers of the table.
 std::vector<std::string> comparison_notes(const CandidateComparison& comparison);

@@ -32,7 +32,6 @@ constexpr std::string_view kPoint = "point";       // a kind of line
 constexpr std::string_view kAskedPoint = "asked";  // it begins with PointResult::asked
 constexpr std::string_view kModel = "model";
 constexpr std::string_view kBegin = "begin";
-constexpr std::size_t kNamed = 3;  // keys in a line of foreign()
 
 const std::array<std::string, 4>& statuses() {
   static const std::array<std::string, 4> names = {"complete", "failed", "refused", "crashed"};
@@ -231,25 +230,22 @@ ShardIndex::ShardIndex(const fs::path& folder, std::size_t points, const Asked& 
   for (const fs::path& file : shards_of(folder)) read_file(file, asked, others);
   if (asked && !others.empty()) take_others(asked, others);
   std::vector<bool> is_ours(names_.size());
-  std::vector<bool> is_foreign(names_.size());
   for (const Place& place : places_) {
     if (place.length > 0) is_ours[place.file] = true;
   }
-  for (const auto& [point, line] : foreign_) is_foreign[line.first] = true;
   for (std::size_t file = 0; file < names_.size(); ++file) {
-    if (is_foreign[file] && !is_ours[file]) continue;  // a shard of another study: other models
+    if (has_others_[file] && !is_ours[file]) continue;  // a shard of another study: other models
     for (const auto& [name, hash] : models_of_files_[file]) {
       if (models_.emplace(name, hash).first->second != hash) ambiguous_model_ = name;
     }
   }
-  if (done_ == points) foreign_.clear();
-  std::erase_if(foreign_, [&](const auto& one) { return one.first < points && has(one.first); });
 }
 
 void ShardIndex::read_file(const fs::path& file, const Asked& asked, Others& others) {
   names_.push_back(file.string());
   const auto nth = static_cast<std::uint32_t>(names_.size() - 1);
   ModelHashes& models = models_of_files_.emplace_back();
+  has_others_.push_back(false);
   each_line(file, [&](std::size_t offset, const std::string& text, std::string_view rest) {
     Parts parts(rest);
     const auto head = read_head(parts);
@@ -267,12 +263,12 @@ void ShardIndex::read_file(const fs::path& file, const Asked& asked, Others& oth
     if (head->number < places_.size() && !is_other) {
       cost_s_ += head->cost_s;
       put(head->number, line);
-    } else if (head->asked.empty()) {
-      foreign_[head->number] = {nth, head->key};
-    } else {
-      Other& other = others[head->asked];
-      if (other.place.is_open()) other = {line, head->number, head->key};
+      return;
     }
+    has_others_.back() = true;
+    if (head->asked.empty()) return;
+    Place& other = others[head->asked];
+    if (other.is_open()) other = line;
   });
 }
 
@@ -281,13 +277,8 @@ void ShardIndex::take_others(const Asked& asked, Others& others) {
     const auto found = others.find(asked(point));
     if (found == others.end()) continue;
     if (has(point) && status(point) != PointStatus::crashed) continue;
-    put(point, found->second.place);
-    if (std::exchange(found->second.is_foreign, false)) {
-      cost_s_ += static_cast<double>(found->second.place.cost_s);
-    }
-  }
-  for (const auto& [key, other] : others) {
-    if (other.is_foreign) foreign_[other.number] = {other.place.file, other.key};
+    put(point, found->second);
+    cost_s_ += static_cast<double>(std::exchange(found->second.cost_s, 0.0F));
   }
 }
 
@@ -301,22 +292,6 @@ void ShardIndex::put(std::size_t point, const Place& line) {
   place = line;
   ++counts_[static_cast<std::size_t>(place.status)];
   ++done_;
-}
-
-std::vector<std::string> ShardIndex::foreign() const {
-  std::map<std::uint32_t, std::vector<std::string>> by_file;
-  for (const auto& [point, line] : foreign_) by_file[line.first].push_back(line.second);
-  std::vector<std::string> lines;
-  for (const auto& [file, keys] : by_file) {
-    lines.push_back(fmt::format(
-        "{}: {} of other runs than this study asks for, and {} not count: "
-        "{}{}",
-        names_[file], number_of(keys.size(), "result") + (keys.size() == 1 ? " is" : " are"),
-        keys.size() == 1 ? "does" : "do",
-        fmt::join(keys.begin(), keys.begin() + std::min(keys.size(), kNamed), ", "),
-        keys.size() > kNamed ? " …" : ""));
-  }
-  return lines;
 }
 
 std::string ShardIndex::line(const Place& place) const {

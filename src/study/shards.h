@@ -87,7 +87,7 @@ class ShardIndex {
 
   /// `points` is the number of points of the study. A line counts for the point with its number, if
   /// it is of the run that `asked` says. Otherwise it counts for the points that ask for its run,
-  /// since a study that has grown has other numbers. Lines of no point are foreign and ignored. If
+  /// since a study that has grown has other numbers. Lines of no point are ignored. If
   /// a point has several lines, a run counts before a crash. A missing folder counts as empty.
   /// Throws std::invalid_argument if the folder or a shard cannot be read.
   ShardIndex(const std::filesystem::path& folder, std::size_t points, const Asked& asked = {});
@@ -103,8 +103,6 @@ class ShardIndex {
   double cost_s() const { return cost_s_; }
   double cost_s(std::size_t point) const { return static_cast<double>(places_[point].cost_s); }
   const ModelHashes& models() const { return models_; }
-  /// One line per shard with foreign results in place of those of this study.
-  std::vector<std::string> foreign() const;
   /// Throws std::invalid_argument if the points used different versions of a model file.
   void check_models() const;
 
@@ -125,14 +123,8 @@ class ShardIndex {
     bool is_open() const { return length == 0 || status == PointStatus::crashed; }
   };
 
-  // A line that no point of its number asks for.
-  struct Other {
-    Place place;
-    std::size_t number = 0;
-    std::string key;
-    bool is_foreign = true;
-  };
-  using Others = std::unordered_map<std::string, Other>;  // by PointResult::asked
+  // Lines that no point of their number asks for, by PointResult::asked.
+  using Others = std::unordered_map<std::string, Place>;
 
   void read_file(const std::filesystem::path& file, const Asked& asked, Others& others);
   void take_others(const Asked& asked, Others& others);
@@ -150,8 +142,8 @@ class ShardIndex {
   std::string folder_;
   ModelHashes models_;
   std::vector<ModelHashes> models_of_files_;
-  std::string ambiguous_model_;  // a model file with different hashes
-  std::map<std::size_t, std::pair<std::uint32_t, std::string>> foreign_;  // point → file and key
+  std::vector<bool> has_others_;  // by file: results that no point of their number asks for
+  std::string ambiguous_model_;   // a model file with different hashes
 };
 
 /// All results that a process of this computer has written so far.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -16,7 +15,6 @@
 #include <breakwater/config/fields.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
-#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/study/study_reader.h>
 #include <breakwater/study/value_list.h>
 
@@ -190,7 +188,7 @@ Study read_study(const toml::table& tables, const std::string& file) {
     objective.fail("is of a tuning: breakwater tune");
   }
   root.allow({"scenario", "config", "case", "set", "method", "samples", "sampling_seed", "seeds",
-              "keep", "on_failure", "vary", "compare", "require", "slurm", "made_by"});
+              "keep", "on_failure", "vary", "compare", "require", "made_by"});
   Study study;
   read_base(root, study);
   study.cases = root["case"].texts();
@@ -261,7 +259,7 @@ std::string Study::print() const {
     if (std::isfinite(bound.max)) ends.push_back("max = " + toml_number(bound.max));
     text += fmt::format("{} = {{ {} }}\n", toml_key(bound.metric), fmt::join(ends, ", "));
   }
-  return text + slurm.print();
+  return text;
 }
 
 std::vector<std::string> option_parts(const std::string& text) {
@@ -299,19 +297,6 @@ toml::table option_value(const std::string& option, const std::string& given) {
       return *table;
     }
     throw std::invalid_argument(option + ": " + text + ": must be " + name + "(A,B)");
-  }
-  // A regular expression would overflow the stack for a long text.
-  const std::size_t bracket = std::min(text.find('('), text.size());
-  const std::string word = text.substr(0, bracket);
-  const bool is_word = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
-    return std::isalpha(c) != 0 || c == '_';
-  });
-  if (is_word && text.find_first_of("()", bracket + 1) == text.size() - 1 && text.back() == ')') {
-    std::vector<std::string> names = names_of(distributions());
-    names.insert(names.end(), {"lin", "log"});
-    throw std::invalid_argument(fmt::format("{}: {}: there is no {}(): there are {}{}", option,
-                                            text, word, fmt::join(names, ", "),
-                                            did_you_mean(word, names)));
   }
   toml::array values;
   for (const std::string& part : option_parts(text)) {

@@ -15,7 +15,6 @@
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/goal.h>
 #include <breakwater/statistics/ranking.h>
-#include <breakwater/study/slurm_settings.h>
 
 namespace breakwater {
 
@@ -72,8 +71,7 @@ struct StudyBase {
   std::string scenario;
   std::string config;             ///< a scenario file; empty: that of the scenario
   std::vector<std::string> sets;  ///< key=value, for all runs
-  SlurmSettings slurm;
-  Places places;  ///< at least for scenario, config and each set.KEY
+  Places places;                  ///< at least for scenario, config and each set.KEY
 };
 
 /// A study. It has one run, its point, for each sample (combination of varied values), seed and

@@ -48,15 +48,13 @@ bool is_begun(const fs::path& folder, const std::string& file) {
                      });
 }
 
-// A study's text without [slurm] and the working folder, which change no result.
+// A study's text without the working folder, which changes no result.
 std::string without_place(const std::string& text) {
   std::istringstream lines(text);
   std::string rest;
-  bool is_slurm = false;
   for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with('[')) is_slurm = line == "[slurm]";
     const bool is_text = !line.empty() && !line.starts_with('#');
-    if (is_text && !is_slurm && !line.starts_with("working_folder = ")) rest += line + "\n";
+    if (is_text && !line.starts_with("working_folder = ")) rest += line + "\n";
   }
   return rest;
 }

@@ -59,7 +59,7 @@ class StudyFolder {
   /// The folder in which the study was begun. Relative names of files start there. Throws as
   /// check_is_ours().
   std::filesystem::path working_folder() const;
-  /// Whether both texts are the same study. [slurm] may differ, since it changes no result.
+  /// Whether both texts are the same study.
   static bool is_same(const std::string& now, const std::string& then);
   /// Throws std::invalid_argument unless both texts are the same study.
   void check_is(const std::string& now, const std::string& then) const;

@@ -69,18 +69,6 @@ void read_distribution(const toml::table& table, VariedKey& key) {
   }
 }
 
-// Refuses an inline table that looks like a distribution with a misspelt name.
-void refuse_misspelt(const TomlEntry& entry) {
-  const toml::table& table = *entry.node()->as_table();
-  const bool is_like_one = table.is_inline() && table.size() == 1 &&
-                           table.begin()->second.is_array() &&
-                           table.begin()->second.as_array()->size() == 2;
-  if (!is_like_one) return;
-  const std::string name(table.begin()->first.str());
-  const std::string meant = did_you_mean(name, names_of(distributions()));
-  if (!meant.empty()) entry.fail("there is no distribution " + name + meant);
-}
-
 // `others` are the keys beside those that are varied.
 VariedKey varied_key(const TomlEntry& entry, const std::string& path,
                      const std::set<std::string>& others) {
@@ -128,7 +116,6 @@ void collect(const TomlEntry& table, const std::string& prefix, const std::set<s
     refuse_sign_in(key, entry);
     const toml::table* nested = entry.node()->as_table();
     if (nested != nullptr && !is_distribution(*nested)) {
-      refuse_misspelt(entry);
       if (nested->empty()) entry.fail("is empty");
       collect(entry, path + ".", but, found);
       continue;
@@ -207,7 +194,6 @@ void read_base(const TomlEntry& root, StudyBase& base) {
   std::map<std::string, std::string> sets;
   collect_sets(root["set"], "", sets, base.places);
   for (const auto& [key, value] : sets) base.sets.push_back(key + "=" + value);
-  base.slurm = read_slurm(root);
 }
 
 std::string print_head(const StudyBase& base) {

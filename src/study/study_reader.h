@@ -22,7 +22,7 @@ toml::table study_tables(const std::string& file);
 /// The root of the tables. Options of the command line may be merged into them.
 TomlEntry study_root(const toml::table& tables, const std::string& file);
 
-/// Reads scenario, config, [set] and [slurm], and prints the first two, and [set].
+/// Reads scenario, config and [set], and prints the first two, and [set].
 void read_base(const TomlEntry& root, StudyBase& base);
 std::string print_head(const StudyBase& base);
 std::string print_sets(const StudyBase& base);

@@ -80,37 +80,6 @@ Study completed(Study study, const ScenarioFile& file) {
   return study;
 }
 
-// A measure that is proportional to the time of a run.
-double steps_of(const Config& config) {
-  return config.number("run.duration_s").value_or(1.0) /
-         config.number("physics.timestep_s").value_or(1.0);
-}
-
-// The mean number of steps of a candidate's runs, divided by that of its first run. A large study
-// is represented by some samples. The golden ratio spreads them, so that they do not repeat with
-// the values of a key.
-double mean_length(const Sweep& sweep, std::size_t candidate, const std::atomic<bool>& stop) {
-  constexpr std::size_t kMostLooks = 10000;  // looks for all candidates together
-  const Plan& plan = sweep.plan();
-  const std::size_t candidates = plan.candidates().size();
-  const auto steps = [&](std::size_t sample) {
-    if (stop) throw Interrupted();
-    const StudyPoint point = plan.point(sample * plan.seeds() * candidates + candidate);
-    return steps_of(sweep.file().config(plan.candidates()[candidate].case_name, point.sets));
-  };
-  const std::size_t looks =
-      std::min(plan.samples(), std::max<std::size_t>(10, kMostLooks / candidates));
-  const double first = steps(0);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < looks; ++i) {
-    const double at = static_cast<double>(i) / std::numbers::phi;
-    const auto nth =
-        static_cast<std::size_t>((at - std::floor(at)) * static_cast<double>(plan.samples()));
-    sum += steps(looks == plan.samples() ? i : std::min(nth, plan.samples() - 1)) / first;
-  }
-  return sum / static_cast<double>(looks);
-}
-
 }  // namespace
 
 std::shared_ptr<const ScenarioFile> scenario_file(const Catalogue& catalogue,
@@ -207,49 +176,15 @@ std::vector<std::size_t> pending(const ShardIndex& index) {
   return points;
 }
 
-BriefLook::BriefLook(const std::atomic<bool>& stop) : stop_(stop), begin_s_(thread_time_s()) {}
-
-RunControl BriefLook::control() {
-  constexpr double kLongest_s = 10.0;
-  RunControl control;
-  control.stop = &is_enough_;
-  control.progress = [this](double done) {
-    spent_s_ = thread_time_s() - begin_s_;
-    done_ = done;
-    if (stop_ || (spent_s_ > kLongest_s && done > 0.0)) is_enough_ = true;
-  };
-  return control;
-}
-
-double BriefLook::whole_s() const {
-  return spent_s_ / done_;
-}
-
 Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop) {
-  const Plan& plan = sweep.plan();
-  const auto varies = [&](const std::string& key) {
-    const auto is_key = [&](const VariedKey& varied) { return varied.key == key; };
-    return std::any_of(plan.study().vary.begin(), plan.study().vary.end(), is_key) ||
-           std::any_of(plan.study().compare.begin(), plan.study().compare.end(), is_key);
-  };
-  const bool lengths_vary = varies("run.duration_s") || varies("physics.timestep_s");
-  const std::size_t candidates = plan.candidates().size();
-  const std::size_t runs = plan.size() / candidates;
-  const auto of_each = static_cast<double>(runs);
+  const std::size_t candidates = sweep.plan().candidates().size();
+  const auto runs_of_each = static_cast<double>(sweep.plan().size() / candidates);
   Estimate estimate;
   for (std::size_t c = 0; c < candidates; ++c) {
-    BriefLook look(stop);
-    try {
-      estimate.runs.push_back(run_point(c, sweep, look.control()));
-      estimate.is_whole.push_back(true);
-    } catch (const Interrupted&) {
-      if (stop) throw;
-      estimate.runs.emplace_back();
-      estimate.runs.back().cost_s = look.whole_s();
-      estimate.is_whole.push_back(false);
-    }
-    const double length = lengths_vary ? mean_length(sweep, c, stop) : 1.0;
-    estimate.seconds += estimate.runs.back().cost_s * of_each * length;
+    RunControl control;
+    control.stop = &stop;
+    estimate.runs.push_back(run_point(c, sweep, control));
+    estimate.seconds += estimate.runs.back().cost_s * runs_of_each;
   }
   return estimate;
 }

@@ -65,34 +65,12 @@ class Sweep : public PointSource {
 /// The points without a result, in order.
 std::vector<std::size_t> pending(const ShardIndex& index);
 
-/// A look at a run for the time that it takes. A run that takes longer than some seconds is stopped
-/// by Interrupted, and its time is estimated from its progress.
-class BriefLook {
- public:
-  /// `stop` stops it too.
-  explicit BriefLook(const std::atomic<bool>& stop);
-  /// Valid as long as the look.
-  RunControl control();
-  /// The processor time of the whole run [s], after Interrupted.
-  double whole_s() const;
-
- private:
-  const std::atomic<bool>& stop_;
-  double begin_s_;
-  double spent_s_ = 0.0;
-  double done_ = 0.0;  // share of the run
-  std::atomic<bool> is_enough_ = false;
-};
-
 struct Estimate {
   double seconds = 0.0;           ///< processor time of all points
   std::vector<PointResult> runs;  ///< one per candidate
-  std::vector<bool> is_whole;     ///< whether that run came to its end; else it has only a time
 };
 
-/// Estimates the time of a study from a look at one run of each candidate. Time is assumed
-/// proportional to the number of steps. A large study is represented by some of its samples. Throws
-/// Interrupted.
+/// Estimates the time of a study from the first run of each candidate. Throws Interrupted.
 Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop);
 
 }  // namespace breakwater

@@ -161,11 +161,10 @@ std::vector<PanelSpec> read_panels(const TomlEntry& form) {
 }
 
 FigureSpec read_figure(const TomlEntry& row, const TomlEntry& forms) {
-  row.allow({"n", "title", "form", "run", "runs", "off", "note"});
+  row.allow({"n", "title", "form", "run", "runs", "note"});
   FigureSpec figure;
   figure.number = row["n"].text();
   figure.title = row["title"].text();
-  figure.off = texts(row["off"]);
   figure.note = row["note"].text_or_nothing();
   figure.line = row.line();
   const TomlEntry form = forms[row["form"].text()];
@@ -183,7 +182,7 @@ FigureSpec read_figure(const TomlEntry& row, const TomlEntry& forms) {
 
 SectionSpec read_section(const TomlEntry& table, const TomlEntry& forms, Effort effort,
                          std::map<std::string, RunSpec>& runs) {
-  table.allow({"id", "group", "title", "text", "docs", "runs", "table", "figures", "missing"});
+  table.allow({"id", "group", "title", "text", "docs", "runs", "table", "figures"});
   SectionSpec section;
   section.id = table["id"].text();
   section.group = table["group"].text();
@@ -197,9 +196,6 @@ SectionSpec read_section(const TomlEntry& table, const TomlEntry& forms, Effort 
   for (const TomlEntry& one : table["table"].elements()) section.tables.push_back(read_table(one));
   for (const TomlEntry& figure : table["figures"].elements()) {
     section.figures.push_back(read_figure(figure, forms));
-  }
-  for (const TomlEntry& missing : table["missing"].elements()) {
-    section.missing.push_back({missing["what"].text(), missing["why"].text()});
   }
   return section;
 }

@@ -96,16 +96,9 @@ struct FigureSpec {
   std::string number;  ///< number in the thesis: "2.31"
   std::string title;
   std::vector<FigureRun> runs;
-  std::vector<std::string> off;  ///< labels of runs that are hidden at first
   std::vector<PanelSpec> panels;
   std::string note;
   std::size_t line = 0;
-};
-
-/// A result that is not shown, with the reason.
-struct MissingSpec {
-  std::string what;
-  std::string why;
 };
 
 struct SectionSpec {
@@ -116,7 +109,6 @@ struct SectionSpec {
   std::string docs;  ///< a page of docs/
   std::vector<TableSpec> tables;
   std::vector<FigureSpec> figures;
-  std::vector<MissingSpec> missing;
 
   /// All runs of its tables and figures.
   std::vector<std::string> runs() const;

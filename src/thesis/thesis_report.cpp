@@ -69,7 +69,6 @@ PageChart chart_of(const FigureSpec& figure, const PanelSpec& panel, Logs& logs)
       ChartSeries* const series = add(run, signal, panel.signals.size() > 1);
       // If a figure has several runs, each has its own colour.
       if (figure.runs.size() == 1) series->identity = role_of_signal(signal);
-      series->is_off = std::ranges::find(figure.off, run.label) != figure.off.end();
     }
   }
   return chart;
@@ -167,18 +166,7 @@ void add_table(const SectionSpec& section, const TableSpec& table, const Measure
   blocks.push_back({{"list", list}, {"kind", "notes"}});
 }
 
-// The command for a run, with its log in a folder of the run's name.
-std::string command_of(const RunSpec& run) {
-  std::string command =
-      fmt::format("{} run {} --case {}", own_program_name(), run.scenario, run.case_name);
-  const std::vector<std::string> sets = run.sets_of(0);
-  if (!sets.empty()) command += " --set";
-  for (const std::string& set : sets) command += " " + shell_word(set);
-  return command + " --out " + run.name;
-}
-
-PageData figure_data(const FigureSpec& figure, const SectionSpec& section,
-                     const Experiments& experiments, Logs& logs) {
+PageData figure_data(const FigureSpec& figure, const SectionSpec& section, Logs& logs) {
   auto charts = PageData::array();
   for (const PanelSpec& panel : figure.panels) {
     PageChart chart = chart_of(figure, panel, logs);
@@ -187,22 +175,17 @@ PageData figure_data(const FigureSpec& figure, const SectionSpec& section,
     if (panel.from_s || panel.to_s) chart.axis = chart.id;
     charts.push_back(chart.json());
   }
-  std::string commands;
+  std::string note = figure.note;
   for (const FigureRun& run : figure.runs) {
-    commands += command_of(experiments.runs.at(run.run)) + "\n";
     if (const auto& failure = logs.of(run.run).failure()) {
-      commands +=
-          fmt::format("{} fails at {:.4g} s: {}\n", run.run, failure->time_s, failure->reason);
+      note += fmt::format(" {} fails at {:.4g} s: {}.", run.run, failure->time_s, failure->reason);
     }
   }
-  auto blocks = PageData::array();
-  add_block(blocks, "code", {{"summary", "Command"}, {"text", commands}});
   return {{"id", "figure-" + anchor(figure.number)},
           {"number", figure.number},
           {"caption", figure.title},
           {"charts", charts},
-          {"note", figure.note},
-          {"blocks", blocks}};
+          {"note", note}};
 }
 
 // "1 ms, 12 bits, KFD: 0.5, 0.48 (reproduced: ±10 %)" of a cell that is not reproduced.
@@ -445,22 +428,16 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
 
 namespace {
 
-// Charts and what is not shown of a section. `numbers` gets the thesis' figures.
+// Charts of a section. `numbers` gets the thesis' figures.
 void add_figures(const Reproduction& reproduction, const SectionSpec& section,
                  std::set<std::string>& numbers, PageData& blocks) {
   Logs logs(reproduction.out);
-  auto figures = PageData::array(), missing = PageData::array();
+  auto figures = PageData::array();
   for (const FigureSpec& figure : section.figures) {
-    figures.push_back(figure_data(figure, section, reproduction.experiments, logs));
+    figures.push_back(figure_data(figure, section, logs));
     numbers.insert(figure.number.substr(0, figure.number.find(' ')));
   }
   add_block(blocks, "figures", figures);
-  if (section.missing.empty()) return;
-  for (const auto& [what, why] : section.missing) {
-    missing.push_back({{"what", what}, {"text", why}});
-  }
-  add_block(blocks, "subheading", "Not shown");
-  blocks.push_back({{"list", missing}, {"kind", "missing"}});
 }
 
 // The effort, and the results of all sections.

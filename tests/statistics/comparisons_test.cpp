@@ -479,7 +479,7 @@ TEST(Blocks, SeedsRepeatABlock) {
   EXPECT_EQ(one.p, 0.0625);
   const std::string text = comparison_text(compare_candidates(results), 300);
   EXPECT_TRUE(has(text, "Too few blocks: with 5 blocks p cannot be below 0.0625"));
-  const std::string csv = comparison_csv(compare_candidates(results));
+  const std::string csv = csv_table(comparison_rows(compare_candidates(results)));
   EXPECT_TRUE(has(csv, ",reference_failures_alone,blocks\n", ",too few blocks,"));
   results.samples = {};  // worlds = "seeds"
   EXPECT_EQ(compared(results).p, std::ldexp(1.0, -24));

@@ -250,7 +250,6 @@ TEST(StudyFolder, TwoStudiesCannotBeginInIt) {
   study.make("a = 1\n", file);
   EXPECT_TRUE(has(testing::text_of(folder / "study.toml"), file_hash(file.file())));
   EXPECT_NO_THROW(study.make("a = 1\n", file));  // as another process at the same time
-  EXPECT_NO_THROW(study.make("a = 1\n\n[slurm]\naccount = \"mine\"\n", file));
   EXPECT_THROW(study.make("a = 2\n", file), std::invalid_argument);
   study.make_anew("a = 2\n", file);
   EXPECT_TRUE(has(testing::text_of(folder / "study.toml"), "a = 2\n"));

@@ -241,37 +241,26 @@ class Slurm(OnSlurm):
         self.ok(study.on_slurm("--wait", "--isolate"))
         self.assertIn("4 of 4 points are done; of these 1 crashed", study.status())
 
-    def test_the_table_says_what_is_asked_for(self):
+    def test_options_of_sbatch_say_what_is_asked_for(self):
         file = WORK / "table.toml"
-        # A replacement for `module` that only writes a record.
-        os.environ["BASH_FUNC_module%%"] = f"() {{ echo \"$@\" >> '{WORK}/modules'; [ $2 != no ]; }}"
-        self.addCleanup(os.environ.pop, "BASH_FUNC_module%%")
-        table = ('scenario = "ishigami"\n[set]\n"trouble.takes_s" = 0.3\n[vary]\n"x.first" = [1, 2, 3]\n'
-                 '[slurm]\naccount = "control"\npartition = "{}"\nmodules = [{}"mujoco/2.2"]\n'
-                 'environment = ["PLACE=under the \'roof\'"]\noptions = ["--time=0:30:00", "--nice=7"]\n')
+        file.write_text('scenario = "ishigami"\n[set]\n"trouble.takes_s" = 0.3\n[vary]\n"x.first" = [1, 2, 3]\n')
         study = Study(ISHIGAMI, "table", file)
-
-        file.write_text(table.format("nowhere", ""))
-        refused = study.on_slurm()
+        refused = study.on_slurm("--sbatch", "--partition=nowhere")
         self.assertEqual(refused.returncode, 2)
         self.assertRegex(refused.stderr, r"\Asbatch: error: .*invalid partition.*\n\Z")
         self.assertEqual(study.submissions(), 0)
 
-        # [slurm] is not part of the study, so it may change.
-        file.write_text(table.format("other", '"no", '))
-        self.assertEqual(study.on_slurm("--wait").returncode, INTERRUPTED)
-        self.assertIn(f"{slurm_cluster.NODE}: module load no has failed", study.status())
-
-        file.write_text(table.format("other", ""))
-        self.ok(study.on_slurm("--tasks", "1", "--parallel", "1"))
+        options = "--account=control --partition=other --time=0:30:00 --nice=7"
+        os.environ["PLACE"] = "under the 'roof'"
+        self.addCleanup(os.environ.pop, "PLACE")
+        self.ok(study.on_slurm("--tasks", "1", "--parallel", "1", "--sbatch", options))
         job = wait_for("it runs", lambda: slurm_cluster.tasks() and self.cluster.says(
-            "scontrol", "show", "job", study.job(2)))
+            "scontrol", "show", "job", study.job(1)))
         for asked in ("Account=control", "Partition=other", "TimeLimit=00:30:00", "ArrayTaskThrottle=1",
                       "Requeue=1"):
             self.assertIn(asked, job)
         environment = pathlib.Path(f"/proc/{slurm_cluster.tasks()[0]}/environ").read_bytes()
         self.assertIn(b"PLACE=under the 'roof'", environment.split(b"\0"))
-        self.assertEqual((WORK / "modules").read_text().splitlines()[-1], "load mujoco/2.2")
         self.ok(study.on_slurm("--wait"))
         self.same_bytes(study)
 
@@ -283,8 +272,7 @@ class Slurm(OnSlurm):
             '[search]\n"x.first" = { uniform = [-3, 3] }\n"x.second" = { uniform = [-1, 3] }\n'
             '[objective]\ny_1 = { goal = "min", over = "worst" }\n'
             'positive_x_second_1 = { goal = "max" }\n'
-            '[validate]\nseeds = { first = 101, count = 3 }\npoints = 4\n'
-            '[slurm]\npartition = "other"\n')
+            '[validate]\nseeds = { first = 101, count = 3 }\npoints = 4\n')
         study = Tuning(ISHIGAMI, "tuning", file)
 
         # The node and its tasks die during the second generation.
