@@ -585,7 +585,7 @@ const std::vector<MetricKind>& standard_metric_kinds() {
        .make = make_reduction<RmsPerValue>,
        .takes_all = true},
       {.name = "reversals",
-       .meaning = "number of times that the value which swings most turns back by more than the "
+       .meaning = "largest number of times that one of the values turns back by more than the "
                   "level",
        .unit = one,
        .make = make_reduction<Reversals>,

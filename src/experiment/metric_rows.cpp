@@ -227,7 +227,9 @@ MetricDefinition MetricRow::definition(const MetricKind& kind_of_row) const {
       own_unit = "Hz";
       break;
     case ReducedUnit::time_integral:
-      own_unit = of_signal == "1" ? "s" : of_signal + " s";
+      own_unit = of_signal == "1"            ? "s"
+                 : of_signal.ends_with("/s") ? of_signal.substr(0, of_signal.size() - 2)
+                                             : of_signal + " s";
       break;
   }
   const std::string end = "_" + suffix_of(own_unit);

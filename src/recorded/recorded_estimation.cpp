@@ -121,8 +121,8 @@ std::vector<MetricDefinition> RecordedEstimation::metric_definitions() const {
                            "root mean square of the innovation e, the measured position minus the "
                            "predicted one"});
   }
-  definitions.push_back(
-      {"innovation_correlation_1", "1", "correlation of the innovation with that of the next row"});
+  definitions.push_back({"innovation_correlation_1", "1",
+                         "correlation of the innovation with that of the next row, about zero"});
   definitions.push_back({"normalised_innovation_squared", "1",
                          "mean of e^2/R with each term limited to 15.1, where R is the variance of "
                          "the sensor's error"});
