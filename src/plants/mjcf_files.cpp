@@ -7,7 +7,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -23,12 +25,16 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-// Finds files as the engine's reader does (mjCReader, mjXReader in MuJoCo 2.2). Includes and
-// folders are relative to the folder of the main file, also in an included file.
+// Walks through the files of a model as the engine's reader does (mjCReader, mjXReader in MuJoCo
+// 2.2). Includes and folders are relative to the folder of the main file, also in an included file.
 class MjcfFiles {
  public:
-  explicit MjcfFiles(const fs::path& mjcf, std::vector<fs::path> known = {})
-      : files(std::move(known)), folder_(mjcf.parent_path()) {
+  using Visit = std::function<void(const XmlFile& xml, const XMLElement& element)>;
+
+  // Calls visit(xml, element) for each element, if it is there. Throws then, as XmlFile does, if a
+  // file is missing or no XML.
+  explicit MjcfFiles(const fs::path& mjcf, Visit visit = {}, std::vector<fs::path> known = {})
+      : files(std::move(known)), folder_(mjcf.parent_path()), visit_(std::move(visit)) {
     read(mjcf);
     for (const Asset& asset : assets_) {
       const fs::path name(strips_ ? asset.name.filename() : asset.name);
@@ -36,7 +42,7 @@ class MjcfFiles {
     }
   }
 
-  std::vector<fs::path> files;
+  std::vector<fs::path> files;  // that exist
 
  private:
   struct Asset {
@@ -44,27 +50,34 @@ class MjcfFiles {
     bool is_texture;
   };
 
+  // False if the file was added before.
   bool add(const fs::path& file) {
     const fs::path path = file.lexically_normal();
     std::error_code ignored;
     check_ends(path);
-    if (!fs::is_regular_file(path, ignored)) return false;
     if (std::find(files.begin(), files.end(), path) != files.end()) return false;
-    files.push_back(path);
+    if (fs::is_regular_file(path, ignored)) files.push_back(path);
     return true;
   }
 
   void read(const fs::path& file) {
     if (!add(file)) return;
-    tinyxml2::XMLDocument xml;
-    if (xml.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS) return;
-    visit(xml.RootElement());
+    std::optional<XmlFile> xml;
+    try {
+      xml.emplace(file.string());
+    } catch (const std::invalid_argument&) {
+      if (visit_) throw;
+      return;
+    }
+    walk(*xml, xml->root());
   }
 
   // The recursion is safe, because tinyxml2 refuses deeply nested files.
-  void visit(const XMLElement* element) {
+  void walk(const XmlFile& xml, const XMLElement* element) {
     for (; element != nullptr; element = element->NextSiblingElement()) {
+      if (visit_) visit_(xml, *element);
       const std::string kind = element->Name();
+      const char* const name = element->Attribute("file");
       if (kind == "compiler") {
         if (const char* folder = element->Attribute("assetdir")) {
           mesh_folder_ = texture_folder_ = folder;
@@ -73,23 +86,23 @@ class MjcfFiles {
         if (const char* folder = element->Attribute("texturedir")) texture_folder_ = folder;
         element->QueryBoolAttribute("strippath", &strips_);
       } else if (kind == "include") {
-        if (const char* name = element->Attribute("file")) read(folder_ / name);
-      } else if (kind == "model") {
-        const char* name = element->Attribute("file");
-        if (name != nullptr) files = MjcfFiles(folder_ / name, std::move(files)).files;
+        if (name != nullptr) read(folder_ / name);
+      } else if (kind == "model") {  // for <attach>, with its own folder
+        if (name != nullptr) files = MjcfFiles(folder_ / name, visit_, std::move(files)).files;
       } else if (kind == "mesh" || kind == "hfield" || kind == "skin" || kind == "texture") {
         constexpr std::array<const char*, 7> kFiles = {
             "file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback"};
         for (const char* key : kFiles) {
-          const char* name = element->Attribute(key);
-          if (name != nullptr) assets_.push_back({name, kind == "texture"});
+          const char* asset = element->Attribute(key);
+          if (asset != nullptr) assets_.push_back({asset, kind == "texture"});
         }
       }
-      visit(element->FirstChildElement());
+      walk(xml, element->FirstChildElement());
     }
   }
 
   fs::path folder_;
+  Visit visit_;
   fs::path mesh_folder_;
   fs::path texture_folder_;
   bool strips_ = false;
@@ -222,64 +235,25 @@ double elements_of(const tinyxml2::XMLElement& element) {
   return product;
 }
 
-class MjcfCheck {
- public:
-  MjcfCheck(const std::filesystem::path& file, std::uint64_t most_elements)
-      : folder_(file.parent_path()), most_elements_(most_elements) {
-    check(file);
-  }
-
- private:
-  void check(const std::filesystem::path& file) {
-    if (!visited_.insert(file.lexically_normal()).second) return;
-    const XmlFile xml(file.string());
-    std::vector<const tinyxml2::XMLElement*> elements = {xml.root()};
-    while (!elements.empty()) {
-      const tinyxml2::XMLElement* element = elements.back();
-      elements.pop_back();
-      check_element(xml, *element);
-      count(xml, *element);
-      bytes_ += bytes_of_grid(*element);
-      if (const std::string complaint = too_large(bytes_); !complaint.empty()) {
-        xml.fail(element->GetLineNum(), std::string("<") + element->Name() + ">" + complaint);
-      }
-      const char* other = element->Attribute("file");
-      const std::string_view kind = element->Name();
-      if (other != nullptr && kind == "include") check(folder_ / other);
-      if (other != nullptr && kind == "model") {  // a model for <attach>, with its own folder
-        const std::filesystem::path own = std::exchange(folder_, (folder_ / other).parent_path());
-        check(own / other);
-        folder_ = own;
-      }
-      for (const auto* child = element->FirstChildElement(); child != nullptr;
-           child = child->NextSiblingElement()) {
-        elements.push_back(child);
-      }
-    }
-  }
-
-  void count(const XmlFile& xml, const tinyxml2::XMLElement& element) {
-    elements_ += elements_of(element);
-    if (elements_ <= static_cast<double>(most_elements_)) return;
-    xml.fail(element.GetLineNum(), std::string("<") + element.Name() + ">: here the model has " +
-                                       std::to_string(std::llround(std::min(elements_, 1e18))) +
-                                       " elements: model.most_elements allows " +
-                                       std::to_string(most_elements_));
-  }
-
-  std::filesystem::path folder_;  // the folder for includes
-  std::uint64_t most_elements_;
-  double elements_ = 0.0;
-  double bytes_ = 0.0;  // all grids
-  std::set<std::filesystem::path> visited_;
-};
-
 }  // namespace
 
 void check_mjcf(const std::string& file, std::uint64_t most_elements) {
-  MjcfCheck(file, most_elements);
-  double bytes = 0.0;
-  for (const auto& asset : mjcf_files(file)) {  // meshes and textures must be regular files too
+  double elements = 0.0, bytes = 0.0;  // bytes of all grids
+  const MjcfFiles model(file, [&](const XmlFile& xml, const XMLElement& element) {
+    const auto refuse = [&](const std::string& complaint) {
+      xml.fail(element.GetLineNum(), std::string("<") + element.Name() + ">" + complaint);
+    };
+    check_element(xml, element);
+    elements += elements_of(element);
+    if (elements > static_cast<double>(most_elements)) {
+      refuse(": here the model has " + std::to_string(std::llround(std::min(elements, 1e18))) +
+             " elements: model.most_elements allows " + std::to_string(most_elements));
+    }
+    bytes += bytes_of_grid(element);
+    if (const std::string complaint = too_large(bytes); !complaint.empty()) refuse(complaint);
+  });
+  bytes = 0.0;
+  for (const auto& asset : model.files) {  // meshes and textures must be regular files too
     bytes += bytes_of_png(asset);
     if (const std::string complaint = too_large(bytes); !complaint.empty()) {
       throw std::invalid_argument(asset.string() + complaint);
