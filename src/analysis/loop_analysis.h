@@ -8,9 +8,18 @@
 #include <vector>
 
 #include <breakwater/rigs/axis_scenario.h>
-#include <breakwater/rigs/loop_response.h>
 
 namespace breakwater {
+
+/// The probe of a loop. `force` is a force r on the plant, held over a sample and unknown to the
+/// controller. `noise` is an error n of the measured position.
+enum class Probe { force, noise };
+
+struct Phasors {
+  std::complex<double> command;
+  std::complex<double> disturbance;
+  std::complex<double> velocity;
+};
 
 struct SineTest {
   Probe probe = Probe::force;

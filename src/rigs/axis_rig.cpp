@@ -6,8 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include <breakwater/rigs/loop_response.h>
-
 namespace breakwater {
 namespace {
 
@@ -229,22 +227,6 @@ std::vector<RigRun::Judged> AxisRig::judged() const {
   return judged;
 }
 
-void AxisRig::warn(const std::vector<RigRun::Judged>& judged,
-                   std::vector<std::string>& warnings) const {
-  for (std::size_t i = 0; i < judged.size(); ++i) {
-    const std::size_t before = warnings.size();
-    judged[i].held.warn(warnings);
-    const auto loop =
-        std::find_if(loops_.begin(), loops_.end(), [i](const Loop& one) { return one.axis == i; });
-    if (warnings.size() == before || loop == loops_.end()) continue;
-    warnings.back() += is_unstable(axis_loop_design(*loop->parts, loop->task, plant_, i))
-                           ? "; the loop is not stable, even without encoder, limits and friction"
-                           : "; the loop is stable without encoder, limits, friction and backlash";
-    if (has_other_joints(plant_, i)) warnings.back() += ", with the other joints held";
-    warnings.back() += ": see breakwater analyze";
-  }
-}
-
 void AxisRig::warn_of_saturation(std::int64_t saturated, std::int64_t samples,
                                  std::vector<std::string>& warnings) {
   if (2 * saturated <= samples) return;
@@ -304,7 +286,14 @@ Recording AxisRig::run(const RunControl& control, const MetricRows& rows, RigRun
   Recording recording = record_run(*simulation_, physics, steps + (run.samples_end ? 1 : 0),
                                    std::move(run.signals), control, whole_step, sample, &values);
   if (!recording.failure) {
-    warn(judged, recording.warnings);
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+      const std::size_t before = recording.warnings.size();
+      judged[i].held.warn(recording.warnings);
+      const bool has_loop = std::find(run.loops.begin(), run.loops.end(), i) != run.loops.end();
+      if (has_loop && recording.warnings.size() > before) {
+        recording.warnings.back() += "; breakwater analyze says whether its loop is stable";
+      }
+    }
     if (!run.judged) warn_of_saturation(saturated, samples, recording.warnings);
   }
   // The last step only shows the values at the end.

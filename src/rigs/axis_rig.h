@@ -35,6 +35,7 @@ struct RigRun {
   MetricExpression::Events events;  ///< besides `first_contact`
   /// Otherwise those of the axes and of the tip, and the limits of the drives.
   std::optional<std::vector<Judged>> judged;
+  std::vector<std::size_t> loops;  ///< the axes whose loops `breakwater analyze` knows
   std::function<void(std::int64_t step)> before_step;
   std::function<void()> after_step;
   bool samples_end = true;  ///< with a sample at the end
@@ -63,12 +64,6 @@ class AxisRig {
   AxisRig(const AxisPlant& plant, Controller& controller);
   AxisRig(const AxisRig&) = delete;
   AxisRig& operator=(const AxisRig&) = delete;
-
-  /// Takes the loop of an axis. A warning that its reference is not held then says whether the
-  /// linear loop is stable. `parts` must outlive the rig.
-  void know_loop(const AxisParts& parts, const AxisTask& task, std::size_t axis = 0) {
-    loops_.push_back({&parts, task, axis});
-  }
 
   /// One physics step. The forces on the axes are held during it. A disturbance that begins at a
   /// step thus begins there exactly, for any integrator.
@@ -174,13 +169,6 @@ class AxisRig {
     double reference = 0.0;
   };
 
-  // The parts of an axis' loop.
-  struct Loop {
-    const AxisParts* parts;
-    AxisTask task;
-    std::size_t axis;
-  };
-
   // A force on a body.
   struct Push {
     Disturbance disturbance;
@@ -214,7 +202,6 @@ class AxisRig {
   };
 
   std::vector<RigRun::Judged> judged() const;
-  void warn(const std::vector<RigRun::Judged>& judged, std::vector<std::string>& warnings) const;
   void add_tip_signals(std::vector<Signal>& signals) const;
   static void warn_of_saturation(std::int64_t saturated, std::int64_t samples,
                                  std::vector<std::string>& warnings);
@@ -222,7 +209,6 @@ class AxisRig {
   static constexpr double kNothing = 0.0;
 
   AxisPlant plant_;
-  std::vector<Loop> loops_;
   int steps_per_sample_;
   Drives drives_;
   std::vector<DrivenAxis> axes_;

@@ -215,10 +215,9 @@ Recording AxisScenario::run(const RunControl& control) const {
   const PlantTask task = whole_task();
   const AxisLoop loop = make_loop(task);
   AxisRig rig(plant(), *loop.controller);
-  for (std::size_t i : task.driven) {
-    if (has_own_loop(i)) rig.know_loop(axis_parts_[i], task.axes[i], i);
-  }
   RigRun run;
+  std::copy_if(task.driven.begin(), task.driven.end(), std::back_inserter(run.loops),
+               [this](std::size_t i) { return has_own_loop(i); });
   run.signals = rig.signals();
   run.for_metrics = metric_signals(rig, loop);
   extend(run, rig, loop);

@@ -738,11 +738,4 @@ void check_plant(AxisPlant& plant, const Config& config) {
   const Sensing check_only(model, sensing);
 }
 
-StateSpace linear_axis(const AxisPlant& plant, std::size_t axis) {
-  const Model model = plant.load_model();
-  const AxisSettings& one = plant.axes[axis];
-  return one.transmission.linear(one.transmission.true_numbers(
-      model, joint_inertia(model, plant.pose(model)), one.axis.joint));
-}
-
 }  // namespace breakwater

@@ -17,7 +17,6 @@
 
 #include <breakwater/control/reference.h>
 #include <breakwater/experiment/settings.h>
-#include <breakwater/linear/state_space.h>
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/drive_settings.h>
 #include <breakwater/rigs/plant_extras.h>
@@ -211,10 +210,5 @@ struct AxisPlant {
 /// Checks what the single fields cannot: the names in the model file, periods. Completes the
 /// settings. Throws std::invalid_argument `ORIGIN: KEY: reason`.
 void check_plant(AxisPlant& plant, const Config& config);
-
-/// The linear part of an axis, continuous: its inertia and its viscous friction, or both inertias
-/// of its transmission. The other joints are held at the pose of the keyframe. Gravity has no part
-/// in it.
-StateSpace linear_axis(const AxisPlant& plant, std::size_t axis = 0);
 
 }  // namespace breakwater

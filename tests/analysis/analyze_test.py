@@ -125,12 +125,6 @@ class Analyze(Folder):
             for delay in (f"control.delay_s={samples}e-3", f"sensor.delay_samples={samples}"):
                 self.says_stable("dkf", delay, samples < first_unstable)
 
-    def test_a_run_says_whether_its_loop_is_stable(self):
-        for delay in ("control.delay_s=0.095", "sensor.delay_samples=96"):
-            self.says_stable("idob", delay, False)
-            _, err = self.call("motor_estimation", "--case", "idob", "--set", delay, "--duration", "60", "--out", "run")
-            self.assertIn("; the loop is not stable, even without", err)
-
 
 if __name__ == "__main__":
     unittest.main()
