@@ -38,6 +38,7 @@ PlanarChain::PlanarChain(std::vector<PlanarJoint> joints, const Eigen::Vector2d&
                          double tip_yaw_rad)
     : joints_(std::move(joints)), tip_offset_(tip_offset_m), tip_yaw_(tip_yaw_rad) {
   if (joints_.empty()) throw std::invalid_argument("planar chain: needs at least one joint");
+  coordinates = {{"x", "m", "tip x"}, {"y", "m", "tip y"}, {"phi", "rad", "tip angle"}};
   effort_limits_.resize(this->joints());
   velocity_limits_.resize(this->joints());
   for (Eigen::Index i = 0; i < this->joints(); ++i) {

@@ -1,4 +1,5 @@
-// Nominal model of a planar serial manipulator: kinematics, masses and limits.
+// Kinematics of a serial manipulator in the coordinates of its tip that a controller holds.
+// PlanarChain: the nominal model of a planar one.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,6 +13,48 @@ using TipPose = Eigen::Vector3d;
 
 /// The Jacobian of X with respect to q, 3×n (Eq. 2.52).
 using TipJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+/// A value for each held coordinate of the tip, c of them. X = [x y φ]ᵀ of a planar arm (Eq. 2.51).
+using TipVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
+
+/// The Jacobian of the held coordinates with respect to q, c×n (Eq. 2.52).
+using TaskJacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, Eigen::Dynamic>;
+
+/// A held coordinate of the tip.
+struct TipCoordinate {
+  std::string name;     ///< "x": the signals are x_hat_m and x_ref_m
+  std::string unit;     ///< "m" or "rad"
+  std::string meaning;  ///< "tip x"
+};
+
+class PlanarChain;
+
+/// The kinematics of a chain of n joints. It is constant. No function allocates.
+class TipKinematics {
+ public:
+  using Angles = Eigen::Ref<const Eigen::VectorXd>;
+
+  virtual ~TipKinematics() = default;
+
+  /// X(q) (c). The first coordinate is the one along which the tip presses.
+  virtual TipVector pose(const Angles& q_rad) const = 0;
+  /// J(q) (c×n), which must have its size.
+  virtual void jacobian(const Angles& q_rad, TaskJacobian& J) const = 0;
+  /// J̇(q, q̇) q̇ (c), the tip's acceleration at q̈ = 0.
+  virtual TipVector bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const = 0;
+
+  /// The chain, if this is one.
+  virtual const PlanarChain* planar() const { return nullptr; }
+
+  const Eigen::VectorXd& effort_limits_Nm() const { return effort_limits_; }         ///< n
+  const Eigen::VectorXd& velocity_limits_rad_s() const { return velocity_limits_; }  ///< n
+
+  std::vector<TipCoordinate> coordinates;  ///< c of them
+
+ protected:
+  Eigen::VectorXd effort_limits_;
+  Eigen::VectorXd velocity_limits_;
+};
 
 /// One revolute joint and the link that it moves, in the plane of motion.
 struct PlanarJoint {
@@ -28,8 +71,8 @@ struct PlanarJoint {
 };
 
 /// A chain of any number of revolute joints with parallel axes. It is constant. No function below
-/// allocates if the results have their size.
-class PlanarChain {
+/// allocates if the results have their size. The held coordinates of its tip are x, y and φ.
+class PlanarChain final : public TipKinematics {
  public:
   /// `tip_offset_m` and `tip_yaw_rad` place the tip in the last link's frame. Throws
   /// std::invalid_argument if there is no joint or a number is not finite.
@@ -38,10 +81,13 @@ class PlanarChain {
 
   Eigen::Index joints() const { return static_cast<Eigen::Index>(joints_.size()); }
   const PlanarJoint& joint(Eigen::Index i) const { return joints_[static_cast<std::size_t>(i)]; }
-  const Eigen::VectorXd& effort_limits_Nm() const { return effort_limits_; }
-  const Eigen::VectorXd& velocity_limits_rad_s() const { return velocity_limits_; }
 
-  using Angles = Eigen::Ref<const Eigen::VectorXd>;
+  TipVector pose(const Angles& q_rad) const override { return tip_pose(q_rad); }
+  void jacobian(const Angles& q_rad, TaskJacobian& J) const override { tip_jacobian(q_rad, J); }
+  TipVector bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const override {
+    return tip_bias_acceleration(q_rad, dq_rad_s);
+  }
+  const PlanarChain* planar() const override { return this; }
 
   /// X(q), as Eq. 2.51, for any chain.
   TipPose tip_pose(const Angles& q_rad) const;
@@ -63,8 +109,6 @@ class PlanarChain {
   std::vector<PlanarJoint> joints_;
   Eigen::Vector2d tip_offset_;
   double tip_yaw_;
-  Eigen::VectorXd effort_limits_;
-  Eigen::VectorXd velocity_limits_;
 };
 
 /// Reads a chain from a URDF file. The tip is the frame of the only link without children. Links

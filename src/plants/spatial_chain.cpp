@@ -37,11 +37,11 @@ SpatialChain::SpatialChain(std::vector<SpatialJoint> joints, const Eigen::Isomet
   if (start_angles_rad.size() != n) {
     throw std::invalid_argument("spatial chain: needs a start angle for each joint");
   }
-  effort_limits_Nm.resize(n);
+  effort_limits_.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    effort_limits_Nm(i) = joints_[static_cast<std::size_t>(i)].effort_limit;
+    effort_limits_(i) = joints_[static_cast<std::size_t>(i)].effort_limit;
   }
-  velocity_limits_rad_s = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
+  velocity_limits_ = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
   start_ = walk(start_angles_rad, [](auto&&...) {}).linear();
 
   // Gram and Schmidt at a posture near the start, which may be singular.
