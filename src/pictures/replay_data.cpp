@@ -231,17 +231,11 @@ Json arrow_json(const ArrowTrack& track, const Model& model, const std::vector<d
           {"values", components}};
 }
 
-Json wave_json(const SurfaceWave& wave) {
-  return rounded_list(std::array{wave.amplitude_m, wave.wave_x_rad_m, wave.wave_y_rad_m,
-                                 wave.omega_rad_s, wave.phase_rad, wave.weight_before,
-                                 wave.weight_after, wave.change_from_s, wave.change_to_s});
-}
-
 Json surfaces_json(const std::vector<WavingSurface>& surfaces) {
   Json all = Json::array();
   for (const WavingSurface& surface : surfaces) {
     Json waves = Json::array();
-    for (const SurfaceWave& wave : surface.waves) waves.push_back(wave_json(wave));
+    for (const auto& wave : surface.sea.plane_waves()) waves.push_back(rounded_list(wave));
     all.push_back({{"geom", surface.geom}, {"waves", waves}});
   }
   return all;

@@ -206,7 +206,7 @@ class QuadrotorScenario final : public Scenario {
   std::vector<std::string> warnings() const override;
   std::vector<WavingSurface> waving_surfaces(const Model& model) const override {
     if (model.geoms_named("surface").empty()) return {};  // a user's own model
-    return {{"surface", water(model).surface_waves()}};
+    return {{"surface", wave_setup().water()}};
   }
   Recording run(const RunControl& control) const override;
 

@@ -3,19 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <stdexcept>
 
-#include <breakwater/math/functions.h>
-
 namespace breakwater {
-namespace {
 
-// Sets the height field of a level or inverted geom to z(x, y) in the world, limited by its size.
-void set_heights(Model& model, const std::string& geom,
-                 const std::function<double(double, double)>& height_m) {
+void set_heights(Model& model, const WavingSurface& surface, double time_s) {
   mjModel& m = *model.get();
-  const int id = model.id(mjOBJ_GEOM, geom);
+  const int id = model.id(mjOBJ_GEOM, surface.geom);
   const mjtNum* position = m.geom_pos + static_cast<std::ptrdiff_t>(3) * id;
   const mjtNum* quaternion = m.geom_quat + static_cast<std::ptrdiff_t>(4) * id;
   const Eigen::Matrix3d R =
@@ -23,7 +17,7 @@ void set_heights(Model& model, const std::string& geom,
           .toRotationMatrix();
   const bool is_level = std::abs(std::abs(R(2, 2)) - 1.0) < 1e-9;
   if (m.geom_type[id] != mjGEOM_HFIELD || m.geom_bodyid[id] != 0 || !is_level) {
-    throw std::invalid_argument(model.file() + ": geom \"" + geom +
+    throw std::invalid_argument(model.file() + ": geom \"" + surface.geom +
                                 "\" must be a level height field on the world");
   }
   const int field = m.geom_dataid[id];
@@ -36,36 +30,11 @@ void set_heights(Model& model, const std::string& geom,
       const Eigen::Vector3d local(size[0] * (2.0 * c / (columns - 1) - 1.0),
                                   size[1] * (2.0 * r / (rows - 1) - 1.0), 0.0);
       const Eigen::Vector3d world = Eigen::Vector3d(position[0], position[1], 0.0) + R * local;
-      const double up = (height_m(world.x(), world.y()) - position[2]) * R(2, 2);
+      const double up =
+          (surface.sea.elevation(time_s, world.x(), world.y()) - position[2]) * R(2, 2);
       *data++ = static_cast<float>(std::clamp(up / size[2], 0.0, 1.0));
     }
   }
-}
-
-}  // namespace
-
-double SurfaceWave::weight(double time_s) const {
-  if (time_s <= change_from_s) return weight_before;
-  if (time_s >= change_to_s) return weight_after;
-  const double part = (time_s - change_from_s) / (change_to_s - change_from_s);
-  return weight_before + part * (weight_after - weight_before);
-}
-
-double WavingSurface::elevation(double time_s, double x_m, double y_m) const {
-  double sum = 0.0;
-  for (const SurfaceWave& wave : waves) {
-    const double weight = wave.weight(time_s);
-    if (weight == 0.0) continue;
-    sum += weight * wave.amplitude_m *
-           math::cos(wave.wave_x_rad_m * x_m + wave.wave_y_rad_m * y_m - wave.omega_rad_s * time_s +
-                     wave.phase_rad);
-  }
-  return sum;
-}
-
-void set_heights(Model& model, const WavingSurface& surface, double time_s) {
-  set_heights(model, surface.geom,
-              [&](double x, double y) { return surface.elevation(time_s, x, y); });
 }
 
 }  // namespace breakwater

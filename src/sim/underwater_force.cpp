@@ -52,21 +52,6 @@ UnderwaterForce::UnderwaterForce(const Model& model, const QuadrotorParameters& 
   dof_ = model->jnt_dofadr[joint];
 }
 
-std::vector<SurfaceWave> UnderwaterForce::surface_waves() const {
-  std::vector<SurfaceWave> all;
-  const auto add = [&](const Waves& waves, double before, double after) {
-    for (const Waves::Component& c : waves.components()) {
-      all.push_back({c.amplitude_m, c.wave_number_rad_m * waves.direction().x(),
-                     c.wave_number_rad_m * waves.direction().y(), c.omega_rad_s, c.phase_rad,
-                     before, after, setup_.change_at_s,
-                     setup_.change_at_s + setup_.change_within_s});
-    }
-  };
-  add(sea_.first(), 1.0, sea_.second() ? 0.0 : 1.0);
-  if (sea_.second()) add(*sea_.second(), 0.0, 1.0);
-  return all;
-}
-
 double UnderwaterForce::thesis_force(double time_s) const {
   return parameters_.displaced_kg() * setup_.inertia_coefficient *
          sea_.water(time_s, start_).acceleration.z();

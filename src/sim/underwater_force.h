@@ -7,7 +7,6 @@
 #include <breakwater/plants/quadrotor.h>
 #include <breakwater/sim/external_force.h>
 #include <breakwater/sim/model.h>
-#include <breakwater/sim/surface_waves.h>
 #include <breakwater/world/low_pass.h>
 #include <breakwater/world/waves.h>
 
@@ -79,8 +78,7 @@ class UnderwaterForce final : public ExternalForce {
   double elevation(double time_s, double x_m, double y_m) const {
     return sea_.elevation(time_s, x_m, y_m);
   }
-  /// The waves whose sum is η.
-  std::vector<SurfaceWave> surface_waves() const;
+  const ChangingSea& sea() const { return sea_; }
 
   /// Call it once after each step, with the state at its end.
   void advance(double time_s, const FreeMotion& motion);

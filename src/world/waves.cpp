@@ -181,6 +181,20 @@ double ChangingSea::elevation(double time_s, double x_m, double y_m) const {
   return eta;
 }
 
+std::vector<std::array<double, 9>> ChangingSea::plane_waves() const {
+  std::vector<std::array<double, 9>> all;
+  const auto add = [&](const Waves& waves, double before, double after) {
+    for (const Waves::Component& c : waves.components()) {
+      const Eigen::Vector2d k = c.wave_number_rad_m * waves.direction();
+      all.push_back({c.amplitude_m, k.x(), k.y(), c.omega_rad_s, c.phase_rad, before, after,
+                     change_.at_s, change_.at_s + change_.within_s});
+    }
+  };
+  add(first_, 1.0, second_ ? 0.0 : 1.0);
+  if (second_) add(*second_, 0.0, 1.0);
+  return all;
+}
+
 namespace {
 
 constexpr double kWidthBelowPeak = 0.07;

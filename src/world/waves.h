@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -135,7 +136,10 @@ class ChangingSea {
   double elevation(double time_s, double x_m, double y_m) const;
 
   const Waves& first() const { return first_; }
-  const std::optional<Waves>& second() const { return second_; }
+  /// The plane waves w(t) a cos(k_x x + k_y y − ω t + φ), whose sum is η. A row has a, k_x, k_y, ω
+  /// and φ. It ends with the weight w before and after the change, and with the times of the
+  /// change, during which w is linear.
+  std::vector<std::array<double, 9>> plane_waves() const;
 
  private:
   // Share of the second sea at a time, 0 … 1.
