@@ -1,12 +1,7 @@
-// The main() of each scenario's own program, compiled once.
+// The main() of a scenario's own program. The build gives the scenario and its catalogue.
 #include <breakwater/program/scenario_program.h>
 
-namespace breakwater {
-extern const char* const kScenario;  // scenario_name.cpp
-Catalogue catalogue_of_scenario();   // the same
-}  // namespace breakwater
-
 int main(int argc, char** argv) {
-  return breakwater::scenario_program(argc, argv, breakwater::catalogue_of_scenario(),
-                                      breakwater::kScenario);
+  return breakwater::scenario_program(argc, argv, breakwater::BREAKWATER_CATALOGUE(),
+                                      BREAKWATER_SCENARIO);
 }
