@@ -97,7 +97,7 @@ class ImpactTest final : public Scenario {
     sim.set_collidable(geom_id(sim.model(), kStruckWall), wall_.is_of_engine());
 
     const double& force_N = wall_.is_of_engine() ? sim.sensor("tip_touch") : contact->force_N();
-    const std::span<const double> measured = view(sim.sample().y);
+    const std::vector<Signal> tip = rig.tip_signals();
     RigRun run;
     run.samples_end = false;
     run.judged.emplace();
@@ -105,16 +105,12 @@ class ImpactTest final : public Scenario {
         {"qpos", "m", "the carriage's position", sim.qpos()},
         {"qvel", "m/s", "the carriage's speed", sim.qvel()},
         {"force_true_N", "N", "normal contact force, true", view(force_N)},
-        {"force_sensor_N", "N", "force sensor, before its low-pass", view(rig.sensor_force_N())},
-        {"force_filtered_N", "N", "force sensor, behind its low-pass",
-         view(rig.filtered_force_N())},
+        tip[0],
+        tip[1],
         {"penetration_m", "m", "penetration; negative: the gap", view(contact->penetration_m())},
         {"wall_m", "m", "how far the wall has moved", view(contact->wall_m())}};
     run.signals = run.fine;
-    run.signals.push_back(
-        {"force_measured_N", "N", "filtered force as sampled", measured.subspan(1, 1)});
-    run.signals.push_back(
-        {"force_raw_measured_N", "N", "the same before the low-pass", measured.subspan(2, 1)});
+    run.signals.insert(run.signals.end(), {tip[2], tip[3]});
     double first_contact_s = std::numeric_limits<double>::infinity();
     double first_separation_s = first_contact_s;
     run.for_metrics = {{"approach_m_s", "m/s", "", view(contact->approach_m_s())},

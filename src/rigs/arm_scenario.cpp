@@ -221,11 +221,11 @@ void ArmScenario::add_signals(RigRun& run, const AxisRig& rig) const {
   const auto any = [&](auto&& has) {
     return std::any_of(plant_.axes.begin(), plant_.axes.end(), has);
   };
-  run.fine = {
-      {"qpos", "rad", "the engine's generalised positions", rig.positions()},
-      {"force_true_N", "N", "true normal contact force", view(rig.contact_force_N())},
-      {"force_sensor_N", "N", "force sensor, before its low-pass", view(rig.sensor_force_N())},
-      {"force_filtered_N", "N", "force sensor, behind its low-pass", view(rig.filtered_force_N())}};
+  const std::vector<Signal> tip = rig.tip_signals();
+  run.fine = {{"qpos", "rad", "the engine's generalised positions", rig.positions()},
+              tip[0],
+              tip[1],
+              tip[2]};
   run.signals = {run.fine[0]};
   gather("q_true_rad", "rad", "true joint angles", &AxisRig::position);
   gather("dq_true_rad_s", "rad/s", "true joint velocities", &AxisRig::velocity);
@@ -245,8 +245,7 @@ void ArmScenario::add_signals(RigRun& run, const AxisRig& rig) const {
               [state](double) { return state->tip[2]; });
   run.signals.push_back(run.fine[1]);
   add("q_measured_rad", "rad", "sampled joint angles", measured.first(n));
-  add("force_measured_N", "N", "sampled force behind the low-pass", measured.subspan(n, 1));
-  add("force_raw_measured_N", "N", "sampled force before the low-pass", measured.subspan(n + 1, 1));
+  run.signals.insert(run.signals.end(), {tip[3], tip[4]});
   gather("torque_command_Nm", "N m", "commanded joint torques", &AxisRig::command);
   gather("torque_applied_Nm", "N m", "joint torques after saturation", &AxisRig::actuation);
   add("saturated", "1", "1 where any torque is at its limit", view(rig.saturated()));

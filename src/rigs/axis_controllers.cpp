@@ -14,26 +14,24 @@ namespace {
 using SharedEstimator = std::shared_ptr<DisturbanceEstimator>;
 
 struct PdSettings {
-  double k_p = 0.0;
-  double k_d = 0.0;
-  double cancelled_share = 1.0;
+  DisturbanceCancellingPdDesign given;  // without what depends on the axis
 
   void bind(Fields& fields) {
-    fields.number("controller.kp", k_p, not_negative(), "K_p: position gain [force per position]");
-    fields.number("controller.kd", k_d, not_negative(), "K_d: velocity gain [force per velocity]");
-    fields.optional_number("controller.cancelled_share", cancelled_share, between(0, 1),
+    fields.number("controller.kp", given.k_p, not_negative(),
+                  "K_p: position gain [force per position]");
+    fields.number("controller.kd", given.k_d, not_negative(),
+                  "K_d: velocity gain [force per velocity]");
+    fields.optional_number("controller.cancelled_share", given.cancelled_share, between(0, 1),
                            "part of the estimated disturbance that is cancelled");
   }
   std::unique_ptr<Controller> make(const AxisTask& task, SharedEstimator estimator) const {
-    return std::make_unique<DisturbanceCancellingPd>(
-        std::move(estimator), DisturbanceCancellingPdDesign{.k_p = k_p,
-                                                            .k_d = k_d,
-                                                            .cancelled_share = cancelled_share,
-                                                            .reference = task.measured_reference(),
-                                                            .force_limit = task.axis.force_limit,
-                                                            .period_s = task.axis.period_s,
-                                                            .units = task.axis.units,
-                                                            .start_state = task.start()});
+    DisturbanceCancellingPdDesign design = given;
+    design.reference = task.measured_reference();
+    design.force_limit = task.axis.force_limit;
+    design.period_s = task.axis.period_s;
+    design.units = task.axis.units;
+    design.start_state = task.start();
+    return std::make_unique<DisturbanceCancellingPd>(std::move(estimator), std::move(design));
   }
 };
 
@@ -55,8 +53,8 @@ struct ResonanceRatioSettings {
       throw WrongKey(axis.why_no_inertias, "must be positive for resonance ratio control");
     }
     const ResonanceRatioGains gains = resonance_ratio(*axis.inertias, damping_ratio);
-    return PdSettings{gains.k_p, gains.k_d, gains.cancelled_share()}.make(task,
-                                                                          std::move(estimator));
+    PdSettings pd{{.k_p = gains.k_p, .k_d = gains.k_d, .cancelled_share = gains.cancelled_share()}};
+    return pd.make(task, std::move(estimator));
   }
 };
 

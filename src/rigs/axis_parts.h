@@ -99,6 +99,7 @@ struct AxisTask {
 struct AxisEstimatorKind : PartKind<DisturbanceEstimator, const NominalAxis&> {
   using PartKind::PartKind;
   static constexpr const char* kWhat = "estimator of an axis";
+  static constexpr const char* kKey = "observer.name";
 };
 
 /// A controller of an axis and its name: key controller.name. It is given the chosen estimator. A
@@ -119,14 +120,7 @@ inline const NominalAxis& what_is_known(const AxisTask& task) {
 using AxisLoop = ControlLoop<DisturbanceEstimator>;
 
 /// The chosen estimator and controller of an axis.
-class AxisParts
-    : public LoopParts<DisturbanceEstimator, AxisEstimatorKind, AxisControllerKind, AxisTask> {
- public:
-  /// The default values of controller.name and observer.name. If one is empty, its key is required.
-  AxisParts(const Catalogue& catalogue, const std::string& standard_controller,
-            const std::string& standard_estimator = "")
-      : LoopParts(catalogue, "observer.name", standard_estimator, standard_controller) {}
-};
+using AxisParts = LoopParts<DisturbanceEstimator, AxisEstimatorKind, AxisControllerKind, AxisTask>;
 
 /// The estimators of the thesis and QVFF, and those of others: library `published`.
 std::vector<AxisEstimatorKind> axis_estimators();

@@ -227,15 +227,6 @@ std::vector<RigRun::Judged> AxisRig::judged() const {
   return judged;
 }
 
-void AxisRig::warn_of_saturation(std::int64_t saturated, std::int64_t samples,
-                                 std::vector<std::string>& warnings) {
-  if (2 * saturated <= samples) return;
-  warnings.push_back(fmt::format(
-      "a drive is at its limit in {:.0f} % of the samples (signal saturated): the controller "
-      "cannot act on its feedback then",
-      100.0 * static_cast<double>(saturated) / static_cast<double>(samples)));
-}
-
 void RigRun::compute(std::string name, std::string unit, std::string text, std::size_t size,
                      std::function<double(double time_s, std::size_t i)> value) {
   computed_.push_back({std::vector<double>(size), std::move(value)});
@@ -294,7 +285,12 @@ Recording AxisRig::run(const RunControl& control, const MetricRows& rows, RigRun
         recording.warnings.back() += "; breakwater analyze says whether its loop is stable";
       }
     }
-    if (!run.judged) warn_of_saturation(saturated, samples, recording.warnings);
+    if (!run.judged && 2 * saturated > samples) {
+      recording.warnings.push_back(fmt::format(
+          "a drive is at its limit in {:.0f} % of the samples (signal saturated): the controller "
+          "cannot act on its feedback then",
+          100.0 * static_cast<double>(saturated) / static_cast<double>(samples)));
+    }
   }
   // The last step only shows the values at the end.
   recording.simulated_s = std::min(recording.simulated_s, duration_s);
@@ -302,19 +298,18 @@ Recording AxisRig::run(const RunControl& control, const MetricRows& rows, RigRun
   return recording;
 }
 
-void AxisRig::add_tip_signals(std::vector<Signal>& signals) const {
+std::vector<Signal> AxisRig::tip_signals() const {
   const std::span<const double> measured = view(simulation_->sample().y).last(2);
-  const auto add = [&](const char* name, const char* what, std::span<const double> value) {
-    signals.push_back({name, "N", what, value});
-  };
-  if (contact_force_ != nullptr) {
-    add("force_true_N", "true normal contact force", view(*contact_force_));
-  }
-  add("force_sensor_N", "force sensor, before its low-pass", view(sensor_force_N()));
-  add("force_filtered_N", "force sensor, behind its low-pass", view(filtered_force_N()));
-  add("force_measured_N", "sampled force behind the low-pass", measured.first(1));
-  add("force_raw_measured_N", "sampled force before the low-pass", measured.last(1));
-  add("force_reference_N", "reference of the force", view(force_reference_));
+  std::vector<Signal> signals = {
+      {"force_sensor_N", "N", "force sensor, before its low-pass", view(sensor_force_N())},
+      {"force_filtered_N", "N", "force sensor, behind its low-pass", view(filtered_force_N())},
+      {"force_measured_N", "N", "sampled force behind the low-pass", measured.first(1)},
+      {"force_raw_measured_N", "N", "sampled force before the low-pass", measured.last(1)},
+      {"force_reference_N", "N", "reference of the force", view(force_reference_)}};
+  if (contact_force_ == nullptr) return signals;
+  signals.insert(signals.begin(),
+                 {"force_true_N", "N", "true normal contact force", view(*contact_force_)});
+  return signals;
 }
 
 std::vector<Signal> AxisRig::signals() const {
@@ -381,7 +376,9 @@ std::vector<Signal> AxisRig::signals() const {
     if (!wall->has_friction()) continue;
     add("friction_N", "N", "friction across the wall's normal", wall->friction_N());
   }
-  if (plant_.tip) add_tip_signals(signals);
+  if (plant_.tip) {
+    for (Signal& signal : tip_signals()) signals.push_back(std::move(signal));
+  }
   // A controller may publish the reference too.
   for (const Signal& signal : drives_.signals()) {
     const bool is_there = std::any_of(signals.begin(), signals.end(), [&](const Signal& other) {

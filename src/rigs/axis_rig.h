@@ -123,6 +123,10 @@ class AxisRig {
   /// The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const;
 
+  /// The forces of the tip among them and their reference. A tip without a contact lacks the true
+  /// force.
+  std::vector<Signal> tip_signals() const;
+
   /// The force of the tip's sensor before its low-pass and behind it.
   const double& sensor_force_N() const {
     return simulation_->sensing().filtered(simulation_->sensing().size() - 1);
@@ -202,9 +206,6 @@ class AxisRig {
   };
 
   std::vector<RigRun::Judged> judged() const;
-  void add_tip_signals(std::vector<Signal>& signals) const;
-  static void warn_of_saturation(std::int64_t saturated, std::int64_t samples,
-                                 std::vector<std::string>& warnings);
 
   static constexpr double kNothing = 0.0;
 

@@ -1,10 +1,12 @@
 #include <breakwater/rigs/axis_scenario.h>
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
 #include <breakwater/control/axes_control.h>
+#include <breakwater/control/estimate_signals.h>
 #include <breakwater/math/float_environment.h>
 
 namespace breakwater {
@@ -18,7 +20,7 @@ AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design
     plant_.axes.emplace_back(*design_.axis, catalogue);
     axis_parts_.emplace_back(catalogue, design_.controller);
   } else {
-    whole_.emplace(catalogue_, "observer.name", "none", "axes");
+    whole_.emplace(catalogue_, "axes", "none");
   }
 }
 
@@ -62,8 +64,8 @@ PlantTask AxisScenario::whole_task() const {
   if (!whole_) return {.axes = {task()}, .driven = {0}};
   PlantTask task = plant_task(plant_);
   task.observes_axes = moves_tip();
-  task.tip = [this, found = std::make_shared<std::optional<TipTask>>()] {
-    if (!*found) *found = tip_task(plant_);
+  task.tip = [this, found = std::make_shared<std::optional<ArmSetup>>()] {
+    if (!*found) *found = tip_setup(plant_);
     return **found;
   };
   task.own_controllers = [this, axes = task.axes] { return axes_control(axes); };
@@ -135,7 +137,7 @@ void AxisScenario::check(const Config& config) {
       config, [this] { return fields(); }, plant_.physics, context);
   warnings_ = plant().warnings();
   if (!whole_) return;
-  if (moves_tip()) warn_of_free_coordinates(task.tip().kinematics->coordinates);
+  if (moves_tip()) warn_of_free_coordinates(task.tip().chain.coordinates());
   warn_of_missing_signals(config, task);
 }
 
@@ -190,26 +192,6 @@ std::vector<MetricDefinition> AxisScenario::metric_definitions() const {
   return design_.optimises ? with_qp_metrics(rows_.definitions()) : rows_.definitions();
 }
 
-// The signals for metrics. The first one of a name counts.
-std::vector<Signal> AxisScenario::metric_signals(const AxisRig& rig, const AxisLoop& loop) const {
-  std::vector<Signal> signals;
-  if (whole_) return signals;
-  const AxisUnits& units = plant_.axis().axis.units;
-  const auto add = [&](const std::string& name, const std::string& unit, const double& value) {
-    signals.push_back({name, unit, "", view(value)});
-  };
-  add("reference_" + units.position_suffix, units.position, rig.reference());
-  if (loop.estimates()) {
-    const auto part = [](const DisturbanceEstimator::View& values,
-                         Eigen::Index i) -> const double& { return *(values.data() + i); };
-    const DisturbanceEstimator& estimator = *loop.estimator;
-    add("position_hat_" + units.position_suffix, units.position, part(estimator.state(), 0));
-    add("velocity_hat_" + units.velocity_suffix, units.velocity, part(estimator.state(), 1));
-    add("d_hat_" + units.force_suffix, units.force, part(estimator.disturbance(), 0));
-  }
-  return signals;
-}
-
 Recording AxisScenario::run(const RunControl& control) const {
   const math::FloatEnvironment floats;
   const PlantTask task = whole_task();
@@ -219,7 +201,12 @@ Recording AxisScenario::run(const RunControl& control) const {
   std::copy_if(task.driven.begin(), task.driven.end(), std::back_inserter(run.loops),
                [this](std::size_t i) { return has_own_loop(i); });
   run.signals = rig.signals();
-  run.for_metrics = metric_signals(rig, loop);
+  if (!whole_) {
+    const AxisUnits& units = plant_.axis().axis.units;
+    if (loop.estimates()) run.for_metrics = estimate_signals(*loop.estimator, units);
+    run.for_metrics.push_back(
+        {"reference_" + units.position_suffix, units.position, "", view(rig.reference())});
+  }
   extend(run, rig, loop);
   Recording recording = rig.run(control, rows_, std::move(run));
   if (design_.optimises && !recording.failure) {

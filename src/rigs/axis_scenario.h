@@ -107,7 +107,6 @@ class AxisScenario : public Scenario {
   std::unique_ptr<Controller> axes_control(const std::vector<AxisTask>& tasks,
                                            std::unique_ptr<Controller> other = nullptr,
                                            std::size_t replaced = 0) const;
-  std::vector<Signal> metric_signals(const AxisRig& rig, const AxisLoop& loop) const;
 
   AxisScenarioDesign design_;
   Catalogue catalogue_;  // only with named axes

@@ -22,28 +22,8 @@ namespace {
 // The id of the element that a key names.
 int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
           const std::string& name) {
-  try {
-    return model.id(kind, name);
-  } catch (const std::invalid_argument& error) {
-    if (own.find(key) == nullptr) throw;  // the scenario gives the name
-    constexpr std::size_t kFew = 12;
-    const bool is_geom = kind == mjOBJ_GEOM;
-    std::vector<std::string> names;
-    // Each element has a letter or more in the model's list of names.
-    for (int i = 0; i < model->nnames; ++i) {
-      const char* const one = mj_id2name(model.get(), kind, i);
-      if (one != nullptr && *one != '\0') names.emplace_back(one);
-    }
-    std::string hint;
-    if (names.empty()) hint = "it has none with a name";
-    if (!names.empty() && names.size() <= kFew) {
-      hint = fmt::format("it has {}", fmt::join(names, ", "));
-    }
-    if (is_geom && names.size() <= kFew) {
-      hint += ". With discardvisual, as in a URDF, the compiler drops geoms that cannot collide";
-    }
-    own.fail(key, error.what() + (hint.empty() ? "" : " (" + hint + ")"));
-  }
+  if (own.find(key) == nullptr) return model.id(kind, name);  // the scenario gives the name
+  return own.blame(key, [&] { return model.id(kind, name); });
 }
 
 // Calls a check whose error names a key of the axis.

@@ -41,10 +41,11 @@ auto estimator_for(const Task& task, Make&& make) {
 template <typename Estimator, typename EstimatorKind, typename ControllerKind, typename Task>
 class LoopParts {
  public:
-  /// The keys of the two choices, and their default values. Without one, the key is required.
-  LoopParts(const Catalogue& catalogue, const std::string& estimator_key,
-            const std::string& standard_estimator, const std::string& standard_controller)
-      : estimator_(catalogue, estimator_key, standard_estimator),
+  /// The default values of controller.name and of EstimatorKind::kKey. Without one, its key is
+  /// required.
+  LoopParts(const Catalogue& catalogue, const std::string& standard_controller,
+            const std::string& standard_estimator = "")
+      : estimator_(catalogue, EstimatorKind::kKey, standard_estimator),
         controller_(catalogue, "controller.name", standard_controller) {}
 
   void bind(Fields& fields) {

@@ -10,8 +10,6 @@
 #include <breakwater/control/pose_feedback.h>
 #include <breakwater/linear/riccati.h>
 #include <breakwater/observers/raw_difference.h>
-#include <breakwater/plants/tip_chain.h>
-#include <breakwater/rigs/arm_parts.h>
 #include <breakwater/sim/linear_model.h>
 #include <breakwater/sim/model.h>
 
@@ -290,9 +288,8 @@ class TipPart final : public PlantControllerKind::Part {
 
  private:
   ArmSetup setup(const PlantTask& task, std::shared_ptr<DisturbanceEstimator> estimator) const {
-    const TipTask tip = task.tip();
+    ArmSetup arm = task.tip();
     if (!estimator) throw WrongKey("observer.name", "needs an estimator for each joint");
-    ArmSetup arm{TipChain(tip.kinematics), {}, {}, task.whole.period_s};
     const Eigen::Index n = arm.chain.joints();
     AccelerationControlDesign& joints = arm.acceleration;
     joints.nominal_inertia_kgm2.resize(n);
@@ -302,7 +299,6 @@ class TipPart final : public PlantControllerKind::Part {
       joints.nominal_inertia_kgm2(i) = 1.0 / axis.axis.plant.B(1);
       arm.task.start_angles_rad(i) = axis.reference.at(0.0);
     }
-    joints.nominal_mass_matrix_kgm2 = tip.mass_matrix_kgm2;
     joints.torque_limit_Nm = task.limit;
     joints.make_observer = [estimator = std::move(estimator)] { return estimator; };
     joints.feed = feed_;
@@ -315,8 +311,6 @@ class TipPart final : public PlantControllerKind::Part {
     arm.task.force_control_from_s = force.from_s;
     arm.task.force_reference_N = force.value;
     arm.task.convert_gain_N_m = convert_gain_per_m_ * force.value;
-    arm.task.force_lag_s = tip.force_lag_s;
-    arm.task.wall_x_m = tip.wall_x_m;
     arm.task.k_posture = k_posture_;
     return arm;
   }
@@ -329,12 +323,10 @@ class TipPart final : public PlantControllerKind::Part {
 
 }  // namespace
 
-TipTask tip_task(const AxisPlant& plant) {
-  TipTask task;
+ArmSetup tip_setup(const AxisPlant& plant) {
   if (!plant.tip) throw std::invalid_argument("needs a tip: a table [tip]");
   const Model model = plant.nominal_model();
   const TipSettings& settings = *plant.tip;
-  task.force_lag_s = settings.chain.low_pass_s;
   std::optional<Tip> touching;
   double radius_m = 0.0;
   std::optional<Eigen::Isometry3d> contact;
@@ -365,21 +357,22 @@ TipTask tip_task(const AxisPlant& plant) {
   }
   if (!contact) throw std::invalid_argument("needs tip.contact: a contact with a plane");
   const auto chain = std::make_shared<SpatialChain>(joints, body * tip.frame, *contact, start);
-  task.kinematics = chain;
+  ArmSetup arm{TipChain(chain), {}, {}, plant.physics.control_period_s};
+  arm.task.force_lag_s = settings.chain.low_pass_s;
   std::vector<Eigen::Index> rates;
   for (const AxisSettings& one : plant.axes) {
     rates.push_back(model->jnt_dofadr[model.id(mjOBJ_JOINT, one.axis.joint)]);
   }
-  task.mass_matrix_kgm2 = joint_inertia(model, plant.pose(model))(rates, rates);
+  arm.acceleration.nominal_mass_matrix_kgm2 = joint_inertia(model, plant.pose(model))(rates, rates);
   if (radius_m > 0.0 && touching->body == tip.body) {
     const SpatialChain ball(joints, body * touching->frame, *contact, start);
     const double ball_x_m = ball.pose(start)(0);
     if (ball_x_m > 0.0) {
       throw std::invalid_argument("the tip starts behind the plane \"" + plane_name + '"');
     }
-    task.wall_x_m = chain->pose(start)(0) - ball_x_m - radius_m;
+    arm.task.wall_x_m = chain->pose(start)(0) - ball_x_m - radius_m;
   }
-  return task;
+  return arm;
 }
 
 std::vector<PlantControllerKind> tip_controllers(const Catalogue& catalogue) {

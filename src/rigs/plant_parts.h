@@ -10,19 +10,11 @@
 #include <vector>
 
 #include <breakwater/observers/stacked_estimator.h>
-#include <breakwater/plants/tip_chain.h>
+#include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/axis_settings.h>
 
 namespace breakwater {
-
-/// The tip of a plant, for an arm's controllers.
-struct TipTask {
-  std::shared_ptr<const TipKinematics> kinematics;
-  Eigen::MatrixXd mass_matrix_kgm2;                           ///< nominal, at the start
-  double force_lag_s = 0.0;                                   ///< as in ArmTask
-  double wall_x_m = std::numeric_limits<double>::infinity();  ///< as in ArmTask
-};
 
 /// The task of a controller of all axes.
 struct PlantTask {
@@ -43,8 +35,8 @@ struct PlantTask {
   ForceTask force;
   /// The estimator stands for each axis by itself, and not for the linearised plant.
   bool observes_axes = false;
-  /// Finds the tip. Throws as tip_task().
-  std::function<TipTask()> tip;
+  /// Finds the tip. Throws as tip_setup().
+  std::function<ArmSetup()> tip;
   /// Makes the controllers that the axes have chosen, as one.
   std::function<std::unique_ptr<Controller>()> own_controllers;
 };
@@ -95,11 +87,12 @@ std::vector<PlantControllerKind> plant_controllers();
 /// the contact laws. An arm's controllers are controllers of a plant too.
 Catalogue with_none(Catalogue catalogue);
 
-/// The task of a plant's tip. It is the site of tip.sensor, or the centre of the geom that touches.
+/// The kinematics of a plant's tip with its nominal mass matrix at the start, the lag of its force
+/// and the wall. The tip is the site of tip.sensor, or the centre of the geom that touches.
 /// The contact frame is that of the plane in tip.contact: x is opposite to the plane's normal. Each
 /// joint from the world to the tip must have an axis with an actuator and a sensor at the joint.
 /// There must be no other axis. Throws std::invalid_argument.
-TipTask tip_task(const AxisPlant& plant);
+ArmSetup tip_setup(const AxisPlant& plant);
 
 /// An arm's controllers of the catalogue as controllers of a plant. Their estimator stands for each
 /// joint by itself, with the nominal inertia of the joint's axis.

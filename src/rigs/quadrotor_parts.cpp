@@ -227,8 +227,7 @@ struct BacksteppingSettings {
   double vertical_gain = 3.0;
   bool compensates = true;
   double lead_s = 0.0;
-  double position_clamp_m = 0.0;
-  double thrust_floor_N = 0.5;
+  BacksteppingDesign given;  // the clamps
 
   void bind(Fields& fields) {
     fields.choice(
@@ -254,9 +253,9 @@ struct BacksteppingSettings {
     bind_clamps(fields);
   }
   void bind_clamps(Fields& fields) {
-    fields.number("controller.position_clamp_m", position_clamp_m, not_negative(),
+    fields.number("controller.position_clamp_m", given.position_clamp_m, not_negative(),
                   "clamp on the position errors; 0: no clamp [m]");
-    fields.number("controller.thrust_floor_N", thrust_floor_N, positive(),
+    fields.number("controller.thrust_floor_N", given.thrust_floor_N, positive(),
                   "smallest U_z by which the controller divides [N]");
   }
   BacksteppingGains alpha(const QuadrotorTask& task) const {
@@ -271,11 +270,9 @@ struct BacksteppingSettings {
     return alpha;
   }
   Backstepping make_law(const QuadrotorTask& task) const {
-    BacksteppingDesign design;
+    BacksteppingDesign design = given;
     design.alpha = alpha(task);
     design.reference.head<3>() = task.reference_m;
-    design.position_clamp_m = position_clamp_m;
-    design.thrust_floor_N = thrust_floor_N;
     return {task.plant, design};
   }
   std::unique_ptr<Controller> make(const QuadrotorTask& task,

@@ -36,6 +36,7 @@ inline const QuadrotorTask& what_is_known(const QuadrotorTask& task) {
 struct QuadrotorEstimatorKind : PartKind<QuadrotorEstimator, const QuadrotorTask&> {
   using PartKind::PartKind;
   static constexpr const char* kWhat = "estimator of the quadrotor";
+  static constexpr const char* kKey = "estimator.name";
 };
 
 /// A controller of the quadrotor and its name: key controller.name. It gets the estimator as an
@@ -53,7 +54,7 @@ class QuadrotorParts : public LoopParts<QuadrotorEstimator, QuadrotorEstimatorKi
                                         QuadrotorControllerKind, QuadrotorTask> {
  public:
   explicit QuadrotorParts(const Catalogue& catalogue)
-      : LoopParts(catalogue, "estimator.name", "kalman", "backstepping") {}
+      : LoopParts(catalogue, "backstepping", "kalman") {}
 };
 
 /// The estimators and controllers of Breakwater.

@@ -66,8 +66,22 @@ void check_memory(const std::string& file, const std::string& fatal) {
 
 int id_of(const mjModel& m, const std::string& file, mjtObj kind, const std::string& name) {
   const int id = mj_name2id(&m, kind, name.c_str());
-  if (id < 0) refuse(file, std::string("has no ") + mju_type2Str(kind) + " named \"" + name + "\"");
-  return id;
+  if (id >= 0) return id;
+  constexpr int kFew = 12;
+  int named = 0;
+  std::string names;
+  // Each element has a letter or more in the model's list of names.
+  for (int i = 0; i < m.nnames; ++i) {
+    const char* const one = mj_id2name(&m, kind, i);
+    if (one == nullptr || *one == '\0') continue;
+    names += (named++ == 0 ? " (it has " : ", ") + std::string(one);
+  }
+  if (named == 0) names = " (it has none with a name";
+  if (named <= kFew && kind == mjOBJ_GEOM) {
+    names += ". With discardvisual, as in a URDF, the compiler drops geoms that cannot collide";
+  }
+  refuse(file, std::string("has no ") + mju_type2Str(kind) + " named \"" + name + '"' +
+                   (named <= kFew ? names + ")" : ""));
 }
 
 void check_bodies(const mjModel& m, const std::string& file) {
