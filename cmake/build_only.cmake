@@ -2,7 +2,7 @@
 get_property(packages GLOBAL PROPERTY BREAKWATER_PACKAGES)
 if(NOT BREAKWATER_TOOLS)
   list(REMOVE_ITEM packages Boost::headers ceres::tiny_solver Pagmo::pagmo PkgConfig::cairo
-    PkgConfig::ffmpeg PkgConfig::nlopt TBB::tbb)
+    PkgConfig::nlopt TBB::tbb)
 endif()
 foreach(package IN LISTS packages)
   breakwater_find(${package} REQUIRED)

@@ -73,5 +73,3 @@ breakwater_package(ceres::tiny_solver libceres-dev [[
   endif()]])
 breakwater_package(PkgConfig::cairo libcairo2-dev [[breakwater_pkg_config(${how} cairo cairo)]])
 breakwater_package(PkgConfig::zlib zlib1g-dev [[breakwater_pkg_config(${how} zlib zlib)]])
-breakwater_package(PkgConfig::ffmpeg "libavformat-dev, libavcodec-dev and libavutil-dev"
-  [[breakwater_pkg_config(${how} ffmpeg libavformat libavcodec libavutil)]])

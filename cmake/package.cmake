@@ -22,7 +22,7 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME breakwater)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 # Packages that are loaded or read at run time, which shlibdeps cannot detect.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libcairo2, libegl1, libgl1-mesa-dri, fonts-dejavu-core, libjs-dygraphs, libjs-three")
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "libavformat59, python3, python3-h5py, python3-matplotlib")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "ffmpeg, python3, python3-h5py, python3-matplotlib")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS libbreakwater-dev)
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "testbed for robust model-based motion control
  Runs experiments of motion control in MuJoCo without a screen: a plant,
@@ -39,7 +39,7 @@ set(depends "breakwater (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 foreach(line IN LISTS lines more)
   string(REGEX MATCH "^[a-z0-9.+-]+" package "${line}")
   if(NOT package MATCHES "^(ccache|git|musl-dev|libegl-dev|libgl1-mesa-dri|fonts-dejavu-core|libjs-dygraphs|libjs-three)$"
-     AND NOT package MATCHES "^lib(avcodec|avformat|avutil|cairo2|nlopt-cxx|pagmo|tbb)-dev$")
+     AND NOT package MATCHES "^lib(cairo2|nlopt-cxx|pagmo|tbb)-dev$")
     string(APPEND depends ", ${package}")
   endif()
 endforeach()

@@ -22,7 +22,7 @@ inside useradd --create-home tester
 as_user 'breakwater --version && breakwater list'
 as_user 'breakwater run arm_push --case drac-link1 --duration 2 --set push.start_s=0.2 --out run --quiet'
 as_user '! breakwater video run --size 320x180 --quiet'
-inside apt-get -qy install --no-install-recommends libavformat59 >/dev/null  # recommended
+inside apt-get -qy install --no-install-recommends ffmpeg >/dev/null  # recommended
 as_user 'breakwater video run --size 320x180 --quiet && breakwater report run --quiet && ls run'
 as_user 'breakwater reproduce --only 2.4.3.2 --quick --quiet --out page && ls page | head -4'
 inside sh -c 'man -w breakwater >/dev/null 2>&1 || ls /usr/share/man/man1/breakwater.1.gz'

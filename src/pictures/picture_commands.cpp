@@ -132,21 +132,23 @@ int video(const Catalogue& catalogue, const PictureArguments& arguments) {
   Progress progress("video", 1, arguments.quiet);
   FrameFarm farm;
   farm.frames = frames;
-  farm.frame_bytes = yuv420p_bytes(size.width, size.height);
   farm.processes = std::max(1U, std::thread::hardware_concurrency());
   farm.stop = &interrupted();
   farm.progress = [&](double done) { progress.update(0, done); };
   const auto start = [&](std::size_t /*process*/) -> Drawer {
     const auto picture = std::make_shared<Picture>(stage.runs, stage.style);
-    const auto converter = std::make_shared<ColourConverter>(size.width, size.height);
-    return {[picture, converter, &window, fps](std::size_t number, std::uint8_t* frame) {
-              converter->convert(picture->draw(window.time_of(number, fps)), frame);
+    return {[picture, &window, fps](std::size_t number) {
+              return picture->draw(window.time_of(number, fps));
             },
             picture->offscreen().renderer()};
   };
-  const std::string renderer =
-      draw_frames(farm, start, [&](const std::uint8_t* frame) { output.append(frame); });
-  output.note("drawn by " + renderer);
+  std::string renderer;
+  try {
+    renderer = draw_frames(farm, start, [&](const std::uint8_t* frame) { output.append(frame); });
+  } catch (const OutputError&) {
+    output.end();
+    throw;
+  }
   output.finish();
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

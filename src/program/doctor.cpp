@@ -80,12 +80,11 @@ HealthCheck check_pictures() {
       return {"pictures", State::missing, missing, "apt install libegl1 libgl1-mesa-dri"};
     }
     Canvas(kPictureSide, kPictureSide);  // throws without Cairo
-    FrameFarm farm;
-    farm.frames = farm.frame_bytes = 1;
     const auto start = [](std::size_t) -> Drawer {
-      return {[](std::size_t, std::uint8_t*) {}, Offscreen(kPictureSide, kPictureSide).renderer()};
+      return {[](std::size_t) { return nullptr; },
+              Offscreen(kPictureSide, kPictureSide).renderer()};
     };
-    const std::string renderer = draw_frames(farm, start, [](const std::uint8_t*) {});
+    const std::string renderer = draw_frames({.frames = 1}, start, [](const std::uint8_t*) {});
     return {"pictures", State::ok, fmt::format("drawn by {} ({})", renderer, when), ""};
   } catch (const RenderError& error) {
     return {"pictures", State::broken, fmt::format("{} ({})", error.what(), when), ""};
@@ -95,14 +94,15 @@ HealthCheck check_pictures() {
 }
 
 HealthCheck check_video() {
-  const VideoFormat format{.width = 64, .height = 64};
+  const fs::path file = fs::temp_directory_path() / fmt::format("breakwater-{}.mp4", getpid());
   try {
-    const VideoFile video(fs::temp_directory_path() / fmt::format("breakwater-{}.mp4", getpid()),
-                          format);
-    return {"video", State::ok, fmt::format("H.264 by {} of FFmpeg's libraries", format.encoder),
-            ""};
+    VideoFile video(file, {.width = kPictureSide, .height = kPictureSide});
+    video.append(Canvas(kPictureSide, kPictureSide).pixels());
+    video.finish();
+    fs::remove(file);
+    return {"video", State::ok, "H.264 by libx264 of ffmpeg", ""};
   } catch (const std::exception& error) {
-    return {"video", State::missing, error.what(), "apt install libavformat59"};
+    return {"video", State::missing, error.what(), "apt install ffmpeg"};
   }
 }
 

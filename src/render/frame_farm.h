@@ -11,23 +11,20 @@
 
 namespace breakwater {
 
-/// Draws frame `number` into memory of `frame_bytes` bytes.
-using DrawFrame = std::function<void(std::size_t number, std::uint8_t* frame)>;
-
-/// The drawing function of one process, and the name of its renderer in at most 400 characters.
+/// The drawing function of one process, and the name of its renderer. The pixels that draw()
+/// returns are valid until its next call.
 struct Drawer {
   // NOLINTNEXTLINE(google-explicit-constructor): what has no name is just its function.
-  Drawer(DrawFrame draw_frame, std::string name = "")
+  Drawer(std::function<const std::uint8_t*(std::size_t number)> draw_frame, std::string name = "")
       : draw(std::move(draw_frame)), renderer(std::move(name)) {}
 
-  DrawFrame draw;
+  std::function<const std::uint8_t*(std::size_t number)> draw;
   std::string renderer;
 };
 
 struct FrameFarm {
   std::size_t frames = 0;
-  std::size_t frame_bytes = 0;
-  unsigned processes = 1;
+  std::size_t processes = 1;
   const std::atomic<bool>* stop = nullptr;             ///< ends the work when it becomes true
   std::function<void(double fraction_done)> progress;  ///< may be empty
 };
@@ -40,11 +37,11 @@ class Stopped : public std::runtime_error {
 
 /// Draws frames in child processes, forked from this one. Each child calls `start` once, with its
 /// number, and the result for each of its frames, in turn with the others. Several contexts in one
-/// process would not be faster with Mesa, and a crash of a driver would end the process. `take`
-/// gets all frames in order, while the children draw the next ones.
+/// process would not be faster with Mesa, and a crash of a driver would end the process. The child
+/// that drew a frame calls `take`, one after the other, in the order of the frames.
 ///
-/// Call it while no other thread runs. Returns the name of the renderer. Throws RenderError with a
-/// child's message if one fails, the exception of `take`, or Stopped.
+/// Call it while no other thread runs. Returns the name of the renderer. Throws Stopped, or if a
+/// child fails, RenderError, or OutputError if `take` threw it.
 std::string draw_frames(const FrameFarm& farm,
                         const std::function<Drawer(std::size_t process)>& start,
                         const std::function<void(const std::uint8_t* frame)>& take);

@@ -15,39 +15,29 @@
 namespace breakwater {
 namespace {
 
-constexpr std::array<EGLint, 17> kConfig = {EGL_SURFACE_TYPE,
-                                            EGL_PBUFFER_BIT,
-                                            EGL_RENDERABLE_TYPE,
-                                            EGL_OPENGL_BIT,
-                                            EGL_RED_SIZE,
-                                            8,
-                                            EGL_GREEN_SIZE,
-                                            8,
-                                            EGL_BLUE_SIZE,
-                                            8,
-                                            EGL_ALPHA_SIZE,
-                                            8,
-                                            EGL_DEPTH_SIZE,
-                                            24,
-                                            EGL_STENCIL_SIZE,
-                                            8,
-                                            EGL_NONE};
-
 // Loaded when the first picture is drawn. The symbols are global, so that MuJoCo finds them.
 const LoadedLibrary& egl_library() {
   static const LoadedLibrary library("libEGL.so.1", "libegl1", true);
   return library;
 }
 
-template <typename Function>
-Function* egl(const char* name) {
-  return egl_library().symbol<NoOpenGl, Function>(name);
-}
+#define X(name) BREAKWATER_LOADED(egl_library, NoOpenGl, name)
+// clang-format off
+X(eglBindAPI) X(eglChooseConfig) X(eglCreateContext) X(eglCreatePbufferSurface)
+X(eglDestroyContext) X(eglDestroySurface) X(eglGetError) X(eglGetProcAddress)
+X(eglInitialize) X(eglMakeCurrent)
+#undef X
+
+constexpr std::array<EGLint, 17> kConfig = {
+    EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+    EGL_RED_SIZE, 8, EGL_GREEN_SIZE, 8, EGL_BLUE_SIZE, 8, EGL_ALPHA_SIZE, 8,
+    EGL_DEPTH_SIZE, 24, EGL_STENCIL_SIZE, 8, EGL_NONE};
+// clang-format on
 
 // A function of an extension; null if EGL does not have it.
 template <typename Function>
 Function* extension(const char* name) {
-  return reinterpret_cast<Function*>(egl<decltype(eglGetProcAddress)>("eglGetProcAddress")(name));
+  return reinterpret_cast<Function*>(eglGetProcAddress(name));
 }
 
 // All devices that EGL lists; none if it cannot list them.
@@ -145,28 +135,22 @@ class Offscreen::Context {
 
  private:
   void make_current() {
-    if (display_ == EGL_NO_DISPLAY ||
-        egl<decltype(eglInitialize)>("eglInitialize")(display_, nullptr, nullptr) == EGL_FALSE) {
+    if (display_ == EGL_NO_DISPLAY || eglInitialize(display_, nullptr, nullptr) == EGL_FALSE) {
       fail("has no display without a screen");
     }
-    if (egl<decltype(eglBindAPI)>("eglBindAPI")(EGL_OPENGL_API) == EGL_FALSE) {
+    if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) {
       fail("has no desktop OpenGL");
     }
     EGLConfig config = nullptr;
     EGLint count = 0;
-    if (egl<decltype(eglChooseConfig)>("eglChooseConfig")(display_, kConfig.data(), &config, 1,
-                                                          &count) == EGL_FALSE ||
-        count == 0) {
+    if (eglChooseConfig(display_, kConfig.data(), &config, 1, &count) == EGL_FALSE || count == 0) {
       fail("has no frame buffer of 8 bits a colour");
     }
     const std::array<EGLint, 5> size = {EGL_WIDTH, width_, EGL_HEIGHT, height_, EGL_NONE};
-    surface_ = egl<decltype(eglCreatePbufferSurface)>("eglCreatePbufferSurface")(display_, config,
-                                                                                 size.data());
-    context_ = egl<decltype(eglCreateContext)>("eglCreateContext")(display_, config, EGL_NO_CONTEXT,
-                                                                   nullptr);
+    surface_ = eglCreatePbufferSurface(display_, config, size.data());
+    context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, nullptr);
     if (surface_ == EGL_NO_SURFACE || context_ == EGL_NO_CONTEXT ||
-        egl<decltype(eglMakeCurrent)>("eglMakeCurrent")(display_, surface_, surface_, context_) ==
-            EGL_FALSE) {
+        eglMakeCurrent(display_, surface_, surface_, context_) == EGL_FALSE) {
       fail("made no context");
     }
   }
@@ -174,18 +158,17 @@ class Offscreen::Context {
   // Keep the display: other contexts of the process may use it.
   void release() {
     if (display_ == EGL_NO_DISPLAY) return;
-    egl<decltype(eglMakeCurrent)>("eglMakeCurrent")(display_, EGL_NO_SURFACE, EGL_NO_SURFACE,
-                                                    EGL_NO_CONTEXT);
+    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (context_ != EGL_NO_CONTEXT) {
-      egl<decltype(eglDestroyContext)>("eglDestroyContext")(display_, context_);
+      eglDestroyContext(display_, context_);
     }
     if (surface_ != EGL_NO_SURFACE) {
-      egl<decltype(eglDestroySurface)>("eglDestroySurface")(display_, surface_);
+      eglDestroySurface(display_, surface_);
     }
   }
 
   [[noreturn]] static void fail(const std::string& reason) {
-    const EGLint error = egl<decltype(eglGetError)>("eglGetError")();
+    const EGLint error = eglGetError();
     throw NoOpenGl(fmt::format("EGL {} (error {:#06x})", reason, error));
   }
 
@@ -218,7 +201,7 @@ void Offscreen::finish() {
 }
 
 void* Offscreen::find(const char* name) {
-  return reinterpret_cast<void*>(egl<decltype(eglGetProcAddress)>("eglGetProcAddress")(name));
+  return reinterpret_cast<void*>(eglGetProcAddress(name));
 }
 
 }  // namespace breakwater

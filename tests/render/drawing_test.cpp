@@ -4,7 +4,6 @@
 #include <breakwater/render/chart.h>
 #include <breakwater/render/identity.h>
 #include <breakwater/render/picture.h>
-#include <breakwater/render/video_file.h>
 
 namespace breakwater::drawing_test {
 
@@ -180,76 +179,6 @@ TEST(Series, InterpolatesLinearly) {
   EXPECT_DOUBLE_EQ(series.at(1.0), 5.0);
   EXPECT_DOUBLE_EQ(series.at(-1.0), 0.0);
   EXPECT_DOUBLE_EQ(series.at(3.0), 10.0);
-}
-
-// The colours of a picture for the encoder, compared with the recommendation's formulas.
-
-struct Ycbcr {
-  double y, cb, cr;
-};
-
-// Rec. ITU-R BT.709-6, 3 and 4, eight bits.
-Ycbcr rec709(double red, double green, double blue) {
-  const double y = (0.2126 * red + 0.7152 * green + 0.0722 * blue) / 255.0;
-  return {16.0 + 219.0 * y, 128.0 + 224.0 * (blue / 255.0 - y) / 1.8556,
-          128.0 + 224.0 * (red / 255.0 - y) / 1.5748};
-}
-
-TEST(ColourConverter, MatchesTheRecommendation) {
-  constexpr int kColumns = 62, kLines = 34;  // no multiple of a vector
-  constexpr std::size_t kPixels = kColumns * kLines;
-  std::vector<std::uint8_t> pixels(4 * kPixels);
-  std::mt19937 engine(1);
-  for (std::uint8_t& byte : pixels) byte = static_cast<std::uint8_t>(engine() >> 24U);
-  // Corners of the colour cube, in blocks of one colour.
-  for (std::size_t k = 0; k < 8; ++k) {
-    for (const std::size_t corner : {2 * k, 2 * k + 1, kColumns + 2 * k, kColumns + 2 * k + 1}) {
-      for (std::size_t c = 0; c < 3; ++c) pixels[4 * corner + c] = (k >> c & 1U) != 0 ? 255 : 0;
-    }
-  }
-  ColourConverter converter(kColumns, kLines);
-  std::vector<std::uint8_t> frame(yuv420p_bytes(kColumns, kLines));
-  converter.convert(pixels.data(), frame.data());
-
-  const auto mean = [&](std::size_t x, std::size_t y, std::size_t side) {
-    std::array<double, 3> bgr{};
-    for (std::size_t i = 0; i < side * side; ++i) {
-      const std::size_t pixel = (y * side + i / side) * kColumns + x * side + i % side;
-      for (std::size_t c = 0; c < 3; ++c) {
-        bgr[c] += pixels[4 * pixel + c] / static_cast<double>(side * side);
-      }
-    }
-    return rec709(bgr[2], bgr[1], bgr[0]);
-  };
-  for (std::size_t y = 0; y < kLines; ++y) {
-    for (std::size_t x = 0; x < kColumns; ++x) {
-      ASSERT_NEAR(frame[y * kColumns + x], mean(x, y, 1).y, 1.0) << x << ", " << y;
-    }
-  }
-  for (std::size_t y = 0; y < kLines / 2; ++y) {
-    for (std::size_t x = 0; x < kColumns / 2; ++x) {
-      const Ycbcr exact = mean(x, y, 2);
-      const std::size_t at = kPixels + y * (kColumns / 2) + x;
-      ASSERT_NEAR(frame[at], exact.cb, 2.0) << x << ", " << y;
-      ASSERT_NEAR(frame[at + kPixels / 4], exact.cr, 2.0) << x << ", " << y;
-    }
-  }
-}
-
-// Grey has no colour, and black and white are the ends of the range.
-TEST(ColourConverter, GreyStaysGrey) {
-  for (int grey = 0; grey < 256; ++grey) {
-    const std::vector<std::uint8_t> pixels(16, static_cast<std::uint8_t>(grey));
-    ColourConverter converter(2, 2);
-    std::array<std::uint8_t, 6> frame{};
-    converter.convert(pixels.data(), frame.data());
-    EXPECT_NEAR(frame[0], 16.0 + 219.0 * grey / 255.0, 0.75);
-    EXPECT_EQ(frame[4], 128);
-    EXPECT_EQ(frame[5], 128);
-    if (grey % 255 == 0) {
-      EXPECT_EQ(frame[0], grey == 0 ? 16 : 235);
-    }
-  }
 }
 
 TEST(Identity, EachColourHasADashAndTheyComeAgainWithOthers) {

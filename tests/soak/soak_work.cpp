@@ -62,14 +62,10 @@ void draw(const Catalogue& catalogue, const std::string& folder, const std::stri
   stage.style.width = kWidth;
   stage.style.height = kHeight;
   Picture picture(stage.runs, stage.style);
-  ColourConverter converter(kWidth, kHeight);
-  std::vector<std::uint8_t> frame(yuv420p_bytes(kWidth, kHeight));
   VideoFile video(folder + "/video.mp4", {.width = kWidth, .height = kHeight, .fps = kFps});
   repeat(count, [&](long k) {
     const double part = static_cast<double>(k) / static_cast<double>(count);
-    converter.convert(picture.draw(window.from_s + part * (window.to_s - window.from_s)),
-                      frame.data());
-    video.append(frame.data());
+    video.append(picture.draw(window.from_s + part * (window.to_s - window.from_s)));
   });
   video.finish();
 }
