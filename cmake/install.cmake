@@ -41,7 +41,7 @@ install(FILES ${studies} DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/studies
 # libbreakwater_math.a, and so every program, contains a part of musl (MIT).
 install(FILES /usr/share/doc/musl-dev/copyright
   DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/breakwater RENAME musl-copyright COMPONENT runtime)
-install(PROGRAMS scripts/figures.py scripts/results_sqlite.py
+install(PROGRAMS scripts/figures.py scripts/results_sqlite.py scripts/slurm.py
   DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/scripts COMPONENT runtime)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Breakwater)

@@ -13,14 +13,9 @@
 #include <stdexcept>
 #include <string_view>
 
-#include <breakwater/cluster/slurm_answers.h>
-#include <breakwater/cluster/slurm_queue.h>
-#include <breakwater/config/toml_text.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
-#include <breakwater/signals/environment.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -28,7 +23,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kWarning_s = 60;  // this long before a time limit
+constexpr std::size_t kMostLogsShown = 5;
+
+// The lines of scripts/slurm.py. Throws std::invalid_argument with its last one if it fails.
+std::vector<std::string> ask_slurm(std::vector<std::string> words) {
+  EndedProgram ended = run_beside(script_words("slurm.py", std::move(words)), [](ReadProgram&) {});
+  if (ended.exit_status() != 0) throw std::invalid_argument(ended.take_reason());
+  return ended.said;
+}
 
 // Distributes `points` over `tasks` shares, one line each.
 std::vector<std::string> shares(const std::vector<std::size_t>& points, std::size_t tasks) {
@@ -51,50 +53,35 @@ fs::path new_submission(const StudyFolder& folder) {
   }
 }
 
-// A line of the script's head. The quotes allow any folder name.
-std::string directive(const std::string& name, const std::string& value) {
-  std::string quoted;
-  for (const char c : value) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return fmt::format("#SBATCH --{}=\"{}\"\n", name, quoted);
-}
-
-// sbatch reads % in a file name as the beginning of a field: double it.
-std::string without_fields(const std::string& path) {
-  std::string text;
-  for (const char c : path) text += c == '%' ? std::string("%%") : std::string(1, c);
-  return text;
-}
-
 // The command of a task, without its points.
-std::string task_command(const SlurmStudy& study, const SlurmRequest& request) {
-  std::string text =
-      fmt::format("{} {} {} --quiet", shell_quoted(own_program()), study.folder.kind().command,
-                  shell_quoted(study.folder.path().string()));
-  for (const std::string& option : request.of_task) text += " " + option;
-  return text + " --points";
+std::vector<std::string> task_command(const SlurmStudy& study, const SlurmRequest& request) {
+  std::vector<std::string> words = {own_program(), study.folder.kind().command,
+                                    study.folder.path().string(), "--quiet"};
+  words.insert(words.end(), request.of_task.begin(), request.of_task.end());
+  return words;
 }
 
-std::string job_script(const SlurmStudy& study, const fs::path& submission, std::size_t tasks,
-                       const SlurmRequest& request) {
-  std::string text = "#!/bin/bash\n";
-  text += directive("job-name", std::string(study.folder.kind().command) + "-" +
-                                    study.folder.path().filename().string());
-  text += directive("array", request.parallel > 0 ? fmt::format("1-{}%{}", tasks, request.parallel)
-                                                  : fmt::format("1-{}", tasks));
-  text += directive("output", without_fields(submission.string()) + "/%a.log");
-  text += directive("open-mode", "append");
-  text += directive("chdir", fs::current_path().string());
-  text += directive("signal", fmt::format("B:USR1@{}", kWarning_s));
-  text += "#SBATCH --requeue\n";
-  text += "fail() {\n  echo \"$(hostname): $1\" >&2\n  exit 127\n}\n";
-  text += fmt::format(
-      "[ -x {} ] || fail {}\nexec {} @{}:$SLURM_ARRAY_TASK_ID\n", shell_quoted(own_program()),
-      shell_quoted("there is no " + own_program() + ": it must lie where all nodes see it"),
-      task_command(study, request), shell_quoted((submission / "tasks").string()));
-  return text;
+// A task with an unreadable state may still be in the queue: it is not submitted again.
+bool has_submissions(const StudyFolder& folder) {
+  const fs::path submissions = folder.path() / "slurm";
+  std::error_code error;
+  const fs::directory_iterator entry(submissions, error);
+  if (error && error != std::errc::no_such_file_or_directory) {
+    throw std::invalid_argument(
+        fmt::format("{}: cannot be read ({})", submissions.string(), error.message()));
+  }
+  return entry != fs::directory_iterator();
+}
+
+// The last line of a task's log.
+std::string last_words(const fs::path& log) {
+  std::ifstream stream(log);
+  std::string last;
+  for (std::string line; std::getline(stream, line);) {
+    if (!line.empty()) last = line;
+  }
+  if (!last.empty()) return one_line(last);
+  return "no log: the task was cancelled before it began, or its node cannot see the folder";
 }
 
 // A complaint about options of sbatch that would override those of the job script, such as
@@ -155,9 +142,7 @@ void check_for_scripts(const StudyFolder& folder) {
 }
 
 std::size_t most_tasks() {
-  const std::vector<std::string> config = ask_slurm({"scontrol", "show", "config"});
-  return std::min(slurm_limit(config, "MaxArraySize") - 1,  // an index must stay below it
-                  slurm_limit(config, "MaxJobCount"));
+  return std::stoul(ask_slurm({"limit"}).front());
 }
 
 SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
@@ -168,25 +153,88 @@ SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& poi
   if (!study.candidates.empty()) {
     replace_file(submission / "candidates", study.candidates);
   }
-  const std::string script = (submission / "job.sh").string();
-  replace_file(script, job_script(study, submission, tasks, request));
-  std::vector<std::string> words = {"sbatch", "--parsable"};
-  for (const std::string& option : request.options) {
-    std::istringstream stream(option);
-    for (std::string word; stream >> word;) words.push_back(word);
-  }
-  words.push_back(script);
-  std::string job;
-  std::vector<std::string> warnings;
-  try {
-    job = accepted_job(ask_slurm(words), warnings);
-  } catch (const std::invalid_argument&) {
-    fs::remove_all(submission);
-    throw;
-  }
-  for (const std::string& warning : warnings) fmt::print(stderr, "{}\n", warning);
-  replace_file(submission / "job", job + "\n");
+  std::vector<std::string> words = {"submit", submission.string(),
+                                    fmt::format("name={}-{}", study.folder.kind().command,
+                                                study.folder.path().filename().string())};
+  if (request.parallel > 0) words.push_back(fmt::format("parallel={}", request.parallel));
+  for (const std::string& option : request.options) words.push_back("sbatch=" + option);
+  for (const std::string& word : task_command(study, request)) words.push_back("command=" + word);
+  std::vector<std::string> said = ask_slurm(std::move(words));
+  const std::string job = said.back();
+  said.pop_back();
+  for (const std::string& warning : said) fmt::print(stderr, "{}\n", warning);
   return {job, tasks};
+}
+
+std::vector<bool> Queued::points(std::size_t count) const {
+  std::vector<bool> all(count);
+  for (const SlurmTask& task : tasks) {
+    for (const std::size_t point : task.points) all[point] = all[point] || task.is_queued;
+  }
+  return all;
+}
+
+Queued queued(const StudyFolder& folder, std::size_t points) {
+  Queued result;
+  if (!has_submissions(folder)) return result;
+  for (const std::string& line : ask_slurm({"queue", folder.path().string()})) {
+    const std::size_t first = line.find('\t'), second = line.find('\t', first + 1);
+    if (second == std::string::npos) {
+      result.text = line.substr(first + 1);
+    } else {
+      result.tasks.push_back({line.starts_with("queued"),
+                              line.substr(first + 1, second - first - 1),
+                              parse_points(line.substr(second + 1), points)});
+    }
+  }
+  return result;
+}
+
+std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points) {
+  try {
+    return queued(folder, points);
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "{}: cannot find out whether its tasks are in a queue ({})\n",
+               folder.kind().command, one_line(error.what()));
+    return std::nullopt;
+  }
+}
+
+void check_not_queued(const Queued& queue, const StudyFolder& folder, const std::string& what) {
+  if (queue.text.empty()) return;
+  throw std::invalid_argument(
+      fmt::format("{}: {} is still in the queue ({}): end it first with scancel", what,
+                  folder.path().string(), queue.text));
+}
+
+void print_slurm_status(const StudyFolder& folder, const ShardIndex& index) {
+  if (!has_submissions(folder)) return;
+  Queued queue;
+  try {
+    queue = queued(folder, index.points());
+  } catch (const std::invalid_argument& error) {
+    fmt::print("cannot find out what is in the queue: {}\n", error.what());
+    return;
+  }
+  if (!queue.text.empty()) fmt::print("in the queue: {}\n", queue.text);
+  std::vector<bool> is_explained = queue.points(index.points());
+  std::vector<fs::path> logs;
+  for (const SlurmTask& task : queue.tasks) {
+    bool is_unfinished = false;
+    for (const std::size_t point : task.points) {
+      if (!index.has(point) && !is_explained[point]) is_unfinished = true;
+      is_explained[point] = true;
+    }
+    if (is_unfinished) logs.push_back(task.log);
+  }
+  if (logs.empty()) return;
+  fmt::print("{} task{} ended before {} points were done:\n", logs.size(),
+             logs.size() == 1 ? " has" : "s have", logs.size() == 1 ? "its" : "their");
+  for (std::size_t i = 0; i < std::min(logs.size(), kMostLogsShown); ++i) {
+    fmt::print("  {}: {}\n", logs[i].lexically_relative(folder.path()).string(),
+               last_words(logs[i]));
+  }
+  if (logs.size() > kMostLogsShown) fmt::print("  … and {} more\n", logs.size() - kMostLogsShown);
 }
 
 void wait_for_queue(const StudyFolder& folder, std::size_t points) {
@@ -213,8 +261,10 @@ void wait_for_queue(const StudyFolder& folder, std::size_t points) {
 void print_tasks(const SlurmStudy& study, const std::vector<std::size_t>& points,
                  const SlurmRequest& request) {
   if (points.empty()) return;
+  std::string command;
+  for (const std::string& word : task_command(study, request)) command += shell_word(word) + " ";
   for (const std::string& line : shares(points, std::min(request.tasks, points.size()))) {
-    fmt::print("{} {}\n", task_command(study, request), line);
+    fmt::print("{}--points {}\n", command, line);
   }
 }
 
@@ -233,24 +283,17 @@ fs::path submission_of_task(const std::string& text) {
   return line_of_file(text).file.parent_path();
 }
 
-std::size_t task_threads() {
-  const std::string given = environment("SLURM_CPUS_PER_TASK").value_or("");
-  std::size_t threads = 0;
-  std::from_chars(given.data(), given.data() + given.size(), threads);
-  if (threads > 0) return threads;
-  return environment("SLURM_JOB_ID") ? 1 : usable_cores();
-}
-
 void add_slurm_options(CLI::App& app, SlurmRequest& request) {
-  app.add_option("--tasks", request.tasks,
-                 fmt::format("split the work into this many tasks (default: {})", request.tasks))
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000000))
-      ->group(kOnCluster);
-  app.add_option("--parallel", request.parallel, "run at most this many tasks at a time")
-      ->type_name("M")
-      ->check(CLI::Range(1, 1000000))
-      ->group(kOnCluster);
+  const auto count = [&](const char* name, std::size_t& target, const char* letter,
+                         const std::string& help) {
+    app.add_option(name, target, help)
+        ->type_name(letter)
+        ->check(CLI::Range(1, 1000000))
+        ->group(kOnCluster);
+  };
+  count("--tasks", request.tasks, "N",
+        fmt::format("split the work into this many tasks (default: {})", request.tasks));
+  count("--parallel", request.parallel, "M", "run at most this many tasks at a time");
   app.add_option("--sbatch", request.options, "pass these options to sbatch")
       ->type_name("OPTIONS")
       ->check(overriding)

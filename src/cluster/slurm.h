@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,35 @@ struct SubmittedJob {
 SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
                     const SlurmRequest& request);
 
+/// A task of a submission. Its log may be missing.
+struct SlurmTask {
+  bool is_queued = false;
+  std::filesystem::path log;
+  std::vector<std::size_t> points;
+};
+
+/// The tasks of all submissions of a study, the last submission first.
+struct Queued {
+  std::string text;  ///< "job 12: 3 RUNNING, 5 PENDING (Resources)"; empty if nothing is queued
+  std::vector<SlurmTask> tasks;
+
+  /// For each point of the study: whether a queued task has it.
+  std::vector<bool> points(std::size_t count) const;
+};
+
+/// Asks squeue if there is a submission. Throws std::invalid_argument, one line, if that fails.
+Queued queued(const StudyFolder& folder, std::size_t points);
+
+/// The same, but if the cluster does not answer it prints so on stderr and returns nothing.
+std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points);
+
+/// Throws std::invalid_argument, one line that begins with `what`, if a task is in the queue.
+void check_not_queued(const Queued& queue, const StudyFolder& folder, const std::string& what);
+
+/// Prints the queue, and the last log lines of tasks that ended before their points were done.
+/// Points that were submitted again do not count.
+void print_slurm_status(const StudyFolder& folder, const ShardIndex& index);
+
 /// Waits until the queue has no task of the study, or a signal comes. It goes on waiting if the
 /// cluster does not answer for a while.
 void wait_for_queue(const StudyFolder& folder, std::size_t points);
@@ -57,9 +87,6 @@ std::vector<std::size_t> points_of_task(const std::string& text, std::size_t siz
 /// The submission DIR/slurm/N of the points "@DIR/slurm/N/tasks:LINE". Throws
 /// std::invalid_argument.
 std::filesystem::path submission_of_task(const std::string& text);
-
-/// The number of parallel runs of a task, as its scheduler allows.
-std::size_t task_threads();
 
 inline constexpr const char* kOnCluster = "On a cluster";  ///< the group of options
 

@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include <breakwater/cluster/slurm.h>
-#include <breakwater/cluster/slurm_queue.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/paths.h>
@@ -142,7 +141,7 @@ void StudyCommand::grow(const ShardIndex& before) const {
 
 std::size_t StudyCommand::run_here(const std::vector<std::size_t>& points,
                                    ExecutorOptions options) const {
-  options.threads = options_.is_task() && options_.jobs == 0 ? task_threads() : options_.jobs;
+  options.threads = options_.jobs;
   options.is_task = options_.is_task();
   options.stop = &interrupted();
   Shard shard(folder_.shards(), folder_.origin());

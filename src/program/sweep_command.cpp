@@ -15,7 +15,6 @@
 #include <unordered_set>
 #include <vector>
 
-#include <breakwater/cluster/slurm_queue.h>
 #include <breakwater/config/config.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/study_report.h>
@@ -504,9 +503,10 @@ class SweepCommand : public StudyCommand {
     if (points.empty()) return false;
     const auto queue =
         options_.slurm ? queued(folder_, plan_.size()) : queued_if_known(folder_, plan_.size());
-    if (!queue || !queue->is_asked) return false;
+    if (!queue || queue->tasks.empty()) return false;
+    const std::vector<bool> is_queued = queue->points(plan_.size());
     const std::size_t left =
-        std::erase_if(points, [&](std::size_t point) { return queue->points[point]; });
+        std::erase_if(points, [&](std::size_t point) { return is_queued[point]; });
     // A task may have ended after `points` were read. It has left the queue and its points are
     // done.
     const ShardIndex now = index();

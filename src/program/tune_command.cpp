@@ -16,7 +16,6 @@
 #include <vector>
 
 #include <breakwater/cluster/slurm.h>
-#include <breakwater/cluster/slurm_queue.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/study_report.h>
 #include <breakwater/program/study_command.h>

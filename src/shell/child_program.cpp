@@ -58,25 +58,21 @@ int call_program(const std::string& what, std::vector<std::string> words) {
   return kLaterOutputFailed;
 }
 
-int call_script(const std::string& what, const std::string& script,
-                std::vector<std::string> words) {
+std::vector<std::string> script_words(const std::string& script, std::vector<std::string> words) {
   words.insert(words.begin(), {environment("BREAKWATER_PYTHON").value_or("/usr/bin/python3"),
                                data_file("scripts/" + script).string()});
-  return call_program(what, std::move(words));
+  return words;
 }
 
-ReadProgram::ReadProgram(std::vector<std::string> words, bool with_stderr,
-                         bool (*leave_out)(std::string_view name)) {
+int call_script(const std::string& what, const std::string& script,
+                std::vector<std::string> words) {
+  return call_program(what, script_words(script, std::move(words)));
+}
+
+ReadProgram::ReadProgram(std::vector<std::string> words, bool with_stderr) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  std::vector<char*> variables;
-  for (char** variable = environ; *variable != nullptr; ++variable) {
-    const std::string_view text = *variable;
-    if (leave_out != nullptr && leave_out(text.substr(0, text.find('=')))) continue;
-    variables.push_back(*variable);
-  }
-  variables.push_back(nullptr);
   int ends[2];
   int error = pipe2(ends, O_CLOEXEC) == 0 ? 0 : errno;
   if (error == 0 && start_copy != nullptr && words[0] == own_program()) {
@@ -91,7 +87,7 @@ ReadProgram::ReadProgram(std::vector<std::string> words, bool with_stderr,
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     if (with_stderr) posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
     std::fflush(nullptr);
-    error = posix_spawnp(&process_, argv[0], &actions, nullptr, argv.data(), variables.data());
+    error = posix_spawnp(&process_, argv[0], &actions, nullptr, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     said_.reset(fdopen(ends[0], "r"));

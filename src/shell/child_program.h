@@ -8,7 +8,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace breakwater {
@@ -33,18 +32,18 @@ std::string shell_word(const std::string& word);
 /// interruption of this process is passed on to it.
 int call_program(const std::string& what, std::vector<std::string> words);
 
-/// The same for a script of the folder scripts/, with the Python BREAKWATER_PYTHON, or with
+/// The words that call a script of the folder scripts/, with the Python BREAKWATER_PYTHON, or with
 /// Debian's own, which finds Debian's packages.
+std::vector<std::string> script_words(const std::string& script, std::vector<std::string> words);
+/// Calls it as call_program() does.
 int call_script(const std::string& what, const std::string& script, std::vector<std::string> words);
 
 /// A program that runs beside this one, with its standard output. words[0] is as above.
 class ReadProgram {
  public:
-  /// Also reads its stderr if `with_stderr`; otherwise it shares the stderr of this process.
-  /// `leave_out` selects environment variables to remove. Throws std::invalid_argument `PROGRAM:
-  /// cannot be called (…)`.
-  explicit ReadProgram(std::vector<std::string> words, bool with_stderr = false,
-                       bool (*leave_out)(std::string_view name) = nullptr);
+  /// Also reads its stderr if `with_stderr`; otherwise it shares the stderr of this process. Throws
+  /// std::invalid_argument `PROGRAM: cannot be called (…)`.
+  explicit ReadProgram(std::vector<std::string> words, bool with_stderr = false);
   /// Waits for its end.
   ~ReadProgram();
   ReadProgram(const ReadProgram&) = delete;

@@ -1,6 +1,6 @@
 // Files and options of scenarios and studies. They are a scenario file with values of --set, a
 // study, a tuning and its candidates, experiments, shots and printed results. There are lists of
-// values, seeds and points, shards, and the answers of Slurm. A text that is read and printed or
+// values, seeds and points, shards. A text that is read and printed or
 // written is read again as the same.
 #include <unistd.h>
 
@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <sstream>
 
-#include <breakwater/cluster/slurm_answers.h>
 #include <breakwater/config/fields.h>
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/record/file_hash.h>
@@ -179,22 +178,6 @@ void read_points(const std::string& text) {
                 "points are printed as read");
 }
 
-void read_answers(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  for (const QueuedTask& task : queued_tasks(lines)) {
-    fuzz::require(task.index > 0, "tasks are counted from 1");
-  }
-  try {
-    std::vector<std::string> warnings;
-    accepted_job(lines, warnings);
-  } catch (const std::invalid_argument&) {
-    // refused
-  }
-  fuzz::require(slurm_limit(lines, "MaxArraySize") > 0, "a limit is positive");
-}
-
 void read_printed_results(const std::string& text) {
   const fuzz::Folder& folder = fuzz::folder();
   const std::vector<std::string> parts = fuzz::parts_of(text);
@@ -225,7 +208,6 @@ constexpr fuzz::Parser kParsers[] = {
     {'o', "option", read_option},
     {'n', "seeds", [](const std::string& text) { parse_seeds(text); }},
     {'d', "points", read_points},
-    {'q', "slurm", read_answers},
 };
 }  // namespace
 }  // namespace breakwater
