@@ -61,8 +61,8 @@ class Program(types.SimpleNamespace):
         slack = np.where(mu == 0, 0.0, np.abs(np.where(mu > 0, above, below)))
         outside = np.maximum(0.0, np.maximum(above, below))
         with np.errstate(invalid="ignore"):
-            shares = [gradient / slope, outside / reach, np.abs(mu) / slope * slack / reach]
-        return max(np.nan_to_num(share, nan=0.0).max(initial=0.0) for share in shares)
+            shares = np.concatenate([gradient / slope, outside / reach, np.abs(mu) / slope * slack / reach])
+        return np.where(np.isnan(shares), 0.0, shares).max(initial=0.0)
 
     def certificate_error(self, y):
         """0 if y proves that no z satisfies the rows (Farkas), infinity if it proves nothing."""
@@ -180,14 +180,13 @@ def known_program(random, family):
     H = axes * 10 ** random.uniform(-decades, 0, n) @ axes.T
     Omega = np.eye(n) if family == "box" else random.uniform(-1, 1, (m, n))
     z = {"a solution of 0": 0.0, "far bounds": 1e4}.get(family, 1.0) * random.uniform(-1, 1, n)
-    for i in range(1, m):
-        other = Omega[random.integers(i)]
-        sums = np.arange(n) < random.integers(1, n + 1)
-        row = {"copies of rows": other, "multiples of rows": random.uniform(-2, 2) * other,
-               "near copies": other + 1e-2 * random.uniform(-1, 1, n), "zero rows": 0 * other,
-               "sums of variables": sums}.get(family, Omega[i])
-        if random.random() < 0.5 or row is sums:
-            Omega[i] = row
+    new_row = {"copies of rows": lambda other: other, "zero rows": lambda other: 0 * other,
+               "multiples of rows": lambda other: random.uniform(-2, 2) * other,
+               "near copies": lambda other: other + 1e-2 * random.uniform(-1, 1, n),
+               "sums of variables": lambda other: np.arange(n) < random.integers(1, n + 1)}.get(family)
+    for i in range(1, m if new_row else 0):
+        if random.random() < 0.5 or family == "sums of variables":
+            Omega[i] = new_row(Omega[random.integers(i)])
     soft = 10 ** random.uniform(-3, 1, m) if family == "soft rows" else np.zeros(m)
     # Up to n rows are active; at a degenerate vertex, more of them, some without a multiplier.
     active = np.arange(m) < {"nothing active": 0, "a degenerate vertex": m}.get(

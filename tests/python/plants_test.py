@@ -2,6 +2,7 @@
 beside closed forms."""
 
 import itertools
+import math
 import pathlib
 import unittest
 
@@ -37,7 +38,7 @@ INTEGRATORS = ("euler", "rk4", "implicit")
 
 
 def level(v, law):
-    return 1 + 0.5 * np.exp(-((v / law["friction.stribeck_velocity"]) ** 2))
+    return 1 + 0.5 * math.exp(-((v / law["friction.stribeck_velocity"]) ** 2))
 
 
 def integrated(law, force, duration_s, outputs=400):
@@ -60,7 +61,7 @@ def integrated(law, force, duration_s, outputs=400):
         free = v + h * force(k * h, x)
         v = free
         for _ in range(3):  # iterations for the level at the new velocity
-            v = np.copysign(max(0.0, abs(free) - h * level(v, law)) / (1 + 0.4 * h), free)
+            v = math.copysign(max(0.0, abs(free) - h * level(v, law)) / (1 + 0.4 * h), free)
         x += h * v
         if k % every == 0:
             positions.append(x)
