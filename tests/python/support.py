@@ -21,6 +21,14 @@ def temporary_folder():
         yield pathlib.Path(folder)
 
 
+def hash_of(values):
+    """The FNV-1a hash of the bits."""
+    state = 14695981039346656037
+    for bits in np.asarray(values, float).ravel(order="F").view(np.uint64):
+        state = ((state ^ int(bits)) * 1099511628211) % 2**64
+    return state
+
+
 def resident_kB():
     """The resident memory of this process, after free memory has been returned."""
     ctypes.CDLL(None).malloc_trim(0)

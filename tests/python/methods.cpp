@@ -1,0 +1,145 @@
+// Methods that `bw` does not show, for tests in Python: build/tests/methods.so.
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <random>
+#include <sstream>
+
+#include <breakwater/statistics/paired_comparison.h>
+#include <breakwater/statistics/quantile.h>
+#include <breakwater/statistics/ranking.h>
+#include <breakwater/statistics/sensitivity.h>
+#include <breakwater/statistics/signed_rank.h>
+#include <breakwater/study/comparison_table.h>
+#include <breakwater/study/ranking_text.h>
+#include <breakwater/study/sampling.h>
+
+namespace breakwater::python_methods {
+namespace py = pybind11;
+
+// A struct and its fields. `names` begin with its own. Python makes one from fields by name.
+template <typename Record, typename... Fields>
+void record(py::module_& module, const char* names, Fields Record::*... fields) {
+  std::istringstream words(names);
+  std::string name;
+  words >> name;
+  py::class_<Record> made(module, name.c_str());
+  ((words >> name, made.def_readwrite(name.c_str(), fields)), ...);
+  made.def(py::init([](const py::kwargs& values) {
+    const py::object filled = py::cast(Record{});
+    for (const auto& [field, value] : values) py::setattr(filled, field, value);
+    return filled.cast<Record>();
+  }));
+}
+
+// An enumeration, whose name is the first of `names`.
+template <typename Choice>
+void choice(py::module_& module, const char* names) {
+  std::istringstream words(names);
+  std::string name;
+  words >> name;
+  py::enum_<Choice> made(module, name.c_str());
+  for (int i = 0; words >> name; ++i) made.value(name.c_str(), Choice(i));
+}
+
+Eigen::MatrixXd points(SamplingMethod method, std::uint64_t n, Eigen::Index d, std::uint64_t seed,
+                       const std::optional<std::vector<std::uint64_t>>& which) {
+  const auto sampler = make_sampler(method, n, d, seed);
+  const std::size_t count = which ? which->size() : sampler->size();
+  Eigen::MatrixXd all(count, d);
+  for (std::size_t i = 0; i < count; ++i) all.row(i) = sampler->point(which ? (*which)[i] : i);
+  return all;
+}
+
+void bind_statistics(py::module_& module) {
+  choice<Goal>(module, "Goal none min max");
+  choice<SamplingMethod>(module, "SamplingMethod random latin_hypercube sobol saltelli");
+  choice<ComparisonVerdict>(
+      module, "ComparisonVerdict better worse smaller larger no_difference_shown too_few_blocks");
+  choice<DistributionKind>(module, "DistributionKind uniform log_uniform normal");
+  record(module, "ConfidenceInterval lower upper", &ConfidenceInterval::lower,
+         &ConfidenceInterval::upper);
+  record(module, "EstimatedValue value interval", &EstimatedValue::value,
+         &EstimatedValue::interval);
+  using R = PairedResults;
+  record(module, "PairedResults candidates baseline metrics goals values failed samples runs",
+         &R::candidates, &R::baseline, &R::metrics, &R::goals, &R::values, &R::failed, &R::samples,
+         &R::runs);
+  using C = MetricComparison;
+  record(module,
+         "MetricComparison pairs blocks median reference_median difference p least_p_holm "
+         "probability_smaller probability_better verdict",
+         &C::pairs, &C::blocks, &C::median, &C::reference_median, &C::difference, &C::p,
+         &C::least_p_holm, &C::probability_smaller, &C::probability_better, &C::verdict);
+  using F = FailureComparison;
+  record(module,
+         "FailureComparison candidate pairs failures reference_failures alone reference_alone p "
+         "verdict",
+         &F::candidate, &F::pairs, &F::failures, &F::reference_failures, &F::alone,
+         &F::reference_alone, &F::p, &F::verdict);
+  using A = CandidateComparison;
+  record(module, "CandidateComparison metrics failures reached never", &A::metrics, &A::failures,
+         &A::reached, &A::never);
+  record(module, "Bound metric min max", &Bound::metric, &Bound::min, &Bound::max);
+  using I = SensitivityIndices;
+  record(module, "SensitivityIndices first_order total rows dropped_rows", &I::first_order,
+         &I::total, &I::rows, &I::dropped_rows);
+  module.def("compare_candidates", [](const R& results) { return compare_candidates(results); });
+  module.def("comparison_text", comparison_text);
+  module.def("comparison_csv", comparison_csv);
+  module.def("ranking_text", [](const R& results, const char* metric, Goal goal,
+                                const std::vector<Bound>& bounds, std::size_t width) {
+    return ranking_text(rank_candidates(results, metric, goal, {bounds}), width);
+  });
+  py::class_<SignedRank>(module, "SignedRank")
+      .def(py::init<std::vector<double>>())
+      .def("p", &SignedRank::p)
+      .def("pseudo_median", &SignedRank::pseudo_median)
+      .def("interval", &SignedRank::interval)
+      .def("share_above", &SignedRank::share_above);
+  module.def("differences_needed", differences_needed);
+  module.def("holm", holm);
+  module.def("holm_levels", holm_levels);
+  module.def("binomial_cdf", binomial_cdf);
+  module.def("mcnemar_exact", mcnemar_exact);
+  module.def("share_interval", share_interval);
+  module.def("quantile_interval", quantile_interval);
+  module.def("estimated_median", estimated_median);
+  module.def("quantile", quantile);
+  module.def(
+      "sensitivity_indices",
+      [](const Eigen::MatrixXd& f, int replicates, double level, std::uint64_t seed) {
+        return sensitivity_indices(f, {replicates, level, seed});
+      },
+      py::arg(), py::arg("replicates") = 1000, py::arg("level") = 0.95, py::arg("seed") = 1);
+  module.def("quantiles",
+             [](DistributionKind kind, double first, double second, const std::vector<double>& u) {
+               const Distribution distribution(kind, first, second);
+               std::vector<double> all;
+               for (const double share : u) all.push_back(distribution.quantile(share));
+               return all;
+             });
+  module.def("mersenne_twister", [](std::uint64_t seed, int n) {
+    std::mt19937_64 engine(seed);
+    std::vector<std::uint64_t> all(n);
+    std::generate(all.begin(), all.end(), engine);
+    return all;
+  });
+  module.def("points", points, py::arg(), py::arg(), py::arg(), py::arg(),
+             py::arg("which") = py::none());
+  module.def("sobol", [](Eigen::Index d, const std::vector<std::uint64_t>& which) {
+    const SobolSequence sequence(d);
+    Eigen::Matrix<std::uint64_t, Eigen::Dynamic, Eigen::Dynamic> all(which.size(), d);
+    for (std::size_t i = 0; i < which.size(); ++i) {
+      for (Eigen::Index j = 0; j < d; ++j) all(i, j) = sequence.coordinate(which[i], j);
+    }
+    return all;
+  });
+}
+
+}  // namespace breakwater::python_methods
+
+PYBIND11_MODULE(methods, module) {
+  breakwater::python_methods::bind_statistics(module);
+}
