@@ -7,7 +7,6 @@
 #include <breakwater/control/implicit_force_pfc.h>
 #include <breakwater/control/soft_contact.h>
 #include <breakwater/control/workspace_control.h>
-#include <breakwater/linear/riccati.h>
 #include "control/wall_arm.h"
 #include "support.h"
 
@@ -241,46 +240,6 @@ TEST_F(Program, TheVelocityAfterTheImpactIsThatOfARigidOne) {
     const Eigen::Vector3d bound = program.input().upper.segment(3, 3) * design.preview_s + after;
     EXPECT_LT((bound - chain_.velocity_limits_rad_s()).norm(), 1e-9);
   }
-}
-
-// Without bounds the first input is that of the linear quadratic regulator.
-TEST(ContactProblem, WithoutBoundsItIsTheRegulator) {
-  ContactMpcDesign design;
-  design.q_velocity = 50.0;
-  LmpcDesign problem = contact_problem(design, 2.0);
-  problem.input_bounds.clear();
-  problem.state_bounds.clear();
-  Lmpc lmpc(problem);
-  const Eigen::RowVector2d K =
-      dlqr(problem.A, problem.B, problem.Q, Eigen::MatrixXd::Constant(1, 1, design.r)).K;
-  const Eigen::Vector2d target(0.002, 0.0);
-  const Eigen::VectorXd trajectory = target.replicate(design.prediction_steps, 1);
-  const Eigen::VectorXd last = Eigen::VectorXd::Constant(1, 3.0), none = Eigen::VectorXd::Zero(1);
-  for (const Eigen::Vector2d& x : {Eigen::Vector2d(-0.09, 0.0), Eigen::Vector2d(0.001, -0.2)}) {
-    const double expected = -K * (x - target);
-    EXPECT_NEAR(last(0) + lmpc.optimise(x, last, trajectory, none)(0), expected,
-                1e-6 * std::abs(expected));
-  }
-}
-
-TEST(ContactProblem, ThePredictedForceStaysBelowThePeak) {
-  const ContactMpcDesign design;
-  const LmpcDesign problem = contact_problem(design, 2.0);
-  Lmpc lmpc(problem);
-  const Eigen::VectorXd trajectory =
-      Eigen::Vector2d(0.002, 0.0).replicate(design.prediction_steps, 1);
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(1);
-  Eigen::Vector2d x(-0.089, 0.0);
-  Eigen::VectorXd u = none;
-  double deepest = -1.0;
-  for (int k = 0; k < 200; ++k) {
-    u += lmpc.optimise(x, u, trajectory, none);
-    ASSERT_LE(std::abs(u(0)), design.acceleration_m_s2 + 1e-8);
-    x = problem.A * x + problem.B * u;
-    deepest = std::max(deepest, x[0]);
-  }
-  EXPECT_LE(1000.0 * deepest, 4.2 + 1e-3);
-  EXPECT_NEAR(1000.0 * x[0], 2.0, 1e-3);
 }
 
 TEST_F(PublishedImpactControl, RefuseInvalidParameters) {
