@@ -14,7 +14,7 @@
 #include <breakwater/control/state_feedback.h>
 #include <breakwater/identification/axis_intervals.h>
 #include <breakwater/identification/identified_axis.h>
-#include <breakwater/identification/identified_study.h>
+#include <breakwater/identification/identified_plants.h>
 #include <breakwater/identification/two_inertia_axis.h>
 #include <breakwater/math/error_function.h>
 #include <breakwater/math/functions.h>
@@ -105,7 +105,8 @@ void bind_statistics(py::module_& module) {
          &I::total, &I::rows, &I::dropped_rows);
   module.def("compare_candidates", [](const R& results) { return compare_candidates(results); });
   module.def("comparison_text", comparison_text);
-  module.def("comparison_csv", comparison_csv);
+  module.def("comparison_csv",
+             [](const A& comparison) { return csv_table(comparison_rows(comparison)); });
   module.def("ranking_text", [](const R& results, const char* metric, Goal goal,
                                 const std::vector<Bound>& bounds, std::size_t width) {
     return ranking_text(rank_candidates(results, metric, goal, {bounds}), width);
@@ -275,6 +276,7 @@ void bind_wave_forces(py::module_& module) {
   module.def("fit_walk", fit_walk);
   module.def("total_std", total_std);
   module.def("mean_frequency", mean_frequency);
+  module.def("candidate_periods", candidate_periods);
   using B = WaveForceBankDesign;
   record(module,
          "WaveForceBankDesign shapes mass_kg bias_std_N velocity_std_m_s position_std_m weakest_N "

@@ -289,6 +289,27 @@ class Bank(unittest.TestCase):
             feed(bank, truth, np.full(20000, 0.25), 7)(0, 200)
             near(methods.mean_frequency(bank.resonators()) / methods.mean_frequency(truth), 1, atol=0.1)
 
+    def test_it_finds_the_period_of_a_sine(self):
+        """Two equal resonators of half the variance are one. The likelihood of a noisy sine over a minute is flat, and its
+        mean is up to 17 % too long. The right one of two candidates has all the likelihood."""
+        def found(candidates_s, period_s, noise_m):
+            halves = [Resonator(omega_rad_s=2 * np.pi / T, damping=0.15, std=np.sqrt(0.5)) for T in candidates_s]
+            bank = WaveForceBank(WaveForceBankDesign(
+                shapes=[(half, half) for half in halves], mass_kg=1.38, bias_std_N=2e-3, velocity_std_m_s=3e-3,
+                weakest_N=0.3, strengths=1))
+            noise = np.random.default_rng(3).uniform(-noise_m, noise_m, 12000)
+            p = v = 0.0
+            for k in range(12000):
+                force, hold = 0.3 * np.sin(2 * np.pi / period_s * PERIOD_S * k), -p - 1.5 * v  # a known force against drift
+                bank.update(hold, p + noise[k])
+                p, v = p + PERIOD_S * v, v + PERIOD_S / 1.38 * (force + hold)
+            return 2 * np.pi / methods.mean_frequency(bank.resonators())
+
+        for period_s in (6, 8, 11):
+            near(found(methods.candidate_periods(), period_s, 0.17) / period_s, 1, atol=0.2)
+        for period_s in (5, 12):
+            near(found((5, 12), period_s, 0) / period_s, 1, atol=1e-3)
+
     def test_it_does_not_depend_on_where_the_axis_starts(self):
         design = WaveForceBankDesign(shapes=[SEA], settling_s=1)
         here, there = WaveForceBank(design), WaveForceBank(design)
