@@ -45,16 +45,6 @@ breakwater_package(PkgConfig::tinyxml2 libtinyxml2-dev
   [[breakwater_pkg_config(${how} tinyxml2 tinyxml2)]])
 breakwater_package(PkgConfig::xxhash libxxhash-dev [[breakwater_pkg_config(${how} xxhash libxxhash)]])
 breakwater_package(PkgConfig::hdf5 libhdf5-dev [[breakwater_pkg_config(${how} hdf5 hdf5-serial)]])
-# The high-level library (dimension scales) has no pkg-config file.
-breakwater_package(hdf5::hl libhdf5-dev [[
-  breakwater_find(PkgConfig::hdf5 ${how})
-  find_library(HDF5_HL_LIBRARY NAMES hdf5_serial_hl)
-  if(HDF5_HL_LIBRARY AND TARGET PkgConfig::hdf5)
-    add_library(hdf5::hl INTERFACE IMPORTED)
-    target_link_libraries(hdf5::hl INTERFACE ${HDF5_HL_LIBRARY} PkgConfig::hdf5)
-  elseif(how STREQUAL "REQUIRED")
-    message(FATAL_ERROR "hdf5_serial_hl is not there (Debian: libhdf5-dev)")
-  endif()]])
 breakwater_package(random123::random123 librandom123-dev [[
   find_path(RANDOM123_INCLUDE_DIR Random123/philox.h ${how})
   if(RANDOM123_INCLUDE_DIR)

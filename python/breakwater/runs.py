@@ -309,8 +309,7 @@ class Run:
     def to_xarray(self, group: str = _CONTROL) -> xarray.Dataset:
         """A group of the log as a Dataset over time_s, with units.
 
-        The second dimension of a vector with n values is index_n, from 1 to n. The result equals
-        xarray.open_dataset("log.h5", group=group, engine="h5netcdf").
+        The second dimension of a vector with n values is index_n, from 1 to n.
         """
         import xarray
 

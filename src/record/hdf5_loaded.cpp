@@ -9,8 +9,7 @@ namespace breakwater {
 namespace {
 
 Hdf5 load() {
-  // The version of the headers. The high-level library links HDF5, so it gives the names of both.
-  const LoadedLibrary library(BREAKWATER_HDF5, "libhdf5-hl-100");
+  const LoadedLibrary library(BREAKWATER_HDF5, "libhdf5-103-1");
   Hdf5 all;
 #define X(name) all.name = library.symbol<std::logic_error, decltype(::name)>(#name);
   BREAKWATER_HDF5_FUNCTIONS(X)
@@ -23,8 +22,6 @@ Hdf5 load() {
   all.C_S1 = value("H5T_C_S1_g");
   all.IEEE_F64LE = value("H5T_IEEE_F64LE_g");
   all.NATIVE_DOUBLE = value("H5T_NATIVE_DOUBLE_g");
-  all.NATIVE_INT = value("H5T_NATIVE_INT_g");
-  all.STD_REF_OBJ = value("H5T_STD_REF_OBJ_g");
   all.FILE_ACCESS = value("H5P_CLS_FILE_ACCESS_ID_g");
   all.DATASET_CREATE = value("H5P_CLS_DATASET_CREATE_ID_g");
   return all;

@@ -94,41 +94,10 @@ void write_text(hid_t object, const char* name, const std::string& text) {
   write_attribute(object, name, type, space, text.c_str());
 }
 
-// The scales of a dataset, one for each dimension.
-using Scales = std::vector<hobj_ref_t>;
-
-// Writes what H5DSattach_scale() writes, which looks for it all first.
-void write_scales(hid_t dataset, Scales scales) {
-  std::vector<hvl_t> one_each;
-  for (hobj_ref_t& scale : scales) one_each.push_back({1, &scale});
-  const hsize_t size = scales.size();
-  const Handle type(hdf5().H5Tvlen_create(hdf5().STD_REF_OBJ), hdf5().H5Tclose);
-  const Handle space(hdf5().H5Screate_simple(1, &size, nullptr), hdf5().H5Sclose);
-  write_attribute(dataset, "DIMENSION_LIST", type, space, one_each.data());
-}
-
-// A dimension that a scale is for.
-struct ScaledDimension {
-  hobj_ref_t dataset;
-  int dimension;
-  int nothing = 0;  // without it, any bytes
-};
-
-// The same for the scale.
-void write_scaled(hid_t scale, const std::vector<ScaledDimension>& all) {
-  const Handle type(hdf5().H5Tcreate(H5T_COMPOUND, sizeof(ScaledDimension)), hdf5().H5Tclose);
-  require(hdf5().H5Tinsert(type, "dataset", HOFFSET(ScaledDimension, dataset), hdf5().STD_REF_OBJ));
-  require(
-      hdf5().H5Tinsert(type, "dimension", HOFFSET(ScaledDimension, dimension), hdf5().NATIVE_INT));
-  const hsize_t size = all.size();
-  const Handle space(hdf5().H5Screate_simple(1, &size, nullptr), hdf5().H5Sclose);
-  write_attribute(scale, "REFERENCE_LIST", type, space, all.data());
-}
-
 // A dataset of rows × width (or just rows, if width is 1), with unit and description. Returns its
 // place in the file. Without `values`, only the first one is written: HDF5 then chooses the place.
 std::uint64_t write_dataset(hid_t group, const LogEntry& entry, const double* values,
-                            int deflate_level, const Scales& scales = {}) {
+                            int deflate_level) {
   const Size size = {entry.rows, entry.width};
   const int rank = entry.width == 1 ? 1 : 2;
   const Handle space(hdf5().H5Screate_simple(rank, size.data(), nullptr), hdf5().H5Sclose);
@@ -157,75 +126,25 @@ std::uint64_t write_dataset(hid_t group, const LogEntry& entry, const double* va
     check(place != HADDR_UNDEF);
   }
   write_text(dataset, "unit", entry.unit);
-  write_text(dataset, "units", entry.unit);  // the name in netCDF's conventions
+  write_text(dataset, "units", entry.unit);  // the name in other conventions
   write_text(dataset, "description", entry.description);
-  if (!scales.empty()) write_scales(dataset, scales);
   return place;
 }
 
-// Makes a dataset the scale of a dimension: readers of netCDF take it for coordinates.
-void make_scale(hid_t group, const std::string& name) {
-  const Handle scale(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
-  require(hdf5().H5DSset_scale(scale, name.c_str()));
-}
-
-// Writes 1 … width, the scale of all vectors of this width in the group.
-std::string write_index(hid_t group, std::size_t width) {
-  std::string name = index_name(width);
-  if (hdf5().H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0) return name;
-  std::vector<double> numbers(width);
-  std::iota(numbers.begin(), numbers.end(), 1.0);
-  const LogEntry entry{"", name, "1", "which value of a vector", width, 1};
-  write_dataset(group, entry, numbers.data(), 0);
-  make_scale(group, name);
-  return name;
-}
-
-// Writes the group of `datasets`, the time base first. write(group, i, scales) writes dataset i.
-template <typename Write>
-void write_group(hid_t file, std::span<const LogEntry> datasets, Write&& write) {
-  const Handle group(hdf5().H5Gcreate2(file, datasets.front().group.c_str(), H5P_DEFAULT,
-                                       H5P_DEFAULT, H5P_DEFAULT),
-                     hdf5().H5Gclose);
-  write(group, 0, Scales());
-  make_scale(group, kTimeBase);
-  const auto reference_to = [&](const std::string& name) {
-    hobj_ref_t reference = 0;
-    require(hdf5().H5Rcreate(&reference, group, name.c_str(), H5R_OBJECT, -1));
-    return reference;
-  };
-  std::map<std::string, std::pair<hobj_ref_t, std::vector<ScaledDimension>>> scaled;  // by scale
-  scaled[kTimeBase].first = reference_to(kTimeBase);
-  for (std::size_t i = 1; i < datasets.size(); ++i) {
-    const LogEntry& entry = datasets[i];
-    std::vector<std::string> names = {kTimeBase};
-    if (entry.width > 1) names.push_back(write_index(group, entry.width));
-    Scales scales;
-    for (const std::string& name : names) {
-      hobj_ref_t& scale = scaled[name].first;
-      if (scale == 0) scale = reference_to(name);
-      scales.push_back(scale);
-    }
-    write(group, i, scales);
-    const hobj_ref_t own = reference_to(entry.name);
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      scaled[names[k]].second.push_back({own, static_cast<int>(k)});
-    }
-  }
-  for (const auto& [name, list] : scaled) {
-    if (list.second.empty()) continue;
-    const Handle scale(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
-    write_scaled(scale, list.second);
-  }
+// The group of `datasets`, which all have one.
+Handle make_group(hid_t file, const LogEntry& first) {
+  return {hdf5().H5Gcreate2(file, first.group.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+          hdf5().H5Gclose};
 }
 
 void write_track(hid_t file, const Track& track, int deflate_level) {
   const std::vector<LogEntry> datasets =
       datasets_of(track.name(), track.all_signals(), track.rows());
-  write_group(file, datasets, [&](hid_t group, std::size_t i, const Scales& scales) {
+  const Handle group = make_group(file, datasets.front());
+  for (std::size_t i = 0; i < datasets.size(); ++i) {
     const std::vector<double> values = i == 0 ? track.times() : track.values(i - 1);
-    write_dataset(group, datasets[i], values.data(), deflate_level, scales);
-  });
+    write_dataset(group, datasets[i], values.data(), deflate_level);
+  }
 }
 
 // Empty if there is no text, or one that write_text() did not write.
@@ -386,7 +305,7 @@ std::vector<LogEntry> list_datasets(const std::string& file) {
     for (const std::string& track : object_names(handle)) {
       const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
       for (const std::string& name : object_names(group)) {
-        if (is_index_name(name)) continue;
+        if (is_index_name(name)) continue;  // version 0.2 wrote it
         const Handle data(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
         const Size size = checked_size(data);
         entries.push_back({track, name, read_text(data, "unit"), read_text(data, "description"),
@@ -558,11 +477,8 @@ std::vector<std::uint64_t> lay_out_hdf5_log(const std::string& file,
       const auto end = std::find_if(begin, datasets.end(), [&](const LogEntry& entry) {
         return entry.group != begin->group;
       });
-      write_group(handle, {begin, end}, [&](hid_t group, std::size_t i, const Scales& scales) {
-        places.push_back(
-            write_dataset(group, *(begin + static_cast<std::ptrdiff_t>(i)), nullptr, 0, scales));
-      });
-      begin = end;
+      const Handle group = make_group(handle, *begin);
+      for (; begin != end; ++begin) places.push_back(write_dataset(group, *begin, nullptr, 0));
     }
     require(hdf5().H5Fflush(handle, H5F_SCOPE_GLOBAL));
     return places;

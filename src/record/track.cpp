@@ -43,10 +43,6 @@ void check_names(const std::string& track, const std::vector<Signal>& signals) {
 
 }  // namespace
 
-std::string index_name(std::size_t width) {
-  return kIndex + std::to_string(width);
-}
-
 bool is_index_name(const std::string& name) {
   const std::string_view digits = "0123456789";
   const std::size_t begin = std::string_view(kIndex).size();

@@ -11,8 +11,8 @@
 
 namespace breakwater {
 
-/// The dataset that numbers the values of vectors of this width: "index_3".
-std::string index_name(std::size_t width);
+/// Whether version 0.2 wrote a dataset of this name, with the numbers of a vector's values:
+/// "index_3".
 bool is_index_name(const std::string& name);
 
 /// The expected rows do not fit in memory.

@@ -143,7 +143,6 @@ TEST(Hdf5Log, IsReadableByH5py) {
       "assert c['q_rad'].shape == (5, 2); assert c['force_N'][2] == math.sin(2) / 3; "
       "assert c['q_rad'].attrs['unit'].decode() == 'rad'; "
       "assert c['force_N'].attrs['description'].decode() == 'a force, in µN'; "
-      "assert c['force_N'].dims[0][0][3] == 0.003; "
       "assert all('unit' in d.attrs and 'description' in d.attrs for d in c.values())";
   const std::string command = "/usr/bin/python3 -c \"" + script + "\" " + file.string();
   EXPECT_EQ(std::system(command.c_str()), 0);
