@@ -12,30 +12,6 @@ namespace breakwater {
 
 namespace {
 
-constexpr double kLargest = 4e15;  // whole numbers below it are exact, also in a browser
-
-}  // namespace
-
-void append_channel(std::span<const double> values, double unit, std::vector<std::uint8_t>& bytes) {
-  std::int64_t last = 0;
-  for (const double value : values) {
-    const double exact = value / unit;
-    const std::int64_t now =
-        std::isfinite(exact) ? std::llround(std::clamp(exact, -kLargest, kLargest)) : last;
-    const std::int64_t step = now - last;
-    last = now;
-    std::uint64_t left =
-        static_cast<std::uint64_t>(step) << 1U ^ static_cast<std::uint64_t>(step >> 63);
-    while (left >= 128U) {
-      bytes.push_back(static_cast<std::uint8_t>(left & 127U) | 128U);
-      left >>= 7U;
-    }
-    bytes.push_back(static_cast<std::uint8_t>(left));
-  }
-}
-
-namespace {
-
 constexpr double kFramesPerSecond = 60.0;
 constexpr std::size_t kMostFrames = 40000;
 
@@ -134,29 +110,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Resolution: a position to 1e-6 of its range, or 1 µm; a rotation and a force to 1e-5.
-constexpr double kPositionSteps = 1e6;
-constexpr double kSmallestPosition_m = 1e-6;
-constexpr double kRotationUnit = 1e-5;
-constexpr double kSignalSteps = 1e5;
-
-// The smallest and the largest finite value.
-std::pair<double, double> range_of(std::span<const double> values) {
-  double low = INFINITY;
-  double high = -INFINITY;
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  return low <= high ? std::pair(low, high) : std::pair(0.0, 0.0);
-}
-
-// Collects the channels of a run, with their indices.
+// Collects the channels of a run: numbers of 32 bits, one for each frame.
 class Channels {
  public:
   // A constant track is written as its seven numbers. Any other is written as the index of its
-  // first channel and the unit of its positions.
+  // first channel.
   Json track(const PoseTrack& track) {
     const bool stands = std::all_of(track.begin(), track.end(), [&](const Pose& pose) {
       return pose.position_m == track.front().position_m && pose.rotation == track.front().rotation;
@@ -164,7 +122,6 @@ class Channels {
     if (stands) return {{"pose", pose_json(track.front())}};
     std::array<std::vector<double>, 7> columns;
     std::array<double, 4> last = track.front().rotation;
-    double way = 0.0;
     for (const Pose& pose : track) {
       for (std::size_t k = 0; k < 3; ++k) columns[k].push_back(pose.position_m[k]);
       // q and −q are the same rotation: choose the one nearer to the last.
@@ -174,37 +131,39 @@ class Channels {
         last[k] = dot < 0.0 ? -pose.rotation[k] : pose.rotation[k];
       for (std::size_t k = 0; k < 4; ++k) columns[3 + k].push_back(last[k]);
     }
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [low, high] = range_of(columns[k]);
-      way = std::max(way, high - low);
-    }
-    const double unit = std::max(way / kPositionSteps, kSmallestPosition_m);
-    Json place = {{"channel", count_}, {"units", {unit, kRotationUnit}}};
-    for (std::size_t k = 0; k < 7; ++k) add(columns[k], k < 3 ? unit : kRotationUnit);
+    Json place = {{"channel", count_}};
+    for (const std::vector<double>& column : columns) add(column);
     return place;
   }
 
   Json signal(const Series& series, const std::vector<double>& times_s) {
     std::vector<double> values;
     for (const double time_s : times_s) values.push_back(series.at(time_s));
-    const auto [low, high] = range_of(values);
-    const double unit = std::max((high - low) / kSignalSteps, 1e-12);
-    Json place = {{"channel", count_}, {"unit", unit}};
-    add(values, unit);
+    Json place = {{"channel", count_}};
+    add(values);
     return place;
   }
 
   int count() const { return count_; }
-  std::string bytes() const { return packed_bytes(bytes_); }
+  std::string packed() const {
+    return packed_bytes(
+        {reinterpret_cast<const std::uint8_t*>(numbers_.data()), numbers_.size() * sizeof(float)});
+  }
 
  private:
-  void add(std::span<const double> values, double unit) {
-    append_channel(values, unit, bytes_);
+  // A value that is not finite repeats the value before it.
+  void add(const std::vector<double>& values) {
+    float last = 0.0F;
+    for (const double value : values) {
+      const auto now = static_cast<float>(value);
+      if (std::isfinite(now)) last = now;
+      numbers_.push_back(last);
+    }
     ++count_;
   }
 
   int count_ = 0;
-  std::vector<std::uint8_t> bytes_;
+  std::vector<float> numbers_;
 };
 
 Json arrow_json(const ArrowTrack& track, const Model& model, const std::vector<double>& times_s,
@@ -287,7 +246,7 @@ Json run_json(const LabelledRun& labelled, PictureRun& staged, const Window& win
     run["arrows"].push_back(arrow_json(arrow, staged.model, times_s, channels));
   }
   run["channels"] = channels.count();
-  run["motion"] = channels.bytes();
+  run["motion"] = channels.packed();
   return run;
 }
 

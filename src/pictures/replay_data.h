@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -14,12 +12,6 @@
 #include <breakwater/render/scene_description.h>
 
 namespace breakwater {
-
-/// Appends a channel: the differences of successive values (the first one from 0), rounded to
-/// multiples of `unit`. Each is an integer of variable length, low seven bits first, with the sign
-/// in the lowest bit (zigzag). A smooth motion takes one or two bytes per value, and a standstill
-/// compresses to almost nothing. A value that is not finite repeats the value before it.
-void append_channel(std::span<const double> values, double unit, std::vector<std::uint8_t>& bytes);
 
 /// Times with a constant step.
 struct TimeSpan {

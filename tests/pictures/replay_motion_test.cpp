@@ -1,58 +1,9 @@
-// The data of a replay's page: its times, and compressed numbers.
+// The data of a replay's page: its times.
 #include <breakwater/pictures/replay_data.h>
 
 #include "support.h"
 
 namespace breakwater::replay_motion_test {
-
-// As the page reads a channel of `count` values that begins at `at`, which moves behind it.
-std::vector<double> read_channel(std::span<const std::uint8_t> bytes, std::size_t& at,
-                                 std::size_t count, double unit) {
-  std::vector<double> values;
-  std::int64_t last = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    std::uint64_t word = 0;
-    std::uint8_t byte = 128U;
-    for (unsigned shift = 0; (byte & 128U) != 0; shift += 7) {
-      if (at >= bytes.size() || shift > 63) throw std::invalid_argument("a channel is cut off");
-      byte = bytes[at++];
-      word |= static_cast<std::uint64_t>(byte & 127U) << shift;
-    }
-    last += static_cast<std::int64_t>(word >> 1U) ^ -static_cast<std::int64_t>(word & 1U);
-    values.push_back(static_cast<double>(last) * unit);
-  }
-  return values;
-}
-
-TEST(MotionCodec, NumbersRoundTripWithinAUnit) {
-  testing::Random random(3);
-  std::vector<double> values;
-  for (int i = 0; i < 500; ++i) values.push_back(random.uniform(-2.0, 2.0) * std::pow(10.0, i % 7));
-  std::vector<std::uint8_t> bytes;
-  append_channel(values, 1e-3, bytes);
-  std::size_t at = 0;
-  const std::vector<double> back = read_channel(bytes, at, values.size(), 1e-3);
-  EXPECT_EQ(at, bytes.size());
-  for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(back[i], values[i], 0.51e-3);
-}
-
-// By hand: 3, −1 and 200 units have the differences 3, −4, 201, in zigzag code 6, 7, 402 = 3·128 +
-// 18.
-TEST(MotionCodec, HasTheBytesOfItsDescription) {
-  std::vector<std::uint8_t> bytes;
-  append_channel(std::vector{0.3, -0.1, 20.0}, 0.1, bytes);
-  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{6, 7, 128 + 18, 3}));
-}
-
-TEST(MotionCodec, RepeatsTheLastValueForNanAndRefusesATruncatedChannel) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  std::vector<std::uint8_t> bytes;
-  append_channel(std::vector{1.0, nan, 1.0 / 0.0, 2.0}, 0.5, bytes);
-  std::size_t at = 0;
-  EXPECT_EQ(read_channel(bytes, at, 4, 0.5), (std::vector{1.0, 1.0, 1.0, 2.0}));
-  at = 0;
-  EXPECT_THROW(read_channel(bytes, at, 5, 0.5), std::invalid_argument);
-}
 
 std::vector<double> log_times(double end_s, double step_s) {
   std::vector<double> times;

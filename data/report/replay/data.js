@@ -15,26 +15,9 @@ const Replay = {};
     return new Uint8Array(await new Response(stream).arrayBuffer());
   }
 
-  // Channels of `frames` numbers each, as src/pictures/replay_data.h writes them.
+  // Channels of `frames` numbers each, as src/pictures/replay_data.cpp writes them.
   function channelsOf(bytes, channels, frames) {
-    let at = 0;
-    const all = [];
-    for (let c = 0; c < channels; ++c) {
-      const values = new Float64Array(frames);
-      let last = 0;
-      for (let i = 0; i < frames; ++i) {
-        let word = 0, factor = 1, byte = 128;
-        while (byte & 128) {
-          byte = bytes[at++];
-          word += (byte & 127) * factor;
-          factor *= 128;
-        }
-        last += word % 2 === 0 ? word / 2 : -(word + 1) / 2;
-        values[i] = last;
-      }
-      all.push(values);
-    }
-    return all;
+    return Array.from({length: channels}, (_, c) => new Float32Array(bytes.buffer, 4 * c * frames, frames));
   }
 
   // When the frames of a run are: pieces of equal steps.
@@ -76,7 +59,6 @@ const Replay = {};
       this.still = json.pose || null;
       if (this.still) return;
       this.columns = channels.slice(json.channel, json.channel + 7);
-      this.units = json.units;
     }
 
     get moves() { return !this.still; }
@@ -93,7 +75,7 @@ const Replay = {};
       const next = part > 0 ? frame + 1 : frame;
       const at = (k) => {
         const column = this.columns[k];
-        return (column[frame] + part * (column[next] - column[frame])) * this.units[k < 3 ? 0 : 1];
+        return column[frame] + part * (column[next] - column[frame]);
       };
       position.set(at(0), at(1), at(2));
       rotation.set(at(4), at(5), at(6), at(3)).normalize();
@@ -104,12 +86,11 @@ const Replay = {};
   class Signal {
     constructor(json, channels) {
       this.column = channels[json.channel];
-      this.unit = json.unit;
     }
 
     at({frame, part}) {
       const next = part > 0 ? frame + 1 : frame;
-      return (this.column[frame] + part * (this.column[next] - this.column[frame])) * this.unit;
+      return this.column[frame] + part * (this.column[next] - this.column[frame]);
     }
   }
 
