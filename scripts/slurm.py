@@ -95,7 +95,8 @@ def submit(folder, asked):
 
 def queue(folder):
     submissions = []
-    for path in sorted(folder.glob("[0-9]*"), key=lambda path: -int(path.name)):
+    numbered = (path for path in folder.iterdir() if path.name.isdecimal())
+    for path in sorted(numbered, key=lambda path: -int(path.name)):
         job = path / "job"
         if job.exists() and job.read_text():
             submissions.append((path, job.read_text().strip(), (path / "tasks").read_text().splitlines()))

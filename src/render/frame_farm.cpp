@@ -128,17 +128,17 @@ class Children {
 
 }  // namespace
 
-std::string draw_frames(const FrameFarm& asked, const std::function<Drawer(std::size_t)>& start,
+std::string draw_frames(const FrameFarm& farm, const std::function<Drawer(std::size_t)>& start,
                         const std::function<void(const std::uint8_t* frame)>& take) {
-  FrameFarm farm = asked;
-  farm.processes =
+  FrameFarm used = farm;
+  used.processes =
       std::clamp<std::size_t>(farm.frames, 1, std::max<std::size_t>(farm.processes, 1));
   void* const memory =
       mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw RenderError("video: there is no memory for it");
   const auto unmap = [](Shared* shared) { munmap(shared, sizeof(Shared)); };
   const std::unique_ptr<Shared, decltype(unmap)> shared(new (memory) Shared{}, unmap);
-  Children children(farm, start, take, *shared);
+  Children children(used, start, take, *shared);
   while (children.are_at_work()) {
     if (farm.stop != nullptr && *farm.stop) throw Stopped();
     if (farm.progress) {
