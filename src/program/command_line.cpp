@@ -104,7 +104,7 @@ void describe(CLI::App& app, const std::string& video_program, Arguments& argume
                "print the effective configuration, as a scenario file, and exit");
   app.set_version_flag("--version", std::string(kVersion) + " (" + kGitCommit + ")");
   app.footer("A run leaves a folder with config.toml, metrics.json, manifest.json and log.h5.\n" +
-             statuses_in_brief());
+             std::string(kExitStatuses));
 }
 
 std::vector<std::string> all_sets(const Arguments& arguments) {

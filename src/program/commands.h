@@ -2,7 +2,6 @@
 // as its name. It returns the exit status.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -38,7 +37,7 @@ int list_runs_main(const Catalogue& catalogue, int argc, const char* const* argv
 /// `new`: makes a project from the folders of templates/.
 int new_project_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `reference`: writes pages about commands, keys, metrics, columns and exit statuses.
+/// `reference`: writes pages about commands, keys, metrics and columns.
 int reference_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
 /// `sweep`: runs studies. Exit status 3 if a run failed and this stops the study.
@@ -48,44 +47,10 @@ int sweep_main(const Catalogue& catalogue, int argc, const char* const* argv);
 /// the constraints or survived.
 int tune_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-struct StatusMeaning {
-  Status status;
-  const char* brief;  ///< for --help
-  const char* text;   ///< for the reference
-};
-
-inline constexpr std::array kStatusMeanings = {
-    StatusMeaning{kSuccess, "success", "The command did what it was asked to do."},
-    StatusMeaning{
-        kDefect, "a defect",
-        "Breakwater, or a part of your own, has a defect. Please report a defect of Breakwater. "
-        "`doctor` also ends with this status when something on the machine is broken, and `diff` "
-        "when two runs differ."},
-    StatusMeaning{kUsage, "usage or input",
-                  "An option, a scenario file or another input is wrong, or a folder cannot be "
-                  "written. The message names the place."},
-    StatusMeaning{
-        kRunFailed, "the run failed",
-        "A run failed. Its `manifest.json` has the time and the reason, and `metrics.json` is "
-        "absent. `sweep` ends with this status only with `--on-failure stop`, or when `--replay` "
-        "gives another run. `tune` does so when no candidate met the constraints, and "
-        "`convert` when the model lost something."},
-    StatusMeaning{kLaterOutputFailed, "only a later output failed",
-                  "The run is complete. A later output, such as its video or the printed table, "
-                  "could not be made."},
-    StatusMeaning{kInterrupted, "interrupted",
-                  "A signal such as Ctrl-C ended the command, or the tasks of a study on a "
-                  "cluster ended before it was complete. Finished runs are kept."}};
-
-/// `Exit status: 0 success, 1 …`, for --help.
-inline std::string statuses_in_brief() {
-  std::string line = "Exit status:";
-  for (const StatusMeaning& meaning : kStatusMeanings) {
-    line += (meaning.status == kSuccess ? " " : ", ") + std::to_string(meaning.status) + " " +
-            meaning.brief;
-  }
-  return line + ".";
-}
+/// For --help: docs/how-to/running.md has their meaning.
+inline constexpr const char* kExitStatuses =
+    "Exit status: 0 success, 1 a defect, 2 usage or input, 3 the run failed, 4 only a later output "
+    "failed, 130 interrupted.";
 
 /// Throws std::invalid_argument unless `name` matches [a-z][a-z0-9_]*, has at most 64 characters,
 /// and is not the name of a scenario or part.

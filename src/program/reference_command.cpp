@@ -64,27 +64,6 @@ std::string capital(std::string text) {
   return text;
 }
 
-// A help text with unit, such as "the limit [N m]", split into text and unit.
-struct TextAndUnit {
-  std::string text;
-  std::string unit;
-};
-TextAndUnit split(const std::string& doc) {
-  TextAndUnit found = {doc, ""};
-  std::size_t units = 0;
-  for (std::size_t i = doc.find('['); i != std::string::npos; i = doc.find('[', i + 1)) {
-    if (i == 0 || doc[i - 1] != ' ') continue;  // NAME[2]
-    const std::size_t end = doc.find(']', i);
-    if (end == std::string::npos) break;
-    found.unit += (units++ == 0 ? "" : ", ") + doc.substr(i + 1, end - i - 1);
-  }
-  if (units == 1 && doc.ends_with("]")) {
-    const std::string text = doc.substr(0, doc.rfind(" ["));
-    found.text = text.substr(0, text.find_last_not_of(' ') + 1);
-  }
-  return found;
-}
-
 std::string used_by(const KeyHelp& key) {
   std::vector<std::string> conditions = key.conditions;
   if (!key.parts.empty()) {
@@ -110,11 +89,10 @@ std::string keys(const std::vector<KeyHelp>& all) {
     std::vector<Row> rows;
     for (const KeyHelp& key : all) {
       if (table_of(key.key) != name) continue;
-      const auto [words, unit] = split(key.text);
-      rows.push_back({code(key.key), words, unit, code(key.value), key.takes, used_by(key)});
+      rows.push_back({code(key.key), key.text, code(key.value), key.takes, used_by(key)});
     }
     text += fmt::format("### {}\n\n", name.empty() ? "No table" : code(name)) +
-            table({"Key", "Meaning", "Unit", "Default", "Takes", "Used where"}, rows);
+            table({"Key", "Meaning [unit]", "Default", "Takes", "Used where"}, rows);
   }
   return text;
 }
@@ -248,16 +226,6 @@ std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind,
          columns(catalogue, kind, shown, brief_run);
 }
 
-// The meaning of each exit status.
-std::string exit_statuses_page() {
-  std::vector<Row> rows;
-  for (const StatusMeaning& meaning : kStatusMeanings) {
-    rows.push_back({std::to_string(meaning.status), meaning.brief, meaning.text});
-  }
-  return "# Exit statuses\n\nEach command ends with one of these statuses.\n\n" +
-         table({"Status", "In brief", "Meaning"}, rows);
-}
-
 }  // namespace
 
 int reference_main(const Catalogue& catalogue, int argc, const char* const* argv) {
@@ -266,12 +234,11 @@ int reference_main(const Catalogue& catalogue, int argc, const char* const* argv
     CLI::App app("write the reference pages: commands, keys, metrics, columns", program);
     std::filesystem::path out = "reference";
     app.add_option("--out", out, "the folder of the pages (default: reference)")->type_name("DIR");
-    app.footer("It leaves commands.md, exit-statuses.md, estimate.md and scenarios/NAME.md.");
+    app.footer("It leaves commands.md, estimate.md and scenarios/NAME.md.");
     if (const auto status = parse(app, argc, argv)) return *status;
 
     std::filesystem::create_directories(out / "scenarios");
     replace_file(out / "commands.md", commands_page(catalogue));
-    replace_file(out / "exit-statuses.md", exit_statuses_page());
     for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
       replace_file(out / "scenarios" / (kind.name + ".md"),
                    scenario_page(catalogue, kind, {"run.duration_s=0.1"}));

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -194,39 +195,6 @@ void print_count(const TuningPlan& plan) {
              tuning.validation->size());
 }
 
-// Progress: one line for the searches and one for the validation, whose runs are known later.
-class TuningProgress {
- public:
-  TuningProgress(const TuningPlan& plan, bool quiet) : plan_(plan), quiet_(quiet) {
-    begin(kTune.command, searches(plan));
-  }
-
-  void begin_validation(std::vector<std::size_t> runs) {
-    validations_ = std::move(runs);
-    std::sort(validations_.begin(), validations_.end());
-    begin(fmt::format("{}: validation", kTune.command), validations_.size());
-  }
-  void finish(std::size_t number) {
-    const TuningRun run = plan_.run(number);
-    if (run.is_validation) {
-      const auto found = std::lower_bound(validations_.begin(), validations_.end(), number);
-      return line_->finish(static_cast<std::size_t>(found - validations_.begin()));
-    }
-    const std::size_t evaluation = run.tuned * plan_.evaluations() + run.evaluation;
-    line_->finish(evaluation * plan_.worlds(false).size() + run.world);
-  }
-
- private:
-  void begin(const std::string& what, std::size_t runs) {
-    line_.emplace(what, std::vector<double>(runs, 1.0), quiet_);
-  }
-
-  const TuningPlan& plan_;
-  bool quiet_;
-  std::vector<std::size_t> validations_;
-  std::optional<Progress> line_;
-};
-
 // Warns if all test conditions of a candidate give the same run. Copies contain no information
 // about other conditions, and their intervals are too narrow.
 void warn_of_copies(const TuningPlan& plan, const std::vector<PointResult>& runs) {
@@ -372,20 +340,29 @@ class TuneCommand : public StudyCommand {
 
  private:
   TuningResult search_and_validate() {
-    // On a cluster the lines of the jobs show the progress.
-    TuningProgress progress(plan_, options_.quiet || options_.slurm);
+    // Progress: one line for the searches and one for the validation, whose runs are known later.
+    std::optional<Progress> progress;
+    std::size_t expected = 0;
+    std::atomic<std::size_t> finished = 0;
+    const auto begin = [&](const std::string& what, std::size_t count) {
+      expected = count;
+      finished = 0;
+      // On a cluster the lines of the jobs show it.
+      progress.emplace(what, std::vector<double>(count, 1.0), options_.quiet || options_.slurm);
+    };
+    begin(kTune.command, searches(plan_));
     TunerOptions tuner;
     tuner.jobs = options_.jobs;
     tuner.stop = &interrupted();
-    tuner.on_run = [&](std::size_t run) { progress.finish(run); };
-    tuner.on_validation = [&](const std::vector<std::size_t>& runs) {
-      progress.begin_validation(runs);
+    tuner.on_run = [&](std::size_t) {
+      if (const std::size_t run = finished++; run < expected) progress->finish(run);
     };
-    const auto make_here = [&](std::vector<std::size_t> runs) {
-      std::sort(runs.begin(), runs.end());
-      ExecutorOptions executor;
-      executor.on_result = [&](const PointResult& result) { progress.finish(result.number); };
-      const std::size_t left = run_here(runs, executor);
+    tuner.on_validation = [&](const std::vector<std::size_t>& validations) {
+      begin(fmt::format("{}: validation", kTune.command), validations.size());
+    };
+    const auto make_here = [&](std::vector<std::size_t> numbers) {
+      std::sort(numbers.begin(), numbers.end());
+      const std::size_t left = make(numbers);
       if (interrupted()) throw Interrupted();
       if (left > 0) fail_for_undone(left);
     };
