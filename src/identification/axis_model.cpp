@@ -8,15 +8,6 @@
 #include <breakwater/math/functions.h>
 
 namespace breakwater {
-namespace {
-
-AxisValues one_inertia(const AxisValues& values) {
-  AxisValues rigid = values;
-  rigid[kCoulomb] = rigid[kBreakaway] = rigid[kOffset] = rigid[kDelay] = 0.0;
-  return rigid;
-}
-
-}  // namespace
 
 bool is_logarithmic(AxisParameter parameter) {
   switch (parameter) {
@@ -66,8 +57,7 @@ const AxisModel& friction_axis() {
                                .start_values = 2,
                                .has_backlash = false,
                                .move = move_axis,
-                               .candidates = start_candidates,
-                               .rigid = one_inertia};
+                               .candidates = start_candidates};
   return model;
 }
 

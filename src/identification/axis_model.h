@@ -90,8 +90,6 @@ struct AxisModel {
   /// First values of a fit by linear least squares, with a delay between these bounds.
   std::vector<AxisValues> (*candidates)(const AxisData& data, double least_delay_s,
                                         double largest_delay_s);
-  /// Inertia and viscous friction of the whole as parameters of friction_axis().
-  AxisValues (*rigid)(const AxisValues& parameters);
 };
 
 /// One inertia.

@@ -34,9 +34,7 @@ namespace breakwater {
 namespace {
 
 nlohmann::ordered_json errors_json(const FitErrors& errors) {
-  return {{"rms_rad", errors.rms},
-          {"plain_rms_rad", errors.plain_rms},
-          {"normalised", errors.normalised}};
+  return {{"rms_rad", errors.rms}, {"normalised", errors.normalised}};
 }
 
 double time_step_of(const AxisData& data) {
@@ -185,8 +183,6 @@ std::string left_out_of_two_inertia(const Identification& identification) {
                      offset);
 }
 
-constexpr double kNormal99 = 2.5758293035489;
-
 PageData parameters(const Identification& identification) {
   auto rows = PageData::array();
   for (const ParameterEstimate& estimate : identification.parameters) {
@@ -213,13 +209,12 @@ PageData parameters(const Identification& identification) {
 PageData errors(const Identification& identification) {
   auto rows = PageData::array();
   const auto add = [&](const char* name, const FitErrors& of) {
-    rows.push_back(PageData::array({name, of.rms, of.plain_rms, of.normalised}));
+    rows.push_back(PageData::array({name, of.rms, of.normalised}));
   };
   add("records of the fit", identification.errors);
   if (identification.held_out) add("held-out records", *identification.held_out);
   return {{"label", "Errors"},
-          {"columns", PageData::array({"", "RMS error [rad]", "of a plain model [rad]",
-                                       "relative to what is explained"})},
+          {"columns", PageData::array({"", "RMS error [rad]", "relative to what is explained"})},
           {"rows", rows}};
 }
 
@@ -250,22 +245,6 @@ PageData fit_figures(const Identification& identification) {
     figures.push_back(figure_of(residual, "Residuals" + which,
                                 "Measured minus fitted. The dashed lines are one count."));
   }
-  const double band = kNormal99 / std::sqrt(static_cast<double>(positions.size()));
-  PageChart chart{.id = "correlation", .group = "correlation", .title = "correlation"};
-  chart.x_title = "lag [rows]";
-  chart.lines = {-band, 0.0, band};
-  chart.series = {{.label = "correlation", .identity = 0, .marks = "dot"}};
-  for (const double r : identification.whiteness.correlations) {
-    Series& values = chart.series[0].values;
-    values.times_s.push_back(static_cast<double>(values.times_s.size() + 1));
-    values.values.push_back(r);
-  }
-  figures.push_back(figure_of(
-      chart, "Correlation of the residuals",
-      fmt::format("Scores of the likelihood. White ones stay between the dashed lines (99 % each). "
-                  "Ljung and Box: {:.4g}, limit {:.4g}: {}.",
-                  identification.whiteness.statistic, identification.whiteness.limit,
-                  identification.whiteness.is_white() ? "white" : "not white")));
   return figures;
 }
 
@@ -305,11 +284,15 @@ PageData identification_result(const Identification& identification,
                {{"text", fmt::format("From low to high: 95 %, by {}.",
                                      identification.is_bootstrapped ? "parametric bootstrap"
                                                                     : "profile likelihood")}}});
-  add_section(sections, "errors", "Errors",
-              {{{"table", errors(identification)}},
-               {{"text",
-                 "The plain model has inertia and viscous friction alone. Noise, encoder and the "
-                 "intervals explain an error of 1; above 2 the held-out records disagree."}}});
+  add_section(
+      sections, "errors", "Errors",
+      {{{"table", errors(identification)}},
+       {{"text",
+         "Noise, encoder and the intervals explain an error of 1; above 2 the held-out "
+         "records disagree."}},
+       {{"text", fmt::format("Ljung and Box of the residuals: {:.4g}, limit {:.4g}: {}.",
+                             identification.whiteness.statistic, identification.whiteness.limit,
+                             identification.whiteness.is_white() ? "white" : "not white")}}});
   add_section(sections, "fit", "Fit and residuals",
               PageData::array({{{"figures", fit_figures(identification)}}}));
   return {{"title", is_axis ? "Identification of an axis" : "Identification of a motor and a load"},
@@ -384,13 +367,7 @@ std::vector<RecordedAxis> records_of(const std::vector<std::string>& files, cons
   std::vector<RecordedAxis> records;
   for (const std::string& file : files) {
     records.push_back(read_recorded_axis(file, keys.format));
-    const RecordedAxis& record = records.back();
-    if (!record.repairs.empty()) {
-      warnings.push_back(fmt::format("{}: repaired: {}", file, fmt::join(record.repairs, "; ")));
-    }
-    for (const std::string& doubt : record.doubts) {
-      warnings.push_back(fmt::format("{}: {}", file, doubt));
-    }
+    for (std::string& line : records.back().warnings(file)) warnings.push_back(std::move(line));
   }
   return records;
 }

@@ -185,32 +185,9 @@ Whiteness whiteness_of(const std::vector<std::vector<double>>& scores) {
       for (std::size_t k = lag; k < one.size(); ++k) products += one[k] * one[k - lag];
     }
     const double r = products / squares;
-    whiteness.correlations.push_back(r);
     whiteness.statistic += rows * (rows + 2.0) * r * r / (rows - static_cast<double>(lag));
   }
   return whiteness;
-}
-
-// The records with a model of inertia and viscous friction alone.
-AxisData plain_data(AxisData data) {
-  data.model = &friction_axis();
-  for (AxisStretch& stretch : data.stretches) {
-    stretch.drifts.resize(0, 0);
-    stretch.time_noise.clear();
-  }
-  return data;
-}
-
-AxisFit plain_fit(const AxisData& records, const AxisFit& fit) {
-  const AxisData data = plain_data(records);
-  AxisFit plain = fit;
-  FreeParameters free{};
-  free[kInertia] = free[kViscous] = true;
-  plain.values = records.model->rigid(fit.values);
-  plain.values[kViscous] = std::max(plain.values[kViscous], 0.1 * parameter_scales(data)[kViscous]);
-  plain = fit_starts(data, plain);
-  plain.noise_std = std::max(fit.noise_std, 0.1 * rms_error(data, plain));
-  return fit_axis(data, free, plain, 2 * kTrialIterations);
 }
 
 // The variance of the noise before the encoder, with that of rounded times.
@@ -255,15 +232,12 @@ double error_variance(const AxisData& data, const AxisFit& fit) {
                   std::max(variance_of_differences(data), rounding));
 }
 
-FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const AxisFit& plain,
-                          const FreeParameters& free, const Eigen::MatrixXd& covariance,
-                          const AxisValues& scales) {
+FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const FreeParameters& free,
+                          const Eigen::MatrixXd& covariance, const AxisValues& scales) {
   AxisFit model = fit;
   model.starts.clear();
   model = fit_starts(held, model);
-  const AxisData plain_held = plain_data(held);
-  FitErrors errors{rms_error(held, model), rms_error(plain_held, fit_starts(plain_held, plain)),
-                   0.0};
+  FitErrors errors{rms_error(held, model), 0.0};
   // The parameters' uncertainty adds to the variance: the mean square of each scaled direction.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(covariance);
   const std::vector<double> positions = fitted_positions(held, model);
@@ -554,9 +528,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
     result.is_converged = result.fit.is_converged;
   }
 
-  const AxisFit plain = plain_fit(data, fit);
   result.errors.rms = rms_error(data, fit);
-  result.errors.plain_rms = rms_error(plain_data(data), plain);
   result.errors.normalised = result.errors.rms / std::sqrt(error_variance(data, fit));
   result.whiteness = whiteness_of(scores_of(data, fit));
   if (!result.whiteness.is_white()) {
@@ -575,7 +547,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
     AxisFit at_held = fit;
     at_held.starts.clear();
     allow_rounded_times(held, fit_starts(held, at_held));
-    result.held_out = held_out_errors(held, fit, plain, free, covariance, scales);
+    result.held_out = held_out_errors(held, fit, free, covariance, scales);
   }
   return result;
 }

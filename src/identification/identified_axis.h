@@ -37,8 +37,7 @@ struct ParameterEstimate {
 
 /// Errors of the fit on one set of records.
 struct FitErrors {
-  double rms = 0.0;        ///< measured minus simulated position
-  double plain_rms = 0.0;  ///< the same for a model of inertia and viscous friction alone
+  double rms = 0.0;  ///< measured minus simulated position
   /// RMS of the errors by what noise, encoder and the parameters' uncertainty explain: about 1. The
   /// noise is that of the fit, but at most that of the record's differences.
   double normalised = 0.0;
@@ -47,8 +46,7 @@ struct FitErrors {
 /// Ljung's and Box's test of the scores of the fit: white if the model explains the records.
 struct Whiteness {
   double statistic = 0.0;
-  double limit = 0.0;                ///< 99 % quantile
-  std::vector<double> correlations;  ///< at lags 1, 2, …
+  double limit = 0.0;  ///< 99 % quantile
   bool is_white() const { return statistic <= limit; }
 };
 

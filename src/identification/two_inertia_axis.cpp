@@ -229,15 +229,6 @@ void move_measured(const AxisValues& parameters, const AxisStart& start, const A
   move_two_inertias(measured, parameters, start, stretch, positions);
 }
 
-AxisValues as_one_inertia(const AxisValues& values) {
-  AxisValues rigid{};
-  rigid[kInertia] = values[kMotorInertia] + values[kLoadInertia];
-  rigid[kViscous] = values[kMotorViscous] + values[kLoadViscous];
-  rigid[kTorqueConstant] = values[kTorqueConstant];
-  rigid[kStribeckSpeed] = 1.0;
-  return rigid;
-}
-
 constexpr double kMotorShares[] = {0.3, 0.7};
 constexpr std::size_t kRigidPlants = 3;
 constexpr double kResonances_rad_s[] = {50.0, 200.0};
@@ -326,8 +317,7 @@ AxisModel model() {
           .start_values = 4,
           .has_backlash = true,
           .move = move_measured<measured>,
-          .candidates = two_inertia_candidates<measured>,
-          .rigid = as_one_inertia};
+          .candidates = two_inertia_candidates<measured>};
 }
 
 }  // namespace

@@ -515,6 +515,15 @@ void check_finite(const std::string& file, const RecordedAxis& axis) {
 
 }  // namespace
 
+std::vector<std::string> RecordedAxis::warnings(const std::string& file) const {
+  std::vector<std::string> lines;
+  if (!repairs.empty()) {
+    lines.push_back(fmt::format("{}: repaired: {}", file, fmt::join(repairs, "; ")));
+  }
+  for (const std::string& doubt : doubts) lines.push_back(fmt::format("{}: {}", file, doubt));
+  return lines;
+}
+
 RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& format) {
   ColumnTable table = read_columns(file,
                                    {{format.time_column, "csv.time_column"},

@@ -38,6 +38,9 @@ struct RecordedAxis {
   std::vector<double> all_inputs;
   std::vector<std::string> repairs;  ///< a line each, with the count and the first line of the file
   std::vector<std::string> doubts;   ///< signs of a forgotten scale
+
+  /// Both as warnings about the file.
+  std::vector<std::string> warnings(const std::string& file) const;
 };
 
 /// Repairs the columns time, input and position of a table, in the file's units, and counts it:

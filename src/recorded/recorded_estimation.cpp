@@ -201,14 +201,8 @@ bool RecordedEstimation::starts_again(std::size_t k) const {
 }
 
 std::vector<std::string> RecordedEstimation::warnings() const {
-  std::vector<std::string> lines;
+  std::vector<std::string> lines = record_.warnings(file_);
   const std::vector<double>& t = record_.times_s;
-  if (!record_.repairs.empty()) {
-    lines.push_back(fmt::format("{}: repaired: {}", file_, fmt::join(record_.repairs, "; ")));
-  }
-  for (const std::string& doubt : record_.doubts) {
-    lines.push_back(fmt::format("{}: {}", file_, doubt));
-  }
   if (!timing_.gaps.empty()) {
     std::string places;
     for (std::size_t i = 0; i < std::min(kMostGapsNamed, timing_.gaps.size()); ++i) {

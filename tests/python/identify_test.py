@@ -107,7 +107,6 @@ class Identify(unittest.TestCase):
         self.assert_close_to_truth(found.parameters)
         self.assertAlmostEqual(found.fit["quantum_rad"], QUANTUM, delta=1e-9)
         self.assertTrue(all(p.identifiable for p in found.parameters.values()))
-        self.assertLess(10 * found.fit["held_out"]["rms_rad"], found.fit["held_out"]["plain_rms_rad"])
         self.assertIn("data-chart=\"position-1\"", found.report())
         self.assertRegex(repr(found), r"inertia_kgm2 = 0\.002\d+ \[0\.002\d+, 0\.002\d+\]")
 

@@ -14,7 +14,7 @@
 #include <breakwater/control/state_feedback.h>
 #include <breakwater/identification/axis_intervals.h>
 #include <breakwater/identification/identified_axis.h>
-#include <breakwater/identification/identified_plants.h>
+#include <breakwater/identification/identified_study.h>
 #include <breakwater/identification/two_inertia_axis.h>
 #include <breakwater/math/error_function.h>
 #include <breakwater/math/functions.h>
@@ -106,7 +106,7 @@ void bind_statistics(py::module_& module) {
   module.def("compare_candidates", [](const R& results) { return compare_candidates(results); });
   module.def("comparison_text", comparison_text);
   module.def("comparison_csv",
-             [](const A& comparison) { return csv_table(comparison_rows(comparison)); });
+             [](const CandidateComparison& all) { return csv_table(comparison_rows(all)); });
   module.def("ranking_text", [](const R& results, const char* metric, Goal goal,
                                 const std::vector<Bound>& bounds, std::size_t width) {
     return ranking_text(rank_candidates(results, metric, goal, {bounds}), width);
@@ -189,8 +189,7 @@ void bind_identification(py::module_& module) {
   record(module, "ParameterEstimate parameter value low high is_identifiable reason excitation",
          &P::parameter, &P::value, &P::low, &P::high, &P::is_identifiable, &P::reason,
          &P::excitation);
-  record(module, "FitErrors rms plain_rms normalised", &FitErrors::rms, &FitErrors::plain_rms,
-         &FitErrors::normalised);
+  record(module, "FitErrors rms normalised", &FitErrors::rms, &FitErrors::normalised);
   record(module, "Whiteness statistic limit", &Whiteness::statistic, &Whiteness::limit);
   using I = Identification;
   record(module,
@@ -276,7 +275,6 @@ void bind_wave_forces(py::module_& module) {
   module.def("fit_walk", fit_walk);
   module.def("total_std", total_std);
   module.def("mean_frequency", mean_frequency);
-  module.def("candidate_periods", candidate_periods);
   using B = WaveForceBankDesign;
   record(module,
          "WaveForceBankDesign shapes mass_kg bias_std_N velocity_std_m_s position_std_m weakest_N "
