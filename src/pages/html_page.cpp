@@ -175,7 +175,6 @@ std::string html_page(const std::string& name, PageData data) {
     if (!sheet.is_valid()) throw std::runtime_error(file.string() + ": " + sheet.error_message());
     page.set(one, mustache::data(mustache::partial([text] { return text; })));
   }
-  const auto own = [&](const char* kind) { return part("page.css").parent_path() / (name + kind); };
   page.set("toc", for_templates(contents_of(data)));
 
   bool has_charts = false;
@@ -199,8 +198,6 @@ std::string html_page(const std::string& name, PageData data) {
       add(part(std::string("replay/") + script + ".js"));
     }
   }
-  if (fs::exists(own(".js"))) add(own(".js"));
-  if (fs::exists(own(".css"))) style += bytes_of(own(".css"));
   page.set("has_charts", has_charts);
   page.set("has_replays", has_replays);
   page.set("style", style);

@@ -49,10 +49,7 @@
       this.reach = Math.hypot(size[0], size[1]) + Math.hypot(geom.pose[0], geom.pose[1]);
       const shortest = Math.max(...this.groups.flatMap((g) => g.waves.map((w) => w.k)), 1e-6);
       this.entries = Math.min(4096, Math.max(64, Math.ceil(2 * this.reach * shortest / 0.6)));
-      for (const group of this.groups) {
-        group.height = new Float64Array(this.entries);
-        group.slope = new Float64Array(this.entries);
-      }
+      for (const group of this.groups) group.height = new Float64Array(this.entries);
       this.flips = frame.matrix.elements[10] < 0;
       this.grid = {rows, columns};
       this.indices = new Map();
@@ -87,7 +84,6 @@
       const step = 2 * this.reach / (this.entries - 1);
       for (const group of this.groups) {
         group.height.fill(0);
-        group.slope.fill(0);
         for (const wave of group.waves) {
           const part = wave.to > wave.from ? Math.min(Math.max((time - wave.from) / (wave.to - wave.from), 0), 1)
                                            : time > wave.from ? 1 : 0;
@@ -99,30 +95,21 @@
           let c = Math.cos(first), s = Math.sin(first);
           for (let i = 0; i < this.entries; ++i) {
             group.height[i] += a * c;
-            group.slope[i] -= a * wave.k * s;
             [c, s] = [c * cs - s * sn, s * cs + c * sn];
           }
         }
       }
-      const position = this.geometry.attributes.position, normal = this.geometry.attributes.normal;
-      const p = position.array, n = normal.array;
+      const position = this.geometry.attributes.position, p = position.array;
       for (let i = 0; i < p.length; i += 3) {
-        let z = 0, nx = 0, ny = 0;
+        p[i + 2] = 0;
         for (const group of this.groups) {
           const exact = (p[i] * group.dx + p[i + 1] * group.dy + this.reach) / step;
           const k = Math.min(Math.max(Math.floor(exact), 0), this.entries - 2), part = exact - k;
-          z += group.height[k] + part * (group.height[k + 1] - group.height[k]);
-          const slope = group.slope[k] + part * (group.slope[k + 1] - group.slope[k]);
-          nx -= slope * group.dx;
-          ny -= slope * group.dy;
+          p[i + 2] += group.height[k] + part * (group.height[k + 1] - group.height[k]);
         }
-        const length = Math.hypot(nx, ny, 1);
-        p[i + 2] = z;
-        n[i] = nx / length;
-        n[i + 1] = ny / length;
-        n[i + 2] = 1 / length;
       }
-      position.needsUpdate = normal.needsUpdate = true;
+      position.needsUpdate = true;
+      this.geometry.computeVertexNormals();
     }
   }
 

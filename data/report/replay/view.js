@@ -22,7 +22,7 @@
 
   const ICONS = {
     play: "M7 4v16l13-8z", pause: "M6 4h4v16H6zM14 4h4v16h-4z", back: "M6 4h3v16H6zM20 4v16l-10-8z",
-    on: "M15 4h3v16h-3zM4 4v16l10-8z", full: "M4 4h6v2H6v4H4zM14 4h6v6h-2V6h-4zM4 14h2v4h4v2H4zM18 14h2v6h-6v-2h4z"};
+    on: "M15 4h3v16h-3zM4 4v16l10-8z"};
 
   // A button's sign, drawn: fonts lack them.
   function icon(button, name) {
@@ -178,8 +178,6 @@
       const cameras = [["-1", "whole scene"], ...scene.cameras.map((c, i) => [String(i), c.name || "camera " + (i + 1)]),
                        ["free", "free"]];
       this.cameraChoice = this.select(bar, "Camera", cameras, (v) => v === "free" ? this.freeCamera() : this.useCamera(Number(v)));
-      const bodies = this.stage.actors[0].moving.map((i) => [String(i), "follow " + (scene.bodies[i] || "body " + i)]);
-      this.followChoice = this.select(bar, "Follow a body", [["", "follow nothing"], ...bodies], (v) => this.follow(v === "" ? null : Number(v)));
       const more = element("details", "more", bar);
       element("summary", "", more, "Show");
       const menu = element("div", "menu", more);
@@ -190,8 +188,7 @@
         this.forces.addEventListener("change", () => { this.stage.showsForces = this.forces.checked; this.seek(this.time); });
       }
       element("p", "keys-help", menu, "Drag to turn, right drag or two fingers to move, wheel or pinch to zoom. Keys: space plays, , and . step, "
-              + "← → a second, [ ] slower and faster, 1–9 cameras, 0 back to the camera, F follows.");
-      this.button(bar, "Full screen", "full", () => this.fullScreen()).classList.add("wide-only");
+              + "← → a second, [ ] slower and faster, 1–9 cameras, 0 back to the camera.");
       this.box.addEventListener("keydown", (event) => this.key(event));
       this.makeCaptions();
     }
@@ -224,7 +221,6 @@
         case "[": this.changeSpeed(-1); break;
         case "]": this.changeSpeed(1); break;
         case "0": this.useCamera(this.data.camera); break;
-        case "f": case "F": this.follow(this.followed === null ? this.stage.actors[0].moving[0] : null); break;
         default: {
           const camera = Number(event.key) - 1;
           if (!(camera >= 0 && camera < this.data.runs[0].scene.cameras.length)) return;
@@ -232,11 +228,6 @@
         }
       }
       event.preventDefault();
-    }
-
-    fullScreen() {
-      if (document.fullscreenElement) document.exitFullscreen();
-      else if (this.box.requestFullscreen) this.box.requestFullscreen();
     }
 
     setSpeed(speed) {
@@ -331,7 +322,6 @@
       this.followed = null;
       this.orbit.enabled = true;
       this.cameraChoice.value = String(number);
-      this.followChoice.value = "";
       this.invalidate();
     }
 
@@ -349,14 +339,8 @@
       const {extent} = this.data.runs[0].scene;
       this.orbit.target.copy(this.camera.position).addScaledVector(forward, depth > 0.02 * extent ? depth : Math.max(ball.radius, 0.02 * extent));
       this.orbit.update();
-      if (isCarried) this.follow(this.stage.actors[0].moving[0]);
-    }
-
-    follow(body) {
-      if (body !== null && body !== undefined) this.freeCamera();
-      this.followed = body === undefined ? null : body;
-      this.followChoice.value = this.followed === null ? "" : String(this.followed);
-      this.followedAt = this.followed === null ? null : this.stage.actors[0].bodies[this.followed].position.clone();
+      this.followed = isCarried ? this.stage.actors[0].moving[0] : null;
+      if (isCarried) this.followedAt = this.stage.actors[0].bodies[this.followed].position.clone();
       this.invalidate();
     }
 
@@ -487,32 +471,6 @@
     rest() {
       if (this.isReady && !this.isPlaying && !this.waiting) this.draw(true);
     }
-
-    // Frees the graphics card; start() makes it all again.
-    stop() {
-      if (!this.isReady) return;
-      this.pause();
-      clearTimeout(this.resting);
-      cancelAnimationFrame(this.waiting);
-      this.waiting = null;
-      this.renderer.forceContextLoss();
-      this.renderer.dispose();
-      this.picture.textContent = "";
-      this.box.querySelector(".bar").remove();
-      this.stage = this.starting = null;
-      this.box.classList.remove("live");
-    }
-  }
-
-  // At most so many pictures are alive at once: browsers have few contexts.
-  const MOST_ALIVE = 6;
-  const alive = [];
-
-  function enliven(view) {
-    if (alive.includes(view)) return;
-    alive.push(view);
-    while (alive.length > MOST_ALIVE) alive.shift().stop();
-    view.start();
   }
 
   const boxes = Array.from(document.querySelectorAll(".replay"));
@@ -531,12 +489,8 @@
       view.player = pagePlayers.add(box.dataset.group, {seek: (time) => { view.pause(); view.seek(time); }, begin: view.time});
     }
   }
-  if (boxes.length === 1) {
-    enliven(boxes[0].replay);
-  } else if (boxes.length > 1) {
-    const seen = new IntersectionObserver((entries) => {
-      for (const entry of entries) if (entry.isIntersecting) enliven(entry.target.replay);
-    }, {rootMargin: "200px"});
-    boxes.forEach((box) => seen.observe(box));
-  }
+  const seen = new IntersectionObserver((entries) => {
+    for (const entry of entries) if (entry.isIntersecting) entry.target.replay.start();
+  }, {rootMargin: "200px"});
+  boxes.forEach((box) => seen.observe(box));
 })();
