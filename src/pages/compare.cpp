@@ -13,7 +13,6 @@
 #include <breakwater/config/config.h>
 #include <breakwater/experiment/differing_keys.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/labels.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/signal_charts.h>
 #include <breakwater/record/text_outputs.h>
@@ -137,9 +136,8 @@ PageData Comparison::row_of(
     const ShownMetric& shown,
     const std::vector<std::map<std::string, ReferenceValue>>& printed) const {
   const Metric& metric = shown.metric;
-  PageData row = PageData::array({{{"value", metric_label_with_unit(metric.name, metric.unit)},
-                                   {"unit", metric.unit},
-                                   {"tip", shown.about}}});
+  PageData row =
+      PageData::array({{{"value", metric.name}, {"unit", metric.unit}, {"tip", shown.about}}});
   std::vector<std::optional<double>> values;
   for (const SavedRun& run : runs_) values.push_back(run.metric(metric.name));
   const std::vector<std::string> words = differences_in_words(values);
@@ -275,12 +273,7 @@ PageChart Comparison::chart_of(const std::string& signal) const {
   const SavedRun& one = *first_with(runs_, signal);
   PageChart chart;
   chart.group = "compare";
-  const LogEntry& entry = one.entry(signal);
-  const std::string label = signal_label(entry), quantity = quantity_of(entry);
-  const std::size_t open = signal.find('[');
-  chart.title =
-      capitalised(quantity.empty() || quantity == label ? label : quantity + ", " + label) +
-      (open == std::string::npos ? "" : " " + signal.substr(open));
+  chart.title = signal;
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     ChartSeries series{.label = labels_[i] + ": –",
                        .unit = one.unit(signal),

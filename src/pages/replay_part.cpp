@@ -42,23 +42,12 @@ std::string strip_address(const FinishedRun& run, const ShotList& shots, const s
   }
 }
 
-// The unit at the end of a shot list's chart title, "contact force [N]".
-std::string unit_of_title(const std::string& title) {
-  const std::size_t open = title.rfind('[');
-  const bool is_one = open != std::string::npos && title.back() == ']' && title.find('[') == open &&
-                      title.find(',') == std::string::npos;
-  return is_one ? title.substr(open + 1, title.size() - open - 2) : "";
-}
-
 PageChart chart_of(const ShotList& shots, const ReplayData& data,
                    const std::vector<std::string>& labels, const ReplayOptions& options) {
   PageChart chart;
   chart.id = options.id + "-shots";
   chart.group = options.group;
   chart.title = shots.chart_title;
-  const std::string unit = unit_of_title(shots.chart_title);
-  if (!unit.empty()) chart.title = shots.chart_title.substr(0, shots.chart_title.rfind('['));
-  while (chart.title.ends_with(' ')) chart.title.pop_back();
   const bool is_one = data.staged.size() == 1;
   for (std::size_t i = 0; i < data.staged.size(); ++i) {
     for (const ChartLine& line : data.staged[i].lines) {
@@ -66,7 +55,6 @@ PageChart chart_of(const ShotList& shots, const ReplayData& data,
       if (is_reference && i > 0) continue;  // it is equal for all runs
       ChartSeries series;
       series.label = is_one || is_reference ? line.label : labels[i] + ", " + line.label;
-      series.unit = unit;
       series.values = line.series;
       if (is_one || is_reference) series.identity = line.identity;
       // With several runs each run has one line in its colour. The user can switch on its other

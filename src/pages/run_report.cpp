@@ -10,7 +10,6 @@
 #include <breakwater/experiment/differing_keys.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/labels.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/signal_charts.h>
 #include <breakwater/record/recording.h>
@@ -33,8 +32,9 @@ std::pair<PageData, PageData> metrics_of(const Catalogue& catalogue, const Saved
     PageData cell = {{"value", value}};
     const auto found = printed.find(shown.metric.name);
     if (found != printed.end()) cell["lines"] = printed_lines(found->second, value);
-    rows.push_back(PageData::array({{{"value", shown.label}, {"tip", shown.about}}, cell, unit}));
-    cell.update({{"name", shown.label}, {"tip", shown.about}, {"unit", unit}});
+    rows.push_back(
+        PageData::array({{{"value", shown.metric.name}, {"tip", shown.about}}, cell, unit}));
+    cell.update({{"name", shown.metric.name}, {"tip", shown.about}, {"unit", unit}});
     if (shown.is_key) card.push_back(cell);
   }
   return {card, {{"label", "Metrics"}, {"columns", {"metric", "value", "unit"}}, {"rows", rows}}};
@@ -50,18 +50,6 @@ PageData changed_table(const Catalogue& catalogue, const SavedRun& run) {
           {"kind", "numbers keys-table"},
           {"columns", {"differs from the case", "here", "as shipped"}},
           {"rows", rows}};
-}
-
-// Adds a reference that is a key of the run and no signal: the shot list's lines have it.
-void add_reference(const PageChart& shown, std::vector<PageChart>& charts) {
-  for (const ChartSeries& series : shown.series) {
-    if (series.identity != kReferenceIdentity || charts.empty()) continue;
-    PageChart& first = charts.front();
-    const auto has_one =
-        std::any_of(first.series.begin(), first.series.end(),
-                    [](const ChartSeries& one) { return one.identity == kReferenceIdentity; });
-    if (!has_one && first.series.front().unit == series.unit) first.series.push_back(series);
-  }
 }
 
 }  // namespace
@@ -122,8 +110,7 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
       add_block(blocks, "replay", replay->box);
       window = replay->window;
     }
-    SignalCharts charts = signal_charts(run, id, shots);
-    if (replay && replay->chart) add_reference(*replay->chart, charts.key);
+    const SignalCharts charts = signal_charts(run, id, shots);
     titled("-signals", "Key signals");
     add_block(blocks, "text", "t = 0 is the start of the run.");
     if (replay && !replay->is_whole) blocks.back()["window"] = window_data(replay->window, id);
@@ -135,10 +122,6 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     if (!charts.others.empty()) {
       auto others = PageData::array();
       add_block(others, "figures", figures_of(charts.others, window));
-      if (!charts.constants.empty()) {
-        add_block(others, "text",
-                  fmt::format("Constant, and not drawn: {}.", fmt::join(charts.constants, ", ")));
-      }
       add_block(blocks, "fold",
                 {{"id", id + "-all"},
                  {"summary", fmt::format("All signals: {} more charts", charts.others.size())},
@@ -179,8 +162,7 @@ std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::st
                     [&](const ShownMetric& one) { return is_same(one.metric); }))
       return;
     const auto found = std::find_if(definitions.begin(), definitions.end(), is_same);
-    all.push_back({metric, metric_label(metric.name, metric.unit),
-                   metric.name + (found == definitions.end() ? "" : ": " + found->text), is_key});
+    all.push_back({metric, found == definitions.end() ? "" : found->text, is_key});
   };
   for (const Metric& metric : main_metrics(names, metrics)) add(metric, true);
   for (const Metric& metric : metrics) {

@@ -28,8 +28,7 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
 
 struct ShownMetric {
   Metric metric;
-  std::string label;    ///< "Peak force, filtered"
-  std::string about;    ///< its key and its definition, for a tooltip
+  std::string about;    ///< its definition, for a tooltip
   bool is_key = false;  ///< one of the four to six that say most
 };
 

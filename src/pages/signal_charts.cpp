@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/labels.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -25,6 +25,34 @@ struct LoggedQuantity {
 // "physics/force_true_N"; a signal of the group `control` goes without "force_true_N".
 std::string signal_path(const LogEntry& entry) {
   return entry.group == "control" ? entry.name : entry.group + "/" + entry.name;
+}
+
+// "rad_s2" of "rad/s^2": how a unit ends a name.
+std::string suffix_of(const std::string& unit) {
+  std::string suffix = "_";
+  for (const char c : unit) {
+    if (c == '/') suffix += '_';
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) suffix += c;
+  }
+  return suffix;
+}
+
+// A name without the unit that it ends with: "force_true" of "force_true_N".
+std::string without_unit(const std::string& name, const std::string& unit) {
+  for (const std::string& one : {unit, unit.substr(0, unit.find(", "))}) {
+    const std::string suffix = suffix_of(one);
+    if (suffix.size() > 1 && name.size() > suffix.size() && name.ends_with(suffix)) {
+      return name.substr(0, name.size() - suffix.size());
+    }
+  }
+  return name;
+}
+
+// And without its roles: "force".
+std::string quantity_of(const LogEntry& entry) {
+  std::vector<std::string> words = words_of(without_unit(entry.name, entry.unit));
+  std::erase_if(words, [](const std::string& word) { return role_of_word(word).has_value(); });
+  return words.empty() ? "input" : fmt::format("{}", fmt::join(words, "_"));
 }
 
 // The true signal comes first, then the measured one, then the estimates.
@@ -74,8 +102,7 @@ class Charts {
       // The same of another group counts too.
       if (!used_.emplace(one.entry.name, one.index).second) continue;
       const std::string index = one.entry.width == 1 ? "" : fmt::format("[{}]", one.index);
-      ChartSeries series = series_of(run_, signal_path(one.entry) + index,
-                                     signal_label(one.entry) + (index.empty() ? "" : " " + index));
+      ChartSeries series = series_of(run_, signal_path(one.entry) + index, one.entry.name + index);
       series.identity = role_of_signal(one.entry.name);
       const std::vector<double>& values = series.values.values;
       if (std::ranges::all_of(values, [&](double value) { return value == values.front(); })) {
@@ -93,9 +120,6 @@ class Charts {
       const auto chart = chart_with(series.unit);
       if (series.identity == kReferenceIdentity && chart != made.end()) {
         chart->series.push_back(std::move(series));
-      } else if (!series.values.values.empty()) {
-        constants_.push_back(
-            fmt::format("{} = {}", series.signal, in_digits(series.values.values.front())));
       }
     }
     for (PageChart& chart : made) {
@@ -107,14 +131,11 @@ class Charts {
     }
   }
 
-  const std::vector<std::string>& constants() const { return constants_; }
-
  private:
   const SavedRun& run_;
   const std::string& id_;
   std::size_t count_ = 0;
   std::set<std::pair<std::string, std::size_t>> used_;
-  std::vector<std::string> constants_;
 };
 
 std::vector<OneSignal> values_of(const LogEntry& entry) {
@@ -140,19 +161,14 @@ std::vector<OneSignal> named(const SavedRun& run, const std::vector<std::string>
   return all;
 }
 
-// Whether a title begins with another one: "j1 position" with "j1", the name of an axis.
-bool is_of(const LoggedQuantity& quantity, const std::string& name) {
-  return !name.empty() && quantity.title.starts_with(name + " ");
-}
-
 // "j1_reference_rad" is the reference of "j1_position_true_rad".
 void join_references(std::vector<LoggedQuantity>& all) {
   for (auto one = all.begin(); one != all.end();) {
     const LogEntry& entry = one->kinds.front();
     const auto whole = std::find_if(all.begin(), all.end(), [&](const LoggedQuantity& other) {
       const LogEntry& first = other.kinds.front();
-      return is_of(other, one->title) && other.kinds.size() > 1 && first.unit == entry.unit &&
-             first.width == entry.width;
+      return other.title.starts_with(one->title + "_") && other.kinds.size() > 1 &&
+             first.unit == entry.unit && first.width == entry.width;
     });
     const bool is_alone =
         one->kinds.size() == 1 && role_of_signal(entry.name) == kReferenceIdentity;
@@ -161,20 +177,6 @@ void join_references(std::vector<LoggedQuantity>& all) {
       one = all.erase(one);
     } else {
       ++one;
-    }
-  }
-}
-
-// Command and applied leave nothing, or the name of an axis.
-void name_inputs(std::vector<LoggedQuantity>& all) {
-  for (LoggedQuantity& one : all) {
-    const bool is_name = std::any_of(all.begin(), all.end(), [&](const LoggedQuantity& other) {
-      return is_of(other, one.title);
-    });
-    if (one.title.empty()) {
-      one.title = "Input";
-    } else if (is_name && signal_label(one.kinds.front()) == "command") {
-      one.title += " input";
     }
   }
 }
@@ -204,7 +206,6 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
     }
   }
   join_references(all);
-  name_inputs(all);
   for (LoggedQuantity& quantity : all) {
     std::ranges::stable_sort(quantity.kinds, {}, order_of);
     const bool is_true = order_of(quantity.kinds.front()) == 0;
@@ -214,7 +215,6 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
       if (place == shown.end()) continue;
       quantity.rank = std::min(quantity.rank, static_cast<std::size_t>(place - shown.begin()));
     }
-    quantity.title = capitalised(quantity.title);
   }
   std::ranges::stable_sort(all, {}, &LoggedQuantity::rank);
   return all;
@@ -251,7 +251,6 @@ SignalCharts signal_charts(const SavedRun& run, const std::string& id, const Sho
                  to);
     }
   }
-  made.constants = charts.constants();
   return made;
 }
 

@@ -15,11 +15,10 @@ ChartSeries series_of(const SavedRun& run, const std::string& signal, const std:
 
 struct SignalCharts {
   std::vector<PageChart> key;  ///< the shot list's page has them, or they are the first quantities
-  std::vector<PageChart> others;       ///< one for each other quantity. A vector of several values
-  std::vector<std::string> constants;  ///< "saturated = 0": signals that no chart shows
+  std::vector<PageChart> others;  ///< one for each other quantity. A vector of several values
 };
 
-/// No signal is in two charts, and no chart has two units.
+/// No signal is in two charts, none that is constant in any, and no chart has two units.
 SignalCharts signal_charts(const SavedRun& run, const std::string& id, const ShotList& shots);
 
 }  // namespace breakwater

@@ -222,41 +222,36 @@ std::vector<QuantileBand> bands(const StudyNumbers& numbers, const std::vector<d
   return all;
 }
 
-std::vector<OutputIndices> study_indices(const StudyNumbers& numbers, std::size_t candidates) {
+std::vector<ResultRow> study_indices(const StudyNumbers& numbers,
+                                     const std::vector<std::string>& labels) {
   BootstrapSettings bootstrap;
-  const auto rows = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(numbers.blocks));
-  bootstrap.replicates = static_cast<int>(std::clamp<Eigen::Index>(kDraws / rows, 200, 1000));
-  std::vector<OutputIndices> all;
-  for (std::size_t m = 0; m <= numbers.metrics.size(); ++m) {
-    for (std::size_t c = 0; c < candidates; ++c) {
-      const bool is_failed = m == numbers.metrics.size();
-      const Eigen::MatrixXd f = design(numbers, c, [&](std::size_t i) {
-        return is_failed ? static_cast<double>(numbers.runs[i].failed) : numbers.columns[m][i];
-      });
-      all.push_back(
-          {c, is_failed ? kFailedOutput : numbers.metrics[m], sensitivity_indices(f, bootstrap)});
-    }
-  }
-  return all;
-}
-
-std::vector<ResultRow> index_rows(const std::vector<OutputIndices>& all,
-                                  const StudyNumbers& numbers,
-                                  const std::vector<std::string>& labels) {
+  const auto rows_of_design = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(numbers.blocks));
+  bootstrap.replicates =
+      static_cast<int>(std::clamp<Eigen::Index>(kDraws / rows_of_design, 200, 1000));
   std::vector<ResultRow> rows;
-  for (const OutputIndices& one : all) {
-    for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
-      ResultRow& row = rows.emplace_back();
-      row.put("candidate", labels[one.candidate]);
-      row.put("output", one.output);
-      row.put("key", numbers.keys[k].name);
-      const auto put = [&](const char* column, const std::vector<EstimatedValue>& all_keys) {
-        row.put(column, k < all_keys.size() ? all_keys[k] : EstimatedValue{std::nan("")});
-      };
-      put("first_order", one.indices.first_order);
-      put("total", one.indices.total);
-      row.put("rows", std::to_string(one.indices.rows));
-      row.put("dropped_rows", std::to_string(one.indices.dropped_rows));
+  for (std::size_t m = 0; m <= numbers.metrics.size(); ++m) {
+    const bool is_failed = m == numbers.metrics.size();
+    for (std::size_t c = 0; c < labels.size(); ++c) {
+      const SensitivityIndices indices = sensitivity_indices(
+          design(numbers, c,
+                 [&](std::size_t i) {
+                   return is_failed ? static_cast<double>(numbers.runs[i].failed)
+                                    : numbers.columns[m][i];
+                 }),
+          bootstrap);
+      for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
+        ResultRow& row = rows.emplace_back();
+        row.put("candidate", labels[c]);
+        row.put("output", is_failed ? kFailedOutput : numbers.metrics[m]);
+        row.put("key", numbers.keys[k].name);
+        const auto put = [&](const char* column, const std::vector<EstimatedValue>& of_keys) {
+          row.put(column, k < of_keys.size() ? of_keys[k] : EstimatedValue{std::nan("")});
+        };
+        put("first_order", indices.first_order);
+        put("total", indices.total);
+        row.put("rows", std::to_string(indices.rows));
+        row.put("dropped_rows", std::to_string(indices.dropped_rows));
+      }
     }
   }
   return rows;

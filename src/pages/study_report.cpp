@@ -13,7 +13,6 @@
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/labels.h>
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/pages/study_numbers.h>
 #include <breakwater/pictures/staging.h>
@@ -27,22 +26,13 @@
 namespace breakwater {
 namespace {
 
-// How much of a study the page shows.
-struct StudyDetail {
-  std::size_t metrics = 0;  // metrics with charts
-  std::size_t groups = 24;  // per key in a line chart
-  std::size_t cells = 96;   // per table of two keys
-};
-
 // Limits that keep the page below 2 MB.
 constexpr std::size_t kMostDrawn = 12;      // candidates, each with a colour or a dash pattern
 constexpr std::size_t kMostCompared = 100;  // candidates in a table
 constexpr std::size_t kMostMetrics = 60;    // with charts
+constexpr std::size_t kRows = 2'000;        // in the tables of candidates
+constexpr std::size_t kMarks = 6'000;       // in all charts
 constexpr std::size_t kOfAGroup = 8;        // smallest number of samples in a group of a drawn key
-
-std::string label_of(const std::string& metric) {
-  return metric_label_with_unit(metric, unit_of(metric));
-}
 
 std::string range(double low, double high) {
   return in_digits(low) + " to " + in_digits(high);
@@ -50,11 +40,6 @@ std::string range(double low, double high) {
 
 std::string first_of(std::size_t shown, std::size_t all, const char* what) {
   return fmt::format("The first {} of {} {}", shown, all, what);
-}
-
-// "(1 of 20 runs failed)"
-std::string failures_in_words(const QuantileBand& band) {
-  return fmt::format("({} of {} failed)", band.failed, number_of(band.runs, "run"));
 }
 
 // A summary behind a median: "(0.1 to 0.2), 20 runs, 1 failed", with the 10 and 90 % quantiles.
@@ -65,21 +50,6 @@ std::string in_words(const QuantileBand& band) {
   const std::size_t absent = band.runs - band.failed - band.measured;
   if (absent > 0 && band.measured > 0) text += fmt::format(", {} without it", absent);
   return text;
-}
-
-StudyDetail study_detail(const Plan& plan, std::size_t metrics) {
-  // A page of 1 MB has about so many cells and marks in all, and rows of a table.
-  constexpr std::size_t kCells = 20'000, kMarks = 6'000, kRows = 2'000;
-  const std::size_t keys = std::max<std::size_t>(1, plan.study().vary.size());
-  const std::size_t candidates = std::min(plan.candidates().size(), kMostDrawn);
-  StudyDetail detail;
-  detail.metrics =
-      std::min({metrics, kMostMetrics, kRows / std::min(plan.candidates().size(), kMostCompared)});
-  const std::size_t all = std::max<std::size_t>(1, detail.metrics);
-  detail.cells = std::clamp<std::size_t>(kCells / (all * candidates), 16, 96);
-  detail.groups =
-      std::clamp<std::size_t>(kMarks / (all * candidates * keys), 5, keys > 1 ? 16 : 40);
-  return detail;
 }
 
 // Makes the sections of one study's metrics.
@@ -95,7 +65,8 @@ class StudySections {
         indices_(indices),
         labels_(labels),
         looks_(looks),
-        detail_(study_detail(plan, numbers.metrics.size())) {
+        shown_(std::min({numbers.metrics.size(), kMostMetrics,
+                         kRows / std::min(labels.size(), kMostCompared)})) {
     for (std::size_t c = 0; c < std::min(labels.size(), kMostDrawn); ++c) drawn_.push_back(c);
     for (std::size_t c = kMostDrawn; c < labels.size(); ++c) {
       if (plan.candidates()[c].label == plan.study().baseline) drawn_.back() = c;
@@ -103,21 +74,19 @@ class StudySections {
     place_of_.assign(labels.size(), drawn_.size());
     for (std::size_t i = 0; i < drawn_.size(); ++i) place_of_[drawn_[i]] = i;
 
-    if (plan.study().vary.size() == 2 && plan.study().method == Method::grid) {
-      const std::size_t columns = std::min<std::size_t>(8, detail_.cells / 4);
-      sides_ = {group_values(numbers.keys[0], columns),
-                group_values(numbers.keys[1], detail_.cells / columns)};
-    }
+    const std::size_t keys = std::max<std::size_t>(1, numbers.keys.size());
+    const std::size_t groups = std::clamp<std::size_t>(
+        kMarks / (std::max<std::size_t>(1, shown_) * drawn_.size() * keys), 5, keys > 1 ? 16 : 40);
     for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
       const StudyKey& key = numbers.keys[k];
       const std::size_t enough = std::max<std::size_t>(4, key.values.size() / kOfAGroup);
       const bool is_drawn = plan.study().vary[k].distribution.has_value();
-      keys_.push_back(
-          group_values(key, is_drawn ? std::min(enough, detail_.groups) : detail_.groups));
+      keys_.push_back(group_values(key, is_drawn ? std::min(enough, groups) : groups));
     }
   }
 
-  const StudyDetail& detail() const { return detail_; }
+  // The number of metrics with charts.
+  std::size_t shown() const { return shown_; }
 
   PageData section(std::size_t metric) const {
     const Output output = output_of(metric);
@@ -127,12 +96,10 @@ class StudySections {
                 first_of(drawn_.size(), labels_.size(), "candidates") + " have charts.");
     }
     add_line_charts(output, blocks);
-    if (!sides_.empty()) add_crossed(output, blocks);
     if (plan_.study().method == Method::saltelli) add_indices(output.name, blocks);
     add_candidates(output, blocks);
     return {{"id", fmt::format("metric-{}", metric + 1)},
-            {"heading", label_of(output.name)},
-            {"tip", output.name},
+            {"heading", output.name},
             {"kind", "metric"},
             {"blocks", blocks}};
   }
@@ -185,10 +152,10 @@ class StudySections {
               [&](const StudyRun& run) {
                 return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
               });
-    PageChart chart{.title = label_of(output.name)};
+    PageChart chart{.title = output.name};
     chart.id = chart.group =
         fmt::format("chart-{}-{}", &output.column - numbers_.columns.data(), &key - keys_.data());
-    chart.x_title = key_label_with_unit(key.name, unit_of(key.name));
+    chart.x_title = key.name;
     chart.is_log_x = key.is_log;
     if (!key.is_number || (!key.is_binned && key.size() <= 8)) {
       for (std::size_t g = 0; g < key.size(); ++g) {
@@ -222,7 +189,8 @@ class StudySections {
             band.measured > 0       ? band.median
             : std::isfinite(lowest) ? lowest
                                     : 0.0,
-            failures_in_words(band) + ", run " + key_of(band.first_failed));
+            fmt::format("({} of {} failed)", band.failed, number_of(band.runs, "run")) + ", run " +
+                key_of(band.first_failed));
       }
       has_crosses |= !crosses.names.empty();
       chart.series.push_back(std::move(line));
@@ -244,42 +212,6 @@ class StudySections {
                           "nearest run for --replay.",
                           has_bands ? " The band has the runs from 10 to 90 %." : "",
                           has_crosses ? " A cross: some of the runs failed." : ""));
-  }
-
-  // The values of two crossed keys, a table for each candidate.
-  void add_crossed(const Output& output, PageData& blocks) const {
-    const KeyGroups &x = sides_[0], &y = sides_[1];
-    const std::size_t cells = x.size() * y.size();
-    const std::vector<QuantileBand> all =
-        bands(numbers_, output.column, output.order, (drawn_.size() + 1) * cells,
-              [&](const StudyRun& run) {
-                return place_of_[run.candidate] * cells + y.of_sample[run.sample] * x.size() +
-                       x.of_sample[run.sample];
-              });
-    auto band = all.begin();
-    for (const std::size_t c : drawn_) {
-      PageData columns = {fmt::format("{} over {}", y.name, x.name)};
-      for (const std::string& label : x.labels) columns.push_back(label);
-      auto rows = PageData::array();
-      for (const std::string& label : y.labels) {
-        rows.push_back({label});
-        for (std::size_t i = 0; i < x.size(); ++i, ++band) {
-          PageData cell = {{"value", band->median}};
-          if (band->measured + band->failed > 0) {
-            cell["tip"] = key_of(band->measured > 0 ? band->at_middle : band->first_failed);
-          }
-          if (band->failed > 0) {
-            cell["lines"] = {{{"text", failures_in_words(*band)}, {"kind", "spread"}}};
-          }
-          rows.back().push_back(cell);
-        }
-      }
-      add_block(blocks, "subheading", labels_[c]);
-      add_block(blocks, "table",
-                {{"label", labels_[c] + ": " + columns[0].get<std::string>()},
-                 {"columns", columns},
-                 {"rows", rows}});
-    }
   }
 
   void add_candidates(const Output& output, PageData& blocks) const {
@@ -322,11 +254,10 @@ class StudySections {
   const std::vector<ResultRow>& indices_;
   const std::vector<std::string>& labels_;
   const std::vector<Identity>& looks_;
-  StudyDetail detail_;
+  std::size_t shown_;
   std::vector<std::size_t> drawn_;
   std::vector<std::size_t> place_of_;  // by candidate in drawn_; drawn_.size(): not drawn
   std::vector<KeyGroups> keys_;        // for line charts
-  std::vector<KeyGroups> sides_;       // columns and rows of a table of two keys
 };
 
 constexpr std::size_t kMostColumns = 6;       // in the table of all metrics
@@ -378,29 +309,22 @@ PageData score(const ShardIndex& index) {
 PageData failure_blocks(const StudyNumbers& numbers, const ShardIndex& index,
                         const std::vector<std::string>& labels) {
   auto blocks = PageData::array();
-  auto rows = PageData::array();
-  for (std::size_t i = 0; i < std::min(numbers.failures.size(), kMostListedKinds); ++i) {
-    const FailureKind& kind = numbers.failures[i];
-    std::vector<std::string> of;
+  std::vector<std::vector<std::string>> rows = {{"runs", "status", "reason", "of", "points"}};
+  for (const FailureKind& kind : numbers.failures) {
+    if (rows.size() > kMostListedKinds) break;
+    std::vector<std::string> of, points;
     for (std::size_t c = 0; c < labels.size() && of.size() < kMostColumns; ++c) {
       if (kind.of_candidate[c] > 0)
         of.push_back(fmt::format("{}: {}", labels[c], kind.of_candidate[c]));
     }
-    auto points = PageData::array();
-    for (const std::size_t point : kind.first) {
-      points.push_back({{"text", index.read(point).key}, {"kind", "code"}});
-    }
-    rows.push_back({kind.runs,
-                    {{"value", name_of(kind.status)},
-                     {"lines", {{{"text", shortened(kind.reason)}, {"kind", ""}}}}},
+    for (const std::size_t point : kind.first) points.push_back(index.read(point).key);
+    rows.push_back({std::to_string(kind.runs), name_of(kind.status), shortened(kind.reason),
                     fmt::format("{}", fmt::join(of, "; ")),
-                    {{"value", ""}, {"lines", points}}});
+                    fmt::format("{}", fmt::join(points, " "))});
   }
-  add_block(blocks, "table",
-            {{"label", "Kinds of failures"},
-             {"kind", "kinds"},
-             {"columns", {"runs", "what", "of", "points"}},
-             {"rows", rows}});
+  PageData table = text_table("Kinds of failures", rows);
+  table["kind"] = "kinds";
+  add_block(blocks, "table", table);
   if (numbers.failures.size() > kMostListedKinds) {
     add_block(blocks, "text",
               fmt::format("{} further kinds, of fewer runs, are not listed.",
@@ -434,8 +358,8 @@ PageData overview(const StudySections& sections, const StudyNumbers& numbers,
   auto rows = PageData::array();
   for (std::size_t m = 0; m < numbers.metrics.size(); ++m) {
     const std::vector<QuantileBand> all = sections.by_candidate(m);
-    PageData name = {{"value", label_of(numbers.metrics[m])}, {"tip", numbers.metrics[m]}};
-    if (m < sections.detail().metrics) name["href"] = fmt::format("metric-{}", m + 1);
+    PageData name = {{"value", numbers.metrics[m]}};
+    if (m < sections.shown()) name["href"] = fmt::format("metric-{}", m + 1);
     rows.push_back(PageData::array({name}));
     for (std::size_t c = 0; c < shown; ++c) rows.back().push_back(all[c].median);
   }
@@ -443,8 +367,8 @@ PageData overview(const StudySections& sections, const StudyNumbers& numbers,
   if (labels.size() > shown) {
     note += " " + first_of(shown, labels.size(), "candidates; each metric’s table has more.");
   }
-  if (sections.detail().metrics < numbers.metrics.size()) {
-    note += " " + first_of(sections.detail().metrics, numbers.metrics.size(),
+  if (sections.shown() < numbers.metrics.size()) {
+    note += " " + first_of(sections.shown(), numbers.metrics.size(),
                            "metrics have charts; results.csv has all.");
   }
   auto blocks = PageData::array();
@@ -469,7 +393,7 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
   for (const Candidate& candidate : plan.candidates()) labels.push_back(candidate.label);
   std::vector<ResultRow> indices;
   if (study.method == Method::saltelli) {
-    indices = index_rows(study_indices(numbers, labels.size()), numbers, labels);
+    indices = study_indices(numbers, labels);
     replace_file(folder.path() / "indices.csv", csv_table(indices));
   }
   const std::vector<Identity> looks =
@@ -488,7 +412,7 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
   }
   add_block(lead, "score", score(index));
 
-  for (std::size_t m = 0; m < sections.detail().metrics; ++m) {
+  for (std::size_t m = 0; m < sections.shown(); ++m) {
     const std::string& metric = numbers.metrics[m];
     PageData section = sections.section(m);
     add_pairs(comparison, metric, section["blocks"]);

@@ -9,7 +9,6 @@
 
 #include <breakwater/config/names.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/pages/labels.h>
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
@@ -37,8 +36,7 @@ void add_marks(ChartSeries& to, std::vector<Mark> marks) {
 PageChart front_chart(const Tuning& tuning, const TuningResult& result,
                       const std::vector<Identity>& looks) {
   const auto title = [&](const Objective& one) {
-    return fmt::format("{}, {}", metric_label_with_unit(one.metric, unit_of(one.metric)),
-                       name_of(over_names(), one.over));
+    return fmt::format("{}, {}", one.metric, name_of(over_names(), one.over));
   };
   PageChart chart{.id = "fronts", .group = "fronts", .title = title(tuning.objectives[1])};
   chart.x_title = title(tuning.objectives[0]);
@@ -76,10 +74,7 @@ constexpr std::size_t kMostPrinted = 12;  // points of a front without validatio
 
 // The points or tuned cases, each objective as tuned and on fresh worlds.
 PageData points_table(const std::vector<std::string>& columns, const std::vector<FrontRow>& rows) {
-  constexpr const char* kFresh = "_fresh";
-  PageData table = {
-      {"label", "What was found"}, {"columns", PageData::array()}, {"rows", PageData::array()}};
-  std::vector<std::string> shown;
+  std::vector<std::string> shown, heads;
   for (const std::string& column : columns) {
     const bool is_end = column.ends_with("_fresh_lower") || column.ends_with("_fresh_upper");
     const bool has_any = std::ranges::any_of(rows, [&](const FrontRow& row) {
@@ -88,16 +83,14 @@ PageData points_table(const std::vector<std::string>& columns, const std::vector
     });
     if (is_end || !has_any || column == "evaluation") continue;
     shown.push_back(column);
-    table["columns"].push_back(column.ends_with(kFresh) ? "on fresh worlds" : column);
+    heads.push_back(column.ends_with("_fresh") ? "on fresh worlds" : column);
   }
+  std::vector<std::vector<std::string>> table = {heads};
   for (const FrontRow& row : rows) {
-    auto cells = PageData::array();
-    for (const std::string& column : shown) {
-      cells.push_back({{"value", row.cells.shown(column)}});
-    }
-    table["rows"].push_back(cells);
+    auto& cells = table.emplace_back();
+    for (const std::string& column : shown) cells.push_back(row.cells.shown(column));
   }
-  return table;
+  return text_table("What was found", table);
 }
 
 }  // namespace

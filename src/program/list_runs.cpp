@@ -45,10 +45,14 @@ Entry entry_of(const ListedRun& run) {
 
 Entry entry_of(const StudySummary& study) {
   const std::string failed = study.failed > 0 ? fmt::format(", {} failed", study.failed) : "";
-  return {study.folder,   study.written,
-          study.kind,     number_of(study.runs, "run") + failed,
-          study.scenario, "",
-          study.medians,  {{"runs", study.runs}, {"failed", study.failed}}};
+  return {study.folder,
+          study.written,
+          study.kind,
+          number_of(study.runs, "run") + failed,
+          study.scenario,
+          "",
+          {},
+          {{"runs", study.runs}, {"failed", study.failed}}};
 }
 
 Entry study_entry(const fs::path& folder) {
@@ -128,9 +132,7 @@ void print_entries(const Catalogue& catalogue, const std::vector<Entry>& entries
     const bool fits = when.size() + 2 + status.size() + 1 + folder.size() <= width;
     fmt::print("{}  {}{}{}\n", when, status, fits ? " " : "\n" + std::string(kListIndent), folder);
     print_lines(origin_of(catalogue, entry), width);
-    const std::string numbers = brief(main.of(entry));
-    const bool is_median = entry.kind != "run" && !numbers.empty();
-    print_lines(is_median ? "medians: " + numbers : numbers, width);
+    print_lines(brief(main.of(entry)), width);
     print_lines(one_line(entry.reason), width);
   }
 }
@@ -146,9 +148,8 @@ void print_entries_json(const std::vector<Entry>& entries) {
         {"scenario", entry.scenario}};
     object.update(entry.more);
     if (!entry.reason.empty()) object["reason"] = entry.reason;
-    auto& metrics = object[entry.kind == "run" ? "metrics" : "medians"];
-    metrics = nlohmann::ordered_json::object();
-    for (const Metric& metric : entry.metrics) metrics[metric.name] = metric.value;
+    if (entry.kind == "run") object["metrics"] = nlohmann::ordered_json::object();
+    for (const Metric& metric : entry.metrics) object["metrics"][metric.name] = metric.value;
     list.push_back(object);
   }
   fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));

@@ -186,10 +186,6 @@ void check_fits(const TomlEntry& root, const Tuning& tuning) {
   }
 }
 
-std::string print_seeds(const std::vector<std::uint64_t>& seeds) {
-  return fmt::format("seeds = [{}]\n", fmt::join(seeds, ", "));
-}
-
 }  // namespace
 
 const Names<Over>& over_names() {
@@ -282,7 +278,7 @@ std::string Tuning::print() const {
   text += fmt::format("algorithm = {}\nbudget = {}\npopulation = {}\nsampling_seed = {}\n",
                       toml_string(name_of(search_algorithms(), algorithm)), budget, population,
                       sampling_seed);
-  if (!worlds.seeds.empty()) text += print_seeds(worlds.seeds);
+  text += print_seeds(worlds.seeds);
   if (worlds.method == WorldMethod::list) text += "worlds = \"list\"\n";
   text += print_sets(*this);
   if (is_for_each) {
@@ -307,7 +303,7 @@ std::string Tuning::print() const {
   if (validation) {
     text += "\n[validate]\n";
     if (has_front()) text += fmt::format("points = {}\n", validated_points);
-    if (!validation->seeds.empty()) text += print_seeds(validation->seeds);
+    text += print_seeds(validation->seeds);
     if (!validation->keys.empty()) text += "\n[validate.world]\n" + print_keys(validation->keys);
   }
   return text;

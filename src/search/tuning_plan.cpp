@@ -42,12 +42,6 @@ std::vector<Worlds> probed_at_once(const Worlds& worlds) {
   return each;
 }
 
-std::string value_of(const VariedKey& key, double u) {
-  if (key.distribution) return toml_number(key.distribution->quantile(u));
-  const auto nth = static_cast<std::size_t>(u * static_cast<double>(key.values.size()));
-  return key.values[std::min(nth, key.values.size() - 1)];
-}
-
 }  // namespace
 
 TuningPlan::TuningPlan(const Catalogue& catalogue, Tuning tuning)
@@ -172,7 +166,7 @@ TuningRun TuningPlan::run(std::size_t number) const {
 std::vector<std::string> TuningPlan::values(std::size_t tuned, const std::vector<double>& u) const {
   std::vector<std::string> values;
   for (std::size_t i = 0; i < u.size(); ++i) {
-    values.push_back(value_of(tuning_.cases[tuned].search[i], u[i]));
+    values.push_back(value_at(tuning_.cases[tuned].search[i], u[i]));
   }
   return values;
 }

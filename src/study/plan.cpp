@@ -101,15 +101,7 @@ std::vector<std::string> Plan::values(std::size_t sample) const {
   const Eigen::VectorXd u = sampler_->point(sample);
   std::vector<std::string> values;
   for (std::size_t i = 0; i < study_.vary.size(); ++i) {
-    const VariedKey& key = study_.vary[i];
-    const double ui = u(static_cast<Eigen::Index>(i));
-    if (key.distribution) {
-      values.push_back(toml_number(key.distribution->quantile(ui)));
-    } else {
-      const std::size_t count = key.values.size();
-      const auto nth = static_cast<std::size_t>(ui * static_cast<double>(count));
-      values.push_back(key.values[std::min(nth, count - 1)]);
-    }
+    values.push_back(value_at(study_.vary[i], u(static_cast<Eigen::Index>(i))));
   }
   return values;
 }

@@ -177,6 +177,12 @@ std::vector<std::string> combination(const std::vector<VariedKey>& keys, std::si
   return values;
 }
 
+std::string value_at(const VariedKey& key, double u) {
+  if (key.distribution) return toml_number(key.distribution->quantile(u));
+  const auto nth = static_cast<std::size_t>(u * static_cast<double>(key.values.size()));
+  return key.values[std::min(nth, key.values.size() - 1)];
+}
+
 std::string place_of(const Places& places, const std::string& key) {
   const auto found = places.find(key);
   return found == places.end() ? key : found->second;
@@ -226,13 +232,7 @@ std::string Study::print() const {
   if (samples > 0) {
     text += fmt::format("samples = {}\nsampling_seed = {}\n", samples, sampling_seed);
   }
-  if (!seeds.empty()) {
-    const bool is_range = seeds.back() - seeds.front() + 1 == seeds.size() &&
-                          std::is_sorted(seeds.begin(), seeds.end());
-    text += is_range
-                ? fmt::format("seeds = {{ first = {}, count = {} }}\n", seeds.front(), seeds.size())
-                : fmt::format("seeds = [{}]\n", fmt::join(seeds, ", "));
-  }
+  text += print_seeds(seeds);
   text += fmt::format("keep = {}\non_failure = {}\n", toml_string(name_of(keeps(), keep)),
                       toml_string(name_of(failure_rules(), on_failure)));
   text += print_sets(*this);

@@ -66,6 +66,9 @@ double combinations(const std::vector<VariedKey>& keys, bool is_list = false);
 std::vector<std::string> combination(const std::vector<VariedKey>& keys, std::size_t number,
                                      bool is_list = false);
 
+/// The value of a key, as TOML, at a number of the unit interval.
+std::string value_at(const VariedKey& key, double u);
+
 /// The common part of the files of studies and tunings.
 struct StudyBase {
   std::string scenario;

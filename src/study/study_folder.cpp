@@ -15,7 +15,6 @@
 #include <breakwater/record/input_file.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/paths.h>
-#include <breakwater/statistics/quantile.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/study_reader.h>
 
@@ -179,26 +178,6 @@ void StudyFolder::check_is_ours() const {
                   study_file().string()));
 }
 
-namespace fs = std::filesystem;
-namespace {
-
-// In the order of a run's metrics. The cases of a study may have different metrics.
-std::vector<std::pair<std::string, std::vector<double>>> values_of(
-    const std::unordered_map<std::string, PointResult>& results) {
-  std::vector<std::pair<std::string, std::vector<double>>> all;
-  std::unordered_map<std::string, std::size_t> places;
-  for (const auto& [key, result] : results) {
-    for (const auto& [name, value] : result.metrics) {
-      const auto [place, is_new] = places.emplace(name, all.size());
-      if (is_new) all.emplace_back(name, std::vector<double>());
-      all[place->second].second.push_back(value);
-    }
-  }
-  return all;
-}
-
-}  // namespace
-
 bool is_study_folder(const fs::path& folder) {
   std::error_code ignored;  // a folder that cannot be read is no study
   return fs::is_directory(folder / "shards", ignored) &&
@@ -219,10 +198,6 @@ StudySummary summarise_study(const fs::path& folder) {
       static_cast<std::size_t>(std::count_if(results.begin(), results.end(), [](const auto& entry) {
         return entry.second.status != PointStatus::complete;
       }));
-  for (auto& [name, values] : values_of(results)) {
-    std::sort(values.begin(), values.end());
-    summary.medians.push_back({name, "", quantile(values, 0.5)});
-  }
   std::error_code ignored;
   summary.written = fs::last_write_time(folder / "shards", ignored);
   return summary;

@@ -86,7 +86,6 @@ struct StudySummary {
   std::string scenario;
   std::size_t runs = 0;  ///< finished so far
   std::size_t failed = 0;
-  std::vector<Metric> medians;  ///< per metric, over the runs that have it; without units
   std::filesystem::file_time_type written;
 };
 

@@ -201,6 +201,15 @@ std::string print_head(const StudyBase& base) {
          (base.config.empty() ? "" : fmt::format("config = {}\n", toml_string(base.config)));
 }
 
+std::string print_seeds(const std::vector<std::uint64_t>& seeds) {
+  if (seeds.empty()) return "";
+  const bool is_range = seeds.back() - seeds.front() + 1 == seeds.size() &&
+                        std::is_sorted(seeds.begin(), seeds.end());
+  return is_range
+             ? fmt::format("seeds = {{ first = {}, count = {} }}\n", seeds.front(), seeds.size())
+             : fmt::format("seeds = [{}]\n", fmt::join(seeds, ", "));
+}
+
 std::string print_sets(const StudyBase& base) {
   std::string text = base.sets.empty() ? "" : "\n[set]\n";
   for (const std::string& set : base.sets) {

@@ -25,6 +25,7 @@ TomlEntry study_root(const toml::table& tables, const std::string& file);
 /// Reads scenario, config and [set], and prints the first two, and [set].
 void read_base(const TomlEntry& root, StudyBase& base);
 std::string print_head(const StudyBase& base);
+std::string print_seeds(const std::vector<std::uint64_t>& seeds);
 std::string print_sets(const StudyBase& base);
 /// The lines of a table of keys.
 std::string print_keys(const std::vector<VariedKey>& keys);

@@ -220,10 +220,11 @@ const PrintedResults& printed_results() {
   return results;
 }
 
-std::vector<PrintedValue> printed_values(const std::string& scenario,
-                                         const std::string& case_name) {
+namespace {
+
+std::vector<ReferenceValue> of_case(const std::string& scenario, const std::string& case_name) {
   const PrintedResults& results = printed_results();
-  std::vector<PrintedValue> values;
+  std::vector<ReferenceValue> values;
   const auto of_case = results.of_case(scenario, case_name);
   if (!of_case) return values;
   for (const auto& [metric, theirs] : of_case->metrics) {
@@ -232,23 +233,14 @@ std::vector<PrintedValue> printed_values(const std::string& scenario,
     if (!printed || !printed->number) {
       throw std::runtime_error("printed-results.toml has no number " + path);
     }
-    values.push_back({metric, *printed, results.standard(path)});
-  }
-  return values;
-}
-
-namespace {
-
-std::vector<ReferenceValue> of_case(const std::string& scenario, const std::string& case_name) {
-  std::vector<ReferenceValue> values;
-  for (const PrintedValue& printed : printed_values(scenario, case_name)) {
-    values.push_back({printed.metric, printed.number(), printed.result.text(),
-                      printed.standard.within.absolute.has_value(), [printed](double measured) {
-                        const Verdict verdict = printed.verdict(measured);
+    const Standard& standard = results.standard(path);
+    values.push_back({metric, *printed->number, printed->text(),
+                      standard.within.absolute.has_value(), [=](double measured) {
+                        const Verdict verdict = judge(measured, *printed, standard);
                         return Agreement{
                             verdict == Verdict::reproduced || verdict == Verdict::within_class,
                             verdict == Verdict::within_class ? "near" : text(verdict),
-                            fmt::format("{} ({})", text(verdict), rule_text(printed.standard)),
+                            fmt::format("{} ({})", text(verdict), rule_text(standard)),
                             css_class(verdict)};
                       }});
   }

@@ -90,21 +90,8 @@ bool matches_pattern(const std::string& pattern, const std::string& text);
 /// The results in the project's own data/.
 const PrintedResults& printed_results();
 
-/// A printed number of a case and its criteria.
-struct PrintedValue {
-  std::string metric;  ///< our name
-  PrintedResult result;
-  Standard standard;
-
-  double number() const { return result.number.value(); }
-  Verdict verdict(double measured) const { return judge(measured, result, standard); }
-};
-
-/// The printed numbers of a case; empty if the thesis prints none. Throws std::runtime_error if the
-/// files are damaged.
-std::vector<PrintedValue> printed_values(const std::string& scenario, const std::string& case_name);
-
-/// The same for the catalogue: tables and pages show them beside the numbers of a run.
+/// The printed numbers of cases, for the catalogue: tables and pages show them beside the numbers
+/// of a run. Throws std::runtime_error if the files are damaged.
 ReferenceKind printed_references();
 
 }  // namespace breakwater

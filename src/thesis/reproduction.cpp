@@ -23,7 +23,6 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Job {
-  std::string name;
   const RunSpec* spec = nullptr;
   std::size_t repetition = 0;
   std::string config_text;
@@ -53,12 +52,12 @@ class Jobs : public PointSource {
   std::string unprepared_key(std::size_t point) const override { return jobs_[point].key; }
   fs::path folder(std::size_t point, const std::string&, bool) const override {
     const Job& job = jobs_[point];
-    return job.is_logged ? run_folder(reproduction_.out, job.name) : fs::path();
+    return job.is_logged ? run_folder(reproduction_.out, job.spec->name) : fs::path();
   }
   bool logs(std::size_t point) const override { return jobs_[point].is_logged; }
 
  private:
-  Job make_job(const std::string& name, const RunSpec& spec, std::size_t repetition);
+  Job make_job(const RunSpec& spec, std::size_t repetition);
 
   const Reproduction& reproduction_;
   std::map<std::string, std::shared_ptr<const ScenarioFile>> files_;
@@ -78,7 +77,7 @@ Jobs::Jobs(const Reproduction& reproduction) : reproduction_(reproduction) {
     const RunSpec& spec = experiments.runs.at(name);
     for (std::size_t i = 0; i < spec.repetitions.size(); ++i) {
       try {
-        jobs_.push_back(make_job(name, spec, i));
+        jobs_.push_back(make_job(spec, i));
       } catch (const std::invalid_argument& error) {
         fail(experiments, spec.line, fmt::format("run {}: {}", name, error.what()));
       }
@@ -93,7 +92,7 @@ Jobs::Jobs(const Reproduction& reproduction) : reproduction_(reproduction) {
                    [](const Job& a, const Job& b) { return a.cost > b.cost; });
 }
 
-Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t repetition) {
+Job Jobs::make_job(const RunSpec& spec, std::size_t repetition) {
   const Catalogue& catalogue = reproduction_.catalogue;
   auto found = files_.find(spec.scenario);
   const bool is_first = found == files_.end();
@@ -109,7 +108,6 @@ Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t rep
                               : prepare_point(catalogue, spec.scenario, file, spec.case_name, sets);
   const Config config = file.config(spec.case_name, sets);
   Job job;
-  job.name = name;
   job.spec = &spec;
   job.repetition = repetition;
   job.config_text = run.config_text;
@@ -157,7 +155,7 @@ void run_pending(Jobs& jobs, const std::vector<std::size_t>& points,
     if (has_run(result)) return;
     const Job& job = jobs.all()[result.number];
     fail(reproduction.experiments, job.spec->line,
-         fmt::format("run {}: {}", job.name, result.reason));
+         fmt::format("run {}: {}", job.spec->name, result.reason));
   };
   Shard shard(shards_folder(reproduction.out));
   const std::size_t finished = run_points(points, jobs, shard, options);
@@ -230,7 +228,8 @@ Measured measure(const Reproduction& reproduction) {
     const Job& job = jobs.all()[point];
     const auto found = results.find(job.key);
     const bool has_result = found != results.end() && has_run(found->second);
-    const bool has_folder = !job.is_logged || is_kept(run_folder(reproduction.out, job.name), job);
+    const bool has_folder =
+        !job.is_logged || is_kept(run_folder(reproduction.out, job.spec->name), job);
     if (!has_result || !has_folder) points.push_back(point);
   }
   if (!reproduction.quiet) {
@@ -244,7 +243,7 @@ Measured measure(const Reproduction& reproduction) {
 
   Measured measured;
   for (const Job& job : jobs.all()) {
-    std::vector<Measurement>& repetitions = measured[job.name];
+    std::vector<Measurement>& repetitions = measured[job.spec->name];
     repetitions.resize(std::max(repetitions.size(), job.repetition + 1));
     repetitions[job.repetition] = measurement_of(results.at(job.key));
   }

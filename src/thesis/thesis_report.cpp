@@ -15,7 +15,6 @@
 #include <breakwater/config/config.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pages/labels.h>
 #include <breakwater/pages/signal_charts.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
@@ -53,10 +52,9 @@ PageChart chart_of(const FigureSpec& figure, const PanelSpec& panel, Logs& logs)
   const double to_s = panel.to_s.value_or(std::numeric_limits<double>::max());
   const auto add = [&](const FigureRun& run, const std::string& signal, bool has_name) {
     const SavedRun& saved = logs.of(run.run);
-    const std::string name = metric_label(saved.entry(signal).name, saved.unit(signal)) +
-                             (signal.ends_with(']') ? " " + signal.substr(signal.find('[')) : "");
-    const std::string label = has_name && !run.label.empty() ? run.label + ", " + name : run.label;
-    ChartSeries series = series_of(saved, signal, label.empty() ? name : label);
+    const std::string label =
+        has_name && !run.label.empty() ? run.label + ", " + signal : run.label;
+    ChartSeries series = series_of(saved, signal, label.empty() ? signal : label);
     series.values = cut(series.values, from_s, to_s);
     return &chart.series.emplace_back(std::move(series));
   };
@@ -87,21 +85,11 @@ PageData tallies_data(const std::vector<JudgedCell>& cells) {
   return list;
 }
 
-// How the values of several runs differ, or what some of them lack.
-std::string spread_text(const CellSpec& cell, const Judged& judged) {
-  const std::size_t missing = judged.values - judged.numbers;
-  if (missing > 0) {
-    if (judged.verdict != Verdict::not_measured) return "";
-    const std::string other =
-        cell.over && cell.over->metric != cell.quantity.metric ? " or " + cell.over->metric : "";
-    return fmt::format("no {}{} in {} of {}", cell.quantity.metric, other, missing,
-                       number_of(judged.values, "run"));
-  }
-  if (judged.values < 2) return "";
-  return judged.smallest < judged.largest
-             ? fmt::format("{} to {} in {} runs", in_digits(judged.smallest),
-                           in_digits(judged.largest), judged.values)
-             : fmt::format("the same in {} runs", judged.values);
+// How the values of several runs differ.
+std::string spread_text(const Judged& judged) {
+  if (judged.numbers < judged.values || judged.values < 2) return "";
+  return fmt::format("{} to {} in {} runs", in_digits(judged.smallest), in_digits(judged.largest),
+                     judged.values);
 }
 
 // The place of a text in a list, counted from one; a new one goes to its end.
@@ -120,7 +108,7 @@ PageData cell_data(const JudgedCell& one, std::vector<std::string>& notes) {
     if (!text.empty()) lines.push_back({{"text", text}, {"kind", kind}});
   };
   if (!cell.printed.empty()) add("printed", "thesis " + judged.printed);
-  add("spread", spread_text(cell, judged));
+  add("spread", spread_text(judged));
   if (!cell.says.empty()) add("printed", judged.class_text);
   if (cell.shows.empty()) {
     add("verdict " + css_class(judged.is_vacuous ? Verdict::not_measured : judged.verdict),

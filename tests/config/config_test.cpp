@@ -342,25 +342,26 @@ TEST(DidYouMean, SuggestsOnlySimilarNames) {
 }
 
 TEST(PrintedValues, AreThoseOfTheThesis) {
-  const auto values = printed_values("arm_wall_contact", "proposed-2N");
+  const auto printed = printed_references().of_case;
+  const auto values = printed("arm_wall_contact", "proposed-2N");
   ASSERT_EQ(values.size(), 3U);
-  for (const PrintedValue& value : values) {
+  for (const ReferenceValue& value : values) {
     if (value.metric == "peak_force_filtered_N") {
-      EXPECT_EQ(value.number(), 5.0152);
-      EXPECT_EQ(value.verdict(5.0152 * 0.91), Verdict::reproduced);
-      EXPECT_EQ(value.verdict(5.0152 * 1.34), Verdict::within_class);
-      EXPECT_EQ(value.verdict(5.0152 * 1.36), Verdict::not_reproduced);
-      EXPECT_EQ(value.verdict(NAN), Verdict::not_measured);
+      EXPECT_EQ(value.number, 5.0152);
+      EXPECT_EQ(value.agrees(5.0152 * 0.91).text, "reproduced");
+      EXPECT_EQ(value.agrees(5.0152 * 1.34).text, "near");
+      EXPECT_EQ(value.agrees(5.0152 * 1.36).text, "not reproduced");
+      EXPECT_EQ(value.agrees(NAN).text, "not measured");
     }
     if (value.metric == "mean_force_error_N") {
-      EXPECT_EQ(value.number(), 0.0032);
-      EXPECT_EQ(value.verdict(0.0041), Verdict::reproduced);
-      EXPECT_EQ(value.verdict(0.0), Verdict::within_class);
-      EXPECT_EQ(value.verdict(-0.0049), Verdict::not_reproduced);
+      EXPECT_EQ(value.number, 0.0032);
+      EXPECT_EQ(value.agrees(0.0041).text, "reproduced");
+      EXPECT_EQ(value.agrees(0.0).text, "near");
+      EXPECT_EQ(value.agrees(-0.0049).text, "not reproduced");
     }
   }
-  EXPECT_EQ(printed_values("arm_wall_contact", "tuned-5N").size(), 2U);
-  EXPECT_TRUE(printed_values("arm_push", "proposed-link1").empty());
+  EXPECT_EQ(printed("arm_wall_contact", "tuned-5N").size(), 2U);
+  EXPECT_TRUE(printed("arm_push", "proposed-link1").empty());
 }
 
 // A duration of "100" means 100 s.

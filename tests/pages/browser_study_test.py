@@ -28,7 +28,6 @@ async function look() {
   seen.tip = chart.values[0].textContent;
   section.querySelector(".plot").dispatchEvent(new page.KeyboardEvent("keydown", {key: "ArrowRight", bubbles: true, cancelable: true}));
   seen.byKey = chart.values[0].textContent;
-  seen.cell = (section.querySelector("table:not(.candidates) td[title]") || {}).title;
   seen.ofTable = section.querySelector(".candidates td[title]").title;
   seen.command = Array.from(dom.querySelectorAll("#this-machine code"), (code) => code.textContent).pop();
 
@@ -92,7 +91,6 @@ def test(bin_folder, folder):
                      "physics.timestep_s=0.0005,0.001")
     seen = look_at(two, folder / "browser-two")
     check(seen, folder / "two")
-    replay(bin_folder, seen["command"], seen["cell"])
 
 
 if __name__ == "__main__":

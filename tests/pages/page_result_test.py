@@ -140,7 +140,7 @@ def check_runs(call, folder):
     both = result_of((folder / "compare/compare.html").read_text())
     check_schema(both, "compare")
     for row in tables(both)["Metrics"]["rows"]:
-        name = row[0]["tip"].split(":")[0]
+        name = row[0]["value"]
         line = next(line for line in printed if line.startswith(name + " "))
         assert line.split()[-2:] == [cell(value) for value in row[1:]], (line, row)
     call("sweep", "motor_estimation", "--case", "idob,kfd", "--vary", "encoder.bits=6,8", "--duration", "0.2", "--quiet", "--out", "study")

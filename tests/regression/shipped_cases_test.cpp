@@ -197,15 +197,15 @@ class EachWallContact : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EachWallContact, IsWithinTheClassesOfItsPrintedNumbers) {
   const Recording run = completed_run(kWallContact, GetParam(), {}, testing::kWithoutLog);
-  const auto values = printed_values(kWallContact, GetParam());
+  const auto values = printed_references().of_case(kWallContact, GetParam());
   ASSERT_GE(values.size(), 2U);
-  for (const PrintedValue& value : values) {
+  for (const ReferenceValue& value : values) {
     const auto measured = run.metric(value.metric);
     ASSERT_TRUE(measured) << value.metric;
     // The thesis explains 0.08 and 0.18 N by a lasting saturation, which does not occur here.
-    const bool is_missing = value.metric == "mean_force_error_N" && value.number() > 0.01;
-    EXPECT_EQ(value.verdict(*measured) == Verdict::not_reproduced, is_missing)
-        << value.metric << ": " << *measured << ", printed " << value.result.text();
+    const bool is_missing = value.metric == "mean_force_error_N" && value.number > 0.01;
+    EXPECT_EQ(value.agrees(*measured).text == "not reproduced", is_missing)
+        << value.metric << ": " << *measured << ", printed " << value.text;
   }
   for (const char* metric :
        {"free_motion_time_s", "peak_force_raw_N", "peak_force_filtered_N", "mean_force_error_N",
