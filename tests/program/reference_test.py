@@ -7,14 +7,16 @@ import csv
 import json
 import pathlib
 import re
+import subprocess
 import sys
+import tempfile
 import unittest
 
 import h5py
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/cli"))
-from called_program import Folder  # noqa: E402
+from called_program import BIN, Folder  # noqa: E402
 
 
 def keys_of(config):
@@ -33,12 +35,13 @@ def on_page(name):
 
 
 class Reference(Folder):
-    def setUp(self):
-        super().setUp()
-        self.call("breakwater", "reference", "--out", "pages")
+    @classmethod
+    def setUpClass(cls):
+        cls.pages = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory())) / "pages"
+        subprocess.run([BIN / "breakwater", "reference", "--out", cls.pages], check=True, capture_output=True)
 
     def page(self, name):
-        return (self.folder / "pages" / name).read_text()
+        return (self.pages / name).read_text()
 
     def rows(self, page, names, unit=""):
         """Expects a row for each name: a set of its forms."""
