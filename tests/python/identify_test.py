@@ -10,10 +10,10 @@ import pandas
 from scipy.integrate import solve_ivp
 
 import breakwater as bw
+import methods
 from support import BIN, temporary_folder
 
 TRUE = {"inertia_kgm2": 2.1e-3, "viscous_Nms": 6e-3, "coulomb_Nm": 0.09, "offset_Nm": -0.03, "delay_s": 4.4e-3}
-TWO = {"motor": 1.5e-3, "load": 3e-3}  # kg m^2
 QUANTUM = 2 * np.pi / 10000  # 2500 lines, four counts each
 FREQUENCIES = np.array([0.6, 1.3, 2.2, 3.7, 6.1])
 
@@ -41,29 +41,6 @@ def record(seed, rate=500, duration=4.0, mean=0.0, swing=0.35, inertia=TRUE["ine
         at[end] = state[0]
     q = np.array([at[t] for t in time]) + 0.4 * QUANTUM * random.standard_normal(len(time))
     return {"time_s": time, "u": u, "y": QUANTUM * np.floor(q / QUANTUM)}
-
-
-def two_inertia_record(seed, rate=500, duration=1.2):
-    """A motor and a load with a spring, in small steps; noise of 0.3 counts."""
-    random = np.random.default_rng(seed)
-    steps, T = 100, 1 / rate
-    time = np.arange(int(duration * rate)) * T
-    frequencies = np.array([0.9, 2.3, 6.0, 9.0, 13.0, 16.0])
-    u = 0.3 * np.sin(2 * np.pi * np.outer(time, frequencies) + random.uniform(0, 6, 6)).sum(axis=1)
-    at = {"motor": [0.0, 0.0], "load": [0.0, 0.0]}
-    positions = []
-    for torque in u:
-        positions.append(at["motor"][0])
-        for _ in range(steps):
-            between = 12.0 * (at["motor"][0] - at["load"][0]) + 3e-3 * (at["motor"][1] - at["load"][1])
-            for side, push, coulomb in (("motor", torque - between, 0.03), ("load", between, 0.05)):
-                q, v = at[side]
-                v += T / steps * (push - 2e-3 * v) / TWO[side]
-                stop = T / steps * coulomb / TWO[side]
-                v = 0.0 if abs(v) < stop else v - np.copysign(stop, v)
-                at[side] = [q + T / steps * v, v]
-    y = np.array(positions) + 0.3 * QUANTUM * random.standard_normal(len(time))
-    return {"time_s": time, "u": u, "y": QUANTUM * np.round(y / QUANTUM)}
 
 
 def write(file, data):
@@ -192,14 +169,16 @@ class Identify(unittest.TestCase):
         self.assertIn("yes, interval too narrow", done.stdout)
 
     def test_a_motor_and_a_load_have_a_file_that_runs(self):
-        write(self.folder / "bench.csv", two_inertia_record(1))
-        done = identify(self.folder, "bench.csv", "--model", "two_inertia", "--inertia", TWO["motor"], "--out", "id")
+        bench = methods.TwoInertiaBench(rate_Hz=500, duration_s=0.6, backlash=0, offset=0, delay_s=0, noise_counts=0.3)
+        record = methods.record(bench, 1)
+        write(self.folder / "bench.csv", {"time_s": record.times_s, "u": record.inputs, "y": record.positions})
+        done = identify(self.folder, "bench.csv", "--model", "two_inertia", "--inertia", bench.motor_inertia, "--out", "id")
         found = self.found()
         self.assertNotIn("inertia_kgm2", found)
-        self.assertEqual(found["motor_inertia_kgm2"]["value"], TWO["motor"])
+        self.assertEqual(found["motor_inertia_kgm2"]["value"], bench.motor_inertia)
         self.assertTrue(found["motor_inertia_kgm2"]["given"])
-        self.assertAlmostEqual(found["load_inertia_kgm2"]["value"] / TWO["load"], 1.0, delta=0.02)
-        self.assertAlmostEqual(found["stiffness_Nm_rad"]["value"] / 12.0, 1.0, delta=0.02)
+        self.assertAlmostEqual(found["load_inertia_kgm2"]["value"] / bench.load_inertia, 1.0, delta=0.02)
+        self.assertAlmostEqual(found["stiffness_Nm_rad"]["value"] / bench.stiffness, 1.0, delta=0.02)
         self.assertFalse((self.folder / "id" / "draws.csv").exists())
         self.assertIn("load_inertia_kgm2", done.stdout)
         run = bw.run("two_inertia", config=self.folder / "id" / "identified.toml", duration=0.5)
