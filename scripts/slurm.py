@@ -9,7 +9,7 @@ slurm.py queue DIR             prints what is in the queue, "job 12: 3 RUNNING, 
                                and for each task of all submissions, the last submission first,
                                whether it is queued, its log and its points
 
-An error is one line, the last one, with exit status 1.
+If Slurm does not answer, the last line says why, and the exit status is 3.
 """
 import collections
 import os
@@ -21,6 +21,12 @@ import subprocess
 import sys
 
 WARNING_S = 60  # this long before a time limit
+NO_ANSWER = 3
+
+
+def fail(reason):
+    print(reason, file=sys.stderr)
+    sys.exit(NO_ANSWER)
 
 
 def ask(*words):
@@ -35,11 +41,11 @@ def ask(*words):
         done = subprocess.run(words, env=environment, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, encoding="utf-8", errors="surrogateescape")
     except OSError as error:
-        sys.exit(f"{words[0]}: cannot be called ({error.strerror})")
+        fail(f"{words[0]}: cannot be called ({error.strerror})")
     lines = [line for line in done.stdout.splitlines() if line]
     if done.returncode != 0:
         said = "; ".join(lines) or "has failed"
-        sys.exit(said if said.startswith(words[0] + ": ") else f"{words[0]}: {said}")
+        fail(said if said.startswith(words[0] + ": ") else f"{words[0]}: {said}")
     return lines
 
 
@@ -49,7 +55,7 @@ def limit():
     for name in ("MaxArraySize", "MaxJobCount"):
         number = re.search(rf"^{name}\D*([0-9]+)", config, re.MULTILINE)
         if number is None or int(number[1]) == 0:
-            sys.exit(f"scontrol show config: has no {name} above 0")
+            fail(f"scontrol show config: has no {name} above 0")
         found.append(int(number[1]))
     print(min(found[0] - 1, found[1]))  # an index must stay below MaxArraySize
 
@@ -85,7 +91,7 @@ def submit(folder, asked):
         said = ask("sbatch", "--parsable", *" ".join(asked["sbatch"]).split(), str(script))
         numbers = [line.partition(";")[0] for line in said if re.match(r"[0-9]+(;|$)", line)]
         if not numbers:
-            sys.exit("sbatch: has named no job")
+            fail("sbatch: has named no job")
     except SystemExit:
         shutil.rmtree(folder)
         raise

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include <breakwater/record/output_error.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
@@ -25,11 +26,15 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostLogsShown = 5;
 
-// The lines of scripts/slurm.py. Throws std::invalid_argument with its last one if it fails.
+// The lines of scripts/slurm.py. Throws std::invalid_argument with its last one if Slurm does not
+// answer, and OutputError if the script cannot be run.
 std::vector<std::string> ask_slurm(std::vector<std::string> words) {
+  constexpr int kNoAnswer = 3;
   EndedProgram ended = run_beside(script_words("slurm.py", std::move(words)), [](ReadProgram&) {});
-  if (ended.exit_status() != 0) throw std::invalid_argument(ended.take_reason());
-  return ended.said;
+  if (ended.exit_status() == 0) return ended.said;
+  const std::string reason = ended.take_reason();
+  if (ended.exit_status() == kNoAnswer) throw std::invalid_argument(reason);
+  throw OutputError("slurm.py: " + reason);
 }
 
 // Distributes `points` over `tasks` shares, one line each.
@@ -67,7 +72,7 @@ bool has_submissions(const StudyFolder& folder) {
   std::error_code error;
   const fs::directory_iterator entry(submissions, error);
   if (error && error != std::errc::no_such_file_or_directory) {
-    throw std::invalid_argument(
+    throw OutputError(
         fmt::format("{}: cannot be read ({})", submissions.string(), error.message()));
   }
   return entry != fs::directory_iterator();
