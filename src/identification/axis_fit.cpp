@@ -324,8 +324,9 @@ double likely_noise(const AxisData& data, const AxisFit& fit) {
 
 }  // namespace
 
-AxisFit fit_axis(const AxisData& data, const FreeParameters& free, const AxisFit& start,
+AxisFit fit_axis(const AxisData& data, FreeParameters free, const AxisFit& start,
                  int most_iterations) {
+  free[kBacklash] = free[kBacklash] && start.values[kBacklash] > 0.0;
   const Problem problem(data, free, start);
   ceres::TinySolver<Problem> solver;
   solver.options.max_num_iterations = most_iterations;

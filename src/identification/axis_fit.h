@@ -40,8 +40,9 @@ struct AxisFit {
 /// and twists of the starts. The sizes of the drifts have their normal distribution as prior, which
 /// counts as likelihood. Differences in the parameters give the
 /// sensitivities. Friction and inertia stay positive, since the solver sees their magnitude and
-/// logarithm.
-AxisFit fit_axis(const AxisData& data, const FreeParameters& free, const AxisFit& start,
+/// logarithm. A backlash that begins at 0 stays there: a spring without play also pulls, so the
+/// likelihood jumps at 0 and has no derivative.
+AxisFit fit_axis(const AxisData& data, FreeParameters free, const AxisFit& start,
                  int most_iterations);
 
 /// The same with the most likely σ, in turns.

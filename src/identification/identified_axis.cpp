@@ -357,10 +357,7 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
   if (data.model->has_backlash && !free[kBacklash]) {
     std::optional<AxisFit> better;
     result.parameters.push_back(no_backlash(data, free, fit, shows_spring, better));
-    if (better && !is_last) {
-      result.free[kBacklash] = true;
-      return better;
-    }
+    if (better && !is_last) return better;
     if (better) result.is_converged = false;
   }
   return std::nullopt;
@@ -518,12 +515,15 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   if (!std::isfinite(fit.deviance)) return result;
   done(kBest);
 
+  // A better fit may have a play, or none.
   Eigen::MatrixXd covariance;
   for (int turn = 0; turn <= kMostRestarts; ++turn) {
+    free[kBacklash] = fit.values[kBacklash] > 0.0;
     const std::optional<AxisFit> better =
         add_parameters(result, covariance, turn == kMostRestarts,
                        [&](double share) { done(kBest + (kBounded - kBest) * share); });
     if (!better) break;
+    free[kBacklash] = better->values[kBacklash] > 0.0;
     result.fit = fit_axis_and_noise(data, free, *better);
     result.is_converged = result.fit.is_converged;
   }
