@@ -100,9 +100,11 @@ const KnownParameter& known_parameter(AxisParameter parameter) {
 namespace {
 
 constexpr double kSmall = 1e-2;         // below which a series replaces expm1 and log
-constexpr double kSpeedStep = 0.2;      // in v_s: the friction is linear within it
-constexpr double kStribeckEnd = 3.5;    // in v_s: the friction is that of Coulomb beyond
+constexpr double kStribeckEnd = 5.0;    // in v_s: the friction is that of Coulomb beyond
+constexpr double kTruncation = 1e-12;   // error of a step, in v_s
 constexpr double kShortestStep = 1e-3;  // relative to the interval
+constexpr Polynomial kInverse = {0.0,     1.0,     1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5,
+                                 1.0 / 6, 1.0 / 7, 1.0 / 8, 1.0 / 9, 1.0 / 10};
 
 // φ₁ = (1 − e^(−λh))/λ and φ₂ = (h − φ₁)/λ.
 struct Integrals {
@@ -148,24 +150,16 @@ class Motion {
     while (h > 0.0) {
       if (velocity_ == 0.0 && std::abs(torque) <= p_[kCoulomb] + p_[kBreakaway]) return;
       const double direction = std::copysign(1.0, velocity_ == 0.0 ? torque : velocity_);
-      const double speed = std::abs(velocity_);
-      double friction = p_[kCoulomb];
-      double slope = p_[kViscous];
-      if (p_[kBreakaway] != 0.0 && speed < kStribeckEnd * p_[kStribeckSpeed]) {
-        const double s = speed / p_[kStribeckSpeed];
-        const double bump = p_[kBreakaway] * math::exp(-s * s);
-        friction += bump;
-        slope -= 2.0 * s / p_[kStribeckSpeed] * bump;
-      }
-      const double acceleration =
-          (torque - direction * friction - p_[kViscous] * velocity_) / p_[kInertia];
-      double step = h;
-      if (p_[kBreakaway] != 0.0) {
-        const double change = std::max(kSpeedStep * p_[kStribeckSpeed],
-                                       speed - (kStribeckEnd - kSpeedStep) * p_[kStribeckSpeed]);
-        step = std::min(h, std::max(shortest, change / std::abs(acceleration)));
-      }
-      h -= move(acceleration, slope / p_[kInertia], direction, step);
+      const double net = torque - direction * p_[kCoulomb];
+      const double acceleration = (net - p_[kViscous] * velocity_) / p_[kInertia];
+      // The bump is not seen from far, so a step ends where it begins.
+      const double far =
+          p_[kBreakaway] == 0.0
+              ? std::numeric_limits<double>::infinity()
+              : (std::abs(velocity_) - kStribeckEnd * p_[kStribeckSpeed]) / std::abs(acceleration);
+      h -= far > shortest
+               ? move(acceleration, p_[kViscous] / p_[kInertia], direction, std::min(h, far))
+               : move_by_series(net, direction, shortest, h);
     }
   }
 
@@ -181,6 +175,35 @@ class Motion {
     }
     position_ += velocity_ * h + acceleration * phi.second;
     velocity_ = stops ? 0.0 : velocity;
+    return h;
+  }
+
+  // The same with the breakaway friction, for a step of at most h.
+  double move_by_series(double net, double direction, double shortest, double h) {
+    // s = |v|/v_s, b = exp(−s²) and e = −ḃ/b = 2 s ṡ over the time.
+    const double unit = direction * p_[kStribeckSpeed], rate = 1.0 / (p_[kInertia] * unit);
+    Polynomial path{position_, velocity_}, s{velocity_ / unit}, e{}, b{math::exp(-s[0] * s[0])};
+    for (std::size_t k = 0; k + 2 <= kOrder; ++k) {
+      for (std::size_t i = 0; i < k; ++i) {
+        e[k - 1] += 2.0 * static_cast<double>(k - i) * s[i] * s[k - i];
+      }
+      for (std::size_t i = 0; i < k; ++i) b[k] -= e[i] * b[k - 1 - i] * kInverse[k];
+      const double bump = direction * p_[kBreakaway] * b[k];
+      const double torque = (k == 0 ? net : 0.0) - bump - p_[kViscous] * unit * s[k];
+      s[k + 1] = torque * rate * kInverse[k + 1];
+      path[k + 2] = unit * s[k + 1] * kInverse[k + 2];
+    }
+    h = std::min(h, std::max(shortest, 1.0 / std::abs(s[1])));
+    const double square = h * h, last = square * square * square * square;
+    const double error = last * std::max(std::abs(s[kOrder - 2]), h * std::abs(s[kOrder - 1]));
+    if (error > kTruncation) {
+      h = std::max(shortest, h * math::pow(kTruncation / error, 1.0 / (kOrder - 2)));
+    }
+    const auto forward = [&](double t) { return direction * slope_at(path, t); };
+    const bool stops = forward(h) <= 0.0;
+    if (stops) h = time_of(forward, h);
+    position_ = value_at(path, h);
+    velocity_ = stops ? 0.0 : slope_at(path, h);
     return h;
   }
 

@@ -154,11 +154,61 @@ void follow(const AxisStretch& stretch, double delay, Motion motion, std::span<d
   }
 }
 
+/// Coefficients of a position over the time.
+inline constexpr std::size_t kOrder = 10;
+using Polynomial = std::array<double, kOrder + 1>;
+
+inline double value_at(const Polynomial& p, double t) {
+  double value = p[kOrder];
+  for (std::size_t k = kOrder; k-- > 0;) value = value * t + p[k];
+  return value;
+}
+
+inline double slope_at(const Polynomial& p, double t) {
+  double slope = kOrder * p[kOrder];
+  for (std::size_t k = kOrder; k-- > 1;) slope = slope * t + static_cast<double>(k) * p[k];
+  return slope;
+}
+
+/// The time in (0, h] at which g falls below 0, by the Illinois method; g(h) < 0.
+template <typename Function>
+double time_of(const Function& g, double h) {
+  constexpr double kShortest = 1e-3;    // relative to h
+  constexpr double kTolerance = 1e-13;  // relative to h
+  constexpr int kMostTrials = 60;
+  double a = 0.0, at_a = g(a);
+  if (at_a <= 0.0) {
+    a = kShortest * h;
+    at_a = g(a);
+    if (at_a <= 0.0) return a;
+  }
+  double b = h, at_b = g(b);
+  double side = 0.0;  // on which the last trial was
+  for (int i = 0; i < kMostTrials && b - a > kTolerance * h; ++i) {
+    const double t = a + (b - a) * at_a / (at_a - at_b);
+    const double at_t = g(t);
+    if (at_t == 0.0) return t;
+    if (at_t < 0.0) {
+      b = t;
+      at_b = at_t;
+      if (side < 0.0) at_a *= 0.5;
+      side = -1.0;
+    } else {
+      a = t;
+      at_a = at_t;
+      if (side > 0.0) at_b *= 0.5;
+      side = 1.0;
+    }
+  }
+  return b;
+}
+
 /// Integrates
 ///     J v̇ = k u(t − τ) − d₀ − c v − sgn(v) (F_C + F_B exp(−(v/v_s)²)),   q̇ = v,
-/// exactly between changes of the input, of the sign of v, and of stick to slip. At v = 0 the axis
-/// sticks while |k u − d₀| ≤ F_C + F_B. With F_B ≠ 0, steps of at most v_s/5 linearise the friction
-/// (Rosenbrock–Euler). `positions` gets q at each of stretch.times_s.
+/// from event to event: changes of the input, of the sign of v, and of stick to slip. At v = 0 the
+/// axis sticks while |k u − d₀| ≤ F_C + F_B. With F_B = 0 this is exact. Otherwise a Taylor
+/// polynomial moves it, in steps whose last terms are below 1e-12 v_s. `positions` gets q at each
+/// of stretch.times_s.
 ///
 /// Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083–1138,
 /// Eqs. 3 and 7.

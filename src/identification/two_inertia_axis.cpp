@@ -11,57 +11,9 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kOrder = 10;        // the order is that of the polynomials
 constexpr double kLongestStep = 0.5;      // in time constants
 constexpr double kMostSteps = 100.0;      // in a row
-constexpr double kShortestStep = 1e-3;    // relative to the step that an event ends
 constexpr double kTimeTolerance = 1e-13;  // relative to the step that an event ends
-constexpr int kMostTrials = 60;
-
-// Coefficients of a position over the time.
-using Polynomial = std::array<double, kOrder + 1>;
-
-double value_at(const Polynomial& p, double t) {
-  double value = p[kOrder];
-  for (std::size_t k = kOrder; k-- > 0;) value = value * t + p[k];
-  return value;
-}
-
-double slope_at(const Polynomial& p, double t) {
-  double slope = kOrder * p[kOrder];
-  for (std::size_t k = kOrder; k-- > 1;) slope = slope * t + static_cast<double>(k) * p[k];
-  return slope;
-}
-
-// The time in (0, h] at which g falls below 0, by the Illinois method; g(h) < 0.
-template <typename Function>
-double time_of(const Function& g, double h) {
-  double a = 0.0, at_a = g(a);
-  if (at_a <= 0.0) {
-    a = kShortestStep * h;
-    at_a = g(a);
-    if (at_a <= 0.0) return a;
-  }
-  double b = h, at_b = g(b);
-  double side = 0.0;  // on which the last trial was
-  for (int i = 0; i < kMostTrials && b - a > kTimeTolerance * h; ++i) {
-    const double t = a + (b - a) * at_a / (at_a - at_b);
-    const double at_t = g(t);
-    if (at_t == 0.0) return t;
-    if (at_t < 0.0) {
-      b = t;
-      at_b = at_t;
-      if (side < 0.0) at_a *= 0.5;
-      side = -1.0;
-    } else {
-      a = t;
-      at_a = at_t;
-      if (side > 0.0) at_b *= 0.5;
-      side = 1.0;
-    }
-  }
-  return b;
-}
 
 // One of the two inertias.
 struct Body {

@@ -49,7 +49,8 @@ struct AxisBench {
   double mean_input = 0.0;
   double swing = 1.0;
   bool starts_at_speed = false;
-  double stamp_s = 0.0;  // the table's times are multiples of it
+  double stamp_s = 0.0;    // the table's times are multiples of it
+  double substeps = 50.0;  // steps of a row
 
   double quantum() const { return 2.0 * std::numbers::pi / std::ldexp(1.0, bits); }
 
@@ -64,7 +65,7 @@ struct AxisBench {
     double v = starts_at_speed ? (mean_input - offset - coulomb) / viscous : 0.0;
     double now = record.times_s.front();
     std::size_t i = 0;
-    const double step = T / 50.0;
+    const double step = T / substeps;
     for (const double t : record.times_s) {
       while (now < t - 1e-15) {
         while (i + 1 < rows && record.times_s[i + 1] + delay_s <= now + 1e-15) ++i;
@@ -72,9 +73,13 @@ struct AxisBench {
         if (i + 1 < rows) h = std::min(h, std::max(record.times_s[i + 1] + delay_s - now, 1e-12));
         const double torque = record.inputs[i] - offset - viscous * v;
         const double sign = v != 0.0 ? std::copysign(1.0, v) : std::copysign(1.0, torque);
-        const double friction =
-            coulomb + breakaway * std::exp(-v * v / (stribeck_speed * stribeck_speed));
-        const bool sticks = v == 0.0 && std::abs(torque) <= friction;
+        const auto friction_at = [&](double speed) {
+          return coulomb + breakaway * std::exp(-speed * speed / (stribeck_speed * stribeck_speed));
+        };
+        const bool sticks = v == 0.0 && std::abs(torque) <= friction_at(v);
+        // With the friction in the middle of the step.
+        const double first_a = sticks ? 0.0 : (torque - sign * friction_at(v)) / inertia;
+        const double friction = friction_at(v + 0.5 * h * first_a);
         const double a = sticks ? 0.0 : (torque - sign * friction) / inertia;
         // To standstill at most, and with half the viscous friction's change.
         const double mean_a = a / (1.0 + 0.5 * viscous * h / inertia);

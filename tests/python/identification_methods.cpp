@@ -40,8 +40,7 @@ void bind_identification(py::module_& module) {
   record(module, "ParameterEstimate parameter value low high is_identifiable reason excitation",
          &P::parameter, &P::value, &P::low, &P::high, &P::is_identifiable, &P::reason,
          &P::excitation);
-  record(module, "FitErrors rms plain_rms normalised", &FitErrors::rms, &FitErrors::plain_rms,
-         &FitErrors::normalised);
+  record(module, "FitErrors rms normalised", &FitErrors::rms, &FitErrors::normalised);
   record(module, "Whiteness statistic limit", &Whiteness::statistic, &Whiteness::limit);
   using I = Identification;
   record(module,
@@ -62,10 +61,10 @@ void bind_identification(py::module_& module) {
   using A = testing::AxisBench;
   record(module,
          "AxisBench inertia viscous coulomb breakaway stribeck_speed offset delay_s rate_Hz "
-         "duration_s bits noise_counts mean_input swing starts_at_speed stamp_s",
+         "duration_s bits noise_counts mean_input swing starts_at_speed stamp_s substeps",
          &A::inertia, &A::viscous, &A::coulomb, &A::breakaway, &A::stribeck_speed, &A::offset,
          &A::delay_s, &A::rate_Hz, &A::duration_s, &A::bits, &A::noise_counts, &A::mean_input,
-         &A::swing, &A::starts_at_speed, &A::stamp_s);
+         &A::swing, &A::starts_at_speed, &A::stamp_s, &A::substeps);
   using B = testing::TwoInertiaBench;
   record(module,
          "TwoInertiaBench motor_inertia load_inertia stiffness damping backlash motor_viscous "

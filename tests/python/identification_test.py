@@ -5,6 +5,7 @@ import os
 import unittest
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 import methods
 from methods import AxisBench, AxisParameter
@@ -89,6 +90,27 @@ class FrictionAxis(unittest.TestCase):
         near(self.end_of(0.5, 4, 0, 2, **friction), 8, atol=1e-9)
         # Breakaway ends within 10 ms at a velocity near 0.01, so the rest is almost Coulomb friction.
         near(self.end_of(1.5, 4, **friction), 0.5 * 16, atol=0.05)
+
+    def test_it_moves_through_the_stribeck_friction_as_with_small_steps(self):
+        """A pass through standstill and the bump of the friction, beside SciPy's DOP853."""
+        plant = values(inertia=4e-3, viscous=8e-3, coulomb=0.05, breakaway=0.04, stribeck_speed=0.8)
+        inputs, durations, ends = [-0.2, -0.2, 0.15], [None, 0.05, 0.004], []
+        state, t = [0.0, 9.0], 0.0
+        for u, duration, sign in zip(inputs, durations, (1, -1, -1)):
+            def rate(_, x, u=u, sign=sign):
+                return x[1], (u - 8e-3 * x[1] - sign * (0.05 + 0.04 * np.exp(-x[1]**2 / 0.64))) / 4e-3
+
+            def stands(_, x):
+                return x[1]
+            stands.terminal = duration is None  # the first part ends there
+            done = solve_ivp(rate, (0, duration or 10), state, "DOP853", events=stands, rtol=1e-13, atol=1e-14, max_step=1e-3)
+            ends.append((t, u, t + done.t[-1], done.y[0, -1]))
+            state, t = [done.y[0, -1], done.y[1, -1] if duration else 0.0], t + done.t[-1]
+        for _, _, end, position in ends:
+            stretch = methods.AxisStretch(input_times_s=[one[0] for one in ends], inputs=inputs, times_s=[0, end],
+                                          positions=[0] * 2)
+            moved = methods.friction_axis.move(plant, methods.AxisStart(velocity=9), stretch)
+            near(moved[-1], position, atol=1e-11)
 
     def test_the_delay_shifts_the_input(self):
         stretch = methods.AxisStretch(input_times_s=[0, 1], inputs=[0, 2], times_s=[0, 1.25, 2.25], positions=[0] * 3)
@@ -273,23 +295,32 @@ class Identification(unittest.TestCase):
             near(methods.rounding_step(late + rounded) / 1e-5, 1, atol=1e-15)
 
 
+def random_bench(n, stamp_s=0.0):
+    """Each eighth bench has no noise, so that its intervals come from the bootstrap."""
+    random = np.random.default_rng(1000 + n)
+    inertia, rate_Hz = 10**random.uniform(-3.2, -2), 500 * 8**random.uniform()
+    return AxisBench(
+        stamp_s=stamp_s, inertia=inertia, viscous=inertia * random.uniform(0.5, 5), coulomb=random.uniform(0.02, 0.15),
+        offset=random.uniform(-0.05, 0.05), rate_Hz=rate_Hz, delay_s=random.uniform(0, 4) / rate_Hz,
+        bits=random.integers(8, 21), noise_counts=0 if n % 8 == 7 else random.uniform(0.2, 2))
+
+
+def truths_of(bench, *more):
+    names = ("inertia", "viscous", "coulomb", "offset", *more)
+    return {name: getattr(bench, name) for name in names} | {"delay": bench.delay_s}
+
+
 def coverage_of(benches, stamp_s):
-    """The share of covered parameters, the number of white fits and the median errors, of benches with random
-    parameters. Each eighth bench has no noise, so that its intervals come from the bootstrap."""
+    """The share of covered parameters, the number of white fits and the median errors, of random benches."""
     count, white, errors = 0, 0, []
     for n in range(benches):
-        random = np.random.default_rng(1000 + n)
-        inertia, rate_Hz = 10**random.uniform(-3.2, -2), 500 * 8**random.uniform()
-        bench = AxisBench(
-            stamp_s=stamp_s, inertia=inertia, viscous=inertia * random.uniform(0.5, 5), coulomb=random.uniform(0.02, 0.15),
-            offset=random.uniform(-0.05, 0.05), rate_Hz=rate_Hz, delay_s=random.uniform(0, 4) / rate_Hz,
-            bits=random.integers(8, 21), noise_counts=0 if n % 8 == 7 else random.uniform(0.2, 2))
+        bench = random_bench(n, stamp_s)
         found = identified(methods.record(bench, 5000 + n))
         white += is_white(found)
-        truths = {name: getattr(bench, name) for name in ("inertia", "viscous", "coulomb", "offset")}
-        count += covered(found, truths | {"delay": bench.delay_s}, n)
-        errors.append([abs(of(found)["inertia"].value / inertia - 1), abs(of(found)["coulomb"].value / bench.coulomb - 1),
-                       abs(of(found)["delay"].value - bench.delay_s) * rate_Hz])
+        count += covered(found, truths_of(bench), n)
+        errors.append([abs(of(found)["inertia"].value / bench.inertia - 1),
+                       abs(of(found)["coulomb"].value / bench.coulomb - 1),
+                       abs(of(found)["delay"].value - bench.delay_s) * bench.rate_Hz])
     return count / (5 * benches), white, np.median(errors, axis=0)
 
 
@@ -301,6 +332,22 @@ class Coverage(unittest.TestCase):
         self.assertLessEqual(delay, 0.25)
         # Fewer than 68 of 80 independent intervals cover the truth with a probability of 1e-4.
         self.assertTrue(0.93 <= share <= 0.97 if BENCHES >= 300 else share >= 0.85, share)
+
+    def test_intervals_cover_the_truth_with_stribeck_friction(self):
+        """One bench of eight may end in a wrong minimum. Its residuals are not white, so its intervals are said to be too
+        narrow. The simulator needs smaller steps here."""
+        count = white = 0
+        for n in range(BENCHES or 8):
+            bench, random = random_bench(n), np.random.default_rng(n)
+            bench.breakaway, bench.stribeck_speed = bench.coulomb * random.uniform(0.3, 0.8), random.uniform(0.3, 2)
+            bench.substeps, bench.rate_Hz, bench.noise_counts = 400, 500, max(bench.noise_counts, 0.2)
+            found = identified(methods.record(bench, 5000 + n), has_stribeck=True)
+            if is_white(found):
+                white += 1
+                count += covered(found, truths_of(bench, "breakaway", "stribeck_speed"), n)
+        self.assertGreaterEqual(white, 7 * (BENCHES or 8) // 8)
+        # Fewer than 40 of 49 independent intervals cover the truth with a probability of 2e-4.
+        self.assertGreaterEqual(count, 0.82 * 7 * white)
 
     @unittest.skipUnless(BENCHES, "a study")
     def test_intervals_cover_the_truth_with_rounded_times(self):
