@@ -211,7 +211,6 @@ fs::path shards_folder(const fs::path& out) {
 Measurement measurement_of(const PointResult& result) {
   Measurement measurement;
   measurement.failed = result.status == PointStatus::failed;
-  measurement.failure = result.reason;
   for (const auto& [name, value] : result.metrics) {
     measurement.values[name] = std::isfinite(value) ? value : kNaN;
   }

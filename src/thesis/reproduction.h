@@ -17,7 +17,6 @@ namespace breakwater {
 /// The metrics of a run.
 struct Measurement {
   bool failed = false;
-  std::string failure;                   ///< "at 3 s: diverged"
   std::map<std::string, double> values;  ///< NaN: the metric is not finite
   /// Metrics that other runs of the scenario have and this one lacks.
   std::set<std::string> absent;

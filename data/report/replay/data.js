@@ -39,19 +39,19 @@ const Replay = {};
     place(time) {
       if (!(time > this.begin)) return {frame: 0, part: 0};
       if (time >= this.end) return {frame: this.frames - 1, part: 0};
-      let span = this.spans[0];
-      for (const other of this.spans) if (time >= other.from) span = other;
+      const span = this.spans.findLast((one) => time >= one.from) || this.spans[0];
       const exact = (time - span.from) / span.step;
       const i = Math.min(Math.floor(exact + 1e-9), span.count - 1);
       return {frame: span.first + i, part: Math.min(Math.max(exact - i, 0), 1)};
     }
 
     timeOf(frame) {
-      let span = this.spans[0];
-      for (const other of this.spans) if (frame >= other.first) span = other;
+      const span = this.spans.findLast((one) => frame >= one.first) || this.spans[0];
       return span.from + (frame - span.first) * span.step;
     }
   }
+
+  const between = (column, {frame, part}) => column[frame] + part * (column[part > 0 ? frame + 1 : frame] - column[frame]);
 
   // Where a body, camera or light is: seven numbers, or seven channels.
   class Track {
@@ -71,12 +71,7 @@ const Replay = {};
         rotation.set(a, b, c, w);
         return;
       }
-      const {frame, part} = place;
-      const next = part > 0 ? frame + 1 : frame;
-      const at = (k) => {
-        const column = this.columns[k];
-        return column[frame] + part * (column[next] - column[frame]);
-      };
+      const at = (k) => between(this.columns[k], place);
       position.set(at(0), at(1), at(2));
       rotation.set(at(4), at(5), at(6), at(3)).normalize();
     }
@@ -88,10 +83,7 @@ const Replay = {};
       this.column = channels[json.channel];
     }
 
-    at({frame, part}) {
-      const next = part > 0 ? frame + 1 : frame;
-      return this.column[frame] + part * (this.column[next] - this.column[frame]);
-    }
+    at(place) { return between(this.column, place); }
   }
 
   async function assetOf(json) {

@@ -178,7 +178,6 @@
       this.visibility = run.visibility.map((one) => ({...one, mesh: this.meshes.find((m) => m.geom.id === one.geom)}));
       this.arrows = run.arrows.map((json) => new Arrow(json, stage.shared));
       for (const arrow of this.arrows) this.root.add(arrow.object, arrow.mark);
-      this.moving = this.bodies.map((_, i) => i).filter((i) => run.bodies[i].moves);
     }
 
     addGeom(geom, data, stage) {

@@ -319,18 +319,14 @@
 
     useCamera(number) {
       this.fixed = number;
-      this.followed = null;
-      this.orbit.enabled = true;
       this.cameraChoice.value = String(number);
       this.invalidate();
     }
 
-    // From where the model's camera stands; what moves with a body goes on following it.
+    // From where the model's camera stands.
     freeCamera() {
       if (this.fixed === null) return;
-      const number = this.fixed;
       this.placeCamera();
-      const isCarried = number >= 0 && this.data.runs[0].cameras[number].moves;
       this.fixed = null;
       this.cameraChoice.value = "free";
       const ball = this.stage.ball();
@@ -339,8 +335,6 @@
       const {extent} = this.data.runs[0].scene;
       this.orbit.target.copy(this.camera.position).addScaledVector(forward, depth > 0.02 * extent ? depth : Math.max(ball.radius, 0.02 * extent));
       this.orbit.update();
-      this.followed = isCarried ? this.stage.actors[0].moving[0] : null;
-      if (isCarried) this.followedAt = this.stage.actors[0].bodies[this.followed].position.clone();
       this.invalidate();
     }
 
@@ -351,12 +345,6 @@
         camera.position.copy(position);
         camera.quaternion.copy(rotation);
         this.fovy = fovy;
-      } else if (this.followed !== null) {
-        const now = this.stage.actors[0].bodies[this.followed].position;
-        const way = now.clone().sub(this.followedAt);
-        camera.position.add(way);
-        this.orbit.target.add(way);
-        this.followedAt.copy(now);
       }
       const {scene} = this.data.runs[0];
       camera.near = scene.near;
