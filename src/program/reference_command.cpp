@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/experiment/metric_reductions.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/recorded/recorded_estimation.h>
@@ -133,6 +134,16 @@ std::string metrics(const Scenario& scenario) {
   return table({"Metric", "Unit", "Definition"}, rows);
 }
 
+std::string metric_kinds() {
+  std::vector<Row> rows;
+  for (const MetricKind& kind : standard_metric_kinds()) {
+    rows.push_back({code(kind.name), kind.meaning});
+  }
+  return "`metric.NAME.kind` is one of these. The magnitude of a value counts only where it says "
+         "so:\n\n" +
+         table({"Kind", "Number"}, rows);
+}
+
 // The columns in the logs of all cases, without repetition.
 std::string columns(const Catalogue& catalogue, const ScenarioKind& kind, const ScenarioFile& file,
                     const std::vector<std::string>& brief_run) {
@@ -220,6 +231,7 @@ std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind,
                 "for all columns of an axis. The values are those of an example. ") +
          "A key without a default value must be given where it is used.\n\n" + keys(fields.help()) +
          "## Metrics\n\nA metric that does not apply to a run is absent.\n\n" + metrics(*shipped) +
+         (is_own ? "" : metric_kinds()) +
          "## Columns of the log\n\n"
          "`log.h5` has these columns, in a group for each track. A column with several values is "
          "`NAME_1`, `NAME_2`, … in `log.csv`.\n\n" +

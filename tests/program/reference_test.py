@@ -82,6 +82,12 @@ class Reference(Folder):
                         if name != "time_s" and not name.startswith("index_"):
                             self.rows(page, [{name, on_page(name)}], f" {data.attrs['unit'].decode()} | ")
 
+    def test_has_every_kind_of_metric(self):
+        page = self.page("scenarios/plant.md")
+        kinds = re.search(r"^\| `metric\.NAME\.kind` \|.*one of ([a-z_, ]+) \|", page, re.M)[1].split(", ")
+        self.assertGreater(len(kinds), 25)
+        self.rows(page, [{kind} for kind in kinds if kind != "rmse"])  # another name of rms
+
     def test_has_every_key_metric_and_column_of_estimate(self):
         self.call("breakwater", "estimate", "--csv", ROOT / "data/estimate/motor.csv", "--set", "plant.inertia=1e-3",
                   "encoder.quantum=1.5e-3", "--out", "est")
