@@ -154,8 +154,9 @@ void read_twice(File (*read)(const toml::table&, const std::string&), const std:
 const Tuning& small_tuning() {
   static const Tuning tuning = [] {
     const std::string file = fuzz::file_with(
-        "scenario = \"s\"\nbudget = 40\n[search]\na = { uniform = [0, 1] }\nb = [1, 2]\n"
-        "[objective]\nm = { goal = \"min\" }\n");
+        "scenario = \"s\"\nbudget = 40\npopulation = 8\n[search]\na = { uniform = [0, 1] }\nb = "
+        "[1, 2]\n"
+        "[objective]\nm = { goal = \"min\" }\nn = { goal = \"max\" }\n");
     return read_tuning(study_tables(file), file);
   }();
   return tuning;
