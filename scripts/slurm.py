@@ -17,6 +17,7 @@ import pathlib
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -128,6 +129,10 @@ def queue(folder):
 
 def main():
     sys.stdout.reconfigure(errors="surrogateescape")
+    # A terminal's Ctrl-C reaches this process too. It writes what it has begun: a job without its number is lost.
+    for one in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(one) is not signal.SIG_IGN:
+            signal.signal(one, lambda *_: None)
     command, *rest = sys.argv[1:]
     if command == "limit":
         limit()

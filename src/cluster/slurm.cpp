@@ -30,7 +30,12 @@ constexpr std::size_t kMostLogsShown = 5;
 // answer, and OutputError if the script cannot be run.
 std::vector<std::string> ask_slurm(std::vector<std::string> words) {
   constexpr int kNoAnswer = 3;
-  EndedProgram ended = run_beside(script_words("slurm.py", std::move(words)), [](ReadProgram&) {});
+  EndedProgram ended;
+  try {
+    ended = run_beside(script_words("slurm.py", std::move(words)), [](ReadProgram&) {});
+  } catch (const std::invalid_argument& error) {
+    throw OutputError(error.what());
+  }
   if (ended.exit_status() == 0) return ended.said;
   const std::string reason = ended.take_reason();
   if (ended.exit_status() == kNoAnswer) throw std::invalid_argument(reason);

@@ -59,7 +59,8 @@ struct Queued {
   std::vector<bool> points(std::size_t count) const;
 };
 
-/// Asks squeue if there is a submission. Throws std::invalid_argument, one line, if that fails.
+/// Asks squeue if there is a submission. Throws std::invalid_argument, one line, if that fails, and
+/// OutputError if the script that asks cannot be run.
 Queued queued(const StudyFolder& folder, std::size_t points);
 
 /// The same, but if the cluster does not answer it prints so on stderr and returns nothing.
@@ -73,7 +74,7 @@ void check_not_queued(const Queued& queue, const StudyFolder& folder, const std:
 void print_slurm_status(const StudyFolder& folder, const ShardIndex& index);
 
 /// Waits until the queue has no task of the study, or a signal comes. It goes on waiting if the
-/// cluster does not answer for a while.
+/// cluster does not answer for a while. Throws OutputError as queued().
 void wait_for_queue(const StudyFolder& folder, std::size_t points);
 
 /// Prints commands that together run `points`, one per line.

@@ -1,7 +1,6 @@
 #include <breakwater/identification/two_inertia_axis.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -17,7 +17,7 @@ constexpr std::size_t kKeyCharts = 5;
 // Signals of one width and unit. They differ by their roles: true, measured, estimated, reference,
 // commanded or applied. One that two groups have is here once, from the group with more rows.
 struct LoggedQuantity {
-  std::string title;  // "Contact force", without its unit
+  std::string title;  // "contact_force", without its unit
   std::vector<LogEntry> kinds;
   std::size_t rank = 0;
 };

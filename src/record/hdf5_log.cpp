@@ -17,17 +17,13 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <new>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <optional>
-#include <span>
 #include <stdexcept>
 #include <tuple>
-#include <utility>
 
 #include <breakwater/record/hdf5_library.h>
 #include <breakwater/record/interrupted.h>

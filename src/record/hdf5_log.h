@@ -13,8 +13,7 @@ namespace breakwater {
 
 /// Writes one group per track, with the time base `time_s` and one dataset per signal: N, or
 /// N×width for a vector. Each dataset has the attributes `unit`, `units` (the same) and
-/// `description`, in UTF-8 of fixed length. The scales `time_s` and `index_WIDTH` (1 … width) are
-/// attached to the dimensions, so that readers of netCDF find coordinates.
+/// `description`, in UTF-8 of fixed length.
 ///
 /// `deflate_level` 0 writes plain data; 1 to 9 compress it. Throws OutputError if the file
 /// cannot be written. Thread-safe.

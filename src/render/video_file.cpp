@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <utility>
 #include <vector>
 
 #include <breakwater/record/output_error.h>
@@ -60,20 +59,26 @@ VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& forma
   for (std::string& word : all) argv.push_back(word.data());
   argv.push_back(nullptr);
   std::array<int, 2> ends{};
-  int error = said_ && pipe2(ends.data(), O_CLOEXEC) == 0 ? 0 : errno;
-  if (error == 0) {
-    input_ = ends[1];
-    fcntl(input_, F_SETPIPE_SZ, 1 << 20);  // fewer changes of process
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, fileno(said_.get()), STDERR_FILENO);
-    error = posix_spawnp(&ffmpeg_, kProgram, &actions, nullptr, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    close(ends[0]);
+  if (!said_ || pipe2(ends.data(), O_CLOEXEC) != 0) {
+    throw OutputError(
+        fmt::format("a temporary file or a pipe cannot be made: {}", std::strerror(errno)));
   }
+  input_ = ends[1];
+  fcntl(input_, F_SETPIPE_SZ, 1 << 20);  // fewer changes of process
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, fileno(said_.get()), STDERR_FILENO);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  // A group of its own: a terminal's Ctrl-C reaches this process alone, which then ends ffmpeg.
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  const int error = posix_spawnp(&ffmpeg_, kProgram, &actions, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  close(ends[0]);
   if (error == 0) return;
-  if (input_ >= 0) close(input_);
+  close(input_);
   throw RenderError(fmt::format("videos need {}: {}", kProgram, std::strerror(error)));
 }
 

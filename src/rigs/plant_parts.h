@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>

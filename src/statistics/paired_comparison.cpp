@@ -144,6 +144,17 @@ struct Pair {
   const Blocks& of_y;
 };
 
+// The median magnitude of a metric's values in two columns.
+double median_size(const Eigen::MatrixXd& values, const Pair& pair) {
+  std::vector<double> sizes;
+  for (const std::size_t column : {pair.x, pair.y}) {
+    for (const double value : values.col(static_cast<Eigen::Index>(column))) {
+      if (std::isfinite(value)) sizes.push_back(std::abs(value));
+    }
+  }
+  return sample_median(sizes);
+}
+
 Goal goal_in(const PairedResults& results, const std::string& metric) {
   const auto found = results.goals.find(metric);
   return found == results.goals.end() ? Goal::none : found->second;
@@ -402,9 +413,7 @@ CandidateComparison compare_candidates(const PairedResults& results,
       if (medians.empty()) continue;
       MetricComparison one =
           compare_metric(results, metric, pairs[i], differences, medians, 1.0 - settings.alpha);
-      const double largest =
-          results.values[metric].array().abs().maxCoeff<Eigen::PropagateNumbers>();
-      tests.emplace_back(medians, kRounding * largest);
+      tests.emplace_back(medians, kRounding * median_size(results.values[metric], pairs[i]));
       one.p = tests.back().p();
       one.difference.value = tests.back().pseudo_median();
       comparison.metrics.push_back(one);

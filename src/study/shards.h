@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -99,9 +98,8 @@ class ShardIndex {
   std::size_t done() const { return done_; }
   /// The number of points with this status.
   std::size_t count(PointStatus status) const { return counts_[static_cast<std::size_t>(status)]; }
-  /// Processor time of all runs, and of a finished point [s].
+  /// Processor time of all runs [s].
   double cost_s() const { return cost_s_; }
-  double cost_s(std::size_t point) const { return static_cast<double>(places_[point].cost_s); }
   const ModelHashes& models() const { return models_; }
   /// Throws std::invalid_argument if the points used different versions of a model file.
   void check_models() const;

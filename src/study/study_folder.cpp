@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include <breakwater/config/toml_file.h>

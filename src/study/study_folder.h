@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/record/recording.h>

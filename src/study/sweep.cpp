@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <stdexcept>

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <sstream>
 
 #include <breakwater/config/fields.h>
 #include <breakwater/pictures/shot_list.h>

@@ -72,7 +72,9 @@
     // Draws every so many rows and columns: without a graphics card triangles cost more than pixels.
     thin(every) {
       if (!this.indices.has(every)) this.indices.set(every, new THREE.BufferAttribute(this.index(every), 1));
+      if (this.geometry.index === this.indices.get(every)) return;
       this.geometry.setIndex(this.indices.get(every));
+      this.geometry.computeVertexNormals();  // the shown vertices alone
     }
 
     uvBy([sx, sy]) {
