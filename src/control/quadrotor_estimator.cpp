@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include <breakwater/control/quadrotor_filters.h>
@@ -155,22 +156,23 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
   ResonatorEstimator(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model,
                      const WaveResonators& process, const NonlinearKalmanDesign<24, 6>& kalman)
       : FilterEstimator(process, kalman),
-        tracks_(design.estimates_wave_frequency),
         guess_rad_s_(design.wave_frequency_rad_s),
         force_std_N_(design.resonator.force_std_N),
         damping_(design.resonator.damping),
-        parameters_(model.parameters()),
-        bank_(frequency_bank(design, model)) {}
+        parameters_(model.parameters()) {
+    if (design.estimates_wave_frequency) bank_.emplace(frequency_bank(design, model));
+  }
 
   void reset(const Vector6d& pose) override {
     FilterEstimator::reset(pose);
-    bank_.reset(pose(2));
-    if (tracks_) assume(guess_rad_s_);
+    if (!bank_) return;
+    bank_->reset(pose(2));
+    assume(guess_rad_s_);
   }
 
   void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
-    if (tracks_) {
-      bank_.update(known_vertical_force(held_thrusts, motion(), parameters_), pose(2));
+    if (bank_) {
+      bank_->update(known_vertical_force(held_thrusts, motion(), parameters_), pose(2));
       assume(wave_frequency_rad_s());
     }
     FilterEstimator::update(held_thrusts, pose);
@@ -190,7 +192,7 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
   bool models_disturbance() const override { return true; }
   double wave_force_std_N() const override { return force_std_N_; }
   double wave_frequency_rad_s() const override {
-    return tracks_ && !bank_.is_settling() ? mean_frequency(bank_.resonators()) : guess_rad_s_;
+    return bank_ && !bank_->is_settling() ? mean_frequency(bank_->resonators()) : guess_rad_s_;
   }
 
  private:
@@ -199,12 +201,11 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
     filter_.set_process_noise(filter_.process().Q());
   }
 
-  bool tracks_;
   double guess_rad_s_;
   double force_std_N_;
   double damping_;
   QuadrotorParameters parameters_;
-  WaveForceBank bank_;
+  std::optional<WaveForceBank> bank_;  // if the frequency is estimated
 };
 
 // Two resonators per axis. A WaveForceBank on the vertical axis adapts them to the sea state.

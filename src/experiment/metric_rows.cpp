@@ -30,16 +30,6 @@ const std::string kIsThere = " is there";
 const std::string kIsReached = " is reached";
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// "rad_s" for "rad/s".
-std::string suffix_of(const std::string& unit) {
-  if (unit == "%") return "percent";
-  std::string suffix;
-  for (const char c : unit) {
-    if (c != ' ' && c != '^') suffix += c == '/' ? '_' : c;
-  }
-  return suffix;
-}
-
 std::vector<std::string> split(const std::string& text, const std::string& between) {
   std::vector<std::string> parts;
   std::size_t from = 0;
@@ -232,7 +222,7 @@ MetricDefinition MetricRow::definition(const MetricKind& kind_of_row) const {
                                              : of_signal + " s";
       break;
   }
-  const std::string end = "_" + suffix_of(own_unit);
+  const std::string end = unit_suffix(own_unit);
   return {own_name.ends_with(end) ? own_name : own_name + end, own_unit, meaning};
 }
 

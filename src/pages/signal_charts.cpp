@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 
 #include <breakwater/pages/html_page.h>
+#include <breakwater/record/recording.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -27,20 +27,10 @@ std::string signal_path(const LogEntry& entry) {
   return entry.group == "control" ? entry.name : entry.group + "/" + entry.name;
 }
 
-// "rad_s2" of "rad/s^2": how a unit ends a name.
-std::string suffix_of(const std::string& unit) {
-  std::string suffix = "_";
-  for (const char c : unit) {
-    if (c == '/') suffix += '_';
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) suffix += c;
-  }
-  return suffix;
-}
-
 // A name without the unit that it ends with: "force_true" of "force_true_N".
 std::string without_unit(const std::string& name, const std::string& unit) {
   for (const std::string& one : {unit, unit.substr(0, unit.find(", "))}) {
-    const std::string suffix = suffix_of(one);
+    const std::string suffix = unit_suffix(one);
     if (suffix.size() > 1 && name.size() > suffix.size() && name.ends_with(suffix)) {
       return name.substr(0, name.size() - suffix.size());
     }

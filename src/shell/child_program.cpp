@@ -179,19 +179,15 @@ EndedProgram run_beside(std::vector<std::string> words,
   return ended;
 }
 
-std::string shell_quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 std::string shell_word(const std::string& word) {
   const auto is_plain = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
            std::strchr("/._-+:@%,=", c) != nullptr;
   };
-  return !word.empty() && std::all_of(word.begin(), word.end(), is_plain) ? word
-                                                                          : shell_quoted(word);
+  if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
 }
 
 }  // namespace breakwater

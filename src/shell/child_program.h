@@ -22,9 +22,8 @@ std::string own_program();
 std::string own_program_name();
 std::string neighbour_program(const std::string& name);
 
-/// A word, quoted so that a shell takes it literally.
-std::string shell_quoted(const std::string& word);
-/// The same, with quotes only if they are necessary: "/tmp/x", "'/tmp/my study'".
+/// A word that a shell takes literally, with quotes if they are necessary: "/tmp/x", "'/tmp/my
+/// study'".
 std::string shell_word(const std::string& word);
 
 /// Calls a program. words[0] is its path, or a name to search for. Returns its exit status. If it

@@ -78,7 +78,6 @@ class UnderwaterForce final : public ExternalForce {
   double elevation(double time_s, double x_m, double y_m) const {
     return sea_.elevation(time_s, x_m, y_m);
   }
-  const ChangingSea& sea() const { return sea_; }
 
   /// Call it once after each step, with the state at its end.
   void advance(double time_s, const FreeMotion& motion);

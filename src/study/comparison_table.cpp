@@ -34,27 +34,31 @@ std::string p_text(double p, const std::string& equals) {
   return p < 1e-15 ? "< 1e-15" : fmt::format("{}{:.2g}", equals, p);
 }
 
-std::vector<ResultRow> comparison_rows(const CandidateComparison& comparison) {
+std::vector<ResultRow> comparison_rows(const CandidateComparison& comparison,
+                                       const std::string& metric) {
   std::vector<ResultRow> rows;
   // The cells of a pair, with those of its metric or of its failures.
-  const auto add = [&](const auto& one, const MetricComparison* metric,
+  const auto add = [&](const auto& one, const MetricComparison* compared,
                        const FailureComparison* failure) {
+    const std::string name = compared != nullptr ? compared->metric : kFailure;
+    if (!metric.empty() && name != metric) return;
     ResultRow& row = rows.emplace_back();
-    const Goal goal = metric != nullptr ? metric->goal : Goal::min;
-    row.put("metric", metric != nullptr ? metric->metric : kFailure);
+    const Goal goal = compared != nullptr ? compared->goal : Goal::min;
+    row.put("metric", name);
     row.put("goal", goal == Goal::none ? "" : name_of(goal_names(), goal));
     row.put("candidate", comparison.candidates[one.candidate]);
     row.put("reference", comparison.candidates[one.reference]);
     row.put("pairs", std::to_string(one.pairs));
     const EstimatedValue none{std::nan("")};
-    row.put("median", metric != nullptr ? metric->median : none);
-    row.put("reference_median", metric != nullptr ? metric->reference_median : none);
-    row.put("difference", metric != nullptr ? metric->difference : none);
+    row.put("median", compared != nullptr ? compared->median : none);
+    row.put("reference_median", compared != nullptr ? compared->reference_median : none);
+    row.put("difference", compared != nullptr ? compared->difference : none);
     row.put("p", one.p);
     row.put("p_holm", one.p_holm);
-    row.put("probability_smaller", metric != nullptr ? metric->probability_smaller : none.value);
+    row.put("probability_smaller",
+            compared != nullptr ? compared->probability_smaller : none.value);
     row.put("probability_better",
-            metric != nullptr ? metric->probability_better.value_or(none.value) : none.value);
+            compared != nullptr ? compared->probability_better.value_or(none.value) : none.value);
     row.put("verdict", name_of(one.verdict));
     const auto count = [&](const char* column, std::size_t FailureComparison::*number) {
       row.put(column, failure != nullptr ? std::to_string(failure->*number) : "");
@@ -149,9 +153,8 @@ std::vector<std::vector<std::string>> comparison_table(const CandidateComparison
                                                        const std::string& metric) {
   std::vector<std::vector<std::string>> table(1);
   for (const auto& [head, column] : kPrinted) table[0].emplace_back(head);
-  for (const ResultRow& row : comparison_rows(comparison)) {
+  for (const ResultRow& row : comparison_rows(comparison, metric)) {
     const std::string of = row.at("metric");
-    if (!metric.empty() && metric != of) continue;
     std::vector<std::string>& cells = table.emplace_back();
     for (const std::string column : std::views::values(kPrinted)) {
       const auto p = column == "p_holm" ? number_in(row.at(column)) : std::nullopt;

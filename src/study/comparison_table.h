@@ -15,7 +15,9 @@ inline constexpr const char* kFailure = "failure";
 
 /// The rows of comparison.csv: one per metric and pair of candidates, then a row for the failures
 /// of each pair (`metric` is "failure"). Numbers have 17 digits. Cells that do not apply are empty.
-std::vector<ResultRow> comparison_rows(const CandidateComparison& comparison);
+/// Only those of `metric` (or kFailure), unless it is empty.
+std::vector<ResultRow> comparison_rows(const CandidateComparison& comparison,
+                                       const std::string& metric = "");
 
 /// A p value behind `equals`, such as "0.012". Below the rounding error it is "< 1e-15".
 std::string p_text(double p, const std::string& equals = "");

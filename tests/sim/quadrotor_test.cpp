@@ -204,7 +204,7 @@ TEST(WaveLoads, TheSurfaceIsTheSumOfItsWaves) {
   setup.change_at_s = 20.0;
   setup.change_to_period_s = 5.0;
   const UnderwaterForce force(model, {}, QuadrotorPhysics::physical, setup, kStart);
-  const auto waves = force.sea().plane_waves();
+  const auto waves = setup.water().plane_waves();
   EXPECT_EQ(waves.size(), 2U * static_cast<std::size_t>(setup.sea.components));
   for (const double time_s : {0.0, 13.0, 24.0, 31.0, 80.0}) {
     for (const double x : {-50.0, 3.0}) {
