@@ -12,7 +12,7 @@ namespace breakwater {
 
 namespace {
 
-constexpr double kFramesPerSecond = 60.0;
+constexpr double kFramesPerSecond = 30.0;
 constexpr std::size_t kMostFrames = 40000;
 
 // A checksum of properties that a page cannot change: it differs if one of them does.

@@ -20,7 +20,7 @@ struct TimeSpan {
   std::size_t count = 0;
 };
 
-/// The times of a replay's frames: 60 per second. A window in slow motion has 60 per second of
+/// The times of a replay's frames: 30 per second. A window in slow motion has 30 per second of
 /// watching, as far as the log has them. There are fewer if a page could not hold so many.
 std::vector<TimeSpan> replay_times(const std::vector<double>& log_times_s, const Window& window);
 

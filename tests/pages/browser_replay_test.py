@@ -286,7 +286,7 @@ def test(bin_folder, folder):
     assert slider["label"] == f"{slider['force']:.1f} N", slider
     assert abs(chart["view"] - 5.93) < 0.01 and abs(chart["slider"] - chart["view"]) < 1e-6, chart
     assert chart["force"] > 2.0 and abs(chart["force"] - chart["charted"]) < 0.2, chart
-    assert 1e-4 < seen["stepBack"] < 0.02 and seen["hidesForces"], seen
+    assert 1e-4 < seen["stepBack"] < 1 / 29 and seen["hidesForces"], seen
     assert seen["camera"] == "top" and seen["played"] > 0 and seen["isPaused"], seen
     assert seen["turned"] > 0.05 and seen["afterDrag"] == "free" and seen["unnamed"] == 0, seen
     assert seen["turnedByTouch"] > 0.05 and seen["nearerByPinch"] > 1.5, seen
