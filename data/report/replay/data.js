@@ -16,7 +16,9 @@ const Replay = {};
   }
 
   // Channels of `frames` numbers each, as src/pictures/replay_data.cpp writes them.
-  function channelsOf(bytes, channels, frames) {
+  function channelsOf(planes, channels, frames) {
+    const count = channels * frames;
+    const bytes = new Uint8Array(4 * count).map((_, i) => planes[(i % 4) * count + (i >> 2)]);
     return Array.from({length: channels}, (_, c) => new Float32Array(bytes.buffer, 4 * c * frames, frames));
   }
 
