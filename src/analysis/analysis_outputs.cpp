@@ -40,7 +40,7 @@ double in_dB(double gain) {
 std::vector<BodeResponse> responses(const AxisUnits& units) {
   return {
       {"d_hat_over_d", &LoopPoint::d_hat_over_d, true, "From the disturbance to its estimate",
-       "1 means that the estimate equals the disturbance. The loop is closed.", ""},
+       "0 dB means that the estimate equals the disturbance. The loop is closed.", ""},
       {"noise_to_d_hat", &LoopPoint::noise_to_d_hat, true,
        "From the sensor’s noise to the estimated disturbance",
        "Effect of an error of the measured position on the estimated disturbance.",
@@ -137,12 +137,6 @@ std::string margins_csv(const std::vector<LoopAnalysis>& loops) {
   return csv_table(rows);
 }
 
-// A measured point counts if its windows agree, and the drive does anything about the probe.
-bool is_reliable(const LoopPoint& point) {
-  constexpr double kMostSpread = 0.2;
-  return point.spread <= kMostSpread && std::abs(point.complementary) > 1e-9;
-}
-
 double nearest_turn(double phase, double to) {
   return phase + 360.0 * std::round((to - phase) / 360.0);
 }
@@ -159,7 +153,7 @@ PageData margins_of(const std::vector<LoopAnalysis>& loops) {
   PageData table = {
       {"label", "Margins"}, {"columns", PageData::array({""})}, {"rows", PageData::array()}};
   for (const NamedCurve& one : curves) {
-    table["columns"].push_back(one.loop.name.label() + (one.is_measured ? " measured" : ""));
+    table["columns"].push_back(one.loop.name.label() + ' ' + one.way());
   }
   for (const Quantity& quantity : kQuantities) {
     PageData row = {quantity.words};
@@ -176,7 +170,8 @@ std::vector<std::string> notes(const LoopAnalysis& loop) {
   if (loop.designed.is_unstable) {
     texts.push_back("the loop is not stable: " + reason + ". It has no margins");
   } else if (!reason.empty()) {
-    texts.push_back("only measured, because the loop is not linear: " + reason);
+    texts.push_back("only measured, because the loop is not linear with constant coefficients: " +
+                    reason);
   }
   texts.insert(texts.end(), loop.hints.begin(), loop.hints.end());
   return texts;
@@ -208,8 +203,7 @@ PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& sc
               {{{"table", margins_of(loops)}},
                {{"text",
                  "The loop is opened at the plant’s input. The gain may fall by the reduction "
-                 "margin. A number "
-                 "is not reliable if it is measured beside a grey dot."}}});
+                 "margin. Measured numbers leave grey dots out."}}});
   for (const BodeResponse& response : responses) {
     const PageData charts = bode_charts(response, loops, looks);
     if (charts.empty()) continue;
@@ -257,7 +251,7 @@ PageData bode_charts(const BodeResponse& response, const std::vector<LoopAnalysi
         gains[kind].values.values.push_back(dB);
         phases[kind].values.times_s.push_back(x);
         phases[kind].values.values.push_back(last);
-        highest = std::max(highest, dB);
+        if (kind < 2) highest = std::max(highest, dB);
       }
     }
     for (auto [from, to] : {std::pair(gains, &gain), std::pair(phases, &phase)}) {

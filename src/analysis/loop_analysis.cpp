@@ -204,6 +204,11 @@ LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
   return margins;
 }
 
+bool is_reliable(const LoopPoint& point) {
+  constexpr double kMostSpread = 0.2;
+  return point.spread <= kMostSpread && std::abs(point.complementary) > 1e-9;
+}
+
 namespace {
 
 constexpr double kSame = 1e-6;     // two responses are equal up to this share of the largest value
@@ -548,15 +553,18 @@ double bandwidth(const std::vector<LoopPoint>& points) {
 void judge(LoopCurve& curve, bool estimates) {
   curve.bandwidth_rad_s = kNone;
   curve.margins = {kNone, kNone, kNone, kNone, kNone, kNone, kNone};
-  if (curve.points.size() < 2) return;
+  std::vector<LoopPoint> reliable;
   std::vector<double> omega;
   std::vector<std::complex<double>> gain;
   for (const LoopPoint& p : curve.points) {
+    if (!is_reliable(p)) continue;
+    reliable.push_back(p);
     omega.push_back(p.omega_rad_s);
     gain.push_back(p.loop_gain);
   }
+  if (reliable.size() < 2) return;
   curve.margins = loop_margins(omega, gain);
-  if (estimates) curve.bandwidth_rad_s = bandwidth(curve.points);
+  if (estimates) curve.bandwidth_rad_s = bandwidth(reliable);
 }
 
 double force_amplitude(const AxisOfPlant& axis, const AnalysisOptions& options) {

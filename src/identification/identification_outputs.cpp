@@ -273,6 +273,11 @@ PageData identification_result(const Identification& identification,
                             "rad.",
                             identification.data.rows(), identification.data.quantum,
                             identification.fit.noise_std)}}};
+  std::string explained = "Noise, encoder and the intervals explain an error of 1.";
+  if (identification.held_out) {
+    explained += identification.holds() ? " The held-out records agree: at most 2."
+                                        : " The held-out records disagree: above 2.";
+  }
   const auto find = [&](const std::string& text) { lead.push_back(PageData{{"finding", text}}); };
   for (const std::string& text : findings_of(identification)) find(text);
   for (const std::string& text : identification.notes) find(text);
@@ -287,9 +292,7 @@ PageData identification_result(const Identification& identification,
   add_section(
       sections, "errors", "Errors",
       {{{"table", errors(identification)}},
-       {{"text",
-         "Noise, encoder and the intervals explain an error of 1; above 2 the held-out "
-         "records disagree."}},
+       {{"text", explained}},
        {{"text", fmt::format("Ljung and Box of the residuals: {:.4g}, limit {:.4g}: {}.",
                              identification.whiteness.statistic, identification.whiteness.limit,
                              identification.whiteness.is_white() ? "white" : "not white")}}});
