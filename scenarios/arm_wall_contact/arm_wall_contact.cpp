@@ -1,6 +1,5 @@
 // Scenario arm_wall_contact: position/force control against a wall (thesis 2.4.3.2, 2.4.3.4).
 #include <breakwater/rigs/arm_scenario.h>
-#include <breakwater/sim/contact.h>
 #include <breakwater/sim/linear_model.h>
 #include <breakwater/sim/model.h>
 
@@ -17,7 +16,7 @@ class ArmWallContact final : public ArmScenario {
       : ArmScenario(catalogue, MetricRows(catalogue, "arm_wall_contact"), false) {
     plant_.contacts.emplace_back(catalogue, "tip", kWall);
     plant_.tip->contact = contact().name;
-    plant_.prepare = [this](Model& model) { place_wall(model, kWall, wall_x_m()); };
+    contact().x_m = [this](const Model&) { return wall_x_m(); };
   }
 
   std::string name() const override { return "arm_wall_contact"; }
@@ -30,42 +29,34 @@ class ArmWallContact final : public ArmScenario {
     plant_.tip->chain.bind(fields);
     fields.number("wall.distance_m", wall_distance_m_, positive(),
                   "distance from the tip at the start pose to the wall's face [m]");
-    fields.number("wall.solid_from_s", wall_solid_from_s_, not_negative(),
+    fields.number("wall.solid_from_s", contact().solid_from_s, not_negative(),
                   "time at which the wall becomes solid: the stretched arm starts inside it [s]");
     contact().bind(fields);
     fields.number("force.reference_N", force().value, positive(),
                   "F_x^ref: reference of the contact force [N]");
-    fields.number("force.from_s", force_from_s_, not_negative(),
+    fields.number("force.from_s", force().from_s, not_negative(),
                   "time of the switch from position control to force control [s]");
     fields.number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
                   "factor of the force gain: K_f is this value times F_x^ref [1/m]");
     plant_.tip->chain.bind_filter(fields);
-    fields.number("metrics.from_s", metrics_from_s_, not_negative(),
-                  "start of the window of the force error [s]");
-    fields.number("metrics.to_s", metrics_to_s_, positive(),
-                  "end of the window of the force error [s]");
     plant_.bind_fine(fields);
   }
 
   MetricContext complete(const Config& config) override {
-    if (wall_solid_from_s_ > force_from_s_) {
+    if (contact().solid_from_s > force().from_s) {
       config.fail("wall.solid_from_s", "must not be after force.from_s");
     }
-    if (metrics_to_s_ <= metrics_from_s_) {
-      config.fail("metrics.to_s", "must be after metrics.from_s");
-    }
-    if (metrics_from_s_ < force_from_s_) {
+    judged_ = {config.number("metrics.from_s").value_or(force().from_s),
+               config.number("metrics.to_s").value_or(plant_.run.duration_s)};
+    if (judged_.from_s < force().from_s) {
       config.fail("metrics.from_s", "must not be before force.from_s");
     }
-    force().from_s = plant_.physics.sample_time_s(force_from_s_);
-    return {.known = {{"force_control", force().from_s}}, .events = {"first_contact"}};
+    return {.known = {{"force_control", plant_.physics.sample_time_s(force().from_s)}},
+            .events = {"first_contact", "first_separation"}};
   }
 
   void extend(RigRun& run, AxisRig& rig) const override {
     const Simulation& sim = rig.simulation();
-    run.before_step = [&rig, solid = plant_.physics.step_at(wall_solid_from_s_)](std::int64_t k) {
-      if (k == solid) rig.set_solid(true);
-    };
     const auto impact_mass_kg = std::make_shared<double>(0.0);
     run.after_step =
         [&rig, &sim, impact_mass_kg,
@@ -76,23 +67,20 @@ class ArmWallContact final : public ArmScenario {
     run.for_metrics.push_back({"force_reference_N", "N", "", view(force().value)});
     run.for_metrics.push_back({"tip_speed_x_m_s", "m/s", "", view(sim.sensor("tip_vel"))});
     run.for_metrics.push_back({"impact_mass_kg", "kg", "", view(*impact_mass_kg)});
-    run.judged->push_back(rig.judged_force({metrics_from_s_, metrics_to_s_}));
+    run.judged->push_back(rig.judged_force(judged_));
   }
   // Later the tip touches the wall and presses.
-  TimeWindow holds_start_pose() const override { return {0.0, force_from_s_}; }
+  TimeWindow holds_start_pose() const override { return {0.0, force().from_s}; }
 
-  void prepare_model(Model& model) const override {
-    plant_.contacts.front().prepare(model);
-    plant_.prepare(model);
-  }
+  void prepare_model(Model& model) const override { plant_.contacts.front().prepare(model); }
   void animate_scene(Model& model, double time_s) const override {
-    show_geoms(model, "wall_", time_s >= wall_solid_from_s_);
-    plant_.contacts.front().animate(model, wall_x_m(), time_s);
+    show_geoms(model, "wall_", time_s >= plant_.contacts.front().solid_from_s);
+    plant_.contacts.front().animate(model, time_s);
   }
 
   ArmTask task() const override {
     ArmTask task = ArmScenario::task();
-    task.force_control_from_s = force_from_s_;
+    task.force_control_from_s = force().from_s;
     task.force_reference_N = force().value;
     task.convert_gain_N_m = convert_gain_per_m_ * task.force_reference_N;
     task.wall_x_m = wall_x_m();
@@ -105,11 +93,8 @@ class ArmWallContact final : public ArmScenario {
   double wall_x_m() const { return start_pose()[0] + wall_distance_m_; }
 
   double wall_distance_m_ = 0.0;
-  double wall_solid_from_s_ = 0.0;
-  double force_from_s_ = 0.0;
   double convert_gain_per_m_ = 0.0;
-  double metrics_from_s_ = 0.0;
-  double metrics_to_s_ = 0.0;
+  TimeWindow judged_;  // window of the force error
 };
 
 }  // namespace

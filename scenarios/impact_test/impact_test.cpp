@@ -1,22 +1,12 @@
 // Scenario impact_test: a mass on a rail strikes a wall.
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/math/float_environment.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/rigs/axis_rig.h>
 #include <breakwater/rigs/plant_parts.h>
-#include <breakwater/sim/contact.h>
-#include <breakwater/sim/model.h>
 
 namespace breakwater {
 namespace {
-
-constexpr const char* kStruckWall = "wall";
-constexpr const char* kImpactTip = "tip";
-constexpr double kModelMass_kg = 1.0;  // as in models/impact.xml
 
 // The axis of models/impact.xml, without a drive.
 Axis rail() {
@@ -30,17 +20,17 @@ Axis rail() {
 class ImpactTest final : public Scenario {
  public:
   explicit ImpactTest(const Catalogue& catalogue)
-      : Scenario(MetricRows(catalogue, "impact_test")),
-        plant_(rail(), catalogue),
-        wall_(catalogue, kImpactTip, kStruckWall) {
+      : Scenario(MetricRows(catalogue, "impact_test")), plant_(rail(), catalogue) {
     plant_.axis().nominal_from = NominalFrom::model;
-    plant_.tip.emplace().sensor = "tip_force";
     plant_.faults.fault.channel = Axis::kNone;
-    plant_.geoms = {kImpactTip, kStruckWall};
-    plant_.prepare = [this](Model& model) {
-      model.add_mass("carriage", mass_kg_ - kModelMass_kg - plant_.tip->chain.tool_mass_kg);
-      prepare_model(model);
+    ContactSettings& contact = plant_.contacts.emplace_back(catalogue, "tip", "wall");
+    contact.is_measured = true;
+    // The tip touches the wall where the rail's position is 0.
+    contact.x_m = [this](const Model& model) {
+      const double radius_m = model->geom_size[3 * geom_id(model, "tip")];
+      return radius_m * (1.0 / math::cos(plant_.contacts.front().angle_rad()) - 1.0);
     };
+    plant_.tip = {.contact = contact.name, .touch = "tip_touch", .sensor = "tip_force"};
   }
 
   std::string name() const override { return "impact_test"; }
@@ -59,7 +49,7 @@ class ImpactTest final : public Scenario {
     fields.number("impact.distance_m", distance_m_, not_negative(),
                   "distance from the tip to the wall at the start [m]");
     fields.number("impact.push_N", push_N_, not_negative(), "constant force towards the wall [N]");
-    wall_.bind(fields);
+    plant_.contacts.front().bind(fields);
     plant_.tip->chain.bind_filter(fields);
     plant_.tip->chain.bind_noise(fields);
     plant_.tip->chain.bind(fields);
@@ -69,18 +59,19 @@ class ImpactTest final : public Scenario {
   }
 
   void check(const Config& config) override {
-    wall_.check(config, plant_.physics);
-    if (plant_.tip->chain.tool_mass_kg >= mass_kg_) {
+    plant_.inertia_ratio = mass_kg_ - plant_.tip->chain.tool_mass_kg;  // to the model's 1 kg
+    if (plant_.inertia_ratio <= 0.0) {
       config.fail("sensor.force_tool_mass_kg", "must be less than impact.mass_kg");
     }
-    AxisSettings& axis = plant_.axis();
     check_plant(plant_, config);
+    AxisSettings& axis = plant_.axis();
     axis.start_position = -distance_m_;
     axis.force = {.kind = DisturbanceKind::step, .amplitude = -push_N_};
-    const double along_normal = math::cos(wall_.angle_rad());
-    wall_.check_impact(config, plant_.physics, mass_kg_ / (along_normal * along_normal),
-                       axis.start_velocity * along_normal);
-    wall_.measure(plant_.load_model());
+    const ContactSettings& contact = plant_.contacts.front();
+    const double along_normal = math::cos(contact.angle_rad());
+    contact.check_impact(config, plant_.physics, mass_kg_ / (along_normal * along_normal),
+                         axis.start_velocity * along_normal);
+    contact.make(plant_.load_model());
     rows_.check(config, [this] { return fields(); }, plant_.physics,
                 {.events = {"first_contact", "first_separation"}});
   }
@@ -90,61 +81,33 @@ class ImpactTest final : public Scenario {
     const math::FloatEnvironment floats;
     NoControl controller;
     AxisRig rig(plant_, controller);
-    Simulation& sim = rig.simulation();
-    const std::unique_ptr<WallContact> contact = wall_.measure(sim.model());
-    sim.add(*contact);
-    contact->set_solid(true);
-    sim.set_collidable(geom_id(sim.model(), kStruckWall), wall_.is_of_engine());
-
-    const double& force_N = wall_.is_of_engine() ? sim.sensor("tip_touch") : contact->force_N();
+    const WallContact& contact = *rig.wall();
     const std::vector<Signal> tip = rig.tip_signals();
     RigRun run;
     run.samples_end = false;
     run.judged.emplace();
     run.fine = {
-        {"qpos", "m", "the carriage's position", sim.qpos()},
-        {"qvel", "m/s", "the carriage's speed", sim.qvel()},
-        {"force_true_N", "N", "normal contact force, true", view(force_N)},
+        {"qpos", "m", "the carriage's position", rig.simulation().qpos()},
+        {"qvel", "m/s", "the carriage's speed", rig.simulation().qvel()},
         tip[0],
         tip[1],
-        {"penetration_m", "m", "penetration; negative: the gap", view(contact->penetration_m())},
-        {"wall_m", "m", "how far the wall has moved", view(contact->wall_m())}};
+        tip[2],
+        {"penetration_m", "m", "penetration; negative: the gap", view(contact.penetration_m())},
+        {"wall_m", "m", "how far the wall has moved", view(contact.wall_m())}};
     run.signals = run.fine;
-    run.signals.insert(run.signals.end(), {tip[2], tip[3]});
-    double first_contact_s = std::numeric_limits<double>::infinity();
-    double first_separation_s = first_contact_s;
-    run.for_metrics = {{"approach_m_s", "m/s", "", view(contact->approach_m_s())},
-                       {"impulse_Ns", "N s", "", view(contact->impulse_Ns())}};
-    run.events = {{"first_contact", &first_contact_s}, {"first_separation", &first_separation_s}};
-    run.after_step = [&] {
-      // The impulse, because the contact may begin at a later stage of a step.
-      if (contact->impulse_Ns() > 0.0) {
-        first_contact_s = std::min(first_contact_s, sim.time_s());
-      } else if (first_contact_s <= sim.time_s()) {
-        first_separation_s = std::min(first_separation_s, sim.time_s());
-      }
-    };
+    run.signals.insert(run.signals.end(), {tip[3], tip[4]});
+    run.for_metrics = {{"approach_m_s", "m/s", "", view(contact.approach_m_s())},
+                       {"impulse_Ns", "N s", "", view(contact.impulse_Ns())}};
     return rig.run(control, rows_, std::move(run));
   }
 
-  void prepare_model(Model& model) const override {
-    place_wall(model, kStruckWall, wall_x_m(model));
-    wall_.prepare(model);
-  }
-
+  void prepare_model(Model& model) const override { plant_.contacts.front().prepare(model); }
   void animate_scene(Model& model, double time_s) const override {
-    wall_.animate(model, wall_x_m(model), time_s);
+    plant_.contacts.front().animate(model, time_s);
   }
 
  private:
-  // The tip touches the wall where the rail's position is 0.
-  double wall_x_m(const Model& model) const {
-    const double radius_m = model->geom_size[3 * geom_id(model, kImpactTip)];
-    return radius_m * (1.0 / math::cos(wall_.angle_rad()) - 1.0);
-  }
-
   AxisPlant plant_;
-  ContactSettings wall_;
   double mass_kg_ = 0.0;
   double distance_m_ = 0.0;
   double push_N_ = 0.0;

@@ -366,13 +366,14 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
       return read;
     };
     const MetricExpression from = parse("from_s", row.from_s), to = parse("to_s", row.to_s);
-    parse("before_s", row.before_s);
+    const MetricExpression before = parse("before_s", row.before_s);
     own.blame("level", [&] { MetricExpression(row.level, number, events); });
     own.blame("lower", [&] { MetricExpression(row.lower, number, events); });
     if (kind_of(row).name != "time_outside") parse("level", row.level);
-    if (numbers_.contains(row.from_s) && numbers_.contains(row.to_s) &&
-        to.value() <= from.value()) {
-      config.fail(row.to_s, "must be later than " + row.from_s);
+    for (const auto& [end, time] : {std::pair(row.to_s, to), std::pair(row.before_s, before)}) {
+      if (numbers_.contains(row.from_s) && numbers_.contains(end) && time.value() <= from.value()) {
+        config.fail(end, "must be later than " + row.from_s);
+      }
     }
     if (!places_[i].is_shipped && row.to_s != kZero && from.is_constant() && to.is_constant() &&
         to.value() <= from.value()) {

@@ -109,7 +109,11 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
       const double* force_N = &geoms->force_N();
       contacts_.push_back({std::move(geoms), force_N, nullptr});
     }
-    if (plant.tip && plant.tip->contact == one.name) contact_force_ = contacts_.back().force_N;
+    if (!plant.tip || plant.tip->contact != one.name) continue;
+    const WallContact* const wall = contacts_.back().wall;
+    if (!one.is_of_engine() || plant.tip->touch.empty()) contact_force_ = contacts_.back().force_N;
+    // The contact may begin at a later stage of a step.
+    touch_ = wall != nullptr ? &wall->impulse_Ns() : contacts_.back().force_N;
   }
   std::vector<Eigen::Index> driven;
   for (const DrivenAxis& axis : axes_) {
@@ -136,17 +140,19 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
   simulation_->set_velocity(qvel);
   for (const ContactSettings& one : plant.contacts) {
     if (one.begins_solid()) continue;
-    simulation_->set_collidable(geom_id(simulation_->model(), one.geom_2), false);
+    const int wall = geom_id(simulation_->model(), one.geom_2);
+    solid_from_ = plant.physics.step_at(one.solid_from_s);
+    if (one.is_of_engine()) collides_ = wall;
+    simulation_->set_collidable(wall, false);
   }
-  if (plant.tip && !plant.tip->touch.empty() && wall() == nullptr) {
+  if (contact_force_ == nullptr && plant.tip && !plant.tip->touch.empty()) {
     contact_force_ = &simulation_->sensor(plant.tip->touch);
   }
 }
 
-void AxisRig::set_solid(bool is_solid) {
-  if (wall() != nullptr) return contacts_.front().wall->set_solid(is_solid);
-  simulation_->set_collidable(geom_id(simulation_->model(), plant_.contacts.front().geom_2),
-                              is_solid);
+void AxisRig::set_solid() {
+  if (wall() != nullptr) contacts_.front().wall->set_solid(true);
+  if (collides_) simulation_->set_collidable(*collides_, true);
 }
 
 void AxisRig::Drives::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
@@ -160,6 +166,7 @@ void AxisRig::Drives::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
 void AxisRig::step() {
   const std::int64_t k = simulation_->steps();
   const double time_s = simulation_->time_of(k);
+  if (k == solid_from_) set_solid();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     DrivenAxis& axis = axes_[i];
     axis.reference = plant_.axes[i].reference.at(time_s);
@@ -178,8 +185,10 @@ void AxisRig::step() {
   }
   if (plant_.tip) force_reference_ = plant_.tip->reference.at(time_s);
   simulation_->step();
-  if (contact_force_N() > 0.0 && time_s >= plant_.tip->reference.from_s) {
+  if (*touch_ > 0.0 && time_s >= plant_.tip->reference.from_s) {
     first_contact_s_ = std::min(first_contact_s_, time_s);
+  } else if (time_s >= first_contact_s_) {
+    first_separation_s_ = std::min(first_separation_s_, time_s);
   }
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     DrivenAxis& axis = axes_[i];
@@ -250,8 +259,9 @@ Recording AxisRig::run(const RunControl& control, const MetricRows& rows, RigRun
   for (const std::vector<Signal>* more : {&run.fine, &run.signals}) {
     run.for_metrics.insert(run.for_metrics.end(), more->begin(), more->end());
   }
-  run.events.emplace("first_contact", &first_contact_s_);
-  MetricValues values(rows, run.for_metrics, duration_s, run.events);
+  MetricValues values(
+      rows, run.for_metrics, duration_s,
+      {{"first_contact", &first_contact_s_}, {"first_separation", &first_separation_s_}});
   std::optional<Track> fine;
   if (fine_to > fine_from) {
     fine.emplace("physics", std::move(run.fine), static_cast<std::size_t>(fine_to - fine_from),
@@ -261,7 +271,6 @@ Recording AxisRig::run(const RunControl& control, const MetricRows& rows, RigRun
   std::int64_t samples = 0, saturated = 0;
   const auto whole_step = [&](std::int64_t k) {
     drives_.set_watched(control.logs || values.watches(simulation_->time_of(k)));
-    if (run.before_step) run.before_step(k);
     step();
     if (run.after_step) run.after_step();
     if (k >= fine_from && k < fine_to) fine->append(simulation_->time_s());

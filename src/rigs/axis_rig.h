@@ -32,11 +32,9 @@ struct RigRun {
   std::vector<Signal> signals;      ///< logged at the control rate
   std::vector<Signal> for_metrics;  ///< not logged; the first of a name counts
   std::vector<Signal> fine;         ///< logged at the physics rate from AxisPlant::fine_from_s on
-  MetricExpression::Events events;  ///< besides `first_contact`
   /// Otherwise those of the axes and of the tip, and the limits of the drives.
   std::optional<std::vector<Judged>> judged;
   std::vector<std::size_t> loops;  ///< the axes whose loops `breakwater analyze` knows
-  std::function<void(std::int64_t step)> before_step;
   std::function<void()> after_step;
   bool samples_end = true;  ///< with a sample at the end
 
@@ -138,7 +136,7 @@ class AxisRig {
   const double& contact_force_N() const {
     return contact_force_ != nullptr ? *contact_force_ : kNothing;
   }
-  /// The first contact, if it is there and not the engine's.
+  /// The first contact, if it is there and not the engine's alone.
   const WallContact* wall() const { return contacts_.empty() ? nullptr : contacts_.front().wall; }
   /// The time of the tip's first contact since its reference counts; infinite: there was none.
   const double& first_contact_s() const { return first_contact_s_; }
@@ -148,9 +146,6 @@ class AxisRig {
   }
   /// Judges this error in a window.
   RigRun::Judged judged_force(const TimeWindow& window) const;
-  /// Switches the first contact on or off.
-  void set_solid(bool is_solid);
-
   /// Runs for the duration of the settings. It warns if a reference is not held, or if a drive is
   /// at its limit in most samples.
   Recording run(const RunControl& control, const MetricRows& rows, RigRun run);
@@ -183,7 +178,7 @@ class AxisRig {
   struct Contact {
     std::unique_ptr<StagedForce> part;
     const double* force_N;
-    WallContact* wall;  // null: the contact is the engine's
+    WallContact* wall;  // null: the contact is the engine's alone
   };
 
   // Passes the commands of the driven axes on to the model's actuators.
@@ -205,19 +200,24 @@ class AxisRig {
     Eigen::VectorXd command_;
   };
 
+  void set_solid();  // the contact that begins off
   std::vector<RigRun::Judged> judged() const;
 
   static constexpr double kNothing = 0.0;
 
   AxisPlant plant_;
   int steps_per_sample_;
+  std::int64_t solid_from_ = -1;  // step at which the contact that begins off comes on ...
+  std::optional<int> collides_;   // ... and its wall, if it is the engine's
   Drives drives_;
   std::vector<DrivenAxis> axes_;
   std::vector<Push> pushes_;
   std::vector<Contact> contacts_;
   const double* contact_force_ = nullptr;  // the tip's; null: not known
+  const double* touch_ = &kNothing;        // positive in a step in which the tip touches
   double force_reference_ = 0.0;
   double first_contact_s_ = std::numeric_limits<double>::infinity();
+  double first_separation_s_ = first_contact_s_;
   std::unique_ptr<Simulation> simulation_;
   bool has_motors_;                // with electric parts: then each drive has one
   std::size_t positions_of_file_;  // added rotors come behind them; pictures do not have them

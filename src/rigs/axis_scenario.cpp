@@ -132,7 +132,7 @@ void AxisScenario::check(const Config& config) {
     }
   }
   const bool has_contact = plant_.tip && plant_.tip->contact != TipSettings::kNone;
-  if (has_contact) context.events.push_back("first_contact");
+  if (has_contact) context.events = {"first_contact", "first_separation"};
   rows_.check(
       config, [this] { return fields(); }, plant_.physics, context);
   warnings_ = plant().warnings();

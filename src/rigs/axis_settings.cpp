@@ -453,7 +453,7 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
 
 Model AxisPlant::load_model(const Config* config) const {
   // Contacts may name what is decoration in the file.
-  std::vector<std::string> named = geoms;
+  std::vector<std::string> named;
   for (const ContactSettings& one : contacts) named.insert(named.end(), {one.geom_1, one.geom_2});
   Model model = [&] {
     try {
@@ -498,7 +498,6 @@ Model AxisPlant::load_model(const Config* config) const {
     const auto apply = [&] { one.prepare(model); };
     config != nullptr ? config->under(one.prefix()).blame("law", apply) : apply();
   }
-  if (prepare) prepare(model);
   return model;
 }
 

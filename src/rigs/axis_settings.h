@@ -209,9 +209,6 @@ struct AxisPlant {
   /// The keyframe of the start pose; kNone: the pose of the model's joints.
   std::string keyframe = Axis::kNone;
   std::vector<AxisSettings> axes;
-  /// Geoms that the run looks up or makes collide; see Model::load_physics().
-  std::vector<std::string> geoms;
-  std::function<void(Model&)> prepare;  ///< last changes of the model; may be empty
   // A plant with named axes has keys for these.
   std::vector<PushSettings> pushes;
   std::vector<ContactSettings> contacts;

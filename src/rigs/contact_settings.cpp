@@ -170,25 +170,24 @@ std::pair<std::string, std::string> ContactSettings::geoms(const Model& model) c
 
 void ContactSettings::prepare(Model& model) const {
   const auto [geom, plane] = geoms(model);
+  if (x_m) place_wall(model, plane, x_m(model));
   if (angle_rad_ != 0.0) tilt_wall(model, plane, angle_rad_);
   const std::unique_ptr<ContactForceLaw> law = make_law();
   if (const KelvinVoigt* engine = law ? law->for_engine() : nullptr) {
     author_contact(model, geom_id(model, geom), geom_id(model, plane), *engine);
   }
-  if (make(model)) model.separate(geom_id(model, geom), geom_id(model, plane));
+  const std::unique_ptr<WallContact> contact = make(model);
+  if (contact && !is_of_engine()) model.separate(geom_id(model, geom), geom_id(model, plane));
 }
 
-void ContactSettings::animate(Model& model, double x_m, double time_s) const {
+void ContactSettings::animate(Model& model, double time_s) const {
   if (motion_.kind == WallMotionKind::fixed || motion_.kind == WallMotionKind::free) return;
   // Along x: the plane is the same as if it moved along its normal.
-  place_wall(model, geom_2, x_m + motion().at(time_s).position_m / math::cos(angle_rad_));
+  place_wall(model, geom_2, x_m(model) + motion().at(time_s).position_m / math::cos(angle_rad_));
 }
 
 std::unique_ptr<WallContact> ContactSettings::make(const Model& model) const {
-  return is_of_engine() ? nullptr : measure(model);
-}
-
-std::unique_ptr<WallContact> ContactSettings::measure(const Model& model) const {
+  if (is_of_engine() && !is_measured) return nullptr;
   const auto [sphere, plane] = geoms(model);
   auto contact =
       std::make_unique<WallContact>(model, sphere, plane, make_law(), motion(), friction_);

@@ -1,6 +1,7 @@
 // A contact of a mechanism: its law, and the wall's motion and tilt.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -45,6 +46,9 @@ class ContactSettings {
   /// The name of its signal `what`.
   std::string signal(const std::string& what) const { return "contact_" + name + "_" + what; }
   bool begins_solid() const { return !name.empty(); }
+  double solid_from_s = 0.0;                ///< if it begins off
+  bool is_measured = false;                 ///< by its geometry too, if it is the engine's
+  std::function<double(const Model&)> x_m;  ///< where the plane stands; null: as in the file
   /// Whether the contact is MuJoCo's own: then the wall collides, and stands.
   bool is_of_engine() const;
   /// Whether it is that of the model file.
@@ -63,15 +67,13 @@ class ContactSettings {
 
   /// The names of the geoms. The plane comes last, if there is one.
   std::pair<std::string, std::string> geoms(const Model& model) const;
-  /// Makes the model's contact that of the law, and tilts the wall with the geoms that belong to
-  /// it. Throws std::invalid_argument if it cannot.
+  /// Makes the model's contact that of the law, and places and tilts the wall with the geoms that
+  /// belong to it. Throws std::invalid_argument if it cannot.
   void prepare(Model& model) const;
-  /// Moves them from x to where they are at a time; a free wall stays where it rests.
-  void animate(Model& model, double x_m, double time_s) const;
-  /// The contact as a force; null: it is the engine's.
+  /// Moves them from x_m() to where they are at a time; a free wall stays where it rests.
+  void animate(Model& model, double time_s) const;
+  /// The contact as a force, or as it is measured; null: it is the engine's alone.
   std::unique_ptr<WallContact> make(const Model& model) const;
-  /// The same, which measures the engine's contact if it is that.
-  std::unique_ptr<WallContact> measure(const Model& model) const;
 
   static constexpr const char* kOfModel = "model";
 
