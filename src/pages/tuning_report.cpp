@@ -79,7 +79,7 @@ PageData points_table(const std::vector<std::string>& columns, const std::vector
     const bool is_end = column.ends_with("_fresh_lower") || column.ends_with("_fresh_upper");
     const bool has_any = std::ranges::any_of(rows, [&](const FrontRow& row) {
       const std::string text = row.cells.at(column);
-      return !text.empty() && (column != "fresh_failures" || text != "0");
+      return !text.empty() && (!column.starts_with("fresh_") || text != "0");
     });
     if (is_end || !has_any || column == "evaluation") continue;
     shown.push_back(column);
@@ -115,6 +115,15 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
                   : ranking_sentence(*ranking));
   }
   if (!table.rows.empty()) add_block(lead, "command", run + table.rows.front().label + ".toml");
+  const auto broken = std::ranges::count_if(table.rows, [](const FrontRow& row) {
+    const std::string violation = row.cells.at("fresh_violation");
+    return !violation.empty() && violation != "0";
+  });
+  if (broken > 0) {
+    add_block(lead, "finding",
+              fmt::format("On fresh worlds {} of {} break a constraint: see fresh_violation.",
+                          broken, table.rows.size()));
+  }
   auto blocks = PageData::array();
   const auto add = [&blocks](const char* name, const PageData& value) {
     add_block(blocks, name, value);

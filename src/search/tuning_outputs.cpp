@@ -177,7 +177,10 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
   };
   for (const Objective& one : tuning.objectives) add(one.metric);
   for (const Constraint& one : tuning.constraints) add(one.metric + "_constraint");
-  if (tuning.validation) table.columns.emplace_back("fresh_failures");
+  if (tuning.validation) {
+    table.columns.emplace_back("fresh_failures");
+    if (!tuning.constraints.empty()) table.columns.emplace_back("fresh_violation");
+  }
   if (!tuning.has_front()) table.columns.emplace_back("at_bound");
 
   std::vector<std::size_t> order = tuned_order(tuning, result, ranking);
@@ -206,6 +209,7 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
       if (point.fresh) {
         put_all(*point.fresh, "_fresh");
         cells.put("fresh_failures", std::to_string(point.fresh->failures));
+        if (point.fresh->failures == 0) cells.put("fresh_violation", point.fresh->violation);
       }
       table.rows.push_back({c, point.evaluation,
                             tuning.has_front() ? number : result.fronts[c].case_name,

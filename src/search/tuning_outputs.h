@@ -36,8 +36,9 @@ struct FrontTable {
 /// Columns: `case`, `front` (its number, or with one objective `place` in the ranking),
 /// `evaluation`, every searched key, and METRIC of each objective as tuned. A validation adds
 /// METRIC_fresh, METRIC_fresh_lower and METRIC_fresh_upper. Constraints have the same columns as
-/// METRIC_constraint…. Then come `fresh_failures`, and with one objective `at_bound`. Cells that do
-/// not apply are empty.
+/// METRIC_constraint…. Then come `fresh_failures`, `fresh_violation` (how far fresh constraints are
+/// beyond their bounds, relative to these; 0: all hold), and with one objective `at_bound`. Cells
+/// that do not apply are empty.
 FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
                        const std::optional<Ranking>& ranking);
 
