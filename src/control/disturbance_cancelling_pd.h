@@ -2,63 +2,37 @@
 // ratio control of two inertias.
 #pragma once
 
-#include <Eigen/Core>
-#include <limits>
 #include <memory>
-#include <vector>
+#include <utility>
 
-#include <breakwater/control/controller.h>
-#include <breakwater/control/reference.h>
-#include <breakwater/observers/disturbance_estimator.h>
-#include <breakwater/observers/observer_poles.h>
+#include <breakwater/control/estimating_control.h>
 #include <breakwater/plants/motor_and_load.h>
-#include <breakwater/signals/axis_units.h>
 
 namespace breakwater {
 
 struct DisturbanceCancellingPdDesign {
-  double k_p = 0.0;                                              ///< K_p, force per position
-  double k_d = 0.0;                                              ///< K_d, force per velocity
-  double cancelled_share = 1.0;                                  ///< κ, the cancelled part of d̂
-  Reference reference;                                           ///< y_ref
-  double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
-  double period_s = 0.0;                                         ///< T_s
-  AxisUnits units;
-  Eigen::VectorXd start_state = Eigen::Vector2d::Zero();  ///< start of the estimator, n
+  double k_p = 0.0;              ///< K_p, force per position
+  double k_d = 0.0;              ///< K_d, force per velocity
+  double cancelled_share = 1.0;  ///< κ, the cancelled part of d̂
+  AxisLoopDesign loop;           ///< with y_ref
 };
 
-/// State feedback of one axis with an estimator:
+/// State feedback of one axis:
 ///     u(k) = K_p (y_ref − ŷ(k)) − K_d v̂(k) + κ d̂(k)   (Eqs. 4.10, 4.22 with κ = 1).
-/// The estimates are those of the same sample. The estimator gets u after the drive's force limit.
-/// All other effects of the drive are part of d̂.
-///
-/// Expects the measured position as the first entry of a sample.
-class DisturbanceCancellingPd final : public Controller {
+class DisturbanceCancellingPd final : public EstimatingControl {
  public:
-  /// Throws std::invalid_argument unless period and limit are positive and the estimator has one
-  /// axis.
+  /// Throws std::invalid_argument as EstimatingControl does.
   DisturbanceCancellingPd(std::shared_ptr<DisturbanceEstimator> estimator,
-                          const DisturbanceCancellingPdDesign& design);
-
-  void reset(const Sample& first) override;
-  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
-  std::span<const Signal> signals() const override { return signals_; }
-  /// Without a reader, the estimator's poles are not computed.
-  void set_watched(bool is_watched) override { is_watched_ = is_watched; }
-
-  double reference() const { return reference_; }
-  double position() const { return estimator_->state()(0); }
-  double velocity() const { return estimator_->state()(1); }
-  double disturbance() const { return estimator_->disturbance()(0); }
+                          const DisturbanceCancellingPdDesign& design)
+      : EstimatingControl(std::move(estimator), design.loop), design_(design) {}
 
  private:
-  std::shared_ptr<DisturbanceEstimator> estimator_;
+  double input(const Sample&) override {
+    return design_.k_p * (reference() - state()(0)) - design_.k_d * state()(1) +
+           design_.cancelled_share * disturbance();
+  }
+
   DisturbanceCancellingPdDesign design_;
-  ObserverPoles poles_;
-  bool is_watched_ = true;
-  double reference_ = 0.0;
-  Eigen::VectorXd held_input_;
-  std::vector<Signal> signals_;
 };
 
 /// u = K_p (r − q_m) − K_d q̇_m + τ̂ − K_r τ̂, where τ̂ is the disturbance of the motor alone: the

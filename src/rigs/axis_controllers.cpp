@@ -26,12 +26,8 @@ struct PdSettings {
   }
   std::unique_ptr<Controller> make(const AxisTask& task, SharedEstimator estimator) const {
     DisturbanceCancellingPdDesign design = given;
-    design.reference = task.measured_reference();
-    design.force_limit = task.axis.force_limit;
-    design.period_s = task.axis.period_s;
-    design.units = task.axis.units;
-    design.start_state = task.start();
-    return std::make_unique<DisturbanceCancellingPd>(std::move(estimator), std::move(design));
+    design.loop = task.loop(task.measured_reference());
+    return std::make_unique<DisturbanceCancellingPd>(std::move(estimator), design);
   }
 };
 
@@ -71,11 +67,7 @@ struct StateFeedbackSettings {
                                .E = axis.E.size() == 0 ? Eigen::VectorXd(axis.plant.B) : axis.E,
                                .controlled = axis.controlled,
                                .K = {},
-                               .reference = task.modelled_reference(),
-                               .force_limit = axis.force_limit,
-                               .period_s = axis.period_s,
-                               .units = axis.units,
-                               .start_state = task.start()};
+                               .loop = task.loop(task.modelled_reference())};
     design.K = blame("controller.poles_rad_s", [&] {
       return place_feedback_poles(axis.plant, {poles_rad_s.begin(), poles_rad_s.end()},
                                   axis.period_s);
@@ -136,8 +128,8 @@ struct Regulator : RegulatorSettings {
       throw std::invalid_argument(
           "needs samples with the true state (sensor.true_state in a plant): choose lqr_observer");
     }
-    return std::make_unique<LqrControl>(std::move(estimator), regulator(task.axis).K, task.start(),
-                                        uses_true_state, task.axis.force_limit);
+    return std::make_unique<LqrControl>(std::move(estimator), task.loop({}, false),
+                                        regulator(task.axis).K, uses_true_state);
   }
 };
 
@@ -309,11 +301,8 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
   }
   if (softens_velocity_first) std::reverse(lmpc.state_bounds.begin(), lmpc.state_bounds.end());
   design.samples_per_move = static_cast<int>(std::lround(period_s / axis.period_s));
-  design.reference = task.modelled_reference();
-  design.start_state = task.start();
+  design.loop = task.loop(task.modelled_reference(), false);
   design.controlled = axis.controlled;
-  design.units = axis.units;
-  design.force_limit = axis.force_limit;
 
   const Lmpc trial = blame("controller.prediction_steps", [&] { return Lmpc(lmpc); });
   if (!trial.inputs_are_feasible(Eigen::VectorXd::Zero(1))) {

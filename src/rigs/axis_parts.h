@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/control/reference.h>
+#include <breakwater/control/estimating_control.h>
 #include <breakwater/linear/state_space.h>
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/disturbance_model.h>
@@ -92,6 +92,11 @@ struct AxisTask {
       x.tail<2>() = start_state * (axis.measured == Side::motor ? 1.0 / ratio : ratio);
     }
     return x;
+  }
+  /// The loop of its controller. `has_poles`: the log has the estimator's poles.
+  AxisLoopDesign loop(Reference followed, bool has_poles = true) const {
+    return {std::move(followed), axis.force_limit, has_poles ? axis.period_s : 0.0, axis.units,
+            start()};
   }
 };
 

@@ -194,9 +194,7 @@ std::unique_ptr<DisturbanceEstimator> idob(const StateSpace& plant) {
 DisturbanceCancellingPdDesign design() {
   return {.k_p = 10.0,
           .k_d = 5.0,
-          .reference = {0.5, 1.0},
-          .period_s = kPeriod,
-          .units = rotation_units()};
+          .loop = {.reference = {0.5, 1.0}, .period_s = kPeriod, .units = rotation_units()}};
 }
 
 // Runs the loop on the exactly sampled plant with a constant disturbance. Returns the last state.
@@ -221,25 +219,25 @@ TEST(DisturbanceCancellingPd, ReachesItsReferenceUnderAnyDisturbance) {
     DisturbanceCancellingPd controller(idob(damped_inertia(1.0, 0.0)), design());
     const Eigen::Vector2d x = run_loop(controller, d, INFINITY, 1500);
     EXPECT_NEAR(x(0), 0.5, 1e-9) << d;
-    EXPECT_NEAR(controller.disturbance(), d, 1e-9);
+    EXPECT_NEAR(controller.estimator().disturbance()(0), d, 1e-9);
   }
 }
 
 TEST(DisturbanceCancellingPd, PassesTheDriveLimitsToTheEstimator) {
   // The drive's limit is too small for d = 5. The estimate must stay bounded.
   auto limited = design();
-  limited.force_limit = 2.0;
+  limited.loop.force_limit = 2.0;
   DisturbanceCancellingPd controller(idob(damped_inertia(1.0, 0.0)), limited);
   run_loop(controller, 5.0, 2.0, 300);
-  EXPECT_NEAR(controller.disturbance(), 5.0, 1e-3);
+  EXPECT_NEAR(controller.estimator().disturbance()(0), 5.0, 1e-3);
 }
 
 TEST(DisturbanceCancellingPd, RefusesNonsense) {
   auto bad = design();
-  bad.force_limit = 0.0;
+  bad.loop.force_limit = 0.0;
   EXPECT_REFUSED(DisturbanceCancellingPd(idob(damped_inertia(1.0, 0.0)), bad));
   bad = design();
-  bad.period_s = 0.0;
+  bad.loop.period_s = -1.0;
   EXPECT_REFUSED(DisturbanceCancellingPd(idob(damped_inertia(1.0, 0.0)), bad));
   const StateSpace two{Eigen::MatrixXd::Zero(3, 3), Eigen::Vector3d(0, 0, 1),
                        Eigen::RowVector3d(1, 0, 0)};

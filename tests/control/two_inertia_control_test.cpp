@@ -54,10 +54,11 @@ StateFeedbackDesign feedback(Side side) {
   StateFeedbackDesign design{.plant = motor_and_load(kPlant, side),
                              .E = load_torque_input(kPlant, side),
                              .controlled = side == Side::load ? 0 : 2,
-                             .reference = {0.5, 0.0},
-                             .period_s = kPeriod,
-                             .units = rotation_units(),
-                             .start_state = Eigen::VectorXd::Zero(4)};
+                             .K = {},
+                             .loop = {.reference = {0.5, 0.0},
+                                      .period_s = kPeriod,
+                                      .units = rotation_units(),
+                                      .start_state = Eigen::VectorXd::Zero(4)}};
   design.K = place_feedback_poles(design.plant, {-40.0, -45.0, -50.0, -55.0}, kPeriod);
   return design;
 }
@@ -116,9 +117,7 @@ TEST(ResonanceRatio, LoadFollowsTheClosedForm) {
       {.k_p = gains.k_p,
        .k_d = gains.k_d,
        .cancelled_share = gains.cancelled_share(),
-       .reference = {1.0, 0.0},
-       .period_s = kFast,
-       .units = rotation_units()});
+       .loop = {.reference = {1.0, 0.0}, .period_s = kFast, .units = rotation_units()}});
   double largest = 0.0;
   run_loop(controller, Side::motor, 0.0, 0.0, 0.4, 0.0, kFast,
            [&](double t, const Eigen::VectorXd& x) {
@@ -155,9 +154,8 @@ TEST(StateFeedback, PlacesThePolesOfTheClosedLoop) {
 
 TEST(StateFeedback, OfOneInertiaIsPdControl) {
   const StateSpace plant = damped_inertia(0.03, 0.1);
-  StateFeedbackDesign design{.plant = plant, .E = plant.B, .period_s = kPeriod};
+  StateFeedbackDesign design{.plant = plant, .E = plant.B};
   design.K = Eigen::RowVector2d(7.0, 0.9);
-  design.start_state = Eigen::Vector2d::Zero();
   const StateFeedback controller(
       std::make_shared<Idob>(plant, std::vector<PoleGroup>{{-20.0, -25.0, -30.0}}, kPeriod),
       design);
@@ -184,10 +182,10 @@ TEST(StateFeedback, LoadReachesItsReferenceUnderALoadTorque) {
 TEST(PredictiveControl, BringsTheLoadOfTwoInertiasToItsReference) {
   const ExtendedPlant plant = extended(Side::motor);
   PredictiveControlDesign design{.samples_per_move = 1,
-                                 .reference = {0.5, 0.0},
-                                 .start_state = Eigen::VectorXd::Zero(4),
                                  .controlled = 2,
-                                 .units = rotation_units()};
+                                 .loop = {.reference = {0.5, 0.0},
+                                          .units = rotation_units(),
+                                          .start_state = Eigen::VectorXd::Zero(4)}};
   design.lmpc.A = plant.sampled.A;
   design.lmpc.B = plant.sampled.B;
   design.lmpc.prediction_steps = 60;
@@ -210,11 +208,11 @@ TEST(StateFeedback, RefusesWhatDoesNotFit) {
   };
   refused([](StateFeedbackDesign& d) { d.K = Eigen::RowVector2d::Ones(); });
   refused([](StateFeedbackDesign& d) { d.E = Eigen::Vector2d::Ones(); });
-  refused([](StateFeedbackDesign& d) { d.start_state = Eigen::Vector2d::Zero(); });
+  refused([](StateFeedbackDesign& d) { d.loop.start_state = Eigen::Vector2d::Zero(); });
   refused([](StateFeedbackDesign& d) { d.controlled = 4; });
   refused([](StateFeedbackDesign& d) { d.controlled = 1; });  // no rest at a velocity
-  refused([](StateFeedbackDesign& d) { d.force_limit = 0.0; });
-  refused([](StateFeedbackDesign& d) { d.period_s = 0.0; });
+  refused([](StateFeedbackDesign& d) { d.loop.force_limit = 0.0; });
+  refused([](StateFeedbackDesign& d) { d.loop.period_s = -1.0; });
 }
 
 TEST(MultipleModelBank, RefusesAPlantOfAnotherShape) {

@@ -61,12 +61,11 @@ void bind_predictive_control(py::module_& module) {
   choice<DisturbanceUse>(module, "DisturbanceUse none predict cancel cancel_within_bounds");
   choice<CancelAt>(module, "CancelAt sample decision");
   record(module, "Reference value", &Reference::value);
+  using A = AxisLoopDesign;
+  record(module, "AxisLoopDesign reference force_limit", &A::reference, &A::force_limit);
   using P = PredictiveControlDesign;
-  record(module,
-         "PredictiveControlDesign lmpc disturbance_use cancel_at samples_per_move reference "
-         "start_state force_limit",
-         &P::lmpc, &P::disturbance_use, &P::cancel_at, &P::samples_per_move, &P::reference,
-         &P::start_state, &P::force_limit);
+  record(module, "PredictiveControlDesign lmpc disturbance_use cancel_at samples_per_move loop",
+         &P::lmpc, &P::disturbance_use, &P::cancel_at, &P::samples_per_move, &P::loop);
   py::class_<Controller>(module, "Controller")
       .def("reset",
            [](Controller& law, const Eigen::VectorXd& y) {
@@ -93,8 +92,8 @@ void bind_predictive_control(py::module_& module) {
   py::class_<LqrControl, Controller>(module, "LqrControl")
       .def(py::init([](double period_s, const Eigen::RowVectorXd& K, bool uses_true_state,
                        double force_limit) {
-        return std::make_unique<LqrControl>(idob(period_s), K, Eigen::Vector2d::Zero(),
-                                            uses_true_state, force_limit);
+        return std::make_unique<LqrControl>(
+            idob(period_s), AxisLoopDesign{.force_limit = force_limit}, K, uses_true_state);
       }))
       .def("disturbance", [disturbance](const LqrControl& law) { return disturbance(law); });
 }

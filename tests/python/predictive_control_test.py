@@ -204,12 +204,12 @@ class ContactProblem(unittest.TestCase):
 PERIOD_S, SAMPLES_PER_MOVE, LIMIT, DISTURBANCE = 0.01, 10, 2, 5
 
 
-def predictive(use, lmpc_fields={}, **fields):
+def predictive(use, lmpc_fields={}, force_limit=INF, **fields):
     plant = bw.zero_order_hold(*bw.damped_inertia(1, 0.5), PERIOD_S * SAMPLES_PER_MOVE)
     lmpc = design_of(20, 5, A=plant.A, B=plant.B, **lmpc_fields)
     return methods.PredictiveControl(methods.PredictiveControlDesign(
-        lmpc=lmpc, disturbance_use=use, samples_per_move=SAMPLES_PER_MOVE, reference=methods.Reference(value=1),
-        start_state=np.zeros(2), **fields), PERIOD_S)
+        lmpc=lmpc, disturbance_use=use, samples_per_move=SAMPLES_PER_MOVE,
+        loop=methods.AxisLoopDesign(reference=methods.Reference(value=1), force_limit=force_limit), **fields), PERIOD_S)
 
 
 def largest_command(controller, drive_limit, noise, samples):
@@ -237,8 +237,8 @@ class Controllers(unittest.TestCase):
             near(controller.disturbance(), DISTURBANCE, atol=1e-3)
             if isinstance(controller, methods.LqrControl):
                 signals = controller.signals()
-                self.assertEqual(signals[0][0], "position_hat_m")
-                self.assertEqual(signals[2][1], list(controller.disturbance()))
+                self.assertEqual(signals[1][0], "position_hat_m")
+                self.assertEqual(signals[3][1], list(controller.disturbance()))
         self.assertRaises(ValueError, predictive, DisturbanceUse.cancel, force_limit=0)
         self.assertRaises(ValueError, methods.LqrControl, PERIOD_S, K[0], False, 0)
 

@@ -1,0 +1,46 @@
+#include <breakwater/control/estimating_control.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include <breakwater/control/estimate_signals.h>
+
+namespace breakwater {
+
+EstimatingControl::EstimatingControl(std::shared_ptr<DisturbanceEstimator> estimator,
+                                     const AxisLoopDesign& design)
+    : estimator_(std::move(estimator)), design_(design) {
+  if (state().size() != design.start_state.size() || estimator_->disturbance().size() != 1) {
+    throw std::invalid_argument("control of an axis: the estimator must be for the same plant");
+  }
+  if (!(design.force_limit > 0.0)) {
+    throw std::invalid_argument("control of an axis: the force limit must be positive");
+  }
+  const AxisUnits& units = design.units;
+  publish({{"reference_" + units.position_suffix, units.position, "r", view(reference_)}});
+  publish(estimate_signals(*estimator_, units));
+  publish(signals_of(*estimator_, units.position));
+  if (design.period_s == 0.0) return;
+  poles_.emplace(*estimator_, design.period_s);
+  publish({poles_->signals().begin(), poles_->signals().end()});
+}
+
+void EstimatingControl::publish(const std::vector<Signal>& signals) {
+  signals_.insert(signals_.end(), signals.begin(), signals.end());
+}
+
+void EstimatingControl::reset(const Sample&) {
+  estimator_->reset(design_.start_state);
+  held_input_.setZero();
+}
+
+void EstimatingControl::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+  estimator_->update(held_input_, y.y.head<1>());
+  if (is_watched_ && poles_) poles_->update();
+  reference_ = design_.reference.at(y.time_s);
+  u(0) = input(y);
+  held_input_(0) = std::clamp(u(0), -design_.force_limit, design_.force_limit);
+}
+
+}  // namespace breakwater
