@@ -151,122 +151,99 @@ double known_vertical_force(const Eigen::Vector4d& thrusts,
   return thrusts.sum() * up - parameters.net_weight_N();
 }
 
-class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> {
+// The standard deviation and the frequency of the vertical force.
+double std_N(const std::array<Resonator, 1>& one) {
+  return one[0].std;
+}
+double std_N(const ResonatorPair& pair) {
+  return total_std(pair);
+}
+double frequency_rad_s(const std::array<Resonator, 1>& one) {
+  return one[0].omega_rad_s;
+}
+double frequency_rad_s(const ResonatorPair& pair) {
+  return mean_frequency(pair);
+}
+
+// K resonators per axis. A WaveForceBank on the vertical axis, if it is there, adapts a pair to the
+// sea state, or the frequency of one.
+template <int K, int Order>
+class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>> {
  public:
-  ResonatorEstimator(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model,
-                     const WaveResonators& process, const NonlinearKalmanDesign<24, 6>& kalman)
-      : FilterEstimator(process, kalman),
-        guess_rad_s_(design.wave_frequency_rad_s),
-        force_std_N_(design.resonator.force_std_N),
-        damping_(design.resonator.damping),
-        parameters_(model.parameters()) {
-    if (design.estimates_wave_frequency) bank_.emplace(frequency_bank(design, model));
-  }
+  using Process = WaveForces<K, Order>;
+  using Base = FilterEstimator<Ukf<Process, 6>>;
 
-  void reset(const Vector6d& pose) override {
-    FilterEstimator::reset(pose);
-    if (!bank_) return;
-    bank_->reset(pose(2));
-    assume(guess_rad_s_);
-  }
-
-  void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
-    if (bank_) {
-      bank_->update(known_vertical_force(held_thrusts, motion(), parameters_), pose(2));
-      assume(wave_frequency_rad_s());
-    }
-    FilterEstimator::update(held_thrusts, pose);
-  }
-
-  Eigen::Vector4d thrust_disturbance() const override { return Eigen::Vector4d::Zero(); }
-  Eigen::Vector3d force() const override {
-    return filter_.x().segment<3>(12) + filter_.x().segment<3>(15);
-  }
-  Eigen::Vector3d force_ahead(double ahead_s) const override {
-    const Eigen::RowVector2d free =
-        resonator_step(wave_frequency_rad_s(), damping_, ahead_s).row(0);
-    const auto& x = filter_.x();
-    return free(0) * x.segment<3>(12) + free(1) * x.segment<3>(21) + x.segment<3>(15);
-  }
-  bool models_world_force() const override { return true; }
-  bool models_disturbance() const override { return true; }
-  double wave_force_std_N() const override { return force_std_N_; }
-  double wave_frequency_rad_s() const override {
-    return bank_ && !bank_->is_settling() ? mean_frequency(bank_->resonators()) : guess_rad_s_;
-  }
-
- private:
-  void assume(double omega_rad_s) {
-    filter_.change_process([&](WaveResonators& p) { p.set_frequency(omega_rad_s); });
-    filter_.set_process_noise(filter_.process().Q());
-  }
-
-  double guess_rad_s_;
-  double force_std_N_;
-  double damping_;
-  QuadrotorParameters parameters_;
-  std::optional<WaveForceBank> bank_;  // if the frequency is estimated
-};
-
-// Two resonators per axis. A WaveForceBank on the vertical axis adapts them to the sea state.
-class SpectrumEstimator final : public FilterEstimator<Ukf<WaveForces<2, 2>, 6>> {
- public:
-  using Process = WaveForces<2, 2>;
-
-  SpectrumEstimator(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model,
-                    const WaveForceBank& bank, const Process& process,
-                    const NonlinearKalmanDesign<Process::kStates, 6>& kalman)
-      : FilterEstimator(process, kalman),
+  WaveEstimator(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model,
+                const std::optional<WaveForceBank>& bank,
+                const typename Process::Resonators& resonators, const Process& process,
+                const NonlinearKalmanDesign<Process::kStates, 6>& kalman)
+      : Base(process, kalman),
         bank_(bank),
+        first_(resonators),
+        resonators_(resonators),
         parameters_(model.parameters()),
         torque_walk_Nm_(design.resonator.torque_std_Nm),
         torque_walk_per_force_m_(design.torque_walk_per_force_m) {}
 
   void reset(const Vector6d& pose) override {
-    FilterEstimator::reset(pose);
-    bank_.reset(pose(2));
+    Base::reset(pose);
+    if (!bank_) return;
+    bank_->reset(pose(2));
     assume();
   }
 
   void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
-    bank_.update(known_vertical_force(held_thrusts, motion(), parameters_), pose(2));
-    assume();
-    FilterEstimator::update(held_thrusts, pose);
+    if (bank_) {
+      bank_->update(known_vertical_force(held_thrusts, this->motion(), parameters_), pose(2));
+      assume();
+    }
+    Base::update(held_thrusts, pose);
   }
 
   Eigen::Vector4d thrust_disturbance() const override { return Eigen::Vector4d::Zero(); }
   Eigen::Vector3d force() const override {
     const auto& x = filter_.x();
-    return x.segment<3>(Process::force_row(0)) + x.segment<3>(Process::force_row(1)) +
-           x.segment<3>(Process::kBias);
+    Eigen::Vector3d sum = x.template segment<3>(Process::force_row(0));
+    for (int i = 1; i < K; ++i) sum += x.template segment<3>(Process::force_row(i));
+    return sum + x.template segment<3>(Process::kBias);
   }
   Eigen::Vector3d force_ahead(double ahead_s) const override {
     const auto& x = filter_.x();
-    Eigen::Vector3d sum = x.segment<3>(Process::kBias);
-    for (int i = 0; i < 2; ++i) {
-      const Resonator& r = bank_.resonators()[static_cast<std::size_t>(i)];
+    Eigen::Vector3d sum = x.template segment<3>(Process::kBias);
+    for (int i = 0; i < K; ++i) {
+      const Resonator& r = resonators_[static_cast<std::size_t>(i)];
       const Eigen::RowVector2d free = resonator_step(r.omega_rad_s, r.damping, ahead_s).row(0);
-      sum += free(0) * x.segment<3>(Process::force_row(i)) +
-             free(1) * x.segment<3>(Process::rate_row(i));
+      sum += free(0) * x.template segment<3>(Process::force_row(i)) +
+             free(1) * x.template segment<3>(Process::rate_row(i));
     }
     return sum;
   }
   bool models_world_force() const override { return true; }
   bool models_disturbance() const override { return true; }
-  double wave_frequency_rad_s() const override { return mean_frequency(bank_.resonators()); }
-  double wave_force_std_N() const override { return total_std(bank_.resonators()); }
+  double wave_frequency_rad_s() const override { return frequency_rad_s(resonators_); }
+  double wave_force_std_N() const override { return std_N(resonators_); }
 
  private:
+  using Base::filter_;
+
   void assume() {
+    if constexpr (K == 2) {
+      resonators_ = bank_->resonators();
+    } else {
+      resonators_ = first_;
+      if (!bank_->is_settling()) resonators_[0].omega_rad_s = mean_frequency(bank_->resonators());
+    }
     filter_.change_process([&](Process& process) {
-      process.set_resonators(bank_.resonators());
+      process.set_resonators(resonators_);
       process.set_torque_noise(
           std::hypot(torque_walk_Nm_, torque_walk_per_force_m_ * wave_force_std_N()));
     });
     filter_.set_process_noise(filter_.process().Q());
   }
 
-  WaveForceBank bank_;
+  std::optional<WaveForceBank> bank_;
+  typename Process::Resonators first_;
+  typename Process::Resonators resonators_;
   QuadrotorParameters parameters_;
   double torque_walk_Nm_;
   double torque_walk_per_force_m_;
@@ -285,39 +262,27 @@ std::unique_ptr<QuadrotorEstimator> make_thruster_estimator(const QuadrotorEstim
       process, kalman, design.noise == ProcessNoiseSource::input ? design.input_noise : 0.0);
 }
 
-std::unique_ptr<QuadrotorEstimator> make_resonator(const QuadrotorEstimatorDesign& design,
-                                                   const QuadrotorModel& model) {
-  const WaveResonators process(model, design.resonator, design.wave_frequency_rad_s,
-                               design.period_s, design.kinematics);
-  NonlinearKalmanDesign<24, 6> kalman;
-  kalman.Q = process.Q();
-  kalman.R = measurement_covariance(design);
-  const double force = square(design.resonator.force_std_N);
-  Eigen::Matrix<double, 24, 1> p;
-  p << first_variances(), Eigen::Vector3d::Constant(force), Eigen::Vector3d::Constant(force),
-      Eigen::Vector3d::Constant(square(0.05)), Eigen::Vector3d::Constant(force);
-  kalman.P0 = p.asDiagonal();
-  return std::make_unique<ResonatorEstimator>(design, model, process, kalman);
-}
-
-std::unique_ptr<QuadrotorEstimator> make_spectrum(const QuadrotorEstimatorDesign& design,
-                                                  const QuadrotorModel& model) {
-  using Process = SpectrumEstimator::Process;
-  const WaveForceBank bank(bank_design(design, model));
-  const ResonatorPair& first = bank.resonators();
-  const Process process(model, design.resonator.process_noise(), first, kHorizontalShare,
-                        design.period_s, design.kinematics);
-  NonlinearKalmanDesign<Process::kStates, 6> kalman;
-  kalman.Q = process.Q();
-  kalman.R = measurement_covariance(design);
-  const auto variance = [&](std::size_t i) {
-    return Eigen::Vector3d::Constant(square(first[i].std));
-  };
+template <int K, int Order>
+std::unique_ptr<QuadrotorEstimator> make_wave_estimator(
+    const QuadrotorEstimatorDesign& design, const QuadrotorModel& model,
+    const std::optional<WaveForceBank>& bank,
+    const typename WaveForces<K, Order>::Resonators& resonators, double horizontal_share) {
+  using Process = WaveForces<K, Order>;
+  const Process process(model, design.resonator, resonators, horizontal_share, design.period_s,
+                        design.kinematics);
   Eigen::Matrix<double, Process::kStates, 1> p;
-  p << first_variances(), variance(0), Eigen::Vector3d::Constant(square(total_std(first))),
-      Eigen::Vector3d::Constant(square(0.05)), variance(0), variance(1), variance(1);
-  kalman.P0 = p.asDiagonal();
-  return std::make_unique<SpectrumEstimator>(design, model, bank, process, kalman);
+  p.template head<12>() = first_variances();
+  p.template segment<3>(Process::kBias).setConstant(square(std_N(resonators)));
+  p.template segment<3>(Process::kTorque).setConstant(square(0.05));
+  for (int i = 0; i < K; ++i) {
+    const double variance = square(resonators[static_cast<std::size_t>(i)].std);
+    p.template segment<3>(Process::force_row(i)).setConstant(variance);
+    p.template segment<3>(Process::rate_row(i)).setConstant(variance);
+  }
+  const NonlinearKalmanDesign<Process::kStates, 6> kalman{
+      process.Q(), measurement_covariance(design), p.asDiagonal()};
+  return std::make_unique<WaveEstimator<K, Order>>(design, model, bank, resonators, process,
+                                                   kalman);
 }
 
 }  // namespace
@@ -330,6 +295,11 @@ std::unique_ptr<QuadrotorEstimator> make_quadrotor_estimator(const QuadrotorEsti
   if (design.noise == ProcessNoiseSource::input && design.filter != QuadrotorFilter::ekf) {
     throw std::invalid_argument("quadrotor estimator: process noise by the input needs the EKF");
   }
+  const bool is_of_waves =
+      design.order == DisturbanceOrder::resonator || design.order == DisturbanceOrder::spectrum;
+  if (is_of_waves && design.filter != QuadrotorFilter::ukf) {
+    throw std::invalid_argument("quadrotor estimator: resonator and spectrum need the UKF");
+  }
   switch (design.order) {
     case DisturbanceOrder::none:
       return make_thruster_estimator<-1>(design, model);
@@ -337,16 +307,18 @@ std::unique_ptr<QuadrotorEstimator> make_quadrotor_estimator(const QuadrotorEsti
       return make_thruster_estimator<0>(design, model);
     case DisturbanceOrder::second:
       return make_thruster_estimator<2>(design, model);
-    case DisturbanceOrder::resonator:
-      if (design.filter != QuadrotorFilter::ukf) {
-        throw std::invalid_argument("quadrotor estimator: the resonators need the UKF");
-      }
-      return make_resonator(design, model);
-    case DisturbanceOrder::spectrum:
-      if (design.filter != QuadrotorFilter::ukf) {
-        throw std::invalid_argument("quadrotor estimator: the spectrum needs the UKF");
-      }
-      return make_spectrum(design, model);
+    case DisturbanceOrder::resonator: {
+      std::optional<WaveForceBank> bank;
+      if (design.estimates_wave_frequency) bank.emplace(frequency_bank(design, model));
+      const ResonatorDesign& one = design.resonator;
+      return make_wave_estimator<1, 1>(
+          design, model, bank, {{{design.wave_frequency_rad_s, one.damping, one.force_std_N}}},
+          1.0);
+    }
+    case DisturbanceOrder::spectrum: {
+      const WaveForceBank bank(bank_design(design, model));
+      return make_wave_estimator<2, 2>(design, model, bank, bank.resonators(), kHorizontalShare);
+    }
   }
   throw std::logic_error("unknown disturbance model");
 }

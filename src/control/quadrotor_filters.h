@@ -15,7 +15,7 @@ extern template class GaussianEstimate<WaveForces<2, 2>::kStates, 6>;
 extern template class Ukf<ThrusterDisturbance<-1>, 6>;
 extern template class Ukf<ThrusterDisturbance<0>, 6>;
 extern template class Ukf<ThrusterDisturbance<2>, 6>;
-extern template class Ukf<WaveResonators, 6>;
+extern template class Ukf<WaveForces<1, 1>, 6>;
 extern template class Ukf<WaveForces<2, 2>, 6>;
 extern template class Ekf<ThrusterDisturbance<-1>, 6>;
 extern template class Ekf<ThrusterDisturbance<0>, 6>;

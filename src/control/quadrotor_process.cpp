@@ -77,7 +77,6 @@ void WaveForces<K, Order>::set_torque_noise(double std_Nm) {
 }
 
 template class WaveForces<1, 1>;
-template class WaveForces<1, 2>;
 template class WaveForces<2, 2>;
 
 }  // namespace breakwater

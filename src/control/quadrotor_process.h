@@ -87,17 +87,9 @@ struct ProcessNoiseStd {
 };
 
 /// Model of a sea state with one resonator per axis.
-struct ResonatorDesign {
-  double damping = 0.08;           ///< damping ratio
-  double force_std_N = 0.13;       ///< stationary standard deviation of each world force
-  double velocity_std_m_s = 3e-3;  ///< this and what follows: ProcessNoiseStd
-  double rate_std_rad_s = 2e-3;
-  double bias_std_N = 5e-4;
-  double torque_std_Nm = 2e-4;
-
-  ProcessNoiseStd process_noise() const {
-    return {velocity_std_m_s, rate_std_rad_s, bias_std_N, torque_std_Nm};
-  }
+struct ResonatorDesign : ProcessNoiseStd {
+  double damping = 0.08;      ///< damping ratio
+  double force_std_N = 0.13;  ///< stationary standard deviation of each world force
 };
 
 /// The wave force on each axis of the world, as the sum of K resonators driven by white noise,
@@ -154,27 +146,6 @@ class WaveForces : public ProcessTypes<18 + 6 * K, 4, 6 * Order> {
 };
 
 extern template class WaveForces<1, 1>;
-extern template class WaveForces<1, 2>;
 extern template class WaveForces<2, 2>;
-
-/// One resonator per axis. Its frequency may be adapted.
-class WaveResonators : public WaveForces<1, 1> {
- public:
-  /// Throws std::invalid_argument if a value is not positive.
-  WaveResonators(const QuadrotorModel& model, const ResonatorDesign& design, double omega_rad_s,
-                 double period_s, AttitudeKinematics kinematics = AttitudeKinematics::level)
-      : WaveForces(model, design.process_noise(),
-                   {{{omega_rad_s, design.damping, design.force_std_N}}}, 1.0, period_s,
-                   kinematics),
-        design_(design) {}
-
-  /// Sets ω [rad/s], the frequency of the force.
-  void set_frequency(double omega_rad_s) {
-    set_resonators({{{omega_rad_s, design_.damping, design_.force_std_N}}});
-  }
-
- private:
-  ResonatorDesign design_;
-};
 
 }  // namespace breakwater

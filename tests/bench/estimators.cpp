@@ -194,7 +194,8 @@ void report_nonlinear(const char* name, Filter filter) {
 
 void report_quadrotor() {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
-  const WaveResonators resonators(model, {}, 1.0, 0.01);
+  const WaveForces<1, 1> resonators(model, {}, {{{1.0, 0.08, 0.13}}}, 1.0, 0.01,
+                                    AttitudeKinematics::level);
   const ThrusterDisturbance<2> polynomial(model, 0.01);
   NonlinearKalmanDesign<24, 6> design;
   design.Q = resonators.Q();
@@ -210,7 +211,7 @@ void report_quadrotor() {
   spectrum_design.R = design.R;
   spectrum_design.P0 = 0.1 * Eigen::Matrix<double, 30, 30>::Identity();
   std::puts("24 states, 6 outputs: the underwater quadrotor (goal for the UKF: 6 us)");
-  report_nonlinear("UKF, resonators", Ukf<WaveResonators, 6>(resonators, design));
+  report_nonlinear("UKF, resonators", Ukf<WaveForces<1, 1>, 6>(resonators, design));
   report_nonlinear("UKF, second order", Ukf<ThrusterDisturbance<2>, 6>(polynomial, design));
   report_nonlinear("EKF, second order", Ekf<ThrusterDisturbance<2>, 6>(polynomial, design, 0.0));
   std::puts("30 states, 6 outputs: the underwater quadrotor");

@@ -99,8 +99,9 @@ TEST(QuadrotorProcesses, AreEulerStepsOfTheModel) {
 TEST(QuadrotorProcesses, ResonatorsHaveTheirVariance) {
   const ResonatorDesign design;
   for (const double omega : {0.4, 0.8, 1.3}) {
-    const WaveResonators process(QuadrotorModel({}, QuadrotorPhysics::physical), design, omega,
-                                 kPeriod_s);
+    const WaveForces<1, 1> process(QuadrotorModel({}, QuadrotorPhysics::physical), design,
+                                   {{{omega, design.damping, design.force_std_N}}}, 1.0, kPeriod_s,
+                                   AttitudeKinematics::level);
     Eigen::Matrix2d phi, Q = Eigen::Matrix2d::Zero();
     phi << process.linear()(12, 12), process.linear()(12, 21), process.linear()(21, 12),
         process.linear()(21, 21);
@@ -134,7 +135,7 @@ NonlinearKalmanDesign<24, 6> endurance_design(const Process&) {
 }
 
 template <>
-NonlinearKalmanDesign<24, 6> endurance_design(const WaveResonators& process) {
+NonlinearKalmanDesign<24, 6> endurance_design(const WaveForces<1, 1>& process) {
   NonlinearKalmanDesign<24, 6> design = endurance_design(0);
   design.Q = process.Q();
   design.R *= 0.01;
@@ -197,13 +198,14 @@ void endures(Filter filter, int steps) {
 TEST(QuadrotorProcesses, PropertyFiltersNeedNoRepair) {
   const int steps = 10 * testing::property_count(5'000);
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
-  const WaveResonators resonators(model, {}, 1.0, 0.01);
+  const WaveForces<1, 1> resonators(model, {}, {{{1.0, 0.08, 0.13}}}, 1.0, 0.01,
+                                    AttitudeKinematics::level);
   const ThrusterDisturbance<2> polynomial(model, 0.01);
   const WaveForces<2, 2> spectrum(model, ProcessNoiseStd{2e-4, 1e-4, 5e-4, 5e-4},
                                   {{{0.81, 0.03, 0.11}, {1.13, 0.09, 0.07}}}, 0.5, 0.01,
                                   AttitudeKinematics::exact);
   endures(Ukf<WaveForces<2, 2>, 6>(spectrum, endurance_design(spectrum)), steps);
-  endures(Ukf<WaveResonators, 6>(resonators, endurance_design(resonators)), steps);
+  endures(Ukf<WaveForces<1, 1>, 6>(resonators, endurance_design(resonators)), steps);
   endures(Ukf<ThrusterDisturbance<2>, 6>(polynomial, endurance_design(polynomial)), steps);
   endures(Ekf<ThrusterDisturbance<2>, 6>(polynomial, endurance_design(polynomial), 0.0), steps);
 }
