@@ -7,13 +7,6 @@
 
 namespace breakwater {
 
-StateObserver::StateObserver(const StateSpace& continuous_plant,
-                             const std::vector<PoleGroup>& poles, double period_s)
-    : predictor_(continuous_plant, poles, period_s),
-      disturbance_(Eigen::VectorXd::Zero(continuous_plant.inputs())),
-      signals_(
-          {{"innovation", "", "e = y - C x(k|k-1) (Eq. 4.15)", view(predictor_.innovation())}}) {}
-
 namespace {
 
 // If the sum of the poles has a larger error, the gain for T_s is used.
@@ -21,7 +14,7 @@ constexpr double kPlacementError = 1e-6;
 
 }  // namespace
 
-PolePredictor::PolePredictor(const StateSpace& continuous_plant,
+StateObserver::StateObserver(const StateSpace& continuous_plant,
                              const std::vector<PoleGroup>& poles, double period_s)
     : poles_(poles),
       sampled_poles_(sample_poles(poles, period_s)),
@@ -37,28 +30,31 @@ PolePredictor::PolePredictor(const StateSpace& continuous_plant,
   step_ = regular_;
   const Eigen::Index n = sampled.states();
   state_.setZero(n);
+  disturbance_.setZero(sampled.inputs());
   next_.setZero(n);
   last_output_.setZero(C_.rows());
   innovation_ = last_output_;
   change_ = observability_ = polynomial_ = factor_ = work_ = Eigen::MatrixXd::Identity(n, n);
   last_ = Eigen::VectorXd::Unit(n, n - 1);
   solver_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
+  signals_ = {{"innovation", "", "e = y - C x(k|k-1) (Eq. 4.15)", view(innovation_)}};
 }
 
-void PolePredictor::over(double interval_s) {
-  const double length_s = interval_s > 0.0 ? interval_s : period_s_;
-  if (length_s == interval_s_) return;
+bool StateObserver::follow(const SampleInterval& interval) {
+  const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;
+  if (length_s == interval_s_) return true;
   interval_s_ = length_s;
   if (length_s == period_s_) {
     step_ = regular_;
   } else {
     place(length_s);
   }
+  return true;
 }
 
 // H = φ(A) O⁻¹ e_n with the polynomial φ of the poles. The rows of O are C (A − I)ⁱ, not C Aⁱ: they
 // do not cancel for a short interval.
-void PolePredictor::place(double interval_s) {
+void StateObserver::place(double interval_s) {
   hold_.over(interval_s);
   step_.B = hold_.B();
   step_.error_dynamics = hold_.A();
@@ -107,18 +103,17 @@ void PolePredictor::place(double interval_s) {
   step_.error_dynamics.noalias() -= step_.gain * C_;
 }
 
-void PolePredictor::reset(const Eigen::Ref<const Eigen::VectorXd>& x) {
+void StateObserver::reset(const Vector& x) {
   state_.setZero();
   state_.head(x.size()) = x;
   has_begun_ = false;
-  over(0.0);
+  follow({});
 }
 
-void PolePredictor::update(const Eigen::Ref<const Eigen::VectorXd>& u,
-                           const Eigen::Ref<const Eigen::VectorXd>& y) {
+void StateObserver::update(const Vector& held_input, const Vector& y) {
   if (has_begun_) {
     next_.noalias() = step_.error_dynamics * state_;
-    next_.noalias() += step_.B * u;
+    next_.noalias() += step_.B * held_input;
     next_.noalias() += step_.gain * last_output_;
     // Copies, does not swap: a log holds the address of the state.
     state_ = next_;

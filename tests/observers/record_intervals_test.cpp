@@ -25,7 +25,7 @@ TEST(VariableHold, IsTheZeroOrderHoldOfEachInterval) {
   }
 }
 
-TEST(PolePredictor, HasItsPolesOverEachInterval) {
+TEST(StateObserver, HasItsPolesOverEachInterval) {
   const StateSpace axis = extend_by_input_disturbance(damped_inertia(1e-3, 2e-4));
   StateSpace two = axis;  // two axes with one output each
   two.A = Eigen::MatrixXd::Zero(6, 6);
@@ -37,18 +37,23 @@ TEST(PolePredictor, HasItsPolesOverEachInterval) {
   const PoleGroup real = {-10.0, -20.0, -30.0};
   const PoleGroup complex = {{-15.0, 20.0}, {-15.0, -20.0}, -40.0};
   const auto expect_poles = [](const StateSpace& plant, const std::vector<PoleGroup>& poles) {
-    PolePredictor predictor(plant, poles, 1e-3);
-    const Eigen::MatrixXd regular = predictor.error_dynamics();
+    StateObserver observer(plant, poles, 1e-3);
+    const auto error_dynamics = [&observer] {
+      Eigen::MatrixXd F(observer.poles(), observer.poles());
+      observer.pole_matrix(F);
+      return F;
+    };
+    const Eigen::MatrixXd regular = error_dynamics();
     for (const double h : {2e-4, 9e-4, 1.3e-3, 0.02, 0.3}) {
-      predictor.over(h);
+      observer.follow({.length_s = h});
       PoleGroup wanted;
       for (const PoleGroup& group : sample_poles(poles, h)) {
         wanted.insert(wanted.end(), group.begin(), group.end());
       }
-      EXPECT_LE(testing::distance(eigenvalues(predictor.error_dynamics()), wanted), 1e-6) << h;
+      EXPECT_LE(testing::distance(eigenvalues(error_dynamics()), wanted), 1e-6) << h;
     }
-    predictor.over(0.0);
-    EXPECT_EQ(predictor.error_dynamics(), regular) << "to the bit";
+    observer.follow({});
+    EXPECT_EQ(error_dynamics(), regular) << "to the bit";
   };
   expect_poles(axis, {real});
   expect_poles(axis, {complex});
