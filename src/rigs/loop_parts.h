@@ -61,7 +61,8 @@ class LoopParts {
   }
 
   ControlLoop<Estimator> make(const Task& task) const {
-    std::shared_ptr<Estimator> given = make_estimator(task);
+    std::shared_ptr<Estimator> given =
+        estimator_for(task, [&](const auto& known) { return estimator_.make(known); });
     const std::weak_ptr<Estimator> kept = given;
     std::unique_ptr<Controller> controller = controller_.make(task, std::move(given));
     return {std::move(controller), kept.lock()};
@@ -69,11 +70,6 @@ class LoopParts {
 
   const std::string& controller_name() const { return controller_.chosen(); }
   const std::string& estimator_name() const { return estimator_.chosen(); }
-
-  /// Makes another estimator of the same kind, without a controller.
-  std::shared_ptr<Estimator> make_estimator(const Task& task) const {
-    return estimator_for(task, [&](const auto& known) { return estimator_.make(known); });
-  }
 
  private:
   PartChoice<EstimatorKind> estimator_;

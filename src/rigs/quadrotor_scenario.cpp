@@ -14,7 +14,6 @@
 #include <breakwater/math/float_environment.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/rigs/quadrotor_parts.h>
-#include <breakwater/signals/thread_time.h>
 #include <breakwater/sim/simulation.h>
 
 namespace breakwater {
@@ -85,7 +84,6 @@ class Flight {
   Flight& operator=(const Flight&) = delete;
 
   const Simulation& simulation() const { return simulation_; }
-  const QuadrotorLoop& loop() const { return loop_; }
   double distance_m() const { return error_.norm(); }
 
   // One physics step, with the states of the waves at its beginning.
@@ -170,19 +168,6 @@ class Flight {
   double nees_ = 0.0;
 };
 
-// The mean time of an update of the filter at the end of a run of `samples`. The run itself thus
-// depends on no clock.
-double update_time_us(QuadrotorEstimator& estimator, const Simulation& at_end,
-                      std::size_t samples) {
-  const int updates = static_cast<int>(std::min<std::size_t>(samples, 500));
-  const Vector6d pose = at_end.sample().y;
-  const Eigen::Vector4d thrusts = at_end.actuation();
-  estimator.reset(pose);
-  const double begin_s = thread_time_s();
-  for (int k = 0; k < updates; ++k) estimator.update(thrusts, pose);
-  return 1e6 * (thread_time_s() - begin_s) / updates;
-}
-
 class QuadrotorScenario final : public Scenario {
  public:
   QuadrotorScenario(const Catalogue& catalogue, const std::string& name, std::string summary)
@@ -193,13 +178,6 @@ class QuadrotorScenario final : public Scenario {
 
   std::string name() const override { return name_; }
   std::string summary() const override { return summary_; }
-  std::vector<MetricDefinition> metric_definitions() const override {
-    std::vector<MetricDefinition> definitions = rows_.definitions();
-    definitions.push_back({"filter_time_us", "us",
-                           "cost, in manifest.json: processor time of one update of the estimator, "
-                           "the mean of up to 500"});
-    return definitions;
-  }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return run_; }
@@ -432,7 +410,6 @@ Recording QuadrotorScenario::run(const RunControl& control) const {
   Flight flight(
       std::move(model), sensing(), physics_.steps_per_sample(),
       [this](const Model& loaded) { return water(loaded); }, start, reference, parts_.make(task()));
-  const QuadrotorLoop& loop = flight.loop();
   const Simulation& sim = flight.simulation();
   std::vector<Signal> of_metrics = flight.signals_of_metrics();
   for (const Signal& signal : flight.signals()) of_metrics.push_back(signal);
@@ -447,13 +424,7 @@ Recording QuadrotorScenario::run(const RunControl& control) const {
   Recording recording = record_run(
       sim, physics_, physics_.step_at(end_s), flight.signals(), control,
       [&](std::int64_t) { flight.step(); }, sample, &values);
-  if (recording.failure) return recording;
-  held.warn(recording.warnings);
-  if (loop.estimates() && control.logs) {
-    const auto estimator = parts_.make_estimator(task());
-    add(recording.costs, "filter_time_us", "us",
-        update_time_us(*estimator, sim, recording.tracks.front().rows()));
-  }
+  if (!recording.failure) held.warn(recording.warnings);
   return recording;
 }
 
