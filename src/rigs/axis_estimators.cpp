@@ -96,7 +96,7 @@ struct KalmanNoise {
         {{"input", input_noise}, {"all", uniform_noise}, {"disturbance", disturbance_noise}},
         "place of the process noise: input (B Q B^T, the KFD), all states (Q I) or "
         "disturbance (the DKF)");
-    bind_process_noise(fields, process_noise);
+    bind_process_noise(fields, process_noise, not_negative());
     bind_initial_covariance(fields, initial_covariance);
   }
   void bind_observation(Fields& fields) {

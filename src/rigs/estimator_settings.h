@@ -53,8 +53,8 @@ struct DisturbanceModelKeys {
   }
 };
 
-inline void bind_process_noise(Fields& fields, double& process_noise) {
-  fields.number("observer.process_noise", process_noise, not_negative(), "Q: process noise");
+inline void bind_process_noise(Fields& fields, double& process_noise, const Range& range) {
+  fields.number("observer.process_noise", process_noise, range, "Q: process noise");
 }
 
 inline void bind_initial_covariance(Fields& fields, std::vector<double>& initial_covariance) {

@@ -19,13 +19,10 @@ struct DisturbanceNoise {
 
   void bind(Fields& fields) {
     model.bind(fields);
-    bind_process_noise(fields, process_noise);
+    bind_process_noise(fields, process_noise, positive());
   }
   ExtendedPlant extend(const NominalAxis& axis, const std::string& observer) const {
     need_one_axis(axis, observer);
-    if (!(process_noise > 0.0)) {
-      throw WrongKey("observer.process_noise", "must be positive for this observer");
-    }
     return model.extend(axis);
   }
 };
