@@ -17,6 +17,7 @@
 #include <breakwater/config/toml_text.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
+#include <breakwater/signals/unit_of.h>
 
 namespace breakwater {
 namespace {
@@ -375,6 +376,9 @@ void Fields::add_choice(const std::string& key, std::vector<std::string> names,
 void Fields::add(const std::string& name, Variable variable) {
   const std::string key = prefix_ + name;
   variable.is_left_out = is_left_out_;
+  // The name of a number says its unit, unless the meaning says another one.
+  const std::string unit = variable.takes.find("number") == std::string::npos ? "" : unit_of(name);
+  if (!unit.empty() && !variable.doc.ends_with(']')) variable.doc += " [" + unit + "]";
   Field* field = find_key(fields_, key);
   if (field == nullptr) field = &fields_.emplace_back(Field{key, {}, without_name(key)});
   for (const Variable& other : field->variables) {

@@ -17,6 +17,7 @@
 #include <breakwater/linear/high_pass.h>
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/shell/did_you_mean.h>
+#include <breakwater/signals/unit_of.h>
 
 namespace breakwater {
 namespace {
@@ -330,9 +331,7 @@ void MetricRows::bind(Fields& fields) {
   }
   for (auto& [key, number] : numbers_) {
     if (fields.has(key)) continue;
-    const std::string unit = unit_of(whole_key(key));
-    fields.number(key, number.value, number.is_positive ? positive() : not_negative(),
-                  number.help + (unit.empty() ? "" : " [" + unit + "]"));
+    fields.number(key, number.value, number.is_positive ? positive() : not_negative(), number.help);
   }
 }
 

@@ -16,6 +16,7 @@
 #include <breakwater/record/input_file.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/shell/did_you_mean.h>
+#include <breakwater/signals/unit_of.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -231,53 +232,6 @@ Series SavedRun::signal(const std::string& name) const {
   Series series{dataset(found.group + "/time_s").values, std::vector<double>(values.rows)};
   for (std::size_t i = 0; i < values.rows; ++i) series.values[i] = values.row(i)[index - 1];
   return series;
-}
-
-std::string unit_of(const std::string& metric) {
-  struct Ending {
-    const char* end;
-    const char* unit;
-  };
-  // A longer ending first. "_per_m" is no length.
-  static constexpr auto kEndings = std::to_array<Ending>({{"_per_rad", ""},
-                                                          {"_per_m", ""},
-                                                          {"_per_s", ""},
-                                                          {"_Nms_rad", "N m s/rad"},
-                                                          {"_Nm_rad", "N m/rad"},
-                                                          {"_rad_s_s", "rad/s/s"},
-                                                          {"_m_s_s", "m/s/s"},
-                                                          {"_rad_s2", "rad/s^2"},
-                                                          {"_m_s2", "m/s^2"},
-                                                          {"_Nm_s", "N m/s"},
-                                                          {"_N_s", "N/s"},
-                                                          {"_rad_s", "rad/s"},
-                                                          {"_Ns_m", "N s/m"},
-                                                          {"_N_m", "N/m"},
-                                                          {"_m_Ns", "m/(N s)"},
-                                                          {"_m_s", "m/s"},
-                                                          {"_Nm_A", "N m/A"},
-                                                          {"_N_A", "N/A"},
-                                                          {"_kgm2", "kg m^2"},
-                                                          {"_sqrt_s", ""},
-                                                          {"_Nm", "N m"},
-                                                          {"_Ns", "N s"},
-                                                          {"_rad", "rad"},
-                                                          {"_us", "µs"},
-                                                          {"_N", "N"},
-                                                          {"_m", "m"},
-                                                          {"_s", "s"},
-                                                          {"_kg", "kg"},
-                                                          {"_Hz", "Hz"},
-                                                          {"_A", "A"},
-                                                          {"_V", "V"},
-                                                          {"_ohm", "ohm"},
-                                                          {"_percent", "%"}});
-  // "stiffness_N_m[2]" has the unit of the array.
-  const std::string name = metric.substr(0, metric.find('['));
-  for (const Ending& ending : kEndings) {
-    if (name.ends_with(ending.end)) return ending.unit;
-  }
-  return "";
 }
 
 }  // namespace breakwater

@@ -83,7 +83,4 @@ class SavedRun {
 /// if they are missing or damaged.
 std::vector<Metric> read_metrics(const std::filesystem::path& folder);
 
-/// The unit at the end of a metric's name, as people write it: "N" for "peak_force_raw_N".
-std::string unit_of(const std::string& metric);
-
 }  // namespace breakwater

@@ -15,7 +15,7 @@ constexpr const char* kNoFault = "none";
 }  // namespace
 
 void RunSettings::bind(Fields& fields) {
-  fields.number("run.duration_s", duration_s, positive(), "simulated time [s]");
+  fields.number("run.duration_s", duration_s, positive(), "simulated time");
   fields.count("run.seed", seed, not_negative(), "random seed of all noise");
   fields.optional_count(
       "record.compression", compression, between(0, 9),
@@ -34,7 +34,7 @@ void bind_model(Fields& fields, ModelFile& model) {
 }
 
 void PhysicsSettings::bind(Fields& fields) {
-  fields.number("physics.timestep_s", timestep_s, positive(), "the engine's step [s]");
+  fields.number("physics.timestep_s", timestep_s, positive(), "the engine's step");
   fields.choice("physics.integrator", integrator,
                 {{"euler", Integrator::euler},
                  {"rk4", Integrator::rk4},
@@ -43,7 +43,7 @@ void PhysicsSettings::bind(Fields& fields) {
                  {"RK4", Integrator::rk4}},
                 "the engine's integrator");
   fields.number("control.period_s", control_period_s, positive(),
-                "T_s: period of control and log, a multiple of the timestep [s]");
+                "T_s: period of control and log, a multiple of the timestep");
 }
 
 void PhysicsSettings::check(const Config& config, const RunSettings& run) const {
@@ -88,7 +88,7 @@ void FaultSettings::bind(Fields& fields, const std::string& channels, const doub
   fields.text("fault.sensor", fault.channel, "none, or the channel to break: " + channels);
   fields.standard("fault.sensor", {std::string(kNoFault)});
   fields.optional_number("fault.at_s", fault.at_s, not_negative(),
-                         "time at which the sensor fails [s]");
+                         "time at which the sensor fails");
   fields.optional_count("fault.samples", fault.samples, between(1, 1e9),
                         "number of samples for which it fails");
   fields.optional_choice(

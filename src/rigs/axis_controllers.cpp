@@ -85,7 +85,7 @@ struct RegulatorSettings {
 
   void bind(Fields& fields) {
     fields.number("controller.period_s", period_s, positive(),
-                  "period of the controller's decisions, a multiple of control.period_s [s]");
+                  "period of the controller's decisions, a multiple of control.period_s");
     fields.number("controller.q_position", q_position, not_negative(), "Q: weight on position");
     fields.number("controller.q_velocity", q_velocity, not_negative(), "Q: weight on velocity");
     fields.number("controller.r", r, positive(),
@@ -187,21 +187,20 @@ void PredictiveSettings::bind(Fields& fields) {
                 "factor on Q at step N_p, for last_weight factor");
 
   fields.number("constraint.position_lower_m", position_lower_m, any(),
-                "lower bound on the position [m]");
-  fields.number("constraint.position_m", position_upper_m, any(),
-                "upper bound on the position [m]");
+                "lower bound on the position");
+  fields.number("constraint.position_m", position_upper_m, any(), "upper bound on the position");
   fields.count(
       "constraint.position_steps", position_steps, between(0, 1000),
       "number of predicted steps with a bound on the position, spread evenly up to N_p; 0: none");
-  fields.number("constraint.velocity_m_s", velocity_m_s, positive(), "bound on |v| [m/s]");
+  fields.number("constraint.velocity_m_s", velocity_m_s, positive(), "bound on |v|");
   fields.count(
       "constraint.velocity_steps", velocity_steps, between(0, 1000),
       "number of predicted steps with a bound on the velocity, spread evenly up to N_p; 0: none");
-  fields.number("constraint.input_lower_N", input_lower_N, any(), "lower bound on the input [N]");
-  fields.number("constraint.input_upper_N", input_upper_N, any(), "upper bound on the input [N]");
+  fields.number("constraint.input_lower_N", input_lower_N, any(), "lower bound on the input");
+  fields.number("constraint.input_upper_N", input_upper_N, any(), "upper bound on the input");
   fields.count("constraint.input_steps", input_steps, between(0, 1000),
                "number of planned inputs that are bounded, from the first on; 0: none");
-  fields.number("constraint.input_change_N", change_N, positive(), "bound on |du| [N]");
+  fields.number("constraint.input_change_N", change_N, positive(), "bound on |du|");
   fields.count("constraint.input_change_steps", change_steps, between(0, 1000),
                "number of planned inputs whose change is bounded, from the first on; 0: none");
 

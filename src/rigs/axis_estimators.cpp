@@ -66,7 +66,7 @@ struct MdobSettings {
 
   void bind(Fields& fields) {
     fields.number("observer.derivative_cutoff_rad_s", derivative_rad_s, not_negative(),
-                  "g_d: cut-off of the pseudo-derivative; 0: the raw difference [rad/s]");
+                  "g_d: cut-off of the pseudo-derivative; 0: the raw difference");
     bind_low_pass(fields, observer_rad_s);
   }
   Estimator make(const NominalAxis& axis) const {

@@ -103,7 +103,6 @@ void AxisSettings::bind(Fields& fields) {
     const Fields::OfPart keys(fields, from, "keys");
     bind_nominal(fields);
   }
-  const std::string unit = " [" + u.position + "]";
   fields.text("joint", axis.joint, "hinge or slide of the model");
   fields.optional_text("actuator", axis.actuator,
                        "actuator of the joint or of transmission.motor_joint; a motor with gear 1 "
@@ -111,9 +110,9 @@ void AxisSettings::bind(Fields& fields) {
   fields.optional_text("position_sensor", axis.position_sensor,
                        "sensor of the model that measures the position; joint: the joint itself");
   fields.optional_number("start.position_" + u.position_suffix, start_position, any(),
-                         "distance of the start from the pose of start.keyframe" + unit);
+                         "distance of the start from the pose of start.keyframe");
   fields.optional_number("start.velocity_" + u.velocity_suffix, start_velocity, any(),
-                         "velocity at the start [" + u.velocity + "]");
+                         "velocity at the start");
   const char* const kind = "reference.kind";
   fields.choice(kind, reference.kind,
                 {{"hold", ReferenceShape::hold},
@@ -124,19 +123,20 @@ void AxisSettings::bind(Fields& fields) {
                 "value, a sine about it, or a table");
   const std::string value = "reference.value_" + u.position_suffix;
   fields.optional_number(value, reference.value, any(),
-                         "position after a step; amplitude of a sine" + unit);
+                         "position after a step; amplitude of a sine");
   fields.optional_number("reference.from_s", reference.from_s, not_negative(),
-                         "start of the step, the sine or the table [s]");
+                         "start of the step, the sine or the table");
   fields.optional_number("reference.frequency_rad_s", reference.frequency_rad_s, any(),
-                         "frequency of a sine [rad/s]");
+                         "frequency of a sine");
   fields.standard(kind, {std::string("hold")});
   fields.only_for({value}, kind, {"step", "sine"});
   fields.only_for({"reference.from_s"}, kind, {"step", "sine", "csv"});
   fields.only_for({"reference.frequency_rad_s"}, kind, {"sine"});
   {
     const Fields::OfPart csv(fields, kind, "csv");
-    fields.file("reference.file", reference_file,
-                "table with the columns time_s, from reference.from_s, and value" + unit);
+    fields.file(
+        "reference.file", reference_file,
+        "table with the columns time_s, from reference.from_s, and value [" + u.position + "]");
   }
   bind_disturbance(fields);
   fields.standard("disturbance.kind", {std::string("none")});
@@ -148,23 +148,21 @@ void AxisSettings::bind(Fields& fields) {
 
 void AxisSettings::bind_step(Fields& fields) {
   fields.number("task.reference_" + axis.units.position_suffix, reference.value, any(),
-                "y_ref: reference of the position [" + axis.units.position + "]");
+                "y_ref: reference of the position");
   fields.number("task.reference_from_s", reference.from_s, not_negative(),
-                "time of the step to the reference [s]");
+                "time of the step to the reference");
 }
 
 void AxisSettings::bind_parts(Fields& fields) {
   const AxisUnits& u = axis.units;
-  const std::string or_file = "; negative: that of the model file [";
-  fields.optional_number(
-      "plant.viscous_friction_" + u.friction_suffix, viscous_friction, any(),
-      "viscous friction of the plant" + or_file + u.force + " per " + u.velocity + "]");
+  fields.optional_number("plant.viscous_friction_" + u.friction_suffix, viscous_friction, any(),
+                         "viscous friction of the plant; negative: that of the model file");
   fields.optional_number("plant.coulomb_friction_" + u.force_suffix, coulomb_friction, any(),
-                         "Coulomb friction of the plant" + or_file + u.force + "]");
+                         "Coulomb friction of the plant; negative: that of the model file");
   fields.optional_number("drive.limit_" + u.force_suffix, drive_limit, not_negative(),
-                         "0: the actuator's ctrlrange, or none [" + u.force + "]");
+                         "0: the actuator's ctrlrange, or none");
   fields.optional_number("drive.resolution_" + u.force_suffix, drive_resolution, not_negative(),
-                         "step of the drive's PWM; 0: not quantised [" + u.force + "]");
+                         "step of the drive's PWM; 0: not quantised");
   drive.bind(fields, u);
   if (axis.counts_pulses) {
     fields.optional_count("encoder.bits", counts.bits, between(0, 60),
@@ -177,11 +175,10 @@ void AxisSettings::bind_parts(Fields& fields) {
                       [this] { return counts.bits != 0; });
   } else {
     fields.optional_number("encoder.resolution_" + u.position_suffix, encoder.quantum,
-                           not_negative(),
-                           "encoder resolution, one count; 0: not quantised [" + u.position + "]");
+                           not_negative(), "encoder resolution, one count; 0: not quantised");
   }
   fields.optional_number("encoder.phase_" + u.position_suffix, encoder.phase, any(),
-                         "distance of the start from the middle of a count [" + u.position + "]");
+                         "distance of the start from the middle of a count");
   fields.optional_choice(
       "encoder.origin", encoder.origin,
       {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
@@ -191,12 +188,10 @@ void AxisSettings::bind_parts(Fields& fields) {
   fields.only_where({"encoder.phase_" + u.position_suffix, "encoder.origin", "encoder.rounding"},
                     "the encoder is quantised", [this] { return quantum() != 0.0; });
   bind_scale(fields, encoder, u);
-  fields.optional_number(
-      "noise.std_" + u.position_suffix, noise_std, not_negative(),
-      "standard deviation of the measurement's white noise [" + u.position + "]");
-  fields.optional_number(
-      "noise.input_std_" + u.force_suffix, input_noise_std, not_negative(),
-      "standard deviation of a random force, constant in each sample [" + u.force + "]");
+  fields.optional_number("noise.std_" + u.position_suffix, noise_std, not_negative(),
+                         "standard deviation of the measurement's white noise");
+  fields.optional_number("noise.input_std_" + u.force_suffix, input_noise_std, not_negative(),
+                         "standard deviation of a random force, constant in each sample");
   fields.optional_count("sensor.delay_samples", delay_samples, between(0, 1e6),
                         "delay of the measurement in control periods");
   transmission.bind(fields, u);
@@ -302,9 +297,9 @@ void AxisPlant::bind(Fields& fields) {
 
 void AxisPlant::bind_fine(Fields& fields) {
   fields.number("record.fine_from_s", fine_from_s, not_negative(),
-                "time from which forces are logged at the physics rate [s]");
+                "time from which forces are logged at the physics rate");
   fields.number("record.fine_to_s", fine_to_s, not_negative(),
-                "time until which forces are logged at the physics rate [s]");
+                "time until which forces are logged at the physics rate");
 }
 
 void AxisPlant::complete(const Config& config) {
@@ -744,9 +739,9 @@ void TipSettings::bind(Fields& fields) {
   chain.bind_noise(fields);
   chain.bind(fields);
   fields.optional_number("force.reference_N", reference.value, any(),
-                         "reference of the force, for the controller and the log [N]");
+                         "reference of the force, for the controller and the log");
   fields.optional_number("force.from_s", reference.from_s, not_negative(),
-                         "time from which the reference counts; before, it is 0 [s]");
+                         "time from which the reference counts; before, it is 0");
   fields.standard("force.filter_time_constant_s", {0.0});
   fields.standard("sensor.force_noise_N", {0.0});
   fields.only_where({"tip.component", "sensor.force_tool_mass_kg", "sensor.force_weighed_kg"},
@@ -776,9 +771,8 @@ void DisturbanceSettings::bind(Fields& fields, const std::string& suffix, const 
   fields.number(
       amplitude, shape.amplitude, any(),
       "amplitude of a step, sine or chirp [" + unit + "]; slope of a ramp [" + unit + "/s]");
-  fields.number(
-      "disturbance.frequency_rad_s", shape.frequency_rad_s, any(),
-      "frequency of a sine, of the first of two sines, or of a chirp at its start [rad/s]");
+  fields.number("disturbance.frequency_rad_s", shape.frequency_rad_s, any(),
+                "frequency of a sine, of the first of two sines, or of a chirp at its start");
   fields.only_for({amplitude}, kind,
                   {"step", "ramp", "sine", "two_sines", "chirp", "noise", "csv"});
   fields.only_for({"disturbance.frequency_rad_s"}, kind, {"sine", "two_sines", "chirp"});
@@ -788,28 +782,25 @@ void DisturbanceSettings::bind(Fields& fields, const std::string& suffix, const 
     fields.standard(key, {standard});
     fields.only_for({key}, kind, {one});
   };
-  bind_for("two_sines", second, shape.second_amplitude, 2.0, any(),
-           "amplitude of the second sine [" + unit + "]");
+  bind_for("two_sines", second, shape.second_amplitude, 2.0, any(), "amplitude of the second sine");
   bind_for("two_sines", "disturbance.second_frequency_rad_s", shape.second_frequency_rad_s, 5.0,
-           any(), "frequency of the second sine [rad/s]");
+           any(), "frequency of the second sine");
   bind_for("chirp", "disturbance.end_frequency_rad_s", shape.end_frequency_rad_s, 5.0, any(),
-           "frequency that a chirp reaches at a constant rate and then keeps [rad/s]");
+           "frequency that a chirp reaches at a constant rate and then keeps");
   bind_for("chirp", "disturbance.sweep_s", shape.sweep_s, 9.0, positive(),
-           "time that a chirp takes to reach its last frequency [s]");
+           "time that a chirp takes to reach its last frequency");
   fields.number("disturbance.start_s", shape.start_s, not_negative(),
-                "time at which the disturbance begins [s]");
-  fields.optional_number(
-      "disturbance.end_s", end_s, not_negative(),
-      "time at which the disturbance ends; a step between both times is a pulse; 0: the "
-      "end of the run [s]");
+                "time at which the disturbance begins");
+  fields.optional_number("disturbance.end_s", end_s, not_negative(),
+                         "time at which the disturbance ends; a step between both times is a "
+                         "pulse; 0: the end of the run");
   const std::string offset = "disturbance.offset_" + suffix;
-  fields.optional_number(offset, shape.offset, any(),
-                         "constant part, from the start of the run [" + unit + "]");
+  fields.optional_number(offset, shape.offset, any(), "constant part, from the start of the run");
   {
     const Fields::OfPart noise(fields, kind, "noise");
-    fields.number("disturbance.hold_s", shape.hold_s, positive(),
-                  "time for which each number of the noise lasts; the amplitude is its standard "
-                  "deviation [s]");
+    fields.number(
+        "disturbance.hold_s", shape.hold_s, positive(),
+        "time for which each number of the noise lasts; the amplitude is its standard deviation");
   }
   const Fields::OfPart csv(fields, kind, "csv");
   fields.file(
@@ -836,44 +827,44 @@ Disturbance DisturbanceSettings::make(std::uint64_t seed, const std::string& cha
 
 void ForceSensorSettings::bind_filter(Fields& fields) {
   fields.number("force.filter_time_constant_s", low_pass_s, not_negative(),
-                "time constant of the force sensor's low-pass; 0: none [s]");
+                "time constant of the force sensor's low-pass; 0: none");
 }
 
 void ForceSensorSettings::bind_noise(Fields& fields) {
   fields.number("sensor.force_noise_N", raw.noise_std, not_negative(),
-                "standard deviation of white noise on each force sample [N]");
+                "standard deviation of white noise on each force sample");
 }
 
 void ForceSensorSettings::bind(Fields& fields) {
   fields.optional_number(
       "sensor.force_tool_mass_kg", tool_mass_kg, not_negative(),
-      "mass before the force sensor beside the tip's own: the sensor reads its inertia [kg]");
+      "mass before the force sensor beside the tip's own: the sensor reads its inertia");
   fields.optional_number("sensor.force_resonance_Hz", resonance_Hz, not_negative(),
-                         "natural frequency of the sensor's body; 0: rigid [Hz]");
+                         "natural frequency of the sensor's body; 0: rigid");
   fields.optional_number("sensor.force_damping_ratio", raw.body.damping_ratio, between(0.0, 0.99),
                          "damping ratio of the sensor's body");
   fields.only_where({"sensor.force_damping_ratio"}, "sensor.force_resonance_Hz is not 0",
                     [this] { return resonance_Hz != 0.0; });
   fields.optional_number("sensor.force_bias_N", raw.electronics.bias, any(),
-                         "constant error of the sensor [N]");
+                         "constant error of the sensor");
   fields.optional_number("sensor.force_drift_N_sqrt_s", raw.electronics.drift_per_sqrt_s,
                          not_negative(),
                          "drift, a random walk: its standard deviation after 1 s [N/s^0.5]");
   fields.optional_number("sensor.force_range_N", raw.electronics.range, not_negative(),
-                         "range: larger forces of either sign are clipped; 0: no limit [N]");
+                         "range: larger forces of either sign are clipped; 0: no limit");
   fields.optional_number("sensor.force_quantum_N", raw.electronics.quantum, not_negative(),
-                         "one step of the converter; 0: no quantisation [N]");
+                         "one step of the converter; 0: no quantisation");
   fields.optional_number("sensor.force_period_s", raw.electronics.period_s, not_negative(),
-                         "the sensor's own sampling period; 0: physics.timestep_s [s]");
+                         "the sensor's own sampling period; 0: physics.timestep_s");
   fields.optional_number("sensor.force_delay_s", raw.electronics.delay_s, not_negative(),
-                         "delay of the sensor's samples [s]");
-  fields.optional_number(
-      "sensor.force_weighed_kg", raw.weighed_kg, between(SensorChannel::kAllBeyond, 1e3),
-      "mass beyond the sensor whose weight is taken off each sample, as the sensor is turned; "
-      "negative: all that the model has there [kg]");
+                         "delay of the sensor's samples");
+  fields.optional_number("sensor.force_weighed_kg", raw.weighed_kg,
+                         between(SensorChannel::kAllBeyond, 1e3),
+                         "mass beyond the sensor whose weight is taken off each sample, as the "
+                         "sensor is turned; negative: all that the model has there");
   fields.optional_number(
       "sensor.force_tare_at_s", raw.tare_at_s, between(SensorChannel::kNever, 1e9),
-      "time whose value, before noise, is taken off all samples from then on; -1: none [s]");
+      "time whose value, before noise, is taken off all samples from then on; -1: none");
 }
 
 void ForceSensorSettings::check(const Config& config, double timestep_s) const {

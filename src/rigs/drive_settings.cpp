@@ -32,10 +32,9 @@ void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
   const std::string constant =
       (units.turns() ? "drive.torque_constant_" : "drive.force_constant_") + units.force_suffix +
       "_A";
-  const std::string unit = " [" + units.force + "]";
   ElectricDrive& e = electric_;
   fields.optional_number("drive.current_bandwidth_rad_s", e.bandwidth_rad_s, not_negative(),
-                         "bandwidth of the current loop; 0: the current follows at once [rad/s]");
+                         "bandwidth of the current loop; 0: the current follows at once");
   fields.optional_number("drive.current_damping_ratio", e.damping_ratio, not_negative(),
                          "damping ratio of the current loop; 0: it is of first order");
   fields.only_where({"drive.current_damping_ratio"}, "drive.current_bandwidth_rad_s is not 0",
@@ -44,17 +43,17 @@ void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
       constant, e.torque_constant, positive(),
       "k: force of one ampere, and back-EMF [" + units.force + "/A, V per " + units.velocity + "]");
   fields.optional_number("drive.current_limit_A", e.current_limit_A, not_negative(),
-                         "limit of the current's reference; 0: none [A]");
+                         "limit of the current's reference; 0: none");
   fields.optional_number("drive.voltage_limit_V", e.voltage_limit_V, not_negative(),
-                         "limit of the voltage at the motor; 0: none [V]");
+                         "limit of the voltage at the motor; 0: none");
   fields.optional_number("drive.resistance_ohm", e.resistance_ohm, not_negative(),
-                         "R: resistance of the winding [ohm]");
+                         "R: resistance of the winding");
   fields.optional_number("drive.inductance_H", e.inductance_H, not_negative(),
                          "L: inductance of the winding [H]");
   fields.only_where({"drive.resistance_ohm", "drive.inductance_H"},
                     "drive.voltage_limit_V is not 0", [&e] { return e.voltage_limit_V != 0.0; });
   bind_sine(fields, "drive.cogging", units.force_suffix, e.cogging, units,
-            "amplitude of the cogging, a sine of the position" + unit);
+            "amplitude of the cogging, a sine of the position");
   bind_sine(fields, "drive.ripple", "ratio", e.ripple, units,
             "amplitude of the ripple, a sine of the position, over the force of the current");
 }
@@ -71,21 +70,20 @@ std::unique_ptr<FrictionLaw> DriveSettings::make_friction(double coulomb) const 
 }
 
 void bind_scale(Fields& fields, Encoder& encoder, const AxisUnits& units) {
-  const std::string unit = " [" + units.position + "]";
   bind_sine(fields, "encoder.eccentricity", units.position_suffix, encoder.eccentricity, units,
-            "amplitude of the error of a scale that is not centred" + unit);
+            "amplitude of the error of a scale that is not centred");
   bind_sine(fields, "encoder.interpolation", units.position_suffix, encoder.interpolation, units,
-            "amplitude of the error between two lines of the scale" + unit);
+            "amplitude of the error between two lines of the scale");
 }
 
 void TimingSettings::bind(Fields& fields) {
   fields.optional_number("control.delay_s", delays_.delay_s, not_negative(),
-                         "delay of the command to the drives, any part of a timestep [s]");
+                         "delay of the command to the drives, any part of a timestep");
   constexpr const char* kJitter = "control.jitter";
   fields.optional_choice(kJitter, jitter_, {{"uniform", Jitter::uniform}, {"csv", Jitter::csv}},
                          "further delay of each command: a random one, or that of a file");
   fields.optional_number("control.jitter_s", delays_.jitter_s, not_negative(),
-                         "largest further delay, uniform from 0 [s]");
+                         "largest further delay, uniform from 0");
   fields.only_for({"control.jitter_s"}, kJitter, {"uniform"});
   {
     const Fields::OfPart part(fields, kJitter, "csv");
@@ -115,18 +113,16 @@ void TimingSettings::check(const Config& config, const PhysicsSettings& physics)
 void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u) {
   const std::string stiffness = "transmission.stiffness_" + u.stiffness_suffix();
   const std::string position = "_" + u.position_suffix, friction = "_" + u.friction_suffix;
-  const std::string torque_per = u.force + " per ";
   fields.optional_number("transmission.ratio", design.ratio, positive(),
                          "N: motion of the motor for one of the load");
   fields.optional_number(stiffness, design.stiffness, not_negative(),
-                         "K: stiffness between motor and load, at the load; 0: rigid [" +
-                             torque_per + u.position + "]");
+                         "K: stiffness between motor and load, at the load; 0: rigid");
   fields.optional_number("transmission.damping" + friction, design.damping, not_negative(),
-                         "damping of this spring [" + torque_per + u.velocity + "]");
+                         "damping of this spring");
   fields.optional_number("transmission.backlash" + position, design.backlash, not_negative(),
-                         "b: play of the load while the motor stands [" + u.position + "]");
+                         "b: play of the load while the motor stands");
   fields.optional_number("transmission.kinematic_error" + position, design.kinematic_error, any(),
-                         "amplitude of the transmission's error, at the load [" + u.position + "]");
+                         "amplitude of the transmission's error, at the load");
   fields.optional_number("transmission.kinematic_error_per_turn", design.error_per_turn, any(),
                          "periods of this error in a turn of the motor");
   motor_inertia_key_ = "motor_inertia_" + u.inertia_suffix;
@@ -136,8 +132,7 @@ void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u) {
       "to the armature of the axis' joint");
   fields.optional_number("transmission.motor_viscous_friction" + friction, motor_friction,
                          not_negative(),
-                         "viscous friction of the motor, besides that of its joint in the model [" +
-                             torque_per + u.velocity + "]");
+                         "viscous friction of the motor, besides that of its joint in the model");
   const auto side = [&fields](const std::string& key, Side& target, const std::string& what) {
     fields.optional_choice(key, target, {{"load", Side::load}, {"motor", Side::motor}},
                            "side of the transmission with the " + what);
@@ -154,10 +149,10 @@ void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u) {
 void TransmissionSettings::bind(Fields& fields, const AxisUnits& u) {
   bind_plant(fields, u);
   const std::string stiffness = "_" + u.stiffness_suffix();
-  const std::string friction = "_" + u.friction_suffix, torque_per = u.force + " per ";
-  fields.optional_number(
-      "transmission.motor_coulomb_friction_" + u.force_suffix, motor_coulomb, not_negative(),
-      "Coulomb friction of the motor, besides that of its joint in the model [" + u.force + "]");
+  const std::string friction = "_" + u.friction_suffix;
+  fields.optional_number("transmission.motor_coulomb_friction_" + u.force_suffix, motor_coulomb,
+                         not_negative(),
+                         "Coulomb friction of the motor, besides that of its joint in the model");
   fields.optional_text("transmission.motor_joint", motor_joint,
                        "joint of the motor in the model, for a transmission with a stiffness; "
                        "empty: the model has none");
@@ -171,12 +166,11 @@ void TransmissionSettings::bind(Fields& fields, const AxisUnits& u) {
   fields.optional_number("nominal." + motor_inertia_key_, nominal.motor_inertia, not_negative(),
                          "nominal inertia of the motor");
   fields.optional_number("nominal.stiffness" + stiffness, nominal.stiffness, not_negative(),
-                         "nominal stiffness of the transmission [" + torque_per + u.position + "]");
+                         "nominal stiffness of the transmission");
   fields.optional_number("nominal.damping" + friction, nominal.damping, not_negative(),
-                         "nominal damping of the transmission [" + torque_per + u.velocity + "]");
+                         "nominal damping of the transmission");
   fields.optional_number("nominal.motor_viscous_friction" + friction, nominal.motor_friction,
-                         not_negative(),
-                         "nominal viscous friction of the motor [" + torque_per + u.velocity + "]");
+                         not_negative(), "nominal viscous friction of the motor");
 
   const std::string elastic = "transmission.stiffness" + stiffness + " is not 0";
   // Resonance ratio control and controllers of all axes use them with a rigid nominal model too.

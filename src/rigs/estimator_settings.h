@@ -38,7 +38,7 @@ inline void need_one_inertia(const NominalAxis& axis, const std::string& observe
 }
 
 inline void bind_low_pass(Fields& fields, double& cutoff_rad_s) {
-  fields.number("observer.low_pass_cutoff_rad_s", cutoff_rad_s, positive(), "g_w [rad/s]");
+  fields.number("observer.low_pass_cutoff_rad_s", cutoff_rad_s, positive(), "g_w");
 }
 
 struct DisturbanceModelKeys {

@@ -96,7 +96,7 @@ struct EsoSettings {
 
   void bind(Fields& fields) {
     fields.optional_number("observer.bandwidth_rad_s", given.bandwidth_rad_s, positive(),
-                           "omega_o: bandwidth; all poles are at -omega_o [rad/s]");
+                           "omega_o: bandwidth; all poles are at -omega_o");
     fields.optional_number(
         "observer.linear_zone", given.linear_zone, not_negative(),
         "delta of Han's fal: innovation up to which the gains are linear; 0: always [rad, "

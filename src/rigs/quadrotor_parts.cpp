@@ -67,41 +67,38 @@ void KalmanSettings::bind(Fields& fields) {
   fields.number("estimator.input_noise", design.input_noise, positive(),
                 "W_s: variance of the noise of a thruster's input [N^2]");
   fields.number("estimator.tuned_velocity_std_m_s", design.velocity_std_m_s, positive(),
-                "standard deviation of the random walk of the velocities, for each sample [m/s]");
-  fields.number(
-      "estimator.tuned_rate_std_rad_s", design.rate_std_rad_s, positive(),
-      "standard deviation of the random walk of the angular rates, for each sample [rad/s]");
+                "standard deviation of the random walk of the velocities, for each sample");
+  fields.number("estimator.tuned_rate_std_rad_s", design.rate_std_rad_s, positive(),
+                "standard deviation of the random walk of the angular rates, for each sample");
   fields.number("estimator.tuned_disturbance_std", design.disturbance_std, positive(),
                 "standard deviation of the random walk of d, or of its second derivative, for each "
                 "sample [N, N/s^2]");
   fields.choice("estimator.wave_frequency", design.estimates_wave_frequency,
                 {{"given", false}, {"estimated", true}},
                 "source of the waves' frequency: a given T_p, or an online estimate");
-  fields.number("estimator.assumed_period_s", assumed_period_s, not_negative(),
-                "T_p of the estimator, or the initial value of its estimate; 0: "
-                "wave.peak_period_s [s]");
+  fields.number(
+      "estimator.assumed_period_s", assumed_period_s, not_negative(),
+      "T_p of the estimator, or the initial value of its estimate; 0: wave.peak_period_s");
   fields.optional_choice(
       "estimator.wave_force", estimates_force, {{"given", false}, {"estimated", true}},
       "for spectrum: the standard deviation of the force is resonator_force_std_N (given) or "
       "estimated online");
   fields.optional_number(
       "estimator.wave_torque_arm_m", torque_arm_m, not_negative(),
-      "for spectrum: ratio of the waves' torque to their horizontal force, z_B/C_m [m]");
+      "for spectrum: ratio of the waves' torque to their horizontal force, z_B/C_m");
   ResonatorDesign& resonator = design.resonator;
   fields.number("estimator.resonator_damping", resonator.damping, between(0.001, 0.999),
                 "damping ratio of the resonators");
   fields.number("estimator.resonator_force_std_N", resonator.force_std_N, positive(),
-                "stationary standard deviation of the waves' vertical force [N]");
+                "stationary standard deviation of the waves' vertical force");
   fields.number("estimator.resonator_velocity_std_m_s", resonator.velocity_std_m_s, positive(),
-                "standard deviation of the random walk of the velocities, for each sample [m/s]");
-  fields.number(
-      "estimator.resonator_rate_std_rad_s", resonator.rate_std_rad_s, positive(),
-      "standard deviation of the random walk of the angular rates, for each sample [rad/s]");
-  fields.number(
-      "estimator.resonator_bias_std_N", resonator.bias_std_N, positive(),
-      "standard deviation of the random walk of the constant forces, for each sample [N]");
+                "standard deviation of the random walk of the velocities, for each sample");
+  fields.number("estimator.resonator_rate_std_rad_s", resonator.rate_std_rad_s, positive(),
+                "standard deviation of the random walk of the angular rates, for each sample");
+  fields.number("estimator.resonator_bias_std_N", resonator.bias_std_N, positive(),
+                "standard deviation of the random walk of the constant forces, for each sample");
   fields.number("estimator.resonator_torque_std_Nm", resonator.torque_std_Nm, positive(),
-                "standard deviation of the random walk of the torques, for each sample [N m]");
+                "standard deviation of the random walk of the torques, for each sample");
 
   fields.only_for({"estimator.process_noise", "estimator.process_noise_mode",
                    "estimator.process_noise_states", "estimator.input_noise",
@@ -246,17 +243,16 @@ struct BacksteppingSettings {
                     {"given"});
     fields.flag("controller.compensate", compensates,
                 "subtract the estimated disturbance from the input");
-    fields.optional_number(
-        "controller.lead_s", lead_s, not_negative(),
-        "for resonator and spectrum: the horizontal force is the estimator's forecast for so "
-        "much later, since the vehicle must turn first [s]");
+    fields.optional_number("controller.lead_s", lead_s, not_negative(),
+                           "for resonator and spectrum: the horizontal force is the estimator's "
+                           "forecast for so much later, since the vehicle must turn first");
     bind_clamps(fields);
   }
   void bind_clamps(Fields& fields) {
     fields.number("controller.position_clamp_m", given.position_clamp_m, not_negative(),
-                  "clamp on the position errors; 0: no clamp [m]");
+                  "clamp on the position errors; 0: no clamp");
     fields.number("controller.thrust_floor_N", given.thrust_floor_N, positive(),
-                  "smallest U_z by which the controller divides [N]");
+                  "smallest U_z by which the controller divides");
   }
   BacksteppingGains alpha(const QuadrotorTask& task) const {
     const QuadrotorParameters& parameters = task.plant.parameters();
@@ -334,9 +330,8 @@ void WaveMpcSettings::bind(Fields& fields) {
       "forecast of the force: estimator (its model's free response), held (the present estimate) "
       "or autoregressive (identified on line). Told of the sea: upstream (a probe of the "
       "elevation), told (the future)");
-  fields.optional_number(
-      "controller.period_s", mpc.period_s, positive(),
-      "period of the controller's decisions, a multiple of control.period_s [s]");
+  fields.optional_number("controller.period_s", mpc.period_s, positive(),
+                         "period of the controller's decisions, a multiple of control.period_s");
   fields.optional_count("controller.prediction_steps", mpc.prediction_steps, between(1, 1000),
                         "N_p: number of predicted steps");
   fields.optional_number("controller.q_velocity", mpc.q_velocity, not_negative(),
@@ -351,19 +346,19 @@ void WaveMpcSettings::bind(Fields& fields) {
                         "number of past values in the autoregressive model");
   fields.optional_number(
       "controller.autoregressive_spacing_s", spacing_s, positive(),
-      "time from one of these values to the next, a multiple of controller.period_s [s]");
+      "time from one of these values to the next, a multiple of controller.period_s");
   fields.optional_number("controller.autoregressive_memory_s", memory_s, positive(),
-                         "time constant of its forgetting [s]");
+                         "time constant of its forgetting");
   fields.only_for({"controller.autoregressive_order", "controller.autoregressive_spacing_s",
                    "controller.autoregressive_memory_s"},
                   "controller.forecast", {"autoregressive"});
 
   fields.optional_number("controller.probe_distance_m", upstream.distance_m, not_negative(),
-                         "distance of the probe upstream from the reference [m]");
+                         "distance of the probe upstream from the reference");
   fields.optional_number("controller.probe_noise_m", upstream.noise_m, positive(),
-                         "standard deviation of the probe's noise [m]");
+                         "standard deviation of the probe's noise");
   fields.optional_number("controller.probe_window_s", upstream.window_s, positive(),
-                         "length of the probe's record that the prediction takes [s]");
+                         "length of the probe's record that the prediction takes");
   fields.only_for(
       {"controller.probe_distance_m", "controller.probe_noise_m", "controller.probe_window_s"},
       "controller.forecast", {"upstream"});

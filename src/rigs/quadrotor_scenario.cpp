@@ -239,41 +239,40 @@ Fields QuadrotorScenario::fields() {
                 "Without this key: 0, as in earlier versions");
   physics_.bind(fields);
   run_.bind(fields);
-  fields.numbers("task.start_m", start_m_, any(), "start position x, y, z, at rest [m]");
-  fields.numbers("task.reference_m", reference_m_, any(), "reference position x, y, z [m]");
+  fields.numbers("task.start_m", start_m_, any(), "start position x, y, z, at rest");
+  fields.numbers("task.reference_m", reference_m_, any(), "reference position x, y, z");
 
   fields.choice("wave.mode", waves_.mode,
                 {{"physical", WaveMode::physical}, {"thesis", WaveMode::thesis}},
                 "model of the waves' force: physical (Morison's force), or thesis (one force "
                 "through E, torques by atan2)");
   fields.number("wave.significant_height_m", waves_.sea.significant_height_m, not_negative(),
-                "H_s: significant wave height; 0: still water [m]");
+                "H_s: significant wave height; 0: still water");
   fields.number("wave.peak_period_s", waves_.sea.peak_period_s, positive(),
-                "T_p: peak period of the waves [s]");
+                "T_p: peak period of the waves");
   fields.number("wave.gamma", waves_.sea.gamma, between(1, 20),
                 "peak enhancement factor of the JONSWAP spectrum");
   fields.number("wave.heading_rad", waves_.sea.heading_rad, any(),
-                "direction of the waves, from x towards y [rad]");
+                "direction of the waves, from x towards y");
   fields.number("wave.water_depth_m", waves_.sea.water_depth_m, not_negative(),
-                "depth of the bottom; 0: deep water [m]");
+                "depth of the bottom; 0: deep water");
   fields.count("wave.components", waves_.sea.components, between(1, 1000),
                "number of the sea's wave components");
-  fields.numbers("wave.current_m_s", current_m_s_, any(), "steady current along x, y, z [m/s]");
+  fields.numbers("wave.current_m_s", current_m_s_, any(), "steady current along x, y, z");
   fields.number(
       "wave.inertia_coefficient", inertia_coefficient_, not_negative(),
       "C_m: inertia coefficient. Without this key: 1 + plant.added_mass_coefficient, or 1.5 "
       "for plant.model = \"thesis\"");
-  fields.number(
-      "wave.buoyancy_arm_m", waves_.buoyancy_arm_m, any(),
-      "for physical: z_B, height above the centre of mass at which the pressure acts [m]");
+  fields.number("wave.buoyancy_arm_m", waves_.buoyancy_arm_m, any(),
+                "for physical: z_B, height above the centre of mass at which the pressure acts");
   fields.number("wave.torque_low_pass_s", waves_.low_pass_s, positive(),
-                "time constant of the filter of the slope (physical) or of the angle (thesis) [s]");
+                "time constant of the filter of the slope (physical) or of the angle (thesis)");
   fields.number("wave.torque_per_angle_Nm_rad", waves_.torque_per_angle_Nm_rad, any(),
-                "for thesis: torque for each radian of atan2 [N m/rad]");
+                "for thesis: torque for each radian of atan2");
   fields.number("wave.change_at_s", waves_.change_at_s, not_negative(),
-                "time at which T_p begins to change, over 10 s; 0: never [s]");
+                "time at which T_p begins to change, over 10 s; 0: never");
   fields.number("wave.change_to_period_s", waves_.change_to_period_s, positive(),
-                "T_p after the change [s]");
+                "T_p after the change");
 
   fields.number("noise.position", V_m_, positive(),
                 "V_m: noise of the measured position [m or m^2]");
@@ -290,7 +289,7 @@ Fields QuadrotorScenario::fields() {
   fields.only_where({"wave.change_to_period_s"}, "wave.change_at_s is not 0",
                     [this] { return waves_.change_at_s > 0.0; });
   fields.number("metrics.window_s", window_s_, positive(),
-                "length of the metrics' window, which ends with the run [s]");
+                "length of the metrics' window, which ends with the run");
   rows_.bind(fields);
   return fields;
 }

@@ -11,6 +11,7 @@
 #include <breakwater/config/names.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/shell/table.h>
+#include <breakwater/signals/unit_of.h>
 #include <breakwater/study/comparison_table.h>
 
 namespace breakwater {

@@ -7,6 +7,7 @@
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/pictures/replay_data.h>
 #include <breakwater/record/text_outputs.h>
+#include <breakwater/signals/unit_of.h>
 #include <breakwater/thesis/experiments.h>
 #include <breakwater/thesis/reproduction.h>
 #include <breakwater/thesis/thesis_report.h>
