@@ -26,6 +26,12 @@ class TipChain {
   Eigen::Index joints() const { return effort_limits_Nm().size(); }
   Eigen::Index held() const { return static_cast<Eigen::Index>(coordinates().size()); }
   const std::vector<TipCoordinate>& coordinates() const { return kinematics_->coordinates; }
+  /// The names of the coordinates: "x, y, phi".
+  std::string names() const {
+    std::string names;
+    for (const TipCoordinate& one : coordinates()) names += (names.empty() ? "" : ", ") + one.name;
+    return names;
+  }
   const Eigen::VectorXd& effort_limits_Nm() const { return kinematics_->effort_limits_Nm(); }
   const Eigen::VectorXd& velocity_limits_rad_s() const {
     return kinematics_->velocity_limits_rad_s();

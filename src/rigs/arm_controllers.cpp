@@ -76,14 +76,10 @@ struct Proposed {
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     pfc.check(arm);
-    std::string names;
-    for (const TipCoordinate& one : arm.chain.coordinates()) {
-      names += (names.empty() ? "" : ", ") + one.name;
-    }
     LmDesign kinematics = ik;
-    kinematics.weights =
-        spread("controller.ik_weights", ik_weights, arm.chain.held(),
-               "must have a number for each of " + names + ", which the arm can hold, or one");
+    kinematics.weights = spread(
+        "controller.ik_weights", ik_weights, arm.chain.held(),
+        "must have a number for each of " + arm.chain.names() + ", which the arm can hold, or one");
     blame("controller.ik_form", [&] { LmInverseKinematics(kinematics, arm.chain.joints()); });
     return make_law<ImplicitForcePfc>(
         arm, ImplicitForcePfcDesign{pfc.joints(arm), kinematics, pfc.positioning});
@@ -120,6 +116,7 @@ struct PathSettings {
   double hold_s = 0.0;
   double across_s = 0.0;
   double approach_s = 0.0;
+  ImpactModel impact;
 
   void bind(Fields& fields) {
     pfc.bind(fields);
@@ -127,6 +124,11 @@ struct PathSettings {
                   "target response time of x at the start pose, for positioning workspace [s]");
     fields.number("controller.t_across_s", across_s, positive(),
                   "target response time of y and phi [s]");
+    fields.number(
+        "controller.design_stiffness_N_m", impact.stiffness_N_m, positive(),
+        "K_d: design stiffness, the contact stiffness for which the speed is limited [N/m]");
+    fields.number("controller.peak_margin_N", impact.peak_margin_N, positive(),
+                  "allowed excess of the filtered peak force over the reference at K_d [N]");
   }
   void bind_approach(Fields& fields) {
     fields.number("controller.t_approach_s", approach_s, positive(),
@@ -147,44 +149,31 @@ struct PathSettings {
   }
 };
 
-void bind_impact(Fields& fields, double& stiffness_N_m, double& peak_margin_N) {
-  fields.number(
-      "controller.design_stiffness_N_m", stiffness_N_m, positive(),
-      "K_d: design stiffness, the contact stiffness for which the speed is limited [N/m]");
-  fields.number("controller.peak_margin_N", peak_margin_N, positive(),
-                "allowed excess of the filtered peak force over the reference at K_d [N]");
-}
-
 struct TlscSettings {
   PathSettings path;
   double contact_s = 0.0;
-  SoftContactDesign given;
 
   void bind(Fields& fields) {
     path.bind(fields);
     path.bind_approach(fields);
     fields.number("controller.t_contact_s", contact_s, positive(),
                   "target response time of the remaining distance in contact [s]");
-    bind_impact(fields, given.wall_stiffness_N_m, given.peak_margin_N);
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
-    SoftContactDesign design = given;
-    design.path = path.design(arm);
-    design.approach = path.approach(arm);
-    design.contact = path.design_of("controller.t_contact_s", contact_s, arm);
-    return make_law<SoftContact>(arm, design);
+    return make_law<SoftContact>(
+        arm, SoftContactDesign{path.design(arm), path.approach(arm),
+                               path.design_of("controller.t_contact_s", contact_s, arm),
+                               path.impact.stiffness_N_m, path.impact.peak_margin_N});
   }
 };
 
 struct EnergySettings {
   PathSettings path;
-  ImpactModel impact;
   Admittance admittance;
 
   void bind(Fields& fields) {
     path.bind(fields);
     path.bind_approach(fields);
-    bind_impact(fields, impact.stiffness_N_m, impact.peak_margin_N);
     fields.optional_number("controller.admittance_mass_kg", admittance.mass_kg, positive(),
                            "M: mass of the admittance in contact [kg]");
     fields.optional_number("controller.admittance_damping_Ns_m", admittance.damping_Ns_m,
@@ -192,7 +181,7 @@ struct EnergySettings {
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     return make_law<EnergyAdmittance>(
-        arm, EnergyAdmittanceDesign{path.design(arm), path.approach(arm), impact, admittance});
+        arm, EnergyAdmittanceDesign{path.design(arm), path.approach(arm), path.impact, admittance});
   }
 };
 
@@ -217,7 +206,7 @@ struct ImpactQpSettings : EnergySettings {
     ImpactQpDesign design = given;
     design.path = path.design(arm);
     design.approach = path.approach(arm);
-    design.impact = impact;
+    design.impact = path.impact;
     design.admittance = admittance;
     return make_law<ImpactQp>(arm, design);
   }
@@ -229,7 +218,6 @@ struct ContactMpcSettings {
 
   void bind(Fields& fields) {
     path.bind(fields);
-    bind_impact(fields, given.impact.stiffness_N_m, given.impact.peak_margin_N);
     fields.optional_number(
         "controller.period_s", given.period_s, positive(),
         "time from one optimisation to the next, a multiple of control.period_s [s]");
@@ -252,6 +240,7 @@ struct ContactMpcSettings {
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     ContactMpcDesign design = given;
     design.path = path.design(arm);
+    design.impact = path.impact;
     return make_law<ContactMpc>(arm, design);
   }
 };

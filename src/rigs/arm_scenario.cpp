@@ -6,7 +6,7 @@
 #include <utility>
 
 #include <breakwater/math/float_environment.h>
-#include <breakwater/observers/stacked_estimator.h>
+#include <breakwater/rigs/plant_parts.h>
 
 namespace breakwater {
 namespace {
@@ -157,7 +157,8 @@ void ArmScenario::check(const Config& config) {
   plant_.knows_disturbances =
       std::any_of(plant_.axes.begin(), plant_.axes.end(),
                   [](const auto& one) { return one.drive.make_friction(1.0) != nullptr; });
-  for (const NominalAxis& one : nominal_joints()) observer_.check(config, one);
+  estimator_of_each(nominal_joints(),
+                    [&](const NominalAxis& one) { return observer_.check(config, one); });
   const auto controller = controller_.check(config, setup());
   AxisRig(plant_, *controller);  // throws if the model lacks something
   rows_.check(
@@ -181,9 +182,8 @@ ArmSetup ArmScenario::setup() const {
   design.nominal_inertia_kgm2 = to_eigen(nominal_inertia_kgm2_);
   design.torque_limit_Nm = chain().effort_limits_Nm();
   design.make_observer = [this] {
-    std::vector<std::unique_ptr<DisturbanceEstimator>> joints;
-    for (const NominalAxis& one : nominal_joints()) joints.push_back(observer_.make(one));
-    return std::make_unique<StackedEstimator>(std::move(joints));
+    return estimator_of_each(nominal_joints(),
+                             [this](const NominalAxis& one) { return observer_.make(one); });
   };
   design.feed = observer_feed_;
   design.period_s = plant_.physics.control_period_s;
@@ -193,11 +193,7 @@ ArmSetup ArmScenario::setup() const {
 // The joints as their estimators model them: J_n q̈ = τ − d. The coupling is part of d.
 std::vector<NominalAxis> ArmScenario::nominal_joints() const {
   std::vector<NominalAxis> joints;
-  for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
-    joints.push_back(plant_.nominal(i));
-    joints.back().joint = static_cast<int>(i);
-    joints.back().joints = static_cast<int>(plant_.axes.size());
-  }
+  for (std::size_t i = 0; i < plant_.axes.size(); ++i) joints.push_back(plant_.nominal(i));
   return joints;
 }
 

@@ -96,7 +96,6 @@ std::unique_ptr<ContactForceLaw> make_no_law() {
 
 PlantTask plant_task(const AxisPlant& plant) {
   PlantTask task;
-  task.senses_true_state = plant.senses_true_state;
   const Eigen::Index entries = plant.senses_true_state ? 3 : 1;
   const auto force_behind = [&](std::size_t axes) {
     if (!plant.tip) return ForceTask();
@@ -211,16 +210,6 @@ struct Tip {
   int body = 0;
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
 };
-
-Tip tip_of_site(const Model& model, int site) {
-  return {model->site_bodyid[site],
-          frame_of(model->site_pos + 3 * site, model->site_quat + 4 * site)};
-}
-
-Tip tip_of_geom(const Model& model, int geom) {
-  return {model->geom_bodyid[geom],
-          frame_of(model->geom_pos + 3 * geom, model->geom_quat + 4 * geom)};
-}
 
 // The joints from the world to a body. Its `frame` in the last moving link is set.
 std::vector<SpatialJoint> joints_to(int body, const AxisPlant& plant, const Model& model,
@@ -339,23 +328,26 @@ ArmSetup tip_setup(const AxisPlant& plant) {
       throw std::invalid_argument("needs a plane of the world among the geoms of contact \"" +
                                   one.name + "\": its normal is the direction of the force");
     }
-    touching = tip_of_geom(model, ball);
+    touching = {model->geom_bodyid[ball],
+                frame_of(model->geom_pos + 3 * ball, model->geom_quat + 4 * ball)};
     plane_name = plane;
     if (model->geom_type[ball] == mjGEOM_SPHERE) radius_m = model->geom_size[3 * ball];
     contact = frame_of(model->geom_pos + 3 * wall, model->geom_quat + 4 * wall);
     contact->linear() = along(-contact->linear().col(2), contact->linear().col(1));
   }
-  const bool has_sensor = settings.sensor != TipSettings::kNone;
-  const Tip tip =
-      has_sensor ? tip_of_site(model, model->sensor_objid[model.id(mjOBJ_SENSOR, settings.sensor)])
-                 : *touching;
+  if (!contact) throw std::invalid_argument("needs tip.contact: a contact with a plane");
+  Tip tip = *touching;
+  if (settings.sensor != TipSettings::kNone) {
+    const int site = model->sensor_objid[model.id(mjOBJ_SENSOR, settings.sensor)];
+    tip = {model->site_bodyid[site],
+           frame_of(model->site_pos + 3 * site, model->site_quat + 4 * site)};
+  }
   Eigen::Isometry3d body;
   const std::vector<SpatialJoint> joints = joints_to(tip.body, plant, model, body);
   Eigen::VectorXd start(static_cast<Eigen::Index>(joints.size()));
   for (Eigen::Index i = 0; i < start.size(); ++i) {
     start(i) = plant.axes[static_cast<std::size_t>(i)].reference.at(0.0);
   }
-  if (!contact) throw std::invalid_argument("needs tip.contact: a contact with a plane");
   const auto chain = std::make_shared<SpatialChain>(joints, body * tip.frame, *contact, start);
   ArmSetup arm{TipChain(chain), {}, {}, plant.physics.control_period_s};
   arm.task.force_lag_s = settings.chain.low_pass_s;

@@ -30,7 +30,6 @@ struct PlantTask {
   Eigen::VectorXd pose;        ///< the axes' measured positions there
   Eigen::VectorXd held_input;  ///< the forces that hold it there
   Eigen::VectorXd limit;       ///< force limits of the driven axes
-  bool senses_true_state = false;
   ForceTask force;
   /// The estimator stands for each axis by itself, and not for the linearised plant.
   bool observes_axes = false;
@@ -53,18 +52,26 @@ struct PlantControllerKind
   bool moves_tip = false;  ///< it is one of an arm, and has an estimator for each axis
 };
 
+/// One estimator for each axis, by `make(NominalAxis)`.
+template <typename Make>
+std::unique_ptr<DisturbanceEstimator> estimator_of_each(std::vector<NominalAxis> axes,
+                                                        Make&& make) {
+  std::vector<std::unique_ptr<DisturbanceEstimator>> estimators;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    axes[i].joint = static_cast<int>(i);
+    axes[i].joints = static_cast<int>(axes.size());
+    estimators.push_back(make(axes[i]));
+  }
+  return std::make_unique<StackedEstimator>(std::move(estimators));
+}
+
 /// The estimator of the linearised plant, or one for each axis, by `make(NominalAxis)`.
 template <typename Make>
 std::shared_ptr<DisturbanceEstimator> estimator_for(const PlantTask& task, Make&& make) {
   if (!task.observes_axes) return make(task.whole);
-  std::vector<std::unique_ptr<DisturbanceEstimator>> axes;
-  for (std::size_t i = 0; i < task.axes.size(); ++i) {
-    NominalAxis axis = task.axes[i].axis;
-    axis.joint = static_cast<int>(i);
-    axis.joints = static_cast<int>(task.axes.size());
-    axes.push_back(make(axis));
-  }
-  return std::make_shared<StackedEstimator>(std::move(axes));
+  std::vector<NominalAxis> axes;
+  for (const AxisTask& one : task.axes) axes.push_back(one.axis);
+  return estimator_of_each(std::move(axes), make);
 }
 
 /// The chosen controller of a plant and its estimator of the linearised plant.
