@@ -436,8 +436,8 @@ const MetricKind& MetricRows::kind_of(const MetricRow& row) const {
 
 bool MetricRows::is_at_step(const MetricRow& row) const {
   if (row.at != MetricRate::by_signal) return row.at == MetricRate::step;
-  return std::find(fast_signals_.begin(), fast_signals_.end(), whole_key(row.of)) !=
-         fast_signals_.end();
+  return std::any_of(fast_signals_.begin(), fast_signals_.end(),
+                     [&](const std::string& begin) { return row.of.starts_with(begin); });
 }
 
 double MetricRows::period_of(const MetricRow& row) const {

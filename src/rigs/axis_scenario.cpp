@@ -123,13 +123,9 @@ void AxisScenario::check(const Config& config) {
   }
   MetricContext context = complete(config);
   // A contact is shorter than a sample.
-  context.fast_signals.insert(context.fast_signals.end(),
-                              {"force_true_N", "force_sensor_N", "force_filtered_N"});
+  context.fast_signals = {"force_true_N", "force_sensor_N", "force_filtered_N"};
   for (const ContactSettings& one : plant_.contacts) {
-    for (const char* what :
-         {"N", "penetration_m", "approach_m_s", "mass_kg", "transient_N", "friction_N"}) {
-      context.fast_signals.push_back(one.signal(what));
-    }
+    context.fast_signals.push_back(one.signal(""));
   }
   const bool has_contact = plant_.tip && plant_.tip->contact != TipSettings::kNone;
   if (has_contact) context.events = {"first_contact", "first_separation"};
@@ -137,8 +133,12 @@ void AxisScenario::check(const Config& config) {
       config, [this] { return fields(); }, plant_.physics, context);
   warnings_ = plant().warnings();
   if (!whole_) return;
-  if (moves_tip()) warn_of_free_coordinates(task.tip().chain.coordinates());
-  warn_of_missing_signals(config, task);
+  constexpr Eigen::Index kAllCoordinates = 6;
+  if (moves_tip() && task.tip().chain.held() < kAllCoordinates) {
+    warnings_.push_back("the tip holds " + task.tip().chain.names() +
+                        " of the contact's frame: its joints move no other coordinate "
+                        "independently");
+  }
 }
 
 PlantTask AxisScenario::check_whole(const Config& config) {
@@ -158,29 +158,6 @@ PlantTask AxisScenario::check_whole(const Config& config) {
   }
   whole_->check(config, task);
   return task;
-}
-
-void AxisScenario::warn_of_missing_signals(const Config& config, const PlantTask& task) {
-  const AxisLoop loop = make_loop(task);
-  const AxisRig rig(plant_, *loop.controller);
-  const std::vector<Signal> signals = rig.signals();
-  for (const MetricRow& row : rows_.rows()) {
-    const std::string missing = config.under(row.prefix()).blame("of", [&] {
-      return missing_signal(row, rows_.kind_of(row), signals);
-    });
-    // Another case may have a controller or an estimator that publishes it.
-    const std::string what = row.is_signal ? "signal" : "metric";
-    if (!missing.empty()) warnings_.push_back(missing + ": the " + what + " is absent");
-  }
-}
-
-void AxisScenario::warn_of_free_coordinates(const std::vector<TipCoordinate>& held) {
-  constexpr std::size_t kAll = 6;
-  if (held.size() == kAll) return;
-  std::string names;
-  for (const TipCoordinate& one : held) names += (names.empty() ? "" : ", ") + one.name;
-  warnings_.push_back("the tip holds " + names +
-                      " of the contact's frame: its joints move no other coordinate independently");
 }
 
 bool AxisScenario::has_own_loop(std::size_t i) const {
