@@ -7,12 +7,7 @@ namespace breakwater {
 
 Catalogue axes_catalogue() {
   Catalogue catalogue = arm_catalogue();
-  const auto bind_position = [](Fields& fields, AxisSettings& cart) {
-    cart.bind_step(fields);
-    fields.number(
-        "metrics.high_pass_Hz", cart.high_pass_Hz, positive(),
-        "passband of the high-pass behind which the noise of the estimate is measured [Hz]");
-  };
+  const auto bind_position = [](Fields& fields, AxisSettings& cart) { cart.bind_step(fields); };
   catalogue.add(
       axis_kind({.name = "cart_position",
                  .summary = "position control of a cart with friction, quantised drive and encoder",

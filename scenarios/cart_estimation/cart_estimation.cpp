@@ -65,19 +65,18 @@ class CartEstimation final : public AxisScenario {
                                {{"step", 0}, {"ramp", 1}, {"sine", 2}, {"high_sine", 3}},
                                "shape of the disturbance, (a) to (d) of Table 4.3");
     for (auto& [name, d] : shapes_) {
+      const Fields::OfPart shape(fields, "disturbance.kind", name);
+      const std::string key = "disturbance." + name;
       const bool is_ramp = d.kind == DisturbanceKind::ramp;
-      const auto only = [&, &name = name](const std::string& end, double& target,
-                                          const Range& range, const std::string& doc) {
-        const std::string key = "disturbance." + name + end;
-        fields.number(key, target, range, doc);
-        fields.only_for({key}, "disturbance.kind", {name});
-      };
-      only(is_ramp ? "_N_s" : "_N", d.amplitude, any(),
-           is_ramp ? "slope of this disturbance [N/s]" : "amplitude of this disturbance [N]");
+      fields.number(
+          key + (is_ramp ? "_N_s" : "_N"), d.amplitude, any(),
+          is_ramp ? "slope of this disturbance [N/s]" : "amplitude of this disturbance [N]");
       if (d.kind == DisturbanceKind::sine) {
-        only("_rad_s", d.frequency_rad_s, positive(), "frequency of this disturbance [rad/s]");
+        fields.number(key + "_rad_s", d.frequency_rad_s, positive(),
+                      "frequency of this disturbance [rad/s]");
       }
-      only("_start_s", d.start_s, not_negative(), "time at which this disturbance begins [s]");
+      fields.number(key + "_start_s", d.start_s, not_negative(),
+                    "time at which this disturbance begins [s]");
     }
   }
 

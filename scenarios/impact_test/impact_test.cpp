@@ -71,7 +71,6 @@ class ImpactTest final : public Scenario {
     const double along_normal = math::cos(contact.angle_rad());
     contact.check_impact(config, plant_.physics, mass_kg_ / (along_normal * along_normal),
                          axis.start_velocity * along_normal);
-    contact.make(plant_.load_model());
     rows_.check(config, [this] { return fields(); }, plant_.physics,
                 {.events = {"first_contact", "first_separation"}});
   }

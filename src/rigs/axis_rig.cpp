@@ -208,7 +208,10 @@ RigRun::Judged AxisRig::judged_force(const TimeWindow& window) const {
   HeldReference held(window, "the force of the tip", "N");
   held.ask(plant_.tip->reference.value);
   return {std::move(held),
-          [this](HeldReference& force, double time_s) { force.add(time_s, force_error_N()); }};
+          [this, &force = contact_force_ != nullptr ? *contact_force_ : filtered_force_N()](
+              HeldReference& reference, double time_s) {
+            reference.add(time_s, force_reference_ - force);
+          }};
 }
 
 std::vector<RigRun::Judged> AxisRig::judged() const {

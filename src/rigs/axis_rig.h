@@ -132,20 +132,13 @@ class AxisRig {
   const double& filtered_force_N() const {
     return simulation_->sensing().filtered(simulation_->sensing().size() - 2);
   }
-  /// The true force of the tip's contact; 0 if it has none.
-  const double& contact_force_N() const {
-    return contact_force_ != nullptr ? *contact_force_ : kNothing;
-  }
   /// The first contact, if it is there and not the engine's alone.
   const WallContact* wall() const { return contacts_.empty() ? nullptr : contacts_.front().wall; }
   /// The time of the tip's first contact since its reference counts; infinite: there was none.
   const double& first_contact_s() const { return first_contact_s_; }
-  /// The reference of the tip's force minus the true force, or the measured one if it has none.
-  double force_error_N() const {
-    return force_reference_ - (contact_force_ != nullptr ? *contact_force_ : filtered_force_N());
-  }
-  /// Judges this error in a window.
+  /// Judges the tip's true force in a window, or the measured one if it has none.
   RigRun::Judged judged_force(const TimeWindow& window) const;
+
   /// Runs for the duration of the settings. It warns if a reference is not held, or if a drive is
   /// at its limit in most samples.
   Recording run(const RunControl& control, const MetricRows& rows, RigRun run);

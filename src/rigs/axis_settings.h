@@ -154,7 +154,6 @@ struct AxisSettings {
   TransmissionSettings transmission;
 
   DisturbanceSettings disturbance;
-  double high_pass_Hz = 0.0;  ///< cut-off of a signal in the scenario's file
   // Only for named axes.
   std::string reference_file;
   /// A controller has its reference, so that the end of a hold is judged.
