@@ -66,21 +66,20 @@ class ArmPush final : public ArmScenario {
     fields.count("push.link", link_, between(1, static_cast<double>(plant_.axes.size())),
                  "number of the link whose end the hand pushes");
     fields.number("push.angle_rad", hand_.angle_rad, any(),
-                  "angle by which the hand turns the link [rad]");
+                  "angle by which the hand turns the link");
     fields.optional_number(
         "push.moment_Nm", hand_.given_moment_Nm, any(),
         "moment about the link's joint with which the hand pushes, wherever the link goes; "
-        "0: it turns the link by the angle [N m]");
-    fields.number("push.start_s", hand_.start_s, not_negative(),
-                  "time at which the hand grips [s]");
+        "0: it turns the link by the angle");
+    fields.number("push.start_s", hand_.start_s, not_negative(), "time at which the hand grips");
     fields.number("push.rise_s", hand_.rise_s, positive(),
-                  "time that the hand takes to turn the link [s]");
+                  "time that the hand takes to turn the link");
     fields.number("push.hold_s", hand_.hold_s, not_negative(),
-                  "time for which the hand then holds the link [s]");
+                  "time for which the hand then holds the link");
     fields.number("push.stiffness_Nm_rad", hand_.stiffness_Nm_rad, positive(),
-                  "stiffness of the hand about the link's joint [N m/rad]");
+                  "stiffness of the hand about the link's joint");
     fields.number("push.damping_Nms_rad", hand_.damping_Nms_rad, not_negative(),
-                  "damping of the hand about the link's joint [N m s/rad]");
+                  "damping of the hand about the link's joint");
     fields.only_where({"push.angle_rad", "push.stiffness_Nm_rad", "push.damping_Nms_rad"},
                       "push.moment_Nm is 0", [this] { return hand_.given_moment_Nm == 0.0; });
   }

@@ -28,14 +28,14 @@ class ArmWallContact final : public ArmScenario {
   void bind(Fields& fields) override {
     plant_.tip->chain.bind(fields);
     fields.number("wall.distance_m", wall_distance_m_, positive(),
-                  "distance from the tip at the start pose to the wall's face [m]");
+                  "distance from the tip at the start pose to the wall's face");
     fields.number("wall.solid_from_s", contact().solid_from_s, not_negative(),
-                  "time at which the wall becomes solid: the stretched arm starts inside it [s]");
+                  "time at which the wall becomes solid: the stretched arm starts inside it");
     contact().bind(fields);
     fields.number("force.reference_N", force().value, positive(),
-                  "F_x^ref: reference of the contact force [N]");
+                  "F_x^ref: reference of the contact force");
     fields.number("force.from_s", force().from_s, not_negative(),
-                  "time of the switch from position control to force control [s]");
+                  "time of the switch from position control to force control");
     fields.number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
                   "factor of the force gain: K_f is this value times F_x^ref [1/m]");
     plant_.tip->chain.bind_filter(fields);

@@ -48,20 +48,18 @@ class CartConstrained final : public AxisScenario {
         "A: nominal. B, C: a force of 1 N or 2 N. D, E: half or one and a half times the "
         "nominal mass");
     fields.number("start.position_m", plant_.axis().start_position, any(),
-                  "position of the cart at the start [m]");
+                  "position of the cart at the start");
     fields.number("start.velocity_m_s", plant_.axis().start_velocity, any(),
-                  "velocity of the cart at the start [m/s]");
+                  "velocity of the cart at the start");
     fields.number("observer.start_position_m", start_estimate_(0), any(),
-                  "position with which the estimator starts [m]");
+                  "position with which the estimator starts");
     fields.number("observer.start_velocity_m_s", start_estimate_(1), any(),
-                  "velocity with which the estimator starts [m/s]");
-    fields.number("constraint.velocity_m_s", velocity_m_s_, positive(), "bound on |v| [m/s]");
-    fields.number("constraint.input_lower_N", input_lower_N_, any(),
-                  "lower bound on the input [N]");
-    fields.number("constraint.input_upper_N", input_upper_N_, any(),
-                  "upper bound on the input [N]");
+                  "velocity with which the estimator starts");
+    fields.number("constraint.velocity_m_s", velocity_m_s_, positive(), "bound on |v|");
+    fields.number("constraint.input_lower_N", input_lower_N_, any(), "lower bound on the input");
+    fields.number("constraint.input_upper_N", input_upper_N_, any(), "upper bound on the input");
     fields.number("disturbance.start_s", plant_.axis().disturbance.shape.start_s, not_negative(),
-                  "in conditions B and C, the time at which the force begins [s]");
+                  "in conditions B and C, the time at which the force begins");
     fields.only_for({"disturbance.start_s"}, "condition", {"B", "C"});
   }
 

@@ -68,15 +68,14 @@ class CartEstimation final : public AxisScenario {
       const Fields::OfPart shape(fields, "disturbance.kind", name);
       const std::string key = "disturbance." + name;
       const bool is_ramp = d.kind == DisturbanceKind::ramp;
-      fields.number(
-          key + (is_ramp ? "_N_s" : "_N"), d.amplitude, any(),
-          is_ramp ? "slope of this disturbance [N/s]" : "amplitude of this disturbance [N]");
+      fields.number(key + (is_ramp ? "_N_s" : "_N"), d.amplitude, any(),
+                    is_ramp ? "slope of this disturbance" : "amplitude of this disturbance");
       if (d.kind == DisturbanceKind::sine) {
         fields.number(key + "_rad_s", d.frequency_rad_s, positive(),
-                      "frequency of this disturbance [rad/s]");
+                      "frequency of this disturbance");
       }
       fields.number(key + "_start_s", d.start_s, not_negative(),
-                    "time at which this disturbance begins [s]");
+                    "time at which this disturbance begins");
     }
   }
 

@@ -9,17 +9,17 @@ void bind_offsets(Fields& fields, AxisSettings& axis) {
   fields.only_where({"noise.std_m", "noise.input_std_N"}, "noise.enabled is true",
                     [&axis] { return axis.has_noise; });
   fields.number("reference.position_m", axis.reference.value, any(),
-                "r: reference of the position [m]");
+                "r: reference of the position");
   fields.number("reference.start_s", axis.reference.from_s, not_negative(),
-                "time of the step of the reference from 0 to r [s]");
+                "time of the step of the reference from 0 to r");
   Disturbance& force = axis.disturbance.shape;
   force.kind = axis.output.kind = DisturbanceKind::step;
   fields.number("disturbance.input_N", force.amplitude, any(),
-                "d_i: input disturbance, which opposes the drive [N]");
+                "d_i: input disturbance, which opposes the drive");
   fields.number("disturbance.output_m", axis.output.amplitude, any(),
-                "d_o: output disturbance, added to the measured position [m]");
+                "d_o: output disturbance, added to the measured position");
   fields.number("disturbance.start_s", force.start_s, not_negative(),
-                "time at which both disturbances begin [s]");
+                "time at which both disturbances begin");
 }
 
 }  // namespace

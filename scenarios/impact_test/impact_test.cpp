@@ -43,12 +43,12 @@ class ImpactTest final : public Scenario {
     plant_.physics.bind(fields);
     plant_.run.bind(fields);
     fields.number("impact.mass_kg", mass_kg_, between(1e-6, 1e6),
-                  "mass that strikes the wall, the tool before the force sensor included [kg]");
+                  "mass that strikes the wall, the tool before the force sensor included");
     fields.number("impact.speed_m_s", plant_.axis().start_velocity, positive(),
-                  "speed before the impact [m/s]");
+                  "speed before the impact");
     fields.number("impact.distance_m", distance_m_, not_negative(),
-                  "distance from the tip to the wall at the start [m]");
-    fields.number("impact.push_N", push_N_, not_negative(), "constant force towards the wall [N]");
+                  "distance from the tip to the wall at the start");
+    fields.number("impact.push_N", push_N_, not_negative(), "constant force towards the wall");
     plant_.contacts.front().bind(fields);
     plant_.tip->chain.bind_filter(fields);
     plant_.tip->chain.bind_noise(fields);

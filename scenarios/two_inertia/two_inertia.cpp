@@ -50,11 +50,11 @@ class TwoInertiaDrive final : public AxisScenario {
                   "step of the load's reference, step of the torque on the load, or a step of the "
                   "reference and then its opposite");
     Reference& reference = plant_.axis().reference;
-    fields.number("task.reference_rad", reference.value, any(), "reference of the load [rad]");
-    fields.number("task.load_torque_Nm", torque_Nm_, any(), "torque against the load [N m]");
-    fields.number("task.from_s", reference.from_s, not_negative(), "time of the step [s]");
+    fields.number("task.reference_rad", reference.value, any(), "reference of the load");
+    fields.number("task.load_torque_Nm", torque_Nm_, any(), "torque against the load");
+    fields.number("task.from_s", reference.from_s, not_negative(), "time of the step");
     fields.number("task.reversal_s", reversal_s_, not_negative(),
-                  "time at which the reference changes its sign [s]");
+                  "time at which the reference changes its sign");
     fields.only_for({"task.reference_rad"}, "task.kind", {"position_step", "reversal"});
     fields.only_for({"task.load_torque_Nm"}, "task.kind", {"torque_step"});
     fields.only_for({"task.reversal_s", "transmission.backlash_rad"}, "task.kind", {"reversal"});

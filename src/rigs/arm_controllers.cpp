@@ -24,7 +24,7 @@ struct PfcSettings {
         {{"joint", Positioning::joint}, {"workspace", Positioning::workspace}},
         "hold of the start pose before force control: each joint, or the tip (workspace)");
     fields.numbers("controller.t_ref_s", t_ref_s, positive(),
-                   "target response time of each joint's PFC, or one for all [s]");
+                   "target response time of each joint's PFC, or one for all");
     fields.count("controller.coincidence_points", coincidence_points, between(1, 100),
                  "n: number of coincidence points of the PFC");
     fields.count("controller.basis_functions", basis_functions, between(1, 3),
@@ -121,18 +121,17 @@ struct PathSettings {
   void bind(Fields& fields) {
     pfc.bind(fields);
     fields.number("controller.t_hold_s", hold_s, positive(),
-                  "target response time of x at the start pose, for positioning workspace [s]");
+                  "target response time of x at the start pose, for positioning workspace");
     fields.number("controller.t_across_s", across_s, positive(),
-                  "target response time of y and phi [s]");
-    fields.number(
-        "controller.design_stiffness_N_m", impact.stiffness_N_m, positive(),
-        "K_d: design stiffness, the contact stiffness for which the speed is limited [N/m]");
+                  "target response time of y and phi");
+    fields.number("controller.design_stiffness_N_m", impact.stiffness_N_m, positive(),
+                  "K_d: design stiffness, the contact stiffness for which the speed is limited");
     fields.number("controller.peak_margin_N", impact.peak_margin_N, positive(),
-                  "allowed excess of the filtered peak force over the reference at K_d [N]");
+                  "allowed excess of the filtered peak force over the reference at K_d");
   }
   void bind_approach(Fields& fields) {
     fields.number("controller.t_approach_s", approach_s, positive(),
-                  "target response time of the speed towards the wall [s]");
+                  "target response time of the speed towards the wall");
   }
   PfcDesign design_of(const char* key, double response_time_s, const ArmSetup& arm) const {
     const PfcDesign design = pfc.design(response_time_s, arm.period_s);
@@ -157,7 +156,7 @@ struct TlscSettings {
     path.bind(fields);
     path.bind_approach(fields);
     fields.number("controller.t_contact_s", contact_s, positive(),
-                  "target response time of the remaining distance in contact [s]");
+                  "target response time of the remaining distance in contact");
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     return make_law<SoftContact>(
@@ -175,9 +174,9 @@ struct EnergySettings {
     path.bind(fields);
     path.bind_approach(fields);
     fields.optional_number("controller.admittance_mass_kg", admittance.mass_kg, positive(),
-                           "M: mass of the admittance in contact [kg]");
+                           "M: mass of the admittance in contact");
     fields.optional_number("controller.admittance_damping_Ns_m", admittance.damping_Ns_m,
-                           not_negative(), "D: damping of the admittance in contact [N s/m]");
+                           not_negative(), "D: damping of the admittance in contact");
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     return make_law<EnergyAdmittance>(
@@ -190,15 +189,14 @@ struct ImpactQpSettings : EnergySettings {
 
   void bind(Fields& fields) {
     EnergySettings::bind(fields);
-    fields.optional_number(
-        "controller.approach_speed_m_s", given.approach_speed_m_s, positive(),
-        "v^ref: wanted speed towards the wall, which the constraints reduce [m/s]");
+    fields.optional_number("controller.approach_speed_m_s", given.approach_speed_m_s, positive(),
+                           "v^ref: wanted speed towards the wall, which the constraints reduce");
     fields.optional_number("controller.preview_s", given.preview_s, positive(),
-                           "T_p: the constraints foresee an impact so long after the sample [s]");
+                           "T_p: the constraints foresee an impact so long after the sample");
     fields.optional_number("controller.restitution", given.restitution, between(0.0, 1.0),
                            "e: restitution of the foreseen impact");
     fields.optional_number("controller.impact_expected_from_m", given.expected_from_m, any(),
-                           "way from the start pose after which an impact is foreseen [m]");
+                           "way from the start pose after which an impact is foreseen");
     fields.optional_number("controller.posture_weight", given.posture_weight, positive(),
                            "weight of the joint accelerations in the quadratic program");
   }
@@ -220,7 +218,7 @@ struct ContactMpcSettings {
     path.bind(fields);
     fields.optional_number(
         "controller.period_s", given.period_s, positive(),
-        "time from one optimisation to the next, a multiple of control.period_s [s]");
+        "time from one optimisation to the next, a multiple of control.period_s");
     fields.optional_count("controller.prediction_steps", given.prediction_steps, between(1, 200),
                           "N_p: number of predicted periods");
     fields.optional_number("controller.q_position", given.q_position, positive(),
@@ -230,9 +228,9 @@ struct ContactMpcSettings {
     fields.optional_number("controller.r", given.r, positive(),
                            "weight on the path acceleration [s^4/m^2]");
     fields.optional_number("controller.path_acceleration_m_s2", given.acceleration_m_s2, positive(),
-                           "bound of the predicted path acceleration [m/s^2]");
+                           "bound of the predicted path acceleration");
     fields.optional_number("controller.wall_error_m", given.wall_error_m, any(),
-                           "told place of the wall minus the true one [m]");
+                           "told place of the wall minus the true one");
     fields.optional_number(
         "controller.wall_correction_per_s", given.wall_correction_per_s, not_negative(),
         "gamma: rate at which the measured force corrects the wall's place [1/s]");

@@ -94,13 +94,13 @@ Fields ArmScenario::fields() {
   plant_.timing.bind(fields);
   plant_.run.bind(fields);
   fields.numbers("task.start_angles_rad", start_angles_rad_, any(),
-                 "q_0^ref, the start posture; its tip pose is X_0^ref [rad]");
+                 "q_0^ref, the start posture; its tip pose is X_0^ref");
   for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
     bind_joint(fields, plant_.axes[i], transmissions_[i]);
   }
   controller_.bind(fields);
   fields.numbers("observer.nominal_inertia_kgm2", nominal_inertia_kgm2_, positive(),
-                 "diagonal of J_n: nominal inertia of each joint [kg m^2]");
+                 "diagonal of J_n: nominal inertia of each joint");
   observer_.bind(fields);
   bind_observer_feed(fields, observer_feed_);
   fields.number("sensor.encoder_counts_per_turn", encoder_counts_per_turn_, between(0, 1e12),
@@ -110,7 +110,7 @@ Fields ArmScenario::fields() {
   fields.only_where({"encoder.rounding"}, "sensor.encoder_counts_per_turn is not 0",
                     [this] { return encoder_counts_per_turn_ != 0.0; });
   fields.number("sensor.angle_noise_rad", first.noise_std, not_negative(),
-                "standard deviation of white noise on each angle sample [rad]");
+                "standard deviation of white noise on each angle sample");
   plant_.tip->chain.bind_noise(fields);
   plant_.faults.bind(fields, "q1, q2, ..., force, force_raw", plant_.run.duration_s);
   bind(fields);

@@ -55,7 +55,7 @@ void ContactSettings::bind(Fields& fields) {
                          "mu: coefficient of the dry friction across the wall's normal; 0: none");
   fields.optional_number("friction_stick_m_s", friction_.stick_m_s, positive(),
                          "sliding speed below which the friction is a damper: the contact creeps "
-                         "where it would stick [m/s]");
+                         "where it would stick");
   fields.only_where({"friction_stick_m_s"}, prefix() + "friction_coefficient is not 0",
                     [this] { return has_friction(); });
 }
@@ -65,7 +65,7 @@ void ContactSettings::bind_wall(Fields& fields) {
   fields.optional_number(
       "wall.angle_rad", angle_rad_, between(-kLargestTilt_rad, kLargestTilt_rad),
       "tilt of the wall about its axis nearest to the vertical, or its y axis if it is "
-      "horizontal, counter-clockwise seen from above [rad]");
+      "horizontal, counter-clockwise seen from above");
   fields.optional_choice(
       kMotion, motion_.kind,
       {{"fixed", WallMotionKind::fixed},
@@ -81,30 +81,30 @@ void ContactSettings::bind_wall(Fields& fields) {
   };
   const auto start = [&] {
     fields.optional_number("wall.motion_from_s", motion_.start_s, not_negative(),
-                           "time at which the wall begins to move [s]");
+                           "time at which the wall begins to move");
   };
   of("ramp", [&] {
     start();
     fields.number("wall.speed_m_s", motion_.speed_m_s, any(),
-                  "speed of the wall, positive away from the tip [m/s]");
+                  "speed of the wall, positive away from the tip");
   });
   of("sine", [&] {
     start();
     fields.number("wall.amplitude_m", motion_.amplitude_m, not_negative(),
-                  "amplitude of the wall's motion [m]");
+                  "amplitude of the wall's motion");
     fields.number("wall.frequency_rad_s", motion_.frequency_rad_s, positive(),
-                  "angular frequency of the wall's motion [rad/s]");
+                  "angular frequency of the wall's motion");
   });
   of("csv", [&] {
     fields.file("wall.file", file_,
                 "table of the wall's motion, with the columns time_s and position_m");
   });
   of("free", [&] {
-    fields.number("wall.mass_kg", motion_.mass_kg, positive(), "mass of the wall [kg]");
+    fields.number("wall.mass_kg", motion_.mass_kg, positive(), "mass of the wall");
     fields.number("wall.stiffness_N_m", motion_.stiffness_N_m, not_negative(),
-                  "stiffness of the spring that holds the wall [N/m]");
+                  "stiffness of the spring that holds the wall");
     fields.number("wall.damping_Ns_m", motion_.damping_Ns_m, not_negative(),
-                  "damping of what holds the wall [N s/m]");
+                  "damping of what holds the wall");
   });
 }
 
@@ -203,7 +203,7 @@ using Law = std::unique_ptr<ContactForceLaw>;
 void bind_stiffness(Fields& fields, double& stiffness) {
   fields.number("stiffness_N_m", stiffness, positive(),
                 "K: stiffness of the contact as a whole, not of its steel; "
-                "of hertz in N/m^1.5, of hunt_crossley in N/m^n [N/m]");
+                "of hertz in N/m^1.5, of hunt_crossley in N/m^n");
 }
 
 void bind_dissipation(Fields& fields, double& dissipation) {
@@ -217,8 +217,7 @@ struct SpringAndDamper {
 
   void bind(Fields& fields) {
     bind_stiffness(fields, stiffness_N_m);
-    fields.number("damping_Ns_m", damping_Ns_m, not_negative(),
-                  "B: damping of the same chain [N s/m]");
+    fields.number("damping_Ns_m", damping_Ns_m, not_negative(), "B: damping of the same chain");
   }
   template <KelvinVoigt::By by>
   Law make() const {
@@ -250,7 +249,7 @@ struct HuntCrossleySettings {
         "restitution", restitution, between(0.0, 1.0),
         "measured restitution, from which alpha follows; 1: contact.dissipation_s_m is alpha");
     fields.optional_number("restitution_speed_m_s", restitution_speed_m_s, positive(),
-                           "impact speed at which the restitution was measured [m/s]");
+                           "impact speed at which the restitution was measured");
     fields.either("restitution", "dissipation_s_m");
     fields.only_where({"restitution_speed_m_s"}, "contact.restitution is below 1",
                       [this] { return restitution < 1.0; });
@@ -302,9 +301,9 @@ struct Solid {
     bind_stiffness(fields, stiffness_N_m);
     fields.number("maxwell_stiffness_N_m", maxwell_stiffness_N_m, positive(),
                   "K_1: stiffness of the spring in series with the damper, which is in parallel "
-                  "with contact.stiffness_N_m [N/m]");
+                  "with contact.stiffness_N_m");
     fields.number("relaxation_s", relaxation_s, positive(),
-                  "tau: relaxation time of that spring and damper [s]");
+                  "tau: relaxation time of that spring and damper");
   }
   Law make() const {
     return std::make_unique<StandardLinearSolid>(stiffness_N_m, maxwell_stiffness_N_m,
