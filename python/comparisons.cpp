@@ -1,6 +1,5 @@
 #include "module.h"
 
-#include <fmt/format.h>
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
@@ -8,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
-#include <breakwater/shell/table.h>
 #include <breakwater/study/ranking_text.h>
 #include <breakwater/study/results.h>
 #include "interpreter.h"
@@ -37,25 +35,9 @@ std::string compare(const std::vector<std::string>& candidates,
   for (const auto& [name, low, high] : bounds) requirement.bounds.push_back({name, low, high});
   const Ranking ranking =
       rank_candidates(results, metric, is_max ? Goal::max : Goal::min, requirement);
-  std::vector<std::size_t> complete;
-  std::map<std::string, std::vector<std::size_t>> counts;
-  for (Eigen::Index c = 0; c < failed.cols(); ++c) {
-    const auto has_ended = failed.col(c).array() == 0.0;
-    complete.push_back(static_cast<std::size_t>(has_ended.count()));
-    for (const auto& [name, values] : metrics) {
-      const auto there = has_ended && !values.col(c).array().isNaN();
-      counts[name].push_back(static_cast<std::size_t>(there.count()));
-    }
-  }
-  const std::vector<std::string> notes = missing_lines(candidates, counts, complete);
   nlohmann::ordered_json json = ranking_json(ranking);
   constexpr std::size_t kWidth = 100;
-  std::string text = ranking_text(ranking, kWidth);
-  for (const std::string& note : notes) {
-    text += fmt::format("\n{}", fmt::join(wrapped(note, kWidth), "\n"));
-  }
-  json["text"] = text;
-  json["notes"] = notes;
+  json["text"] = ranking_text(ranking, kWidth);
   return json.dump();
 }
 
@@ -63,6 +45,7 @@ std::string compare(const std::vector<std::string>& candidates,
 
 void bind_comparisons(py::module_& module) {
   module.def("compare", compare, OwnCall());
+  module.def("missing_lines", missing_lines, OwnCall());
 }
 
 }  // namespace breakwater::python

@@ -3,14 +3,12 @@
 #include <pybind11/pybind11.h>
 
 #include <filesystem>
-#include <new>
 #include <stdexcept>
 
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/experiment/version.h>
 #include <breakwater/record/interrupted.h>
 #include <breakwater/record/output_error.h>
-#include <breakwater/record/track.h>
 #include <breakwater/shell/paths.h>
 #include "interpreter.h"
 #include "module.h"
@@ -39,10 +37,6 @@ void translate(std::exception_ptr thrown) {
     PyErr_SetString(PyExc_OSError, error.what());
   } catch (const std::filesystem::filesystem_error& error) {
     PyErr_SetString(PyExc_OSError, error.what());
-  } catch (const LogTooLong& error) {
-    PyErr_SetString(PyExc_MemoryError, error.what());
-  } catch (const std::bad_alloc&) {
-    PyErr_SetString(PyExc_MemoryError, "there is not enough memory");
   } catch (const std::length_error&) {
     PyErr_SetString(PyExc_MemoryError, "there is not enough memory");
   } catch (const std::invalid_argument& error) {

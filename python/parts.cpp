@@ -5,13 +5,12 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <cstring>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
 
+#include <breakwater/config/config.h>
 #include <breakwater/program/program.h>
 #include <breakwater/record/output_error.h>
 #include <breakwater/rigs/arm_parts.h>
@@ -49,11 +48,6 @@ auto of_python(const std::string& name, const Body& body) {
   }
 }
 
-py::object steal_or_throw(PyObject* result) {
-  if (result == nullptr) throw py::error_already_set();
-  return py::reinterpret_steal<py::object>(result);
-}
-
 // A pointer that may be released with or without the interpreter's lock.
 template <typename T>
 std::shared_ptr<T> share(T object) {
@@ -64,115 +58,68 @@ std::shared_ptr<T> share(T object) {
 }
 using SharedObject = std::shared_ptr<py::object>;
 
-// A Python object that a run calls at every sample, with the lock held. It gets new arrays, which
-// it may keep. pybind11's own conversions would take several times as long.
+using Values = Eigen::Ref<const Eigen::VectorXd>;
+
+py::array_t<double> array_of(const Values& values) {
+  return py::array_t<double>(values.size(), values.data());
+}
+
+// A Python object that a run calls at every sample, with the lock held, through a Link of
+// breakwater/parts.py. It gets new arrays, which it may keep.
 class Part {
  public:
-  // `sample_class` is the class of y in breakwater.samples.
-  Part(const py::object& part, const char* sample_class, const py::dict& setup)
-      : name_(class_name(part)),
-        objects_(share(Objects{part.attr("reset"),
-                               part.attr("update"),
-                               py::module_::import("breakwater.samples").attr(sample_class),
-                               py::dtype::of<double>(),
-                               {}})) {
-    using Entry = std::tuple<std::string, std::string, std::string, py::array>;
-    for (const auto& [name, unit, text, array] :
-         helper("set_up", part, setup).cast<std::vector<Entry>>()) {
-      const std::vector<double> values(static_cast<std::size_t>(array.size()));
-      objects_->published.push_back({name, array, values});
-      signals_.push_back({name, unit, text, objects_->published.back().values});
+  // `sample_class` is the class of y in breakwater.samples, if it has no force beside. `what` are
+  // the numbers that update() returns.
+  Part(const py::object& part, const char* sample_class, const std::string& what,
+       const py::dict& setup)
+      : name_(class_name(part)) {
+    const py::object link = helper("Link", part, sample_class, what, setup);
+    objects_ = share(Objects{link.attr("reset"), link.attr("update"), link.attr("sample_class")});
+    using Entry = std::tuple<std::string, std::string, std::string, py::array_t<double>>;
+    for (const auto& [name, unit, text, values] : link.attr("signals").cast<std::vector<Entry>>()) {
+      signals_.push_back(
+          {name, unit, text, {values.data(), static_cast<std::size_t>(values.size())}});
     }
-    copy_signals();
   }
 
   const std::vector<Signal>& signals() const { return signals_; }
 
   template <typename... Arguments>
   void reset(const Arguments&... arguments) {
-    call(objects_->reset, arguments...);
+    of_python(name_, [&] { return call_python(objects_->reset, arguments...); });
   }
 
-  // Copies `size` numbers that update() returns. Throws std::invalid_argument.
-  void update(const py::object& first, const py::object& y, double* target, Eigen::Index size,
-              const char* what) {
-    take(call(objects_->update, first, y), target, size, what);
+  // Copies the numbers that update() returns. Throws std::invalid_argument.
+  template <typename First>
+  void update(const First& first, const Values& y, Eigen::Ref<Eigen::VectorXd> values) {
+    const py::object returned = of_python(
+        name_, [&] { return call_python(objects_->update, first, sample(y), values.size()); });
+    if (PyFloat_Check(returned.ptr())) {
+      values(0) = PyFloat_AS_DOUBLE(returned.ptr());
+    } else {
+      std::copy_n(returned.cast<py::array_t<double>>().data(), values.size(), values.data());
+    }
   }
 
-  // A new array for y.
-  py::object sample(const double* values, Eigen::Index size) const {
-    const py::dtype& dtype = objects_->dtype;
-    Py_INCREF(dtype.ptr());  // the array takes this reference
-    const Py_intptr_t shape[] = {size};
-    py::object array = steal_or_throw(py::detail::npy_api::get().PyArray_NewFromDescr_(
-        sample_class(), dtype.ptr(), 1, shape, nullptr, nullptr, 0, nullptr));
-    std::memcpy(py::detail::array_proxy(array.ptr())->data, values, bytes(size));
-    return array;
+  // A new array of the class of y. pybind11 and a view would take several times as long.
+  py::object sample(const Values& values) const {
+    const py::dtype dtype = py::dtype::of<double>();
+    const Py_intptr_t shape[] = {values.size()};
+    PyObject* array = py::detail::npy_api::get().PyArray_NewFromDescr_(
+        reinterpret_cast<PyTypeObject*>(objects_->sample_class.ptr()), dtype.inc_ref().ptr(), 1,
+        shape, nullptr, nullptr, 0, nullptr);
+    if (array == nullptr) throw py::error_already_set();
+    std::copy_n(values.data(), values.size(),
+                reinterpret_cast<double*>(py::detail::array_proxy(array)->data));
+    return py::reinterpret_steal<py::object>(array);
   }
 
  private:
-  struct Published {
-    std::string name;
-    py::array array;
-    std::vector<double> values;
-  };
   struct Objects {
     py::object reset;
     py::object update;
     py::object sample_class;
-    py::dtype dtype;
-    std::vector<Published> published;
   };
-
-  static std::size_t bytes(Eigen::Index size) {
-    return static_cast<std::size_t>(size) * sizeof(double);
-  }
-  PyTypeObject* sample_class() const {
-    return reinterpret_cast<PyTypeObject*>(objects_->sample_class.ptr());
-  }
-
-  template <typename... Arguments>
-  py::object call(const py::object& method, const Arguments&... arguments) {
-    PyObject* all[] = {nullptr, arguments.ptr()...};
-    py::object result = of_python(name_, [&] {
-      return steal_or_throw(call_python(method.ptr(), all + 1,
-                                        sizeof...(arguments) | PY_VECTORCALL_ARGUMENTS_OFFSET));
-    });
-    copy_signals();
-    return result;
-  }
-
-  void take(const py::object& result, double* target, Eigen::Index size, const char* what) const {
-    if (size == 1 && PyFloat_Check(result.ptr())) {
-      *target = PyFloat_AS_DOUBLE(result.ptr());
-      return;
-    }
-    if (Py_IS_TYPE(result.ptr(), py::detail::npy_api::get().PyArray_Type_) ||
-        Py_IS_TYPE(result.ptr(), sample_class())) {
-      const auto* array = py::detail::array_proxy(result.ptr());
-      if (array->descr == objects_->dtype.ptr() && array->nd == 1 && array->dimensions[0] == size &&
-          array->strides[0] == sizeof(double)) {
-        std::memcpy(target, array->data, bytes(size));
-        return;
-      }
-    }
-    const auto values =
-        helper("returned", result, size, name_ + ".update() returned " + what).cast<py::array>();
-    std::memcpy(target, values.data(), bytes(size));
-  }
-
-  // Python may have moved an array, or given it another size or type.
-  void copy_signals() {
-    for (Published& signal : objects_->published) {
-      const py::array& array = signal.array;
-      const auto size = static_cast<Eigen::Index>(signal.values.size());
-      if (!py::array_t<double, py::array::c_style>::check_(array) || array.ndim() != 1 ||
-          array.size() != size) {
-        helper("refuse_change", array, size, name_ + ".signals(): " + signal.name);
-      }
-      if (size > 0) std::memcpy(signal.values.data(), array.data(), bytes(size));
-    }
-  }
 
   std::string name_;
   std::shared_ptr<Objects> objects_;
@@ -181,89 +128,53 @@ class Part {
 
 class PythonController final : public Controller {
  public:
-  PythonController(const py::object& part, const char* sample_class, const py::dict& setup,
-                   const char* command)
-      : part_(part, sample_class, setup), command_(command) {}
+  explicit PythonController(Part part) : part_(std::move(part)) {}
 
   void reset(const Sample& first) override {
     const Locked lock;
-    part_.reset(py::float_(first.time_s), part_.sample(first.y.data(), first.y.size()));
+    part_.reset(first.time_s, part_.sample(first.y));
   }
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
     const Locked lock;
-    part_.update(py::float_(y.time_s), part_.sample(y.y.data(), y.y.size()), u.data(), u.size(),
-                 command_);
+    part_.update(y.time_s, y.y, u);
   }
   std::span<const Signal> signals() const override { return part_.signals(); }
 
  private:
   Part part_;
-  const char* command_;
 };
 
-class PythonAxisEstimator final : public DisturbanceEstimator {
+// An estimator of an axis or of the quadrotor, whose log does not have its signals.
+template <typename Interface>
+class PythonEstimator final : public Interface {
  public:
-  PythonAxisEstimator(const py::object& part, const NominalAxis& axis, const py::dict& setup)
-      : part_(part, "AxisSample", setup),
-        states_(axis.plant.states()),
-        inputs_(axis.plant.inputs()),
-        estimate_(Eigen::VectorXd::Zero(states_ + inputs_)) {}
+  using View = DisturbanceEstimator::View;
 
-  void reset(const Vector& x) override {
+  PythonEstimator(Part part, Eigen::Index states, Eigen::Index disturbances)
+      : part_(std::move(part)),
+        states_(states),
+        estimate_(Eigen::VectorXd::Zero(states + disturbances)) {}
+
+  void reset(const Values& x) override {
     const Locked lock;
-    estimate_ << x, Eigen::VectorXd::Zero(inputs_);
-    part_.reset(py::cast(Eigen::VectorXd(x)));
+    estimate_.setZero();
+    estimate_.head(x.size()) = x;
+    part_.reset(array_of(x));
   }
-  void update(const Vector& held_input, const Vector& y) override {
+  void update(const Values& held_input, const Values& y) override {
     const Locked lock;
-    part_.update(py::cast(Eigen::VectorXd(held_input)), part_.sample(y.data(), y.size()),
-                 estimate_.data(), estimate_.size(),
-                 states_ == 2 ? "[position, velocity, disturbance]" : "[state, disturbances]");
+    part_.update(array_of(held_input), y, estimate_);
   }
   View state() const override { return {estimate_.data(), states_}; }
-  View disturbance() const override { return {estimate_.data() + states_, inputs_}; }
+  View disturbance() const override {
+    return {estimate_.data() + states_, estimate_.size() - states_};
+  }
   std::span<const Signal> signals() const override { return part_.signals(); }
 
  private:
   Part part_;
   Eigen::Index states_;
-  Eigen::Index inputs_;
   Eigen::VectorXd estimate_;
-};
-
-class PythonQuadrotorEstimator final : public QuadrotorEstimator {
- public:
-  PythonQuadrotorEstimator(const py::object& part, const py::dict& setup)
-      : part_(part, "QuadrotorSample", setup) {}
-
-  void reset(const Vector6d& pose) override {
-    const Locked lock;
-    motion_ << pose, Vector6d::Zero();
-    force_.setZero();
-    part_.reset(py::cast(pose));
-  }
-  void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
-    const Locked lock;
-    Eigen::Matrix<double, 15, 1> values;
-    part_.update(py::cast(held_thrusts), part_.sample(pose.data(), pose.size()), values.data(), 15,
-                 "[pose, its rate, force]");
-    motion_ = values.head<12>();
-    force_ = values.tail<3>();
-  }
-  const Motion& motion() const override { return motion_; }
-  // It has no covariance, so the run has no nees_mean.
-  MotionCovariance motion_covariance() const override {
-    return MotionCovariance::Constant(std::numeric_limits<double>::quiet_NaN());
-  }
-  Eigen::Vector4d thrust_disturbance() const override { return Eigen::Vector4d::Zero(); }
-  Eigen::Vector3d force() const override { return force_; }
-  bool models_world_force() const override { return true; }
-  bool models_disturbance() const override { return true; }
-
- private:
-  Part part_;
-  Motion motion_ = Motion::Zero();
-  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
 };
 
 py::dict setup_of(const ArmSetup& arm) {
@@ -310,13 +221,11 @@ py::dict setup_of(const PlantTask& task) {
   setup["to_states"] = task.to_states;
   setup["held_input"] = task.held_input;
   setup["force_limit"] = task.limit;
-  std::vector<Reference> references;
-  for (const AxisTask& axis : task.axes) references.push_back(axis.measured_reference());
-  setup["reference"] = py::cpp_function([references](double t) {
-    Eigen::VectorXd values(static_cast<Eigen::Index>(references.size()));
-    std::ranges::transform(references, values.data(), [t](const auto& one) { return one.at(t); });
-    return values;
-  });
+  py::list references;
+  for (const AxisTask& axis : task.axes) {
+    references.append(function_of_time(axis.measured_reference()));
+  }
+  setup["reference"] = references;
   return setup;
 }
 
@@ -333,33 +242,24 @@ py::dict setup_of(const QuadrotorTask& task) {
 }
 
 // A kind whose parts `make` makes with the lock held.
-template <typename Kind, typename Product, typename... Context, typename Make>
-Kind kind_of(const PartKind<Product, Context...>*, const std::string& name, Make make) {
-  return {name, "written in Python", [make, name](Context... context) -> std::unique_ptr<Product> {
-            const Locked lock;
-            return of_python(name, [&]() -> std::unique_ptr<Product> { return make(context...); });
-          }};
-}
 template <typename Kind, typename Make>
 Kind kind_of(const std::string& name, Make make) {
-  return kind_of<Kind>(static_cast<const Kind*>(nullptr), name, make);
+  return {name, "written in Python", typename Kind::Makes([make, name](const auto&... context) {
+            const Locked lock;
+            return of_python(name, [&] { return make(context...); });
+          })};
 }
 
-// A controller that gets samples of the class `sample_class`, or `with_force` where there is a tip.
 template <typename Kind, typename Task>
 Kind controller_kind(const std::string& name, const SharedObject& part, const char* sample_class,
-                     const char* command, const char* with_force = nullptr) {
+                     const char* command) {
   return kind_of<Kind>(name, [=](const Task& task, const auto&... /*estimator*/) {
-    bool has_force = false;
-    if constexpr (requires { task.force; }) has_force = task.force.is_there();
-    return std::make_unique<PythonController>(*part, has_force ? with_force : sample_class,
-                                              setup_of(task), command);
+    return std::make_unique<PythonController>(Part(*part, sample_class, command, setup_of(task)));
   });
 }
 
 AxisControllerKind axis_controller(const std::string& name, const SharedObject& part) {
-  return controller_kind<AxisControllerKind, AxisTask>(name, part, "AxisSample", "one force",
-                                                       "AxisForceSample");
+  return controller_kind<AxisControllerKind, AxisTask>(name, part, "AxisSample", "one force");
 }
 
 AxisEstimatorKind axis_estimator(const std::string& name, const SharedObject& part) {
@@ -367,7 +267,11 @@ AxisEstimatorKind axis_estimator(const std::string& name, const SharedObject& pa
     // Each joint of an arm has its own.
     const py::object own =
         axis.joint == 0 ? *part : py::module_::import("copy").attr("deepcopy")(*part);
-    return std::make_unique<PythonAxisEstimator>(own, axis, setup_of(axis));
+    const Eigen::Index states = axis.plant.states();
+    const char* estimate =
+        states == 2 ? "[position, velocity, disturbance]" : "[state, disturbances]";
+    return std::make_unique<PythonEstimator<DisturbanceEstimator>>(
+        Part(own, "AxisSample", estimate, setup_of(axis)), states, axis.plant.inputs());
   });
 }
 
@@ -376,6 +280,10 @@ AxisEstimatorKind axis_estimator(const std::string& name, const SharedObject& pa
 const Catalogue& shipped_parts() {
   static const Catalogue all = standard_catalogue();
   return all;
+}
+
+std::string scenario_of(const std::string& word) {
+  return is_scenario_file(word) ? scenario_name_in(shipped_parts(), word) : word;
 }
 
 PythonParts::PythonParts(const py::tuple& parts) : catalogue_(shipped_parts()) {
@@ -387,8 +295,8 @@ PythonParts::PythonParts(const py::tuple& parts) : catalogue_(shipped_parts()) {
     catalogue_.add(controller_kind<ArmControllerKind, ArmSetup>(controller_, part, "ArmSample",
                                                                 "torques [N m]"));
     catalogue_.add(axis_controller(controller_, part));
-    catalogue_.add(controller_kind<PlantControllerKind, PlantTask>(
-        controller_, part, "PlantSample", "forces [N m or N]", "PlantForceSample"));
+    catalogue_.add(controller_kind<PlantControllerKind, PlantTask>(controller_, part, "PlantSample",
+                                                                   "forces [N m or N]"));
     catalogue_.add(controller_kind<QuadrotorControllerKind, QuadrotorTask>(
         controller_, part, "QuadrotorSample", "thrusts [N]"));
   }
@@ -397,7 +305,8 @@ PythonParts::PythonParts(const py::tuple& parts) : catalogue_(shipped_parts()) {
     const SharedObject part = share(estimator);
     catalogue_.add(axis_estimator(estimator_, part));
     catalogue_.add(kind_of<QuadrotorEstimatorKind>(estimator_, [part](const QuadrotorTask& task) {
-      return std::make_unique<PythonQuadrotorEstimator>(*part, setup_of(task));
+      return std::make_unique<PythonEstimator<QuadrotorEstimator>>(
+          Part(*part, "QuadrotorSample", "[pose, its rate, force]", setup_of(task)), 12, 3);
     }));
   }
   // Two axes may have objects of one class.

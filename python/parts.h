@@ -14,6 +14,9 @@ namespace py = pybind11;
 /// The catalogue of the `breakwater` program.
 const Catalogue& shipped_parts();
 
+/// The scenario of a word: a name, or a scenario file.
+std::string scenario_of(const std::string& word);
+
 /// The shipped catalogue with (controller, estimator, controllers, estimators) of Python, as kinds
 /// for every rig. The first two are objects or None, and their names are those of their classes.
 /// The others are dicts with an object for each named axis of a plant, with the name CLASS_AXIS.

@@ -5,13 +5,11 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include <breakwater/config/config.h>
@@ -26,12 +24,29 @@ namespace breakwater::python {
 namespace {
 namespace fs = std::filesystem;
 
-// A run made by this process.
-struct OwnRun {
+std::string file_of(const std::string& word) {
+  return is_scenario_file(word) ? word : "";
+}
+
+// A run made by this process, with what its folder would tell.
+struct OwnRun : EndedRun {
   PreparedRun prepared;
-  ModelHashes models;
-  Recording recording;
-  double wall_s = 0.0;
+
+  std::string scenario() const { return prepared.scenario->name(); }
+  const std::string& case_name() const { return prepared.case_name; }
+  const std::string& config_text() const { return prepared.config_text; }
+  std::string state_hash() const { return fmt::format("{:016x}", recording.state_hash); }
+  const std::optional<Failure>& failure() const { return recording.failure; }
+  const std::vector<Metric>& metrics() const { return recording.metrics; }
+  const std::vector<AbsentMetric>& absent() const { return recording.absent; }
+  std::vector<LogEntry> signals() const {
+    std::vector<LogEntry> all;
+    for (const Track& track : recording.tracks) {
+      const auto own = datasets_of(track.name(), track.all_signals(), track.rows());
+      all.insert(all.end(), own.begin() + 1, own.end());  // without the time base
+    }
+    return all;
+  }
 };
 
 // A run's folder. Its signals are read by one thread at a time.
@@ -41,43 +56,30 @@ struct FolderRun : SavedRun {
 };
 
 // The caller lacks the interpreter's lock. Debian's HDF5 is thread-safe: h5py may use it meanwhile.
-void write(const OwnRun& own, RunFolder& folder, LogStream* stream = nullptr) {
-  write_run(own.prepared, own.models, own.recording, own.wall_s, folder, false, stream);
+void save(const OwnRun& own, const std::string& target) {
+  RunFolder folder(target);
+  write_run(own.prepared, own.models, own.recording, own.wall_s, folder, false);
 }
 
-OwnRun run(const std::string& scenario_or_file, const std::optional<std::string>& case_name,
-           const std::optional<std::string>& other_config, std::vector<std::string> sets,
+OwnRun run(const std::string& word, const std::optional<std::string>& case_name,
+           const std::optional<std::string>& config, std::vector<std::string> sets,
            const py::tuple& of_python, const std::optional<std::string>& out) {
   const PythonParts parts(of_python);
-  OwnRun own;
   std::optional<RunFolder> folder;
-  std::unique_ptr<LogStream> stream;
-  std::string scenario = scenario_or_file;
-  std::optional<std::string> config = other_config;
-  if (is_scenario_file(scenario) && !config) {
-    config = scenario;
-    scenario = scenario_name_in(parts.catalogue(), *config);
-  }
-  {
-    const Unlocked unlocked;
-    const auto start = std::chrono::steady_clock::now();
-    for (std::string& choice : parts.choices(scenario)) sets.push_back(std::move(choice));
-    const auto read =
-        parts.catalogue().get<ScenarioKind>(scenario).scenario_file(config.value_or(""));
-    const ScenarioFile& file = *read;
-    const std::string chosen = case_name ? *case_name : file.default_case();
-    parts.check_axes(file.config(chosen).names_in("axis"));
-    own.prepared = prepare_run(parts.catalogue(), scenario, file, chosen, sets);
-    if (out) folder.emplace(*out);
-    own.models = model_hashes(own.prepared.model_files);
-    if (folder) stream = make_log_stream(own.prepared, own.models, *folder);
-    own.recording =
-        own.prepared.scenario->run({.progress = [](double /*fraction_done*/) { obey_signals(); },
-                                    .stop = &is_ending(),
-                                    .stream = stream.get()});
-    own.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (folder) write(own, *folder, stream.get());
-  }
+  OwnRun own;
+  const Unlocked unlocked;
+  const std::string scenario = config ? word : scenario_of(word);
+  for (std::string& choice : parts.choices(scenario)) sets.push_back(std::move(choice));
+  const auto file =
+      parts.catalogue().get<ScenarioKind>(scenario).scenario_file(config ? *config : file_of(word));
+  const std::string chosen = case_name ? *case_name : file->default_case();
+  parts.check_axes(file->config(chosen).names_in("axis"));
+  own.prepared = prepare_run(parts.catalogue(), scenario, *file, chosen, sets);
+  if (out) folder.emplace(*out);
+  static_cast<EndedRun&>(own) =
+      run_to_end(own.prepared, model_hashes(own.prepared.model_files),
+                 {.progress = [](double /*fraction_done*/) { obey_signals(); }, .stop = &is_ending},
+                 folder ? &*folder : nullptr);
   return own;
 }
 
@@ -96,54 +98,25 @@ std::vector<std::string> warnings(const OwnRun& own, bool has_python_parts) {
   return lines;
 }
 
-// The facts that both kinds of runs have. `run` has metrics, the absent ones and the failure.
-py::dict facts(const std::string& scenario, const std::string& case_name,
-               const std::string& config_text, const std::string& state_hash,
-               const std::vector<Metric>& metrics, const std::vector<AbsentMetric>& absent,
-               const std::optional<Failure>& failure) {
-  py::dict values;
-  for (const Metric& metric : metrics) values[py::str(metric.name)] = metric.value;
-  py::dict reasons;
-  for (const AbsentMetric& metric : absent) reasons[py::str(metric.name)] = metric.reason;
+// The facts that both kinds of runs have. A signal has (group, name, unit, description, width).
+template <typename Run>
+py::dict facts(const Run& run) {
+  py::dict metrics;
+  for (const Metric& metric : run.metrics()) metrics[py::str(metric.name)] = metric.value;
+  py::dict absent;
+  for (const AbsentMetric& metric : run.absent()) absent[py::str(metric.name)] = metric.reason;
+  py::list signals;
+  for (const LogEntry& one : run.signals()) {
+    signals.append(py::make_tuple(one.group, one.name, one.unit, one.description, one.width));
+  }
   py::object end = py::none();
+  const std::optional<Failure>& failure = run.failure();
   if (failure) end = py::make_tuple(failure->time_s, failure->reason);
-  return py::dict(py::arg("scenario") = scenario, py::arg("case") = case_name,
-                  py::arg("config_text") = config_text, py::arg("state_hash") = state_hash,
-                  py::arg("metrics") = values, py::arg("absent") = reasons,
+  return py::dict(py::arg("scenario") = run.scenario(), py::arg("case") = run.case_name(),
+                  py::arg("config_text") = run.config_text(),
+                  py::arg("state_hash") = run.state_hash(), py::arg("metrics") = metrics,
+                  py::arg("absent") = absent, py::arg("signals") = signals,
                   py::arg("failure") = end, py::arg("is_cut") = failure && failure->is_cut);
-}
-
-// (group, name, unit, description, width) of each signal, without time bases.
-using SignalFacts = std::tuple<std::string, std::string, std::string, std::string, std::size_t>;
-
-py::dict facts_of_own(const OwnRun& own) {
-  const Recording& all = own.recording;
-  py::dict known =
-      facts(own.prepared.scenario->name(), own.prepared.case_name, own.prepared.config_text,
-            fmt::format("{:016x}", all.state_hash), all.metrics, all.absent, all.failure);
-  std::vector<SignalFacts> list;
-  for (const Track& track : all.tracks) {
-    for (const Signal& signal : track.all_signals()) {
-      list.emplace_back(track.name(), signal.name, signal.unit, signal.description,
-                        signal.values.size());
-    }
-  }
-  known["signals"] = list;
-  known["is_streamed"] = all.tracks.front().is_streamed();
-  return known;
-}
-
-py::dict facts_of_saved(const FolderRun& run) {
-  py::dict known = facts(run.scenario(), run.case_name(), run.config_text(), run.state_hash(),
-                         run.metrics(), run.absent(), run.failure());
-  std::vector<SignalFacts> list;
-  for (const LogEntry& entry : run.signals()) {
-    list.emplace_back(entry.group, entry.name, entry.unit, entry.description, entry.width);
-  }
-  known["signals"] = list;
-  known["notes"] = run.notes();
-  known["warnings"] = run.warnings();
-  return known;
 }
 
 // A read-only view of rows × width values without a copy. It keeps `owner`, which has them, alive.
@@ -187,16 +160,13 @@ py::array array_of_saved(const py::object& self, const std::string& group,
 
 void bind_runs(py::module_& module) {
   py::class_<OwnRun>(module, "OwnRun")
-      .def_property_readonly("facts", facts_of_own)
+      .def_property_readonly("facts", facts<OwnRun>)
+      .def_property_readonly(
+          "is_streamed",
+          [](const OwnRun& own) { return own.recording.tracks.front().is_streamed(); })
       .def("warnings", warnings)
       .def("array", array_of_own, OwnCall())
-      .def(
-          "save",
-          [](const OwnRun& own, const std::string& folder) {
-            RunFolder target(folder);
-            write(own, target);
-          },
-          Apart());
+      .def("save", save, Apart());
   module.def("run", run, OwnCall());
 
   py::class_<FolderRun>(module, "SavedRun")
@@ -205,7 +175,9 @@ void bind_runs(py::module_& module) {
              return std::make_unique<FolderRun>(folder);
            }),
            OwnCall())
-      .def_property_readonly("facts", facts_of_saved)
+      .def_property_readonly("facts", facts<FolderRun>)
+      .def_property_readonly("notes", &FolderRun::notes)
+      .def_property_readonly("warnings", &FolderRun::warnings)
       .def("array", array_of_saved, OwnCall());
 
   module.def(
@@ -227,12 +199,9 @@ void bind_runs(py::module_& module) {
     }
     return summaries;
   });
-  module.def("cases", [](const std::string& scenario) {
-    const Catalogue& all = shipped_parts();
-    const bool is_file = is_scenario_file(scenario);
-    return all.get<ScenarioKind>(is_file ? scenario_name_in(all, scenario) : scenario)
-        .scenario_file(is_file ? scenario : "")
-        ->cases();
+  module.def("cases", [](const std::string& word) {
+    const auto& kind = shipped_parts().get<ScenarioKind>(scenario_of(word));
+    return kind.scenario_file(file_of(word))->cases();
   });
 }
 

@@ -89,6 +89,25 @@ def call_copy(words: list[str], parts: list[Any]) -> tuple[int, list[str]]:
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), lines
 
 
+def start_copy(words: list[str], output: int) -> int:
+    """Starts a copy of this process that calls the command `words`, without the name of its program. `output` becomes
+    its stderr. Returns the process, or less than 0 with the error."""
+    try:
+        child = os.fork()
+    except OSError as error:
+        return -error.errno
+    if child == 0:
+        status = 1
+        try:
+            os.dup2(output, 2)
+            os.closerange(3, os.sysconf("SC_OPEN_MAX"))  # the outputs of other copies
+            status = _core.call(words[1:])
+            sys.stdout.flush()
+        finally:
+            os._exit(status)
+    return child
+
+
 def _hash_of(parts: list[Any]) -> str:
     """A hash of the source and the data of objects. It is new each time if they cannot be read."""
     known = hashlib.sha256()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -31,11 +32,11 @@ class Comparison:
     data: the same as ranking.json of a study.
     """
 
-    def __init__(self, data: dict[str, Any]) -> None:
+    def __init__(self, data: dict[str, Any], notes: Sequence[str] = ()) -> None:
         import pandas
 
-        self._text = data.pop("text")
-        self.notes: list[str] = data.pop("notes")
+        self.notes = list(notes)
+        self._text = "\n".join([data.pop("text").rstrip("\n"), *(textwrap.fill(note, 100, break_on_hyphens=False) for note in notes)])
         self.data = data
         self.sentence: str = data["sentence"]
 
@@ -47,7 +48,7 @@ class Comparison:
         self.pairs = rows("pairs")
 
     def __repr__(self) -> str:
-        return self._text.rstrip("\n")
+        return self._text
 
 
 def _columns(table: pandas.DataFrame, value: Any, name: str) -> list[str]:
@@ -180,10 +181,12 @@ def compare(
         cells = np.column_stack([own, failed.astype(str), *(values.astype(str) for values in metrics.values())])
         texts = ["|".join(row) if row[0] or failed[i] else f"row {i}" for i, row in enumerate(cells)]
         runs = pandas.factorize(np.array(texts, dtype=object))[0]
+    of_metrics = {column: grid(values)[order] for column, values in metrics.items()}
+    has_failed = grid(failed)[order]
     answer = _core.compare(
         list(names),
-        {column: grid(values)[order] for column, values in metrics.items()},
-        grid(failed)[order],
+        of_metrics,
+        has_failed,
         grid(runs)[order],
         blocks_of[common][order],
         places[common][order].tolist(),
@@ -193,4 +196,7 @@ def compare(
         float(share),
         float(confidence),
     )
-    return Comparison(json.loads(answer))
+    has_ended = has_failed == 0.0
+    counts = {column: (has_ended & ~np.isnan(values)).sum(axis=0) for column, values in of_metrics.items()}
+    notes = _core.missing_lines(list(names), counts, has_ended.sum(axis=0))
+    return Comparison(json.loads(answer), notes)

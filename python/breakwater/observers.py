@@ -13,7 +13,7 @@ docs/explanation/methods/disturbance-kalman-filters.md has the equations.
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -33,10 +33,29 @@ _SHORT = {
     "poles": "poles_rad_s",
     "cutoff_rad_s": "low_pass_cutoff_rad_s",
     "lambda_": "lambda",
+    "velocity_std_m_s": "tuned_velocity_std_m_s",
+    "rate_std_rad_s": "tuned_rate_std_rad_s",
+    "disturbance_std": "tuned_disturbance_std",
 }
 
 # In TOML, for keys that a scenario's file must give: "KEY" of all observers, or "NAME.KEY" of one.
 _DEFAULTS = {
+    "disturbance": '"resonator"',
+    "kalman.process_noise": '"tuned"',
+    "process_noise_mode": '"delta_squared"',
+    "measurement_covariance": '"actual"',
+    "input_noise": "0.1",
+    "tuned_velocity_std_m_s": "0.03",
+    "tuned_rate_std_rad_s": "3e-3",
+    "tuned_disturbance_std": "0.01",
+    "wave_frequency": '"given"',
+    "assumed_period_s": "8.0",
+    "resonator_damping": "0.08",
+    "resonator_force_std_N": "0.13",
+    "resonator_velocity_std_m_s": "3e-3",
+    "resonator_rate_std_rad_s": "2e-3",
+    "resonator_bias_std_N": "5e-4",
+    "resonator_torque_std_Nm": "2e-4",
     "disturbance_order": "0",
     "process_noise_on": '"input"',
     "observation_noise": "1.0",
@@ -75,6 +94,15 @@ class _Estimator(Rebuilt):
     _inputs: int
     _outputs: int
     _states: int
+    _period_s: float
+
+    def _make(self, name: str, keys: dict[str, object], *given: Any) -> None:
+        defaults = {key: default_of(name, key) for key in _KEYS.get(name, ())}
+        standard = [f"{key}={value}" for key, value in defaults.items() if value]
+        try:
+            self._core = _core.ArrayEstimator(name, (standard, _sets(keys)), *given)
+        except InputError as error:  # without the place of a file or of --set
+            raise InputError(re.sub(r"^(set: |Observer: )?((observer|estimator)\.)?", "", str(error))) from None
 
     x = property(lambda self: self._core.x, doc="A copy of the estimated state (n).")
     d = property(
@@ -146,13 +174,7 @@ class Observer(_Estimator):
         ]
         if period_s is not None and self._period_s <= 0.0:
             raise InputError("period_s: must be positive")
-        name = checked_text(str(name), "name")
-        defaults = {key: default_of(name, key) for key in _KEYS.get(name, ())}
-        sets = [f"observer.{key}={value}" for key, value in defaults.items() if value] + _sets(keys)
-        try:
-            self._core = _core.ArrayEstimator(name, sets, *plant, self._period_s, *sensor, truncates, *drive)
-        except InputError as error:  # without the place of a file or of --set
-            raise InputError(re.sub(r"^(set: |Observer: )?(observer\.)?", "", str(error))) from None
+        self._make(checked_text(str(name), "name"), keys, *plant, self._period_s, *sensor, truncates, *drive)
 
     def reset(self, x0: Matrix | None = None) -> None:
         """Start from the state x0 (n; default: zeros) without a disturbance."""
@@ -180,7 +202,7 @@ class Observer(_Estimator):
         start = None if x0 is None else vector(x0, "x0", self._states)
         if not_negative(time_std_s, "time_std_s") != 0.0 and t is None:
             raise InputError("time_std_s: needs t, the times of the samples")
-        times = None if t is None else self._times(t, outputs)
+        times = np.arange(len(outputs)) * (self._period_s or 1.0) if t is None else self._times(t, outputs)
         x, d, innovation, forgetting = self._core.filter(inputs, outputs, times, start, float(time_std_s))
         ones = np.ones(len(x)) if forgetting.shape[1] == 0 else forgetting[:, 0]
         return Estimates(x, d, innovation, ones)
@@ -206,43 +228,30 @@ class Motions(NamedTuple):
 class QuadrotorFilter(_Estimator):
     """The unscented ("ukf") or extended ("ekf") Kalman filter of the underwater quadrotor.
 
-    disturbance: "none", "zero" or "second" order at the thrusters, or "resonator" (ukf only). The resonator
-    models waves of wave_frequency_rad_s, and tracks this frequency if estimates_wave_frequency is set. The
-    standard deviations are those of the random walk per sample and of the measurement noise.
-    added_mass_coefficient is C_a of the run, 0 for the thesis' plant. update(u, y) takes thrusts (4) [N] and a
-    pose (6), and returns the motion (12) and the force (3) of Motions.
+    The argument KEY is the key `estimator.KEY` of quadrotor_waves. Among them is disturbance: "none", "zero" or
+    "second" order at the thrusters, or "resonator" or "spectrum" of the waves (ukf only). velocity_std_m_s,
+    rate_std_rad_s and disturbance_std stand for the keys with tuned_ before them. period_s [s]: sampling period. position_std_m and
+    angle_std_rad: standard deviations of the measurement noise. depth_m: that of the vehicle, where the waves of
+    assumed_period_s act. added_mass_coefficient is C_a of the run, 0 for the thesis' plant. update(u, y) takes thrusts
+    (4) [N] and a pose (6), and returns the motion (12) and the force (3) of Motions.
     """
 
     def __init__(
         self,
         kind: str = "ukf",
         *,
-        disturbance: str = "resonator",
         period_s: float = 0.01,
         position_std_m: float = 0.1,
         angle_std_rad: float = 0.01,
-        velocity_std_m_s: float = 0.03,
-        rate_std_rad_s: float = 3e-3,
-        disturbance_std: float = 0.01,
-        wave_frequency_rad_s: float = 0.8,
-        estimates_wave_frequency: bool = False,
         added_mass_coefficient: float = 0.5,
+        depth_m: float = 10.0,
+        **keys: object,
     ):
-        orders = ("none", "zero", "second", "resonator")
-        names = one_of(kind, "kind", ("ukf", "ekf")), one_of(disturbance, "disturbance", orders)
-        numbers = {
-            "period_s": period_s,
-            "position_std_m": position_std_m,
-            "angle_std_rad": angle_std_rad,
-            "velocity_std_m_s": velocity_std_m_s,
-            "rate_std_rad_s": rate_std_rad_s,
-            "disturbance_std": disturbance_std,
-            "wave_frequency_rad_s": wave_frequency_rad_s,
-            "estimates_wave_frequency": float(bool(estimates_wave_frequency)),
-            "added_mass_coefficient": added_mass_coefficient,
-        }
-        not_negative(added_mass_coefficient, "added_mass_coefficient")
-        self._core = _core.ArrayEstimator(*names, {key: finite(value, key) for key, value in numbers.items()})
+        keys["filter"] = one_of(kind, "kind", ("ukf", "ekf"))
+        numbers = {"period_s": period_s, "position_std_m": position_std_m, "angle_std_rad": angle_std_rad}
+        self._period_s, *noise = (finite(value, name) for name, value in numbers.items())
+        added_mass = not_negative(added_mass_coefficient, "added_mass_coefficient")
+        self._make("kalman", keys, self._period_s, *noise, added_mass, not_negative(depth_m, "depth_m"))
         self._inputs, self._outputs, self._states = 4, 6, 6
         self._angles = np.zeros(3)
 
@@ -270,7 +279,7 @@ class QuadrotorFilter(_Estimator):
         """
         thrusts, poses = self._records(u, y)
         whole = np.column_stack([poses[:, :3], np.unwrap(poses[:, 3:], axis=0)])
-        motion, force, *_ = self._core.filter(thrusts, whole, None, None, 0.0)
+        motion, force, *_ = self._core.filter(thrusts, whole, np.arange(len(whole)) * self._period_s, None, 0.0)
         self._angles = whole[-1, 3:] if len(whole) else np.zeros(3)
         return Motions(motion, force)
 
@@ -283,5 +292,5 @@ def _sets(keys: dict[str, object]) -> list[str]:
             raise InputError(f"{short}: is another name of {key}, which is given too")
         if key == "initial_covariance" and np.ndim(value) == 0:
             value = [value]
-        sets.append(checked_text(f"observer.{key}={toml_text(value, short)}", short))
+        sets.append(checked_text(f"{key}={toml_text(value, short)}", short))
     return sets

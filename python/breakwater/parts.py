@@ -11,9 +11,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from . import samples
 from .arguments import checked_text, description, finite, numbers
 from .errors import InputError
 from .linear import PlanarChain
+
+_FLOAT = np.dtype(np.float64)
 
 
 class Controller:
@@ -104,26 +107,39 @@ class Estimator:
         return {}
 
 
-def _of_time(reference: Callable[[float], Any]) -> Callable[[float], Any]:
+def _of_time(reference: Callable[[float], float] | list[Callable[[float], float]]) -> Callable[[float], Any]:
     def at(t: float) -> Any:
-        return reference(finite(t, "t"))
+        t = finite(t, "t")
+        return np.array([one(t) for one in reference]) if isinstance(reference, list) else reference(t)
 
     return at
 
 
-def set_up(part: Any, setup: dict[str, Any]) -> list[tuple[str, str, str, np.ndarray]]:
-    """Give a part its `setup`. Returns its signals: (name, unit, description, array)."""
-    for name in {"reference", "force_reference"} & setup.keys():
-        setup[name] = _of_time(setup[name])
-    if "chain" in setup:
-        setup["chain"] = PlanarChain._of(setup["chain"])
-    part.setup = SimpleNamespace(**setup)
-    place = f"{type(part).__name__}.signals()"
-    published = part.signals()
-    if not isinstance(published, dict):
-        raise InputError(f"{place}: must return a dict, is {description(published)}")
-    signals = []
-    for name, entry in published.items():
+class Link:
+    """A run calls it in place of a part. It gives the part its `setup`, and takes what it returns and publishes.
+    `signals` are (name, unit, description, array), with the part's values after each call."""
+
+    def __init__(self, part: Any, sample_class: str, what: str, setup: dict[str, Any]):
+        if "force_reference" in setup:
+            sample_class = sample_class.replace("Sample", "ForceSample")
+        self.sample_class = getattr(samples, sample_class)
+        for name in {"reference", "force_reference"} & setup.keys():
+            setup[name] = _of_time(setup[name])
+        if "chain" in setup:
+            setup["chain"] = PlanarChain._of(setup["chain"])
+        part.setup = SimpleNamespace(**setup)
+        self._name = type(part).__name__
+        published = part.signals()
+        if not isinstance(published, dict):
+            raise InputError(f"{self._name}.signals(): must return a dict, is {description(published)}")
+        entries = [(name, *self._entry(name, entry)) for name, entry in published.items()]
+        self.signals = [(str(name), unit, text, array.copy()) for name, unit, text, array in entries]
+        self._pairs = [(name, own[-1], copy[-1]) for (name, *own), copy in zip(entries, self.signals, strict=True)]
+        self._part_reset = part.reset
+        self.update = self._update(part.update, what)
+
+    def _entry(self, name: Any, entry: Any) -> tuple[str, str, np.ndarray]:
+        place = f"{self._name}.signals()"
         where = f"{place}: {checked_text(str(name), place)}"
         if not (isinstance(entry, tuple) and len(entry) == 3):
             raise InputError(f"{where}: must be a tuple (unit, description, array), is {description(entry)}")
@@ -132,21 +148,38 @@ def set_up(part: Any, setup: dict[str, Any]) -> list[tuple[str, str, str, np.nda
         if not (is_plain and array.ndim == 1 and array.dtype == np.float64 and array.flags.c_contiguous):
             wish = "an array of float64 of one dimension that is written in place"
             raise InputError(f"{where}: must be {wish}, is {description(array)}")
-        signals.append((str(name), unit, text, array))
-    return signals
+        return unit, text, array
 
+    def _publish(self) -> None:
+        for name, array, copy in self._pairs:
+            if array.shape != copy.shape or array.dtype is not _FLOAT:
+                wish = f"keep its {len(copy)} numbers of float64"
+                raise InputError(f"{self._name}.signals(): {name}: must {wish}, is {description(array)}")
+            copy[:] = array
 
-def refuse_change(array: np.ndarray, size: int, where: str) -> None:
-    raise InputError(f"{where}: must keep its {size} numbers of float64, is {description(array)}")
+    def reset(self, *first: Any) -> None:
+        self._part_reset(*first)
+        self._publish()
 
+    def _update(self, update: Callable[[Any, np.ndarray], Any], what: str) -> Callable[[Any, np.ndarray, int], Any]:
+        pairs, publish = self._pairs, self._publish
+        what = f"{self._name}.update() returned {what}"
+        kinds = (np.ndarray, self.sample_class)
 
-def returned(value: Any, size: int, what: str) -> np.ndarray:
-    """`size` numbers that an update() returned."""
-    values = numbers(value, what) if value is not None else np.empty(0)
-    if value is None or values.size != size or values.ndim > 1:
-        wish = f"{size} number{'' if size == 1 else 's'}"
-        raise InputError(f"{what}: must be {wish}, is {description(value)}")
-    return values
+        def updated(first: Any, y: np.ndarray, size: int) -> Any:
+            """`size` numbers, as an array or one float."""
+            value = update(first, y)
+            if pairs:
+                publish()
+            if type(value) in kinds and value.dtype is _FLOAT and value.shape == (size,) or type(value) is float and size == 1:
+                return value
+            values = numbers(value, what) if value is not None else np.empty(0)
+            if value is None or values.size != size or values.ndim > 1:
+                wish = f"{size} number{'' if size == 1 else 's'}"
+                raise InputError(f"{what}: must be {wish}, is {description(value)}")
+            return values
+
+        return updated
 
 
 def line_of(error: BaseException, trace: TracebackType | None) -> str:

@@ -567,7 +567,7 @@ def run(
     for part in parts:
         if part is not None:
             part.let_go()
-    data = _saved(pathlib.Path(folder)) if folder is not None and core.facts["is_streamed"] else core
+    data = _saved(pathlib.Path(folder)) if folder is not None and core.is_streamed else core
     finished = Run(data, None if folder is None else pathlib.Path(folder), lines)
     if any(line.startswith("run.seed=") for line in sets):
         _warn_of_seeds(finished)
@@ -584,7 +584,7 @@ def load(folder: str | os.PathLike[str]) -> Run:
     """
     path = pathlib.Path(checked_path(folder, "folder"))
     saved = _saved(path)
-    return Run(saved, path, saved.facts["notes"] + saved.facts["warnings"])
+    return Run(saved, path, saved.notes + saved.warnings)
 
 
 def scenarios() -> dict[str, str]:

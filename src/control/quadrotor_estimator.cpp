@@ -72,31 +72,40 @@ class FilterEstimator : public QuadrotorEstimator {
   explicit FilterEstimator(Arguments&&... arguments)
       : filter_(std::forward<Arguments>(arguments)...) {}
 
-  void reset(const Vector6d& pose) override {
+  void reset(const Vector& pose) override {
     typename Filter::State x = Filter::State::Zero();
     x.template head<6>() = pose;
     filter_.reset(x);
-    motion_ = x.template head<12>();
     has_prior_ = true;
+    estimate();
   }
 
-  void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
+  void update(const Vector& held_thrusts, const Vector& pose) override {
     if (!has_prior_) filter_.predict(held_thrusts);
     has_prior_ = false;
     filter_.correct(pose);
-    motion_ = filter_.x().template head<12>();
+    estimate();
   }
 
-  const Motion& motion() const override { return motion_; }
+  View state() const override { return {motion_.data(), 12}; }
+  View disturbance() const override { return {force_.data(), 3}; }
   MotionCovariance motion_covariance() const override {
     return filter_.P().template topLeftCorner<12, 12>();
   }
 
  protected:
+  virtual Eigen::Vector3d present_force() const = 0;
+
   Filter filter_;
 
  private:
+  void estimate() {
+    motion_ = filter_.x().template head<12>();
+    force_ = present_force();
+  }
+
   Motion motion_ = Motion::Zero();
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
   bool has_prior_ = true;
 };
 
@@ -109,12 +118,14 @@ class ThrusterEstimator final : public FilterEstimator<Filter> {
     if constexpr (Filter::N > 12) return this->filter_.x().template segment<4>(12);
     return Eigen::Vector4d::Zero();
   }
-  Eigen::Vector3d force() const override {
+  bool models_world_force() const override { return false; }
+  bool models_disturbance() const override { return Filter::N > 12; }
+
+ private:
+  Eigen::Vector3d present_force() const override {
     return thrust_disturbance().sum() *
            AttitudeTrig(this->motion().template segment<3>(3)).thrust_axis();
   }
-  bool models_world_force() const override { return false; }
-  bool models_disturbance() const override { return Filter::N > 12; }
 };
 
 // A bank on the vertical axis, whose shapes may change.
@@ -172,6 +183,7 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
  public:
   using Process = WaveForces<K, Order>;
   using Base = FilterEstimator<Ukf<Process, 6>>;
+  using typename Base::Vector;
 
   WaveEstimator(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model,
                 const std::optional<WaveForceBank>& bank,
@@ -185,14 +197,14 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
         torque_walk_Nm_(design.resonator.torque_std_Nm),
         torque_walk_per_force_m_(design.torque_walk_per_force_m) {}
 
-  void reset(const Vector6d& pose) override {
+  void reset(const Vector& pose) override {
     Base::reset(pose);
     if (!bank_) return;
     bank_->reset(pose(2));
     assume();
   }
 
-  void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
+  void update(const Vector& held_thrusts, const Vector& pose) override {
     if (bank_) {
       bank_->update(known_vertical_force(held_thrusts, this->motion(), parameters_), pose(2));
       assume();
@@ -200,13 +212,6 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
     Base::update(held_thrusts, pose);
   }
 
-  Eigen::Vector4d thrust_disturbance() const override { return Eigen::Vector4d::Zero(); }
-  Eigen::Vector3d force() const override {
-    const auto& x = filter_.x();
-    Eigen::Vector3d sum = x.template segment<3>(Process::force_row(0));
-    for (int i = 1; i < K; ++i) sum += x.template segment<3>(Process::force_row(i));
-    return sum + x.template segment<3>(Process::kBias);
-  }
   Eigen::Vector3d force_ahead(double ahead_s) const override {
     const auto& x = filter_.x();
     Eigen::Vector3d sum = x.template segment<3>(Process::kBias);
@@ -218,14 +223,18 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
     }
     return sum;
   }
-  bool models_world_force() const override { return true; }
-  bool models_disturbance() const override { return true; }
   double wave_frequency_rad_s() const override { return frequency_rad_s(resonators_); }
   double wave_force_std_N() const override { return std_N(resonators_); }
 
  private:
   using Base::filter_;
 
+  Eigen::Vector3d present_force() const override {
+    const auto& x = filter_.x();
+    Eigen::Vector3d sum = x.template segment<3>(Process::force_row(0));
+    for (int i = 1; i < K; ++i) sum += x.template segment<3>(Process::force_row(i));
+    return sum + x.template segment<3>(Process::kBias);
+  }
   void assume() {
     if constexpr (K == 2) {
       resonators_ = bank_->resonators();

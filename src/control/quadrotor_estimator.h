@@ -2,10 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include <breakwater/control/quadrotor_process.h>
+#include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/wave_force_bank.h>
 
 namespace breakwater {
@@ -56,34 +59,30 @@ struct QuadrotorEstimatorDesign {
   double period_s = 0.01;  ///< δ
 };
 
-/// Estimates the vehicle's motion and disturbance from noisy poses. Call update() at each sample.
-class QuadrotorEstimator {
+/// Estimates the vehicle's motion and disturbance from noisy poses. Its reset() takes the pose of a
+/// vehicle at rest, and its update() the thrusts and the pose. Its state() is [ζ; ζ̇]. Its
+/// disturbance() is the disturbing force in the world frame [N].
+class QuadrotorEstimator : public DisturbanceEstimator {
  public:
   using Motion = Eigen::Matrix<double, 12, 1>;
   using MotionCovariance = Eigen::Matrix<double, 12, 12>;
 
-  QuadrotorEstimator() = default;
-  QuadrotorEstimator(const QuadrotorEstimator&) = delete;
-  QuadrotorEstimator& operator=(const QuadrotorEstimator&) = delete;
-  virtual ~QuadrotorEstimator() = default;
+  std::span<const Signal> signals() const override { return {}; }
 
-  /// Starts at rest at `pose`, without disturbance.
-  virtual void reset(const Vector6d& pose) = 0;
-  /// One sample: the thrusts held since the last one, and the present pose. Allocates nothing.
-  virtual void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) = 0;
-
-  /// [ζ; ζ̇] and its computed covariance.
-  virtual const Motion& motion() const = 0;
-  virtual MotionCovariance motion_covariance() const = 0;
+  Eigen::Map<const Motion> motion() const { return Eigen::Map<const Motion>(state().data()); }
+  Eigen::Vector3d force() const { return disturbance(); }
+  /// The computed covariance of the motion; NaN: none.
+  virtual MotionCovariance motion_covariance() const {
+    return MotionCovariance::Constant(std::numeric_limits<double>::quiet_NaN());
+  }
   /// d̂ of each thruster [N]; 0 without such a model.
-  virtual Eigen::Vector4d thrust_disturbance() const = 0;
-  /// The disturbing force in the world frame [N], and whether the model has such a force.
-  virtual Eigen::Vector3d force() const = 0;
+  virtual Eigen::Vector4d thrust_disturbance() const { return Eigen::Vector4d::Zero(); }
   /// The force that the model expects in `ahead_s` seconds if nothing new disturbs it: the free
   /// response of its oscillators, or the present force. Allocates nothing.
   virtual Eigen::Vector3d force_ahead(double /*ahead_s*/) const { return force(); }
-  virtual bool models_world_force() const = 0;
-  virtual bool models_disturbance() const = 0;
+  /// Whether the model has such a force, and any disturbance.
+  virtual bool models_world_force() const { return true; }
+  virtual bool models_disturbance() const { return true; }
   /// The assumed frequency of the wave force [rad/s]; 0: none.
   virtual double wave_frequency_rad_s() const { return 0.0; }
   /// The assumed standard deviation of the vertical wave force [N]; 0: none.

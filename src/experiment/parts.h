@@ -42,6 +42,8 @@ auto blame(const char* key, Make&& make) {
 template <typename Product, typename... Context>
 class PartKind {
  public:
+  using Makes = std::function<std::unique_ptr<Product>(Context...)>;
+
   /// The settings of a part for one run.
   class Part {
    public:
@@ -72,8 +74,7 @@ class PartKind {
         }) {}
 
   /// For a part without keys.
-  PartKind(std::string part_name, std::string one_line,
-           std::function<std::unique_ptr<Product>(Context...)> make)
+  PartKind(std::string part_name, std::string one_line, Makes make)
       : PartKind(std::move(part_name), std::move(one_line), [make] {
           return std::make_unique<PartOf<Keyless>>([](Fields&, Keyless&) {},
                                                    [make](const Keyless&, Context... context) {

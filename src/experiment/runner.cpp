@@ -107,21 +107,16 @@ class RunFolders {
 RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& options,
                    RunControl control) {
   const math::FloatEnvironment floats;
-  const auto start = std::chrono::steady_clock::now();
   // The models may have changed since the preparation: other runs may have taken hours.
   if (options.models != nullptr) options.models->check_unchanged(run.model_files);
   const ModelHashes models = options.models != nullptr ? options.models->of(run.model_files)
                                                        : model_hashes(run.model_files);
-  const std::unique_ptr<LogStream> stream = make_log_stream(run, models, folder);
-  control.stream = stream.get();
   try {
-    const Recording recording = run.scenario->run(control);
-    const double wall_s =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    write_run(run, models, recording, wall_s, folder, options.csv, stream.get());
+    const EndedRun ended = run_to_end(run, models, control, &folder, options.csv);
+    const Recording& recording = ended.recording;
     return {run.case_name,      folder.target(),       recording.metrics,
             recording.absent,   run.is_as_shipped,     recording.failure,
-            recording.warnings, recording.simulated_s, wall_s};
+            recording.warnings, recording.simulated_s, ended.wall_s};
   } catch (const OutputError& error) {
     if (!is_kept(folder.path())) throw with_final_name(error, folder.path(), folder.target());
     throw OutputError(fmt::format("{}; {}", error.what(), where_the_log_is(folder.path())));
@@ -306,13 +301,23 @@ PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenari
   return run;
 }
 
-std::unique_ptr<LogStream> make_log_stream(const PreparedRun& run, const ModelHashes& models,
-                                           const RunFolder& folder) {
-  if (!run.scenario->run_settings().stream) return nullptr;
-  ordered_json manifest = manifest_before(run, models);
-  manifest["status"] = kRunning;
-  manifest["state_hash"] = "";
-  return std::make_unique<LogStream>(folder.path(), run.config_text, manifest.dump(2) + "\n");
+EndedRun run_to_end(const PreparedRun& run, ModelHashes models, RunControl control,
+                    RunFolder* folder, bool csv) {
+  const auto start = std::chrono::steady_clock::now();
+  std::optional<LogStream> stream;
+  if (folder != nullptr && run.scenario->run_settings().stream) {
+    ordered_json manifest = manifest_before(run, models);
+    manifest["status"] = kRunning;
+    manifest["state_hash"] = "";
+    stream.emplace(folder->path(), run.config_text, manifest.dump(2) + "\n");
+    control.stream = &*stream;
+  }
+  EndedRun ended{std::move(models), run.scenario->run(control)};
+  ended.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (folder != nullptr) {
+    write_run(run, ended.models, ended.recording, ended.wall_s, *folder, csv, control.stream);
+  }
+  return ended;
 }
 
 void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,

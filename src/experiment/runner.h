@@ -95,9 +95,17 @@ struct RunOptions {
   KnownModels* models = nullptr;
 };
 
-/// The stream for the log of a run; null if its log stays in memory. The folder must outlive it.
-std::unique_ptr<LogStream> make_log_stream(const PreparedRun& run, const ModelHashes& models,
-                                           const RunFolder& folder);
+/// A run at its end. Its log is in memory, unless it was streamed.
+struct EndedRun {
+  ModelHashes models;
+  Recording recording;
+  double wall_s = 0.0;
+};
+
+/// Runs one. With a `folder`, all its files are there then, also the log while it is streamed.
+/// Throws as Scenario::run() and write_run().
+EndedRun run_to_end(const PreparedRun& run, ModelHashes models, RunControl control,
+                    RunFolder* folder = nullptr, bool csv = false);
 
 /// Writes all files of a run into its folder and moves this to its target. `models` are the hashes
 /// of its models. `stream` has the log, unless it is null. Throws OutputError.

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <filesystem>
 #include <memory>
 
@@ -126,11 +125,8 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   const auto& estimation = static_cast<const RecordedEstimation&>(*run.scenario);
   const std::string& csv = estimation.file();
   const ModelHashes made_of = {{portable_path(csv), file_hash(csv)}};
-  const auto start = std::chrono::steady_clock::now();
-  const Recording recording = run.scenario->run({.stop = &interrupted()});
-  const double wall_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  write_run(run, made_of, recording, wall_s, folder, true);
+  const Recording recording =
+      run_to_end(run, made_of, {.stop = &interrupted()}, &folder, true).recording;
   if (arguments.quiet) return kSuccess;
   // A forgotten scale is one cause. Its consequence would hide it.
   const auto doubt = estimation.is_doubtful() ? std::nullopt : doubt_of(recording);

@@ -11,14 +11,10 @@ const Eigen::Vector3d kPlace(10.0, 15.0, -10.0);
 class AtRest final : public QuadrotorEstimator {
  public:
   AtRest() { motion_.head<3>() = kPlace; }
-  void reset(const Vector6d&) override {}
-  void update(const Eigen::Vector4d&, const Vector6d&) override {}
-  const Motion& motion() const override { return motion_; }
-  MotionCovariance motion_covariance() const override { return MotionCovariance::Zero(); }
-  Eigen::Vector4d thrust_disturbance() const override { return Eigen::Vector4d::Zero(); }
-  Eigen::Vector3d force() const override { return force_; }
-  bool models_world_force() const override { return true; }
-  bool models_disturbance() const override { return true; }
+  void reset(const Vector&) override {}
+  void update(const Vector&, const Vector&) override {}
+  View state() const override { return {motion_.data(), 12}; }
+  View disturbance() const override { return {force_.data(), 3}; }
 
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
 
