@@ -17,80 +17,60 @@ inline Eigen::VectorXd diagonal_gamma(const ExtendedPlant& plant, double gamma_d
   return gamma;
 }
 
-/// Throws std::invalid_argument unless the diagonal `gamma` of Γ has N entries from 1 to 1e6, with
-/// which the covariance does not overflow.
-inline void check_factors(const KalmanDesign& design, const Eigen::VectorXd& gamma) {
-  if (gamma.size() != design.plant.states() ||
-      !(gamma.array() >= 1.0 && gamma.array() <= 1e6).all()) {
-    throw std::invalid_argument(
-        "FAKFD: needs one factor gamma from 1 to 1e6 for each extended state");
-  }
-}
-
-/// A KFD with a constant forgetting factor. It inflates the covariance after each measurement:
-///     P(k|k) = √Γ (I − K C̅) P(k|k−1) √Γ.
-/// With Γ = γ·I this is Eq. 4.18. For other diagonal Γ, the printed {Γ − K C̅} P (Eq. 4.5) and Γ (I
-/// − K C̅) P are not symmetric: see AsymmetricFakfd.
-class Fakfd final : public KalmanEstimator {
- public:
-  /// `gamma` is the diagonal of Γ. Throws as check_factors() does.
-  Fakfd(const KalmanDesign& design, const Eigen::VectorXd& gamma) : KalmanEstimator(design) {
-    check_factors(design, gamma);
-    const Eigen::VectorXd root = gamma.cwiseSqrt();
-    inflation_ = root * root.transpose();
-    lambda_ = 1.0 / gamma.maxCoeff();
-  }
-
-  void update(const Vector& held_input, const Vector& y) override {
-    predict(held_input, y);
-    correct(R_);
-    covariance_ = covariance_.cwiseProduct(inflation_);
-  }
-
- private:
-  Eigen::MatrixXd inflation_;  // √γ_i √γ_j
-};
-
 /// The form of P(k|k) in Eq. 4.5 for a matrix Γ (Eq. 4.7).
 enum class CovarianceForm {
-  symmetric,  ///< √Γ (I − K C̅) P(k|k−1) √Γ: Fakfd
+  symmetric,  ///< √Γ (I − K C̅) P(k|k−1) √Γ
   printed,    ///< (Γ − K C̅) P(k|k−1)
   left        ///< Γ (I − K C̅) P(k|k−1)
 };
 
-/// The KFD with one of the two asymmetric forms, whose P is no covariance. With one output:
+/// A KFD with a constant forgetting factor. It inflates the covariance after each measurement. With
+/// Γ = γ·I all forms are Eq. 4.18. For other diagonal Γ the printed and the left one are not
+/// symmetric, and their P is no covariance. With one output:
 ///     K(k) = P(k|k−1) C̅ᵀ / (C̅ P(k|k−1) C̅ᵀ + R).
-class AsymmetricFakfd final : public KalmanEstimator {
+class Fakfd final : public KalmanEstimator {
  public:
-  /// Throws as Fakfd does, and std::invalid_argument for more than one output.
-  AsymmetricFakfd(const KalmanDesign& design, const Eigen::VectorXd& gamma, CovarianceForm form)
-      : KalmanEstimator(design, false),
-        gamma_(gamma),
-        inflates_correction_(form == CovarianceForm::left) {
-    check_factors(design, gamma);
-    if (design.plant.outputs() != 1) {
+  /// `gamma` is the diagonal of Γ. Throws std::invalid_argument unless it has N entries from 1 to
+  /// 1e6, with which the covariance does not overflow. An asymmetric form needs one output.
+  Fakfd(const KalmanDesign& design, const Eigen::VectorXd& gamma,
+        CovarianceForm form = CovarianceForm::symmetric)
+      : KalmanEstimator(design, form == CovarianceForm::symmetric), gamma_(gamma), form_(form) {
+    if (gamma.size() != design.plant.states() ||
+        !(gamma.array() >= 1.0 && gamma.array() <= 1e6).all()) {
+      throw std::invalid_argument(
+          "FAKFD: needs one factor gamma from 1 to 1e6 for each extended state");
+    }
+    if (form != CovarianceForm::symmetric && design.plant.outputs() != 1) {
       throw std::invalid_argument("FAKFD: Eq. 4.5 as printed needs a plant with one output");
     }
+    const Eigen::VectorXd root = gamma.cwiseSqrt();
+    inflation_ = root * root.transpose();
     lambda_ = 1.0 / gamma.maxCoeff();
     output_cross_.setZero(1, gamma.size());
   }
 
   void update(const Vector& held_input, const Vector& y) override {
     predict(held_input, y);
+    if (form_ == CovarianceForm::symmetric) {
+      correct(R_);
+      covariance_ = covariance_.cwiseProduct(inflation_);
+      return;
+    }
     gain_.noalias() = covariance_ * C_.transpose();
     gain_ /= output_covariance_(0, 0) + R_(0, 0);
     extended_state_.noalias() += gain_ * innovation_;
     output_cross_.noalias() = C_ * covariance_;
-    if (!inflates_correction_) inflate();
+    if (form_ == CovarianceForm::printed) inflate();
     covariance_.noalias() -= gain_ * output_cross_;
-    if (inflates_correction_) inflate();
+    if (form_ == CovarianceForm::left) inflate();
   }
 
  private:
   void inflate() { covariance_.array().colwise() *= gamma_.array(); }
 
   Eigen::VectorXd gamma_;
-  bool inflates_correction_;
+  CovarianceForm form_;
+  Eigen::MatrixXd inflation_;     // √γ_i √γ_j
   Eigen::MatrixXd output_cross_;  // C̅ P(k|k−1)
 };
 

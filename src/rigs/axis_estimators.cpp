@@ -149,8 +149,7 @@ struct FakfdSettings : KfdSettings {
     const KalmanDesign filter = design(axis);
     const Eigen::VectorXd all = scalar_gamma(filter.plant, gamma / lambda)
                                     .cwiseProduct(diagonal_gamma(filter.plant, gamma_d));
-    if (form == CovarianceForm::symmetric) return std::make_unique<Fakfd>(filter, all);
-    return std::make_unique<AsymmetricFakfd>(filter, all, form);
+    return std::make_unique<Fakfd>(filter, all, form);
   }
 };
 

@@ -131,7 +131,7 @@ TEST(KalmanEstimators, EqualMatrixProducts) {
     };
     for (const CovarianceForm form : {CovarianceForm::printed, CovarianceForm::left}) {
       if (p > 1 || N != n + 2) break;  // its rounding errors grow
-      expect_same("Eq. 4.5", 1e-10, AsymmetricFakfd(design, slow, form), slowly,
+      expect_same("Eq. 4.5", 1e-10, Fakfd(design, slow, form), slowly,
                   [&](const MatrixXd& P, const MatrixXd& KCP, double) {
                     const MatrixXd G = slow.asDiagonal();
                     return form == CovarianceForm::left ? MatrixXd(G * (P - KCP))
@@ -270,7 +270,7 @@ TEST(Designs, AreRefusedIfTheyAreWrong) {
   KalmanDesign two = good;
   two.plant.sampled.C = I.topRows(2);
   two.R = I.topLeftCorner(2, 2);
-  EXPECT_REFUSED(AsymmetricFakfd(two, Eigen::VectorXd::Ones(3), CovarianceForm::printed));
+  EXPECT_REFUSED(Fakfd(two, Eigen::VectorXd::Ones(3), CovarianceForm::printed));
   for (const VfakfdDesign& wrong : std::vector<VfakfdDesign>{{zero, zero},
                                                              {alpha, -alpha},
                                                              {alpha, zero, 0.0},
