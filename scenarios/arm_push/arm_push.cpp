@@ -63,7 +63,7 @@ class ArmPush final : public ArmScenario {
     fields.only_where({"controller.k_force", "controller.t_approach_s", "controller.t_contact_s",
                        "controller.design_stiffness_N_m", "controller.peak_margin_N"},
                       "force is controlled (never in this scenario)", [] { return false; });
-    fields.count("push.link", link_, between(1, static_cast<double>(plant_.axes.size())),
+    fields.count("push.link", link_, between(1, 100),
                  "number of the link whose end the hand pushes");
     fields.number("push.angle_rad", hand_.angle_rad, any(),
                   "angle by which the hand turns the link");
@@ -84,7 +84,11 @@ class ArmPush final : public ArmScenario {
                       "push.moment_Nm is 0", [this] { return hand_.given_moment_Nm == 0.0; });
   }
 
-  MetricContext complete(const Config& /*config*/) override {
+  MetricContext complete(const Config& config) override {
+    if (link_ > static_cast<int>(start_angles_rad_.size())) {
+      config.fail("push.link",
+                  "the arm has only " + std::to_string(start_angles_rad_.size()) + " links");
+    }
     [[maybe_unused]] const HandOnLink refuses_a_wrong_link(hand_, plant_.load_model(), chain(),
                                                            start_angles_rad_, link_);
     return {.known = {{"release", hand_.release_s()}}};

@@ -203,7 +203,7 @@ PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& sc
               {{{"table", margins_of(loops)}},
                {{"text",
                  "The loop is opened at the plant’s input. The gain may fall by the reduction "
-                 "margin. Measured numbers leave grey dots out."}}});
+                 "margin. Grey dots do not count in measured margins."}}});
   for (const BodeResponse& response : responses) {
     const PageData charts = bode_charts(response, loops, looks);
     if (charts.empty()) continue;

@@ -550,14 +550,14 @@ double bandwidth(const std::vector<LoopPoint>& points) {
   return kNone;
 }
 
-void judge(LoopCurve& curve, bool estimates) {
+void judge(LoopCurve& curve, bool estimates, bool is_measured) {
   curve.bandwidth_rad_s = kNone;
   curve.margins = {kNone, kNone, kNone, kNone, kNone, kNone, kNone};
   std::vector<LoopPoint> reliable;
   std::vector<double> omega;
   std::vector<std::complex<double>> gain;
   for (const LoopPoint& p : curve.points) {
-    if (!is_reliable(p)) continue;
+    if (is_measured && !is_reliable(p)) continue;
     reliable.push_back(p);
     omega.push_back(p.omega_rad_s);
     gain.push_back(p.loop_gain);
@@ -708,8 +708,8 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
       const std::size_t task = 2 * (i * loops.size() + loop);
       results[loop].measured.points.push_back(measured_point(measured[task], measured[task + 1]));
     }
-    judge(results[loop].designed, results[loop].estimates);
-    judge(results[loop].measured, results[loop].estimates);
+    judge(results[loop].designed, results[loop].estimates, false);
+    judge(results[loop].measured, results[loop].estimates, true);
     results[loop].hints = hints(loops[loop].axis, options, results[loop].measured);
   }
   return results;

@@ -89,11 +89,11 @@ struct LoopPoint {
   double saturated = 0.0;              ///< share of samples with the drive at its limit
 };
 
-/// A measured point counts if its windows agree, and the drive does anything about the probe.
+/// A measured point counts if its windows agree, and the drive reacts to the probe.
 bool is_reliable(const LoopPoint& point);
 
-/// A designed or measured loop. If `points` is empty, `reason` says why. Bandwidth and margins are
-/// those of its reliable points.
+/// A designed or measured loop. If `points` is empty, `reason` says why. Bandwidth and margins of
+/// a measured one are those of its reliable points.
 struct LoopCurve {
   std::vector<LoopPoint> points;
   std::string reason;        ///< why there are no points

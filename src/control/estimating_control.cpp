@@ -18,7 +18,7 @@ EstimatingControl::EstimatingControl(std::shared_ptr<DisturbanceEstimator> estim
     throw std::invalid_argument("control of an axis: the force limit must be positive");
   }
   const AxisUnits& units = design.units;
-  publish({{"reference_" + units.position_suffix, units.position, "r", view(reference_)}});
+  publish({{"reference_" + units.position_suffix, units.position, "reference", view(reference_)}});
   publish(estimate_signals(*estimator_, units));
   publish(signals_of(*estimator_, units.position));
   if (design.period_s == 0.0) return;

@@ -15,10 +15,11 @@
 
 namespace breakwater {
 
+/// The part of a design that all these controllers share.
 struct AxisLoopDesign {
   Reference reference;                                           ///< r
   double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
-  double period_s = 0.0;  ///< T_s; 0: the estimator's poles are no signals
+  double period_s = 0.0;                                         ///< T_s; 0: the log has no poles
   AxisUnits units = translation_units();
   Eigen::VectorXd start_state = Eigen::Vector2d::Zero();  ///< x̂(0), n
 };

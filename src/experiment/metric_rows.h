@@ -65,9 +65,10 @@ struct MetricRow {
 
 /// The names that a scenario gives to its rows, besides its keys.
 struct MetricContext {
-  std::map<std::string, double> known = {};    ///< times that are known before a run
-  std::vector<std::string> events = {};        ///< names of times that the run finds out
-  std::vector<std::string> fast_signals = {};  ///< begins of signals that change within a sample
+  std::map<std::string, double> known = {};  ///< times that are known before a run
+  std::vector<std::string> events = {};      ///< names of times that the run finds out
+  std::vector<std::string> fast_signals =
+      {};  ///< that change within a sample: how their names begin
 };
 
 /// The metrics of a scenario: those of its own file, and those of the file of a run. A file without

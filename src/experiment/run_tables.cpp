@@ -75,9 +75,7 @@ std::string metrics_table(const std::string& scenario, const RunSummary& run,
     text += fmt::format("{}: {}\n", fmt::join(names, ", "), reason);
   }
   if (run.metrics.empty() && run.absent.empty()) {
-    text =
-        "no metric applies: the run is too short, or there was nothing to measure, such as a "
-        "contact\n";
+    text = "no metric: the file has no row [metric.NAME], or the run is too short for its rows\n";
   }
   if (is_changed(catalogue, scenario, run)) text = kChanged + text;
   return with_legend(catalogue, text);

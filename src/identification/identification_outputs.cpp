@@ -275,8 +275,8 @@ PageData identification_result(const Identification& identification,
                             identification.fit.noise_std)}}};
   std::string explained = "Noise, encoder and the intervals explain an error of 1.";
   if (identification.held_out) {
-    explained += identification.holds() ? " The held-out records agree: at most 2."
-                                        : " The held-out records disagree: above 2.";
+    explained += identification.holds() ? " The held-out records agree: their error is at most 2."
+                                        : " The held-out records disagree: their error is above 2.";
   }
   const auto find = [&](const std::string& text) { lead.push_back(PageData{{"finding", text}}); };
   for (const std::string& text : findings_of(identification)) find(text);

@@ -115,14 +115,16 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
                   : ranking_sentence(*ranking));
   }
   if (!table.rows.empty()) add_block(lead, "command", run + table.rows.front().label + ".toml");
-  const auto broken = std::ranges::count_if(table.rows, [](const FrontRow& row) {
+  std::size_t judged = 0, broken = 0;
+  for (const FrontRow& row : table.rows) {
     const std::string violation = row.cells.at("fresh_violation");
-    return !violation.empty() && violation != "0";
-  });
+    judged += violation.empty() ? 0 : 1;
+    broken += violation.empty() || violation == "0" ? 0 : 1;
+  }
   if (broken > 0) {
     add_block(lead, "finding",
-              fmt::format("On fresh worlds {} of {} break a constraint: see fresh_violation.",
-                          broken, table.rows.size()));
+              fmt::format("Constraints broken on fresh worlds: {} of {} points (fresh_violation).",
+                          broken, judged));
   }
   auto blocks = PageData::array();
   const auto add = [&blocks](const char* name, const PageData& value) {

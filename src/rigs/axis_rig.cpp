@@ -147,6 +147,8 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
   }
   if (contact_force_ == nullptr && plant.tip && !plant.tip->touch.empty()) {
     contact_force_ = &simulation_->sensor(plant.tip->touch);
+    // The sensor reads another stage of a step than the geoms.
+    if (touch_ != nullptr && wall() == nullptr) touch_ = contact_force_;
   }
 }
 

@@ -200,7 +200,7 @@ class AxisRig {
 
   AxisPlant plant_;
   int steps_per_sample_;
-  std::int64_t solid_from_ = -1;  // step at which the contact that begins off comes on ...
+  std::int64_t solid_from_ = -1;  // step at which that contact is switched on ...
   std::optional<int> collides_;   // ... and its wall, if it is the engine's
   Drives drives_;
   std::vector<DrivenAxis> axes_;

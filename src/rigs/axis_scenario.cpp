@@ -139,6 +139,7 @@ void AxisScenario::check(const Config& config) {
                         " of the contact's frame: its joints move no other coordinate "
                         "independently");
   }
+  warn_of_missing_signals(config, task);
 }
 
 PlantTask AxisScenario::check_whole(const Config& config) {
@@ -158,6 +159,20 @@ PlantTask AxisScenario::check_whole(const Config& config) {
   }
   whole_->check(config, task);
   return task;
+}
+
+void AxisScenario::warn_of_missing_signals(const Config& config, const PlantTask& task) {
+  const AxisLoop loop = make_loop(task);
+  const AxisRig rig(plant_, *loop.controller);
+  const std::vector<Signal> signals = rig.signals();
+  for (const MetricRow& row : rows_.rows()) {
+    const std::string missing = config.under(row.prefix()).blame("of", [&] {
+      return missing_signal(row, rows_.kind_of(row), signals);
+    });
+    // Another case may have a controller or an estimator that publishes it.
+    const std::string what = row.is_signal ? "signal" : "metric";
+    if (!missing.empty()) warnings_.push_back(missing + ": the " + what + " is absent");
+  }
 }
 
 bool AxisScenario::has_own_loop(std::size_t i) const {

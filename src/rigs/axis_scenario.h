@@ -98,6 +98,7 @@ class AxisScenario : public Scenario {
   }
   /// Checks a plant of named axes, and returns its task.
   PlantTask check_whole(const Config& config);
+  void warn_of_missing_signals(const Config& config, const PlantTask& task);
   /// Whether the axis has a controller of its own.
   bool has_own_loop(std::size_t i) const;
   /// The axes' own controllers, with `other` at the axis `replaced` if it is there.

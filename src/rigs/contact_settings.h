@@ -46,7 +46,7 @@ class ContactSettings {
   /// The name of its signal `what`.
   std::string signal(const std::string& what) const { return "contact_" + name + "_" + what; }
   bool begins_solid() const { return !name.empty(); }
-  double solid_from_s = 0.0;                ///< if it begins off
+  double solid_from_s = 0.0;                ///< when it is switched on
   bool is_measured = false;                 ///< by its geometry too, if it is the engine's
   std::function<double(const Model&)> x_m;  ///< where the plane stands; null: as in the file
   /// Whether the contact is MuJoCo's own: then the wall collides, and stands.

@@ -29,6 +29,7 @@ inline std::string unit_of(const std::string& of) {
                                                           {"_Ns_m", "N s/m"},
                                                           {"_N_m", "N/m"},
                                                           {"_m_Ns", "m/(N s)"},
+                                                          {"_s_m", "s/m"},
                                                           {"_m_s", "m/s"},
                                                           {"_Nm_A", "N m/A"},
                                                           {"_N_A", "N/A"},
@@ -46,6 +47,7 @@ inline std::string unit_of(const std::string& of) {
                                                           {"_A", "A"},
                                                           {"_V", "V"},
                                                           {"_ohm", "ohm"},
+                                                          {"_H", "H"},
                                                           {"_percent", "%"}});
   // "stiffness_N_m[2]" has the unit of the array.
   const std::string name = of.substr(0, of.find('['));
