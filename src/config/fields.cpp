@@ -15,9 +15,9 @@
 #include <unordered_map>
 
 #include <breakwater/config/toml_text.h>
+#include <breakwater/config/unit_of.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
-#include <breakwater/signals/unit_of.h>
 
 namespace breakwater {
 namespace {

@@ -12,12 +12,12 @@
 #include <utility>
 
 #include <breakwater/config/toml_text.h>
+#include <breakwater/config/unit_of.h>
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/linear/high_pass.h>
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/shell/did_you_mean.h>
-#include <breakwater/signals/unit_of.h>
 
 namespace breakwater {
 namespace {

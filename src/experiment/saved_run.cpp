@@ -12,11 +12,11 @@
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
+#include <breakwater/config/unit_of.h>
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/shell/did_you_mean.h>
-#include <breakwater/signals/unit_of.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

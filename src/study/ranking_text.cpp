@@ -9,9 +9,9 @@
 #include <span>
 
 #include <breakwater/config/names.h>
+#include <breakwater/config/unit_of.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/signals/unit_of.h>
 #include <breakwater/study/comparison_table.h>
 
 namespace breakwater {

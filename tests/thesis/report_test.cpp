@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include <breakwater/config/unit_of.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/compare.h>
@@ -7,7 +8,6 @@
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/pictures/replay_data.h>
 #include <breakwater/record/text_outputs.h>
-#include <breakwater/signals/unit_of.h>
 #include <breakwater/thesis/experiments.h>
 #include <breakwater/thesis/reproduction.h>
 #include <breakwater/thesis/thesis_report.h>
