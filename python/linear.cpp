@@ -6,11 +6,9 @@
 
 #include <array>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include <breakwater/linear/pole_placement.h>
 #include <breakwater/linear/qp.h>

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
-#include <memory>
 #include <numbers>
 #include <utility>
 

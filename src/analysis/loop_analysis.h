@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <complex>
-#include <memory>
 #include <string>
 #include <vector>
 

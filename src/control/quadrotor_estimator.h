@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 
 #include <breakwater/control/quadrotor_process.h>

@@ -1,7 +1,6 @@
 #include <breakwater/control/wave_mpc.h>
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 

@@ -1,8 +1,6 @@
 // The measurement itself as an estimate.
 #pragma once
 
-#include <vector>
-
 #include <breakwater/linear/state_space.h>
 #include <breakwater/observers/disturbance_estimator.h>
 

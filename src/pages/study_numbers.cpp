@@ -1,7 +1,5 @@
 #include <breakwater/pages/study_numbers.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cctype>
 #include <charconv>

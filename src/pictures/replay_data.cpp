@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <functional>
-#include <stdexcept>
 #include <vector>
 
 namespace breakwater {

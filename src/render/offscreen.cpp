@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 
 #include <breakwater/record/loaded_library.h>
 #include <breakwater/sim/engine_guard.h>

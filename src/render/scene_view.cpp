@@ -5,9 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include <breakwater/render/offscreen.h>
 #include <breakwater/render/render_error.h>

@@ -4,8 +4,6 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Core>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>

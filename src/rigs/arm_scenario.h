@@ -1,7 +1,6 @@
 // Scenarios with a planar arm: a plant with an axis for each joint, a tip and one controller.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,7 +1,5 @@
 #include <breakwater/search/tuner.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -201,7 +199,7 @@ class Runs {
   const std::string origin_;
   Shard shard_;
   std::unordered_map<std::string, PointResult> earlier_;  // from the shards, by PointResult::asked
-  std::unordered_map<std::size_t, PointResult> known_;  // in use by the search
+  std::unordered_map<std::size_t, PointResult> known_;    // in use by the search
 };
 
 std::vector<std::size_t> numbers_of(const TuningPlan& plan, std::size_t tuned,

@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <exception>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>

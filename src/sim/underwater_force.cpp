@@ -1,7 +1,6 @@
 #include <breakwater/sim/underwater_force.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 #include <stdexcept>
 
 #include <breakwater/math/functions.h>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <string>
 
 #include <breakwater/plants/quadrotor.h>
 #include <breakwater/sim/external_force.h>

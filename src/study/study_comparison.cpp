@@ -6,7 +6,6 @@
 #include <limits>
 #include <stdexcept>
 #include <unordered_map>
-#include <utility>
 
 #include <breakwater/config/config.h>
 #include <breakwater/record/file_hash.h>

@@ -1,6 +1,5 @@
 #include <breakwater/world/contact_law.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include <breakwater/math/functions.h>

@@ -1,7 +1,6 @@
 #include <breakwater/world/motor_drive.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include <breakwater/math/functions.h>
 #include <breakwater/world/refuse_unless.h>

@@ -1,8 +1,6 @@
 // The motion of a wall along its normal.
 #pragma once
 
-#include <string>
-
 #include <breakwater/math/table_function.h>
 #include <breakwater/world/disturbance.h>
 
