@@ -7,12 +7,11 @@ namespace breakwater {
 
 Catalogue axes_catalogue() {
   Catalogue catalogue = arm_catalogue();
-  const auto bind_position = [](Fields& fields, AxisSettings& cart) { cart.bind_step(fields); };
   catalogue.add(
       axis_kind({.name = "cart_position",
                  .summary = "position control of a cart with friction, quantised drive and encoder",
                  .axis = cart_axis(),
-                 .bind = bind_position,
+                 .bind = [](Fields& fields, AxisSettings& cart) { cart.bind_step(fields); },
                  .optimises = true}));
   catalogue.add(cart_offset_free());
   catalogue.add(cart_constrained());

@@ -36,7 +36,8 @@ class Comparison:
         import pandas
 
         self.notes = list(notes)
-        self._text = "\n".join([data.pop("text").rstrip("\n"), *(textwrap.fill(note, 100, break_on_hyphens=False) for note in notes)])
+        paragraphs = [textwrap.fill(note, 100, break_on_hyphens=False) for note in notes]
+        self._text = "\n".join([data.pop("text").rstrip("\n"), *paragraphs])
         self.data = data
         self.sentence: str = data["sentence"]
 

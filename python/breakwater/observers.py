@@ -230,10 +230,10 @@ class QuadrotorFilter(_Estimator):
 
     The argument KEY is the key `estimator.KEY` of quadrotor_waves. Among them is disturbance: "none", "zero" or
     "second" order at the thrusters, or "resonator" or "spectrum" of the waves (ukf only). velocity_std_m_s,
-    rate_std_rad_s and disturbance_std stand for the keys with tuned_ before them. period_s [s]: sampling period. position_std_m and
-    angle_std_rad: standard deviations of the measurement noise. depth_m: that of the vehicle, where the waves of
-    assumed_period_s act. added_mass_coefficient is C_a of the run, 0 for the thesis' plant. update(u, y) takes thrusts
-    (4) [N] and a pose (6), and returns the motion (12) and the force (3) of Motions.
+    rate_std_rad_s and disturbance_std stand for the keys with tuned_ before them. period_s [s]: sampling period.
+    position_std_m and angle_std_rad: standard deviations of the measurement noise. depth_m: that of the vehicle,
+    where the waves of assumed_period_s act. added_mass_coefficient is C_a of the run, 0 for the thesis' plant.
+    update(u, y) takes thrusts (4) [N] and a pose (6), and returns the motion (12) and the force (3) of Motions.
     """
 
     def __init__(

@@ -171,7 +171,9 @@ class Link:
             value = update(first, y)
             if pairs:
                 publish()
-            if type(value) in kinds and value.dtype is _FLOAT and value.shape == (size,) or type(value) is float and size == 1:
+            if type(value) in kinds and value.dtype is _FLOAT and value.shape == (size,):
+                return value
+            if type(value) is float and size == 1:
                 return value
             values = numbers(value, what) if value is not None else np.empty(0)
             if value is None or values.size != size or values.ndim > 1:

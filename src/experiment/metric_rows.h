@@ -65,8 +65,8 @@ struct MetricRow {
 struct MetricContext {
   std::map<std::string, double> known = {};  ///< times that are known before a run
   std::vector<std::string> events = {};      ///< names of times that the run finds out
-  std::vector<std::string> fast_signals =
-      {};  ///< that change within a sample: how their names begin
+  /// How the names of signals begin that change within a sample.
+  std::vector<std::string> fast_signals = {};
 };
 
 /// The metrics of a scenario: those of its own file, and those of the file of a run. A file without

@@ -116,10 +116,12 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   }
   if (!table.rows.empty()) add_block(lead, "command", run + table.rows.front().label + ".toml");
   std::size_t judged = 0, broken = 0;
-  for (const FrontRow& row : table.rows) {
-    const std::string violation = row.cells.at("fresh_violation");
-    judged += violation.empty() ? 0 : 1;
-    broken += violation.empty() || violation == "0" ? 0 : 1;
+  for (const TunedFront& front : result.fronts) {
+    for (const FrontPoint& point : front.points) {
+      if (!point.fresh || point.fresh->failures > 0) continue;
+      ++judged;
+      broken += point.fresh->is_feasible() ? 0 : 1;
+    }
   }
   if (broken > 0) {
     add_block(lead, "finding",

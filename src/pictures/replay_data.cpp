@@ -148,8 +148,10 @@ class Channels {
   std::string packed() const {
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(numbers_.data());
     std::vector<std::uint8_t> planes;
+    planes.reserve(sizeof(float) * numbers_.size());
     for (std::size_t k = 0; k < sizeof(float); ++k) {
-      for (std::size_t i = 0; i < numbers_.size(); ++i) planes.push_back(bytes[4 * i + k]);
+      for (std::size_t i = 0; i < numbers_.size(); ++i)
+        planes.push_back(bytes[sizeof(float) * i + k]);
     }
     return packed_bytes(planes);
   }

@@ -193,7 +193,7 @@ class AxisRig {
     Eigen::VectorXd command_;
   };
 
-  void set_solid();  // the contact that begins off
+  void set_solid();  // the contact that is switched on later
   std::vector<RigRun::Judged> judged() const;
 
   static constexpr double kNothing = 0.0;
