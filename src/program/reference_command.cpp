@@ -211,24 +211,25 @@ std::string commands_page(const Catalogue& catalogue) {
 std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind,
                           const std::vector<std::string>& brief_run) {
   const auto scenario = kind.make(catalogue), shipped = kind.make(catalogue);
-  const auto read = [](Scenario& target, const ScenarioFile& from) {
-    const Config config = from.config(from.default_case());
-    target.learn(config);
+  const ScenarioFile file(kind.file().string(), kind.name), shown = file_of_keys(kind);
+  const bool is_own = shown.file() == file.file();
+  const auto read = [](Scenario& target, const Config& names, const Config& values) {
+    target.learn(names);
     Fields fields = target.fields();
-    fields.read_incomplete(config);
+    fields.read_incomplete(values);
     return fields;
   };
-  const ScenarioFile file(kind.file().string(), kind.name), shown = file_of_keys(kind);
-  read(*shipped, file);
-  const Fields fields = read(*scenario, shown);
-  const bool is_own = shown.file() == file.file();
+  const Config own = file.config(file.default_case()), all = shown.config(shown.default_case());
+  read(*shipped, own, own);
+  // The other file is an example, whose values are no defaults.
+  const Fields fields = read(*scenario, all, is_own ? all : Config(shown.file(), {}));
   return fmt::format("# {}\n\n{}.\n\n## Cases\n\n", code(kind.name), capital(scenario->summary())) +
          fmt::format("The default case is `{}`.\n\n", file.default_case()) +
          cases(catalogue, kind, file) + "## Keys\n\n" +
          (is_own
               ? fmt::format("The default values are those of the case `{}`. ", file.default_case())
               : "A table with `NAME` stands for all tables of its kind, and `NAME_` in the log "
-                "for all columns of an axis. The values are those of an example. ") +
+                "for all columns of an axis. ") +
          "A key without a default value must be given where it is used.\n\n" + keys(fields.help()) +
          "## Metrics\n\nA metric that does not apply to a run is absent.\n\n" + metrics(*shipped) +
          (is_own ? "" : metric_kinds()) +

@@ -241,6 +241,20 @@ std::vector<RigRun::Judged> AxisRig::judged() const {
   return judged;
 }
 
+std::vector<std::string> AxisRig::overlaps() const {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const WallContact* const wall = contacts_[i].wall;
+    if (wall == nullptr || !(*contacts_[i].force_N > 0.0)) continue;
+    const ContactSettings& one = plant_.contacts[i];
+    lines.push_back(
+        fmt::format("geoms \"{}\" and \"{}\" begin {:.3g} m deep in each other, with a force of "
+                    "{:.3g} N",
+                    one.geom_1, one.geom_2, wall->penetration_m(), *contacts_[i].force_N));
+  }
+  return lines;
+}
+
 void RigRun::compute(std::string name, std::string unit, std::string text, std::size_t size,
                      std::function<double(double time_s, std::size_t i)> value) {
   computed_.push_back({std::vector<double>(size), std::move(value)});
@@ -274,9 +288,11 @@ Recording AxisRig::run(const RunControl& control, const MetricRows& rows, RigRun
   }
   std::vector<RigRun::Judged> judged = run.judged ? std::move(*run.judged) : this->judged();
   std::int64_t samples = 0, saturated = 0;
+  std::vector<std::string> warnings;
   const auto whole_step = [&](std::int64_t k) {
     drives_.set_watched(control.logs || values.watches(simulation_->time_of(k)));
     step();
+    if (k == 0) warnings = overlaps();
     if (run.after_step) run.after_step();
     if (k >= fine_from && k < fine_to) fine->append(simulation_->time_s());
   };
@@ -290,6 +306,7 @@ Recording AxisRig::run(const RunControl& control, const MetricRows& rows, RigRun
   };
   Recording recording = record_run(*simulation_, physics, steps + (run.samples_end ? 1 : 0),
                                    std::move(run.signals), control, whole_step, sample, &values);
+  recording.warnings.insert(recording.warnings.end(), warnings.begin(), warnings.end());
   if (!recording.failure) {
     for (std::size_t i = 0; i < judged.size(); ++i) {
       const std::size_t before = recording.warnings.size();

@@ -195,6 +195,8 @@ class AxisRig {
 
   void set_solid();  // the contact that is switched on later
   std::vector<RigRun::Judged> judged() const;
+  // After the first step: the contacts that began with a force.
+  std::vector<std::string> overlaps() const;
 
   static constexpr double kNothing = 0.0;
 

@@ -264,9 +264,8 @@ void AxisPlant::learn(const Config& config) {
   for (const std::string& name : config.names_in("contact")) {
     contacts.emplace_back(name, *catalogue_);
   }
-  const auto first_of_tip = config.entries().lower_bound("tip.");
-  if (first_of_tip != config.entries().end() && first_of_tip->first.starts_with("tip.")) {
-    tip.emplace();
+  for (const auto& [key, entry] : config.entries()) {
+    if (!tip && (key.starts_with("tip.") || key.starts_with("force."))) tip.emplace();
   }
 }
 
