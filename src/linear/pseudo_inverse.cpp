@@ -2,18 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace Eigen::internal {
-
-// Never called: Eigen reflects in blocks from 48 reflections on, and here are at most six. The
-// empty body saves the compilation of the blocks.
-template <>
-inline void apply_block_householder_on_the_left(
-    Block<Matrix<double, Dynamic, Dynamic, 0, 6, 6>, Dynamic, Dynamic>&,
-    const Block<Matrix<double, Dynamic, Dynamic, 0, 6, 6>, Dynamic, Dynamic>&,
-    const VectorBlock<const Matrix<double, Dynamic, 1, 0, 5, 1>>&, bool) {}
-
-}  // namespace Eigen::internal
-
 namespace breakwater {
 namespace {
 
