@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -33,147 +34,109 @@ void check_group(const PoleGroup& group) {
       "pole placement: the poles cannot be placed (not observable, or the gain overflows)");
 }
 
-}  // namespace
+// Extended precision: the poles of a fast observer are all close to 1, which makes the matrix of
+// eigenvectors badly conditioned.
+using Precise = std::complex<long double>;
+using PreciseMatrix = Eigen::Matrix<Precise, Eigen::Dynamic, Eigen::Dynamic>;
+using PreciseVector = Eigen::Matrix<Precise, Eigen::Dynamic, 1>;
+using Scale = Eigen::Array<long double, Eigen::Dynamic, 1>;
+using Factor = Eigen::FullPivLU<PreciseMatrix>;
 
-ObserverPlacement::ObserverPlacement(Eigen::Index states, Eigen::Index outputs)
-    : shifted_(states, states),
-      lu_(states, states),
-      W_(states, states),
-      V_(Matrix::Zero(outputs, states)),
-      vector_(states),
-      permuted_vector_(states),
-      row_scale_(states),
-      column_scale_(states),
-      rows_scaled_(states, states),
-      balanced_(states, states),
-      scaled_V_(states, outputs),
-      permuted_(states, outputs),
-      solved_(states, outputs) {
-  group_.reserve(static_cast<std::size_t>(states));
+// The smallest pivot, relative to the largest.
+long double pivot_ratio(const Factor& lu) {
+  return lu.matrixLU().diagonal().cwiseAbs().minCoeff() / lu.maxPivot();
 }
 
-// Replaces FullPivLU::solve(), which allocates.
-template <typename Rhs>
-void ObserverPlacement::solve(const Rhs& rhs, Rhs& permuted, Rhs& solution) const {
-  permuted = lu_.permutationP() * rhs;
-  lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(permuted);
-  lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(permuted);
-  const auto& places = lu_.permutationQ().indices();
-  for (Eigen::Index i = 0; i < places.size(); ++i) solution.row(places(i)) = permuted.row(i);
-}
-
-void ObserverPlacement::place(const Eigen::Ref<const Eigen::MatrixXd>& A,
-                              const Eigen::Ref<const Eigen::MatrixXd>& C,
-                              const std::vector<PoleGroup>& groups, Eigen::MatrixXd& H) {
-  if (!find(A, C, groups, H)) fail_as_not_observable();
-}
-
-bool ObserverPlacement::find(const Eigen::Ref<const Eigen::MatrixXd>& A,
-                             const Eigen::Ref<const Eigen::MatrixXd>& C,
-                             const std::vector<PoleGroup>& groups, Eigen::MatrixXd& H) {
-  const Eigen::Index n = W_.rows();
-  const Eigen::Index p = V_.rows();
-  std::size_t count = 0;
-  for (const auto& group : groups) count += group.size();
-  if (A.rows() != n || A.cols() != n || C.rows() != p || C.cols() != n ||
-      static_cast<Eigen::Index>(groups.size()) != p || static_cast<Eigen::Index>(count) != n) {
-    throw std::invalid_argument("pole placement: needs one group of poles per output, " +
-                                std::to_string(n) + " poles in all");
-  }
-
-  V_.setZero();
+// The gain by the eigenvectors; none if they are badly conditioned.
+std::optional<Eigen::MatrixXd> by_eigenvectors(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
+                                               const std::vector<PoleGroup>& groups) {
+  const Eigen::Index n = A.rows();
+  const Eigen::Index p = C.rows();
+  PreciseMatrix W(n, n), V = PreciseMatrix::Zero(p, n);
   Eigen::Index column = 0;
   for (Eigen::Index output = 0; output < p; ++output) {
-    check_group(groups[output]);
     // Equal poles are neighbours, so that the second one continues the Jordan chain of the first.
-    group_ = groups[output];
-    std::sort(group_.begin(), group_.end(), [](const auto& a, const auto& b) {
+    PoleGroup group = groups[static_cast<std::size_t>(output)];
+    std::sort(group.begin(), group.end(), [](const auto& a, const auto& b) {
       return std::pair(a.real(), a.imag()) < std::pair(b.real(), b.imag());
     });
-    for (std::size_t i = 0; i < group_.size(); ++i, ++column) {
-      shifted_ = A.transpose().cast<Scalar>() - Scalar(group_[i]) * Matrix::Identity(n, n);
-      lu_.compute(shifted_);
-      if (!lu_.isInvertible()) return false;  // the pole is an eigenvalue of A
-      if (i > 0 && group_[i] == group_[i - 1]) {
-        vector_ = W_.col(column - 1);
+    for (std::size_t i = 0; i < group.size(); ++i, ++column) {
+      const Factor lu(A.transpose().cast<Precise>() -
+                      Precise(group[i]) * PreciseMatrix::Identity(n, n));
+      if (!lu.isInvertible()) return std::nullopt;  // the pole is an eigenvalue of A
+      if (i > 0 && group[i] == group[i - 1]) {
+        W.col(column) = lu.solve(PreciseVector(W.col(column - 1)));
       } else {
-        V_(output, column) = 1.0L;
-        vector_ = C.row(output).transpose().cast<Scalar>();
+        V(output, column) = 1.0L;
+        W.col(column) = lu.solve(PreciseVector(C.row(output).transpose().cast<Precise>()));
       }
-      solve(vector_, permuted_vector_, vector_);
-      W_.col(column) = vector_;
     }
   }
 
   // Wᵀ H = Vᵀ, solved with balanced rows and columns: the states differ in scale by powers of T_s.
-  row_scale_ = W_.rowwise().norm().array().max(1e-300L);
-  rows_scaled_ = row_scale_.inverse().matrix().cast<Scalar>().asDiagonal() * W_;
-  column_scale_ = rows_scaled_.colwise().norm().transpose().array();
-  balanced_ = rows_scaled_ * column_scale_.inverse().matrix().cast<Scalar>().asDiagonal();
-  shifted_ = balanced_.transpose();
-  lu_.compute(shifted_);
-  if (!lu_.isInvertible()) return false;
-  scaled_V_ = column_scale_.inverse().matrix().cast<Scalar>().asDiagonal() * V_.transpose();
-  solve(scaled_V_, permuted_, solved_);
-  scaled_V_ = row_scale_.inverse().matrix().cast<Scalar>().asDiagonal() * solved_;
-  H = scaled_V_.real().cast<double>();
-  return true;
-}
-
-bool ObserverPlacement::is_well_conditioned() const {
-  return smallest_pivot() > kSmallestPivot;
-}
-
-// The smallest pivot of the last factor, relative to the largest.
-long double ObserverPlacement::smallest_pivot() const {
-  const auto pivots = lu_.matrixLU().diagonal().cwiseAbs();
-  return pivots.minCoeff() / lu_.maxPivot();
+  const Scale row_scale = W.rowwise().norm().array().max(1e-300L);
+  const PreciseMatrix rows_scaled = row_scale.inverse().matrix().cast<Precise>().asDiagonal() * W;
+  const Scale column_scale = rows_scaled.colwise().norm().transpose().array();
+  const PreciseMatrix balanced =
+      rows_scaled * column_scale.inverse().matrix().cast<Precise>().asDiagonal();
+  const Factor lu(balanced.transpose());
+  if (!lu.isInvertible() || !(pivot_ratio(lu) > kSmallestPivot)) return std::nullopt;
+  const PreciseMatrix solved = lu.solve(
+      PreciseMatrix(column_scale.inverse().matrix().cast<Precise>().asDiagonal() * V.transpose()));
+  const PreciseMatrix H = row_scale.inverse().matrix().cast<Precise>().asDiagonal() * solved;
+  return H.real().cast<double>();
 }
 
 // Ackermann's formula h = φ(A) O⁻¹ e_n for one output. The rows of O are
 // c (A − s_1) … (A − s_i) with the poles' real parts s. They cancel less than c Aⁱ. Needs no
 // eigenvalue of A and no distance between the poles.
-bool ObserverPlacement::find_for_one_output(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
-                                            const PoleGroup& poles, Eigen::MatrixXd& H) {
+Eigen::MatrixXd by_ackermann(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
+                             const PoleGroup& poles) {
   const Eigen::Index n = A.rows();
-  balanced_ = A.cast<Scalar>();
-  shifted_.row(0) = C.row(0).cast<Scalar>();
+  const PreciseMatrix exact = A.cast<Precise>();
+  PreciseMatrix O(n, n);
+  O.row(0) = C.row(0).cast<Precise>();
   for (Eigen::Index i = 1; i < n; ++i) {
-    const Scalar shift(poles[static_cast<std::size_t>(i - 1)].real());
-    shifted_.row(i) = shifted_.row(i - 1) * balanced_ - shift * shifted_.row(i - 1);
+    const Precise shift(poles[static_cast<std::size_t>(i - 1)].real());
+    O.row(i) = O.row(i - 1) * exact - shift * O.row(i - 1);
   }
   // The states and the powers of A have different units.
-  column_scale_ = shifted_.colwise().norm().transpose().array().max(1e-4000L);
-  rows_scaled_ = shifted_ * column_scale_.inverse().matrix().cast<Scalar>().asDiagonal();
-  row_scale_ = rows_scaled_.rowwise().norm().array().max(1e-4000L);
-  lu_.compute(row_scale_.inverse().matrix().cast<Scalar>().asDiagonal() * rows_scaled_);
-  if (!(smallest_pivot() > kObservable)) return false;
-  vector_.setZero();
-  vector_(n - 1) = 1.0L / row_scale_(n - 1);
-  solve(vector_, permuted_vector_, vector_);
-  vector_.array() /= column_scale_.cast<Scalar>();
-  for (const std::complex<double>& pole : poles) {
-    permuted_vector_ = balanced_ * vector_ - Scalar(pole) * vector_;
-    vector_ = permuted_vector_;
-  }
-  H = vector_.real().cast<double>();
-  return H.allFinite();
+  const Scale column_scale = O.colwise().norm().transpose().array().max(1e-4000L);
+  const PreciseMatrix scaled = O * column_scale.inverse().matrix().cast<Precise>().asDiagonal();
+  const Scale row_scale = scaled.rowwise().norm().array().max(1e-4000L);
+  const Factor lu(row_scale.inverse().matrix().cast<Precise>().asDiagonal() * scaled);
+  if (!(pivot_ratio(lu) > kObservable)) fail_as_not_observable();
+  PreciseVector h = lu.solve(PreciseVector(PreciseVector::Unit(n, n - 1) / row_scale(n - 1)));
+  h.array() /= column_scale.cast<Precise>();
+  for (const std::complex<double>& pole : poles) h = (exact * h - Precise(pole) * h).eval();
+  const Eigen::MatrixXd H = h.real().cast<double>();
+  if (!H.allFinite()) fail_as_not_observable();
+  return H;
 }
+
+}  // namespace
 
 Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
                                      const std::vector<PoleGroup>& groups) {
-  ObserverPlacement placement(A.rows(), C.rows());
-  Eigen::MatrixXd H(A.rows(), C.rows());
-  const bool is_found = placement.find(A, C, groups, H) && placement.is_well_conditioned();
-  if (C.rows() == 1) {
+  const Eigen::Index n = A.rows();
+  const Eigen::Index p = C.rows();
+  std::size_t count = 0;
+  for (const PoleGroup& group : groups) count += group.size();
+  if (A.cols() != n || C.cols() != n || static_cast<Eigen::Index>(groups.size()) != p ||
+      static_cast<Eigen::Index>(count) != n) {
+    throw std::invalid_argument("pole placement: needs one group of poles per output, " +
+                                std::to_string(n) + " poles in all");
+  }
+  for (const PoleGroup& group : groups) check_group(group);
+  const std::optional<Eigen::MatrixXd> H = by_eigenvectors(A, C, groups);
+  if (p == 1) {
     // Both methods agree where the poles and the eigenvalues of A are apart. The goldens have the
     // last bits of the eigenvectors.
-    Eigen::MatrixXd exact(A.rows(), 1);
-    if (!placement.find_for_one_output(A, C, groups[0], exact)) fail_as_not_observable();
-    const bool agrees = ((H - exact).array().abs() <= kAgreement * exact.array().abs()).all();
-    return is_found && agrees ? H : exact;
+    const Eigen::MatrixXd exact = by_ackermann(A, C, groups[0]);
+    const bool agrees = H && ((*H - exact).array().abs() <= kAgreement * exact.array().abs()).all();
+    return agrees ? *H : exact;
   }
-  if (is_found && H.allFinite()) return H;
+  if (H && H->allFinite()) return *H;
   // A pole may be an eigenvalue of A. A first gain moves all eigenvalues to other places.
   double scale = spectral_radius(A);
   for (const PoleGroup& group : groups) {
@@ -184,25 +147,15 @@ Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::Matr
     for (PoleGroup& group : others) {
       for (std::complex<double>& pole : group) pole += shift * scale;
     }
-    Eigen::MatrixXd first(A.rows(), C.rows());
-    if (placement.find(A, C, others, first) && placement.is_well_conditioned() &&
-        placement.find(A - first * C, C, groups, H) && placement.is_well_conditioned()) {
-      H += first;
-      if (H.allFinite()) return H;
-    }
+    const auto first = by_eigenvectors(A, C, others);
+    const auto second = first ? by_eigenvectors(A - *first * C, C, groups) : std::nullopt;
+    if (second && (*first + *second).allFinite()) return *first + *second;
   }
   fail_as_not_observable();
 }
 
 std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, double period_s) {
-  std::vector<PoleGroup> sampled;
-  sample_poles(continuous, period_s, sampled);
-  return sampled;
-}
-
-void sample_poles(const std::vector<PoleGroup>& continuous, double period_s,
-                  std::vector<PoleGroup>& sampled) {
-  sampled = continuous;
+  std::vector<PoleGroup> sampled = continuous;
   for (auto& group : sampled) {
     for (auto& pole : group) {
       if (!(pole.real() < 0.0)) {
@@ -212,6 +165,7 @@ void sample_poles(const std::vector<PoleGroup>& continuous, double period_s,
       pole = math::exp(pole * period_s);
     }
   }
+  return sampled;
 }
 
 }  // namespace breakwater

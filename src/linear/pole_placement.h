@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <complex>
 #include <vector>
 
@@ -28,51 +27,8 @@ using PoleGroup = std::vector<std::complex<double>>;
 Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
                                      const std::vector<PoleGroup>& groups);
 
-/// Repeated place_observer_poles() for one size, without allocation after construction.
-class ObserverPlacement {
- public:
-  ObserverPlacement(Eigen::Index states, Eigen::Index outputs);
-
-  /// Writes H (n×p). Throws as place_observer_poles() does, and if a pole is an eigenvalue of A.
-  void place(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& C,
-             const std::vector<PoleGroup>& groups, Eigen::MatrixXd& H);
-
- private:
-  friend Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
-                                              const std::vector<PoleGroup>& groups);
-
-  bool find(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& C,
-            const std::vector<PoleGroup>& groups, Eigen::MatrixXd& H);
-  bool find_for_one_output(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
-                           const PoleGroup& poles, Eigen::MatrixXd& H);
-  long double smallest_pivot() const;
-  bool is_well_conditioned() const;
-
-  // Extended precision: the poles of a fast observer are all close to 1, which makes the matrix of
-  // eigenvectors badly conditioned.
-  using Scalar = std::complex<long double>;
-  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
-  using Scale = Eigen::Array<long double, Eigen::Dynamic, 1>;
-
-  template <typename Rhs>
-  void solve(const Rhs& rhs, Rhs& permuted, Rhs& solution) const;
-
-  PoleGroup group_;
-  Matrix shifted_;
-  Eigen::FullPivLU<Matrix> lu_;
-  Matrix W_, V_;
-  Vector vector_, permuted_vector_;
-  Scale row_scale_, column_scale_;
-  Matrix rows_scaled_, balanced_;
-  Matrix scaled_V_, permuted_, solved_;
-};
-
 /// The poles z = e^{s T_s} of a sampled system, from continuous poles s [1/s]. Throws
 /// std::invalid_argument unless all s are left of the imaginary axis.
 std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, double period_s);
-/// The same into `sampled`. Allocates nothing the second time.
-void sample_poles(const std::vector<PoleGroup>& continuous, double period_s,
-                  std::vector<PoleGroup>& sampled);
 
 }  // namespace breakwater

@@ -54,7 +54,7 @@ class DisturbanceEstimator {
   virtual void pole_matrix(Eigen::Ref<Eigen::MatrixXd> /*F*/) const {}
 
   /// Sets the interval before the next samples, until a reset. Returns false if the estimator
-  /// assumes that every interval is T_s and every time is exact. Allocates nothing.
+  /// assumes that every interval is T_s and every time is exact.
   virtual bool follow(const SampleInterval& /*interval*/) { return false; }
 };
 

@@ -24,7 +24,7 @@ KalmanEstimator::KalmanEstimator(const KalmanDesign& design, bool is_symmetric)
   interval_s_ = period_s_ = design.plant.period_s;
   instant_error_.setZero(C_.rows());
   if (const auto& plant = design.plant.continuous) {
-    hold_.emplace(*plant);
+    plant_ = plant;
     output_rate_.setZero(C_.rows(), A_.cols());
     output_rate_.leftCols(plant_states_) = plant->C * plant->A;
     input_rate_ = plant->C * plant->B;
@@ -55,11 +55,11 @@ void KalmanEstimator::reset(const Vector& x) {
   gain_.setZero();
   innovation_.setZero();
   has_prior_ = true;
-  if (hold_) follow({});
+  if (plant_) follow({});
 }
 
 bool KalmanEstimator::follow(const SampleInterval& interval) {
-  if (!hold_) return false;
+  if (!plant_) return false;
   const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;
   instant_std_s_ = interval.instant_std_s;
   instant_error_.setZero();
@@ -76,11 +76,11 @@ bool KalmanEstimator::follow(const SampleInterval& interval) {
     const Eigen::Index n = plant_states_;
     const Eigen::Index inputs = B_.cols();
     const double piece_s = length_s / pieces_;
-    hold_->over(piece_s);
-    A_.topLeftCorner(n, n) = hold_->A();
-    A_.block(0, n, n, inputs) = -hold_->B();
+    const StateSpace sampled = zero_order_hold(*plant_, piece_s);
+    A_.topLeftCorner(n, n) = sampled.A;
+    A_.block(0, n, n, inputs) = -sampled.B;
     for (Eigen::Index i = n; i + inputs < A_.cols(); ++i) A_(i, i + inputs) = piece_s;
-    B_.topRows(n) = hold_->B();
+    B_.topRows(n) = sampled.B;
   }
   Q_ = regular_Q_ * (length_s / (pieces_ * period_s_));
   // The noise is white from piece to piece: the mean over all pieces has the given variance.

@@ -140,7 +140,7 @@ class KalmanEstimator : public DisturbanceEstimator {
   Eigen::MatrixXd regular_Q_;
   Eigen::MatrixXd regular_R_;
   double period_s_ = 0.0;
-  std::optional<VariableHold> hold_;
+  std::optional<StateSpace> plant_;
   Eigen::MatrixXd output_rate_;  // ẏ = output_rate_ x̄ + input_rate_ u
   Eigen::MatrixXd input_rate_;
   double instant_std_s_ = 0.0;

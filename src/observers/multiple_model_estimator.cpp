@@ -42,16 +42,15 @@ bool is_degenerate(const Model& model) {
 template <int n>
 MultipleModelBank<n>::MultipleModelBank(const MultipleModelDesign& design)
     : period_s_(design.period_s),
-      hold_(design.plant),
-      disturbed_hold_(disturbed(design)),
+      plant_(design.plant),
+      disturbed_plant_(disturbed(design)),
       piece_s_(design.period_s),
       sensor_(design.sensor) {
   check(design.plant);
   const StateSpace& plant = design.plant;
-  const StateSpace by_d = disturbed(design);
   const bool is_axis = plant.states() == n && plant.inputs() == 1 && plant.outputs() == 1 &&
                        plant.A.row(0) == Eigen::RowVectorXd::Unit(n, 1) && plant.B(0, 0) == 0.0 &&
-                       (n > 2 || plant.B(1, 0) > 0.0) && by_d.B(0, 0) == 0.0 &&
+                       (n > 2 || plant.B(1, 0) > 0.0) && disturbed_plant_.B(0, 0) == 0.0 &&
                        plant.C == Eigen::RowVectorXd::Unit(n, 0);
   if (is_axis) {
     at_rest_.setUnit(0);
@@ -66,10 +65,7 @@ MultipleModelBank<n>::MultipleModelBank(const MultipleModelDesign& design)
   if (!(design.largest_d > 0.0) || !std::isfinite(design.largest_d)) {
     throw std::invalid_argument("QBANK: the largest disturbance must be positive");
   }
-  const StateSpace sampled = zero_order_hold(plant, period_s_);
-  regular_A_ = A_ = sampled.A;
-  regular_B_ = B_ = sampled.B;
-  regular_E_ = E_ = n > 2 ? zero_order_hold(by_d, period_s_).B : sampled.B;
+  sample();
   const double quantum = design.sensor.quantum(0);
   const double sigma = design.sensor.noise_std(0);
   prior_variance_ =
@@ -122,22 +118,21 @@ bool MultipleModelBank<n>::follow(const SampleInterval& interval) {
   instant_std_s_ = interval.instant_std_s;
   if (instant_std_s_ == 0.0) sensor_.add_noise(0.0);
   pieces_ = pieces_of(length_s, period_s_);
-  piece_s_ = length_s / pieces_;
   input_variance_ = interval.input_std * interval.input_std * pieces_;
-  if (length_s == period_s_) {
-    A_ = regular_A_;
-    B_ = regular_B_;
-    E_ = regular_E_;
-  } else {
-    hold_.over(piece_s_);
-    A_ = hold_.A();
-    E_ = B_ = hold_.B();
-    if constexpr (n > 2) {
-      disturbed_hold_.over(piece_s_);
-      E_ = disturbed_hold_.B();
-    }
+  if (const double piece_s = length_s / pieces_; piece_s != piece_s_) {
+    piece_s_ = piece_s;
+    sample();
   }
   return true;
+}
+
+// The plant over a piece of the interval.
+template <int n>
+void MultipleModelBank<n>::sample() {
+  const StateSpace sampled = zero_order_hold(plant_, piece_s_);
+  A_ = sampled.A;
+  B_ = sampled.B;
+  E_ = n > 2 ? zero_order_hold(disturbed_plant_, piece_s_).B : sampled.B;
 }
 
 template <int n>

