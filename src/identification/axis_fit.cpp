@@ -3,11 +3,13 @@
 #include <ceres/tiny_solver.h>
 #include <Eigen/QR>
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 
 #include <breakwater/math/error_function.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/observers/code_sensor.h>
+#include <breakwater/observers/sensor_error.h>
 
 namespace breakwater {
 namespace {
@@ -22,17 +24,8 @@ constexpr std::size_t kBins = 2000;     // bins of the errors, for the most like
 constexpr double kLeastShare = 1e-3;    // least noise without an encoder, in RMS errors
 constexpr double kLeastOfRange = 1e-9;  // below it the differences are no derivatives
 
-// The positions with the code y: [y - below, y + above].
-struct Code {
-  double below;
-  double above;
-};
-
-Code code_of(const AxisData& data, double y) {
-  const double d = data.quantum;
-  if (data.rounding == EncoderRounding::nearest) return {0.5 * d, 0.5 * d};
-  if (std::abs(y) < 0.5 * d) return {d, d};
-  return y > 0.0 ? Code{0.0, d} : Code{d, 0.0};
+CodeRange code_of(const AxisData& data, double y) {
+  return code_range(y, data.quantum, data.rounding);
 }
 
 // A deviance residual and its derivative by the position, and ln P at the centre of the code.
@@ -47,9 +40,9 @@ Residual residual_of(const AxisData& data, double noise_std, double y, double po
     return {(position - y) / noise_std, 1.0 / noise_std,
             -math::kLogRootTwoPi - math::log(noise_std)};
   }
-  const Code code = code_of(data, y);
-  const double half = 0.5 * (code.below + code.above) / noise_std;
-  const double off = (position - y - 0.5 * (code.above - code.below)) / noise_std;
+  const CodeRange code = code_of(data, y);
+  const double half = 0.5 * code.width() / noise_std;
+  const double off = (position - y - code.middle()) / noise_std;
   const CodeInterval centred(-half, half);
   const CodeInterval at(-half - off, half - off);
   const double log_centre = centred.log_mass();
@@ -119,7 +112,7 @@ class Problem {
     AxisFit fit = base_;
     for (const AxisParameter i : free_) {
       const double value = is_logarithmic(i) ? math::exp(*x) : *x * scales_[i];
-      fit.values[i] = is_positive(i) ? std::abs(value) : value;
+      fit.values[i] = known_parameter(i).scale == Scale::positive ? std::abs(value) : value;
       if (i == kDelay)
         fit.values[i] = std::clamp(value, data_.least_delay_s, data_.largest_delay_s);
       ++x;
@@ -263,21 +256,14 @@ double deviance_of(const AxisData& data, const AxisFit& fit) {
   return std::isnan(sum) ? std::numeric_limits<double>::infinity() : sum;
 }
 
-// The minimum of a function between two positive numbers, by golden section over the logarithm.
+// The minimum of a function between two positive numbers.
 template <typename Function>
 double least_over_logarithm(double from, double to, const Function& function) {
-  constexpr double kGolden = 0.61803398874989484820;
-  double low = math::log(from);
-  double high = math::log(to);
-  while (high - low > 1e-3) {
-    const double length = kGolden * (high - low);
-    if (function(math::exp(high - length)) < function(math::exp(low + length))) {
-      high = low + length;
-    } else {
-      low = high - length;
-    }
-  }
-  return math::exp(0.5 * (low + high));
+  constexpr int kBits = 12;
+  const auto of_logarithm = [&](double x) { return function(math::exp(x)); };
+  return math::exp(
+      boost::math::tools::brent_find_minima(of_logarithm, math::log(from), math::log(to), kBits)
+          .first);
 }
 
 // The most likely σ of the errors of a fit.
@@ -288,8 +274,7 @@ double likely_noise(const AxisData& data, const AxisFit& fit) {
   bool has_time_noise = false;
   for (const AxisStretch& stretch : data.stretches) {
     for (const double y : stretch.positions) {
-      const Code code = code_of(data, y);
-      errors.push_back(std::abs(positions[errors.size()] - y - 0.5 * (code.above - code.below)));
+      errors.push_back(std::abs(positions[errors.size()] - y - code_of(data, y).middle()));
       squares += errors.back() * errors.back();
     }
     has_time_noise = has_time_noise || !stretch.time_noise.empty();

@@ -8,6 +8,7 @@
 #include <breakwater/identification/axis_model.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/recorded/recorded_axis.h>
+#include <breakwater/world/encoder.h>
 #include <breakwater/world/noise.h>
 
 namespace breakwater {
@@ -21,20 +22,13 @@ constexpr int kIterations = 20;
 constexpr double kSuspicious = 1.5;  // rise, relative to that of a parabola
 constexpr int kReplicates = 100;
 
-double encoded(const AxisData& data, double position) {
-  if (data.quantum == 0.0) return position;
-  const double counts = position / data.quantum;
-  return data.quantum *
-         (data.rounding == EncoderRounding::nearest ? std::round(counts) : std::trunc(counts));
-}
-
 }  // namespace
 
 double moved_parameter(const AxisData& data, AxisParameter parameter, double value, double change) {
   if (is_logarithmic(parameter)) return value * math::exp(change);
   const double moved = value + change * parameter_scales(data)[parameter];
   if (parameter == kDelay) return std::clamp(moved, data.least_delay_s, data.largest_delay_s);
-  return is_positive(parameter) ? std::max(0.0, moved) : moved;
+  return known_parameter(parameter).scale == Scale::positive ? std::max(0.0, moved) : moved;
 }
 
 AxisFit moved_fit(const AxisData& data, const FreeParameters& free, AxisFit fit,
@@ -116,6 +110,7 @@ std::vector<double> bootstrap_std(const AxisData& data, const FreeParameters& fr
                                   const AxisFit& fit) {
   const Noise random(1, "identify"), drift(1, "drift");
   std::uint64_t drawn = 0;
+  const Encoder encoder{.quantum = data.quantum, .rounding = data.rounding};
   std::vector<double> sums(kAxisParameters, 0.0);
   std::vector<double> squares(kAxisParameters, 0.0);
   const AxisValues scales = parameter_scales(data);
@@ -132,7 +127,7 @@ std::vector<double> bootstrap_std(const AxisData& data, const FreeParameters& fr
     AxisData made = data;
     std::size_t k = 0;
     for (AxisStretch& stretch : made.stretches) {
-      for (double& y : stretch.positions) y = encoded(data, positions[k++]);
+      for (double& y : stretch.positions) y = encoder.measure(positions[k++]);
     }
     const AxisFit again = fit_axis(made, free, truth, kIterations);
     for (std::size_t i = 0; i < kAxisParameters; ++i) {

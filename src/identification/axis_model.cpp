@@ -9,41 +9,6 @@
 
 namespace breakwater {
 
-bool is_logarithmic(AxisParameter parameter) {
-  switch (parameter) {
-    case kInertia:
-    case kStribeckSpeed:
-    case kMotorInertia:
-    case kLoadInertia:
-    case kStiffness:
-    case kTorqueConstant:
-      return true;
-    default:
-      return false;
-  }
-}
-
-bool is_positive(AxisParameter parameter) {
-  switch (parameter) {
-    case kViscous:
-    case kCoulomb:
-    case kBreakaway:
-    case kDamping:
-    case kBacklash:
-    case kMotorViscous:
-    case kLoadViscous:
-    case kMotorCoulomb:
-    case kLoadCoulomb:
-      return true;
-    default:
-      return false;
-  }
-}
-
-bool is_torque(AxisParameter parameter) {
-  return parameter != kStribeckSpeed && parameter != kBacklash && parameter != kDelay;
-}
-
 std::size_t AxisData::rows() const {
   std::size_t rows = 0;
   for (const AxisStretch& stretch : stretches) rows += stretch.positions.size();
@@ -71,25 +36,36 @@ constexpr const char *kAccelerate = "accelerate: steps, a sine or a multisine of
                          "encoder on the motor";
 
 constexpr KnownParameter kKnown[] = {
-    {kInertia, "inertia_kgm2", "kg m^2", "inertia", 0.25, kAccelerate},
-    {kViscous, "viscous_Nms", "N m s/rad", "viscous friction", 0.15, kReverse},
-    {kCoulomb, "coulomb_Nm", "N m", "Coulomb friction", 0.15, kReverse},
-    {kBreakaway, "breakaway_Nm", "N m", "breakaway friction", 0.15, kStandStill},
-    {kStribeckSpeed, "stribeck_speed_rad_s", "rad/s", "Stribeck speed", 0.5, kStandStill},
-    {kMotorInertia, "motor_inertia_kgm2", "kg m^2", "inertia of the motor", 0.25, kResonate},
-    {kLoadInertia, "load_inertia_kgm2", "kg m^2", "inertia of the load", 0.25, kResonate},
-    {kStiffness, "stiffness_Nm_rad", "N m/rad", "stiffness", 0.25, kResonate},
-    {kDamping, "damping_Nms_rad", "N m s/rad", "damping", 0.15, kResonate},
-    {kBacklash, "backlash_rad", "rad", "backlash", std::numeric_limits<double>::infinity(),
-     "let torque and motion reverse often"},
-    {kMotorViscous, "motor_viscous_Nms", "N m s/rad", "viscous friction of the motor", 0.15,
+    {kInertia, Scale::logarithmic, true, "inertia_kgm2", "kg m^2", "inertia", 0.25, kAccelerate},
+    {kViscous, Scale::positive, true, "viscous_Nms", "N m s/rad", "viscous friction", 0.15,
      kReverse},
-    {kLoadViscous, "load_viscous_Nms", "N m s/rad", "viscous friction of the load", 0.15, kReverse},
-    {kMotorCoulomb, "motor_coulomb_Nm", "N m", "Coulomb friction of the motor", 0.15, kReverse},
-    {kLoadCoulomb, "load_coulomb_Nm", "N m", "Coulomb friction of the load", 0.15, kReverse},
-    {kOffset, "offset_Nm", "N m", "offset torque", 0.15, kReverse},
-    {kDelay, "delay_s", "s", "delay", 1.0, "change the torque often: steps or a multisine"},
-    {kTorqueConstant, "torque_constant", "N m", "torque constant", 0.25, kAccelerate}};
+    {kCoulomb, Scale::positive, true, "coulomb_Nm", "N m", "Coulomb friction", 0.15, kReverse},
+    {kBreakaway, Scale::positive, true, "breakaway_Nm", "N m", "breakaway friction", 0.15,
+     kStandStill},
+    {kStribeckSpeed, Scale::logarithmic, false, "stribeck_speed_rad_s", "rad/s", "Stribeck speed",
+     0.5, kStandStill},
+    {kMotorInertia, Scale::logarithmic, true, "motor_inertia_kgm2", "kg m^2",
+     "inertia of the motor", 0.25, kResonate},
+    {kLoadInertia, Scale::logarithmic, true, "load_inertia_kgm2", "kg m^2", "inertia of the load",
+     0.25, kResonate},
+    {kStiffness, Scale::logarithmic, true, "stiffness_Nm_rad", "N m/rad", "stiffness", 0.25,
+     kResonate},
+    {kDamping, Scale::positive, true, "damping_Nms_rad", "N m s/rad", "damping", 0.15, kResonate},
+    {kBacklash, Scale::positive, false, "backlash_rad", "rad", "backlash",
+     std::numeric_limits<double>::infinity(), "let torque and motion reverse often"},
+    {kMotorViscous, Scale::positive, true, "motor_viscous_Nms", "N m s/rad",
+     "viscous friction of the motor", 0.15, kReverse},
+    {kLoadViscous, Scale::positive, true, "load_viscous_Nms", "N m s/rad",
+     "viscous friction of the load", 0.15, kReverse},
+    {kMotorCoulomb, Scale::positive, true, "motor_coulomb_Nm", "N m",
+     "Coulomb friction of the motor", 0.15, kReverse},
+    {kLoadCoulomb, Scale::positive, true, "load_coulomb_Nm", "N m", "Coulomb friction of the load",
+     0.15, kReverse},
+    {kOffset, Scale::plain, true, "offset_Nm", "N m", "offset torque", 0.15, kReverse},
+    {kDelay, Scale::plain, false, "delay_s", "s", "delay", 1.0,
+     "change the torque often: steps or a multisine"},
+    {kTorqueConstant, Scale::logarithmic, true, "torque_constant", "N m", "torque constant", 0.25,
+     kAccelerate}};
 
 }  // namespace
 

@@ -4,8 +4,10 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -36,13 +38,6 @@ enum AxisParameter : std::size_t {
   kAxisParameters
 };
 using AxisValues = std::array<double, kAxisParameters>;
-
-/// Whether a parameter is positive and scaled by its own size.
-bool is_logarithmic(AxisParameter parameter);
-/// Whether a parameter is at least 0: friction, damping or backlash.
-bool is_positive(AxisParameter parameter);
-/// Whether a parameter is proportional to the unit of the torque.
-bool is_torque(AxisParameter parameter);
 
 /// A part of a record without a long gap. Input i acts from input_times_s[i] to the next of these
 /// times, and the last one until the end.
@@ -108,9 +103,18 @@ struct AxisData {
   std::size_t rows() const;
 };
 
+/// How a fit moves a parameter.
+enum class Scale {
+  plain,
+  positive,    ///< at least 0: friction, damping or backlash
+  logarithmic  ///< positive, and scaled by its own size
+};
+
 /// A parameter of a rotation.
 struct KnownParameter {
   AxisParameter parameter;
+  Scale scale;
+  bool is_torque;    ///< it is proportional to the unit of the torque
   const char* key;   ///< "inertia_kgm2"
   const char* unit;  ///< "kg m^2"
   const char* name;
@@ -122,6 +126,9 @@ const KnownParameter& known_parameter(AxisParameter parameter);
 
 inline const char* parameter_key(AxisParameter parameter) {
   return known_parameter(parameter).key;
+}
+inline bool is_logarithmic(AxisParameter parameter) {
+  return known_parameter(parameter).scale == Scale::logarithmic;
 }
 inline const char* parameter_unit(AxisParameter parameter) {
   return known_parameter(parameter).unit;
@@ -170,37 +177,17 @@ inline double slope_at(const Polynomial& p, double t) {
   return slope;
 }
 
-/// The time in (0, h] at which g falls below 0, by the Illinois method; g(h) < 0.
+/// The time in (0, h] at which g falls below 0; g(h) < 0.
 template <typename Function>
 double time_of(const Function& g, double h) {
   constexpr double kShortest = 1e-3;    // relative to h
   constexpr double kTolerance = 1e-13;  // relative to h
-  constexpr int kMostTrials = 60;
-  double a = 0.0, at_a = g(a);
-  if (at_a <= 0.0) {
-    a = kShortest * h;
-    at_a = g(a);
-    if (at_a <= 0.0) return a;
-  }
-  double b = h, at_b = g(b);
-  double side = 0.0;  // on which the last trial was
-  for (int i = 0; i < kMostTrials && b - a > kTolerance * h; ++i) {
-    const double t = a + (b - a) * at_a / (at_a - at_b);
-    const double at_t = g(t);
-    if (at_t == 0.0) return t;
-    if (at_t < 0.0) {
-      b = t;
-      at_b = at_t;
-      if (side < 0.0) at_a *= 0.5;
-      side = -1.0;
-    } else {
-      a = t;
-      at_a = at_t;
-      if (side > 0.0) at_b *= 0.5;
-      side = 1.0;
-    }
-  }
-  return b;
+  const double from = g(0.0) > 0.0 ? 0.0 : kShortest * h;
+  if (!(g(from) > 0.0)) return from;
+  std::uintmax_t trials = 60;
+  return boost::math::tools::toms748_solve(
+             g, from, h, [h](double a, double b) { return b - a <= kTolerance * h; }, trials)
+      .second;
 }
 
 /// Integrates

@@ -470,7 +470,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
     for (AxisValues& values : candidates) {
       const double factor = *settings.known_inertia / values[settings.model->known_inertia];
       for (std::size_t p = 0; p < kAxisParameters; ++p) {
-        if (is_torque(static_cast<AxisParameter>(p))) values[p] *= factor;
+        if (known_parameter(static_cast<AxisParameter>(p)).is_torque) values[p] *= factor;
       }
     }
   }

@@ -17,7 +17,7 @@ class EigenvalueSolver {
   EigenvalueSolver(const EigenvalueSolver&) = delete;
   EigenvalueSolver& operator=(const EigenvalueSolver&) = delete;
 
-  /// Those of `A` (n×n); NaN unless it is finite.
+  /// The eigenvalues of `A` (n×n). They are NaN unless it is finite.
   const Eigen::VectorXcd& solve(const Eigen::MatrixXd& A);
 
  private:
