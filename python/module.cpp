@@ -51,10 +51,6 @@ void translate(std::exception_ptr thrown) {
 PYBIND11_MODULE(_core, module) {
   using namespace breakwater::python;  // NOLINT: the module's own
   set_places();
-  breakwater::stop_asked = [] {
-    const py::gil_scoped_acquire held;
-    return PyErr_CheckSignals() != 0;
-  };
   pybind11::register_local_exception_translator(translate);
   module.attr("__version__") = breakwater::kVersion;
   bind_exit();

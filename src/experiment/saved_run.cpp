@@ -81,26 +81,19 @@ void SavedRun::read() {
   check_file(folder_, "config.toml");
   if (!failure()) metrics_ = read_metrics(folder_);
   const bool is_known = check_log(folder_);
-  is_read_whole_ = !is_known && !manifest_.is_unfinished;
   if (!is_known) {
-    for (LoggedDataset& read :
-         read_log([&](const std::string& log) { return read_foreign_log(log, is_read_whole_); })) {
-      if (read.entry.name != "time_s") signals_.push_back(read.entry);
-      read_[read.entry.group + "/" + read.entry.name] = std::move(read.signal);
+    const bool is_whole = !manifest_.is_unfinished;
+    read_log([&](const std::string& log) { check_foreign_log(log, is_whole); });
+    if (is_whole) {
+      notes_.push_back(log_file() +
+                       ": may not be what the run wrote: its manifest.json has no log_hash");
     }
   }
-  if (is_read_whole_) {
-    notes_.push_back(log_file() +
-                     ": may not be what the run wrote: its manifest.json has no log_hash");
-    for (const auto& [path, data] : read_) check_rows(path, data);
-  } else {
-    signals_ = read_log([](const std::string& log) { return list_hdf5_signals(log); });
-  }
+  signals_ = read_log([](const std::string& log) { return list_hdf5_signals(log); });
   if (manifest_.is_unfinished) find_end();
-  if (!is_known && !is_read_whole_) {
-    for (const LogEntry& entry : signals_) {
-      check_rows(entry.group + "/" + entry.name, {entry.rows, entry.width, {}});
-    }
+  for (const LogEntry& entry : signals_) {
+    if (is_known) break;
+    check_rows(entry.group + "/" + entry.name, {entry.rows, entry.width, {}});
   }
   if (failure() && failure()->is_cut) {
     notes_.push_back(fmt::format("{}: was cut at {:.6g} s: {}", folder_.string(), failure()->time_s,
@@ -184,9 +177,6 @@ std::optional<double> SavedRun::metric(const std::string& name) const {
 const LoggedSignal& SavedRun::dataset(const std::string& path) const {
   const auto found = read_.find(path);
   if (found != read_.end()) return found->second;
-  if (is_read_whole_) {
-    throw std::invalid_argument(log_file() + ": is not a log, or has no " + path);
-  }
   const auto written = written_rows_.find(path.substr(0, path.find('/')));
   const std::size_t rows = written != written_rows_.end() ? written->second : SIZE_MAX;
   LoggedSignal data =

@@ -76,7 +76,6 @@ class SavedRun {
   std::vector<std::string> notes_;
   std::map<std::string, std::size_t> written_rows_;   // by track, if the run was cut
   mutable std::map<std::string, LoggedSignal> read_;  // the datasets that were read so far
-  bool is_read_whole_ = false;  // a whole log of unknown origin is not opened again
 };
 
 /// The metrics of a complete run, in the scenario's order. Throws std::invalid_argument, one line,

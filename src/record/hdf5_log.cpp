@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -19,14 +18,9 @@
 #include <fstream>
 #include <memory>
 #include <mutex>
-#include <new>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <stdexcept>
-#include <tuple>
 
 #include <breakwater/record/hdf5_library.h>
-#include <breakwater/record/interrupted.h>
 #include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
@@ -44,9 +38,7 @@ constexpr hsize_t kMostDeflated = 1032;
 // Limits of the processor's time for reading a foreign log. An intact log takes far less.
 constexpr rlim_t kForeignSeconds = 10;
 constexpr rlim_t kBytesASecond = 5'000'000;
-// Limits of a foreign log's values and of the memory to read them: HDF5 may also keep a chunk.
-constexpr std::size_t kForeignBytes = 1'000'000'000;
-constexpr rlim_t kForeignMemory = 2 * kForeignBytes + 200'000'000;
+constexpr rlim_t kForeignMemory = 2'200'000'000;  // for its largest signal, and a chunk of it
 
 using Size = std::array<hsize_t, 2>;  // rows, width
 
@@ -354,9 +346,6 @@ LoggedSignal read_signal(const std::string& file, const std::string& dataset,
   });
 }
 
-// Exit statuses of the child. A limit or a crash ends it otherwise.
-enum { kSound, kDamaged, kTooMuch };
-
 // Sets limits for this process, and makes it end with its parent.
 void confine(const std::string& file, pid_t parent) {
   // The parent handles these signals.
@@ -364,7 +353,7 @@ void confine(const std::string& file, pid_t parent) {
   std::signal(SIGHUP, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kDamaged);  // the parent has already ended
+  if (getppid() != parent) _exit(1);  // the parent has already ended
 
   struct stat about = {};
   stat(file.c_str(), &about);
@@ -379,68 +368,6 @@ void confine(const std::string& file, pid_t parent) {
     const rlimit bytes = {own + kForeignMemory, own + kForeignMemory};
     setrlimit(RLIMIT_AS, &bytes);
   }
-}
-
-// Writes one line of JSON about the datasets, and then their values.
-int send(const std::string& file, bool has_values, const std::string& sheet) {
-  try {
-    const std::vector<LogEntry> datasets = list_datasets(file);
-    if (!has_values) return kSound;
-    nlohmann::json headers = nlohmann::json::array();
-    std::size_t values = 0;
-    for (const LogEntry& entry : datasets) {
-      headers.push_back(
-          {entry.group, entry.name, entry.unit, entry.description, entry.rows, entry.width});
-      values += entry.rows * entry.width;
-    }
-    if (values > kForeignBytes / sizeof(double)) return kTooMuch;
-    std::ofstream sent(sheet, std::ios::binary);
-    sent << headers.dump() << '\n';
-    for (const LogEntry& entry : datasets) {
-      const std::vector<double> read = read_signal(file, entry.group + "/" + entry.name).values;
-      sent.write(reinterpret_cast<const char*>(read.data()),
-                 static_cast<std::streamsize>(read.size() * sizeof(double)));
-    }
-    return sent.flush() ? kSound : kTooMuch;
-  } catch (const std::bad_alloc&) {
-    return kTooMuch;
-  } catch (...) {
-    return kDamaged;
-  }
-}
-
-std::vector<LoggedDataset> received(const std::string& sheet) {
-  std::ifstream sent(sheet, std::ios::binary);
-  std::string headers;
-  std::getline(sent, headers);
-  std::vector<LoggedDataset> datasets;
-  for (const nlohmann::json& header : nlohmann::json::parse(headers)) {
-    LoggedDataset& dataset = datasets.emplace_back();
-    LogEntry& entry = dataset.entry;
-    std::tie(entry.group, entry.name, entry.unit, entry.description, entry.rows, entry.width) =
-        header.get<std::tuple<std::string, std::string, std::string, std::string, std::size_t,
-                              std::size_t>>();
-    dataset.signal = {entry.rows, entry.width, std::vector<double>(entry.rows * entry.width)};
-    sent.read(reinterpret_cast<char*>(dataset.signal.values.data()),
-              static_cast<std::streamsize>(dataset.signal.values.size() * sizeof(double)));
-  }
-  check(static_cast<bool>(sent));
-  return datasets;
-}
-
-// The child's exit status; nothing if a signal ended it. A signal may end the child at once.
-std::optional<int> outcome_of(pid_t child) {
-  int status = 0;
-  bool is_stopped = false;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return std::nullopt;  // this process must not wait for children
-    bool (*const asked)() = stop_asked;
-    if (is_stopped || asked == nullptr || !asked()) continue;
-    is_stopped = true;
-    kill(child, SIGKILL);
-  }
-  if (is_stopped) throw Interrupted();
-  return WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt;
 }
 
 }  // namespace
@@ -546,31 +473,26 @@ std::size_t written_rows(const std::string& file, const std::string& track) {
   });
 }
 
-std::vector<LoggedDataset> read_foreign_log(const std::string& file, bool has_values) {
+void check_foreign_log(const std::string& file, bool has_values) {
   const std::lock_guard lock(hdf5_in_use);
   hdf5();  // load it once, before the fork
-  const int descriptor = memfd_create("log", MFD_CLOEXEC);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> sheet(
-      descriptor < 0 ? nullptr : fdopen(descriptor, "r+"), std::fclose);
   const pid_t parent = getpid();
-  const pid_t child = sheet ? fork() : -1;
+  const pid_t child = fork();
   if (child < 0) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
   if (child == 0) {
     confine(file, parent);
-    _exit(send(file, has_values, path_of(*sheet)));
+    try {
+      for (const LogEntry& entry : list_datasets(file)) {
+        if (has_values) read_signal(file, entry.group + "/" + entry.name);
+      }
+      _exit(0);
+    } catch (...) {
+      _exit(1);
+    }
   }
-  const std::optional<int> outcome = outcome_of(child);
-  if (outcome == kTooMuch) {
-    throw std::invalid_argument(fmt::format(
-        "{}: is not read: it takes more than {} MB, and its manifest.json has no log_hash", file,
-        kForeignBytes / 1'000'000));
-  }
-  try {
-    check(outcome == kSound);
-    return has_values ? received(path_of(*sheet)) : std::vector<LoggedDataset>();
-  } catch (const std::exception&) {
-    throw std::invalid_argument(file + ": is not a log, or one that is damaged");
-  }
+  int status = -1;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  if (status != 0) throw std::invalid_argument(file + ": is not a log, or one that is damaged");
 }
 
 }  // namespace breakwater

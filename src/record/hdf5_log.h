@@ -65,7 +65,7 @@ std::vector<std::uint64_t> lay_out_hdf5_log(const std::string& file,
 
 /// The readers check types, sizes and that the data are in the file. They do not follow links, and
 /// read texts of variable length (version 0.1) as empty. A damaged file may still be misread or
-/// crash HDF5, so call check_log() first. Without a hash, call read_foreign_log().
+/// crash HDF5, so call check_log() first. Without a hash, call check_foreign_log().
 
 /// All signals of a log, by group and name. Throws std::invalid_argument if it is no log.
 /// Thread-safe.
@@ -83,18 +83,10 @@ std::size_t written_rows(const std::string& file, const std::string& track);
 /// A path of an open file, which this process can open again.
 std::string path_of(std::FILE& file);
 
-/// A dataset with its values.
-struct LoggedDataset {
-  LogEntry entry;
-  LoggedSignal signal;
-};
-
-/// Reads a log of unknown origin in a child process. HDF5 never ends on some files, and crashes on
-/// others, on some of them not always. Returns all datasets, with the time bases; or,
-/// without `has_values`, reads only the headers and returns none. Throws std::invalid_argument if
-/// it is not a log, has more than 1 GB of values, or the child fails. Throws OutputError if there
-/// is no room for a child. Throws Interrupted if this process handles a signal. The child ends with
+/// Reads a log of unknown origin in a child process; only its headers without `has_values`. HDF5
+/// never ends on some files, and crashes on others. Throws std::invalid_argument if it is not a
+/// log, or the child fails. Throws OutputError if there is no room for a child. The child ends with
 /// the call. Thread-safe.
-std::vector<LoggedDataset> read_foreign_log(const std::string& file, bool has_values);
+void check_foreign_log(const std::string& file, bool has_values);
 
 }  // namespace breakwater

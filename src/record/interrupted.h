@@ -1,7 +1,6 @@
 // Work that was asked to stop: whether it was, and its exception.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <stdexcept>
 #include <string>
@@ -23,9 +22,5 @@ class Interrupted : public std::runtime_error {
   std::size_t finished_runs_;
   std::string kept_;
 };
-
-/// Called when a signal interrupts a wait: true stops the work with Interrupted, false goes on
-/// waiting. A program or the Python module sets it. Null never stops. The handler has run before.
-inline std::atomic<bool (*)()> stop_asked = nullptr;
 
 }  // namespace breakwater

@@ -142,7 +142,6 @@ std::string meant_option(const CLI::App& app) {
 }  // namespace
 
 void stop_on_signals(std::initializer_list<int> more) {
-  stop_asked = [] { return signalled.load(); };
   struct sigaction action = {};
   action.sa_handler = on_alarm;
   action.sa_flags = SA_RESTART;  // the check does not interrupt system calls

@@ -2,14 +2,12 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/time.h>
 #include <sys/wait.h>
 #include <csignal>
 #include <cstring>
 
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/hdf5_log.h>
-#include <breakwater/record/interrupted.h>
 #include <breakwater/record/run_folder.h>
 #include "support.h"
 
@@ -138,12 +136,7 @@ TEST_F(DamagedLog, IsReadOrRefusedForAnyBytesInItsHead) {
   for (const int deflate_level : {0, 6}) {
     write_small_log(log_, deflate_level);
     ASSERT_EQ(outcome([&] { read_all(log_); }), "read");
-    const auto all = read_foreign_log(log_.string(), true);
-    EXPECT_EQ(all.size(), list_hdf5_signals(log_.string()).size() + 2) << "the times, too";
-    for (const LoggedDataset& read : all) {
-      const std::string path = read.entry.group + "/" + read.entry.name;
-      EXPECT_EQ(read.signal.values, read_hdf5_signal(log_.string(), path).values) << path;
-    }
+    EXPECT_NO_THROW(check_foreign_log(log_.string(), true));
     const std::string whole = testing::text_of(log_);
     int refused = 0, refused_in_a_child = 0;
     for (unsigned seed = 0; seed < 250; ++seed) {
@@ -151,73 +144,23 @@ TEST_F(DamagedLog, IsReadOrRefusedForAnyBytesInItsHead) {
       const std::string is = outcome([&] { read_all(log_); });
       EXPECT_TRUE(is == "read" || is == "refused") << is << ": " << deflate_level << ", " << seed;
       refused += is == "refused";
-      std::vector<LoggedDataset> read;
-      const std::string said = complaint_of([&] { read = read_foreign_log(log_.string(), true); });
-      for (const auto& [entry, signal] : read) {
-        EXPECT_EQ(signal.values.size(), entry.rows * entry.width) << seed;
-      }
+      const std::string said = complaint_of([&] { check_foreign_log(log_.string(), true); });
       if (said.empty()) continue;
-      // A damaged size may exceed the reader's memory.
-      EXPECT_TRUE(said == log_.string() + ": is not a log, or one that is damaged" ||
-                  said == log_.string() +
-                              ": is not read: it takes more than 1000 MB, and its manifest.json "
-                              "has no log_hash")
-          << said;
+      EXPECT_EQ(said, log_.string() + ": is not a log, or one that is damaged");
       ++refused_in_a_child;
     }
     EXPECT_GT(std::min(refused, refused_in_a_child), 25) << "hardly any damage was done";
   }
 }
 
-// A dataset of 8 MB that is compressed to 8 kB, under two names and under many.
-TEST_F(DamagedLog, IsRefusedIfLargerThanTheReaderAllows) {
-  const auto write_links = [&](int count) {
-    write(
-        "c.create_dataset('x', data=np.zeros((10**6, 1)), chunks=(10**5, 1), compression=9); "
-        "[c.__setitem__('x%d' % k, c['x']) for k in range(" +
-        std::to_string(count) + ")]");
-  };
-  write_links(1);
-  EXPECT_NO_THROW(read_foreign_log(log_.string(), true));
-  write_links(125);
-  EXPECT_EQ(complaint_of([&] { read_foreign_log(log_.string(), true); }),
-            log_.string() +
-                ": is not read: it takes more than 1000 MB, and its manifest.json has no log_hash");
-  EXPECT_NO_THROW(read_foreign_log(log_.string(), false));
-}
-
 // A pipe without a writer never ends.
-class EndlessLog : public ::testing::Test {
- protected:
-  EndlessLog() { EXPECT_EQ(mkfifo(log_.c_str(), 0600), 0); }
-
-  testing::TemporaryPath log_{"endless_log"};
-};
-
-TEST_F(EndlessLog, ASignalEndsItsReaderAtOnce) {
-  struct sigaction action = {}, before = {};
-  action.sa_handler = [](int) {};
-  sigaction(SIGALRM, &action, &before);
-  // The first signal has no effect, the second one stops the read.
-  static int signals;
-  signals = 0;
-  stop_asked = [] { return ++signals > 1; };
-  const itimerval often = {{0, 200'000}, {0, 200'000}};
-  setitimer(ITIMER_REAL, &often, nullptr);
-  EXPECT_THROW(read_foreign_log(log_.string(), true), Interrupted);
-  const itimerval never = {};
-  setitimer(ITIMER_REAL, &never, nullptr);
-  stop_asked = nullptr;
-  EXPECT_EQ(signals, 2);
-  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
-  sigaction(SIGALRM, &before, nullptr);
-}
-
-TEST_F(EndlessLog, ItsReaderEndsWithItsParent) {
+TEST(EndlessLog, ItsReaderEndsWithItsParent) {
+  const testing::TemporaryPath log("endless_log");
+  ASSERT_EQ(mkfifo(log.c_str(), 0600), 0);
   prctl(PR_SET_CHILD_SUBREAPER, 1);  // the reader becomes our child when its parent ends
   const pid_t parent = fork();
   if (parent == 0) {
-    read_foreign_log(log_.string(), true);
+    check_foreign_log(log.string(), true);
     _exit(0);
   }
   const std::string process = "/proc/" + std::to_string(parent);
