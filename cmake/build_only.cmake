@@ -17,9 +17,7 @@ if(BREAKWATER_TOOLS)
   find_path(THREE_DIR three.min.js PATHS /usr/share/javascript/three NO_DEFAULT_PATH REQUIRED)
   find_path(DYGRAPHS_DIR dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH REQUIRED)
 endif()
-# HDF5, loaded (src/record/hdf5_loaded.cpp) or, with its compression libraries, linked into the
-# programs (src/record/hdf5_linked.cpp).
-find_library(HDF5_LIBRARY hdf5_serial REQUIRED)
+# The static HDF5 of the programs, with its compression libraries.
 find_library(HDF5_STATIC_LIBRARY libhdf5_serial.a REQUIRED)
 find_library(SZ_STATIC_LIBRARY libsz.a REQUIRED)
 find_library(AEC_STATIC_LIBRARY libaec.a REQUIRED)

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <hdf5.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -20,7 +21,6 @@
 #include <mutex>
 #include <stdexcept>
 
-#include <breakwater/record/hdf5_library.h>
 #include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
@@ -67,18 +67,17 @@ void check(bool is_sound) {
 }
 
 void write_attribute(hid_t object, const char* name, hid_t type, hid_t space, const void* data) {
-  const Handle attribute(hdf5().H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT),
-                         hdf5().H5Aclose);
-  require(hdf5().H5Awrite(attribute, type, data));
+  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  require(H5Awrite(attribute, type, data));
 }
 
 // The length is fixed: HDF5 crashes on a damaged text of variable length.
 void write_text(hid_t object, const char* name, const std::string& text) {
-  const Handle type(hdf5().H5Tcopy(hdf5().C_S1), hdf5().H5Tclose);
-  require(hdf5().H5Tset_size(type, std::max<std::size_t>(1, text.size())));
-  require(hdf5().H5Tset_strpad(type, H5T_STR_NULLPAD));
-  require(hdf5().H5Tset_cset(type, H5T_CSET_UTF8));
-  const Handle space(hdf5().H5Screate(H5S_SCALAR), hdf5().H5Sclose);
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  require(H5Tset_size(type, std::max<std::size_t>(1, text.size())));
+  require(H5Tset_strpad(type, H5T_STR_NULLPAD));
+  require(H5Tset_cset(type, H5T_CSET_UTF8));
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   write_attribute(object, name, type, space, text.c_str());
 }
 
@@ -88,29 +87,28 @@ std::uint64_t write_dataset(hid_t group, const LogEntry& entry, const double* va
                             int deflate_level) {
   const Size size = {entry.rows, entry.width};
   const int rank = entry.width == 1 ? 1 : 2;
-  const Handle space(hdf5().H5Screate_simple(rank, size.data(), nullptr), hdf5().H5Sclose);
-  const Handle properties(hdf5().H5Pcreate(hdf5().DATASET_CREATE), hdf5().H5Pclose);
-  require(hdf5().H5Pset_obj_track_times(properties, false));  // so that equal runs give equal files
+  const Handle space(H5Screate_simple(rank, size.data(), nullptr), H5Sclose);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  require(H5Pset_obj_track_times(properties, false));  // so that equal runs give equal files
   if (deflate_level > 0 && size[0] > 0) {
     const Size chunk = {std::min(size[0], kChunkRows), size[1]};
-    require(hdf5().H5Pset_chunk(properties, rank, chunk.data()));
-    require(hdf5().H5Pset_shuffle(properties));
-    require(hdf5().H5Pset_deflate(properties, static_cast<unsigned>(deflate_level)));
+    require(H5Pset_chunk(properties, rank, chunk.data()));
+    require(H5Pset_shuffle(properties));
+    require(H5Pset_deflate(properties, static_cast<unsigned>(deflate_level)));
   }
-  const Handle dataset(hdf5().H5Dcreate2(group, entry.name.c_str(), hdf5().IEEE_F64LE, space,
-                                         H5P_DEFAULT, properties, H5P_DEFAULT),
-                       hdf5().H5Dclose);
+  const Handle dataset(H5Dcreate2(group, entry.name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT,
+                                  properties, H5P_DEFAULT),
+                       H5Dclose);
   haddr_t place = 0;
   if (values != nullptr) {
-    require(hdf5().H5Dwrite(dataset, hdf5().NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
+    require(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
   } else if (size[0] > 0) {
     const Size first = {0, 0}, one = {1, 1};
     const double nothing = 0.0;
-    const Handle cell(hdf5().H5Screate_simple(rank, one.data(), nullptr), hdf5().H5Sclose);
-    require(hdf5().H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, one.data(),
-                                       nullptr));
-    require(hdf5().H5Dwrite(dataset, hdf5().NATIVE_DOUBLE, cell, space, H5P_DEFAULT, &nothing));
-    place = hdf5().H5Dget_offset(dataset);
+    const Handle cell(H5Screate_simple(rank, one.data(), nullptr), H5Sclose);
+    require(H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, one.data(), nullptr));
+    require(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, cell, space, H5P_DEFAULT, &nothing));
+    place = H5Dget_offset(dataset);
     check(place != HADDR_UNDEF);
   }
   write_text(dataset, "unit", entry.unit);
@@ -121,8 +119,7 @@ std::uint64_t write_dataset(hid_t group, const LogEntry& entry, const double* va
 
 // The group of `datasets`, which all have one.
 Handle make_group(hid_t file, const LogEntry& first) {
-  return {hdf5().H5Gcreate2(file, first.group.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-          hdf5().H5Gclose};
+  return {H5Gcreate2(file, first.group.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose};
 }
 
 void write_track(hid_t file, const Track& track, int deflate_level) {
@@ -137,17 +134,17 @@ void write_track(hid_t file, const Track& track, int deflate_level) {
 
 // Empty if there is no text, or one that write_text() did not write.
 std::string read_text(hid_t object, const char* name) {
-  if (hdf5().H5Aexists(object, name) <= 0) return "";
-  const Handle attribute(hdf5().H5Aopen(object, name, H5P_DEFAULT), hdf5().H5Aclose);
-  const Handle type(hdf5().H5Aget_type(attribute), hdf5().H5Tclose);
-  const Handle space(hdf5().H5Aget_space(attribute), hdf5().H5Sclose);
-  const std::size_t size = hdf5().H5Tget_size(type);
-  if (hdf5().H5Tget_class(type) != H5T_STRING || hdf5().H5Tis_variable_str(type) != 0 ||
-      size == 0 || size > kLongestText || hdf5().H5Sget_simple_extent_type(space) != H5S_SCALAR) {
+  if (H5Aexists(object, name) <= 0) return "";
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle type(H5Aget_type(attribute), H5Tclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  const std::size_t size = H5Tget_size(type);
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || size == 0 ||
+      size > kLongestText || H5Sget_simple_extent_type(space) != H5S_SCALAR) {
     return "";
   }
   std::string text(size, '\0');
-  require(hdf5().H5Aread(attribute, type, text.data()));
+  require(H5Aread(attribute, type, text.data()));
   text.resize(std::min(size, text.find('\0')));
   return text;
 }
@@ -155,19 +152,19 @@ std::string read_text(hid_t object, const char* name) {
 // Whether the object is in the group itself: a soft or external link could lead out of the file.
 bool is_own(hid_t group, const std::string& name) {
   H5L_info_t info{};
-  require(hdf5().H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT));
+  require(H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT));
   return info.type == H5L_TYPE_HARD;
 }
 
 // The names of all objects of a group, in their order.
 std::vector<std::string> object_names(hid_t group) {
   H5G_info_t info{};
-  require(hdf5().H5Gget_info(group, &info));
+  require(H5Gget_info(group, &info));
   std::vector<std::string> names;
   for (hsize_t i = 0; i < info.nlinks; ++i) {
     const auto get = [&](char* buffer, std::size_t size) {
-      const ssize_t length = hdf5().H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i,
-                                                       buffer, size, H5P_DEFAULT);
+      const ssize_t length =
+          H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, buffer, size, H5P_DEFAULT);
       if (length <= 0) throw std::runtime_error("HDF5 error");
       return static_cast<std::size_t>(length);
     };
@@ -180,25 +177,25 @@ std::vector<std::string> object_names(hid_t group) {
 
 // Requires data in the file itself, and filters that need no plug-in.
 void check_storage(hid_t dataset, const Size& size) {
-  const Handle properties(hdf5().H5Dget_create_plist(dataset), hdf5().H5Pclose);
-  const H5D_layout_t layout = hdf5().H5Pget_layout(properties);
+  const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  const H5D_layout_t layout = H5Pget_layout(properties);
   check(layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED);
-  check(hdf5().H5Pget_external_count(properties) == 0);
+  check(H5Pget_external_count(properties) == 0);
 
   hsize_t bytes = 0;
-  const Handle file(hdf5().H5Iget_file_id(dataset), hdf5().H5Fclose);
-  require(hdf5().H5Fget_filesize(file, &bytes));
-  bytes = std::min(bytes, hdf5().H5Dget_storage_size(dataset));
+  const Handle file(H5Iget_file_id(dataset), H5Fclose);
+  require(H5Fget_filesize(file, &bytes));
+  bytes = std::min(bytes, H5Dget_storage_size(dataset));
   if (layout == H5D_CHUNKED) {
     bytes *= kMostDeflated;
     Size chunk = {1, 1};
-    require(hdf5().H5Pget_chunk(properties, 2, chunk.data()));
+    require(H5Pget_chunk(properties, 2, chunk.data()));
     check(chunk[0] <= size[0] && chunk[1] <= size[1]);
-    const int filters = hdf5().H5Pget_nfilters(properties);
+    const int filters = H5Pget_nfilters(properties);
     for (int i = 0; i < filters; ++i) {
       std::size_t no_values = 0;
-      const H5Z_filter_t filter = hdf5().H5Pget_filter2(
-          properties, static_cast<unsigned>(i), nullptr, &no_values, nullptr, 0, nullptr, nullptr);
+      const H5Z_filter_t filter = H5Pget_filter2(properties, static_cast<unsigned>(i), nullptr,
+                                                 &no_values, nullptr, 0, nullptr, nullptr);
       check(filter == H5Z_FILTER_DEFLATE || filter == H5Z_FILTER_SHUFFLE);
     }
   }
@@ -207,13 +204,13 @@ void check_storage(hid_t dataset, const Size& size) {
 
 // Throws unless write_dataset() may have written the dataset: a damaged size could take all memory.
 Size checked_size(hid_t dataset) {
-  const Handle type(hdf5().H5Dget_type(dataset), hdf5().H5Tclose);
-  check(hdf5().H5Tequal(type, hdf5().IEEE_F64LE) > 0);
-  const Handle space(hdf5().H5Dget_space(dataset), hdf5().H5Sclose);
-  const int rank = hdf5().H5Sget_simple_extent_ndims(space);
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  check(H5Tequal(type, H5T_IEEE_F64LE) > 0);
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  const int rank = H5Sget_simple_extent_ndims(space);
   check(rank == 1 || rank == 2);
   Size size = {0, 1};
-  require(hdf5().H5Sget_simple_extent_dims(space, size.data(), nullptr));
+  require(H5Sget_simple_extent_dims(space, size.data(), nullptr));
   check(size[1] > 0);
   if (size[0] > 0) check_storage(dataset, size);
   return size;
@@ -236,18 +233,17 @@ std::size_t memory_step(const std::vector<Track>& tracks) {
 std::string file_image(const std::string& file, const std::vector<Track>& tracks,
                        int deflate_level) {
   const std::lock_guard lock(hdf5_in_use);
-  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
-    const Handle in_memory(hdf5().H5Pcreate(hdf5().FILE_ACCESS), hdf5().H5Pclose);
-    require(hdf5().H5Pset_fapl_core(in_memory, memory_step(tracks), false));
-    const Handle handle(hdf5().H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, in_memory),
-                        hdf5().H5Fclose);
+    const Handle in_memory(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    require(H5Pset_fapl_core(in_memory, memory_step(tracks), false));
+    const Handle handle(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, in_memory), H5Fclose);
     for (const Track& track : tracks) write_track(handle, track, deflate_level);
-    require(hdf5().H5Fflush(handle, H5F_SCOPE_GLOBAL));
-    const ssize_t size = hdf5().H5Fget_file_image(handle, nullptr, 0);
+    require(H5Fflush(handle, H5F_SCOPE_GLOBAL));
+    const ssize_t size = H5Fget_file_image(handle, nullptr, 0);
     check(size > 0);
     std::string bytes(static_cast<std::size_t>(size), '\0');
-    check(hdf5().H5Fget_file_image(handle, bytes.data(), bytes.size()) == size);
+    check(H5Fget_file_image(handle, bytes.data(), bytes.size()) == size);
     return bytes;
   } catch (const std::runtime_error&) {
     throw OutputError(file + ": cannot be made (does the log fit in memory?)");
@@ -279,22 +275,22 @@ void reserve_headers(const std::string& file, const std::vector<LogEntry>& datas
 // HDF5's usual driver asks for the path of a symbolic link. path_of() has none if another run has
 // replaced the log. The driver of stdio does not ask.
 hid_t open_to_read(const std::string& file) {
-  const Handle stdio(hdf5().H5Pcreate(hdf5().FILE_ACCESS), hdf5().H5Pclose);
-  require(hdf5().H5Pset_fapl_stdio(stdio));
-  return hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, stdio);
+  const Handle stdio(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  require(H5Pset_fapl_stdio(stdio));
+  return H5Fopen(file.c_str(), H5F_ACC_RDONLY, stdio);
 }
 
 // All datasets except indices. The caller holds hdf5_in_use.
 std::vector<LogEntry> list_datasets(const std::string& file) {
-  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
-    const Handle handle(open_to_read(file), hdf5().H5Fclose);
+    const Handle handle(open_to_read(file), H5Fclose);
     std::vector<LogEntry> entries;
     for (const std::string& track : object_names(handle)) {
-      const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
+      const Handle group(H5Gopen2(handle, track.c_str(), H5P_DEFAULT), H5Gclose);
       for (const std::string& name : object_names(group)) {
         if (is_index_name(name)) continue;  // version 0.2 wrote it
-        const Handle data(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
+        const Handle data(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
         const Size size = checked_size(data);
         entries.push_back({track, name, read_text(data, "unit"), read_text(data, "description"),
                            size[0], size[1]});
@@ -309,16 +305,16 @@ std::vector<LogEntry> list_datasets(const std::string& file) {
 // Calls use(data, size) with an open dataset of a log. The caller holds hdf5_in_use.
 template <typename Use>
 auto with_dataset(const std::string& file, const std::string& dataset, Use&& use) {
-  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
-    const Handle handle(open_to_read(file), hdf5().H5Fclose);
+    const Handle handle(open_to_read(file), H5Fclose);
     const std::size_t slash = dataset.find('/');
     const std::string track = dataset.substr(0, slash);
     const std::string name = slash == std::string::npos ? "" : dataset.substr(slash + 1);
     check(is_own(handle, track));
-    const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
+    const Handle group(H5Gopen2(handle, track.c_str(), H5P_DEFAULT), H5Gclose);
     check(is_own(group, name));
-    const Handle data(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
+    const Handle data(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
     return use(data, checked_size(data));
   } catch (const std::runtime_error&) {
     throw std::invalid_argument(file + ": is not a log, or has no " + dataset);
@@ -328,13 +324,12 @@ auto with_dataset(const std::string& file, const std::string& dataset, Use&& use
 std::vector<double> read_rows(hid_t data, std::size_t first, const Size& size) {
   std::vector<double> values(size[0] * size[1]);
   if (values.empty()) return values;
-  const Handle all(hdf5().H5Dget_space(data), hdf5().H5Sclose);
+  const Handle all(H5Dget_space(data), H5Sclose);
   const Size begin = {first, 0};
-  require(
-      hdf5().H5Sselect_hyperslab(all, H5S_SELECT_SET, begin.data(), nullptr, size.data(), nullptr));
-  const int rank = hdf5().H5Sget_simple_extent_ndims(all);
-  const Handle part(hdf5().H5Screate_simple(rank, size.data(), nullptr), hdf5().H5Sclose);
-  require(hdf5().H5Dread(data, hdf5().NATIVE_DOUBLE, part, all, H5P_DEFAULT, values.data()));
+  require(H5Sselect_hyperslab(all, H5S_SELECT_SET, begin.data(), nullptr, size.data(), nullptr));
+  const int rank = H5Sget_simple_extent_ndims(all);
+  const Handle part(H5Screate_simple(rank, size.data(), nullptr), H5Sclose);
+  require(H5Dread(data, H5T_NATIVE_DOUBLE, part, all, H5P_DEFAULT, values.data()));
   return values;
 }
 
@@ -391,10 +386,9 @@ std::vector<std::uint64_t> lay_out_hdf5_log(const std::string& file,
                                             const std::vector<LogEntry>& datasets) {
   reserve_headers(file, datasets);
   const std::lock_guard lock(hdf5_in_use);
-  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
-    const Handle handle(hdf5().H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
-                        hdf5().H5Fclose);
+    const Handle handle(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
     std::vector<std::uint64_t> places;
     for (auto begin = datasets.begin(); begin != datasets.end();) {
       const auto end = std::find_if(begin, datasets.end(), [&](const LogEntry& entry) {
@@ -403,7 +397,7 @@ std::vector<std::uint64_t> lay_out_hdf5_log(const std::string& file,
       const Handle group = make_group(handle, *begin);
       for (; begin != end; ++begin) places.push_back(write_dataset(group, *begin, nullptr, 0));
     }
-    require(hdf5().H5Fflush(handle, H5F_SCOPE_GLOBAL));
+    require(H5Fflush(handle, H5F_SCOPE_GLOBAL));
     return places;
   } catch (const std::runtime_error&) {
     throw OutputError(file + ": cannot be written (is it too long for the file system?)");
@@ -414,7 +408,7 @@ std::string hdf5_version() {
   unsigned major = 0;
   unsigned minor = 0;
   unsigned release = 0;
-  hdf5().H5get_libversion(&major, &minor, &release);
+  H5get_libversion(&major, &minor, &release);
   return fmt::format("{}.{}.{}", major, minor, release);
 }
 
@@ -475,7 +469,6 @@ std::size_t written_rows(const std::string& file, const std::string& track) {
 
 void check_foreign_log(const std::string& file, bool has_values) {
   const std::lock_guard lock(hdf5_in_use);
-  hdf5();  // load it once, before the fork
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
