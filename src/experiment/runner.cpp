@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <forward_list>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -82,27 +83,6 @@ void write_manifest(const RunFolder& folder, const ordered_json& before,
   // A streamed run has one already, which must stay whole if this process is killed.
   is_streamed ? replace_file(file, text) : write_text_file(file, text);
 }
-
-// Destroyed last first: the first one may have made the parent folders, and removes only empty
-// ones.
-class RunFolders {
- public:
-  RunFolders() = default;
-  // Delegates, so that the destructor also runs if a later target is refused.
-  explicit RunFolders(const std::vector<std::filesystem::path>& targets) : RunFolders() {
-    for (const auto& target : targets) folders_.push_back(std::make_unique<RunFolder>(target));
-  }
-  ~RunFolders() {
-    while (!folders_.empty()) folders_.pop_back();
-  }
-  RunFolders(const RunFolders&) = delete;
-  RunFolders& operator=(const RunFolders&) = delete;
-
-  RunFolder& operator[](std::size_t i) { return *folders_[i]; }
-
- private:
-  std::vector<std::unique_ptr<RunFolder>> folders_;
-};
 
 RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& options,
                    RunControl control) {
@@ -350,25 +330,26 @@ std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
           "--csv: needs the log in memory, so leave out record.stream=true");
     }
   }
-  RunFolders folders(targets);
+  // Destroyed last first: the first one may have made the parent folders, and removes only empty
+  // ones.
+  std::forward_list<RunFolder> owned;
+  std::vector<RunFolder*> folders;
+  for (const auto& target : targets) folders.push_back(&owned.emplace_front(target));
   std::vector<RunSummary> summaries(runs.size());
-  Progress progress(runs.front().scenario->name(), runs.size(), options.quiet);
+  Progress progress(runs.front().scenario->name(), std::vector<double>(runs.size(), 1.0),
+                    options.quiet);
   try {
     on_all_cores(runs.size(), [&](std::size_t i) {
       RunControl control{[&progress, i](double done) { progress.update(i, done); }, options.stop};
-      summaries[i] = execute(runs[i], folders[i], options, control);
+      summaries[i] = execute(runs[i], *folders[i], options, control);
       progress.finish(i);
     });
   } catch (const Interrupted&) {
     std::string kept;
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      if (!is_kept(folders[i].path())) continue;
-      kept += (kept.empty() ? "" : "; ") + where_the_log_is(folders[i].path());
+    for (const RunFolder* folder : folders) {
+      if (is_kept(folder->path())) kept += "; " + where_the_log_is(folder->path());
     }
-    throw Interrupted(static_cast<std::size_t>(
-                          std::count_if(summaries.begin(), summaries.end(),
-                                        [](const RunSummary& run) { return !run.folder.empty(); })),
-                      kept);
+    throw Interrupted(kept);
   }
   return summaries;
 }

@@ -405,7 +405,7 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   settings.rounding = keys.rounding;
   settings.known_inertia = arguments.inertia;
   if (has_two) settings.model = &two_inertia_axis(keys.side);
-  std::optional<Progress> line(std::in_place, kIdentify, 1, arguments.quiet);
+  std::optional<Progress> line(std::in_place, kIdentify, std::vector{1.0}, arguments.quiet);
   settings.progress = [&](double share) { line->update(0, share); };
   const Identification result = [&] {
     try {

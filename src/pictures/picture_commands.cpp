@@ -128,7 +128,7 @@ int video(const Catalogue& catalogue, const PictureArguments& arguments) {
 
   stop_on_signals();
   VideoFile output(file, {.width = size.width, .height = size.height, .fps = fps});
-  Progress progress("video", 1, arguments.quiet);
+  Progress progress("video", {1.0}, arguments.quiet);
   FrameFarm farm;
   farm.frames = frames;
   farm.processes = std::max(1U, std::thread::hardware_concurrency());

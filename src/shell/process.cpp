@@ -72,12 +72,7 @@ int caught(const std::string& program, const std::function<int()>& body) {
   } catch (const std::length_error&) {
     return failed(kUsage, program + ": there is not enough memory");
   } catch (const Interrupted& stop) {
-    const std::size_t kept = stop.finished_runs();
-    std::string what =
-        kept == 0 ? "nothing is left behind"
-                  : fmt::format("{} finished run{} kept", kept, kept == 1 ? " is" : "s are");
-    if (!stop.kept().empty()) what = (kept == 0 ? "" : what + "; ") + stop.kept();
-    return failed(kInterrupted, fmt::format("{}: interrupted; {}", program, what));
+    return failed(kInterrupted, program + ": interrupted" + stop.kept());
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0 || std::ferror(stderr) != 0) {
       // guarded() prints the reason.

@@ -33,13 +33,6 @@ std::optional<std::size_t> terminal_width(int file) {
 
 }  // namespace
 
-Progress::Progress(std::string what, std::size_t jobs, bool quiet)
-    : what_(std::move(what)),
-      weights_(jobs, 1.0),
-      done_(jobs, 0.0),
-      visible_(!quiet && isatty(STDERR_FILENO) != 0),
-      start_(std::chrono::steady_clock::now()) {}
-
 Progress::Progress(std::string what, std::vector<double> weights, bool quiet)
     : what_(std::move(what)),
       weights_(std::move(weights)),

@@ -11,12 +11,10 @@
 namespace breakwater {
 
 /// One line on stderr, rewritten in place: the finished part of some jobs and the remaining time.
-/// Silent unless stderr is a terminal. Thread-safe.
+/// A line every half minute if stderr is not a terminal. Thread-safe.
 class Progress {
  public:
-  Progress(std::string what, std::size_t jobs, bool quiet);
-  /// The jobs take times in proportion to `weights`. Unless quiet, it also prints a line every half
-  /// minute if stderr is not a terminal.
+  /// The jobs take times in proportion to `weights`.
   Progress(std::string what, std::vector<double> weights, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;
@@ -33,7 +31,7 @@ class Progress {
   std::vector<double> weights_;
   std::vector<double> done_;
   bool visible_;
-  bool in_place_ = true;
+  bool in_place_;
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point drawn_;
   std::mutex mutex_;

@@ -6,11 +6,11 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <regex>
 #include <stdexcept>
 #include <string_view>
 
+#include <breakwater/config/toml_text.h>
 #include <breakwater/math/functions.h>
 
 namespace breakwater {
@@ -20,18 +20,10 @@ constexpr double kMostValues = 1e7;
 constexpr const char* kBlank = " \t\n\v\f\r";
 constexpr std::size_t kLongest = 200;  // a regular expression overflows the stack for a long text
 
-std::optional<double> read_number(const std::string& text) {
-  double number = 0.0;
-  const char* const end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, number);
-  if (result.ec != std::errc() || result.ptr != end || !std::isfinite(number)) return std::nullopt;
-  return number;
-}
-
 // The number of 12 digits next to x, if both differ only by rounding (a few units in the last
 // place).
 double without_rounding(double x) {
-  const double written = *read_number(fmt::format("{:.12g}", x));
+  const double written = *number_in(fmt::format("{:.12g}", x));
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(x);
   return std::abs(written - x) <= rounding ? written : x;
 }
@@ -57,8 +49,7 @@ std::vector<double> value_list(const std::string& text) {
   if (text.size() > kLongest || !std::regex_match(text, parts, rule)) {
     refuse("is neither lin(a,b,n) nor log(a,b,n), n values from a to b");
   }
-  const std::optional<double> a = read_number(parts[2]), b = read_number(parts[3]),
-                              n = read_number(parts[4]);
+  const auto a = number_in(parts[2]), b = number_in(parts[3]), n = number_in(parts[4]);
   const bool is_log = parts[1] == "log";
   if (!a || !b || !n) refuse("has something else than three finite numbers");
   if (*n < 2.0 || *n > kMostValues || *n != std::floor(*n)) {
