@@ -183,7 +183,7 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
   const std::size_t blocks = most_blocks(plan);
   const std::size_t tests = tests_shown(plan, runs);
   const double p = least_p(blocks, std::max<std::size_t>(1, tests));
-  if (blocks > 0 && p > ComparisonSettings{}.alpha) {
+  if (blocks > 0 && p > kAlpha) {
     warnings.push_back(few_text(blocks, plan.samples() * plan.seeds(), tests, p,
                                 plan.study().goals.empty() ? kFewerMetrics : "fewer candidates"));
   }

@@ -171,8 +171,7 @@ Groups differences_of(const PairedResults& results, std::size_t metric, const Pa
 }
 
 MetricComparison compare_metric(const PairedResults& results, std::size_t metric, const Pair& pair,
-                                const Groups& differences, const std::vector<double>& medians,
-                                double level) {
+                                const Groups& differences, const std::vector<double>& medians) {
   MetricComparison comparison;
   comparison.metric = results.metrics[metric];
   comparison.goal = goal_in(results, comparison.metric);
@@ -186,7 +185,7 @@ MetricComparison compare_metric(const PairedResults& results, std::size_t metric
     const Groups values = values_in(blocks, [&](Eigen::Index world) {
       return std::isnan(beside(world)) ? beside(world) : of(world);
     });
-    return estimated_median(medians_of(values), level);
+    return estimated_median(medians_of(values));
   };
   comparison.median = median_of(x, y, pair.of_x);
   comparison.reference_median = median_of(y, x, pair.of_y);
@@ -215,9 +214,9 @@ bool differs(const MetricComparison& comparison, const PairedResults& results) {
   return ((x - y).abs() > 0.0).any();  // false for NaN
 }
 
-ComparisonVerdict verdict_of(const MetricComparison& comparison, double alpha) {
-  if (comparison.least_p_holm > alpha) return ComparisonVerdict::too_few_blocks;
-  if (comparison.p_holm > alpha) return ComparisonVerdict::no_difference_shown;
+ComparisonVerdict verdict_of(const MetricComparison& comparison) {
+  if (comparison.least_p_holm > kAlpha) return ComparisonVerdict::too_few_blocks;
+  if (comparison.p_holm > kAlpha) return ComparisonVerdict::no_difference_shown;
   const bool is_smaller = comparison.difference.value < 0.0;
   if (comparison.goal == Goal::none)
     return is_smaller ? ComparisonVerdict::smaller : ComparisonVerdict::larger;
@@ -246,9 +245,9 @@ FailureComparison compare_failures(const PairedResults& results, const Pair& pai
   return comparison;
 }
 
-ComparisonVerdict verdict_of(const FailureComparison& comparison, double alpha) {
-  if (comparison.least_p_holm > alpha) return ComparisonVerdict::too_few_blocks;
-  if (comparison.p_holm > alpha) return ComparisonVerdict::no_difference_shown;
+ComparisonVerdict verdict_of(const FailureComparison& comparison) {
+  if (comparison.least_p_holm > kAlpha) return ComparisonVerdict::too_few_blocks;
+  if (comparison.p_holm > kAlpha) return ComparisonVerdict::no_difference_shown;
   return comparison.alone < comparison.reference_alone ? ComparisonVerdict::better
                                                        : ComparisonVerdict::worse;
 }
@@ -269,26 +268,26 @@ std::size_t adjust(std::vector<Comparison>& comparisons, double Comparison::*of,
 
 // Sets p_holm, its smallest value, and the verdict. Returns the number of tests.
 template <typename Comparison, typename Counts>
-std::size_t set_verdicts(std::vector<Comparison>& comparisons, double alpha, const Counts& counts) {
+std::size_t set_verdicts(std::vector<Comparison>& comparisons, const Counts& counts) {
   for (Comparison& one : comparisons) one.least_p_holm = least_p(one.blocks);
   adjust(comparisons, &Comparison::least_p_holm, &Comparison::least_p_holm, counts);
   const std::size_t tests = adjust(comparisons, &Comparison::p, &Comparison::p_holm, counts);
-  for (Comparison& one : comparisons) one.verdict = verdict_of(one, alpha);
+  for (Comparison& one : comparisons) one.verdict = verdict_of(one);
   return tests;
 }
 
-// Sets the intervals of the differences at Holm's levels where `counts` is true, else at alpha.
+// Sets the intervals of the differences at Holm's levels where `counts` is true, else at kAlpha.
 template <typename Counts>
 void set_intervals(std::vector<MetricComparison>& comparisons, const std::vector<SignedRank>& tests,
-                   double alpha, const Counts& counts) {
+                   const Counts& counts) {
   std::vector<double> p;
   for (const MetricComparison& one : comparisons) {
     if (counts(one)) p.push_back(one.p);
   }
-  const std::vector<double> levels = holm_levels(p, alpha);
+  const std::vector<double> levels = holm_levels(p, kAlpha);
   std::size_t next = 0;
   for (std::size_t i = 0; i < comparisons.size(); ++i) {
-    const double level = counts(comparisons[i]) ? levels[next++] : alpha;
+    const double level = counts(comparisons[i]) ? levels[next++] : kAlpha;
     comparisons[i].difference.interval = tests[i].interval(level);
     comparisons[i].needed = differences_needed(tests[i].share_above(), level);
   }
@@ -352,9 +351,9 @@ void number_failed_runs(const std::vector<Place>& places, PairedResults& results
   }
 }
 
-EstimatedValue estimated_median(std::vector<double> values, double level) {
+EstimatedValue estimated_median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
-  const auto interval = quantile_interval(values, 0.5, level);
+  const auto interval = quantile_interval(values, 0.5, 1.0 - kAlpha);
   return {sample_median(values), interval};
 }
 
@@ -374,22 +373,14 @@ const std::string& name_of(ComparisonVerdict verdict) {
   return names[static_cast<std::size_t>(verdict)];
 }
 
-bool CandidateComparison::has_repeats() const {
-  return std::any_of(failures.begin(), failures.end(),
-                     [](const FailureComparison& one) { return one.pairs > one.blocks; });
-}
-
 double least_p(std::size_t blocks, std::size_t tests) {
   const int n = static_cast<int>(std::min<std::size_t>(blocks, 1000));
   return std::min(1.0, static_cast<double>(tests) * std::ldexp(2.0, -n));
 }
 
-CandidateComparison compare_candidates(const PairedResults& results,
-                                       const ComparisonSettings& settings) {
+CandidateComparison compare_candidates(const PairedResults& results) {
   CandidateComparison comparison;
-  comparison.alpha = settings.alpha;
   comparison.candidates = results.candidates;
-  comparison.worlds = static_cast<std::size_t>(results.failed.rows());
   std::vector<std::size_t> all(results.candidates.size());
   std::iota(all.begin(), all.end(), 0);
   const Blocks blocks(results, all);
@@ -411,21 +402,19 @@ CandidateComparison compare_candidates(const PairedResults& results,
       const Groups differences = differences_of(results, metric, pairs[i]);
       const std::vector<double> medians = medians_of(differences);
       if (medians.empty()) continue;
-      MetricComparison one =
-          compare_metric(results, metric, pairs[i], differences, medians, 1.0 - settings.alpha);
+      MetricComparison one = compare_metric(results, metric, pairs[i], differences, medians);
       tests.emplace_back(medians, kRounding * median_size(results.values[metric], pairs[i]));
       one.p = tests.back().p();
       one.difference.value = tests.back().pseudo_median();
       comparison.metrics.push_back(one);
     }
   }
-  comparison.tests = set_verdicts(comparison.metrics, settings.alpha,
-                                  [&](const auto& one) { return differs(one, results); });
-  set_intervals(comparison.metrics, tests, settings.alpha,
-                [&](const auto& one) { return differs(one, results); });
+  comparison.tests =
+      set_verdicts(comparison.metrics, [&](const auto& one) { return differs(one, results); });
+  set_intervals(comparison.metrics, tests, [&](const auto& one) { return differs(one, results); });
 
   for (const Pair& pair : pairs) comparison.failures.push_back(compare_failures(results, pair));
-  set_verdicts(comparison.failures, settings.alpha,
+  set_verdicts(comparison.failures,
                [](const auto& one) { return one.alone + one.reference_alone > 0; });
   return comparison;
 }

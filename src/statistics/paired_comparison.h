@@ -59,8 +59,11 @@ enum class ComparisonVerdict {
 };
 const std::string& name_of(ComparisonVerdict verdict);
 
-/// The median of a sample that is not empty, with quantile_interval() at this level.
-EstimatedValue estimated_median(std::vector<double> values, double level);
+/// Verdicts have this level of significance, and intervals 1 − kAlpha or more.
+inline constexpr double kAlpha = 0.05;
+
+/// The median of a sample that is not empty, with quantile_interval().
+EstimatedValue estimated_median(std::vector<double> values);
 
 /// The rows of `results` by block. Samples in which all of these candidates have the runs of an
 /// earlier sample are left out.
@@ -102,9 +105,7 @@ struct FailureComparison {
 };
 
 struct CandidateComparison {
-  double alpha = 0.05;  ///< ComparisonSettings::alpha
   std::vector<std::string> candidates;
-  std::size_t worlds = 0;            ///< test conditions of all candidates
   std::size_t blocks = 0;            ///< blocks in which any candidate's runs differ
   std::vector<std::size_t> reached;  ///< blocks of each candidate alone
   /// By candidate: metrics with a goal that another candidate has, but none of its own runs. At
@@ -113,13 +114,6 @@ struct CandidateComparison {
   std::size_t tests = 0;                  ///< metrics and pairs in Holm's correction
   std::vector<MetricComparison> metrics;  ///< by metric, then by candidate
   std::vector<FailureComparison> failures;
-
-  /// Whether a pair has more pairs of runs than blocks.
-  bool has_repeats() const;
-};
-
-struct ComparisonSettings {
-  double alpha = 0.05;  ///< intervals have the level 1 − alpha or more
 };
 
 /// The smallest p that the tests of n blocks can give: m·2·2⁻ⁿ for the first of m tests in Holm's
@@ -128,16 +122,15 @@ double least_p(std::size_t blocks, std::size_t tests = 1);
 
 /// Compares the candidates. Medians have quantile_interval(). The difference has the interval of
 /// its signed-rank test at the level of holm_levels(), so it excludes zero exactly where p_holm ≤
-/// alpha.
+/// kAlpha.
 ///
-/// The verdict: x is `better` or `worse` than y if p_holm ≤ alpha. Without a goal it is `smaller`
+/// The verdict: x is `better` or `worse` than y if p_holm ≤ kAlpha. Without a goal it is `smaller`
 /// or `larger`. Otherwise it is `no difference shown`, which does not mean equal, or `too few
 /// blocks` (no result of so many blocks and tests could be significant). A candidate is better in
-/// failures if it has fewer in more blocks and p_holm ≤ alpha.
+/// failures if it has fewer in more blocks and p_holm ≤ kAlpha.
 ///
 /// A metric that no pair has in common has no row. A metric in which no pair differs is not a test
 /// and does not count in Holm's correction.
-CandidateComparison compare_candidates(const PairedResults& results,
-                                       const ComparisonSettings& settings = {});
+CandidateComparison compare_candidates(const PairedResults& results);
 
 }  // namespace breakwater

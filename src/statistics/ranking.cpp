@@ -18,7 +18,7 @@ const Eigen::MatrixXd& values_of(const PairedResults& results, const std::string
 
 // Counts the blocks of a candidate alone.
 RankedCandidate counted(const PairedResults& results, std::size_t candidate,
-                        const Requirement& requirement, double level, const std::string& metric) {
+                        const Requirement& requirement, const std::string& metric) {
   const auto column = static_cast<Eigen::Index>(candidate);
   const auto meets = [&](Eigen::Index world) {
     return std::all_of(requirement.bounds.begin(), requirement.bounds.end(), [&](const auto& one) {
@@ -47,7 +47,7 @@ RankedCandidate counted(const PairedResults& results, std::size_t candidate,
                                           values_of(results, metric).col(column).array().isNaN())
                                              .count());
   if (row.blocks > 0) row.share = share_interval(row.met, row.blocks, requirement.confidence);
-  if (!medians.empty()) row.median = estimated_median(std::move(medians), level);
+  if (!medians.empty()) row.median = estimated_median(std::move(medians));
   return row;
 }
 
@@ -104,12 +104,12 @@ MetricComparison turned(MetricComparison one) {
 }  // namespace
 
 Ranking rank_candidates(const PairedResults& results, const std::string& metric, Goal goal,
-                        const Requirement& requirement, const ComparisonSettings& settings) {
+                        const Requirement& requirement) {
   Ranking ranking{metric, goal, results.candidates, requirement, {}, 0, {}, 0, {}};
   std::vector<RankedCandidate> ranked, others;
   std::vector<Eigen::Index> columns;
   for (std::size_t c = 0; c < results.candidates.size(); ++c) {
-    const RankedCandidate row = counted(results, c, requirement, 1.0 - settings.alpha, metric);
+    const RankedCandidate row = counted(results, c, requirement, metric);
     const bool meets = requirement.bounds.empty() ||
                        static_cast<double>(row.met) >=
                            requirement.share * static_cast<double>(row.blocks) * (1.0 - 1e-12);
@@ -121,7 +121,7 @@ Ranking rank_candidates(const PairedResults& results, const std::string& metric,
     if (is_constant(results, bound.metric)) ranking.constant.push_back(bound.metric);
   }
   ranking.ranked = ranked.size();
-  ranking.comparison = compare_candidates(part_of(results, metric, goal, columns), settings);
+  ranking.comparison = compare_candidates(part_of(results, metric, goal, columns));
 
   struct Standing {
     std::size_t better = 0;  // candidates that are shown to be better

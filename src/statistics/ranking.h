@@ -64,7 +64,6 @@ struct Ranking {
 /// Ranks the candidates by a metric of `results`, which must have the metrics of all bounds too.
 /// `goal` is min or max. A candidate without the metric is not ranked.
 Ranking rank_candidates(const PairedResults& results, const std::string& metric, Goal goal,
-                        const Requirement& requirement = {},
-                        const ComparisonSettings& settings = {});
+                        const Requirement& requirement = {});
 
 }  // namespace breakwater

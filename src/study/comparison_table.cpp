@@ -75,20 +75,18 @@ std::vector<ResultRow> comparison_rows(const CandidateComparison& comparison,
 }
 
 std::size_t blocks_for_verdict(std::size_t blocks, std::size_t tests) {
-  const double alpha = ComparisonSettings{}.alpha;
-  while (least_p(blocks, std::max<std::size_t>(1, tests)) > alpha) ++blocks;
+  while (least_p(blocks, std::max<std::size_t>(1, tests)) > kAlpha) ++blocks;
   return blocks;
 }
 
 std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, double least_p_holm,
                      const std::string& fewer) {
-  const double alpha = ComparisonSettings{}.alpha;
   std::string text = fmt::format(
       "Too few blocks: with {} blocks{} p cannot be below {:.4g}, and a verdict needs "
       "at least {}{}",
       blocks, tests > 1 ? fmt::format(" and {} tests (Holm's correction)", tests) : "",
       least_p_holm, blocks_for_verdict(blocks, tests),
-      least_p(blocks) > alpha ? "" : ", or " + fewer);
+      least_p(blocks) > kAlpha ? "" : ", or " + fewer);
   if (pairs > blocks) {
     text +=
         ". Random seeds repeat a block and do not count as blocks (worlds = \"seeds\" changes "

@@ -63,10 +63,6 @@ std::size_t worse_in(const Ranking& ranking, const MetricComparison& to_first) {
   return ranking.goal == Goal::max ? to_first.smaller : to_first.larger;
 }
 
-std::string percent_of(const CandidateComparison& comparison) {
-  return fmt::format("{:.4g} %", 100.0 * (1.0 - comparison.alpha));
-}
-
 // The number of conditions that would show the difference of a candidate from the first.
 std::string needed_text(const Ranking& ranking, const std::optional<MetricComparison>& to_first) {
   if (!to_first) return "they have no condition in common";
@@ -168,11 +164,10 @@ class Sentence {
   std::string best() const {
     const MetricComparison& next = *rows_[1].to_first;
     const EstimatedValue by = behind(ranking_, next);
-    return fmt::format("{} has the {} {}: {}, {} {} the next ({}), {} {} to {}, in {} of {}.",
+    return fmt::format("{} has the {} {}: {}, {} {} the next ({}), 95 % {} to {}, in {} of {}.",
                        name(rows_[0]), extreme(), ranking_.metric, value(rows_[0].median.value),
                        value(by.value), ranking_.goal == Goal::max ? "above" : "below",
-                       name(rows_[1]), percent_of(ranking_.comparison),
-                       in_digits(by.interval->lower), value(by.interval->upper),
+                       name(rows_[1]), in_digits(by.interval->lower), value(by.interval->upper),
                        worse_in(ranking_, next), number_of(next.blocks, "condition"));
   }
 
@@ -236,8 +231,7 @@ std::vector<std::vector<std::string>> ranking_table(const Ranking& ranking) {
                                         [](const auto& row) { return row.failed > 0; });
   const std::string unit = unit_of(ranking.metric);
   std::vector<std::vector<std::string>> rows = {
-      {"", "candidate", "median" + (unit.empty() ? "" : " [" + unit + "]"),
-       fmt::format("behind ({})", percent_of(ranking.comparison)), "p",
+      {"", "candidate", "median" + (unit.empty() ? "" : " [" + unit + "]"), "behind (95 %)", "p",
        has_failures ? "failed in" : "worse in"}};
   if (has_bounds) {
     rows[0].push_back(fmt::format("meets ({:.4g} %)", 100.0 * ranking.requirement.confidence));

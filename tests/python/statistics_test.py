@@ -228,7 +228,7 @@ class Coverage(unittest.TestCase):
                 "lognormal": (1.2215829410993904, 1, random.lognormal)}
         for name, (pseudo_median, median, law) in laws.items():
             for n in (6, 15, 30):
-                both = [(SignedRank(x).interval(0.05), methods.estimated_median(x, 0.95).interval)
+                both = [(SignedRank(x).interval(0.05), methods.estimated_median(x).interval)
                         for x in law(size=(SETS, n))]
                 for which, truth in enumerate((pseudo_median, median)):
                     self.assert_covered(sum(one[which].lower <= truth <= one[which].upper for one in both),
