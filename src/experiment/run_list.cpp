@@ -68,18 +68,17 @@ ListedRun list_run(const fs::path& folder) {
     run.case_name = manifest.case_name;
     run.seed = manifest.seed;
     if (manifest.failure) {
-      using Status = ListedRun::Status;
       const Failure& failure = *manifest.failure;
-      run.status = failure.is_cut ? Status::cut : Status::failed;
+      run.status = failure.is_cut ? "cut" : "failed";
       run.reason = failure.is_cut ? failure.reason
                                   : fmt::format("at {:.6g} s: {}", failure.time_s, failure.reason);
       if (manifest.is_unfinished && is_being_written(folder)) {
-        run.status = Status::running;
+        run.status = kRunning;
         run.reason = "";
       }
     } else {
       run.metrics = read_metrics(folder);
-      run.status = ListedRun::Status::complete;
+      run.status = "complete";
     }
   };
   try {
@@ -88,22 +87,6 @@ ListedRun list_run(const fs::path& folder) {
     run.reason = error.what();
   }
   return run;
-}
-
-const char* name_of(ListedRun::Status status) {
-  switch (status) {
-    case ListedRun::Status::complete:
-      return "complete";
-    case ListedRun::Status::failed:
-      return "failed";
-    case ListedRun::Status::cut:
-      return "cut";
-    case ListedRun::Status::running:
-      return kRunning;
-    case ListedRun::Status::damaged:
-      return "damaged";
-  }
-  return "";
 }
 
 }  // namespace breakwater

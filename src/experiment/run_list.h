@@ -25,10 +25,9 @@ FoundRuns find_runs(const std::filesystem::path& below,
 
 /// The summary of a run from its small files. The log is not opened.
 struct ListedRun {
-  enum class Status { complete, failed, cut, running, damaged };
   std::filesystem::path folder;
-  Status status = Status::damaged;
-  std::string reason;  ///< if it is not complete
+  std::string status = "damaged";  ///< or "complete", "failed", "cut", kRunning
+  std::string reason;              ///< if it is not complete
   std::string scenario;
   std::string case_name;
   std::string seed;
@@ -36,8 +35,5 @@ struct ListedRun {
   std::filesystem::file_time_type written;
 };
 ListedRun list_run(const std::filesystem::path& folder);
-
-/// "complete", "failed", "cut", "running" or "damaged".
-const char* name_of(ListedRun::Status status);
 
 }  // namespace breakwater

@@ -39,7 +39,7 @@ struct Entry {
 };
 
 Entry entry_of(const ListedRun& run) {
-  return {run.folder,   run.written, "run",       name_of(run.status),
+  return {run.folder,   run.written, "run",       run.status,
           run.scenario, run.reason,  run.metrics, {{"case", run.case_name}, {"seed", run.seed}}};
 }
 
