@@ -208,17 +208,6 @@ nlohmann::ordered_json json_of(const EstimatedValue& one) {
   return {{"value", one.value}, {"lower", interval.lower}, {"upper", interval.upper}};
 }
 
-std::string in_middle(const std::string& text, std::size_t most) {
-  if (text.size() <= most) return text;
-  const auto is_inside = [&](std::size_t i) {  // a character of UTF-8
-    return i < text.size() && (static_cast<unsigned char>(text[i]) & 0xC0U) == 0x80U;
-  };
-  std::size_t head = (most - 1) / 2, tail = text.size() - (most - 1 - head);
-  while (is_inside(head)) --head;
-  while (is_inside(tail)) ++tail;
-  return text.substr(0, head) + "…" + text.substr(tail);
-}
-
 }  // namespace
 
 std::string ranking_sentence(const Ranking& ranking) {
@@ -312,22 +301,10 @@ std::string ranking_text(const Ranking& ranking, std::size_t width) {
     more = fmt::format("… and {} more\n", rows.size() - kMostRows);
     rows.resize(kMostRows);
   }
-  std::size_t longest = 0;
-  for (const auto& row : rows) longest = std::max(longest, row[1].size());
-  // A table that is too wide is printed in parts, with an empty line between them.
-  constexpr std::size_t kShortest = 9;
-  std::string table;
-  do {
-    constexpr std::size_t kLabels = 2;
-    Table cut(rows.front(), kLabels);
-    for (std::size_t i = 1; i < rows.size(); ++i) {
-      std::vector<std::string> row = rows[i];
-      row[1] = in_middle(row[1], longest);
-      cut.add(std::move(row));
-    }
-    table = cut.print(width);
-  } while (table.find("\n\n") != std::string::npos && longest-- > kShortest);
-  return text + table + more;
+  constexpr std::size_t kLabels = 2;
+  Table table(rows.front(), kLabels);
+  for (std::size_t i = 1; i < rows.size(); ++i) table.add(std::move(rows[i]));
+  return text + table.print(width) + more;
 }
 
 }  // namespace breakwater
