@@ -64,9 +64,9 @@ fs::path new_submission(const StudyFolder& folder) {
 }
 
 // The command of a task, without its points.
-std::vector<std::string> task_command(const SlurmStudy& study, const SlurmRequest& request) {
-  std::vector<std::string> words = {own_program(), study.folder.kind().command,
-                                    study.folder.path().string(), "--quiet"};
+std::vector<std::string> task_command(const StudyFolder& folder, const SlurmRequest& request) {
+  std::vector<std::string> words = {own_program(), folder.kind().command, folder.path().string(),
+                                    "--quiet"};
   words.insert(words.end(), request.of_task.begin(), request.of_task.end());
   return words;
 }
@@ -120,24 +120,6 @@ std::string overriding(const std::string& options) {
   throw std::invalid_argument("--points: " + text + ": " + reason);
 }
 
-struct LineOfFile {
-  fs::path file;
-  std::size_t line = 0;  // counted from 1
-};
-
-LineOfFile line_of_file(const std::string& text) {
-  LineOfFile place;
-  const std::size_t colon = text.rfind(':');
-  const char* const end = text.data() + text.size();
-  if (text.starts_with("@") && colon != std::string::npos) {
-    const auto read = std::from_chars(text.data() + colon + 1, end, place.line);
-    if (read.ec != std::errc() || read.ptr != end) place.line = 0;
-  }
-  if (place.line == 0) fail_for_points(text, "must be @FILE:LINE");
-  place.file = text.substr(1, colon - 1);
-  return place;
-}
-
 }  // namespace
 
 void check_for_scripts(const StudyFolder& folder) {
@@ -155,20 +137,17 @@ std::size_t most_tasks() {
   return std::stoul(ask_slurm({"limit"}).front());
 }
 
-SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
+SubmittedJob submit(const StudyFolder& folder, const std::vector<std::size_t>& points,
                     const SlurmRequest& request) {
   const std::size_t tasks = std::min({request.tasks, most_tasks(), points.size()});
-  const fs::path submission = new_submission(study.folder);
+  const fs::path submission = new_submission(folder);
   replace_file(submission / "tasks", fmt::format("{}\n", fmt::join(shares(points, tasks), "\n")));
-  if (!study.candidates.empty()) {
-    replace_file(submission / "candidates", study.candidates);
-  }
-  std::vector<std::string> words = {"submit", submission.string(),
-                                    fmt::format("name={}-{}", study.folder.kind().command,
-                                                study.folder.path().filename().string())};
+  std::vector<std::string> words = {
+      "submit", submission.string(),
+      fmt::format("name={}-{}", folder.kind().command, folder.path().filename().string())};
   if (request.parallel > 0) words.push_back(fmt::format("parallel={}", request.parallel));
   for (const std::string& option : request.options) words.push_back("sbatch=" + option);
-  for (const std::string& word : task_command(study, request)) words.push_back("command=" + word);
+  for (const std::string& word : task_command(folder, request)) words.push_back("command=" + word);
   std::vector<std::string> said = ask_slurm(std::move(words));
   const std::string job = said.back();
   said.pop_back();
@@ -268,11 +247,11 @@ void wait_for_queue(const StudyFolder& folder, std::size_t points) {
   }
 }
 
-void print_tasks(const SlurmStudy& study, const std::vector<std::size_t>& points,
+void print_tasks(const StudyFolder& folder, const std::vector<std::size_t>& points,
                  const SlurmRequest& request) {
   if (points.empty()) return;
   std::string command;
-  for (const std::string& word : task_command(study, request)) command += shell_word(word) + " ";
+  for (const std::string& word : task_command(folder, request)) command += shell_word(word) + " ";
   for (const std::string& line : shares(points, std::min(request.tasks, points.size()))) {
     fmt::print("{}--points {}\n", command, line);
   }
@@ -280,17 +259,19 @@ void print_tasks(const SlurmStudy& study, const std::vector<std::size_t>& points
 
 std::vector<std::size_t> points_of_task(const std::string& text, std::size_t size) {
   if (!text.starts_with("@")) return parse_points(text, size);
-  const LineOfFile place = line_of_file(text);
-  std::ifstream stream(place.file);
+  const std::size_t colon = std::min(text.rfind(':'), text.size() - 1);
+  const char* const end = text.data() + text.size();
+  std::size_t number = 0;  // counted from 1
+  const auto read = std::from_chars(text.data() + colon + 1, end, number);
+  if (read.ec != std::errc() || read.ptr != end || number == 0) {
+    fail_for_points(text, "must be @FILE:LINE");
+  }
+  std::ifstream stream(text.substr(1, colon - 1));
   std::string line;
-  for (std::size_t i = 0; i < place.line; ++i) {
+  for (std::size_t i = 0; i < number; ++i) {
     if (!std::getline(stream, line)) fail_for_points(text, "there is no such line");
   }
   return parse_points(line, size);
-}
-
-fs::path submission_of_task(const std::string& text) {
-  return line_of_file(text).file.parent_path();
 }
 
 void add_slurm_options(CLI::App& app, SlurmRequest& request) {

@@ -20,12 +20,6 @@ struct SlurmRequest {
   std::vector<std::string> of_task;  ///< further options of the command of each task: "--isolate"
 };
 
-/// The study of the points. A task calls `breakwater COMMAND DIR --quiet OPTIONS --points POINTS`.
-struct SlurmStudy {
-  StudyFolder folder;
-  std::string candidates = {};  ///< for a tuning: DIR/slurm/N/candidates, the keys of its runs
-};
-
 /// The largest number of tasks in one array job. Throws std::invalid_argument if there is no
 /// cluster or it does not answer.
 std::size_t most_tasks();
@@ -38,9 +32,10 @@ struct SubmittedJob {
   std::size_t tasks = 0;
 };
 
-/// Submits `points` as one array job, DIR/slurm/N. Throws std::invalid_argument with sbatch's
+/// Submits `points` as one array job, DIR/slurm/N. A task calls `breakwater COMMAND DIR --quiet
+/// OPTIONS --points POINTS`. Throws std::invalid_argument with sbatch's
 /// message.
-SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
+SubmittedJob submit(const StudyFolder& folder, const std::vector<std::size_t>& points,
                     const SlurmRequest& request);
 
 /// A task of a submission. Its log may be missing.
@@ -78,16 +73,12 @@ void print_slurm_status(const StudyFolder& folder, const ShardIndex& index);
 void wait_for_queue(const StudyFolder& folder, std::size_t points);
 
 /// Prints commands that together run `points`, one per line.
-void print_tasks(const SlurmStudy& study, const std::vector<std::size_t>& points,
+void print_tasks(const StudyFolder& folder, const std::vector<std::size_t>& points,
                  const SlurmRequest& request);
 
 /// The points of "0-99,120", or of the line "@FILE:LINE" with such a text. Throws
 /// std::invalid_argument.
 std::vector<std::size_t> points_of_task(const std::string& text, std::size_t size);
-
-/// The submission DIR/slurm/N of the points "@DIR/slurm/N/tasks:LINE". Throws
-/// std::invalid_argument.
-std::filesystem::path submission_of_task(const std::string& text);
 
 inline constexpr const char* kOnCluster = "On a cluster";  ///< the group of options
 

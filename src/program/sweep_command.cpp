@@ -416,7 +416,7 @@ class SweepCommand : public StudyCommand {
     }
     const bool is_queued = leave_out_queued(points);
     if (options_.print_tasks) {
-      print_tasks(on_cluster(), points, options_.request);
+      print_tasks(folder_, points, options_.request);
       return kSuccess;
     }
     if (options_.slurm && (is_queued || !points.empty())) {
@@ -496,7 +496,6 @@ class SweepCommand : public StudyCommand {
   }
 
   bool stops() const { return plan_.study().on_failure == OnFailure::stop; }
-  SlurmStudy on_cluster() const { return {folder_}; }
   // Removes points in the queue from `points`, so that they do not run twice, and reports them.
   // Returns whether there were any.
   bool leave_out_queued(std::vector<std::size_t>& points) const {
@@ -527,7 +526,7 @@ class SweepCommand : public StudyCommand {
   }
 
   void submit_points(const std::vector<std::size_t>& points) const {
-    const SubmittedJob job = submit(on_cluster(), points, options_.request);
+    const SubmittedJob job = submit(folder_, points, options_.request);
     if (options_.quiet) return;
     fmt::print("{} in {}: job {}\n", number_of(points.size(), "point"),
                number_of(job.tasks, "task"), job.number);

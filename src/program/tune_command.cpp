@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <set>
@@ -20,7 +19,7 @@
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/study_report.h>
 #include <breakwater/program/study_command.h>
-#include <breakwater/record/input_file.h>
+#include <breakwater/record/partial_file.h>
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/search/tuning_plan.h>
 #include <breakwater/shell/child_program.h>
@@ -89,9 +88,7 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
       throw RunsMissing(fmt::format("{} jobs in a row have brought nothing of {}",
                                     kMostWithoutResult, text_of(plan, left)));
     }
-    const SlurmStudy study = {folder,
-                              fmt::format("{}\n", fmt::join(plan.candidate_lines(left), "\n"))};
-    const SubmittedJob job = submit(study, left, cluster.request);
+    const SubmittedJob job = submit(folder, left, cluster.request);
     if (cluster.quiet) continue;
     fmt::print("{} in {}: job {}\n", text_of(plan, left), number_of(job.tasks, "task"), job.number);
     std::fflush(stdout);  // standard output may be a file that somebody watches
@@ -105,7 +102,6 @@ constexpr std::size_t kTasks = 10;
 struct TuneOptions {
   StudyOptions study;
   std::vector<std::string> sets;
-  std::vector<std::string> candidates;  // for a process of --isolate
 };
 
 void add_tune_options(CLI::App& app, TuneOptions& options) {
@@ -123,9 +119,8 @@ void add_tune_options(CLI::App& app, TuneOptions& options) {
   for (const char* option : {"--tasks", "--parallel", "--sbatch"}) {
     app.get_option(option)->needs("--slurm");
   }
-  // On a cluster: "@DIR/slurm/N/tasks:LINE". In a process of --isolate: "0-9", and candidates.
+  // On a cluster: "@DIR/slurm/N/tasks:LINE". In a process of --isolate: "0-9".
   app.add_option("--points", options.study.points)->group("")->excludes("--slurm", "--rerun");
-  app.add_option("--candidate", options.candidates)->expected(1)->take_all()->group("");
   app.footer(
       "The tuning's folder gets results.csv (one row a run), report.html, front.csv\n"
       "and front/N.toml (for --config). With one objective there is no front, and\n"
@@ -238,20 +233,12 @@ bool print_result(const TuningPlan& plan, const TuningResult& result,
   return has_all;
 }
 
-std::vector<std::string> lines_of(const fs::path& file) {
-  std::ifstream stream = open_input(file);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
 class TuneCommand : public StudyCommand {
  public:
   TuneCommand(const Catalogue& catalogue, OpenedTuning opened, const TuneOptions& options)
       : StudyCommand(std::move(opened.folder), options.study),
         catalogue_(catalogue),
-        plan_(catalogue, std::move(opened.tuning)),
-        candidates_(options.candidates) {}
+        plan_(catalogue, std::move(opened.tuning)) {}
 
  protected:
   const PointSource& source() const override { return plan_; }
@@ -288,20 +275,14 @@ class TuneCommand : public StudyCommand {
     warn(name(), plan_.try_each_case(interrupted()).warnings);
   }
 
-  // The process that searches sends the values of the keys.
   std::vector<std::size_t> task_points() override {
-    if (candidates_.empty()) {
-      const fs::path file = submission_of_task(options_.points) / "candidates";
-      plan_.begin(lines_of(file), file.string());
-    } else {
-      plan_.begin(candidates_, "--candidate");
-    }
+    plan_.begin(candidates_);
     std::vector<std::size_t> runs = StudyCommand::task_points();
     for (const std::size_t number : runs) {
       const TuningRun run = plan_.run(number);
       if (plan_.has(run.tuned, run.evaluation)) continue;
-      throw std::invalid_argument(fmt::format(
-          "--points: {}: the candidate of run {} is not beside it", options_.points, number));
+      throw std::invalid_argument(
+          fmt::format("{}: lacks the candidate of run {}", candidates_.string(), number));
     }
     return runs;
   }
@@ -360,25 +341,24 @@ class TuneCommand : public StudyCommand {
     tuner.on_validation = [&](const std::vector<std::size_t>& validations) {
       begin(fmt::format("{}: validation", kTune.command), validations.size());
     };
-    const auto make_here = [&](std::vector<std::size_t> numbers) {
-      std::sort(numbers.begin(), numbers.end());
-      const std::size_t left = make(numbers);
+    const auto elsewhere = [&](std::vector<std::size_t> runs) {
+      replace_file(candidates_, plan_.candidate_lines());
+      if (options_.slurm) {
+        return run_on_slurm(plan_, {folder_, options_.request, options_.quiet}, runs);
+      }
+      std::sort(runs.begin(), runs.end());
+      const std::size_t left = make(runs);
       if (interrupted()) throw Interrupted();
       if (left > 0) fail_for_undone(left);
     };
-    if (options_.slurm) {
-      tuner.elsewhere = [&](const std::vector<std::size_t>& runs) {
-        run_on_slurm(plan_, {folder_, options_.request, options_.quiet}, runs);
-      };
-    } else if (options_.isolate) {
-      tuner.elsewhere = make_here;
-    }
+    if (options_.slurm || options_.isolate) tuner.elsewhere = elsewhere;
     return tune(plan_, folder_, tuner);
   }
 
   const Catalogue& catalogue_;
   TuningPlan plan_;
-  const std::vector<std::string> candidates_;
+  // All candidates so far, from the process that searches, for those of its tasks.
+  const fs::path candidates_ = folder_.path() / "candidates";
 };
 
 }  // namespace

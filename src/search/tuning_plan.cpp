@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <map>
-#include <set>
 #include <stdexcept>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/file_hash.h>
+#include <breakwater/record/input_file.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/signals/thread_time.h>
 #include <breakwater/study/sweep.h>
@@ -202,36 +203,25 @@ PreparedRun TuningPlan::prepare(std::size_t number) const {
                        sets(number), bound_);
 }
 
-std::vector<std::string> TuningPlan::candidate_lines(const std::vector<std::size_t>& runs) const {
-  std::set<std::pair<std::size_t, std::size_t>> candidates;
-  for (const std::size_t number : runs) {
-    const TuningRun one = run(number);
-    candidates.emplace(one.tuned, one.evaluation);
-  }
-  std::vector<std::string> lines;
-  for (const auto& [tuned, evaluation] : candidates) {
-    lines.push_back(fmt::format("{}\t{}\t{}", tuned, evaluation,
-                                fmt::join(values_of(tuned, evaluation), "\t")));
+std::string TuningPlan::candidate_lines() const {
+  std::string lines;
+  for (std::size_t tuned = 0; tuned < values_.size(); ++tuned) {
+    for (std::size_t i = 0; i < values_[tuned].size(); ++i) {
+      lines += fmt::format("{}\t{}\t{}\n", tuned, i, fmt::join(values_[tuned][i], "\t"));
+    }
   }
   return lines;
 }
 
-void TuningPlan::begin(const std::vector<std::string>& lines, const std::string& origin) {
-  for (const std::string& line : lines) {
+void TuningPlan::begin(const std::filesystem::path& file) {
+  std::ifstream stream = open_input(file);
+  for (std::string line; std::getline(stream, line);) {
     auto candidate = read_candidate(line, tuning_);
     if (!candidate) {
-      throw std::invalid_argument(fmt::format("{}: has no candidate in: {}", origin, line));
+      throw std::invalid_argument(fmt::format("{}: has no candidate in: {}", file.string(), line));
     }
     begin(candidate->tuned, candidate->evaluation, std::move(candidate->values));
   }
-}
-
-std::vector<std::string> TuningPlan::task_words(const std::vector<std::size_t>& runs) const {
-  std::vector<std::string> words;
-  for (std::string& line : candidate_lines(runs)) {
-    words.insert(words.end(), {"--candidate", std::move(line)});
-  }
-  return words;
 }
 
 std::string TuningPlan::asked(std::size_t number) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -60,12 +61,12 @@ class TuningPlan : public PointSource {
   std::vector<std::string> values(std::size_t tuned, const std::vector<double>& u) const;
   /// Sets the values of an evaluation. Do not call it during runs.
   void begin(std::size_t tuned, std::size_t evaluation, std::vector<std::string> values);
-  /// Candidates as lines of text for processes that do not search. A line has the index of the
-  /// case, the number of the evaluation and the values as TOML, separated by tabs. TOML values
-  /// contain no bare tab or newline.
-  std::vector<std::string> candidate_lines(const std::vector<std::size_t>& runs) const;
-  /// Sets the values from such lines. Throws std::invalid_argument (`ORIGIN: reason`).
-  void begin(const std::vector<std::string>& lines, const std::string& origin);
+  /// All candidates so far as lines of text for processes that do not search. A line has the index
+  /// of the case, the number of the evaluation and the values as TOML, separated by tabs. TOML
+  /// values contain no bare tab or newline.
+  std::string candidate_lines() const;
+  /// Sets the values from a file of such lines. Throws std::invalid_argument (`FILE: reason`).
+  void begin(const std::filesystem::path& file);
   const std::vector<std::string>& values_of(std::size_t tuned, std::size_t evaluation) const {
     return values_[tuned][evaluation];
   }
@@ -81,7 +82,6 @@ class TuningPlan : public PointSource {
   std::string asked(std::size_t number) const override;
   std::filesystem::path folder(std::size_t, const std::string&, bool) const override { return {}; }
   bool logs(std::size_t) const override { return false; }
-  std::vector<std::string> task_words(const std::vector<std::size_t>& runs) const override;
 
  private:
   std::vector<std::string> sets(std::size_t number) const;

@@ -217,15 +217,14 @@ class Children {
   std::size_t run_child(std::size_t begin, std::size_t end) {
     const std::vector<std::size_t> rest(points_.begin() + static_cast<std::ptrdiff_t>(begin),
                                         points_.begin() + static_cast<std::ptrdiff_t>(end));
-    std::vector<std::string> words = {own_program(),
-                                      folder_.kind().command,
-                                      folder_.path().string(),
-                                      "--points",
-                                      print_points(rest),
-                                      "--jobs",
-                                      "1",
-                                      "--quiet"};
-    for (std::string& word : source_.task_words(rest)) words.push_back(std::move(word));
+    const std::vector<std::string> words = {own_program(),
+                                            folder_.kind().command,
+                                            folder_.path().string(),
+                                            "--points",
+                                            print_points(rest),
+                                            "--jobs",
+                                            "1",
+                                            "--quiet"};
     std::size_t next = begin;
     ProcessResults written;
     EndedProgram ended = run_beside(words, [&](ReadProgram& child) {

@@ -38,10 +38,6 @@ class PointSource {
                                        bool failed) const = 0;
   /// Whether the run needs a log for its folder.
   virtual bool logs(std::size_t point) const = 0;
-  /// Additional command-line words for a child process that runs these points.
-  virtual std::vector<std::string> task_words(const std::vector<std::size_t>& /*points*/) const {
-    return {};
-  }
 };
 
 struct ExecutorOptions {
@@ -74,12 +70,11 @@ void allow_many_files();
 PointResult run_point(std::size_t point, const PointSource& source, const RunControl& control);
 
 /// Like run_points(), but in child processes. `points` ascend. Each child is a task for some of
-/// them (`COMMAND DIR --points …` and PointSource::task_words()). It writes results to its own
-/// shard, which shows its progress. A child may leave out points that another process has done. If
-/// a child crashes, its current point gets the status crashed in `shard`. If something else kills a
-/// child (for example a lack of memory), a message names the undone point. In both cases another
-/// child continues behind this point. Throws std::invalid_argument if a child reports an error or
-/// ends before its first point.
+/// them (`COMMAND DIR --points …`). It writes results to its own shard, which shows its progress. A
+/// child may leave out points that another process has done. If a child crashes, its current point
+/// gets the status crashed in `shard`. If something else kills a child (for example a lack of
+/// memory), a message names the undone point. In both cases another child continues behind this
+/// point. Throws std::invalid_argument if a child reports an error or ends before its first point.
 void run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
                   const StudyFolder& folder, Shard& shard, const ExecutorOptions& options);
 

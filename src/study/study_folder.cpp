@@ -115,7 +115,7 @@ void StudyFolder::make(const std::string& text, const ScenarioFile& file) const 
 void StudyFolder::make_anew(const std::string& text, const ScenarioFile& file) const {
   check_is_ours();
   for (const char* name :
-       {"shards", "runs", "slurm", "front", "tuned", "results.csv", "results.sqlite",
+       {"shards", "runs", "slurm", "candidates", "front", "tuned", "results.csv", "results.sqlite",
         "comparison.csv", "front.csv", "tuned.csv", "ranking.json", "indices.csv", "report.html"}) {
     fs::remove_all(folder_ / name);
   }
