@@ -4,7 +4,6 @@
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
-#include <breakwater/sim/model.h>
 
 namespace breakwater {
 namespace {
@@ -15,7 +14,6 @@ namespace {
 }  // namespace
 
 void set_places(const Catalogue& catalogue, const char* installation) {
-  end_soon_while(Model::is_compiling);
   DataPlaces places{.scenarios = {}, .installation = installation};
   set_data_places(places);
   for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {

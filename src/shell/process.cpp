@@ -23,31 +23,10 @@ namespace breakwater {
 namespace {
 
 std::atomic<bool> signalled = false;
-bool (*is_deaf)() = [] { return false; };
 static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
-
-// After a signal, a check each second finds out whether the work ignores it. The process ends at
-// the second such check in a row: the work may have begun long after the signal. A file that is
-// being written survives this, as any other end.
-constexpr unsigned kBetweenLooks_s = 1;
-std::atomic<bool> was_deaf = false;
 
 void on_signal(int) {
   signalled = true;
-  was_deaf = is_deaf();
-  alarm(kBetweenLooks_s);
-}
-
-void on_alarm(int) {
-  const bool is_still_deaf = was_deaf && is_deaf();
-  if (!is_still_deaf) {
-    was_deaf = is_deaf();
-    alarm(kBetweenLooks_s);
-    return;
-  }
-  constexpr std::string_view kText = "interrupted while a model was compiled\n";
-  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kText.data(), kText.size());
-  _exit(kInterrupted);
 }
 
 // Throws nothing even if standard error cannot be written.
@@ -138,9 +117,6 @@ std::string meant_option(const CLI::App& app) {
 
 void stop_on_signals(std::initializer_list<int> more) {
   struct sigaction action = {};
-  action.sa_handler = on_alarm;
-  action.sa_flags = SA_RESTART;  // the check does not interrupt system calls
-  sigaction(SIGALRM, &action, nullptr);
   action.sa_handler = on_signal;
   action.sa_flags = SA_RESETHAND;
   sigaction(SIGINT, &action, nullptr);
@@ -149,10 +125,6 @@ void stop_on_signals(std::initializer_list<int> more) {
   struct sigaction hangup = {};
   sigaction(SIGHUP, nullptr, &hangup);
   if (hangup.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);  // not under nohup
-}
-
-void end_soon_while(bool (*model_is_compiled)()) {
-  is_deaf = model_is_compiled;
 }
 
 void say_lack_of_memory() {

@@ -30,15 +30,12 @@ enum Status {
 };
 
 /// After this call SIGINT, SIGTERM, SIGHUP and `more` set interrupted(). A second one ends the
-/// process.
+/// process, also while a model is compiled, which takes no notice of the first.
 void stop_on_signals(std::initializer_list<int> more = {});
 const std::atomic<bool>& interrupted();
 /// After this call a lack of memory gives one line and a status even where no exception may pass,
 /// or outside guarded().
 void say_lack_of_memory();
-/// The model compiler ignores signals. If `model_is_compiled` returns true after a signal, the
-/// process ends within two seconds. main() calls this once, at its beginning.
-void end_soon_while(bool (*model_is_compiled)());
 
 /// Returns the exit status, or nothing if the arguments are correct.
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv);

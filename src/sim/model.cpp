@@ -1,7 +1,6 @@
 #include <breakwater/sim/model.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -134,30 +133,10 @@ void check_timestep(double timestep_s, const std::string& file) {
   }
 }
 
-// Marks that the engine compiles.
-class Compiling {
- public:
-  Compiling() { ++count(); }
-  ~Compiling() { --count(); }
-  Compiling(const Compiling&) = delete;
-  Compiling& operator=(const Compiling&) = delete;
-
-  static std::atomic<int>& count() {
-    static constinit std::atomic<int> threads = 0;
-    static_assert(std::atomic<int>::is_always_lock_free, "asked in a signal handler");
-    return threads;
-  }
-};
-
 }  // namespace
-
-bool Model::is_compiling() {
-  return Compiling::count() > 0;
-}
 
 Model Model::compile(const ModelFile& mjcf) {
   const std::string& mjcf_file = mjcf.path;
-  const Compiling compiling;
   check_mjcf(mjcf_file, mjcf.most_elements);
   std::string fatal;
   std::unique_ptr<mjModel, decltype(&mj_deleteModel)> loaded(load_mjcf(mjcf_file, "", fatal),

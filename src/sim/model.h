@@ -54,10 +54,6 @@ class Model {
   /// pictures use. Throws as load() does, and std::invalid_argument if a geom does not exist.
   static Model load_physics(const ModelFile& mjcf, const std::vector<std::string>& geoms = {});
 
-  /// Whether any thread waits for the engine's compiler, which cannot be interrupted. Safe in a
-  /// signal handler.
-  static bool is_compiling();
-
   mjModel* get() { return model_.get(); }
   const mjModel* get() const { return model_.get(); }
   const mjModel* operator->() const { return model_.get(); }

@@ -59,8 +59,7 @@ class Table:
         """The same for a command, the text of a file, or a part of an output."""
         text = self.filled(text)
         for short, long in (("\\n", "\n"), ("\\t", "\t"), ("HERE", str(self.folder)), ("BIN/", f"{BIN}/"),
-                            ("TEST/", f"{BIN.parent}/tests/"), ("PROJECT/", f"{ROOT}/"),
-                            ("SOON_S", str(int(6 * AT_ONCE_S)))):
+                            ("TEST/", f"{BIN.parent}/tests/"), ("PROJECT/", f"{ROOT}/")):
             text = text.replace(short, long)
         return text
 
