@@ -42,9 +42,9 @@ std::vector<std::string> metric_names(const PointResult& run) {
   return names;
 }
 
-// Adds the names of metrics that are not there.
-void add_metrics(const PointResult& run, std::vector<std::string>& names) {
-  for (const std::string& name : metric_names(run)) {
+// Adds the names that are not there.
+void add_names(const std::vector<std::string>& more, std::vector<std::string>& names) {
+  for (const std::string& name : more) {
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
 }
@@ -74,10 +74,10 @@ std::size_t tests_shown(const Plan& plan, const std::vector<PointResult>& runs) 
   return tests;
 }
 
-// The metrics of the first point's scenario, also those that a run may be too short for.
-std::vector<std::string> defined_metrics(const Sweep& sweep) {
+// The metrics of a point's scenario, also those that a run may be too short for.
+std::vector<std::string> defined_metrics(const Sweep& sweep, std::size_t point) {
   std::vector<std::string> names;
-  for (const MetricDefinition& one : sweep.prepare(0).scenario->metric_definitions()) {
+  for (const MetricDefinition& one : sweep.prepare(point).scenario->metric_definitions()) {
     names.push_back(one.name);
   }
   return names;
@@ -115,7 +115,7 @@ std::string seed_warning(const Sweep& sweep, const std::vector<PointResult>& run
 std::string why_missing(const Sweep& sweep, const UnknownMetric& metric, std::size_t runs,
                         std::size_t failed) {
   if (failed == runs) return ": they failed";
-  const std::vector<std::string> defined = defined_metrics(sweep);
+  const std::vector<std::string> defined = defined_metrics(sweep, 0);
   if (std::find(defined.begin(), defined.end(), metric.name) == defined.end()) return metric.meant;
   const std::string which = failed > 0 ? fmt::format("{} failed, the others", failed) : "they";
   std::string why = ": " + which + " have no window or event for it";
@@ -125,26 +125,16 @@ std::string why_missing(const Sweep& sweep, const UnknownMetric& metric, std::si
   return why;
 }
 
-// Looks for misspelt names of metrics before the study runs. For names that the scenario does not
-// define it makes a first and a last run of each candidate; failed ones have no metrics. Throws
-// std::invalid_argument.
+// Looks for misspelt names of metrics: those that no candidate's scenario defines. A user's own
+// scenario may define none. Throws std::invalid_argument.
 void check_names(const Sweep& sweep) {
   const Study& study = sweep.plan().study();
-  std::vector<std::string> known = defined_metrics(sweep);
-  RunControl control;
-  control.stop = &interrupted();
-  const std::size_t candidates = sweep.plan().candidates().size();
-  bool has_ended = false;
-  for (const std::size_t first : {std::size_t{0}, sweep.plan().size() - candidates}) {
-    for (std::size_t c = 0; c < candidates; ++c) {
-      if (unknown_metrics(study, known).empty()) return;
-      const PointResult run = run_point(first + c, sweep, control);
-      if (run.status != PointStatus::complete) continue;
-      has_ended = true;
-      add_metrics(run, known);
-    }
+  std::vector<std::string> known;
+  for (std::size_t c = 0; c < sweep.plan().candidates().size(); ++c) {
+    if (unknown_metrics(study, known).empty()) return;
+    add_names(defined_metrics(sweep, c), known);
   }
-  if (!has_ended) return;
+  if (known.empty()) return;
   for (const UnknownMetric& one : unknown_metrics(study, known)) {
     if (one.meant.empty()) continue;
     throw std::invalid_argument(one.place + ": there is no such metric" + one.meant);
@@ -163,7 +153,7 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
       warnings.push_back(fmt::format("{}: the first run {}: {}", plan.candidates()[c].label,
                                      name_of(runs[c].status), runs[c].reason));
     }
-    add_metrics(runs[c], all);
+    add_names(metric_names(runs[c]), all);
   }
   for (std::size_t c = 0; c < runs.size(); ++c) {
     if (runs[c].status != PointStatus::complete) continue;
@@ -293,7 +283,7 @@ class SweepCommand : public StudyCommand {
     const bool may_grow =
         there.scenario == plan_.study().scenario && keeps_results_of({catalogue_, there});
     if (!may_grow) folder_.check_is(text(), there.print());
-    if (!options_.isolate) check_names(sweep_);  // a finished study may get a goal
+    check_names(sweep_);  // a finished study may get a goal
   }
 
   void print_dry_run() const override {
@@ -307,7 +297,7 @@ class SweepCommand : public StudyCommand {
 
   void check() const override {
     warn(name(), sweep_.check());
-    if (!options_.isolate) check_names(sweep_);  // a run could crash this process
+    check_names(sweep_);
   }
 
   int collect(const ShardIndex& index) const override {

@@ -35,6 +35,9 @@ class Ishigami : public Scenario {
   }
   void check(const Config&) override {}
   const RunSettings& run_settings() const override { return run_; }
+  std::vector<MetricDefinition> metric_definitions() const override {
+    return {{"y_1", "1", "the function"}, {"positive_x_second_1", "1", "x_2, if it is positive"}};
+  }
 
   Recording run(const RunControl& control) const override {
     const double begin_s = thread_time_s();
