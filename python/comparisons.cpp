@@ -20,7 +20,7 @@ namespace {
 std::string compare(const std::vector<std::string>& candidates,
                     const std::map<std::string, Eigen::MatrixXd>& metrics,
                     const Eigen::MatrixXd& failed, const Eigen::MatrixXi& runs,
-                    const Eigen::VectorXi& blocks, const std::vector<Place>& places,
+                    const Eigen::VectorXi& blocks, const std::vector<Coordinates>& places,
                     const std::string& metric, bool is_max,
                     const std::vector<std::tuple<std::string, double, double>>& bounds,
                     double share, double confidence) {

@@ -63,7 +63,7 @@ class ImpactTest final : public Scenario {
     if (plant_.inertia_ratio <= 0.0) {
       config.fail("sensor.force_tool_mass_kg", "must be less than impact.mass_kg");
     }
-    check_plant(plant_, config);
+    plant_.check(config);
     AxisSettings& axis = plant_.axis();
     axis.start_position = -distance_m_;
     axis.force = {.kind = DisturbanceKind::step, .amplitude = -push_N_};

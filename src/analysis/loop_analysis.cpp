@@ -230,7 +230,7 @@ using PulseResponse = Eigen::Matrix3Xd;
 // The loop of one axis: the scenario's controller and a linear plant
 //     x(k+1) = A x(k) + B (u(k − m) + r(k − m)),   y(k) = C x(k − l) + n(k − l) ,
 // without limits, rounding and Coulomb friction. A jitter of the command counts as its mean.
-struct AxisLoopDesign {
+struct ProbedLoop {
   const AxisParts* parts = nullptr;
   AxisTask task;
   // Over one period. Behind the states of linear_axis() come those of the drive's current loop, and
@@ -252,7 +252,7 @@ struct ProbeSequence {
   }
 };
 
-PulseResponse run(const AxisLoopDesign& design, const ProbeSequence& probe, std::size_t samples) {
+PulseResponse run(const ProbedLoop& design, const ProbeSequence& probe, std::size_t samples) {
   const AxisLoop loop = design.parts->make(design.task);
   Eigen::VectorXd x = design.start_state;
   DelayLine measured(design.delay_samples), command(design.command_delay_samples);
@@ -322,13 +322,13 @@ std::vector<double> binary_pattern(double amplitude) {
   return values;
 }
 
-PulseResponse to_pulse(const AxisLoopDesign& design, Probe probe, double size, std::size_t from,
+PulseResponse to_pulse(const ProbedLoop& design, Probe probe, double size, std::size_t from,
                        std::size_t length) {
   return difference(run(design, {probe, from, {size}}, from + length),
                     run(design, {}, from + length), from, 1.0 / size);
 }
 
-bool is_linear(const AxisLoopDesign& design, Probe probe, double size, std::size_t from) {
+bool is_linear(const ProbedLoop& design, Probe probe, double size, std::size_t from) {
   const std::size_t samples = from + 2 * kPattern;
   const PulseResponse rest = run(design, {}, samples);
   const PulseResponse once = run(design, {probe, from, binary_pattern(size)}, samples);
@@ -337,7 +337,7 @@ bool is_linear(const AxisLoopDesign& design, Probe probe, double size, std::size
 }
 
 // The first sample from which the response to a pulse does not change with time, if there is one.
-std::optional<std::size_t> time_invariant_from(const AxisLoopDesign& design, double force) {
+std::optional<std::size_t> time_invariant_from(const ProbedLoop& design, double force) {
   for (const std::size_t from : kWarmUps) {
     if (are_same(to_pulse(design, Probe::force, force, from, kFirstLength),
                  to_pulse(design, Probe::force, force, from + kLater, kFirstLength))) {
@@ -348,7 +348,7 @@ std::optional<std::size_t> time_invariant_from(const AxisLoopDesign& design, dou
 }
 
 // Nothing if the response does not end.
-std::optional<PulseResponse> whole_response(const AxisLoopDesign& design, Probe probe, double size,
+std::optional<PulseResponse> whole_response(const ProbedLoop& design, Probe probe, double size,
                                             std::size_t from) {
   for (std::size_t length = kFirstLength; length <= kLongest; length *= 4) {
     PulseResponse pulses = to_pulse(design, probe, size, from, length);
@@ -405,7 +405,7 @@ double usual_force(const AxisSettings& axis) {
   return std::min(1.0, 0.1 * axis.force_limit());
 }
 
-AxisLoopDesign loop_design(const AxisOfPlant& of) {
+ProbedLoop loop_design(const AxisOfPlant& of) {
   const AxisSettings& axis = of.settings();
   const TransmissionSettings& transmission = axis.transmission;
   const StateSpace linear = linear_axis(of);
@@ -413,14 +413,14 @@ AxisLoopDesign loop_design(const AxisOfPlant& of) {
   const double period_s = of.task.axis.period_s;
   const double periods = of.plant.timing.delays().mean_s() / period_s;
   const double whole = std::floor(periods + kWhole), part = periods - whole;
-  AxisLoopDesign design{of.parts,
-                        of.task,
-                        part > kWhole ? hold_late(driven, period_s, part * period_s)
-                                      : zero_order_hold(driven, period_s),
-                        {},
-                        axis.delay_samples,
-                        static_cast<int>(whole),
-                        usual_force(axis)};
+  ProbedLoop design{of.parts,
+                    of.task,
+                    part > kWhole ? hold_late(driven, period_s, part * period_s)
+                                  : zero_order_hold(driven, period_s),
+                    {},
+                    axis.delay_samples,
+                    static_cast<int>(whole),
+                    usual_force(axis)};
   const Eigen::Vector2d start(axis.reference.before + axis.start_position, axis.start_velocity);
   design.start_state.setZero(design.plant.states());
   design.start_state.head<2>() = start * transmission.measured_ratio();
@@ -440,7 +440,7 @@ bool has_other_joints(const AxisOfPlant& axis) {
 // of controller, plant and delays by one matrix. So in the end the response to a pulse grows by the
 // largest eigenvalue (power iteration over up to 65 536 samples). A loop that is not linear is
 // unstable if its response runs away.
-bool is_unstable(const AxisLoopDesign& design) {
+bool is_unstable(const ProbedLoop& design) {
   // The response begins after the delays.
   const auto delays = static_cast<std::size_t>(design.delay_samples) +
                       static_cast<std::size_t>(design.command_delay_samples);
@@ -476,7 +476,7 @@ struct LoopResponse {
 // Determines the response by simulation, with probes of size `force` and `noise`. The loop counts
 // as linear if it responds −2 times as strongly to −2 times a random binary force. A pulse must
 // also have the same response later, after a Kalman filter's gain has settled.
-LoopResponse loop_response(const AxisLoopDesign& design, double force, double noise) {
+LoopResponse loop_response(const ProbedLoop& design, double force, double noise) {
   const auto none = [](const char* reason, bool is_unstable = false) {
     return LoopResponse{{}, {}, reason, is_unstable};
   };

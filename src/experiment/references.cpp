@@ -4,17 +4,17 @@
 
 namespace breakwater {
 
-std::string ReferenceValue::deviation(double measured) const {
+std::string PublishedValue::deviation(double measured) const {
   return is_near_zero ? fmt::format("{:+.1g}", measured - number)
                       : fmt::format("{:+.1f} %", 100.0 * (measured / number - 1.0));
 }
 
-std::vector<ReferenceValue> reference_values(const Catalogue& catalogue,
+std::vector<PublishedValue> published_values(const Catalogue& catalogue,
                                              const std::string& scenario,
                                              const std::string& case_name) {
-  std::vector<ReferenceValue> values;
+  std::vector<PublishedValue> values;
   for (const ReferenceKind& source : catalogue.all<ReferenceKind>()) {
-    for (ReferenceValue& value : source.of_case(scenario, case_name)) {
+    for (PublishedValue& value : source.of_case(scenario, case_name)) {
       values.push_back(std::move(value));
     }
   }

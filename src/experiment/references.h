@@ -18,7 +18,7 @@ struct Agreement {
 };
 
 /// A metric's value from another source.
-struct ReferenceValue {
+struct PublishedValue {
   std::string metric;
   double number;
   std::string text;                                  ///< as the source writes it
@@ -36,11 +36,11 @@ struct ReferenceKind {
   std::string name;
   std::string legend;  ///< the meaning of "*" beside a number that does not agree, one line
   /// The values of one case of a scenario; empty if there are none.
-  std::vector<ReferenceValue> (*of_case)(const std::string& scenario, const std::string& case_name);
+  std::vector<PublishedValue> (*of_case)(const std::string& scenario, const std::string& case_name);
 };
 
 /// The reference values of all sources for one case of a scenario.
-std::vector<ReferenceValue> reference_values(const Catalogue& catalogue,
+std::vector<PublishedValue> published_values(const Catalogue& catalogue,
                                              const std::string& scenario,
                                              const std::string& case_name);
 

@@ -17,14 +17,14 @@ constexpr const char* kChanged =
     "values\n";
 
 // The printed values of a run's case, if the run has the shipped settings.
-std::vector<ReferenceValue> printed_for(const Catalogue& catalogue, const std::string& scenario,
+std::vector<PublishedValue> printed_for(const Catalogue& catalogue, const std::string& scenario,
                                         const RunSummary& run) {
   if (!run.is_as_shipped) return {};
-  return reference_values(catalogue, scenario, run.case_name);
+  return published_values(catalogue, scenario, run.case_name);
 }
 
 bool is_changed(const Catalogue& catalogue, const std::string& scenario, const RunSummary& run) {
-  return !run.is_as_shipped && !reference_values(catalogue, scenario, run.case_name).empty();
+  return !run.is_as_shipped && !published_values(catalogue, scenario, run.case_name).empty();
 }
 
 std::string with_legend(const Catalogue& catalogue, const std::string& text) {
@@ -40,7 +40,7 @@ const Item* find(const std::vector<Item>& items, std::string Item::*name,
 }
 
 // "+1.2 %", with a mark if the number does not agree.
-std::string marked_deviation(const ReferenceValue& printed, double measured) {
+std::string marked_deviation(const PublishedValue& printed, double measured) {
   return printed.deviation(measured) + (printed.agrees(measured).is_met ? "" : " *");
 }
 
@@ -48,13 +48,13 @@ std::string marked_deviation(const ReferenceValue& printed, double measured) {
 
 std::string metrics_table(const std::string& scenario, const RunSummary& run,
                           const Catalogue& catalogue) {
-  const std::vector<ReferenceValue> printed = printed_for(catalogue, scenario, run);
+  const std::vector<PublishedValue> printed = printed_for(catalogue, scenario, run);
   std::vector<std::string> header = {"metric", "value", "unit"};
   if (!printed.empty()) header.insert(header.end(), {"printed", "deviation"});
   Table table(header);
   for (const Metric& metric : run.metrics) {
     std::vector<std::string> row = {metric.name, in_digits(metric.value), metric.unit};
-    if (const auto* value = find(printed, &ReferenceValue::metric, metric.name)) {
+    if (const auto* value = find(printed, &PublishedValue::metric, metric.name)) {
       row.push_back(value->text);
       row.push_back(marked_deviation(*value, metric.value));
     }
@@ -118,7 +118,7 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
       }
     }
   }
-  std::vector<std::vector<ReferenceValue>> printed;
+  std::vector<std::vector<PublishedValue>> printed;
   std::vector<std::string> header = {"metric", "unit"};
   for (const RunSummary& run : runs) {
     printed.push_back(printed_for(catalogue, scenario, run));
@@ -133,7 +133,7 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
     bool any_printed = false;
     for (std::size_t i = 0; i < runs.size(); ++i) {
       const Metric* measured = find(runs[i].metrics, &Metric::name, metric.name);
-      const ReferenceValue* value = find(printed[i], &ReferenceValue::metric, metric.name);
+      const PublishedValue* value = find(printed[i], &PublishedValue::metric, metric.name);
       const std::string missing = runs[i].failure ? "failed" : "-";
       values.push_back(measured ? in_digits(measured->value) : missing);
       printed_row.push_back(value ? value->text : "-");

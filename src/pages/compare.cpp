@@ -120,7 +120,7 @@ Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
   shots_ = shots_of(catalogue, runs_.front());
   const std::vector<Metric> metrics = choose_metrics(runs_, choice.metrics);
   shown_ = shown_metrics(catalogue, runs_.front().scenario(), shots_, metrics);
-  std::vector<std::map<std::string, ReferenceValue>> printed;
+  std::vector<std::map<std::string, PublishedValue>> printed;
   for (const SavedRun& run : runs_) printed.push_back(printed_of(catalogue, run));
   for (const Metric& metric : metrics) {
     const auto shown = std::find_if(shown_.begin(), shown_.end(), [&](const ShownMetric& one) {
@@ -134,7 +134,7 @@ Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
 // The metric's name, and a cell for each run.
 PageData Comparison::row_of(
     const ShownMetric& shown,
-    const std::vector<std::map<std::string, ReferenceValue>>& printed) const {
+    const std::vector<std::map<std::string, PublishedValue>>& printed) const {
   const Metric& metric = shown.metric;
   PageData row =
       PageData::array({{{"value", metric.name}, {"unit", metric.unit}, {"tip", shown.about}}});

@@ -48,7 +48,7 @@ class Comparison {
 
  private:
   PageData row_of(const ShownMetric& shown,
-                  const std::vector<std::map<std::string, ReferenceValue>>& printed) const;
+                  const std::vector<std::map<std::string, PublishedValue>>& printed) const;
   void choose_signals();
   PageChart chart_of(const std::string& signal) const;
 

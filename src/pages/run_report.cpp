@@ -54,8 +54,8 @@ PageData changed_table(const Catalogue& catalogue, const SavedRun& run) {
 
 }  // namespace
 
-std::map<std::string, ReferenceValue> printed_of(const Catalogue& catalogue, const SavedRun& run) {
-  std::map<std::string, ReferenceValue> printed;
+std::map<std::string, PublishedValue> printed_of(const Catalogue& catalogue, const SavedRun& run) {
+  std::map<std::string, PublishedValue> printed;
   try {
     const ScenarioFile file((run.folder() / "config.toml").string(), run.scenario());
     if (!prepare_run(catalogue, run.scenario(), file, run.case_name(), {}).is_as_shipped)
@@ -63,7 +63,7 @@ std::map<std::string, ReferenceValue> printed_of(const Catalogue& catalogue, con
   } catch (const std::invalid_argument&) {
     return printed;  // the case may be from another version
   }
-  for (ReferenceValue& value : reference_values(catalogue, run.scenario(), run.case_name())) {
+  for (PublishedValue& value : published_values(catalogue, run.scenario(), run.case_name())) {
     printed.emplace(value.metric, std::move(value));
   }
   return printed;
@@ -183,7 +183,7 @@ PageData figures_of(const std::vector<PageChart>& charts, const std::optional<Wi
   return figures;
 }
 
-PageData printed_lines(const ReferenceValue& reference, double measured) {
+PageData printed_lines(const PublishedValue& reference, double measured) {
   const Agreement agreement = reference.agrees(measured);
   return {{{"text", "thesis " + reference.text}, {"kind", "printed"}},
           {{"text", agreement.text + ": " + reference.deviation(measured)},

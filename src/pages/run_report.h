@@ -18,7 +18,7 @@ namespace breakwater {
 
 /// The reference values of a run by metric. Empty unless the run has the settings of one of the
 /// project's own cases: other settings make the comparison meaningless.
-std::map<std::string, ReferenceValue> printed_of(const Catalogue& catalogue, const SavedRun& run);
+std::map<std::string, PublishedValue> printed_of(const Catalogue& catalogue, const SavedRun& run);
 
 /// One page about some runs: replay, changed keys, signals of the shot list in its time window,
 /// other signals, metrics and printed values. Appends to `notes` one line for each missing part of
@@ -41,7 +41,7 @@ std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::st
 PageData figures_of(const std::vector<PageChart>& charts, const std::optional<Window>& window);
 
 /// The lines of a metric's cell: "thesis 2.83", and whether the measured value agrees.
-PageData printed_lines(const ReferenceValue& reference, double measured);
+PageData printed_lines(const PublishedValue& reference, double measured);
 
 /// A run's shot list; an empty one where there is none that can be read.
 ShotList shots_of(const Catalogue& catalogue, const SavedRun& run);

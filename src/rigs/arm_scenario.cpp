@@ -140,7 +140,7 @@ void ArmScenario::check(const Config& config) {
     joint.transmission = at_joint(transmissions_[i]);
     joint.transmission.nominal.load_inertia = nominal_inertia_kgm2_[i];
   }
-  check_plant(plant_, config);
+  plant_.check(config);
   // The controllers limit their torque as in the URDF, and the plant as in the MJCF.
   const Eigen::VectorXd effort_Nm = chain().effort_limits_Nm();
   for (std::size_t i = 0; i < plant_.axes.size(); ++i) {

@@ -114,7 +114,7 @@ std::vector<AxisOfPlant> AxisScenario::loops() const {
 
 void AxisScenario::check(const Config& config) {
   plant_.judged_to_s = config.number("metrics.to_s").value_or(0.0);
-  check_plant(plant_, config);
+  plant_.check(config);
   PlantTask task;
   if (whole_) {
     task = check_whole(config);

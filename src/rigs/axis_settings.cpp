@@ -692,24 +692,24 @@ SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
   return setup;
 }
 
-void check_plant(AxisPlant& plant, const Config& config) {
-  plant.physics.check(config, plant.run);
-  plant.timing.check(config, plant.physics);
-  plant.complete(config);
+void AxisPlant::check(const Config& config) {
+  physics.check(config, run);
+  timing.check(config, physics);
+  complete(config);
   const double no_force_N = 0.0;
-  const SensingSetup sensing = plant.sensing(&no_force_N);
-  plant.faults.check(config, sensing.channels);
-  for (std::size_t i = 0; i < plant.axes.size(); ++i) {
-    check_part(config.under(plant.axes[i].axis.prefix()), [&] { plant.nominal(i); });
+  const SensingSetup setup = sensing(&no_force_N);
+  faults.check(config, setup.channels);
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    check_part(config.under(axes[i].axis.prefix()), [&] { nominal(i); });
   }
-  const Model model = plant.load_model();
-  for (const AxisSettings& one : plant.axes) {
+  const Model model = load_model();
+  for (const AxisSettings& one : axes) {
     const std::string rubs = one.transmission.friction_joint(one.axis.joint);
     const int dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, rubs)];
     one.drive.check(config.under(one.axis.prefix()), model->dof_frictionloss[dof]);
     if (one.transmission.is_elastic()) one.transmission.make(model, one.axis.joint);
   }
-  const Sensing check_only(model, sensing);
+  const Sensing check_only(model, setup);
 }
 
 void PushSettings::bind(Fields& fields) {

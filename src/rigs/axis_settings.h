@@ -227,9 +227,9 @@ struct AxisPlant {
   /// The keys record.fine_….
   void bind_fine(Fields& fields);
 
-  /// Reads the tables that the keys name, and takes from the model what they leave to it. Throws
-  /// std::invalid_argument `ORIGIN: KEY: reason`.
-  void complete(const Config& config);
+  /// Checks what the single fields cannot: the names in the model file, periods. Completes the
+  /// settings. Throws std::invalid_argument `ORIGIN: KEY: reason`.
+  void check(const Config& config);
 
   /// The nominal model of an axis, for the estimator and the controller.
   NominalAxis nominal(std::size_t i = 0) const;
@@ -256,6 +256,8 @@ struct AxisPlant {
   SensingSetup sensing(const double* contact_force_N) const;
 
  private:
+  // Reads the tables that the keys name, and takes from the model what they leave to it.
+  void complete(const Config& config);
   Model load_model(const Config* config) const;  // checks the names of the keys, if it is there
   Model model_of_file() const;  // load_model() without the keys plant.… and the tool
   void check_names(const Model& model, const Config& config) const;
@@ -266,9 +268,5 @@ struct AxisPlant {
 
   const Catalogue* catalogue_;
 };
-
-/// Checks what the single fields cannot: the names in the model file, periods. Completes the
-/// settings. Throws std::invalid_argument `ORIGIN: KEY: reason`.
-void check_plant(AxisPlant& plant, const Config& config);
 
 }  // namespace breakwater

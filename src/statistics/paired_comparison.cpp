@@ -309,16 +309,16 @@ std::vector<std::string> never_measured(const PairedResults& results, std::size_
 
 // The coordinates that affect a candidate. A coordinate is left out if there are test conditions
 // that differ only in it, and none of them has another outcome. Two failures do not show this.
-std::vector<std::size_t> effective_coordinates(const std::vector<Place>& places,
+std::vector<std::size_t> effective_coordinates(const std::vector<Coordinates>& places,
                                                const Eigen::VectorXi& outcomes,
                                                const Eigen::VectorXd& failed) {
   std::vector<std::size_t> effective;
   for (std::size_t k = 0; k < places.front().size(); ++k) {
-    std::map<Place, int> first;  // outcome by the other coordinates
+    std::map<Coordinates, int> first;  // outcome by the other coordinates
     bool has_pair = false, differs = false;
     for (std::size_t world = 0; world < places.size(); ++world) {
       const auto row = static_cast<Eigen::Index>(world);
-      Place others = places[world];
+      Coordinates others = places[world];
       others[k] = 0.0;
       const auto [met, is_new] = first.emplace(others, outcomes(row));
       has_pair = has_pair || (!is_new && failed(row) == 0.0);
@@ -331,16 +331,16 @@ std::vector<std::size_t> effective_coordinates(const std::vector<Place>& places,
 
 }  // namespace
 
-void number_failed_runs(const std::vector<Place>& places, PairedResults& results) {
+void number_failed_runs(const std::vector<Coordinates>& places, PairedResults& results) {
   if (!(results.failed.array() > 0.0).any()) return;
   int next = results.runs.maxCoeff() + 1;
   for (Eigen::Index column = 0; column < results.runs.cols(); ++column) {
     const Eigen::VectorXi outcomes = results.runs.col(column);
     const auto effective = effective_coordinates(places, outcomes, results.failed.col(column));
-    std::map<std::pair<int, Place>, int> numbers;
+    std::map<std::pair<int, Coordinates>, int> numbers;
     for (Eigen::Index world = 0; world < outcomes.size(); ++world) {
       if (results.failed(world, column) == 0.0) continue;
-      Place place;
+      Coordinates place;
       for (const std::size_t k : effective) {
         place.push_back(places[static_cast<std::size_t>(world)][k]);
       }

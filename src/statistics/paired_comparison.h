@@ -42,12 +42,12 @@ struct PairedResults {
 };
 
 /// The coordinates of a test condition: the values of the varied keys and the index of its seed.
-using Place = std::vector<double>;
+using Coordinates = std::vector<double>;
 
 /// Numbers the failed runs in `results.runs` anew, which has the number of each run's outcome. All
 /// runs that fail in the first step have one outcome. Two failed runs of a candidate are equal if
 /// they ended alike and differ only in coordinates without effect on its other runs.
-void number_failed_runs(const std::vector<Place>& places, PairedResults& results);
+void number_failed_runs(const std::vector<Coordinates>& places, PairedResults& results);
 
 enum class ComparisonVerdict {
   better,

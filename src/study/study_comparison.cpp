@@ -76,7 +76,7 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
   };
   Eigen::Index kept = 0;
   std::unordered_map<std::string, int> numbers;  // outcome → number
-  std::vector<Place> places;
+  std::vector<Coordinates> places;
   for (std::size_t world = 0; world < all; ++world) {
     const std::size_t sample = world / plan.seeds();
     if (!are_seeds_worlds && !is_done(sample)) continue;
@@ -87,7 +87,7 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
     if (runs.size() < k) continue;
     results.samples(kept) = static_cast<int>(are_seeds_worlds ? world : sample);
     const StudyPoint point = plan.point(world * k);
-    Place& place = places.emplace_back();
+    Coordinates& place = places.emplace_back();
     for (std::size_t i = 0; i < keys.size(); ++i) {
       place.push_back(key_number(keys[i], point.values[i]));
     }

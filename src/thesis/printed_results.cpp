@@ -222,9 +222,9 @@ const PrintedResults& printed_results() {
 
 namespace {
 
-std::vector<ReferenceValue> of_case(const std::string& scenario, const std::string& case_name) {
+std::vector<PublishedValue> of_case(const std::string& scenario, const std::string& case_name) {
   const PrintedResults& results = printed_results();
-  std::vector<ReferenceValue> values;
+  std::vector<PublishedValue> values;
   const auto of_case = results.of_case(scenario, case_name);
   if (!of_case) return values;
   for (const auto& [metric, theirs] : of_case->metrics) {

@@ -345,7 +345,7 @@ TEST(PrintedValues, AreThoseOfTheThesis) {
   const auto printed = printed_references().of_case;
   const auto values = printed("arm_wall_contact", "proposed-2N");
   ASSERT_EQ(values.size(), 3U);
-  for (const ReferenceValue& value : values) {
+  for (const PublishedValue& value : values) {
     if (value.metric == "peak_force_filtered_N") {
       EXPECT_EQ(value.number, 5.0152);
       EXPECT_EQ(value.agrees(5.0152 * 0.91).text, "reproduced");

@@ -199,7 +199,7 @@ TEST_P(EachWallContact, IsWithinTheClassesOfItsPrintedNumbers) {
   const Recording run = completed_run(kWallContact, GetParam(), {}, testing::kWithoutLog);
   const auto values = printed_references().of_case(kWallContact, GetParam());
   ASSERT_GE(values.size(), 2U);
-  for (const ReferenceValue& value : values) {
+  for (const PublishedValue& value : values) {
     const auto measured = run.metric(value.metric);
     ASSERT_TRUE(measured) << value.metric;
     // The thesis explains 0.08 and 0.18 N by a lasting saturation, which does not occur here.

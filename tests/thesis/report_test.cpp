@@ -306,7 +306,7 @@ TEST(Page, EscapesTextsOfRuns) {
 
 TEST(PrintedReferences, SayHowFarANumberIsFromThePrint) {
   const auto values = printed_references().of_case("arm_wall_contact", "proposed-2N");
-  const auto peak = std::find_if(values.begin(), values.end(), [](const ReferenceValue& one) {
+  const auto peak = std::find_if(values.begin(), values.end(), [](const PublishedValue& one) {
     return one.metric == "peak_force_filtered_N";
   });
   ASSERT_NE(peak, values.end());
