@@ -85,74 +85,42 @@ class Failures {
   std::map<std::pair<PointStatus, std::string>, FailureKind> kinds_;
 };
 
-// Maps a number to its place in a pseudo-random order: SplitMix64's output function (G. L. Steele,
-// D. Lea, C. H. Flood, OOPSLA 2014).
-std::uint64_t scattered(std::uint64_t number) {
-  std::uint64_t z = number + 0x9e3779b97f4a7c15U;
-  z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-  z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-  return z ^ (z >> 31U);
-}
-
 }  // namespace
 
 StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
-                           const std::vector<std::string>& first, std::size_t most) {
+                           const std::vector<std::string>& first) {
   StudyNumbers numbers;
   numbers.keys = study_keys(plan.study());
   const std::size_t candidates = plan.candidates().size();
+  const std::size_t points_of_a_sample = candidates * plan.seeds();
+  for (std::size_t sample = 0; sample < plan.samples(); ++sample) {
+    const StudyPoint point = plan.point(sample * points_of_a_sample);
+    for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
+      numbers.keys[k].values.push_back(key_number(numbers.keys[k], point.values[k]));
+    }
+  }
   const std::size_t block_size =
       plan.study().method == Method::saltelli ? numbers.keys.size() + 2 : 1;
-  const double share = static_cast<double>(most) / static_cast<double>(plan.size());
-  const auto is_chosen = [&](std::size_t block, std::size_t seed) {
-    if (share >= 1.0) return true;
-    return static_cast<double>(scattered(block * plan.seeds() + seed)) < share * 0x1p64;
-  };
-  numbers.is_sample = share < 1.0;
 
   Failures failures(candidates);
   std::vector<std::string> metrics = first;
   std::vector<std::vector<double>> columns(first.size());
   std::unordered_map<std::string, std::size_t> column_of;
   for (std::size_t i = 0; i < metrics.size(); ++i) column_of.emplace(metrics[i], i);
-  std::vector<double> values;
-  std::size_t sample = plan.samples();  // sample in `values`: none yet
-  std::size_t block = plan.samples();   // block of the last run: none yet
-  bool is_kept = false;                 // whether `keys` has the values of the sample
 
   for (std::size_t number = 0; number < index.points(); ++number) {
     if (!index.has(number)) continue;
     const PointResult result = index.read(number);
+    const std::size_t sample = number / points_of_a_sample;
     StudyRun run;
     run.number = number;
-    run.candidate = static_cast<std::uint32_t>(number % candidates);
-    run.seed = static_cast<std::uint32_t>(number / candidates % plan.seeds());
-    run.failed = result.status != PointStatus::complete;
-    const std::size_t of_plan = number / candidates / plan.seeds();
-    if (of_plan != sample) {
-      sample = of_plan;
-      is_kept = false;
-      const StudyPoint point = plan.point(number);
-      values.clear();
-      for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
-        values.push_back(key_number(numbers.keys[k], point.values[k]));
-      }
-    }
-    if (run.failed) failures.add(result, run.candidate);
-    const std::size_t block_of_plan = sample / block_size;
-    if (!is_chosen(block_of_plan, run.seed)) continue;
-    if (block_of_plan != block) ++numbers.blocks;
-    block = block_of_plan;
-    run.block = static_cast<std::uint32_t>(numbers.blocks - 1);
+    run.sample = static_cast<std::uint32_t>(sample);
+    run.block = static_cast<std::uint32_t>(sample / block_size);
     run.in_block = static_cast<std::uint32_t>(sample % block_size);
-    if (!is_kept) {
-      for (std::size_t k = 0; k < values.size(); ++k) {
-        numbers.keys[k].values.push_back(values[k]);
-      }
-      ++numbers.samples;
-      is_kept = true;
-    }
-    run.sample = static_cast<std::uint32_t>(numbers.samples - 1);
+    run.candidate = static_cast<std::uint32_t>(number % candidates);
+    run.failed = result.status != PointStatus::complete;
+    if (run.failed) failures.add(result, run.candidate);
+    numbers.blocks = run.block + 1;  // points ascend
     numbers.runs.push_back(run);
     for (const auto& [name, value] : result.metrics) {
       const auto [found, is_new] = column_of.emplace(name, metrics.size());

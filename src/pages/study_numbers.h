@@ -18,10 +18,9 @@ namespace breakwater {
 /// The data of one run that the charts need.
 struct StudyRun {
   std::size_t number = 0;      ///< number of the point
-  std::uint32_t sample = 0;    ///< index into StudyKey::values
-  std::uint32_t block = 0;     ///< saltelli design: its row; others: the sample; without gaps
+  std::uint32_t sample = 0;    ///< that of the plan, index into StudyKey::values
+  std::uint32_t block = 0;     ///< saltelli design: its row; others: the sample
   std::uint32_t in_block = 0;  ///< saltelli design: its column A, AB⁽¹⁾ … B; others: 0
-  std::uint32_t seed = 0;      ///< index of the random seed
   std::uint32_t candidate = 0;
   bool failed = false;  ///< not complete, for any reason
 };
@@ -40,18 +39,14 @@ struct StudyNumbers {
   std::vector<StudyRun> runs;  ///< in the order of the points
   std::vector<std::string> metrics;
   std::vector<std::vector<double>> columns;  ///< for each metric, by run; NaN: not measured
-  std::size_t samples = 0;                   ///< number of samples in `keys`
   std::size_t blocks = 0;                    ///< 1 + the largest of the runs
-  std::vector<FailureKind> failures;         ///< over all points, most runs first
-  bool is_sample = false;                    ///< `runs` is a part of all runs
+  std::vector<FailureKind> failures;         ///< most runs first
 };
 
 /// Reads each result once. The metrics in `first` come first; the others follow in the order of the
-/// points. If the study has more than `most` points, `runs` is a sample of about that size. A hash
-/// selects whole groups: all candidates of a sample and seed (saltelli design: of a row and seed).
-/// The failures are always counted over all points.
+/// points.
 StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
-                           const std::vector<std::string>& first, std::size_t most = 200'000);
+                           const std::vector<std::string>& first);
 
 /// Statistics of a metric over the runs of one group. Quantiles are NaN if no run has the metric.
 struct QuantileBand {

@@ -174,6 +174,7 @@ class StudySections {
                           .marks = "cross"};
       for (std::size_t g = 0; g < key.size(); ++g) {
         const QuantileBand& band = all[i * key.size() + g];
+        if (band.runs == 0) continue;  // not yet
         const auto add = [&](ChartSeries& to, double y, const std::string& text) {
           to.values.times_s.push_back(key.centre[g]);
           to.values.values.push_back(y);
@@ -425,12 +426,6 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     add_section(all, "failures", "Failed runs", blocks);
   }
   if (!numbers.metrics.empty()) all.push_back(overview(sections, numbers, labels));
-  if (numbers.is_sample) {
-    add_block(set_up, "text",
-              fmt::format("Charts and tables are of {} runs, chosen evenly among the study’s "
-                          "samples and seeds; failures are counted over all runs.",
-                          numbers.runs.size()));
-  }
   add_block(set_up, "machine",
             this_machine(index, fmt::format("{} {} {}", own_program_name(), kSweep.command,
                                             shell_word(folder.path().string()))));
