@@ -17,12 +17,13 @@ namespace {
 constexpr std::size_t kMostKeysInLabel = 3;
 const std::string kAbsent = "–";
 
-// The value as a user writes it.
+// The value as a user writes it. Different numbers have different texts, but 1, 1.0 and -0, 0 the
+// same.
 std::string text_of(const ConfigValue& value) {
   struct Print {
     std::string operator()(bool yes) const { return yes ? "true" : "false"; }
     std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
-    std::string operator()(double number) const { return fmt::format("{:g}", number); }
+    std::string operator()(double number) const { return fmt::format("{}", number + 0.0); }
     std::string operator()(const std::string& text) const { return text; }
     std::string operator()(const ConfigValue::Array& values) const {
       std::vector<std::string> all;
@@ -33,22 +34,11 @@ std::string text_of(const ConfigValue& value) {
   return std::visit(Print{}, value.data);
 }
 
-// 1 and 1.0 are equal.
 bool are_same(const ConfigValue& a, const ConfigValue& b) {
-  const auto number = [](const ConfigValue& value) -> std::optional<double> {
-    if (const auto* whole = std::get_if<std::int64_t>(&value.data)) {
-      return static_cast<double>(*whole);
-    }
-    if (const auto* real = std::get_if<double>(&value.data)) return *real;
-    return std::nullopt;
+  const auto is_text = [](const ConfigValue& value) {
+    return std::holds_alternative<std::string>(value.data);
   };
-  if (number(a) && number(b)) return *number(a) == *number(b);
-  const auto* list = std::get_if<ConfigValue::Array>(&a.data);
-  const auto* other = std::get_if<ConfigValue::Array>(&b.data);
-  if (list != nullptr && other != nullptr) {
-    return std::equal(list->begin(), list->end(), other->begin(), other->end(), are_same);
-  }
-  return text_of(a) == text_of(b) && a.data.index() == b.data.index();
+  return text_of(a) == text_of(b) && is_text(a) == is_text(b);
 }
 
 Config config_of(const fs::path& folder, const std::string& scenario,
@@ -58,16 +48,6 @@ Config config_of(const fs::path& folder, const std::string& scenario,
 
 Config config_of(const SavedRun& run) {
   return config_of(run.folder(), run.scenario(), run.case_name());
-}
-
-// Different values get different texts.
-std::string distinct_text(const ConfigValue& value, const std::vector<ConfigValue>& others) {
-  const std::string text = text_of(value);
-  const bool is_ambiguous = std::any_of(
-      others.begin(), others.end(),
-      [&](const ConfigValue& other) { return text_of(other) == text && !are_same(other, value); });
-  const auto* number = std::get_if<double>(&value.data);
-  return is_ambiguous && number != nullptr ? fmt::format("{}", *number) : text;
 }
 
 // " with mine": the label must show that a run does not have its case's own part.
@@ -111,8 +91,7 @@ std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const fs::path&
     for (const auto& [key, entry] : own.entries()) {
       const ConfigEntry* other = shipped.find(key);
       if (other == nullptr || are_same(entry.value, other->value)) continue;
-      changed.push_back({key, distinct_text(entry.value, {other->value}),
-                         distinct_text(other->value, {entry.value})});
+      changed.push_back({key, text_of(entry.value), text_of(other->value)});
     }
   } catch (const std::invalid_argument&) {
     changed.clear();  // the run may be of another version
@@ -147,14 +126,10 @@ std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs) {
              (entry == nullptr || are_same(entry->value, first->value));
     });
     if (is_common) continue;
-    std::vector<ConfigValue> all;
-    for (const Config& config : configs) {
-      if (const ConfigEntry* entry = config.find(key)) all.push_back(entry->value);
-    }
     DifferingKey row{key, {}};
     for (const Config& config : configs) {
       const ConfigEntry* entry = config.find(key);
-      row.values.push_back(entry == nullptr ? kAbsent : distinct_text(entry->value, all));
+      row.values.push_back(entry == nullptr ? kAbsent : text_of(entry->value));
     }
     differing.push_back(row);
   }
