@@ -65,7 +65,7 @@ STREAM_FILES = {"kept"}
 RUN_FILES = {"config.toml", "metrics.json", "manifest.json", "log.h5", "log.csv"}
 # Made from what is done so far, so an interrupted study has other ones.
 OF_PARTS = {"results.csv", "results.sqlite", "comparison.csv", "comparison_by_key.csv", "front.csv", "tuned.csv",
-            "report.html"}
+            "report.html", "candidates"}
 
 
 class Found(Exception):
