@@ -44,7 +44,7 @@ def plotting():
     return matplotlib.pyplot
 
 
-# As on pages, the last of references (src/render/identity.cpp).
+# As on pages, the last of references (src/render/line_style.cpp).
 COLOURS = ["#451de2", "#c71e2e", "#0ca162", "#9542a7", "#431341", "#5977ff", "#b58e03", "#6b7682"]
 DASHES = ["-", (0, (9, 3)), (0, (5, 3)), (0, (9, 3, 2, 3)), (0, (2, 3)), (0, (14, 4)), (0, (5, 3, 2, 3, 2, 3)), (0, (4, 4))]
 STYLE = {

@@ -182,7 +182,7 @@ PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& sc
                    const std::vector<BodeResponse>& responses) {
   std::vector<std::string> names;
   for (const LoopAnalysis& loop : loops) names.push_back(loop.name.label());
-  const std::vector<Identity> looks = candidate_identities(names, cases);
+  const std::vector<LineStyle> looks = candidate_styles(names, cases);
   auto lead = PageData::array();
   lead.push_back({{"text",
                    "Lines are designed: the controller and its estimator with the linear plant. "
@@ -215,7 +215,7 @@ PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& sc
 }  // namespace
 
 PageData bode_charts(const BodeResponse& response, const std::vector<LoopAnalysis>& loops,
-                     const std::vector<Identity>& looks) {
+                     const std::vector<LineStyle>& looks) {
   const std::string id = anchor(response.name);
   PageChart gain{.id = id + "-gain", .group = id, .x_title = "frequency [rad/s]", .is_log_x = true};
   PageChart phase = gain;
@@ -226,15 +226,15 @@ PageData bode_charts(const BodeResponse& response, const std::vector<LoopAnalysi
   for (std::size_t i = 0; i < loops.size(); ++i) {
     const LoopAnalysis& loop = loops[i];
     if (!loop.estimates && response.needs_estimator) continue;
-    const auto series = [&](const char* what, Identity look, const char* marks) {
+    const auto series = [&](const char* what, LineStyle look, const char* marks) {
       return ChartSeries{.label = loop.name.label() + what,
-                         .identity = look,
+                         .style = look,
                          .has_line = *marks == '\0',
                          .marks = marks};
     };
     // The designed line, and the measured marks; those that are not sure are grey.
     ChartSeries gains[] = {series("", looks[i], ""), series(", measured", looks[i], "dot"),
-                           series(", not reliable", kReferenceIdentity, "dot")};
+                           series(", not reliable", kReferenceStyle, "dot")};
     ChartSeries phases[] = {gains[0], gains[1], gains[2]};
     Series& line = phases[0].values;
     double last = 0.0;  // the first phase is within ±180

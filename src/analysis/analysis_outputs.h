@@ -23,7 +23,7 @@ struct BodeResponse {
 
 /// Two charts, in dB and degrees. None if no loop has a curve.
 PageData bode_charts(const BodeResponse& response, const std::vector<LoopAnalysis>& loops,
-                     const std::vector<Identity>& looks);
+                     const std::vector<LineStyle>& looks);
 
 inline constexpr const char* kAnalyze = "analyze";
 

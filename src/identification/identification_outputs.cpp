@@ -229,9 +229,9 @@ PageData fit_figures(const Identification& identification) {
     std::vector<double> residuals;
     std::ranges::transform(stretch.positions, fitted, std::back_inserter(residuals),
                            std::minus<>());
-    const auto line = [&](const char* label, const std::vector<double>& values, Identity look) {
+    const auto line = [&](const char* label, const std::vector<double>& values, LineStyle look) {
       return ChartSeries{
-          .label = label, .unit = "rad", .values = {stretch.times_s, values}, .identity = look};
+          .label = label, .unit = "rad", .values = {stretch.times_s, values}, .style = look};
     };
     const std::string number = std::to_string(&stretch - data.stretches.data() + 1);
     const std::string which = data.stretches.size() > 1 ? ", stretch " + number : "";

@@ -116,7 +116,7 @@ Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
         fmt::format("--from {:g}, --to {:g}: must rise", *choice.from_s, *choice.to_s));
   }
   labels_ = labels_of(catalogue, runs_);
-  identities_ = identities_of(catalogue, runs_);
+  styles_ = styles_of(catalogue, runs_);
   shots_ = shots_of(catalogue, runs_.front());
   const std::vector<Metric> metrics = choose_metrics(runs_, choice.metrics);
   shown_ = shown_metrics(catalogue, runs_.front().scenario(), shots_, metrics);
@@ -279,7 +279,7 @@ PageChart Comparison::chart_of(const std::string& signal) const {
                        .unit = one.unit(signal),
                        .description = "this run's log does not have it"};
     if (runs_[i].has_signal(signal)) series = series_of(runs_[i], signal, labels_[i]);
-    series.identity = identities_[i];
+    series.style = styles_[i];
     chart.series.push_back(series);
   }
   return chart;
@@ -305,7 +305,7 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
   PageData columns = {"metric"};
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     columns.push_back({{"value", labels_[i]},
-                       {"look", series_class(identities_[i])},
+                       {"look", series_class(styles_[i])},
                        {"tip", runs_[i].folder().string()}});
   }
   auto rows = PageData::array(), other_rows = PageData::array();

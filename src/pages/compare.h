@@ -59,7 +59,7 @@ class Comparison {
   std::vector<ShownMetric> shown_;      // in the order of the page
   PageData rows_ = PageData::object();  // each metric's row of the table
   ShotList shots_;
-  std::vector<Identity> identities_;
+  std::vector<LineStyle> styles_;
   std::vector<std::string> signals_;
   std::size_t keys_ = 0;  // number of signals_ that are shown at first
 };

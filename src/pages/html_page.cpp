@@ -12,7 +12,7 @@
 
 #include <breakwater/experiment/version.h>
 #include <breakwater/record/input_file.h>
-#include <breakwater/render/identity.h>
+#include <breakwater/render/line_style.h>
 #include <breakwater/render/scene_description.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/table.h>
@@ -31,20 +31,20 @@ constexpr const char* kChartStyle = BREAKWATER_DYGRAPHS "/dygraph.min.css";
 constexpr const char* kThree = BREAKWATER_THREE "/three.min.js";
 constexpr const char* kOrbit = BREAKWATER_THREE "/examples/js/controls/OrbitControls.js";
 
-// The identities' colours and dashes as a style: c0 …, d0 …, and the same as --c0 …, --d0 … for
+// The colours and dashes of lines as CSS: c0 …, d0 …, and the same as --c0 …, --d0 … for
 // scripts. The last of each are references'.
-std::string identity_style() {
+std::string css_of_lines() {
   std::string light, dark, classes;
-  for (int k = 0; k <= kIdentityColours; ++k) {
-    const Identity identity = k < kIdentityColours ? k : kReferenceIdentity;
-    light += fmt::format("--c{}:{};", k, light_colour(identity));
-    dark += fmt::format("--c{}:{};", k, dark_colour(identity));
+  for (int k = 0; k <= kStyleColours; ++k) {
+    const LineStyle style = k < kStyleColours ? k : kReferenceStyle;
+    light += fmt::format("--c{}:{};", k, light_colour(style));
+    dark += fmt::format("--c{}:{};", k, dark_colour(style));
     classes += fmt::format(".c{0}{{--c:var(--c{0})}}\n", k);
     // Each of the first ones has the dash with its own number.
     std::string strip, lengths;
     double at = 0.0;
     bool is_stroke = false;
-    for (const double length : dashes(identity)) {
+    for (const double length : dashes(style)) {
       is_stroke = !is_stroke;
       strip +=
           fmt::format(",{} {}px {}px", is_stroke ? "var(--c)" : "transparent", at, at + length);
@@ -181,7 +181,7 @@ std::string html_page(const std::string& name, PageData data) {
   bool has_replays = false;
   take_apart(data, has_charts, has_replays);
   std::vector<std::string> scripts;
-  std::string style = identity_style() + bytes_of(part("page.css"));
+  std::string style = css_of_lines() + bytes_of(part("page.css"));
   const auto add = [&scripts](const fs::path& file) { scripts.push_back(bytes_of(file)); };
   if (has_replays) {
     add(kThree);
@@ -243,12 +243,12 @@ std::string anchor(const std::string& text) {
   return clean;
 }
 
-int colour_number(Identity identity) {
-  return identity < 0 ? kIdentityColours : identity % kIdentityColours;
+int colour_number(LineStyle style) {
+  return style < 0 ? kStyleColours : style % kStyleColours;
 }
 
-std::string series_class(Identity identity) {
-  return fmt::format("c{} d{}", colour_number(identity), dash_number(identity));
+std::string series_class(LineStyle style) {
+  return fmt::format("c{} d{}", colour_number(style), dash_number(style));
 }
 
 // NOLINTEND(clang-analyzer-cplusplus.NewDeleteLeaks)

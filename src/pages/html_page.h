@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/render/identity.h>
+#include <breakwater/render/line_style.h>
 
 namespace breakwater {
 
@@ -55,8 +55,8 @@ std::string printed_table(const PageData& table, std::size_t width);
 /// A text as part of an address: '-' replaces all characters except letters, digits and '-'.
 std::string anchor(const std::string& text);
 
-/// The number of an identity's colour, and the classes of its colour and dash.
-int colour_number(Identity identity);
-std::string series_class(Identity identity);
+/// The number of a style's colour, and the classes of its colour and dash.
+int colour_number(LineStyle style);
+std::string series_class(LineStyle style);
 
 }  // namespace breakwater

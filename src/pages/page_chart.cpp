@@ -120,9 +120,9 @@ std::string PageChart::alternative_text() const {
 PageData PageChart::json() const {
   constexpr double kMicrosecond = 1e-6, kSteps = 1e5;
   const bool is_over_time = x_title.empty();
-  std::vector<std::optional<Identity>> preferred;
-  for (const ChartSeries& one : series) preferred.push_back(one.identity);
-  const std::vector<Identity> distinct = distinct_identities(preferred);
+  std::vector<std::optional<LineStyle>> preferred;
+  for (const ChartSeries& one : series) preferred.push_back(one.style);
+  const std::vector<LineStyle> distinct = distinct_styles(preferred);
   std::vector<double> all_x;
   for (const ChartSeries& one : series) {
     all_x.insert(all_x.end(), one.values.times_s.begin(), one.values.times_s.end());
@@ -139,7 +139,7 @@ PageData PageChart::json() const {
       all.insert(all.end(), edge->begin(), edge->end());
     const auto [first, unit] = packing(all, kSteps);
     // Over time two series differ in their looks. A mark has the look of its line.
-    const Identity look = is_over_time ? distinct[i] : one.identity.value_or(distinct[i]);
+    const LineStyle look = is_over_time ? distinct[i] : one.style.value_or(distinct[i]);
     PageData entry = {{"label", one.label},
                       {"unit", one.unit == "1" ? "" : one.unit},
                       {"about", one.description},

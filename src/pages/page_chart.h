@@ -18,7 +18,7 @@ struct ChartSeries {
   std::string description;
   Series values;
   bool is_off = false;                      ///< hidden at first
-  std::optional<Identity> identity;         ///< its look, if it is the first here with that
+  std::optional<LineStyle> style;           ///< its look, if it is the first here with that
   bool has_line = true;                     ///< between the values
   std::string marks;                        ///< at the values: "", "dot" or "cross"
   std::vector<std::string> names = {};      ///< one for each mark, or none

@@ -51,16 +51,16 @@ PageChart chart_of(const ShotList& shots, const ReplayData& data,
   const bool is_one = data.staged.size() == 1;
   for (std::size_t i = 0; i < data.staged.size(); ++i) {
     for (const ChartLine& line : data.staged[i].lines) {
-      const bool is_reference = line.identity == kReferenceIdentity;
+      const bool is_reference = line.style == kReferenceStyle;
       if (is_reference && i > 0) continue;  // it is equal for all runs
       ChartSeries series;
       series.label = is_one || is_reference ? line.label : labels[i] + ", " + line.label;
       series.values = line.series;
-      if (is_one || is_reference) series.identity = line.identity;
+      if (is_one || is_reference) series.style = line.style;
       // With several runs each run has one line in its colour. The user can switch on its other
       // lines.
-      if (!is_one && &line == &data.staged[i].lines.front()) series.identity = data.identities[i];
-      series.is_off = !series.identity;
+      if (!is_one && &line == &data.staged[i].lines.front()) series.style = data.styles[i];
+      series.is_off = !series.style;
       chart.series.push_back(series);
     }
   }

@@ -46,9 +46,9 @@ std::string quantity_of(const LogEntry& entry) {
 }
 
 // The true signal comes first, then the measured one, then the estimates.
-Identity order_of(const LogEntry& entry) {
-  const Identity role = role_of_signal(entry.name).value_or(kIdentityColours);
-  return role == kReferenceIdentity ? kIdentityColours : role;
+LineStyle order_of(const LogEntry& entry) {
+  const LineStyle role = role_of_signal(entry.name).value_or(kStyleColours);
+  return role == kReferenceStyle ? kStyleColours : role;
 }
 
 // The signal's name for "physics/NAME[3]".
@@ -93,7 +93,7 @@ class Charts {
       if (!used_.emplace(one.entry.name, one.index).second) continue;
       const std::string index = one.entry.width == 1 ? "" : fmt::format("[{}]", one.index);
       ChartSeries series = series_of(run_, signal_path(one.entry) + index, one.entry.name + index);
-      series.identity = role_of_signal(one.entry.name);
+      series.style = role_of_signal(one.entry.name);
       const std::vector<double>& values = series.values.values;
       if (std::ranges::all_of(values, [&](double value) { return value == values.front(); })) {
         constant.push_back(std::move(series));
@@ -108,7 +108,7 @@ class Charts {
     // A reference that stands still says where the others should be.
     for (ChartSeries& series : constant) {
       const auto chart = chart_with(series.unit);
-      if (series.identity == kReferenceIdentity && chart != made.end()) {
+      if (series.style == kReferenceStyle && chart != made.end()) {
         chart->series.push_back(std::move(series));
       }
     }
@@ -160,8 +160,7 @@ void join_references(std::vector<LoggedQuantity>& all) {
       return other.title.starts_with(one->title + "_") && other.kinds.size() > 1 &&
              first.unit == entry.unit && first.width == entry.width;
     });
-    const bool is_alone =
-        one->kinds.size() == 1 && role_of_signal(entry.name) == kReferenceIdentity;
+    const bool is_alone = one->kinds.size() == 1 && role_of_signal(entry.name) == kReferenceStyle;
     if (is_alone && whole != all.end()) {
       whole->kinds.push_back(entry);
       one = all.erase(one);

@@ -58,7 +58,7 @@ class StudySections {
   // `labels` and `looks` are the names of the candidates. All references must outlive the object.
   StudySections(const Plan& plan, const ShardIndex& index, const StudyNumbers& numbers,
                 const std::vector<ResultRow>& indices, const std::vector<std::string>& labels,
-                const std::vector<Identity>& looks)
+                const std::vector<LineStyle>& looks)
       : plan_(plan),
         index_(index),
         numbers_(numbers),
@@ -167,9 +167,9 @@ class StudySections {
       if (band.measured > 0) lowest = std::min(lowest, band.q10);
     }
     for (std::size_t i = 0; i < drawn_.size(); ++i) {
-      ChartSeries line{.label = labels_[drawn_[i]], .identity = looks_[drawn_[i]], .marks = "dot"};
+      ChartSeries line{.label = labels_[drawn_[i]], .style = looks_[drawn_[i]], .marks = "dot"};
       ChartSeries crosses{.label = line.label + ", some failed",
-                          .identity = line.identity,
+                          .style = line.style,
                           .has_line = false,
                           .marks = "cross"};
       for (std::size_t g = 0; g < key.size(); ++g) {
@@ -254,7 +254,7 @@ class StudySections {
   const StudyNumbers& numbers_;
   const std::vector<ResultRow>& indices_;
   const std::vector<std::string>& labels_;
-  const std::vector<Identity>& looks_;
+  const std::vector<LineStyle>& looks_;
   std::size_t shown_;
   std::vector<std::size_t> drawn_;
   std::vector<std::size_t> place_of_;  // by candidate in drawn_; drawn_.size(): not drawn
@@ -397,8 +397,8 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     indices = study_indices(numbers, labels);
     replace_file(folder.path() / "indices.csv", csv_table(indices));
   }
-  const std::vector<Identity> looks =
-      candidate_identities(labels, cases_of(catalogue, study.scenario));
+  const std::vector<LineStyle> looks =
+      candidate_styles(labels, cases_of(catalogue, study.scenario));
   const StudySections sections(plan, index, numbers, indices, labels, looks);
 
   auto lead = PageData::array(), all = PageData::array(), set_up = PageData::array();

@@ -34,7 +34,7 @@ void add_marks(ChartSeries& to, std::vector<Mark> marks) {
 
 // The points of all cases as the search measured them, and on fresh worlds.
 PageChart front_chart(const Tuning& tuning, const TuningResult& result,
-                      const std::vector<Identity>& looks) {
+                      const std::vector<LineStyle>& looks) {
   const auto title = [&](const Objective& one) {
     return fmt::format("{}, {}", one.metric, name_of(over_names(), one.over));
   };
@@ -45,11 +45,11 @@ PageChart front_chart(const Tuning& tuning, const TuningResult& result,
     const TunedFront& front = result.fronts[c];
     // With three objectives the front is not a line.
     ChartSeries tuned{.label = front.case_name,
-                      .identity = looks[c],
+                      .style = looks[c],
                       .has_line = tuning.objectives.size() == 2,
                       .marks = "dot"};
     ChartSeries fresh{.label = front.case_name + ", fresh",
-                      .identity = looks[c],
+                      .style = looks[c],
                       .has_line = false,
                       .marks = "cross"};
     std::vector<Mark> dots, crosses;
@@ -102,8 +102,8 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   const FrontTable table = front_table(plan, result, ranking);
   std::vector<std::string> names;
   for (const TunedFront& front : result.fronts) names.push_back(front.case_name);
-  const std::vector<Identity> looks =
-      candidate_identities(names, cases_of(catalogue, tuning.scenario));
+  const std::vector<LineStyle> looks =
+      candidate_styles(names, cases_of(catalogue, tuning.scenario));
   const bool has_front = tuning.has_front();
   const std::string kind = has_front ? "front" : "tuned";
   const std::string run = "breakwater run " + tuning.scenario + " --config " + kind + "/";

@@ -275,7 +275,7 @@ ReplayData replay_data(const std::vector<LabelledRun>& runs, const ShotList& sho
   Json all = Json::array();
   std::vector<SavedRun> saved;
   for (const FinishedRun* run : finished) saved.push_back(run->saved());
-  data.identities = identities_of(runs.front().run.catalogue(), saved);
+  data.styles = styles_of(runs.front().run.catalogue(), saved);
   for (const LabelledRun& run : runs) {
     std::vector<std::string> missing;
     data.staged.push_back(stage(run.run, shots, camera, &missing));
@@ -285,7 +285,7 @@ ReplayData replay_data(const std::vector<LabelledRun>& runs, const ShotList& sho
     }
     data.notes.insert(data.notes.end(), run.run.notes().begin(), run.run.notes().end());
     all.push_back(run_json(run, data.staged.back(), data.window, assets, data.notes));
-    all.back()["colour"] = data.identities[all.size() - 1] % kIdentityColours;
+    all.back()["colour"] = data.styles[all.size() - 1] % kStyleColours;
   }
   json["camera"] = data.staged.front().camera;
   Json moments = Json::array();

@@ -57,12 +57,12 @@ struct LabelledRun {
 };
 
 struct ReplayData {
-  nlohmann::ordered_json json;       ///< for data/report/replay
-  std::vector<PictureRun> staged;    ///< the runs prepared for pictures, for charts
-  std::vector<Identity> identities;  ///< one for each run
-  Window window;                     ///< the shot list's window for these runs
-  Window whole;                      ///< the whole longest run
-  std::vector<std::string> notes;    ///< missing things on the page, one line each
+  nlohmann::ordered_json json;     ///< for data/report/replay
+  std::vector<PictureRun> staged;  ///< the runs prepared for pictures, for charts
+  std::vector<LineStyle> styles;   ///< one for each run
+  Window window;                   ///< the shot list's window for these runs
+  Window whole;                    ///< the whole longest run
+  std::vector<std::string> notes;  ///< missing things on the page, one line each
 };
 
 /// The scenes and motions of up to kMostRuns runs. Looks come from the compiled models, poses and

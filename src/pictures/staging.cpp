@@ -80,16 +80,16 @@ PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::strin
     const Colour& colour = staged.arrows.empty() ? kForce : kOtherForce;
     staged.arrows.push_back(stage_arrow(run, shot, staged.model, colour));
   }
-  std::vector<std::optional<Identity>> roles;
+  std::vector<std::optional<LineStyle>> roles;
   for (const ShotLine& line : shots.lines) {
     if (is_missing(line.value)) continue;
     staged.lines.push_back({line.label, run.value(line.value)});
     const auto role = role_of_signal(line.value);
     const bool is_reference = line.style == ShotLine::Style::dashed;
-    roles.push_back(role || !is_reference ? role : kReferenceIdentity);
+    roles.push_back(role || !is_reference ? role : kReferenceStyle);
   }
-  const std::vector<Identity> identities = distinct_identities(roles);
-  for (std::size_t i = 0; i < identities.size(); ++i) staged.lines[i].identity = identities[i];
+  const std::vector<LineStyle> styles = distinct_styles(roles);
+  for (std::size_t i = 0; i < styles.size(); ++i) staged.lines[i].style = styles[i];
   staged.caption = run.case_name();
   return staged;
 }
@@ -135,10 +135,10 @@ ShownRuns pointers_to(const std::deque<FinishedRun>& runs) {
   return pointers;
 }
 
-std::vector<Identity> identities_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs) {
+std::vector<LineStyle> styles_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs) {
   std::vector<std::string> names;
   for (const SavedRun& run : runs) names.push_back(run.case_name());
-  return candidate_identities(names, cases_of(catalogue, runs.front().scenario()));
+  return candidate_styles(names, cases_of(catalogue, runs.front().scenario()));
 }
 
 std::vector<std::string> cases_of(const Catalogue& catalogue, const std::string& scenario) {

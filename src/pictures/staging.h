@@ -53,7 +53,7 @@ std::deque<FinishedRun> open_runs(const Catalogue& catalogue,
                                   const std::vector<std::string>& folders);
 
 /// The looks of runs that are shown together.
-std::vector<Identity> identities_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs);
+std::vector<LineStyle> styles_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs);
 /// The cases of a scenario, in its file's order; none where this program does not have it.
 std::vector<std::string> cases_of(const Catalogue& catalogue, const std::string& scenario);
 

@@ -18,8 +18,8 @@ constexpr Colour kMark{0.45, 0.47, 0.50, 1.0};
 constexpr double kTextUnits = 15.0;
 constexpr double kLegendGap = 2.4;  // between its entries, in text sizes
 
-std::vector<double> strokes(Identity identity, double unit_px) {
-  std::vector<double> lengths = dashes(identity);
+std::vector<double> strokes(LineStyle style, double unit_px) {
+  std::vector<double> lengths = dashes(style);
   for (double& length : lengths) length *= unit_px;
   return lengths;
 }
@@ -151,8 +151,7 @@ void Chart::draw_legend(double baseline) {
     frame_->text({x, baseline}, lines_[i].label, size, kChartInk, Align::right);
     const double y = std::round(baseline - 0.35 * size) + 0.5;
     frame_->line({{x - text - 1.7 * size, y}, {x - text - 0.4 * size, y}},
-                 on_paper(lines_[i].identity), 2.4 * unit_px_,
-                 strokes(lines_[i].identity, unit_px_));
+                 on_paper(lines_[i].style), 2.4 * unit_px_, strokes(lines_[i].style, unit_px_));
     x -= text + kLegendGap * size;
   }
 }
@@ -195,12 +194,12 @@ void Chart::draw(Canvas& canvas, int left, int top, double now_s) {
   for (std::size_t i = lines_.size(); i-- > 0;) {  // draw the first line last, on top
     std::vector<Point> points = trace(lines_[i], now);
     for (Point& p : points) p = shift(p);
-    canvas.line(points, on_paper(lines_[i].identity), 2.0 * unit_px_,
-                strokes(lines_[i].identity, unit_px_));
+    canvas.line(points, on_paper(lines_[i].style), 2.0 * unit_px_,
+                strokes(lines_[i].style, unit_px_));
   }
   if (!lines_.empty()) {
     canvas.dot(shift(place(now, lines_.front().series.at(now))), 4.5 * unit_px_,
-               on_paper(lines_.front().identity));
+               on_paper(lines_.front().style));
   }
 }
 

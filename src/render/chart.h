@@ -7,14 +7,14 @@
 
 #include <breakwater/record/series.h>
 #include <breakwater/render/canvas.h>
-#include <breakwater/render/identity.h>
+#include <breakwater/render/line_style.h>
 
 namespace breakwater {
 
 struct ChartLine {
   std::string label;
   Series series;
-  Identity identity = 0;
+  LineStyle style = 0;
 };
 
 /// The ranges of time and values in a chart.

@@ -59,14 +59,14 @@ PageChart chart_of(const FigureSpec& figure, const PanelSpec& panel, Logs& logs)
     return &chart.series.emplace_back(std::move(series));
   };
   for (const std::string& signal : panel.once) {
-    add({figure.runs.front().run, ""}, signal, true)->identity =
-        role_of_signal(signal).value_or(kReferenceIdentity);
+    add({figure.runs.front().run, ""}, signal, true)->style =
+        role_of_signal(signal).value_or(kReferenceStyle);
   }
   for (const FigureRun& run : figure.runs) {
     for (const std::string& signal : panel.signals) {
       ChartSeries* const series = add(run, signal, panel.signals.size() > 1);
       // If a figure has several runs, each has its own colour.
-      if (figure.runs.size() == 1) series->identity = role_of_signal(signal);
+      if (figure.runs.size() == 1) series->style = role_of_signal(signal);
     }
   }
   return chart;

@@ -2,7 +2,7 @@
 #include "support.h"
 
 #include <breakwater/render/chart.h>
-#include <breakwater/render/identity.h>
+#include <breakwater/render/line_style.h>
 #include <breakwater/render/picture.h>
 
 namespace breakwater::drawing_test {
@@ -181,30 +181,30 @@ TEST(Series, InterpolatesLinearly) {
   EXPECT_DOUBLE_EQ(series.at(3.0), 10.0);
 }
 
-TEST(Identity, EachColourHasADashAndTheyComeAgainWithOthers) {
+TEST(LineStyle, EachColourHasADashAndTheyComeAgainWithOthers) {
   std::set<std::pair<std::string, int>> pairs;
-  constexpr int kAll = kIdentityColours * kIdentityDashes;
-  for (Identity i = 0; i < kAll; ++i) pairs.emplace(light_colour(i), dash_number(i));
+  constexpr int kAll = kStyleColours * kStyleDashes;
+  for (LineStyle i = 0; i < kAll; ++i) pairs.emplace(light_colour(i), dash_number(i));
   EXPECT_EQ(pairs.size(), kAll);
 }
 
-TEST(Identity, ASignalsRoleHasItsColourAndNoTwoLinesHaveTheSame) {
+TEST(LineStyle, ASignalsRoleHasItsColourAndNoTwoLinesHaveTheSame) {
   EXPECT_EQ(role_of_signal("force_true_N"), role_of_signal("physics/force_true_N"));
-  EXPECT_EQ(role_of_signal("force.reference_N"), kReferenceIdentity);
+  EXPECT_EQ(role_of_signal("force.reference_N"), kReferenceStyle);
   EXPECT_EQ(role_of_signal("error_m[3]"), std::nullopt);
-  EXPECT_EQ(distinct_identities({1, std::nullopt, 1, kReferenceIdentity, kReferenceIdentity}),
-            (std::vector<Identity>{1, 0, 2, kReferenceIdentity, kReferenceIdentity}));
-  EXPECT_EQ(candidate_identities({"b", "mine"}, {"a", "b"}), (std::vector<Identity>{1, 0}));
+  EXPECT_EQ(distinct_styles({1, std::nullopt, 1, kReferenceStyle, kReferenceStyle}),
+            (std::vector<LineStyle>{1, 0, 2, kReferenceStyle, kReferenceStyle}));
+  EXPECT_EQ(candidate_styles({"b", "mine"}, {"a", "b"}), (std::vector<LineStyle>{1, 0}));
 }
 
-TEST(Identity, TheScriptOfFiguresHasTheSame) {
+TEST(LineStyle, TheScriptOfFiguresHasTheSame) {
   std::ifstream file(testing::source_file("scripts/figures.py"));
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   std::string colours;
-  for (Identity i = 0; i < kIdentityColours; ++i) {
+  for (LineStyle i = 0; i < kStyleColours; ++i) {
     colours += "\"" + std::string(light_colour(i)) + "\", ";
   }
-  colours += "\"" + std::string(light_colour(kReferenceIdentity)) + "\"";
+  colours += "\"" + std::string(light_colour(kReferenceStyle)) + "\"";
   EXPECT_NE(text.find("COLOURS = [" + colours + "]"), std::string::npos) << colours;
 }
 
