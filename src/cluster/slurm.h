@@ -33,8 +33,7 @@ struct SubmittedJob {
 };
 
 /// Submits `points` as one array job, DIR/slurm/N. A task calls `breakwater COMMAND DIR --quiet
-/// OPTIONS --points POINTS`. Throws std::invalid_argument with sbatch's
-/// message.
+/// OPTIONS --points POINTS`. Throws std::invalid_argument with sbatch's message.
 SubmittedJob submit(const StudyFolder& folder, const std::vector<std::size_t>& points,
                     const SlurmRequest& request);
 

@@ -91,9 +91,10 @@ void SavedRun::read() {
   }
   signals_ = read_log([](const std::string& log) { return list_hdf5_signals(log); });
   if (manifest_.is_unfinished) find_end();
-  for (const LogEntry& entry : signals_) {
-    if (is_known) break;
-    check_rows(entry.group + "/" + entry.name, {entry.rows, entry.width, {}});
+  if (!is_known) {
+    for (const LogEntry& entry : signals_) {
+      check_rows(entry.group + "/" + entry.name, {entry.rows, entry.width, {}});
+    }
   }
   if (failure() && failure()->is_cut) {
     notes_.push_back(fmt::format("{}: was cut at {:.6g} s: {}", folder_.string(), failure()->time_s,

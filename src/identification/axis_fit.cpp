@@ -3,7 +3,6 @@
 #include <ceres/tiny_solver.h>
 #include <Eigen/QR>
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
 
 #include <breakwater/math/error_function.h>
@@ -112,7 +111,8 @@ class Problem {
     AxisFit fit = base_;
     for (const AxisParameter i : free_) {
       const double value = is_logarithmic(i) ? math::exp(*x) : *x * scales_[i];
-      fit.values[i] = known_parameter(i).scale == Scale::positive ? std::abs(value) : value;
+      fit.values[i] =
+          known_parameter(i).scale == ParameterScale::positive ? std::abs(value) : value;
       if (i == kDelay)
         fit.values[i] = std::clamp(value, data_.least_delay_s, data_.largest_delay_s);
       ++x;
@@ -256,14 +256,21 @@ double deviance_of(const AxisData& data, const AxisFit& fit) {
   return std::isnan(sum) ? std::numeric_limits<double>::infinity() : sum;
 }
 
-// The minimum of a function between two positive numbers.
+// The minimum of a function between two positive numbers, by golden section over the logarithm.
 template <typename Function>
 double least_over_logarithm(double from, double to, const Function& function) {
-  constexpr int kBits = 12;
-  const auto of_logarithm = [&](double x) { return function(math::exp(x)); };
-  return math::exp(
-      boost::math::tools::brent_find_minima(of_logarithm, math::log(from), math::log(to), kBits)
-          .first);
+  constexpr double kGolden = 0.61803398874989484820;
+  double low = math::log(from);
+  double high = math::log(to);
+  while (high - low > 1e-3) {
+    const double length = kGolden * (high - low);
+    if (function(math::exp(high - length)) < function(math::exp(low + length))) {
+      high = low + length;
+    } else {
+      low = high - length;
+    }
+  }
+  return math::exp(0.5 * (low + high));
 }
 
 // The most likely σ of the errors of a fit.

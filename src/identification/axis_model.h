@@ -104,7 +104,7 @@ struct AxisData {
 };
 
 /// How a fit moves a parameter.
-enum class Scale {
+enum class ParameterScale {
   plain,
   positive,    ///< at least 0: friction, damping or backlash
   logarithmic  ///< positive, and scaled by its own size
@@ -113,7 +113,7 @@ enum class Scale {
 /// A parameter of a rotation.
 struct KnownParameter {
   AxisParameter parameter;
-  Scale scale;
+  ParameterScale scale;
   bool is_torque;    ///< it is proportional to the unit of the torque
   const char* key;   ///< "inertia_kgm2"
   const char* unit;  ///< "kg m^2"
@@ -128,7 +128,7 @@ inline const char* parameter_key(AxisParameter parameter) {
   return known_parameter(parameter).key;
 }
 inline bool is_logarithmic(AxisParameter parameter) {
-  return known_parameter(parameter).scale == Scale::logarithmic;
+  return known_parameter(parameter).scale == ParameterScale::logarithmic;
 }
 inline const char* parameter_unit(AxisParameter parameter) {
   return known_parameter(parameter).unit;
@@ -182,12 +182,17 @@ template <typename Function>
 double time_of(const Function& g, double h) {
   constexpr double kShortest = 1e-3;    // relative to h
   constexpr double kTolerance = 1e-13;  // relative to h
-  const double from = g(0.0) > 0.0 ? 0.0 : kShortest * h;
-  if (!(g(from) > 0.0)) return from;
+  double from = 0.0, at_from = g(from);
+  if (!(at_from > 0.0)) {
+    from = kShortest * h;
+    at_from = g(from);
+    if (!(at_from > 0.0)) return from;
+  }
+  const double at_h = g(h);
+  if (!(at_h < 0.0)) return h;
   std::uintmax_t trials = 60;
-  return boost::math::tools::toms748_solve(
-             g, from, h, [h](double a, double b) { return b - a <= kTolerance * h; }, trials)
-      .second;
+  const auto is_close = [h](double a, double b) { return b - a <= kTolerance * h; };
+  return boost::math::tools::toms748_solve(g, from, h, at_from, at_h, is_close, trials).second;
 }
 
 /// Integrates

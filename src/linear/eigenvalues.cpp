@@ -34,11 +34,8 @@ std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& A) {
 }
 
 double spectral_radius(const Eigen::MatrixXd& A) {
-  double largest = 0.0;
-  for (const std::complex<double>& value : eigenvalues(A)) {
-    largest = std::max(largest, std::abs(value));
-  }
-  return largest;
+  EigenvalueSolver solver(A.rows());
+  return solver.solve(A).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
 }
 
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {

@@ -28,7 +28,7 @@ class EigenvalueSolver {
 /// The eigenvalues of a real square matrix.
 std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& A);
 
-/// The largest magnitude of an eigenvalue.
+/// The largest magnitude of an eigenvalue; NaN unless A is finite.
 double spectral_radius(const Eigen::MatrixXd& A);
 
 /// The smallest x that minimises ‖A x − b‖, by a complete orthogonal decomposition of A.

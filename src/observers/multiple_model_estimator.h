@@ -39,7 +39,7 @@ struct MultipleModelDesign {
 /// weighted means of the models above −3. See multiple_model_estimator.cpp and
 /// docs/explanation/methods/multiple-model-estimator.md.
 ///
-/// If the output is not finite, the models only predict. Allocates nothing after construction.
+/// If the output is not finite, the models only predict. update() allocates nothing.
 ///
 /// `n` is the number of the plant's states, 2 or 4.
 template <int n>

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <complex>
+#include <stdexcept>
 #include <utility>
 
 namespace breakwater {
@@ -15,12 +16,11 @@ constexpr double kPlacementError = 1e-6;
 
 StateObserver::StateObserver(const StateSpace& continuous_plant,
                              const std::vector<PoleGroup>& poles, double period_s)
-    : plant_(continuous_plant),
-      poles_(poles),
-      regular_(over(period_s)),
-      step_(regular_),
-      period_s_(period_s),
-      interval_s_(period_s) {
+    : plant_(continuous_plant), poles_(poles), period_s_(period_s), interval_s_(period_s) {
+  const StateSpace sampled = zero_order_hold(plant_, period_s);
+  const std::vector<PoleGroup> sampled_poles = sample_poles(poles, period_s);
+  regular_ = step_of(sampled, place_observer_poles(sampled.A, sampled.C, sampled_poles));
+  step_ = regular_;
   state_.setZero(plant_.states());
   disturbance_.setZero(plant_.inputs());
   next_.setZero(plant_.states());
@@ -29,9 +29,7 @@ StateObserver::StateObserver(const StateSpace& continuous_plant,
   signals_ = {{"innovation", "", "e = y - C x(k|k-1) (Eq. 4.15)", view(innovation_)}};
 }
 
-StateObserver::Step StateObserver::over(double interval_s) const {
-  const StateSpace sampled = zero_order_hold(plant_, interval_s);
-  Eigen::MatrixXd H = place_observer_poles(sampled.A, sampled.C, sample_poles(poles_, interval_s));
+StateObserver::Step StateObserver::step_of(const StateSpace& sampled, Eigen::MatrixXd H) {
   const Eigen::MatrixXd error_dynamics = sampled.A - H * sampled.C;
   return {std::move(H), error_dynamics, sampled.B};
 }
@@ -40,15 +38,23 @@ bool StateObserver::follow(const SampleInterval& interval) {
   const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;
   if (length_s == interval_s_) return true;
   interval_s_ = length_s;
-  step_ = length_s == period_s_ ? regular_ : over(length_s);
-  // For a very short interval the poles are close to 1, and rounding may move them.
-  double sum = 0.0;
-  for (const PoleGroup& group : sample_poles(poles_, length_s)) {
-    for (const std::complex<double>& pole : group) sum += pole.real();
+  if (length_s == period_s_) {
+    step_ = regular_;
+    return true;
   }
-  if (!(std::abs(step_.error_dynamics.trace() - sum) < kPlacementError)) {
-    step_.error_dynamics += (step_.gain - regular_.gain) * plant_.C;
-    step_.gain = regular_.gain;
+  const StateSpace sampled = zero_order_hold(plant_, length_s);
+  const std::vector<PoleGroup> poles = sample_poles(poles_, length_s);
+  step_ = step_of(sampled, regular_.gain);
+  try {
+    const Step placed = step_of(sampled, place_observer_poles(sampled.A, sampled.C, poles));
+    // For a very short interval the poles are close to 1, and rounding may move them.
+    double sum = 0.0;
+    for (const PoleGroup& group : poles) {
+      for (const std::complex<double>& pole : group) sum += pole.real();
+    }
+    if (std::abs(placed.error_dynamics.trace() - sum) < kPlacementError) step_ = placed;
+  } catch (const std::invalid_argument&) {
+    return true;  // a mode has decayed within a long interval, so its poles cannot be placed
   }
   return true;
 }

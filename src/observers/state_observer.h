@@ -24,8 +24,8 @@ class StateObserver : public DisturbanceEstimator {
   /// Starts from the first states `x` and 0 for the others.
   void reset(const Vector& x) override;
   void update(const Vector& held_input, const Vector& y) override;
-  /// Samples the plant and places the poles anew. If the interval is too short for this, the gain
-  /// for T_s stays.
+  /// Samples the plant and places the poles anew. If the interval is too short or too long for
+  /// this, the gain for T_s stays.
   bool follow(const SampleInterval& interval) override;
 
   View state() const override { return {state_.data(), state_.size()}; }
@@ -43,7 +43,7 @@ class StateObserver : public DisturbanceEstimator {
     Eigen::MatrixXd B;
   };
 
-  Step over(double interval_s) const;
+  static Step step_of(const StateSpace& sampled, Eigen::MatrixXd H);
 
   StateSpace plant_;
   std::vector<PoleGroup> poles_;

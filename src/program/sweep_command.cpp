@@ -77,8 +77,12 @@ std::size_t tests_shown(const Plan& plan, const std::vector<PointResult>& runs) 
 // The metrics of a point's scenario, also those that a run may be too short for.
 std::vector<std::string> defined_metrics(const Sweep& sweep, std::size_t point) {
   std::vector<std::string> names;
-  for (const MetricDefinition& one : sweep.prepare(point).scenario->metric_definitions()) {
-    names.push_back(one.name);
+  try {
+    for (const MetricDefinition& one : sweep.prepare(point).scenario->metric_definitions()) {
+      names.push_back(one.name);
+    }
+  } catch (const std::invalid_argument&) {
+    return names;  // the point will be refused
   }
   return names;
 }
@@ -130,9 +134,12 @@ std::string why_missing(const Sweep& sweep, const UnknownMetric& metric, std::si
 void check_names(const Sweep& sweep) {
   const Study& study = sweep.plan().study();
   std::vector<std::string> known;
-  for (std::size_t c = 0; c < sweep.plan().candidates().size(); ++c) {
-    if (unknown_metrics(study, known).empty()) return;
-    add_names(defined_metrics(sweep, c), known);
+  const std::size_t candidates = sweep.plan().candidates().size();
+  for (const std::size_t first : {std::size_t{0}, sweep.plan().size() - candidates}) {
+    for (std::size_t c = 0; c < candidates; ++c) {
+      if (unknown_metrics(study, known).empty()) return;
+      add_names(defined_metrics(sweep, first + c), known);
+    }
   }
   if (known.empty()) return;
   for (const UnknownMetric& one : unknown_metrics(study, known)) {

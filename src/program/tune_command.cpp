@@ -19,6 +19,7 @@
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/study_report.h>
 #include <breakwater/program/study_command.h>
+#include <breakwater/record/input_file.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/search/tuning_plan.h>
@@ -342,7 +343,10 @@ class TuneCommand : public StudyCommand {
       begin(fmt::format("{}: validation", kTune.command), validations.size());
     };
     const auto elsewhere = [&](std::vector<std::size_t> runs) {
-      replace_file(candidates_, plan_.candidate_lines());
+      const std::string lines = plan_.candidate_lines();
+      // Another process of this tuning may be ahead.
+      const bool has_all = fs::exists(candidates_) && bytes_of(candidates_).starts_with(lines);
+      if (!has_all) replace_file(candidates_, lines);
       if (options_.slurm) {
         return run_on_slurm(plan_, {folder_, options_.request, options_.quiet}, runs);
       }

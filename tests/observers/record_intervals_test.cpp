@@ -4,6 +4,7 @@
 #include <breakwater/observers/record_intervals.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/plants/damped_inertia.h>
+#include <breakwater/plants/motor_and_load.h>
 #include "support.h"
 
 namespace breakwater::record_intervals_test {
@@ -41,6 +42,22 @@ TEST(StateObserver, HasItsPolesOverEachInterval) {
   expect_poles(axis, {real});
   expect_poles(axis, {complex});
   expect_poles(two, {real, complex});
+}
+
+// Over a long interval the vibration decays, so no gain moves its poles.
+TEST(StateObserver, KeepsItsGainOverAnIntervalThatNoneFits) {
+  const TwoInertia arm{.motor_inertia = 1e-3,
+                       .load_inertia = 1e-3,
+                       .stiffness = 1.25,
+                       .damping = 1e-2,
+                       .load_friction = 1e-3};
+  StateObserver observer(motor_and_load(arm, Side::motor), {{-30.0, -40.0, -50.0, -60.0}}, 1e-3);
+  Eigen::MatrixXd F(4, 4);
+  for (const double interval_s : {1e-9, 0.01, 1.0, 10.0, 100.0}) {
+    EXPECT_TRUE(observer.follow({.length_s = interval_s}));
+    observer.pole_matrix(F);
+    EXPECT_TRUE(F.allFinite()) << interval_s;
+  }
 }
 
 TEST(RecordIntervals, EqualPeriodsWithRoundedTimesAreOnePeriod) {
