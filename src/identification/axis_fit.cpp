@@ -111,8 +111,7 @@ class Problem {
     AxisFit fit = base_;
     for (const AxisParameter i : free_) {
       const double value = is_logarithmic(i) ? math::exp(*x) : *x * scales_[i];
-      fit.values[i] =
-          known_parameter(i).scale == ParameterScale::positive ? std::abs(value) : value;
+      fit.values[i] = is_positive(i) ? std::abs(value) : value;
       if (i == kDelay)
         fit.values[i] = std::clamp(value, data_.least_delay_s, data_.largest_delay_s);
       ++x;

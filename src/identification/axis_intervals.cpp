@@ -28,8 +28,7 @@ double moved_parameter(const AxisData& data, AxisParameter parameter, double val
   if (is_logarithmic(parameter)) return value * math::exp(change);
   const double moved = value + change * parameter_scales(data)[parameter];
   if (parameter == kDelay) return std::clamp(moved, data.least_delay_s, data.largest_delay_s);
-  return known_parameter(parameter).scale == ParameterScale::positive ? std::max(0.0, moved)
-                                                                      : moved;
+  return is_positive(parameter) ? std::max(0.0, moved) : moved;
 }
 
 AxisFit moved_fit(const AxisData& data, const FreeParameters& free, AxisFit fit,

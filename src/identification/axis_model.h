@@ -127,6 +127,9 @@ const KnownParameter& known_parameter(AxisParameter parameter);
 inline const char* parameter_key(AxisParameter parameter) {
   return known_parameter(parameter).key;
 }
+inline bool is_positive(AxisParameter parameter) {
+  return known_parameter(parameter).scale == ParameterScale::positive;
+}
 inline bool is_logarithmic(AxisParameter parameter) {
   return known_parameter(parameter).scale == ParameterScale::logarithmic;
 }

@@ -42,6 +42,10 @@ using PreciseVector = Eigen::Matrix<Precise, Eigen::Dynamic, 1>;
 using Scale = Eigen::Array<long double, Eigen::Dynamic, 1>;
 using Factor = Eigen::FullPivLU<PreciseMatrix>;
 
+Eigen::DiagonalMatrix<Precise, Eigen::Dynamic> inverse_of(const Scale& scale) {
+  return PreciseVector(scale.inverse().matrix().cast<Precise>()).asDiagonal();
+}
+
 // The smallest pivot, relative to the largest.
 long double pivot_ratio(const Factor& lu) {
   return lu.matrixLU().diagonal().cwiseAbs().minCoeff() / lu.maxPivot();
@@ -75,15 +79,13 @@ std::optional<Eigen::MatrixXd> by_eigenvectors(const Eigen::MatrixXd& A, const E
 
   // Wᵀ H = Vᵀ, solved with balanced rows and columns: the states differ in scale by powers of T_s.
   const Scale row_scale = W.rowwise().norm().array().max(1e-300L);
-  const PreciseMatrix rows_scaled = row_scale.inverse().matrix().cast<Precise>().asDiagonal() * W;
+  const PreciseMatrix rows_scaled = inverse_of(row_scale) * W;
   const Scale column_scale = rows_scaled.colwise().norm().transpose().array();
-  const PreciseMatrix balanced =
-      rows_scaled * column_scale.inverse().matrix().cast<Precise>().asDiagonal();
+  const PreciseMatrix balanced = rows_scaled * inverse_of(column_scale);
   const Factor lu(balanced.transpose());
   if (!lu.isInvertible() || !(pivot_ratio(lu) > kSmallestPivot)) return std::nullopt;
-  const PreciseMatrix solved = lu.solve(
-      PreciseMatrix(column_scale.inverse().matrix().cast<Precise>().asDiagonal() * V.transpose()));
-  const PreciseMatrix H = row_scale.inverse().matrix().cast<Precise>().asDiagonal() * solved;
+  const PreciseMatrix solved = lu.solve(PreciseMatrix(inverse_of(column_scale) * V.transpose()));
+  const PreciseMatrix H = inverse_of(row_scale) * solved;
   return H.real().cast<double>();
 }
 
@@ -102,9 +104,9 @@ Eigen::MatrixXd by_ackermann(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
   }
   // The states and the powers of A have different units.
   const Scale column_scale = O.colwise().norm().transpose().array().max(1e-4000L);
-  const PreciseMatrix scaled = O * column_scale.inverse().matrix().cast<Precise>().asDiagonal();
+  const PreciseMatrix scaled = O * inverse_of(column_scale);
   const Scale row_scale = scaled.rowwise().norm().array().max(1e-4000L);
-  const Factor lu(row_scale.inverse().matrix().cast<Precise>().asDiagonal() * scaled);
+  const Factor lu(inverse_of(row_scale) * scaled);
   if (!(pivot_ratio(lu) > kObservable)) fail_as_not_observable();
   PreciseVector h = lu.solve(PreciseVector(PreciseVector::Unit(n, n - 1) / row_scale(n - 1)));
   h.array() /= column_scale.cast<Precise>();

@@ -150,8 +150,9 @@ class Channels {
     std::vector<std::uint8_t> planes;
     planes.reserve(sizeof(float) * numbers_.size());
     for (std::size_t k = 0; k < sizeof(float); ++k) {
-      for (std::size_t i = 0; i < numbers_.size(); ++i)
+      for (std::size_t i = 0; i < numbers_.size(); ++i) {
         planes.push_back(bytes[sizeof(float) * i + k]);
+      }
     }
     return packed_bytes(planes);
   }

@@ -346,7 +346,6 @@ void try_values(const std::string& file, const std::string& dataset) {
     for (hsize_t first = 0; first < size[0]; first += kChunkRows) {
       read_rows(data, first, {std::min(kChunkRows, size[0] - first), size[1]});
     }
-    return true;
   });
 }
 
