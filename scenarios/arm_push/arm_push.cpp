@@ -1,6 +1,7 @@
 // Scenario arm_push: forced displacement of a link (thesis 2.4.3.3).
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <breakwater/rigs/arm_scenario.h>
 #include <breakwater/sim/hand_on_link.h>
@@ -35,34 +36,42 @@ class PostureOvershoot final : public Beyond {
   double last_offset_rad_ = 0.0;  // largest of all joints
 };
 
-std::vector<MetricKind> kinds_of_a_push() {
-  return {{.name = "posture_overshoot",
-           .meaning = "farthest joint beyond 0, on the other side of the first values",
-           .make = make_reduction<PostureOvershoot>,
-           .has_level = true,
-           .takes_all = true}};
-}
-
 // The arm holds its start pose. A stiff hand pushes the end of one link, turns it, holds it and
 // lets go. The torques saturate; the question is how the arm returns.
 class ArmPush final : public ArmScenario {
  public:
   explicit ArmPush(const Catalogue& catalogue)
-      : ArmScenario(catalogue, MetricRows(catalogue, "arm_push", kinds_of_a_push()), true) {}
+      : ArmScenario(
+            catalogue,
+            {.name = "arm_push",
+             .summary = "forced displacement of each link: torque saturation, recovery",
+             .is_arm = true,
+             .reductions = {
+                 {.name = "posture_overshoot",
+                  .meaning = "farthest joint beyond 0, on the other side of the first values",
+                  .make = make_reduction<PostureOvershoot>,
+                  .has_level = true,
+                  .takes_all = true}}}) {
+    plant_.tip->reference.from_s = std::numeric_limits<double>::infinity();  // it never presses
+  }
 
-  std::string name() const override { return "arm_push"; }
-  std::string summary() const override {
-    return "forced displacement of each link: torque saturation, recovery";
+  // The arm starts at its reference.
+  AxisPlant plant() const override {
+    AxisPlant plant = plant_;
+    for (AxisSettings& joint : plant.axes) {
+      joint.start_position = joint.reference.value - joint.reference.before;
+    }
+    return plant;
   }
 
  private:
   void bind(Fields& fields) override {
-    // This scenario never controls a force.
     fields.only_for({"controller.ik_weights", "controller.ik_damping", "controller.ik_form"},
                     "controller.positioning", {"workspace"});
-    fields.only_where({"controller.k_force", "controller.t_approach_s", "controller.t_contact_s",
-                       "controller.design_stiffness_N_m", "controller.peak_margin_N"},
-                      "force is controlled (never in this scenario)", [] { return false; });
+    fields.only_where(
+        {"controller.k_force", "controller.t_approach_s", "controller.t_contact_s",
+         "controller.design_stiffness_N_m", "controller.peak_margin_N", "force.convert_gain_per_m"},
+        "force is controlled (never in this scenario)", [] { return false; });
     fields.count("push.link", link_, between(1, 100),
                  "number of the link whose end the hand pushes");
     fields.number("push.angle_rad", hand_.angle_rad, any(),
@@ -85,19 +94,17 @@ class ArmPush final : public ArmScenario {
   }
 
   MetricContext complete(const Config& config) override {
-    if (link_ > static_cast<int>(start_angles_rad_.size())) {
-      config.fail("push.link",
-                  "the arm has only " + std::to_string(start_angles_rad_.size()) + " links");
+    if (link_ > chain().joints()) {
+      config.fail("push.link", "the arm has only " + std::to_string(chain().joints()) + " links");
     }
-    [[maybe_unused]] const HandOnLink refuses_a_wrong_link(hand_, plant_.load_model(), chain(),
-                                                           start_angles_rad_, link_);
     return {.known = {{"release", hand_.release_s()}}};
   }
 
-  void extend(RigRun& run, AxisRig& rig) const override {
+  void extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const override {
+    ArmScenario::extend(run, rig, loop);
     Simulation& sim = rig.simulation();
     const auto hand =
-        std::make_shared<HandOnLink>(hand_, sim.model(), chain(), start_angles_rad_, link_);
+        std::make_shared<HandOnLink>(hand_, sim.model(), chain(), start_angles_rad(), link_);
     sim.add(*hand);
     if (has_geom(sim.model(), "wall")) sim.set_collidable(geom_id(sim.model(), "wall"), false);
     run.compute("push_turned_rad", "rad", "angle by which the pushed link is turned",

@@ -1,61 +1,48 @@
 // Scenario arm_wall_contact: position/force control against a wall (thesis 2.4.3.2, 2.4.3.4).
 #include <breakwater/rigs/arm_scenario.h>
 #include <breakwater/sim/linear_model.h>
-#include <breakwater/sim/model.h>
 
 namespace breakwater {
 namespace {
-
-constexpr const char* kWall = "wall";
 
 // The arm moves to its start pose. At `force.from_s` it begins to approach the wall, and then
 // presses on it with `force.reference_N`. The main metrics are impact force and free-motion time.
 class ArmWallContact final : public ArmScenario {
  public:
   explicit ArmWallContact(const Catalogue& catalogue)
-      : ArmScenario(catalogue, MetricRows(catalogue, "arm_wall_contact"), false) {
-    plant_.contacts.emplace_back(catalogue, "tip", kWall);
+      : ArmScenario(catalogue, {.name = "arm_wall_contact",
+                                .summary = "hybrid position/force control against a wall: impact "
+                                           "force, free-motion time",
+                                .is_arm = true}) {
+    plant_.contacts.emplace_back(catalogue, "tip", "wall");
     plant_.tip->contact = contact().name;
     contact().x_m = [this](const Model&) { return wall_x_m(); };
   }
 
-  std::string name() const override { return "arm_wall_contact"; }
-  std::string summary() const override {
-    return "hybrid position/force control against a wall: impact force, free-motion time";
-  }
-
  private:
   void bind(Fields& fields) override {
-    plant_.tip->chain.bind(fields);
     fields.number("wall.distance_m", wall_distance_m_, positive(),
                   "distance from the tip at the start pose to the wall's face");
     fields.number("wall.solid_from_s", contact().solid_from_s, not_negative(),
                   "time at which the wall becomes solid: the stretched arm starts inside it");
-    contact().bind(fields);
-    fields.number("force.reference_N", force().value, positive(),
-                  "F_x^ref: reference of the contact force");
-    fields.number("force.from_s", force().from_s, not_negative(),
-                  "time of the switch from position control to force control");
-    fields.number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
-                  "factor of the force gain: K_f is this value times F_x^ref [1/m]");
-    plant_.tip->chain.bind_filter(fields);
     plant_.bind_fine(fields);
   }
 
   MetricContext complete(const Config& config) override {
-    if (contact().solid_from_s > force().from_s) {
+    const double from_s = plant_.tip->reference.from_s;
+    if (contact().solid_from_s > from_s) {
       config.fail("wall.solid_from_s", "must not be after force.from_s");
     }
-    judged_ = {config.number("metrics.from_s").value_or(force().from_s),
+    judged_ = {config.number("metrics.from_s").value_or(from_s),
                config.number("metrics.to_s").value_or(plant_.run.duration_s)};
-    if (judged_.from_s < force().from_s) {
+    if (judged_.from_s < from_s) {
       config.fail("metrics.from_s", "must not be before force.from_s");
     }
-    return {.known = {{"force_control", plant_.physics.sample_time_s(force().from_s)}},
-            .events = {"first_contact", "first_separation"}};
+    return {.known = {{"force_control", plant_.physics.sample_time_s(from_s)}}};
   }
 
-  void extend(RigRun& run, AxisRig& rig) const override {
+  void extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const override {
+    ArmScenario::extend(run, rig, loop);
     const Simulation& sim = rig.simulation();
     const auto impact_mass_kg = std::make_shared<double>(0.0);
     run.after_step =
@@ -64,36 +51,29 @@ class ArmWallContact final : public ArmScenario {
           if (rig.first_contact_s() == sim.time_s())
             *impact_mass_kg = (*mass)(sim.model(), sim.data());
         };
-    run.for_metrics.push_back({"force_reference_N", "N", "", view(force().value)});
+    run.for_metrics.push_back({"force_reference_N", "N", "", view(plant_.tip->reference.value)});
     run.for_metrics.push_back({"tip_speed_x_m_s", "m/s", "", view(sim.sensor("tip_vel"))});
     run.for_metrics.push_back({"impact_mass_kg", "kg", "", view(*impact_mass_kg)});
     run.judged->push_back(rig.judged_force(judged_));
   }
   // Later the tip touches the wall and presses.
-  TimeWindow holds_start_pose() const override { return {0.0, force().from_s}; }
+  TimeWindow holds_start_pose() const override { return {0.0, plant_.tip->reference.from_s}; }
 
-  void prepare_model(Model& model) const override { plant_.contacts.front().prepare(model); }
   void animate_scene(Model& model, double time_s) const override {
     show_geoms(model, "wall_", time_s >= plant_.contacts.front().solid_from_s);
     plant_.contacts.front().animate(model, time_s);
   }
 
-  ArmTask task() const override {
-    ArmTask task = ArmScenario::task();
-    task.force_control_from_s = force().from_s;
-    task.force_reference_N = force().value;
-    task.convert_gain_N_m = convert_gain_per_m_ * task.force_reference_N;
-    task.wall_x_m = wall_x_m();
-    return task;
+  ArmSetup tip() const override {
+    ArmSetup arm = ArmScenario::tip();
+    arm.task.wall_x_m = wall_x_m();
+    return arm;
   }
 
   ContactSettings& contact() { return plant_.contacts.front(); }
-  Reference& force() { return plant_.tip->reference; }
-  const Reference& force() const { return plant_.tip->reference; }
   double wall_x_m() const { return start_pose()[0] + wall_distance_m_; }
 
   double wall_distance_m_ = 0.0;
-  double convert_gain_per_m_ = 0.0;
   TimeWindow judged_;  // window of the force error
 };
 

@@ -84,7 +84,7 @@ class CartEstimation final : public AxisScenario {
     return {};
   }
 
-  void extend(RigRun& run, const AxisRig& rig, const AxisLoop& loop) const override {
+  void extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const override {
     // Also simulate the loop without noise: the difference is the effect of the noise.
     AxisPlant plant = plant_;
     plant.axis().has_noise = false;

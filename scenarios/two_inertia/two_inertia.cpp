@@ -69,7 +69,7 @@ class TwoInertiaDrive final : public AxisScenario {
     return {.known = {{"last_step", reverses ? reversal_s_ : from_s}}};
   }
 
-  void extend(RigRun& run, const AxisRig& /*rig*/, const AxisLoop& loop) const override {
+  void extend(RigRun& run, AxisRig& /*rig*/, const AxisLoop& loop) const override {
     if (!loop.estimates()) return;
     const NominalAxis nominal = task().axis;
     const bool has_spring = nominal.E.size() != 0;

@@ -614,8 +614,8 @@ std::optional<UnusedKey> Fields::unused(const Field& field, const Variable* vari
   return UnusedKey{field.key, "has an effect only where " + fails->text, fails->choice};
 }
 
-template <typename What>
-void Fields::unite_axes(std::vector<Shown<What>>& all) const {
+template <typename What, typename ValueOf>
+void Fields::unite_axes(std::vector<Shown<What>>& all, ValueOf&& value_of) const {
   std::map<std::string, std::size_t> axes;  // the number of axes that have a key
   for (const Field& field : fields_) {
     if (!axis_in(field.key).empty()) ++axes[field.unnamed];
@@ -633,8 +633,18 @@ void Fields::unite_axes(std::vector<Shown<What>>& all) const {
       return one->what == first.what;
     });
     const bool has_names = group.size() > 1 || !first.field->given.empty();
-    if (!is_one || !has_names || group.size() != axes.at(key)) continue;
+    // An array with an entry for each gave them, by an alias.
+    const bool is_split = aliases_.contains(first.field->given) &&
+                          std::all_of(group.begin(), group.end(), [&](const Shown<What>* one) {
+                            return one->field->given == first.field->given;
+                          });
+    if (!(is_one || is_split) || !has_names || group.size() != axes.at(key)) continue;
     first.key = key;
+    if (!is_one) {
+      std::vector<std::string> values;
+      for (Shown<What>* one : group) values.push_back(value_of(one->what));
+      value_of(first.what) = fmt::format("[{}]", fmt::join(values, ", "));
+    }
     for (std::size_t i = 1; i < group.size(); ++i) group[i]->key.clear();
   }
   std::erase_if(all, [](const Shown<What>& one) { return one.key.empty(); });
@@ -804,7 +814,7 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
     const bool is_missing = field.is_missing && !variable->standard;
     lines.push_back({&field, field.key, {&field, is_missing ? "" : variable->print(), is_missing}});
   }
-  unite_axes(lines);
+  unite_axes(lines, [](Line& line) -> std::string& { return line.value; });
   // Each table with its lines, in the order of their first keys. The root's keys come first.
   std::vector<std::pair<std::string, std::string>> tables = {{"", ""}};
   auto table = tables.begin();
@@ -863,7 +873,8 @@ std::vector<KeyHelp> Fields::help() const {
     }
     keys.push_back({&field, field.key, std::move(meanings)});
   }
-  unite_axes(keys);
+  unite_axes(keys,
+             [](std::vector<KeyHelp>& meanings) -> std::string& { return meanings.front().value; });
   std::vector<KeyHelp> all;
   for (const auto& [field, key, of_axes] : keys) {
     const std::vector<KeyHelp>& meanings = key == field->key ? help_of(*field) : of_axes;

@@ -225,8 +225,9 @@ class Fields {
   std::vector<UnusedKey> unused() const;
 
   /// A scenario file with these values, with one case and no overrides. A key that was given by
-  /// another name keeps it. A key that is the same at each of several axes is printed once,
-  /// without their names. A key without a value is a comment to fill in, `# required`.
+  /// another name keeps it. A key that is the same at each of several axes, or was given as an
+  /// array for them, is printed once, without their names. A key without a value is a comment to
+  /// fill in, `# required`.
   std::string print(const std::string& scenario, const std::string& case_name) const;
 
   /// Every meaning of every key, in their order, with the values that were read. A key that is the
@@ -301,9 +302,9 @@ class Fields {
     std::string key;
     What what;
   };
-  // Makes one of what is the same at each of several axes.
-  template <typename What>
-  void unite_axes(std::vector<Shown<What>>& all) const;
+  // Makes one of what is the same at each of several axes, or was given as an array.
+  template <typename What, typename ValueOf>
+  void unite_axes(std::vector<Shown<What>>& all, ValueOf&& value_of) const;
   static std::vector<KeyHelp> help_of(const Field& field);
   std::optional<UnusedKey> unused(const Field& field, const Variable* variable) const;
   void add(const std::string& name, Variable variable);

@@ -67,6 +67,15 @@ class Catalogue {
     kinds.push_back(std::move(kind));
   }
 
+  /// Puts a kind in the place of that with its name, or adds it.
+  template <typename Kind>
+  void put(Kind kind) {
+    if (!has<Kind>(kind.name)) return add(std::move(kind));
+    for (Kind& other : *std::any_cast<std::vector<Kind>>(&shelves_[typeid(Kind)])) {
+      if (other.name == kind.name) other = std::move(kind);
+    }
+  }
+
   /// All kinds of one type.
   template <typename Kind>
   const std::vector<Kind>& all() const {

@@ -1,7 +1,5 @@
 #include <breakwater/rigs/axis_scenario.h>
 
-#include <algorithm>
-#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -12,15 +10,16 @@
 namespace breakwater {
 
 AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design)
-    : Scenario(design.axis ? MetricRows(catalogue, design.name, design.reductions) : MetricRows()),
+    : Scenario(design.axis || design.is_arm ? MetricRows(catalogue, design.name, design.reductions)
+                                            : MetricRows()),
       design_(std::move(design)),
-      catalogue_(design_.axis ? Catalogue() : with_none(catalogue)),
+      catalogue_(design_.axis ? Catalogue() : with_none(catalogue, design_.is_arm)),
       plant_(catalogue_) {
   if (design_.axis) {
     plant_.axes.emplace_back(*design_.axis, catalogue);
     axis_parts_.emplace_back(catalogue, design_.controller);
   } else {
-    whole_.emplace(catalogue_, "axes", "none");
+    whole_.emplace(catalogue_, design_.is_arm ? "" : "axes", design_.is_arm ? "idob" : "none");
   }
 }
 
@@ -65,7 +64,7 @@ PlantTask AxisScenario::whole_task() const {
   PlantTask task = plant_task(plant_);
   task.observes_axes = moves_tip();
   task.tip = [this, found = std::make_shared<std::optional<ArmSetup>>()] {
-    if (!*found) *found = tip_setup(plant_);
+    if (!*found) *found = tip();
     return **found;
   };
   task.own_controllers = [this, axes = task.axes] { return axes_control(axes); };
@@ -122,8 +121,9 @@ void AxisScenario::check(const Config& config) {
     parts().check(config, this->task());
   }
   MetricContext context = complete(config);
-  // A contact is shorter than a sample.
-  context.fast_signals = {"force_true_N", "force_sensor_N", "force_filtered_N"};
+  // A contact is shorter than a sample. The rows of an arm say it themselves.
+  if (!design_.is_arm)
+    context.fast_signals = {"force_true_N", "force_sensor_N", "force_filtered_N"};
   for (const ContactSettings& one : plant_.contacts) {
     context.fast_signals.push_back(one.signal(""));
   }
@@ -134,7 +134,7 @@ void AxisScenario::check(const Config& config) {
   warnings_ = plant().warnings();
   if (!whole_) return;
   constexpr Eigen::Index kAllCoordinates = 6;
-  if (moves_tip() && task.tip().chain.held() < kAllCoordinates) {
+  if (moves_tip() && !plant_.chain && task.tip().chain.held() < kAllCoordinates) {
     warnings_.push_back("the tip holds " + task.tip().chain.names() +
                         " of the contact's frame: its joints move no other coordinate "
                         "independently");
@@ -163,8 +163,12 @@ PlantTask AxisScenario::check_whole(const Config& config) {
 
 void AxisScenario::warn_of_missing_signals(const Config& config, const PlantTask& task) {
   const AxisLoop loop = make_loop(task);
-  const AxisRig rig(plant_, *loop.controller);
-  const std::vector<Signal> signals = rig.signals();
+  AxisRig rig(plant_, *loop.controller);
+  const RigRun run = make_run(rig, loop);
+  std::vector<Signal> signals = run.signals;
+  for (const std::vector<Signal>* more : {&run.for_metrics, &run.fine}) {
+    signals.insert(signals.end(), more->begin(), more->end());
+  }
   for (const MetricRow& row : rows_.rows()) {
     const std::string missing = config.under(row.prefix()).blame("of", [&] {
       return missing_signal(row, rows_.kind_of(row), signals);
@@ -184,14 +188,11 @@ std::vector<MetricDefinition> AxisScenario::metric_definitions() const {
   return design_.optimises ? with_qp_metrics(rows_.definitions()) : rows_.definitions();
 }
 
-Recording AxisScenario::run(const RunControl& control) const {
-  const math::FloatEnvironment floats;
-  const PlantTask task = whole_task();
-  const AxisLoop loop = make_loop(task);
-  AxisRig rig(plant(), *loop.controller);
+RigRun AxisScenario::make_run(AxisRig& rig, const AxisLoop& loop) const {
   RigRun run;
-  std::copy_if(task.driven.begin(), task.driven.end(), std::back_inserter(run.loops),
-               [this](std::size_t i) { return has_own_loop(i); });
+  for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
+    if (plant_.axes[i].axis.is_driven() && has_own_loop(i)) run.loops.push_back(i);
+  }
   run.signals = rig.signals();
   if (!whole_) {
     const AxisUnits& units = plant_.axis().axis.units;
@@ -200,7 +201,15 @@ Recording AxisScenario::run(const RunControl& control) const {
         {"reference_" + units.position_suffix, units.position, "", view(rig.reference())});
   }
   extend(run, rig, loop);
-  Recording recording = rig.run(control, rows_, std::move(run));
+  return run;
+}
+
+Recording AxisScenario::run(const RunControl& control) const {
+  const math::FloatEnvironment floats;
+  const PlantTask task = whole_task();
+  const AxisLoop loop = make_loop(task);
+  AxisRig rig(plant(), *loop.controller);
+  Recording recording = rig.run(control, rows_, make_run(rig, loop));
   if (design_.optimises && !recording.failure) {
     add_qp_metrics(*loop.controller, recording);
   }

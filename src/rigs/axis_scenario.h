@@ -32,6 +32,7 @@ struct AxisScenarioDesign {
   std::string summary;
   std::optional<Axis> axis = {};  ///< its only axis, without a name; empty: the file names the axes
   std::string controller = {};    ///< the default one of its only axis; empty: the file names it
+  bool is_arm = false;  ///< its controllers are first those of an arm, and it has rows of its own
   void (*bind)(Fields& fields, AxisSettings& axis) = nullptr;  ///< binds more keys of its only axis
   bool optimises = false;  ///< the metrics of predictive control's optimisations belong to it
   std::vector<MetricKind> reductions = {};  ///< its own
@@ -84,7 +85,9 @@ class AxisScenario : public Scenario {
   /// for the rows of its metrics. Throws as check().
   virtual MetricContext complete(const Config& /*config*/) { return {}; }
   /// Adds signals and more to a run.
-  virtual void extend(RigRun& /*run*/, const AxisRig& /*rig*/, const AxisLoop& /*loop*/) const {}
+  virtual void extend(RigRun& /*run*/, AxisRig& /*rig*/, const AxisLoop& /*loop*/) const {}
+  /// The tip for an arm's controllers. Throws as tip_setup().
+  virtual ArmSetup tip() const { return tip_setup(plant_); }
   /// The parts of the only axis.
   const AxisParts& parts() const { return axis_parts_.front(); }
 
@@ -98,6 +101,7 @@ class AxisScenario : public Scenario {
   /// Checks a plant of named axes, and returns its task.
   PlantTask check_whole(const Config& config);
   void warn_of_missing_signals(const Config& config, const PlantTask& task);
+  RigRun make_run(AxisRig& rig, const AxisLoop& loop) const;
   /// Whether the axis has a controller of its own.
   bool has_own_loop(std::size_t i) const;
   /// The axes' own controllers, with `other` at the axis `replaced` if it is there.

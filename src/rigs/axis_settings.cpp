@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -25,6 +26,16 @@ int id_of(const Config& own, const char* key, const Model& model, mjtObj kind,
           const std::string& name) {
   if (own.find(key) == nullptr) return model.id(kind, name);  // the scenario gives the name
   return own.blame(key, [&] { return model.id(kind, name); });
+}
+
+// The transmission with the motor's angle over the ratio in place of its angle. The command and the
+// encoder are then those of the joint for every ratio.
+TransmissionSettings at_joint(TransmissionSettings transmission) {
+  const double ratio = std::exchange(transmission.design.ratio, 1.0);
+  transmission.motor_inertia *= ratio * ratio;
+  transmission.motor_friction *= ratio * ratio;
+  transmission.design.error_per_turn *= ratio;
+  return transmission;
 }
 
 // Calls a check whose error names a key of the axis.
@@ -77,17 +88,15 @@ Axis cart_axis() {
 
 void AxisSettings::bind_nominal(Fields& fields) {
   const char* const doc = "nominal value for the controller and the observer";
+  TwoInertia& nominal = of_motor ? of_motor->nominal : transmission.nominal;
   fields.number("nominal." + axis.units.inertia + "_" + axis.units.inertia_suffix,
-                transmission.nominal.load_inertia, positive(), doc);
-  fields.number("nominal.viscous_friction_" + axis.units.friction_suffix,
-                transmission.nominal.load_friction, not_negative(), doc);
+                nominal.load_inertia, positive(), doc);
+  const std::string friction = "nominal.viscous_friction_" + axis.units.friction_suffix;
+  fields.number(friction, nominal.load_friction, not_negative(), doc);
+  if (of_motor) fields.standard(friction, {0.0});
 }
 
-void AxisSettings::bind(Fields& fields) {
-  const Fields::Under under(fields, axis.prefix());
-  if (axis.name.empty()) bind_nominal(fields);
-  bind_parts(fields);
-  if (axis.name.empty()) return;
+void AxisSettings::bind_nominal_from(Fields& fields) {
   const AxisUnits& u = axis.units;
   const char* const from = "nominal.from";
   fields.choice(from, nominal_from, {{"model", NominalFrom::model}, {"keys", NominalFrom::keys}},
@@ -103,7 +112,17 @@ void AxisSettings::bind(Fields& fields) {
     const Fields::OfPart keys(fields, from, "keys");
     bind_nominal(fields);
   }
+}
+
+void AxisSettings::bind(Fields& fields) {
+  const Fields::Under under(fields, axis.prefix());
+  if (axis.name.empty() || of_motor) bind_nominal(fields);
+  bind_parts(fields);
+  if (axis.name.empty()) return;
+  if (!of_motor) bind_nominal_from(fields);
+  const AxisUnits& u = axis.units;
   fields.text("joint", axis.joint, "hinge or slide of the model");
+  if (of_motor) fields.standard("joint", {axis.joint});
   fields.optional_text("actuator", axis.actuator,
                        "actuator of the joint or of transmission.motor_joint; a motor with gear 1 "
                        "replaces it; joint: it has no name; none: the axis is only measured");
@@ -122,13 +141,13 @@ void AxisSettings::bind(Fields& fields) {
                 "reference of the position: hold the pose of start.keyframe, step from it to a "
                 "value, a sine about it, or a table");
   const std::string value = "reference.value_" + u.position_suffix;
-  fields.optional_number(value, reference.value, any(),
-                         "position after a step; amplitude of a sine");
+  fields.number(value, reference.value, any(), "position after a step; amplitude of a sine");
+  if (!of_motor) fields.standard(value, {reference.value});
   fields.optional_number("reference.from_s", reference.from_s, not_negative(),
                          "start of the step, the sine or the table");
   fields.optional_number("reference.frequency_rad_s", reference.frequency_rad_s, any(),
                          "frequency of a sine");
-  fields.standard(kind, {std::string("hold")});
+  fields.standard(kind, {std::string(of_motor ? "step" : "hold")});
   fields.only_for({value}, kind, {"step", "sine"});
   fields.only_for({"reference.from_s"}, kind, {"step", "sine", "csv"});
   fields.only_for({"reference.frequency_rad_s"}, kind, {"sine"});
@@ -173,6 +192,9 @@ void AxisSettings::bind_parts(Fields& fields) {
                            "turns of the encoder's shaft per turn of the axis");
     fields.only_where({"encoder.multiplication", "encoder.gear_ratio"}, "encoder.bits is not 0",
                       [this] { return counts.bits != 0; });
+    fields.optional_number("encoder.counts_per_turn", counts_per_turn, between(0.0, 1e12),
+                           "counts per turn of the axis, in place of encoder.bits; 0: see there");
+    fields.either("encoder.bits", "encoder.counts_per_turn");
   } else {
     fields.optional_number("encoder.resolution_" + u.position_suffix, encoder.quantum,
                            not_negative(), "encoder resolution, one count; 0: not quantised");
@@ -194,17 +216,24 @@ void AxisSettings::bind_parts(Fields& fields) {
                          "standard deviation of a random force, constant in each sample");
   fields.optional_count("sensor.delay_samples", delay_samples, between(0, 1e6),
                         "delay of the measurement in control periods");
-  transmission.bind(fields, u);
+  of_motor ? of_motor->bind_plant(fields, u) : transmission.bind(fields, u);
+}
+
+EncoderCounts AxisSettings::whole_counts() const {
+  if (counts_per_turn > 0.0) return {.bits = 1, .multiplication = 0.5 * counts_per_turn};
+  return counts;
 }
 
 double AxisSettings::pulses_per_revolution() const {
   if (!axis.counts_pulses) return encoder.quantum > 0.0 ? 1.0 / encoder.quantum : 0.0;
-  return counts.bits == 0 ? 0.0 : counts.counts_per_revolution();
+  const EncoderCounts whole = whole_counts();
+  return whole.bits == 0 ? 0.0 : whole.counts_per_revolution();
 }
 
 double AxisSettings::quantum() const {
   if (!axis.counts_pulses) return encoder.quantum;
-  return counts.bits == 0 ? 0.0 : counts.quantum_rad();
+  const EncoderCounts whole = whole_counts();
+  return whole.bits == 0 ? 0.0 : whole.quantum_rad();
 }
 
 double AxisSettings::force_limit() const {
@@ -212,7 +241,16 @@ double AxisSettings::force_limit() const {
 }
 
 void AxisPlant::learn(const Config& config) {
-  const std::vector<std::string> names = config.names_in("axis");
+  std::vector<std::string> names = config.names_in("axis");
+  std::set<std::string> of_chain;
+  if (const auto file = config.text("model.urdf")) {
+    chain =
+        std::make_shared<PlanarChain>(load_planar_chain(config.find_file_of("model.urdf", *file)));
+    for (Eigen::Index i = 0; i < chain->joints(); ++i) {
+      const std::string& joint = *of_chain.insert(chain->joint(i).name).first;
+      if (std::find(names.begin(), names.end(), joint) == names.end()) names.push_back(joint);
+    }
+  }
   if (names.empty()) {
     config.fail("axis", "there is no table [axis.NAME]: a plant needs at least one axis");
   }
@@ -229,7 +267,7 @@ void AxisPlant::learn(const Config& config) {
   std::vector<std::pair<int, Axis>> found;
   for (const std::string& name : names) {
     const Config own = config.under("axis." + name + ".");
-    const std::string joint_name = own.text("joint").value_or("");
+    const std::string joint_name = own.text("joint").value_or(of_chain.contains(name) ? name : "");
     const std::string motor_name = own.text("transmission.motor_joint").value_or("");
     int joint = -1;
     bool is_hinge = true;
@@ -259,7 +297,12 @@ void AxisPlant::learn(const Config& config) {
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (auto& [joint, axis] : found) axes.emplace_back(std::move(axis), *catalogue_);
+  for (auto& [joint, axis] : found) {
+    AxisSettings& one = axes.emplace_back(std::move(axis), *catalogue_);
+    if (!of_chain.contains(one.axis.name)) continue;
+    one.of_motor.emplace();
+    one.axis.channel = "q" + std::to_string(axes.size());
+  }
   for (const std::string& name : config.names_in("push")) pushes.emplace_back().name = name;
   for (const std::string& name : config.names_in("contact")) {
     contacts.emplace_back(name, *catalogue_);
@@ -271,6 +314,10 @@ void AxisPlant::learn(const Config& config) {
 
 void AxisPlant::bind(Fields& fields) {
   bind_model(fields, mjcf);
+  if (chain) {
+    fields.file("model.urdf", urdf,
+                "URDF file of a planar arm, the controllers' nominal model: its joints are axes");
+  }
   physics.bind(fields);
   timing.bind(fields);
   run.bind(fields);
@@ -695,6 +742,9 @@ SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
 void AxisPlant::check(const Config& config) {
   physics.check(config, run);
   timing.check(config, physics);
+  for (AxisSettings& one : axes) {
+    if (one.of_motor) one.transmission = at_joint(*one.of_motor);
+  }
   complete(config);
   const double no_force_N = 0.0;
   const SensingSetup setup = sensing(&no_force_N);
@@ -710,6 +760,12 @@ void AxisPlant::check(const Config& config) {
     if (one.transmission.is_elastic()) one.transmission.make(model, one.axis.joint);
   }
   const Sensing check_only(model, setup);
+  if (!chain) return;
+  // A log with the friction of one joint has that of all.
+  knows_disturbances = std::any_of(axes.begin(), axes.end(), [](const AxisSettings& one) {
+    return one.disturbance.shape.kind != DisturbanceKind::none || one.input_noise() > 0.0 ||
+           one.drive.make_friction(1.0) != nullptr;
+  });
 }
 
 void PushSettings::bind(Fields& fields) {
@@ -734,17 +790,18 @@ void TipSettings::bind(Fields& fields) {
   fields.optional_count(
       "tip.component", component, between(0, 2),
       "value of the sensor, from 0: 0 is the force with which the tip presses along x of its site");
-  chain.bind_filter(fields);
   chain.bind_noise(fields);
   chain.bind(fields);
+  fields.standard("sensor.force_noise_N", {0.0});
+  fields.only_where({"tip.component", "sensor.force_tool_mass_kg", "sensor.force_weighed_kg"},
+                    "tip.sensor names a sensor", [this] { return sensor != kNone; });
+  if (std::isinf(reference.from_s)) return;
+  chain.bind_filter(fields);
+  fields.standard("force.filter_time_constant_s", {0.0});
   fields.optional_number("force.reference_N", reference.value, any(),
                          "reference of the force, for the controller and the log");
   fields.optional_number("force.from_s", reference.from_s, not_negative(),
                          "time from which the reference counts; before, it is 0");
-  fields.standard("force.filter_time_constant_s", {0.0});
-  fields.standard("sensor.force_noise_N", {0.0});
-  fields.only_where({"tip.component", "sensor.force_tool_mass_kg", "sensor.force_weighed_kg"},
-                    "tip.sensor names a sensor", [this] { return sensor != kNone; });
 }
 
 void TipSettings::add_tool(Model& model) const {

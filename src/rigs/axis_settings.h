@@ -12,6 +12,7 @@
 
 #include <array>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,6 +20,7 @@
 
 #include <breakwater/control/reference.h>
 #include <breakwater/experiment/settings.h>
+#include <breakwater/plants/planar_chain.h>
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/contact_settings.h>
 #include <breakwater/rigs/drive_settings.h>
@@ -115,7 +117,7 @@ struct TipSettings {
   std::string sensor = kNone;   ///< kNone: the force of the contact is measured itself
   int component = 0;
   ForceSensorSettings chain;
-  Reference reference;  ///< 0 until it begins
+  Reference reference;  ///< 0 until it begins; never, and without keys, if that is infinite
 
   void bind(Fields& fields);
   /// Puts the tool's mass before the sensor.
@@ -143,14 +145,18 @@ struct AxisSettings {
   double drive_resolution = 0.0;  ///< step of the PWM; 0: not quantised
   DriveSettings drive;            ///< friction law and motor
 
-  EncoderCounts counts;    ///< no bits: not quantised
-  Encoder encoder;         ///< its quantum is that of `counts` where the axis counts pulses
-  bool has_noise = true;   ///< false: neither of the next two
-  double noise_std = 0.0;  ///< noise of the measurement
+  EncoderCounts counts;          ///< no bits: not quantised
+  double counts_per_turn = 0.0;  ///< in place of `counts`, unless it is 0
+  Encoder encoder;               ///< its quantum is that of `counts` where the axis counts pulses
+  bool has_noise = true;         ///< false: neither of the next two
+  double noise_std = 0.0;        ///< noise of the measurement
   double input_noise_std =
       0.0;  ///< standard deviation of a random force that is drawn at each control sample
   int delay_samples = 0;
   TransmissionSettings transmission;
+  /// A joint of a URDF: the keys of its transmission, which count for the motor. All else, its
+  /// command and its encoder too, is at the joint for every ratio.
+  std::optional<TransmissionSettings> of_motor;
 
   DisturbanceSettings disturbance;
   // Only for named axes.
@@ -183,6 +189,8 @@ struct AxisSettings {
  private:
   void bind_nominal(Fields& fields);
   void bind_parts(Fields& fields);
+  void bind_nominal_from(Fields& fields);
+  EncoderCounts whole_counts() const;
 };
 
 /// The settings of a plant with axes.
@@ -194,6 +202,10 @@ struct AxisPlant {
   explicit AxisPlant(const Catalogue& catalogue) : catalogue_(&catalogue) {}
 
   ModelFile mjcf;
+  std::string urdf;
+  /// The chain of model.urdf, if the file has that key: each of its joints is an axis, with a
+  /// nominal model of its keys, and the chain is the nominal one of the tip.
+  std::shared_ptr<const PlanarChain> chain;
   PhysicsSettings physics;
   TimingSettings timing;  ///< timing of the commands
   RunSettings run;
@@ -212,9 +224,10 @@ struct AxisPlant {
   std::vector<ContactSettings> contacts;
   std::optional<TipSettings> tip;
 
-  /// Takes the names of axes, pushes and contacts from the tables of a file, and the kind of each
-  /// axis from its joint. Finds whether there is a tip. The axes have the order of their joints in
-  /// the model. Throws std::invalid_argument `ORIGIN: KEY: reason`.
+  /// Takes the names of axes, pushes and contacts from the tables of a file, those of axes also
+  /// from the joints of a URDF, and the kind of each axis from its joint. Finds whether there is a
+  /// tip. The axes have the order of their joints in the model. Throws std::invalid_argument
+  /// `ORIGIN: KEY: reason`.
   void learn(const Config& config);
 
   /// The first axis.

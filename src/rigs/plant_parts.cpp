@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -177,11 +178,14 @@ std::vector<PlantControllerKind> plant_controllers() {
            &PlantLqr::make}};
 }
 
-Catalogue with_none(Catalogue catalogue) {
+Catalogue with_none(Catalogue catalogue, bool is_arm) {
   catalogue.add(AxisEstimatorKind(
       "none", "no estimator: the measured position, its difference over a sample, no disturbance",
       make_raw_difference));
-  for (PlantControllerKind& kind : tip_controllers(catalogue)) catalogue.add(std::move(kind));
+  for (PlantControllerKind& kind : tip_controllers(catalogue)) {
+    // A controller in Python is of all kinds.
+    if (is_arm || !catalogue.has<PlantControllerKind>(kind.name)) catalogue.put(std::move(kind));
+  }
   catalogue.add(AxisControllerKind("none", "no control", make_no_control));
   catalogue.add(ContactLawKind(ContactSettings::kOfModel, "the contact as the model file has it",
                                make_no_law));
@@ -254,6 +258,32 @@ std::vector<SpatialJoint> joints_to(int body, const AxisPlant& plant, const Mode
   return joints;
 }
 
+// The nominal model of a URDF: its joints are independent, and their coupling is a disturbance.
+ArmSetup planar_setup(const AxisPlant& plant) {
+  ArmSetup arm{TipChain(plant.chain), {}, {}, plant.physics.control_period_s};
+  const Eigen::Index n = arm.chain.joints();
+  if (static_cast<Eigen::Index>(plant.axes.size()) != n) {
+    throw std::invalid_argument("moves the joints of the URDF alone, and there are other axes");
+  }
+  arm.task.force_lag_s = plant.tip->chain.low_pass_s;
+  arm.acceleration.nominal_inertia_kgm2.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const AxisSettings& joint = plant.axes[static_cast<std::size_t>(i)];
+    const PlanarJoint& known = plant.chain->joint(i);
+    if (joint.axis.joint != known.name) {
+      throw std::invalid_argument("needs the joints of the model in the order of the URDF");
+    }
+    // The controllers limit their torque as in the URDF.
+    if (std::abs(joint.force_limit() - known.effort_limit_Nm) > 1e-9 * known.effort_limit_Nm) {
+      throw std::invalid_argument(
+          fmt::format("needs the limits ±{} N m of the URDF at the actuator of \"{}\" in {}",
+                      known.effort_limit_Nm, known.name, plant.mjcf.path));
+    }
+    arm.acceleration.nominal_inertia_kgm2(i) = joint.transmission.nominal.load_inertia;
+  }
+  return arm;
+}
+
 // An arm's controller and the keys that a plant adds to it.
 class TipPart final : public PlantControllerKind::Part {
  public:
@@ -281,26 +311,24 @@ class TipPart final : public PlantControllerKind::Part {
     if (!estimator) throw WrongKey("observer.name", "needs an estimator for each joint");
     const Eigen::Index n = arm.chain.joints();
     AccelerationControlDesign& joints = arm.acceleration;
-    joints.nominal_inertia_kgm2.resize(n);
     arm.task.start_angles_rad.resize(n);
     for (Eigen::Index i = 0; i < n; ++i) {
-      const AxisTask& axis = task.axes[static_cast<std::size_t>(i)];
-      joints.nominal_inertia_kgm2(i) = 1.0 / axis.axis.plant.B(1);
-      arm.task.start_angles_rad(i) = axis.reference.at(0.0);
+      arm.task.start_angles_rad(i) = task.axes[static_cast<std::size_t>(i)].reference.at(0.0);
     }
     joints.torque_limit_Nm = task.limit;
     joints.make_observer = [estimator = std::move(estimator)] { return estimator; };
     joints.feed = feed_;
     joints.period_s = task.whole.period_s;
+    arm.task.start_pose = arm.chain.tip_pose(arm.task.start_angles_rad);
+    arm.task.k_posture = k_posture_;
     const Reference& force = task.force.reference;
+    if (std::isinf(force.from_s)) return arm;
     if (!(force.value > 0.0)) {
       throw WrongKey("force.reference_N", "must be positive: the tip presses on the wall");
     }
-    arm.task.start_pose = arm.chain.tip_pose(arm.task.start_angles_rad);
     arm.task.force_control_from_s = force.from_s;
     arm.task.force_reference_N = force.value;
     arm.task.convert_gain_N_m = convert_gain_per_m_ * force.value;
-    arm.task.k_posture = k_posture_;
     return arm;
   }
 
@@ -314,6 +342,7 @@ class TipPart final : public PlantControllerKind::Part {
 
 ArmSetup tip_setup(const AxisPlant& plant) {
   if (!plant.tip) throw std::invalid_argument("needs a tip: a table [tip]");
+  if (plant.chain) return planar_setup(plant);
   const Model model = plant.nominal_model();
   const TipSettings& settings = *plant.tip;
   std::optional<Tip> touching;
@@ -351,9 +380,12 @@ ArmSetup tip_setup(const AxisPlant& plant) {
   const auto chain = std::make_shared<SpatialChain>(joints, body * tip.frame, *contact, start);
   ArmSetup arm{TipChain(chain), {}, {}, plant.physics.control_period_s};
   arm.task.force_lag_s = settings.chain.low_pass_s;
+  arm.acceleration.nominal_inertia_kgm2.resize(start.size());
   std::vector<Eigen::Index> rates;
-  for (const AxisSettings& one : plant.axes) {
-    rates.push_back(model->jnt_dofadr[model.id(mjOBJ_JOINT, one.axis.joint)]);
+  for (std::size_t i = 0; i < plant.axes.size(); ++i) {
+    rates.push_back(model->jnt_dofadr[model.id(mjOBJ_JOINT, plant.axes[i].axis.joint)]);
+    arm.acceleration.nominal_inertia_kgm2(static_cast<Eigen::Index>(i)) =
+        1.0 / plant.nominal(i).plant.B(1);
   }
   arm.acceleration.nominal_mass_matrix_kgm2 = joint_inertia(model, plant.pose(model))(rates, rates);
   if (radius_m > 0.0 && touching->body == tip.body) {
@@ -370,8 +402,6 @@ ArmSetup tip_setup(const AxisPlant& plant) {
 std::vector<PlantControllerKind> tip_controllers(const Catalogue& catalogue) {
   std::vector<PlantControllerKind> kinds;
   for (const ArmControllerKind& kind : catalogue.all<ArmControllerKind>()) {
-    // A controller in Python is of all kinds.
-    if (catalogue.has<PlantControllerKind>(kind.name)) continue;
     kinds.emplace_back(kind.name, kind.help,
                        [kind] { return std::make_unique<TipPart>(kind.settings()); });
     kinds.back().moves_tip = true;

@@ -90,14 +90,16 @@ class NoControl final : public Controller {
 std::vector<PlantControllerKind> plant_controllers();
 
 /// The catalogue with "none" among the estimators and the controllers of an axis, and "model" among
-/// the contact laws. An arm's controllers are controllers of a plant too.
-Catalogue with_none(Catalogue catalogue);
+/// the contact laws. An arm's controllers are controllers of a plant too, and for an arm they come
+/// before others of their name.
+Catalogue with_none(Catalogue catalogue, bool is_arm = false);
 
-/// The kinematics of a plant's tip with its nominal mass matrix at the start, the lag of its force
-/// and the wall. The tip is the site of tip.sensor, or the centre of the geom that touches.
-/// The contact frame is that of the plane in tip.contact: x is opposite to the plane's normal. Each
-/// joint from the world to the tip must have an axis with an actuator and a sensor at the joint.
-/// There must be no other axis. Throws std::invalid_argument.
+/// The kinematics of a plant's tip with its nominal inertias and mass matrix at the start, the lag
+/// of its force and the wall; of a URDF without the mass matrix and the wall. The tip is the site
+/// of tip.sensor, or the centre of the geom that touches. The contact frame is that of the plane in
+/// tip.contact: x is opposite to the plane's normal. Each joint from the world to the tip must have
+/// an axis with an actuator and a sensor at the joint. There must be no other axis. Throws
+/// std::invalid_argument.
 ArmSetup tip_setup(const AxisPlant& plant);
 
 /// An arm's controllers of the catalogue as controllers of a plant. Their estimator stands for each

@@ -5,7 +5,7 @@
 namespace breakwater {
 
 HandOnLink::HandOnLink(const Hand& hand, const Model& model, const PlanarChain& chain,
-                       const std::vector<double>& gripped_angles_rad, int link)
+                       const Eigen::VectorXd& gripped_angles_rad, int link)
     : hand_(hand),
       joint_(model.id(mjOBJ_JOINT, chain.joint(link - 1).name)),
       body_(model->jnt_bodyid[joint_]),
@@ -15,7 +15,7 @@ HandOnLink::HandOnLink(const Hand& hand, const Model& model, const PlanarChain& 
     senses_.push_back(chain.joint(i).sense);
     qpos_.push_back(static_cast<std::size_t>(model->jnt_qposadr[id]));
     dofs_.push_back(static_cast<std::size_t>(model->jnt_dofadr[id]));
-    gripped_angle_rad_ += senses_.back() * gripped_angles_rad[static_cast<std::size_t>(i)];
+    gripped_angle_rad_ += senses_.back() * gripped_angles_rad(i);
   }
 }
 

@@ -17,7 +17,7 @@ class HandOnLink final : public ExternalForce {
   /// Grips link `link` (1, 2, …) of a chain in a posture (one angle [rad] per joint). Throws
   /// std::invalid_argument if the model lacks the chain's joints or the site linkN_end.
   HandOnLink(const Hand& hand, const Model& model, const PlanarChain& chain,
-             const std::vector<double>& gripped_angles_rad, int link);
+             const Eigen::VectorXd& gripped_angles_rad, int link);
 
   void apply(double time_s, const mjModel& model, mjData& data) const override;
 
