@@ -17,7 +17,6 @@
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/plant_parts.h>
 #include <breakwater/rigs/quadrotor_parts.h>
-#include <breakwater/shell/did_you_mean.h>
 #include "interpreter.h"
 
 namespace breakwater::python {
@@ -313,7 +312,6 @@ PythonParts::PythonParts(const py::tuple& parts) : catalogue_(shipped_parts()) {
   const auto choose = [this](const py::dict& given, const char* key, auto&& kind) {
     for (const auto& [name, part] : given) {
       const std::string axis = py::cast<std::string>(name);
-      axes_.push_back(axis);
       const std::string its_name = class_name(part) + "_" + axis;
       catalogue_.add(kind(its_name, share(py::reinterpret_borrow<py::object>(part))));
       sets_of_axes_.push_back("axis." + axis + "." + key + "=\"" + its_name + "\"");
@@ -321,14 +319,6 @@ PythonParts::PythonParts(const py::tuple& parts) : catalogue_(shipped_parts()) {
   };
   choose(parts[2], "controller.name", axis_controller);
   choose(parts[3], "observer.name", axis_estimator);
-}
-
-void PythonParts::check_axes(const std::vector<std::string>& names) const {
-  for (const std::string& axis : axes_) {
-    if (std::find(names.begin(), names.end(), axis) != names.end()) continue;
-    throw std::invalid_argument("controllers, estimators: there is no table [axis." + axis + "]" +
-                                did_you_mean(axis, names));
-  }
 }
 
 std::vector<std::string> PythonParts::choices(const std::string& scenario) const {

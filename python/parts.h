@@ -32,9 +32,6 @@ class PythonParts {
 
   const Catalogue& catalogue() const { return catalogue_; }
 
-  /// Throws std::invalid_argument if an axis with an object is not among `names`.
-  void check_axes(const std::vector<std::string>& names) const;
-
   /// `KEY="NAME"` for each object. Throws std::invalid_argument if the scenario does not take one.
   std::vector<std::string> choices(const std::string& scenario) const;
 
@@ -42,7 +39,6 @@ class PythonParts {
   Catalogue catalogue_;
   std::string controller_;  // class names; empty: none
   std::string estimator_;
-  std::vector<std::string> axes_;  // the axes with an object of their own
   std::vector<std::string> sets_of_axes_;
 };
 

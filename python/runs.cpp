@@ -73,7 +73,6 @@ OwnRun run(const std::string& word, const std::optional<std::string>& case_name,
   const auto file =
       parts.catalogue().get<ScenarioKind>(scenario).scenario_file(config ? *config : file_of(word));
   const std::string chosen = case_name ? *case_name : file->default_case();
-  parts.check_axes(file->config(chosen).names_in("axis"));
   own.prepared = prepare_run(parts.catalogue(), scenario, *file, chosen, sets);
   if (out) folder.emplace(*out);
   static_cast<EndedRun&>(own) =

@@ -11,20 +11,21 @@ Catalogue axes_catalogue() {
       axis_kind({.name = "cart_position",
                  .summary = "position control of a cart with friction, quantised drive and encoder",
                  .axis = cart_axis(),
-                 .bind = [](Fields& fields, AxisSettings& cart) { cart.bind_step(fields); },
                  .optimises = true}));
-  catalogue.add(cart_offset_free());
+  catalogue.add(axis_kind({.name = "cart_offset_free",
+                           .summary = "predictive control of a cart under input and output "
+                                      "disturbance: the remaining error",
+                           .axis = cart_axis(),
+                           .controller = "mpc",
+                           .disturbance = DisturbanceKind::step,
+                           .optimises = true}));
   catalogue.add(cart_constrained());
   catalogue.add(cart_estimation());
-  const auto bind_disturbance = [](Fields& fields, AxisSettings& axis) {
-    axis.bind_disturbance(fields);
-  };
   catalogue.add(axis_kind(
       {.name = "motor_estimation",
        .summary = "disturbance estimators on a motor: encoder quantisation and white noise",
        .axis = motor_axis(),
-       .controller = "pd",
-       .bind = bind_disturbance}));
+       .controller = "pd"}));
   catalogue.add(two_inertia());
   catalogue.add(impact_test());
   catalogue.add(axis_kind(

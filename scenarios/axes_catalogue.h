@@ -10,7 +10,6 @@ ScenarioKind arm_push();
 ScenarioKind arm_wall_contact();
 ScenarioKind cart_constrained();
 ScenarioKind cart_estimation();
-ScenarioKind cart_offset_free();
 ScenarioKind impact_test();
 ScenarioKind two_inertia();
 

@@ -108,10 +108,11 @@ class ArmPush final : public ArmScenario {
     sim.add(*hand);
     if (has_geom(sim.model(), "wall")) sim.set_collidable(geom_id(sim.model(), "wall"), false);
     run.compute("push_turned_rad", "rad", "angle by which the pushed link is turned",
-                [hand, &sim](double) { return hand->turned_rad(sim.qpos()); });
-    run.compute(
-        "push_moment_Nm", "N m", "moment of the hand about the joint",
-        [hand, &sim](double time_s) { return hand->moment_Nm(time_s, sim.qpos(), sim.qvel()); });
+                [hand, &sim](double, auto) { return hand->turned_rad(sim.qpos()); });
+    run.compute("push_moment_Nm", "N m", "moment of the hand about the joint",
+                [hand, &sim](double time_s, auto) {
+                  return hand->moment_Nm(time_s, sim.qpos(), sim.qvel());
+                });
   }
   TimeWindow holds_start_pose() const override {
     return {hand_.release_s(), plant_.run.duration_s};

@@ -21,9 +21,10 @@ class CartConstrained final : public AxisScenario {
                                  .summary = "limits of a cart's input and velocity under "
                                             "disturbance and mass error",
                                  .axis = cart_axis(),
+                                 .disturbance = DisturbanceKind::step,
                                  .optimises = true}) {
     plant_.senses_true_state = true;
-    plant_.axis().disturbance.shape.kind = DisturbanceKind::step;
+    plant_.axis().has_disturbance_keys = false;
   }
 
   Matrix matrix() const override {
@@ -47,10 +48,6 @@ class CartConstrained final : public AxisScenario {
         {{"A", {}}, {"B", {1.0}}, {"C", {2.0}}, {"D", {0.0, 0.5}}, {"E", {0.0, 1.5}}},
         "A: nominal. B, C: a force of 1 N or 2 N. D, E: half or one and a half times the "
         "nominal mass");
-    fields.number("start.position_m", plant_.axis().start_position, any(),
-                  "position of the cart at the start");
-    fields.number("start.velocity_m_s", plant_.axis().start_velocity, any(),
-                  "velocity of the cart at the start");
     fields.number("observer.start_position_m", start_estimate_(0), any(),
                   "position with which the estimator starts");
     fields.number("observer.start_velocity_m_s", start_estimate_(1), any(),

@@ -9,7 +9,6 @@ namespace {
 // The delay T of an estimate by least squares. For a ramp it is that of d̂(t) = d(t) − T ḋ(t). For a
 // sine, whose frequency is the level, it is that of d̂(t) = g d(t − T). T is NaN or infinite if d is
 // constant. The values are d̂, d and the rate of d.
-template <bool is_sine>
 class Lag final : public Reduction {
  public:
   explicit Lag(const ReductionSetup& setup) : omega_rad_s_(setup.level.value()) {}
@@ -19,7 +18,7 @@ class Lag final : public Reduction {
     error_d_ += (added.all[0] - d(0)) * d;
   }
   std::optional<double> value() const override {
-    if (!is_sine) return -error_d_(1) / d_d_(1, 1);
+    if (omega_rad_s_ == 0.0) return -error_d_(1) / d_d_(1, 1);
     // g d(t − T) = g cos(ω T) d(t) − g sin(ω T)/ω ḋ(t)
     const Eigen::Vector2d fit = d_d_.inverse() * error_d_;
     return math::atan2(-omega_rad_s_ * fit(1), 1.0 + fit(0)) / omega_rad_s_;
@@ -30,16 +29,6 @@ class Lag final : public Reduction {
   Eigen::Matrix2d d_d_ = Eigen::Matrix2d::Zero();
   Eigen::Vector2d error_d_ = Eigen::Vector2d::Zero();
 };
-
-template <bool is_sine>
-MetricKind lag(const char* name, const std::string& how) {
-  return {.name = name,
-          .meaning = "delay of an estimate, by least squares" + how,
-          .unit = ReducedUnit::time,
-          .make = make_reduction<Lag<is_sine>>,
-          .has_level = is_sine,
-          .takes_all = true};
-}
 
 // A cart under PD control with disturbance cancellation (Eq. 4.10), with system and observation
 // noise. The question is which disturbance model and forgetting factor follow which disturbance,
@@ -54,13 +43,18 @@ class CartEstimation final : public AxisScenario {
                         "filters on a cart",
              .axis = cart_axis(),
              .controller = "pd",
-             .reductions = {
-                 lag<false>("lag", ""),
-                 lag<true>("lag_of_sine", " together with a gain; the level is the frequency")}}) {}
+             .reductions = {{.name = "lag",
+                             .meaning = "delay of an estimate, by least squares; of a sine, whose "
+                                        "frequency is the level, together with a gain",
+                             .unit = ReducedUnit::time,
+                             .make = make_reduction<Lag>,
+                             .has_level = true,
+                             .takes_all = true}}}) {
+    plant_.axis().has_disturbance_keys = false;
+  }
 
  private:
   void bind(Fields& fields) override {
-    plant_.axis().bind_step(fields);
     fields.choice<std::size_t>("disturbance.kind", shape_,
                                {{"step", 0}, {"ramp", 1}, {"sine", 2}, {"high_sine", 3}},
                                "shape of the disturbance, (a) to (d) of Table 4.3");
@@ -92,7 +86,7 @@ class CartEstimation final : public AxisScenario {
     quiet->controller->set_watched(false);
     const auto quiet_rig = std::make_shared<AxisRig>(plant, *quiet->controller);
     run.compute("d_hat_noise_N", "N", "part of the estimated disturbance that the noise causes",
-                [quiet, quiet_rig, &rig, &loop](double /*time_s*/) {
+                [quiet, quiet_rig, &rig, &loop](double, auto) {
                   while (quiet_rig->simulation().steps() < rig.simulation().steps()) {
                     quiet_rig->step();
                   }
@@ -100,7 +94,7 @@ class CartEstimation final : public AxisScenario {
                   return loop.estimator->disturbance()(0) - quiet->estimator->disturbance()(0);
                 });
     run.compute("d_rate_N_s", "N/s", "",
-                [this](double time_s) { return plant_.axis().force.rate(time_s); });
+                [this](double time_s, auto) { return plant_.axis().force.rate(time_s); });
   }
 
   std::size_t shape_ = 0;

@@ -21,7 +21,9 @@ class TwoInertiaDrive final : public AxisScenario {
                                             "vibration, load torque, backlash",
                                  .axis = load_axis(),
                                  .controller = "pd",
-                                 .optimises = true}) {}
+                                 .optimises = true}) {
+    plant_.axis().has_disturbance_keys = false;
+  }
 
   AxisPlant plant() const override {
     AxisPlant plant = plant_;
@@ -49,13 +51,10 @@ class TwoInertiaDrive final : public AxisScenario {
                    {"reversal", Kind::reversal}},
                   "step of the load's reference, step of the torque on the load, or a step of the "
                   "reference and then its opposite");
-    Reference& reference = plant_.axis().reference;
-    fields.number("task.reference_rad", reference.value, any(), "reference of the load");
     fields.number("task.load_torque_Nm", torque_Nm_, any(), "torque against the load");
-    fields.number("task.from_s", reference.from_s, not_negative(), "time of the step");
     fields.number("task.reversal_s", reversal_s_, not_negative(),
                   "time at which the reference changes its sign");
-    fields.only_for({"task.reference_rad"}, "task.kind", {"position_step", "reversal"});
+    fields.only_for({"reference.value_rad"}, "task.kind", {"position_step", "reversal"});
     fields.only_for({"task.load_torque_Nm"}, "task.kind", {"torque_step"});
     fields.only_for({"task.reversal_s", "transmission.backlash_rad"}, "task.kind", {"reversal"});
   }
@@ -64,7 +63,7 @@ class TwoInertiaDrive final : public AxisScenario {
     const bool reverses = kind_ == Kind::reversal;
     const double from_s = plant_.axis().reference.from_s;
     if (reverses && reversal_s_ <= from_s) {
-      config.fail("task.reversal_s", "must be later than task.from_s");
+      config.fail("task.reversal_s", "must be later than reference.from_s");
     }
     return {.known = {{"last_step", reverses ? reversal_s_ : from_s}}};
   }
@@ -76,11 +75,12 @@ class TwoInertiaDrive final : public AxisScenario {
     const Eigen::Index velocity = has_spring ? nominal.controlled + 1 : 1;
     const double per_load = has_spring ? 1.0 : nominal.measured_ratio;
     const double at_load = has_spring ? 1.0 : plant_.axis().transmission.design.ratio;
-    run.compute("load_velocity_hat_rad_s", "rad/s", "", [velocity, per_load, &loop](double) {
+    run.compute("load_velocity_hat_rad_s", "rad/s", "", [velocity, per_load, &loop](double, auto) {
       return loop.estimator->state()(velocity) / per_load;
     });
-    run.compute("load_d_hat_Nm", "N m", "",
-                [at_load, &loop](double) { return loop.estimator->disturbance()(0) * at_load; });
+    run.compute("load_d_hat_Nm", "N m", "", [at_load, &loop](double, auto) {
+      return loop.estimator->disturbance()(0) * at_load;
+    });
   }
 
   Kind kind_ = Kind::position_step;

@@ -409,7 +409,7 @@ ProbedLoop loop_design(const AxisOfPlant& of) {
   const AxisSettings& axis = of.settings();
   const TransmissionSettings& transmission = axis.transmission;
   const StateSpace linear = linear_axis(of);
-  const StateSpace driven = behind(axis.drive.electric(), linear);
+  const StateSpace driven = behind(axis.drive.electric, linear);
   const double period_s = of.task.axis.period_s;
   const double periods = of.plant.timing.delays().mean_s() / period_s;
   const double whole = std::floor(periods + kWhole), part = periods - whole;

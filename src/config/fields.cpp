@@ -884,7 +884,8 @@ std::vector<KeyHelp> Fields::help() const {
 }
 
 std::optional<double> Fields::number_of(const std::string& key) const {
-  const Field* field = find(key);
+  const auto alias = aliases_.find(key);
+  const Field* field = find(alias != aliases_.end() ? alias->second : key);
   if (field == nullptr) return std::nullopt;
   const Variable* variable = in_use(*field);
   const std::string text = (variable != nullptr ? *variable : field->variables.front()).print();

@@ -30,23 +30,18 @@ struct PfcSettings {
     fields.count("controller.basis_functions", basis_functions, between(1, 3),
                  "basis functions of the PFC: 1 step; 2 step and ramp; 3 step, ramp and parabola");
   }
-  PfcDesign design(double response_time_s, double period_s) const {
-    return {response_time_s, period_s, coincidence_points, basis_functions};
+  PfcDesign design(const char* key, double response_time_s, const ArmSetup& arm) const {
+    const PfcDesign design{response_time_s, arm.period_s, coincidence_points, basis_functions};
+    blame(key, [&] { Pfc made(design); });
+    return design;
   }
   std::vector<PfcDesign> joints(const ArmSetup& arm) const {
     std::vector<PfcDesign> designs;
     for (const double response_time_s :
-         spread("controller.t_ref_s", t_ref_s, arm.chain.joints(),
-                "must have one entry for each of the " + std::to_string(arm.chain.joints()) +
-                    " joints, or one for all")) {
-      designs.push_back(design(response_time_s, arm.period_s));
+         spread("controller.t_ref_s", t_ref_s, arm.chain.joints(), "joint")) {
+      designs.push_back(design("controller.t_ref_s", response_time_s, arm));
     }
     return designs;
-  }
-  void check(const ArmSetup& arm) const {
-    blame("controller.t_ref_s", [&] {
-      for (const PfcDesign& joint : joints(arm)) Pfc pfc(joint);
-    });
   }
 };
 
@@ -75,14 +70,13 @@ struct Proposed {
                   "sugihara_damping (Eq. 2.66 with Sugihara's W_n), or sugihara (any number)");
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
-    pfc.check(arm);
+    std::vector<PfcDesign> joints = pfc.joints(arm);
     LmDesign kinematics = ik;
-    kinematics.weights = spread(
-        "controller.ik_weights", ik_weights, arm.chain.held(),
-        "must have a number for each of " + arm.chain.names() + ", which the arm can hold, or one");
+    kinematics.weights = spread("controller.ik_weights", ik_weights, arm.chain.held(),
+                                "of " + arm.chain.names() + ", which the arm can hold");
     blame("controller.ik_form", [&] { LmInverseKinematics(kinematics, arm.chain.joints()); });
     return make_law<ImplicitForcePfc>(
-        arm, ImplicitForcePfcDesign{pfc.joints(arm), kinematics, pfc.positioning});
+        arm, ImplicitForcePfcDesign{std::move(joints), kinematics, pfc.positioning});
   }
 };
 
@@ -133,18 +127,12 @@ struct PathSettings {
     fields.number("controller.t_approach_s", approach_s, positive(),
                   "target response time of the speed towards the wall");
   }
-  PfcDesign design_of(const char* key, double response_time_s, const ArmSetup& arm) const {
-    const PfcDesign design = pfc.design(response_time_s, arm.period_s);
-    blame(key, [&] { Pfc made(design); });
-    return design;
-  }
   PfcDesign approach(const ArmSetup& arm) const {
-    return design_of("controller.t_approach_s", approach_s, arm);
+    return pfc.design("controller.t_approach_s", approach_s, arm);
   }
   PathDesign design(const ArmSetup& arm) const {
-    pfc.check(arm);
-    return {pfc.positioning, pfc.joints(arm), design_of("controller.t_hold_s", hold_s, arm),
-            design_of("controller.t_across_s", across_s, arm)};
+    return {pfc.positioning, pfc.joints(arm), pfc.design("controller.t_hold_s", hold_s, arm),
+            pfc.design("controller.t_across_s", across_s, arm)};
   }
 };
 
@@ -161,7 +149,7 @@ struct TlscSettings {
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     return make_law<SoftContact>(
         arm, SoftContactDesign{path.design(arm), path.approach(arm),
-                               path.design_of("controller.t_contact_s", contact_s, arm),
+                               path.pfc.design("controller.t_contact_s", contact_s, arm),
                                path.impact.stiffness_N_m, path.impact.peak_margin_N});
   }
 };

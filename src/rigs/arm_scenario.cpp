@@ -46,8 +46,9 @@ void ArmScenario::extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const 
   };
   const auto gather = [&](const char* name, const char* unit, const char* text,
                           const double& (AxisRig::*of_joint)(std::size_t) const) {
-    run.compute(name, unit, text, n,
-                [&rig, of_joint](double, std::size_t i) { return (rig.*of_joint)(i); });
+    run.compute(
+        name, unit, text, [&rig, of_joint](double, std::size_t i) { return (rig.*of_joint)(i); },
+        n);
   };
   const auto any = [&](auto&& has) {
     return std::any_of(plant_.axes.begin(), plant_.axes.end(), has);
@@ -64,16 +65,16 @@ void ArmScenario::extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const 
   const auto arm =
       std::make_shared<Arm>(Arm{.q_rad = Eigen::VectorXd(chain().joints()), .start = start_pose()});
   // It computes the pose that the signals behind it read.
-  run.compute("x_true_m", "m", "true x of the tip", [this, &rig, arm](double) {
+  run.compute("x_true_m", "m", "true x of the tip", [this, &rig, arm](double, auto) {
     for (Eigen::Index i = 0; i < arm->q_rad.size(); ++i) {
       arm->q_rad(i) = rig.position(static_cast<std::size_t>(i));
     }
     arm->tip = chain().tip_pose(arm->q_rad);
     return arm->tip[0];
   });
-  run.compute("y_true_m", "m", "true y of the tip", [arm](double) { return arm->tip[1]; });
+  run.compute("y_true_m", "m", "true y of the tip", [arm](double, auto) { return arm->tip[1]; });
   run.compute("phi_true_rad", "rad", "true angle of the tip",
-              [arm](double) { return arm->tip[2]; });
+              [arm](double, auto) { return arm->tip[2]; });
   run.signals.push_back(run.fine[1]);
   add("q_measured_rad", "rad", "sampled joint angles", measured.first(n));
   run.signals.insert(run.signals.end(), {tip[3], tip[4]});
@@ -83,7 +84,7 @@ void ArmScenario::extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const 
   if (const WallContact* wall = rig.wall()) {
     add("wall_m", "m", "how far the wall has moved", view(wall->wall_m()));
   }
-  if (any([](const auto& one) { return one.drive.electric().is_on(); })) {
+  if (any([](const auto& one) { return one.drive.electric.is_on(); })) {
     gather("current_A", "A", "currents of the motors", &AxisRig::current_A);
     gather("motor_Nm", "N m", "true torques of the motors", &AxisRig::motor_force);
   }
@@ -104,13 +105,15 @@ void ArmScenario::extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const 
   for (const auto& [name, unit, i] :
        {std::tuple("x_offset_m", "m", 0), {"y_offset_m", "m", 1}, {"phi_offset_rad", "rad", 2}}) {
     run.compute(name, unit, kForMetrics,
-                [arm, i = i](double) { return arm->tip[i] - arm->start[i]; });
+                [arm, i = i](double, auto) { return arm->tip[i] - arm->start[i]; });
   }
-  run.compute("joint_offset_rad", "rad", kForMetrics, n,
-              [&rig, start = start_angles_rad()](double, std::size_t i) {
-                return rig.position(i) - start(static_cast<Eigen::Index>(i));
-              });
-  run.compute("tip_error_m", "m", kForMetrics, [arm](double) { return arm->error_m(); });
+  run.compute(
+      "joint_offset_rad", "rad", kForMetrics,
+      [&rig, start = start_angles_rad()](double, std::size_t i) {
+        return rig.position(i) - start(static_cast<Eigen::Index>(i));
+      },
+      n);
+  run.compute("tip_error_m", "m", kForMetrics, [arm](double, auto) { return arm->error_m(); });
   run.judged.emplace().push_back(
       {HeldReference(holds_start_pose(), "the tip", "m"),
        [arm, from_s = holds_start_pose().from_s](HeldReference& held, double time_s) {

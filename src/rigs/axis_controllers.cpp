@@ -314,37 +314,32 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
 // A number of the optimisations of a run, for metrics or costs.
 struct QpNumber {
   MetricDefinition definition;
-  double (*of)(const QpStatistics& statistics);
+  double value;
   bool is_cost = false;
 };
 
-double optimisations(const QpStatistics& s) {
-  return static_cast<double>(std::max<std::int64_t>(s.optimisations, 1));
-}
-
-const std::vector<QpNumber>& qp_numbers() {
-  using S = QpStatistics;
-  static const std::vector<QpNumber> all = {
-      {{"qp_iterations_mean", "1", "mean number of solver iterations of an optimisation"},
-       [](const S& s) { return static_cast<double>(s.iterations) / optimisations(s); }},
-      {{"qp_iterations_max", "1", "largest number of solver iterations of an optimisation"},
-       [](const S& s) { return static_cast<double>(s.most_iterations); }},
-      {{"qp_unsolved_count", "1",
-        "number of optimisations whose problem, as it was given, was not solved"},
-       [](const S& s) { return static_cast<double>(s.unsolved); }},
-      {{"qp_softened_count", "1",
-        "number of unsolved optimisations in which constraints were softened"},
-       [](const S& s) { return static_cast<double>(s.softened); }},
-      {{"qp_capped_count", "1",
-        "number of unsolved optimisations that were left with an approximate solution"},
-       [](const S& s) { return static_cast<double>(s.capped); }},
-      {{"qp_time_mean_us", "us", "cost, in manifest.json: mean time of an optimisation"},
-       [](const S& s) { return 1e6 * s.time_s / optimisations(s); },
-       true},
-      {{"qp_time_max_us", "us", "cost, in manifest.json: longest time of an optimisation"},
-       [](const S& s) { return 1e6 * s.longest_s; },
-       true}};
-  return all;
+std::vector<QpNumber> qp_numbers(const QpStatistics& s) {
+  const auto optimisations = static_cast<double>(std::max<std::int64_t>(s.optimisations, 1));
+  const auto count = [](auto number) { return static_cast<double>(number); };
+  return {{{"qp_iterations_mean", "1", "mean number of solver iterations of an optimisation"},
+           count(s.iterations) / optimisations},
+          {{"qp_iterations_max", "1", "largest number of solver iterations of an optimisation"},
+           count(s.most_iterations)},
+          {{"qp_unsolved_count", "1",
+            "number of optimisations whose problem, as it was given, was not solved"},
+           count(s.unsolved)},
+          {{"qp_softened_count", "1",
+            "number of unsolved optimisations in which constraints were softened"},
+           count(s.softened)},
+          {{"qp_capped_count", "1",
+            "number of unsolved optimisations that were left with an approximate solution"},
+           count(s.capped)},
+          {{"qp_time_mean_us", "us", "cost, in manifest.json: mean time of an optimisation"},
+           1e6 * s.time_s / optimisations,
+           true},
+          {{"qp_time_max_us", "us", "cost, in manifest.json: longest time of an optimisation"},
+           1e6 * s.longest_s,
+           true}};
 }
 
 }  // namespace
@@ -367,14 +362,14 @@ std::vector<AxisControllerKind> axis_controllers() {
 void add_qp_metrics(const Controller& controller, Recording& recording) {
   const auto* predictive = dynamic_cast<const PredictiveControl*>(&controller);
   if (predictive == nullptr) return;
-  for (const QpNumber& one : qp_numbers()) {
+  for (const QpNumber& one : qp_numbers(predictive->lmpc().statistics())) {
     add(one.is_cost ? recording.costs : recording.metrics, one.definition.name, one.definition.unit,
-        one.of(predictive->lmpc().statistics()));
+        one.value);
   }
 }
 
 std::vector<MetricDefinition> with_qp_metrics(std::vector<MetricDefinition> definitions) {
-  for (const QpNumber& one : qp_numbers()) definitions.push_back(one.definition);
+  for (const QpNumber& one : qp_numbers({})) definitions.push_back(one.definition);
   return definitions;
 }
 

@@ -51,7 +51,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
       steps_per_sample_(plant.physics.steps_per_sample()),
       drives_(controller),
       has_motors_(std::any_of(plant.axes.begin(), plant.axes.end(),
-                              [](const auto& one) { return one.drive.electric().is_on(); })) {
+                              [](const auto& one) { return one.drive.electric.is_on(); })) {
   Model model = plant.load_model();
   const auto rotors = std::count_if(plant.axes.begin(), plant.axes.end(),
                                     [](const auto& one) { return one.transmission.adds_rotor(); });
@@ -76,7 +76,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     }
     const std::string rubs = one.transmission.friction_joint(one.axis.joint);
     const double coulomb = model->dof_frictionloss[model->jnt_dofadr[model.id(mjOBJ_JOINT, rubs)]];
-    std::unique_ptr<FrictionLaw> law = one.drive.make_friction(coulomb);
+    std::unique_ptr<FrictionLaw> law = one.drive.friction->make(coulomb);
     // The engine's own friction has the bits of this law, which knows its force.
     if (!law && plant.knows_disturbances && coulomb > 0.0 && has_friction(*model.get())) {
       law = std::make_unique<LoadDependentFriction>(coulomb, 0.0);
@@ -128,7 +128,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     const AxisSettings& one = plant.axes[i];
     if (const auto actuator = static_cast<int>(axes_[i].actuator); actuator != kNoActuator) {
       simulation_->set_pwm(actuator, Pwm{one.drive_resolution});
-      if (has_motors_) simulation_->set_drive(actuator, one.drive.electric());
+      if (has_motors_) simulation_->set_drive(actuator, one.drive.electric);
     }
     if (axes_[i].force) simulation_->add(*axes_[i].force);
     if (axes_[i].friction) simulation_->add(*axes_[i].friction);
@@ -255,17 +255,11 @@ std::vector<std::string> AxisRig::overlaps() const {
   return lines;
 }
 
-void RigRun::compute(std::string name, std::string unit, std::string text, std::size_t size,
-                     std::function<double(double time_s, std::size_t i)> value) {
+void RigRun::compute(std::string name, std::string unit, std::string text,
+                     std::function<double(double time_s, std::size_t i)> value, std::size_t size) {
   computed_.push_back({std::vector<double>(size), std::move(value)});
   std::vector<Signal>& of_kind = text.empty() ? for_metrics : signals;
   of_kind.push_back({std::move(name), std::move(unit), std::move(text), computed_.back().now});
-}
-
-void RigRun::compute(std::string name, std::string unit, std::string text,
-                     std::function<double(double time_s)> value) {
-  compute(std::move(name), std::move(unit), std::move(text), 1,
-          [value = std::move(value)](double time_s, std::size_t) { return value(time_s); });
 }
 
 Recording AxisRig::run(const RunControl& control, const MetricRows& rows, RigRun run) {
@@ -367,7 +361,7 @@ std::vector<Signal> AxisRig::signals() const {
       add("applied_" + u.force_suffix, u.force, "applied input, saturated and rounded",
           actuation(i));
     }
-    if (axis.is_driven() && plant_.axes[i].drive.electric().is_on()) {
+    if (axis.is_driven() && plant_.axes[i].drive.electric.is_on()) {
       add("current_A", "A", "current of the motor", current_A(i));
       add("motor_" + u.force_suffix, u.force, "true force of the motor", motor_force(i));
     }

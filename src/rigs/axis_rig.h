@@ -40,10 +40,8 @@ struct RigRun {
 
   /// Adds a signal of `size` values, each of which is computed after a sample. Without a text it is
   /// for metrics alone.
-  void compute(std::string name, std::string unit, std::string text, std::size_t size,
-               std::function<double(double time_s, std::size_t i)> value);
   void compute(std::string name, std::string unit, std::string text,
-               std::function<double(double time_s)> value);
+               std::function<double(double time_s, std::size_t i)> value, std::size_t size = 1);
 
  private:
   friend class AxisRig;

@@ -13,10 +13,12 @@ AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design
     : Scenario(design.axis || design.is_arm ? MetricRows(catalogue, design.name, design.reductions)
                                             : MetricRows()),
       design_(std::move(design)),
-      catalogue_(design_.axis ? Catalogue() : with_none(catalogue, design_.is_arm)),
+      catalogue_(design_.has_nameless_axis() ? Catalogue() : with_none(catalogue, design_.is_arm)),
       plant_(catalogue_) {
   if (design_.axis) {
-    plant_.axes.emplace_back(*design_.axis, catalogue);
+    plant_.axes.emplace_back(*design_.axis, catalogue).disturbance.shape.kind = design_.disturbance;
+  }
+  if (design_.has_nameless_axis()) {
     axis_parts_.emplace_back(catalogue, design_.controller);
   } else {
     whole_.emplace(catalogue_, design_.is_arm ? "" : "axes", design_.is_arm ? "idob" : "none");

@@ -30,12 +30,15 @@ struct AxisOfPlant {
 struct AxisScenarioDesign {
   std::string name;
   std::string summary;
-  std::optional<Axis> axis = {};  ///< its only axis, without a name; empty: the file names the axes
+  std::optional<Axis> axis = {};  ///< an axis of every file, the only one if it has no name
   std::string controller = {};    ///< the default one of its only axis; empty: the file names it
   bool is_arm = false;  ///< its controllers are first those of an arm, and it has rows of its own
-  void (*bind)(Fields& fields, AxisSettings& axis) = nullptr;  ///< binds more keys of its only axis
+  /// The default kind of the only axis' disturbance.
+  DisturbanceKind disturbance = DisturbanceKind::none;
   bool optimises = false;  ///< the metrics of predictive control's optimisations belong to it
   std::vector<MetricKind> reductions = {};  ///< its own
+
+  bool has_nameless_axis() const { return axis && axis->name.empty(); }
 };
 
 /// A scenario of a plant of axes. The file names the axes ([axis.NAME]), the forces on bodies
@@ -77,10 +80,8 @@ class AxisScenario : public Scenario {
   AxisTask task() const;
 
  protected:
-  /// Binds the scenario's own keys: those of its design.
-  virtual void bind(Fields& fields) {
-    if (design_.bind != nullptr) design_.bind(fields, plant_.axis());
-  }
+  /// Binds the scenario's own keys.
+  virtual void bind(Fields& /*fields*/) {}
   /// Reads and checks what only this scenario has, after the plant's settings. Returns the names
   /// for the rows of its metrics. Throws as check().
   virtual MetricContext complete(const Config& /*config*/) { return {}; }

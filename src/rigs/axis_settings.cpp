@@ -13,6 +13,7 @@
 #include <utility>
 
 #include <breakwater/config/column_table.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/linear_model.h>
 #include <breakwater/sim/model.h>
@@ -116,30 +117,32 @@ void AxisSettings::bind_nominal_from(Fields& fields) {
 
 void AxisSettings::bind(Fields& fields) {
   const Fields::Under under(fields, axis.prefix());
-  if (axis.name.empty() || of_motor) bind_nominal(fields);
-  bind_parts(fields);
-  if (axis.name.empty()) return;
-  if (!of_motor) bind_nominal_from(fields);
   const AxisUnits& u = axis.units;
-  fields.text("joint", axis.joint, "hinge or slide of the model");
-  if (of_motor) fields.standard("joint", {axis.joint});
-  fields.optional_text("actuator", axis.actuator,
-                       "actuator of the joint or of transmission.motor_joint; a motor with gear 1 "
-                       "replaces it; joint: it has no name; none: the axis is only measured");
-  fields.optional_text("position_sensor", axis.position_sensor,
-                       "sensor of the model that measures the position; joint: the joint itself");
+  const bool is_named = !axis.name.empty();
+  if (!is_named || of_motor) bind_nominal(fields);
+  bind_parts(fields);
+  if (is_named) {
+    if (!of_motor) bind_nominal_from(fields);
+    fields.optional_text("joint", axis.joint, "hinge or slide of the model");
+    fields.optional_text(
+        "actuator", axis.actuator,
+        "actuator of the joint or of transmission.motor_joint; a motor with gear 1 "
+        "replaces it; joint: it has no name; none: the axis is only measured");
+    fields.optional_text("position_sensor", axis.position_sensor,
+                         "sensor of the model that measures the position; joint: the joint itself");
+  }
   fields.optional_number("start.position_" + u.position_suffix, start_position, any(),
                          "distance of the start from the pose of start.keyframe");
   fields.optional_number("start.velocity_" + u.velocity_suffix, start_velocity, any(),
                          "velocity at the start");
   const char* const kind = "reference.kind";
-  fields.choice(kind, reference.kind,
-                {{"hold", ReferenceShape::hold},
-                 {"step", ReferenceShape::step},
-                 {"sine", ReferenceShape::sine},
-                 {"csv", ReferenceShape::csv}},
-                "reference of the position: hold the pose of start.keyframe, step from it to a "
-                "value, a sine about it, or a table");
+  fields.optional_choice(kind, reference.kind,
+                         {{"hold", ReferenceShape::hold},
+                          {"step", ReferenceShape::step},
+                          {"sine", ReferenceShape::sine},
+                          {"csv", ReferenceShape::csv}},
+                         "reference of the position: hold the pose of start.keyframe, step from it "
+                         "to a value, a sine about it, or a table");
   const std::string value = "reference.value_" + u.position_suffix;
   fields.number(value, reference.value, any(), "position after a step; amplitude of a sine");
   if (!of_motor) fields.standard(value, {reference.value});
@@ -147,7 +150,6 @@ void AxisSettings::bind(Fields& fields) {
                          "start of the step, the sine or the table");
   fields.optional_number("reference.frequency_rad_s", reference.frequency_rad_s, any(),
                          "frequency of a sine");
-  fields.standard(kind, {std::string(of_motor ? "step" : "hold")});
   fields.only_for({value}, kind, {"step", "sine"});
   fields.only_for({"reference.from_s"}, kind, {"step", "sine", "csv"});
   fields.only_for({"reference.frequency_rad_s"}, kind, {"sine"});
@@ -157,19 +159,13 @@ void AxisSettings::bind(Fields& fields) {
         "reference.file", reference_file,
         "table with the columns time_s, from reference.from_s, and value [" + u.position + "]");
   }
-  bind_disturbance(fields);
-  fields.standard("disturbance.kind", {std::string("none")});
-  // Without a kind the reference holds, and nothing disturbs.
+  if (!has_disturbance_keys) return;
+  const bool is_step = disturbance.shape.kind == DisturbanceKind::step;
+  disturbance.bind(fields, u.force_suffix, u.force);
+  fields.standard("disturbance.kind", {std::string(is_step ? "step" : "none")});
   fields.standard("disturbance.amplitude_" + u.force_suffix, {0.0});
-  fields.standard("disturbance.frequency_rad_s", {0.0});
-  fields.standard("disturbance.start_s", {0.0});
-}
-
-void AxisSettings::bind_step(Fields& fields) {
-  fields.number("task.reference_" + axis.units.position_suffix, reference.value, any(),
-                "y_ref: reference of the position");
-  fields.number("task.reference_from_s", reference.from_s, not_negative(),
-                "time of the step to the reference");
+  fields.optional_number("disturbance.output_" + u.position_suffix, output.amplitude, any(),
+                         "d_o: error of the measured position from disturbance.start_s on");
 }
 
 void AxisSettings::bind_parts(Fields& fields) {
@@ -210,10 +206,13 @@ void AxisSettings::bind_parts(Fields& fields) {
   fields.only_where({"encoder.phase_" + u.position_suffix, "encoder.origin", "encoder.rounding"},
                     "the encoder is quantised", [this] { return quantum() != 0.0; });
   bind_scale(fields, encoder, u);
+  fields.optional_flag("noise.enabled", has_noise, "add the noise");
   fields.optional_number("noise.std_" + u.position_suffix, noise_std, not_negative(),
                          "standard deviation of the measurement's white noise");
   fields.optional_number("noise.input_std_" + u.force_suffix, input_noise_std, not_negative(),
                          "standard deviation of a random force, constant in each sample");
+  fields.only_where({"noise.std_" + u.position_suffix, "noise.input_std_" + u.force_suffix},
+                    "noise.enabled is true", [this] { return has_noise; });
   fields.optional_count("sensor.delay_samples", delay_samples, between(0, 1e6),
                         "delay of the measurement in control periods");
   of_motor ? of_motor->bind_plant(fields, u) : transmission.bind(fields, u);
@@ -251,7 +250,8 @@ void AxisPlant::learn(const Config& config) {
       if (std::find(names.begin(), names.end(), joint) == names.end()) names.push_back(joint);
     }
   }
-  if (names.empty()) {
+  for (const AxisSettings& one : axes) std::erase(names, one.axis.name);
+  if (names.empty() && axes.empty()) {
     config.fail("axis", "there is no table [axis.NAME]: a plant needs at least one axis");
   }
   // Missing keys are reported when all keys are read.
@@ -273,7 +273,11 @@ void AxisPlant::learn(const Config& config) {
     bool is_hinge = true;
     std::string actuator = Axis::kNone;
     bool is_replaced = false;
-    if (joint_name.empty()) own.fail("joint", "must name a hinge or a slide of the model");
+    if (joint_name.empty()) {
+      std::vector<std::string> others = names;
+      std::erase(others, name);
+      own.fail("joint", "must name a hinge or a slide of the model" + did_you_mean(name, others));
+    }
     if (model) {
       const Model& m = *model;
       joint = id_of(own, "joint", m, mjOBJ_JOINT, joint_name);
@@ -299,9 +303,12 @@ void AxisPlant::learn(const Config& config) {
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   for (auto& [joint, axis] : found) {
     AxisSettings& one = axes.emplace_back(std::move(axis), *catalogue_);
-    if (!of_chain.contains(one.axis.name)) continue;
-    one.of_motor.emplace();
-    one.axis.channel = "q" + std::to_string(axes.size());
+    if (of_chain.contains(one.axis.name)) {
+      one.of_motor.emplace();
+      one.axis.channel = "q" + std::to_string(axes.size());
+    } else {
+      one.reference.kind = ReferenceShape::hold;
+    }
   }
   for (const std::string& name : config.names_in("push")) pushes.emplace_back().name = name;
   for (const std::string& name : config.names_in("contact")) {
@@ -764,7 +771,7 @@ void AxisPlant::check(const Config& config) {
   // A log with the friction of one joint has that of all.
   knows_disturbances = std::any_of(axes.begin(), axes.end(), [](const AxisSettings& one) {
     return one.disturbance.shape.kind != DisturbanceKind::none || one.input_noise() > 0.0 ||
-           one.drive.make_friction(1.0) != nullptr;
+           one.drive.friction->make(1.0) != nullptr;
   });
 }
 
@@ -773,9 +780,6 @@ void PushSettings::bind(Fields& fields) {
   fields.text("body", body, "body of the model that the force pushes at its centre of mass");
   fields.numbers("along", along, any(), "direction of the force in the world, of any length");
   disturbance.bind(fields, "N", "N");
-  for (const char* key : {"disturbance.frequency_rad_s", "disturbance.start_s"}) {
-    fields.standard(key, {0.0});
-  }
 }
 
 void TipSettings::bind(Fields& fields) {
@@ -790,14 +794,12 @@ void TipSettings::bind(Fields& fields) {
   fields.optional_count(
       "tip.component", component, between(0, 2),
       "value of the sensor, from 0: 0 is the force with which the tip presses along x of its site");
-  chain.bind_noise(fields);
   chain.bind(fields);
-  fields.standard("sensor.force_noise_N", {0.0});
   fields.only_where({"tip.component", "sensor.force_tool_mass_kg", "sensor.force_weighed_kg"},
                     "tip.sensor names a sensor", [this] { return sensor != kNone; });
   if (std::isinf(reference.from_s)) return;
-  chain.bind_filter(fields);
-  fields.standard("force.filter_time_constant_s", {0.0});
+  fields.optional_number("force.filter_time_constant_s", chain.low_pass_s, not_negative(),
+                         "time constant of the force sensor's low-pass; 0: none");
   fields.optional_number("force.reference_N", reference.value, any(),
                          "reference of the force, for the controller and the log");
   fields.optional_number("force.from_s", reference.from_s, not_negative(),
@@ -827,8 +829,9 @@ void DisturbanceSettings::bind(Fields& fields, const std::string& suffix, const 
   fields.number(
       amplitude, shape.amplitude, any(),
       "amplitude of a step, sine or chirp [" + unit + "]; slope of a ramp [" + unit + "/s]");
-  fields.number("disturbance.frequency_rad_s", shape.frequency_rad_s, any(),
-                "frequency of a sine, of the first of two sines, or of a chirp at its start");
+  fields.optional_number(
+      "disturbance.frequency_rad_s", shape.frequency_rad_s, any(),
+      "frequency of a sine, of the first of two sines, or of a chirp at its start");
   fields.only_for({amplitude}, kind,
                   {"step", "ramp", "sine", "two_sines", "chirp", "noise", "csv"});
   fields.only_for({"disturbance.frequency_rad_s"}, kind, {"sine", "two_sines", "chirp"});
@@ -845,8 +848,8 @@ void DisturbanceSettings::bind(Fields& fields, const std::string& suffix, const 
            "frequency that a chirp reaches at a constant rate and then keeps");
   bind_for("chirp", "disturbance.sweep_s", shape.sweep_s, 9.0, positive(),
            "time that a chirp takes to reach its last frequency");
-  fields.number("disturbance.start_s", shape.start_s, not_negative(),
-                "time at which the disturbance begins");
+  fields.optional_number("disturbance.start_s", shape.start_s, not_negative(),
+                         "time at which the disturbance begins");
   fields.optional_number("disturbance.end_s", end_s, not_negative(),
                          "time at which the disturbance ends; a step between both times is a "
                          "pulse; 0: the end of the run");
@@ -881,17 +884,9 @@ Disturbance DisturbanceSettings::make(std::uint64_t seed, const std::string& cha
   return made;
 }
 
-void ForceSensorSettings::bind_filter(Fields& fields) {
-  fields.number("force.filter_time_constant_s", low_pass_s, not_negative(),
-                "time constant of the force sensor's low-pass; 0: none");
-}
-
-void ForceSensorSettings::bind_noise(Fields& fields) {
-  fields.number("sensor.force_noise_N", raw.noise_std, not_negative(),
-                "standard deviation of white noise on each force sample");
-}
-
 void ForceSensorSettings::bind(Fields& fields) {
+  fields.optional_number("sensor.force_noise_N", raw.noise_std, not_negative(),
+                         "standard deviation of white noise on each force sample");
   fields.optional_number(
       "sensor.force_tool_mass_kg", tool_mass_kg, not_negative(),
       "mass before the force sensor beside the tip's own: the sensor reads its inertia");

@@ -63,16 +63,14 @@ Axis cart_axis();
 Axis named_axis(const std::string& name, const std::string& joint, const std::string& actuator,
                 bool is_hinge);
 
-/// Keys sensor.force_… and force.filter_time_constant_s, each of which is off at 0.
+/// The chain of a force sensor, each part of which is off at 0.
 struct ForceSensorSettings {
   double low_pass_s = 0.0;    ///< time constant
   double tool_mass_kg = 0.0;  ///< before the sensor: it reads what this mass' inertia takes
   double resonance_Hz = 0.0;
   SensorChannel raw;  ///< the rest of the channel before the low-pass
 
-  void bind_filter(Fields& fields);
-  void bind_noise(Fields& fields);
-  /// All other keys.
+  /// The keys sensor.force_…
   void bind(Fields& fields);
   /// Throws std::invalid_argument, blaming a key, if a time is no multiple of the timestep.
   void check(const Config& config, double timestep_s) const;
@@ -130,12 +128,12 @@ struct AxisSettings {
 
   Axis axis;
 
-  // Not all scenarios have keys for these.
   double start_position = 0.0;  ///< distance of the start from the model's pose
   double start_velocity = 0.0;
   Reference reference;  ///< reference of the position
   Disturbance force;    ///< d, which opposes the drive (Eqs. 2.5, 2.36); that of `disturbance`
-  Disturbance output;   ///< d_o, added to the measurement (Eq. 2.37); begins with d
+  /// d_o, added to the measurement (Eq. 2.37); begins with d.
+  Disturbance output = {.kind = DisturbanceKind::step};
 
   double viscous_friction = -1.0;  ///< friction of the plant; negative: that of the model file
   double coulomb_friction = -1.0;
@@ -159,7 +157,7 @@ struct AxisSettings {
   std::optional<TransmissionSettings> of_motor;
 
   DisturbanceSettings disturbance;
-  // Only for named axes.
+  bool has_disturbance_keys = true;  ///< false: the scenario gives d by keys of its own
   std::string reference_file;
   /// A controller has its reference, so that the end of a hold is judged.
   bool is_controlled = false;
@@ -167,16 +165,8 @@ struct AxisSettings {
   TwoInertia model_numbers;
   double model_limit = std::numeric_limits<double>::infinity();
 
-  /// The keys of the only axis of a plant. Or the keys axis.NAME.…, with default values: these, and
-  /// what the axis is, its start, its reference and its disturbance.
+  /// The keys axis.NAME.…, or those of the only axis of a plant.
   void bind(Fields& fields);
-
-  /// The keys task.reference_… and task.reference_from_s, a step of the reference from 0.
-  void bind_step(Fields& fields);
-  /// The keys disturbance.…
-  void bind_disturbance(Fields& fields) {
-    disturbance.bind(fields, axis.units.force_suffix, axis.units.force);
-  }
 
   /// The joint of the side with the encoder.
   std::string measured_joint() const { return transmission.measured_joint(axis.joint); }
@@ -195,16 +185,12 @@ struct AxisSettings {
 
 /// The settings of a plant with axes.
 struct AxisPlant {
-  /// A plant with one axis, and keys without a prefix.
-  AxisPlant(const Axis& only, const Catalogue& catalogue)
-      : axes{AxisSettings(only, catalogue)}, catalogue_(&catalogue) {}
-  /// A plant with named axes, which learn() reads.
   explicit AxisPlant(const Catalogue& catalogue) : catalogue_(&catalogue) {}
 
   ModelFile mjcf;
   std::string urdf;
-  /// The chain of model.urdf, if the file has that key: each of its joints is an axis, with a
-  /// nominal model of its keys, and the chain is the nominal one of the tip.
+  /// The chain of model.urdf, if the file has that key. Each of its joints is an axis with a nominal
+  /// model by keys. The chain is the nominal kinematics of the tip.
   std::shared_ptr<const PlanarChain> chain;
   PhysicsSettings physics;
   TimingSettings timing;  ///< timing of the commands
@@ -224,9 +210,9 @@ struct AxisPlant {
   std::vector<ContactSettings> contacts;
   std::optional<TipSettings> tip;
 
-  /// Takes the names of axes, pushes and contacts from the tables of a file, those of axes also
-  /// from the joints of a URDF, and the kind of each axis from its joint. Finds whether there is a
-  /// tip. The axes have the order of their joints in the model. Throws std::invalid_argument
+  /// Takes the names of axes, pushes and contacts from the tables of a file. The joints of a URDF are
+  /// axes too. Takes the kind of each axis from its joint, and finds whether there is a tip. The axes
+  /// have the order of their joints in the model. Throws std::invalid_argument
   /// `ORIGIN: KEY: reason`.
   void learn(const Config& config);
 

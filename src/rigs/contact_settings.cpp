@@ -1,6 +1,5 @@
 #include <breakwater/rigs/contact_settings.h>
 
-#include <cmath>
 #include <limits>
 
 #include <breakwater/config/column_table.h>
@@ -14,31 +13,6 @@ namespace {
 constexpr const char* kMotion = "wall.motion";
 constexpr double kLargestTilt_rad = 1.5;
 constexpr double kHeavy_kg = std::numeric_limits<double>::infinity();
-
-// The depth at which the law, without damping, has taken a mass' energy.
-double deepest_m(const ContactForceLaw& law, double energy_J) {
-  constexpr int kPanels = 64;
-  const auto work_J = [&](double depth_m) {
-    double sum = 0.0;
-    for (int i = 0; i < kPanels; ++i) {
-      ContactState state;
-      sum += law.force(depth_m * (i + 0.5) / kPanels, 0.0, state);
-    }
-    return sum * depth_m / kPanels;
-  };
-  double low = 1e-12, high = 1e3;
-  for (int i = 0; i < 200; ++i) {
-    const double middle = std::sqrt(low * high);
-    (work_J(middle) < energy_J ? low : high) = middle;
-  }
-  return low;
-}
-
-void check_stability(const Config& config, const PhysicsSettings& physics,
-                     const ContactSlopes& slopes) {
-  if (is_stable(physics.integrator, physics.timestep_s, slopes)) return;
-  config.fail("physics.timestep_s", limit_in_words(physics.integrator, physics.timestep_s, slopes));
-}
 
 }  // namespace
 
@@ -123,8 +97,10 @@ void ContactSettings::check(const Config& config, const PhysicsSettings& physics
   }
   if (motion_.kind != WallMotionKind::free) return;
   // At the beginning of a contact with a body that is much heavier than the wall.
-  check_stability(config, physics,
-                  with_wall(slopes_of(*make_law(), ContactState(), 0.0, 0.0, kHeavy_kg), motion_));
+  const ContactSlopes slopes =
+      with_wall(slopes_of(*make_law(), ContactState(), 0.0, 0.0, kHeavy_kg), motion_);
+  if (is_stable(physics.integrator, physics.timestep_s, slopes)) return;
+  config.fail("physics.timestep_s", limit_in_words(physics.integrator, physics.timestep_s, slopes));
 }
 
 WallMotion ContactSettings::motion() const {
@@ -146,21 +122,6 @@ std::unique_ptr<ContactForceLaw> ContactSettings::make_law() const {
 bool ContactSettings::is_of_engine() const {
   const std::unique_ptr<ContactForceLaw> law = make_law();
   return !law || law->for_engine() != nullptr;
-}
-
-void ContactSettings::check_impact(const Config& config, const PhysicsSettings& physics,
-                                   double mass_kg, double speed_m_s) const {
-  const std::unique_ptr<ContactForceLaw> law = make_law();
-  // A free wall that nothing holds takes a part of the energy.
-  const bool is_held = motion_.stiffness_N_m + motion_.damping_Ns_m > 0.0;
-  const double struck_kg = is_held ? mass_kg : with_wall({.mass_kg = mass_kg}, motion_).mass_kg;
-  const double depth_m = deepest_m(*law, 0.5 * struck_kg * speed_m_s * speed_m_s);
-  const auto check_at = [&](double penetration_m, double at_m_s) {
-    const ContactSlopes slopes = slopes_of(*law, ContactState(), penetration_m, at_m_s, mass_kg);
-    check_stability(config, physics, with_wall(slopes, motion_));
-  };
-  check_at(depth_m, 0.0);
-  check_at(0.5 * depth_m, speed_m_s);
 }
 
 std::pair<std::string, std::string> ContactSettings::geoms(const Model& model) const {

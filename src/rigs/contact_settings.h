@@ -60,11 +60,6 @@ class ContactSettings {
   /// Throws std::invalid_argument `ORIGIN: KEY: reason` if there is no such law or motion. A free
   /// wall must also be stable with the timestep.
   void check(const Config& config, const PhysicsSettings& physics) const;
-  /// Refuses a timestep at which an impact of a mass would not be stable, blaming
-  /// physics.timestep_s. Throws std::invalid_argument.
-  void check_impact(const Config& config, const PhysicsSettings& physics, double mass_kg,
-                    double speed_m_s) const;
-
   /// The names of the geoms. The plane comes last, if there is one.
   std::pair<std::string, std::string> geoms(const Model& model) const;
   /// Makes the model's contact that of the law, and places and tilts the wall with the geoms that

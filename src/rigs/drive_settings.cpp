@@ -24,15 +24,12 @@ void bind_sine(Fields& fields, const std::string& stem, const std::string& ampli
 
 }  // namespace
 
-DriveSettings::DriveSettings(const Catalogue& catalogue)
-    : friction_(std::make_shared<PartChoice<FrictionKind>>(catalogue, "friction.law", "coulomb")) {}
-
 void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
-  friction_->bind(fields);
+  friction->bind(fields);
   const std::string constant =
       (units.turns() ? "drive.torque_constant_" : "drive.force_constant_") + units.force_suffix +
       "_A";
-  ElectricDrive& e = electric_;
+  ElectricDrive& e = electric;
   fields.optional_number("drive.current_bandwidth_rad_s", e.bandwidth_rad_s, not_negative(),
                          "bandwidth of the current loop; 0: the current follows at once");
   fields.optional_number("drive.current_damping_ratio", e.damping_ratio, not_negative(),
@@ -59,14 +56,10 @@ void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
 }
 
 void DriveSettings::check(const Config& config, double coulomb) const {
-  friction_->check(config, coulomb);
-  if (electric_.voltage_limit_V > 0.0 && electric_.resistance_ohm == 0.0) {
+  friction->check(config, coulomb);
+  if (electric.voltage_limit_V > 0.0 && electric.resistance_ohm == 0.0) {
     config.fail("drive.resistance_ohm", "must be above 0 where drive.voltage_limit_V is not 0");
   }
-}
-
-std::unique_ptr<FrictionLaw> DriveSettings::make_friction(double coulomb) const {
-  return friction_->make(coulomb);
 }
 
 void bind_scale(Fields& fields, Encoder& encoder, const AxisUnits& units) {
@@ -331,10 +324,6 @@ namespace {
 
 using Friction = std::unique_ptr<FrictionLaw>;
 
-Friction make_coulomb(double) {
-  return nullptr;
-}
-
 struct Stribeck {
   StribeckFriction::Curve curve;
   Bristles bristles;
@@ -380,7 +369,7 @@ struct LoadDependent {
 }  // namespace
 
 std::vector<FrictionKind> friction_laws() {
-  return {{"coulomb", "a constant level, of the engine", make_coulomb},
+  return {{"coulomb", "a constant level, of the engine", [](double) { return Friction(); }},
           {"stribeck", "falls from its static level as the joint begins to slide", &Stribeck::make},
           {"lugre", "bristles bend before the joint slides", &LuGre::make},
           {"load_dependent", "grows with the transmitted force, as in a strain-wave gear",

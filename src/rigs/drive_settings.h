@@ -31,23 +31,20 @@ struct FrictionKind : PartKind<FrictionLaw, double> {
 std::vector<FrictionKind> friction_laws();
 
 /// Friction law and motor of a joint: keys friction.… and drive.…
-class DriveSettings {
- public:
-  explicit DriveSettings(const Catalogue& catalogue);
+struct DriveSettings {
+  explicit DriveSettings(const Catalogue& catalogue)
+      : friction(std::make_shared<PartChoice<FrictionKind>>(catalogue, "friction.law", "coulomb")) {
+  }
+
+  /// Shared by copies of the settings, which are equal once they are read. It makes null for the
+  /// engine's Coulomb friction.
+  std::shared_ptr<PartChoice<FrictionKind>> friction;
+  ElectricDrive electric;
 
   void bind(Fields& fields, const AxisUnits& units);
   /// Throws std::invalid_argument `ORIGIN: KEY: reason` if friction or motor is wrong. `coulomb` is
   /// the joint's Coulomb friction.
   void check(const Config& config, double coulomb) const;
-
-  /// Null: the engine's Coulomb friction.
-  std::unique_ptr<FrictionLaw> make_friction(double coulomb) const;
-  const ElectricDrive& electric() const { return electric_; }
-
- private:
-  // Shared by copies of the settings, which are equal once they are read.
-  std::shared_ptr<PartChoice<FrictionKind>> friction_;
-  ElectricDrive electric_;
 };
 
 /// Binds the errors of an encoder's scale.

@@ -64,13 +64,7 @@ inline void bind_initial_covariance(Fields& fields, std::vector<double>& initial
 }
 
 inline Eigen::VectorXd diagonal_of(const std::vector<double>& P0, const ExtendedPlant& plant) {
-  if (P0.size() == 1) return Eigen::VectorXd::Constant(plant.states(), P0[0]);
-  if (static_cast<Eigen::Index>(P0.size()) != plant.states()) {
-    throw WrongKey("observer.initial_covariance", "needs one initial covariance for each of the " +
-                                                      std::to_string(plant.states()) +
-                                                      " extended states");
-  }
-  return Eigen::Map<const Eigen::VectorXd>(P0.data(), plant.states());
+  return spread("observer.initial_covariance", P0, plant.states(), "extended state");
 }
 
 }  // namespace breakwater

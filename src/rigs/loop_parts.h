@@ -12,12 +12,15 @@
 
 namespace breakwater {
 
-/// A number for each of `size`, from these or from the only one. Throws a WrongKey with the reason
-/// `otherwise` if there are others.
+/// A number for each of `size`, from these or from the only one. Throws a WrongKey if there are
+/// others. `of` says what has them.
 inline Eigen::VectorXd spread(const char* key, const std::vector<double>& numbers,
-                              Eigen::Index size, const std::string& otherwise) {
+                              Eigen::Index size, const std::string& of) {
   if (numbers.size() == 1) return Eigen::VectorXd::Constant(size, numbers.front());
-  if (static_cast<Eigen::Index>(numbers.size()) != size) throw WrongKey(key, otherwise);
+  if (static_cast<Eigen::Index>(numbers.size()) != size) {
+    throw WrongKey(key, "must have one number, or " + std::to_string(size) + ": one for each " +
+                            of + "; has " + std::to_string(numbers.size()));
+  }
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), size);
 }
 

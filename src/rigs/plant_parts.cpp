@@ -19,17 +19,6 @@ namespace {
 
 using SharedEstimator = std::shared_ptr<DisturbanceEstimator>;
 
-std::unique_ptr<Controller> make_axes(const PlantTask& task, const SharedEstimator&) {
-  return task.own_controllers();
-}
-
-Eigen::VectorXd spread(const char* key, const std::vector<double>& weights, Eigen::Index size) {
-  return breakwater::spread(
-      key, weights, size,
-      fmt::format("must have 1 number{}, has {}", size == 1 ? "" : fmt::format(" or {}", size),
-                  weights.size()));
-}
-
 struct PlantLqr {
   std::vector<double> q_position;
   std::vector<double> q_velocity;
@@ -57,9 +46,9 @@ struct PlantLqr {
     const StateSpace& plant = task.whole.plant;
     const Eigen::Index n = plant.states() / 2;
     Eigen::VectorXd q(2 * n);
-    q << spread("controller.q_position", q_position, n),
-        spread("controller.q_velocity", q_velocity, n);
-    const Eigen::VectorXd R = spread("controller.r", r, plant.inputs());
+    q << spread("controller.q_position", q_position, n, "joint"),
+        spread("controller.q_velocity", q_velocity, n, "joint");
+    const Eigen::VectorXd R = spread("controller.r", r, plant.inputs(), "driven axis");
     const StateSpace sampled = zero_order_hold(plant, task.whole.period_s);
     PoseFeedbackDesign design{plant,           task.to_states, {}, task.pose,
                               task.held_input, task.limit,     {}};
@@ -83,14 +72,6 @@ std::unique_ptr<DisturbanceEstimator> make_raw_difference(const NominalAxis& axi
     return nullptr;
   }
   return std::make_unique<RawDifference>(axis.plant, axis.period_s);
-}
-
-std::unique_ptr<Controller> make_no_control(const AxisTask&, const SharedEstimator&) {
-  return std::make_unique<NoControl>();
-}
-
-std::unique_ptr<ContactForceLaw> make_no_law() {
-  return nullptr;
 }
 
 }  // namespace
@@ -171,7 +152,8 @@ PlantTask plant_task(const AxisPlant& plant) {
 }
 
 std::vector<PlantControllerKind> plant_controllers() {
-  return {{"axes", "each axis has its own controller: axis.NAME.controller.name", make_axes},
+  return {{"axes", "each axis has its own controller: axis.NAME.controller.name",
+           [](const PlantTask& task, const SharedEstimator&) { return task.own_controllers(); }},
           {"lqr",
            "linear quadratic regulator of the plant linearised about the pose of start.keyframe, "
            "with cancellation of the estimated disturbance",
@@ -186,9 +168,11 @@ Catalogue with_none(Catalogue catalogue, bool is_arm) {
     // A controller in Python is of all kinds.
     if (is_arm || !catalogue.has<PlantControllerKind>(kind.name)) catalogue.put(std::move(kind));
   }
-  catalogue.add(AxisControllerKind("none", "no control", make_no_control));
+  catalogue.add(AxisControllerKind("none", "no control", [](const AxisTask&, SharedEstimator) {
+    return std::make_unique<NoControl>();
+  }));
   catalogue.add(ContactLawKind(ContactSettings::kOfModel, "the contact as the model file has it",
-                               make_no_law));
+                               [] { return std::unique_ptr<ContactForceLaw>(); }));
   return catalogue;
 }
 

@@ -94,8 +94,8 @@ std::vector<PlantControllerKind> plant_controllers();
 /// before others of their name.
 Catalogue with_none(Catalogue catalogue, bool is_arm = false);
 
-/// The kinematics of a plant's tip with its nominal inertias and mass matrix at the start, the lag
-/// of its force and the wall; of a URDF without the mass matrix and the wall. The tip is the site
+/// The kinematics of a plant's tip with the nominal inertias and the lag of its force. Without a
+/// URDF it also has the nominal mass matrix at the start, and the wall. The tip is the site
 /// of tip.sensor, or the centre of the geom that touches. The contact frame is that of the plane in
 /// tip.contact: x is opposite to the plane's normal. Each joint from the world to the tip must have
 /// an axis with an actuator and a sensor at the joint. There must be no other axis. Throws

@@ -50,20 +50,16 @@ struct QuadrotorControllerKind
 using QuadrotorLoop = ControlLoop<QuadrotorEstimator>;
 
 /// The chosen estimator and controller of the quadrotor.
-class QuadrotorParts : public LoopParts<QuadrotorEstimator, QuadrotorEstimatorKind,
-                                        QuadrotorControllerKind, QuadrotorTask> {
- public:
-  explicit QuadrotorParts(const Catalogue& catalogue)
-      : LoopParts(catalogue, "backstepping", "kalman") {}
-};
+using QuadrotorParts =
+    LoopParts<QuadrotorEstimator, QuadrotorEstimatorKind, QuadrotorControllerKind, QuadrotorTask>;
 
 /// The estimators and controllers of Breakwater.
 std::vector<QuadrotorEstimatorKind> quadrotor_estimators();
 std::vector<QuadrotorControllerKind> quadrotor_controllers();
 
-/// A scenario that is a file alone: a vehicle goes to a point under waves and stays there. The
-/// controller uses the state of one of several nonlinear estimators. The model must have a free
-/// body "quadrotor" with the sites t1 … t4, four thrusters and the sensors position and attitude.
-ScenarioKind quadrotor_kind(const std::string& name, const std::string& summary);
+/// A vehicle goes to a point under waves and stays there. The controller uses the state of one of
+/// several nonlinear estimators. The model must have a free body "quadrotor" with the sites t1 …
+/// t4, four thrusters and the sensors position and attitude.
+ScenarioKind quadrotor_waves();
 
 }  // namespace breakwater

@@ -20,7 +20,6 @@ namespace breakwater {
 namespace {
 
 constexpr const char* kVehicle = "quadrotor";
-constexpr const char* kChannels[] = {"x", "y", "z", "roll", "pitch", "yaw"};
 
 // Bounds in the window for a converged run: RMS of each axis, and largest distance.
 constexpr double kConvergedRmse_m = 0.5;
@@ -70,14 +69,14 @@ MetricKind converged() {
 // log and metrics.
 class Flight {
  public:
-  template <typename Water>
-  Flight(Model model, SensingSetup sensing, int steps_per_sample, const Water& water,
-         const Eigen::Vector3d& start, const Eigen::Vector3d& reference, QuadrotorLoop loop)
+  Flight(Model model, SensingSetup sensing, int steps_per_sample,
+         std::unique_ptr<UnderwaterForce> waves, const Eigen::Vector3d& start,
+         const Eigen::Vector3d& reference, QuadrotorLoop loop)
       : reference_(reference),
         loop_(std::move(loop)),
         simulation_(std::move(model), *loop_.controller, std::move(sensing), steps_per_sample),
-        waves_(water(simulation_.model())) {
-    simulation_.add(waves_);
+        waves_(std::move(waves)) {
+    simulation_.add(*waves_);
     simulation_.set_position(std::vector<double>{start.x(), start.y(), start.z(), 1, 0, 0, 0});
   }
   Flight(const Flight&) = delete;
@@ -90,7 +89,7 @@ class Flight {
   void step() {
     if (simulation_.steps() > 0) {
       const mjData& data = simulation_.data();
-      waves_.advance(simulation_.time_of(simulation_.steps()), FreeMotion(data.qpos, data.qvel));
+      waves_->advance(simulation_.time_of(simulation_.steps()), FreeMotion(data.qpos, data.qvel));
     }
     simulation_.step();
   }
@@ -101,17 +100,15 @@ class Flight {
     motion_ << free.position, free.euler, free.velocity,
         attitude_rates(AttitudeTrig(free.euler), free.body_rates);
     error_ = reference_ - free.position;
-    const Vector6d load = waves_.wave_load(time_s, free);
-    wave_force_ = load.head<3>();
-    wave_torque_ = load.tail<3>();
-    elevation_m_ = waves_.elevation(time_s, free.position.x(), free.position.y());
+    wave_load_ = waves_->wave_load(time_s, free);
+    elevation_m_ = waves_->elevation(time_s, free.position.x(), free.position.y());
     saturated_ = simulation_.saturated() ? 1.0 : 0.0;
     measured_error_ = simulation_.sample().y.head<3>() - motion_.head<3>();
     if (!loop_.estimates()) return;
     const QuadrotorEstimator& estimator = *loop_.estimator;
     motion_error_ = estimator.motion() - motion_;
     for (int i = 3; i < 6; ++i) motion_error_(i) = wrapped(motion_error_(i));
-    force_error_ = estimator.force() - wave_force_;
+    force_error_ = estimator.force() - wave_load_.head<3>();
     nees_ = motion_error_.dot(estimator.motion_covariance().llt().solve(motion_error_));
   }
 
@@ -126,8 +123,9 @@ class Flight {
         {"thrust_applied_N", "N", "thrusts after saturation", view(sim.actuation())},
         {"saturated", "1", "1 where any thrust is at its limit", view(saturated_)},
         {"error_m", "m", "reference minus true position", view(error_)},
-        {"wave_force_N", "N", "true force of the waves, in the world", view(wave_force_)},
-        {"wave_torque_Nm", "N m", "true torque of the waves, in the world", view(wave_torque_)},
+        {"wave_force_N", "N", "true force of the waves, in the world", view(wave_load_).first(3)},
+        {"wave_torque_Nm", "N m", "true torque of the waves, in the world",
+         view(wave_load_).subspan(3)},
         {"surface_elevation_m", "m", "elevation of the surface above the vehicle",
          view(elevation_m_)}};
     for (const Signal& signal : loop_.controller->signals()) signals.push_back(signal);
@@ -136,7 +134,7 @@ class Flight {
 
   std::vector<Signal> signals_of_metrics() const {
     std::vector<Signal> all = {{"position_measured_error_m", "m", "", view(measured_error_)},
-                               {"horizontal_wave_force_N", "N", "", view(wave_force_).first(2)}};
+                               {"horizontal_wave_force_N", "N", "", view(wave_load_).first(2)}};
     if (!loop_.estimates()) return all;
     all.push_back({"position_hat_error_m", "m", "", view(motion_error_).first(3)});
     all.push_back({"attitude_hat_error_rad", "rad", "", view(motion_error_).subspan(3, 3)});
@@ -154,13 +152,12 @@ class Flight {
   Eigen::Vector3d reference_;
   QuadrotorLoop loop_;
   Simulation simulation_;
-  UnderwaterForce waves_;
+  std::unique_ptr<UnderwaterForce> waves_;
   Motion motion_ = Motion::Zero();
-  Eigen::Vector3d error_ = Eigen::Vector3d::Zero();        // reference minus position [m]
-  Eigen::Vector3d wave_force_ = Eigen::Vector3d::Zero();   // in the world [N]
-  Eigen::Vector3d wave_torque_ = Eigen::Vector3d::Zero();  // [N m]
-  double elevation_m_ = 0.0;                               // elevation of the surface above it
-  double saturated_ = 0.0;                                 // 1 if a thrust is at its limit
+  Eigen::Vector3d error_ = Eigen::Vector3d::Zero();  // reference minus position [m]
+  Vector6d wave_load_ = Vector6d::Zero();            // force [N] and torque [N m] in the world
+  double elevation_m_ = 0.0;                         // elevation of the surface above it
+  double saturated_ = 0.0;                           // 1 if a thrust is at its limit
   // The errors of measurements and estimates.
   Eigen::Vector3d measured_error_ = Eigen::Vector3d::Zero();
   Motion motion_error_ = Motion::Zero();
@@ -170,14 +167,14 @@ class Flight {
 
 class QuadrotorScenario final : public Scenario {
  public:
-  QuadrotorScenario(const Catalogue& catalogue, const std::string& name, std::string summary)
-      : Scenario(MetricRows(catalogue, name, {converged()})),
-        name_(name),
-        summary_(std::move(summary)),
-        parts_(catalogue) {}
+  explicit QuadrotorScenario(const Catalogue& catalogue)
+      : Scenario(MetricRows(catalogue, "quadrotor_waves", {converged()})),
+        parts_(catalogue, "backstepping", "kalman") {}
 
-  std::string name() const override { return name_; }
-  std::string summary() const override { return summary_; }
+  std::string name() const override { return "quadrotor_waves"; }
+  std::string summary() const override {
+    return "underwater quadrotor under JONSWAP waves: nonlinear estimators, backstepping";
+  }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return run_; }
@@ -200,14 +197,13 @@ class QuadrotorScenario final : public Scenario {
   QuadrotorModel plant() const;
   WaveLoadSetup wave_setup() const;
   QuadrotorTask task() const;
-  UnderwaterForce water(const Model& model) const {
-    return {model, plant().parameters(), physics_kind_, wave_setup(), vector3(start_m_)};
+  std::unique_ptr<UnderwaterForce> water(const Model& model) const {
+    return std::make_unique<UnderwaterForce>(model, plant().parameters(), physics_kind_,
+                                             wave_setup(), vector3(start_m_));
   }
   SensingSetup sensing() const;
   void add_mass_of_water(Model& model) const;
 
-  std::string name_;
-  std::string summary_;
   ModelFile mjcf_;
   QuadrotorParameters parameters_;  // Table 3.4, without added mass
   QuadrotorPhysics physics_kind_ = QuadrotorPhysics::physical;
@@ -325,16 +321,14 @@ QuadrotorTask QuadrotorScenario::task() const {
 
 SensingSetup QuadrotorScenario::sensing() const {
   SensingSetup setup;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; const char* name : {"x", "y", "z"}) {
     setup.channels.push_back(
-        {.name = kChannels[i], .sensor = "position", .component = i, .noise_std = deviation(V_m_)});
+        {.name = name, .sensor = "position", .component = i++, .noise_std = deviation(V_m_)});
   }
-  constexpr Reading kAngles[] = {Reading::roll, Reading::pitch, Reading::yaw};
-  for (int i = 0; i < 3; ++i) {
-    setup.channels.push_back({.name = kChannels[3 + i],
-                              .sensor = "attitude",
-                              .reading = kAngles[i],
-                              .noise_std = deviation(V_p_)});
+  for (const auto& [name, angle] :
+       {std::pair("roll", Reading::roll), {"pitch", Reading::pitch}, {"yaw", Reading::yaw}}) {
+    setup.channels.push_back(
+        {.name = name, .sensor = "attitude", .reading = angle, .noise_std = deviation(V_p_)});
   }
   faults_.apply(setup);
   setup.seed = run_.seed;
@@ -406,9 +400,9 @@ Recording QuadrotorScenario::run(const RunControl& control) const {
   model.set_physics(physics_.timestep_s, physics_.integrator);
   add_mass_of_water(model);
   const Eigen::Vector3d start = vector3(start_m_), reference = vector3(reference_m_);
-  Flight flight(
-      std::move(model), sensing(), physics_.steps_per_sample(),
-      [this](const Model& loaded) { return water(loaded); }, start, reference, parts_.make(task()));
+  std::unique_ptr<UnderwaterForce> waves = water(model);
+  Flight flight(std::move(model), sensing(), physics_.steps_per_sample(), std::move(waves), start,
+                reference, parts_.make(task()));
   const Simulation& sim = flight.simulation();
   std::vector<Signal> of_metrics = flight.signals_of_metrics();
   for (const Signal& signal : flight.signals()) of_metrics.push_back(signal);
@@ -429,13 +423,8 @@ Recording QuadrotorScenario::run(const RunControl& control) const {
 
 }  // namespace
 
-ScenarioKind quadrotor_kind(const std::string& name, const std::string& summary) {
-  return {name,
-          [name, summary](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
-            return std::make_unique<QuadrotorScenario>(catalogue, name, summary);
-          },
-          {},
-          true};
+ScenarioKind quadrotor_waves() {
+  return scenario_kind<QuadrotorScenario>("quadrotor_waves", true);
 }
 
 }  // namespace breakwater

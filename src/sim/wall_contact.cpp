@@ -137,7 +137,11 @@ void WallContact::apply(double time_s, const mjModel& model, mjData& data) {
     if (number_ > 0) {
       impulse_Ns_ += timestep_s_ * weight(stages_, number_ - 1) * engine_force_N(data);
     }
-    if (number_ == 0) slopes(model, data, 0.0, 0.0);  // for the direction of the force
+    const bool begins = stage.penetration_m > 0.0 && first_.penetration_m <= 0.0;
+    if (number_ == 0 || begins) {
+      const ContactSlopes found = slopes(model, data, 0.0, 0.0);  // and the direction of the force
+      if (stage.penetration_m > 0.0) check_stability(time_s, found);
+    }
   } else {
     stage.state = state_at_stage();
     stage.force_N = force_of_law(stage);
@@ -150,7 +154,11 @@ void WallContact::apply(double time_s, const mjModel& model, mjData& data) {
           motion_.mass_kg;
     }
     if (stage.force_N > 0.0) {
-      if (number_ == 0) check_stability(time_s, model, data, stage);
+      if (number_ == 0) {
+        find_mass(time_s, model, data, stage);
+      } else if (first_.force_N == 0.0) {
+        check_stability(time_s, slopes(model, data, stage.penetration_m, stage.approach_m_s));
+      }
       add_wrench(data, stage);
     }
   }
@@ -227,16 +235,19 @@ void WallContact::find_mass_across(const mjModel& model, const mjData& data) {
   mass_across_kg_ = 1.0 / inverse_mass;
 }
 
-void WallContact::check_stability(double time_s, const mjModel& model, const mjData& data,
-                                  const Stage& stage) {
+void WallContact::find_mass(double time_s, const mjModel& model, const mjData& data,
+                            const Stage& stage) {
   const ContactSlopes found = slopes(model, data, stage.penetration_m, stage.approach_m_s);
   mass_kg_ = found.mass_kg;
   if (first_.force_N == 0.0 && stage.approach_m_s > 0.0) {  // that of the step before
     transient_N_ = stage.approach_m_s * std::sqrt(found.stiffness_N_m * found.mass_kg);
   }
-  if (!is_stable(integrator_, timestep_s_, found)) {
-    throw RunFailure(time_s, limit_in_words(integrator_, timestep_s_, found));
-  }
+  check_stability(time_s, found);
+}
+
+void WallContact::check_stability(double time_s, const ContactSlopes& found) const {
+  if (is_stable(integrator_, timestep_s_, found)) return;
+  throw RunFailure(time_s, limit_in_words(integrator_, timestep_s_, found));
 }
 
 void WallContact::end_step(const mjData& data) {

@@ -28,11 +28,11 @@ struct ContactFriction {
 /// If the law is MuJoCo's own (for_engine()), it applies nothing and only measures. Then the
 /// engine's contact of the two is on, the wall stands, and nothing else constrains the sphere.
 ///
-/// In contact it checks each step whether the integrator is stable (contact.h). It uses
-/// the law's local stiffness and damping, and the mass that the contact meets. If it is not stable,
-/// it throws RunFailure, which names the longest stable timestep. The friction is a damper of at
-/// most m/(h n). h is the timestep and n the number of contacts with friction. m is at least half
-/// of the smallest mass across the normal, and at most all of it.
+/// In contact it checks each step, at its first stage with a contact, whether the integrator is
+/// stable (contact.h). It uses the law's local stiffness and damping, and the mass that the contact
+/// meets. If it is not stable, it throws RunFailure, which names the longest stable timestep. The
+/// friction is a damper of at most m/(h n). h is the timestep and n the number of contacts with
+/// friction. m is at least half of the smallest mass across the normal, and at most all of it.
 class WallContact final : public StagedForce {
  public:
   /// Throws std::invalid_argument if the model has no such sphere, or no such plane of the world.
@@ -91,7 +91,8 @@ class WallContact final : public StagedForce {
 
   void find_normal(const mjData& data);
   void find_geometry(double time_s, const mjModel& model, const mjData& data, Stage& stage);
-  void check_stability(double time_s, const mjModel& model, const mjData& data, const Stage& stage);
+  void find_mass(double time_s, const mjModel& model, const mjData& data, const Stage& stage);
+  void check_stability(double time_s, const ContactSlopes& found) const;
   WallPosition wall_at_stage() const;
   ContactState state_at_stage() const;
   double force_of_law(Stage& stage) const;
