@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <limits>
-#include <vector>
 
 #include <breakwater/control/acceleration_control.h>
 #include <breakwater/control/controller.h>
@@ -46,7 +45,6 @@ class ArmController : public Controller {
  public:
   void reset(const Sample& first) final;
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) final;
-  std::span<const Signal> signals() const final { return signals_; }
 
  protected:
   /// Throws std::invalid_argument if sizes differ, if there are fewer joints than held coordinates,
@@ -57,8 +55,6 @@ class ArmController : public Controller {
   virtual void restart() {}
   /// Writes a^ref (n) [rad/s²] from the members below.
   virtual void decide(Eigen::Ref<Eigen::VectorXd> a) = 0;
-
-  void publish(Signal signal) { signals_.push_back(std::move(signal)); }
 
   const ArmTask& task() const { return task_; }
   AccelerationControl& joints() { return acceleration_control_; }
@@ -87,7 +83,6 @@ class ArmController : public Controller {
   Eigen::VectorXd posture_;
   Eigen::MatrixXd J_damped_;
   bool has_inverse_ = false;
-  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

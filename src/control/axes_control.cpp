@@ -9,7 +9,7 @@ AxesControl::AxesControl(std::vector<AxisControl> axes, Eigen::Index entries)
   for (const AxisControl& axis : axes_) {
     for (Signal signal : axis.controller->signals()) {
       signal.name = axis.name + "_" + signal.name;
-      signals_.push_back(std::move(signal));
+      publish(std::move(signal));
     }
   }
 }

@@ -26,7 +26,6 @@ class AxesControl final : public Controller {
 
   void reset(const Sample& first) override;
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
-  std::span<const Signal> signals() const override { return signals_; }
   void set_watched(bool is_watched) override;
 
  private:
@@ -36,7 +35,6 @@ class AxesControl final : public Controller {
   Eigen::Index entries_;
   Sample own_;
   Eigen::VectorXd ignored_;  // the command of an axis that is not driven
-  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

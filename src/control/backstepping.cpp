@@ -115,18 +115,18 @@ QuadrotorController::QuadrotorController(const Backstepping& law,
                                          std::shared_ptr<QuadrotorEstimator> estimator)
     : law_(law),
       estimator_(std::move(estimator)),
-      to_thrusts_(thruster_matrix(law.nominal().parameters().thruster_arm_m)),
-      signals_{
-          Signal{"motion_estimate", kMotionUnits, "zeta and its rate, estimated", view(motion_)},
-          Signal{"thrust_disturbance_estimate_N", "N", "d_T of each thruster, estimated",
-                 view(thrust_disturbance_)},
-          Signal{"force_estimate_N", "N", "disturbing force in the world, estimated", view(force_)},
-          Signal{"wave_frequency_estimate_rad_s", "rad/s",
-                 "frequency of the wave force that the estimator assumes; 0: none",
-                 view(wave_frequency_rad_s_)},
-          Signal{"wave_force_std_estimate_N", "N",
-                 "standard deviation of the vertical wave force that it assumes; 0: none",
-                 view(wave_force_std_N_)}} {}
+      to_thrusts_(thruster_matrix(law.nominal().parameters().thruster_arm_m)) {
+  publish({"motion_estimate", kMotionUnits, "zeta and its rate, estimated", view(motion_)});
+  publish({"thrust_disturbance_estimate_N", "N", "d_T of each thruster, estimated",
+           view(thrust_disturbance_)});
+  publish({"force_estimate_N", "N", "disturbing force in the world, estimated", view(force_)});
+  publish({"wave_frequency_estimate_rad_s", "rad/s",
+           "frequency of the wave force that the estimator assumes; 0: none",
+           view(wave_frequency_rad_s_)});
+  publish({"wave_force_std_estimate_N", "N",
+           "standard deviation of the vertical wave force that it assumes; 0: none",
+           view(wave_force_std_N_)});
+}
 
 void QuadrotorController::reset(const Sample& first) {
   estimator_->reset(first.y.head<6>());

@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 #include <memory>
 #include <numbers>
-#include <vector>
 
 #include <breakwater/control/controller.h>
 #include <breakwater/control/quadrotor_estimator.h>
@@ -82,7 +81,6 @@ class QuadrotorController : public Controller {
 
   void reset(const Sample& first) override;
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) final;
-  std::span<const Signal> signals() const override { return signals_; }
 
   const Backstepping& law() const { return law_; }
   const QuadrotorEstimator& estimator() const { return *estimator_; }
@@ -92,7 +90,6 @@ class QuadrotorController : public Controller {
   virtual Eigen::Vector4d wrench(double time_s) = 0;
   /// Whether T − d̂ cancels the estimated disturbance of the thrusters.
   virtual bool cancels_thrusts() const { return false; }
-  void publish(const Signal& signal) { signals_.push_back(signal); }
 
   Eigen::Matrix<double, 12, 1> motion_ = Eigen::Matrix<double, 12, 1>::Zero();
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
@@ -105,7 +102,6 @@ class QuadrotorController : public Controller {
   Eigen::Vector4d thrust_disturbance_ = Eigen::Vector4d::Zero();
   double wave_frequency_rad_s_ = 0.0;
   double wave_force_std_N_ = 0.0;
-  std::vector<Signal> signals_;
 };
 
 /// Backstepping with an estimator.

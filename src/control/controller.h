@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <span>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <breakwater/signals/signal.h>
 
@@ -31,12 +33,19 @@ class Controller {
   /// plant's saturation. Allocates nothing. May throw ControlFailure.
   virtual void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) = 0;
 
-  /// Signals for a log. The views stay valid as long as the controller lives.
-  virtual std::span<const Signal> signals() const = 0;
+  /// Signals for a log: those of publish(). The views stay valid as long as the controller lives.
+  virtual std::span<const Signal> signals() const { return signals_; }
 
   /// Says whether anyone reads the signals() that the control law does not need; true by default.
   /// If not, the controller may skip their computation.
   virtual void set_watched(bool /*is_watched*/) {}
+
+ protected:
+  /// Adds a signal to the log. Its view must stay valid as long as the controller lives.
+  void publish(Signal signal) { signals_.push_back(std::move(signal)); }
+
+ private:
+  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

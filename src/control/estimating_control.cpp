@@ -18,16 +18,12 @@ EstimatingControl::EstimatingControl(std::shared_ptr<DisturbanceEstimator> estim
     throw std::invalid_argument("control of an axis: the force limit must be positive");
   }
   const AxisUnits& units = design.units;
-  publish({{"reference_" + units.position_suffix, units.position, "reference", view(reference_)}});
-  publish(estimate_signals(*estimator_, units));
-  publish(signals_of(*estimator_, units.position));
+  publish({"reference_" + units.position_suffix, units.position, "reference", view(reference_)});
+  for (const Signal& signal : estimate_signals(*estimator_, units)) publish(signal);
+  for (const Signal& signal : signals_of(*estimator_, units.position)) publish(signal);
   if (design.period_s == 0.0) return;
   poles_.emplace(*estimator_, design.period_s);
-  publish({poles_->signals().begin(), poles_->signals().end()});
-}
-
-void EstimatingControl::publish(const std::vector<Signal>& signals) {
-  signals_.insert(signals_.end(), signals.begin(), signals.end());
+  for (const Signal& signal : poles_->signals()) publish(signal);
 }
 
 void EstimatingControl::reset(const Sample&) {

@@ -5,7 +5,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include <breakwater/control/controller.h>
 #include <breakwater/control/reference.h>
@@ -32,7 +31,6 @@ class EstimatingControl : public Controller {
  public:
   void reset(const Sample& first) override;
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) final;
-  std::span<const Signal> signals() const override { return signals_; }
   /// Without a reader, the estimator's poles are not computed.
   void set_watched(bool is_watched) override { is_watched_ = is_watched; }
 
@@ -45,7 +43,6 @@ class EstimatingControl : public Controller {
 
   /// u(k), from the new estimates.
   virtual double input(const Sample& y) = 0;
-  void publish(const std::vector<Signal>& signals);
   double reference() const { return reference_; }
   DisturbanceEstimator::View state() const { return estimator_->state(); }
   double disturbance() const { return estimator_->disturbance()(0); }
@@ -57,7 +54,6 @@ class EstimatingControl : public Controller {
   bool is_watched_ = true;
   double reference_ = 0.0;
   Eigen::VectorXd held_input_ = Eigen::VectorXd::Zero(1);
-  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

@@ -27,7 +27,7 @@ PoseFeedback::PoseFeedback(std::shared_ptr<DisturbanceEstimator> estimator,
     design_.plant.C.row(i).maxCoeff(&state);
     const auto add = [&](const std::string& name, const std::string& unit, const char* what,
                          const double& value) {
-      signals_.push_back({axis.name + "_" + name, unit, what, view(value)});
+      publish({axis.name + "_" + name, unit, what, view(value)});
     };
     add("position_hat_" + units.position_suffix, units.position, "position, estimated",
         position_hat_(i));
@@ -37,7 +37,7 @@ PoseFeedback::PoseFeedback(std::shared_ptr<DisturbanceEstimator> estimator,
     add("d_hat_" + units.force_suffix, units.force, "disturbance at the drive, estimated",
         *(estimator_->disturbance().data() + input++));
   }
-  for (const Signal& signal : signals_of(*estimator_, "1")) signals_.push_back(signal);
+  for (const Signal& signal : signals_of(*estimator_, "1")) publish(signal);
 }
 
 void PoseFeedback::reset(const Sample& first) {

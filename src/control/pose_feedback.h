@@ -41,7 +41,6 @@ class PoseFeedback final : public Controller {
 
   void reset(const Sample& first) override;
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
-  std::span<const Signal> signals() const override { return signals_; }
 
  private:
   std::shared_ptr<DisturbanceEstimator> estimator_;
@@ -50,7 +49,6 @@ class PoseFeedback final : public Controller {
   Eigen::VectorXd error_;  // x̂ − x_ref
   Eigen::VectorXd position_hat_;
   Eigen::VectorXd held_input_;
-  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

@@ -25,14 +25,14 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
     throw std::invalid_argument("predictive control: needs at least one sample per move");
   }
   const AxisUnits& units = design.loop.units;
-  publish({{"u_mpc_" + units.force_suffix, units.force, "input of the optimisation (Eq. 2.42)",
-            view(planned_input_)},
-           {"qp_iterations", "1", "iterations of the last optimisation", view(iterations_)},
-           {"qp_softened", "1", "number of softened bounds in it: on states, then on du",
-            view(softened_)},
-           {"qp_status", "1", "status of its last solve: 0 solved, 1 iteration cap, 4 inaccurate",
-            view(status_)},
-           {"qp_kkt_residual", "1", "residual of its last solve", view(kkt_residual_)}});
+  publish({"u_mpc_" + units.force_suffix, units.force, "input of the optimisation (Eq. 2.42)",
+           view(planned_input_)});
+  publish({"qp_iterations", "1", "iterations of the last optimisation", view(iterations_)});
+  publish({"qp_softened", "1", "number of softened bounds in it: on states, then on du",
+           view(softened_)});
+  publish({"qp_status", "1", "status of its last solve: 0 solved, 1 iteration cap, 4 inaccurate",
+           view(status_)});
+  publish({"qp_kkt_residual", "1", "residual of its last solve", view(kkt_residual_)});
 }
 
 void PredictiveControl::reset(const Sample& first) {

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
-#include <span>
 
 #include <breakwater/control/quadrotor_process.h>
 #include <breakwater/observers/disturbance_estimator.h>
@@ -65,8 +64,6 @@ class QuadrotorEstimator : public DisturbanceEstimator {
  public:
   using Motion = Eigen::Matrix<double, 12, 1>;
   using MotionCovariance = Eigen::Matrix<double, 12, 12>;
-
-  std::span<const Signal> signals() const override { return {}; }
 
   Eigen::Map<const Motion> motion() const { return Eigen::Map<const Motion>(state().data()); }
   Eigen::Vector3d force() const { return disturbance(); }

@@ -46,7 +46,7 @@ class DisturbanceEstimator {
 
   /// Signals for a log: the innovation, the forgetting factor λ(k), … The views stay valid as long
   /// as the estimator lives. An empty unit means the unit of the output, unknown to the estimator.
-  virtual std::span<const Signal> signals() const = 0;
+  virtual std::span<const Signal> signals() const { return signals_; }
 
   /// The number of poles, and the matrix A̅ − K(k) C̅ of this sample, which has them as eigenvalues
   /// (thesis 4.3.4). Optional: 0 poles by default. Allocates nothing.
@@ -56,6 +56,9 @@ class DisturbanceEstimator {
   /// Sets the interval before the next samples, until a reset. Returns false if the estimator
   /// assumes that every interval is T_s and every time is exact.
   virtual bool follow(const SampleInterval& /*interval*/) { return false; }
+
+ protected:
+  std::vector<Signal> signals_;
 };
 
 /// The values of the signal `name`; empty if the estimator has no such signal.

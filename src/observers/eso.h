@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <limits>
-#include <vector>
 
 #include <breakwater/linear/state_space.h>
 #include <breakwater/observers/guarded_kalman.h>
@@ -36,7 +35,6 @@ class Eso final : public Guarded<> {
   void reset(const Vector& x) override;
   View state() const override { return {estimate_.data(), 2}; }
   View disturbance() const override { return {estimate_.data() + 2, 1}; }
-  std::span<const Signal> signals() const override { return signals_; }
 
   /// (I − l C̅) Φ, the dynamics of the error within the linear zone.
   Eigen::Index poles() const override { return 3; }
@@ -53,7 +51,6 @@ class Eso final : public Guarded<> {
   Eigen::Vector3d estimate_ = Eigen::Vector3d::Zero();
   double innovation_ = 0.0;
   bool has_begun_ = false;
-  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

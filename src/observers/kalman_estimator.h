@@ -77,7 +77,6 @@ class KalmanEstimator : public DisturbanceEstimator {
 
   View state() const final { return {extended_state_.data(), plant_states_}; }
   View disturbance() const final { return {extended_state_.data() + plant_states_, B_.cols()}; }
-  std::span<const Signal> signals() const final { return signals_; }
 
   Eigen::Index poles() const final { return A_.rows(); }
   void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const final;
@@ -128,7 +127,6 @@ class KalmanEstimator : public DisturbanceEstimator {
   double lambda_ = 1.0;
   Eigen::VectorXd instant_error_;  // a standard deviation
   double interval_s_ = 0.0;
-  std::vector<Signal> signals_;
 
  private:
   void correct_for_instant(const Vector& held_input);

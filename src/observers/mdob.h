@@ -59,7 +59,6 @@ class Mdob final : public DisturbanceEstimator {
 
   View state() const override { return {estimate_.data(), 2}; }
   View disturbance() const override { return {estimate_.data() + 2, 1}; }
-  std::span<const Signal> signals() const override { return {}; }
 
   /// The poles of its two filters; a raw difference has no pole.
   Eigen::Index poles() const override { return derivative_memory_ > 0.0 ? 2 : 1; }

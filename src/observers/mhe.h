@@ -34,7 +34,6 @@ class Mhe final : public Guarded<> {
   void reset(const Vector& x) override;
   View state() const override { return {estimate_.data(), plant_states_}; }
   View disturbance() const override { return {estimate_.data() + plant_states_, 1}; }
-  std::span<const Signal> signals() const override { return signals_; }
 
  private:
   struct Window {
@@ -65,7 +64,6 @@ class Mhe final : public Guarded<> {
   std::size_t count_ = 0;        // samples since the reset, at most the horizon
   Eigen::VectorXd estimate_;
   double innovation_ = 0.0;
-  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

@@ -74,9 +74,6 @@ class MultipleModelBank final : public DisturbanceEstimator {
 
   View state() const override { return {estimate_.data(), n}; }
   View disturbance() const override { return {estimate_.data() + n, 1}; }
-  /// The innovation of the best model, the probability of each model, and the number and bandwidth
-  /// of the best model.
-  std::span<const Signal> signals() const override { return signals_; }
 
   const std::vector<Model>& models() const { return models_; }
   const Model& best() const { return models_[best_]; }
@@ -119,7 +116,6 @@ class MultipleModelBank final : public DisturbanceEstimator {
   Eigen::VectorXd shares_;
   double best_number_ = 0.0;
   double best_bandwidth_ = 0.0;
-  std::vector<Signal> signals_;
 };
 
 using MultipleModelEstimator = MultipleModelBank<2>;

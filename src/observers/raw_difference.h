@@ -18,7 +18,6 @@ class RawDifference final : public DisturbanceEstimator {
   void update(const Vector& held_input, const Vector& y) override;
   View state() const override { return {x_.data(), x_.size()}; }
   View disturbance() const override { return {d_.data(), d_.size()}; }
-  std::span<const Signal> signals() const override { return {}; }
 
  private:
   Eigen::MatrixXd to_positions_;  // from outputs

@@ -10,6 +10,8 @@
 namespace breakwater {
 
 /// n decoupled axes, each with its own estimator: x̂ = [q (n); q̇ (n)], d̂ (n), y = q (n).
+/// The scalar signals of the axes with one name form a signal of n values. Signals of several
+/// values stay separate: NAME_q1, NAME_q2, …
 class StackedEstimator final : public DisturbanceEstimator {
  public:
   /// Throws std::invalid_argument if there is no estimator, or one is not for a single axis.
@@ -20,9 +22,6 @@ class StackedEstimator final : public DisturbanceEstimator {
 
   View state() const override { return {estimate_.data(), 2 * size()}; }
   View disturbance() const override { return {estimate_.data() + 2 * size(), size()}; }
-  /// The scalar signals of the axes with one name form a signal of n values. Signals of several
-  /// values stay separate: NAME_q1, NAME_q2, …
-  std::span<const Signal> signals() const override { return signals_; }
 
  private:
   // Source and destination of a scalar of an axis.
@@ -38,7 +37,6 @@ class StackedEstimator final : public DisturbanceEstimator {
   Eigen::VectorXd estimate_;   // [q; q̇; d]
   Eigen::MatrixXd published_;  // one column per signal
   std::vector<Copy> copies_;
-  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

@@ -30,7 +30,6 @@ class StateObserver : public DisturbanceEstimator {
 
   View state() const override { return {state_.data(), state_.size()}; }
   View disturbance() const override { return {disturbance_.data(), disturbance_.size()}; }
-  std::span<const Signal> signals() const override { return signals_; }
 
   /// The poles are those of A − H C, which multiplies the estimation error at each sample.
   Eigen::Index poles() const override { return state_.size(); }
@@ -57,7 +56,6 @@ class StateObserver : public DisturbanceEstimator {
   Eigen::VectorXd next_;
   Eigen::VectorXd last_output_;
   Eigen::VectorXd innovation_;
-  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

@@ -33,7 +33,6 @@ class TrackingDifferentiator final : public Guarded<> {
   void reset(const Vector& x) override;
   View state() const override { return {estimate_.data(), 2}; }
   View disturbance() const override { return {estimate_.data() + 2, 1}; }
-  std::span<const Signal> signals() const override { return {}; }
 
  private:
   void step(const Vector& held_input, const Vector& y) override;

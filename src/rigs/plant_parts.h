@@ -83,7 +83,6 @@ class NoControl final : public Controller {
  public:
   void reset(const Sample& /*first*/) override {}
   void update(const Sample& /*y*/, Eigen::Ref<Eigen::VectorXd> u) override { u.setZero(); }
-  std::span<const Signal> signals() const override { return {}; }
 };
 
 /// Breakwater's controllers of a plant.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include <breakwater/linear/state_space.h>
 #include <breakwater/observers/disturbance_estimator.h>
@@ -33,7 +32,6 @@ class MyObserver final : public breakwater::DisturbanceEstimator {
 
   View state() const override { return {estimate_.data(), 2}; }
   View disturbance() const override { return {estimate_.data() + 2, 1}; }
-  std::span<const breakwater::Signal> signals() const override { return signals_; }
 
   Eigen::Index poles() const override { return 3; }
   void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override { F = error_dynamics_; }
@@ -48,7 +46,6 @@ class MyObserver final : public breakwater::DisturbanceEstimator {
   Eigen::Vector3d estimate_ = Eigen::Vector3d::Zero();
   bool has_begun_ = false;
   double innovation_ = 0.0;  // y − C x̄⁻
-  std::vector<breakwater::Signal> signals_;
 };
 
 /// The estimator for the catalogue: its name, its keys, and the function that makes it.

@@ -150,7 +150,6 @@ class Constant final : public Controller {
  public:
   void reset(const Sample&) override {}
   void update(const Sample&, Eigen::Ref<Eigen::VectorXd> u) override { u.setZero(); }
-  std::span<const Signal> signals() const override { return {}; }
 };
 
 struct Nothing {};

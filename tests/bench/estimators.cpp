@@ -106,7 +106,6 @@ class PlainFilter final : public DisturbanceEstimator {
   }
   View state() const override { return {x_.data(), N - 1}; }
   View disturbance() const override { return {x_.data() + N - 1, 1}; }
-  std::span<const Signal> signals() const override { return {}; }
 
  private:
   Eigen::Matrix<double, N, N> A_;

@@ -146,17 +146,15 @@ TEST(Reference, HasItsShapes) {
 // Commands the sum of its sample.
 class Sum final : public Controller {
  public:
-  Sum() { signals_ = {{"sum", "1", "sum of the sample", view(sum_)}}; }
+  Sum() { publish({"sum", "1", "sum of the sample", view(sum_)}); }
   void reset(const Sample& first) override { sum_ = first.y.sum(); }
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
     u(0) = sum_ = y.time_s + y.y.sum();
   }
-  std::span<const Signal> signals() const override { return signals_; }
   void set_watched(bool is_watched) override { sum_ = is_watched ? 1.0 : -1.0; }
 
  private:
   double sum_ = 0.0;
-  std::vector<Signal> signals_;
 };
 
 TEST(AxesControl, GivesEachAxisItsPartAndItsCommand) {

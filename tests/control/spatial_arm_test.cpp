@@ -23,7 +23,6 @@ class KnownState final : public DisturbanceEstimator {
   void update(const Vector&, const Vector&) override {}
   View state() const override { return {state_.data(), state_.size()}; }
   View disturbance() const override { return {none_.data(), none_.size()}; }
-  std::span<const Signal> signals() const override { return {}; }
   Eigen::VectorXd state_;
 
  private:

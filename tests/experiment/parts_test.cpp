@@ -155,18 +155,18 @@ TEST_F(PartsTest, TheCatalogueListsThem) {
 // Feedback of the first measurement.
 class Spring final : public Controller {
  public:
-  explicit Spring(double k) : k_(k) {}
+  explicit Spring(double k) : k_(k) {
+    publish({"pull_N", "N", "-k times the measurement", view(pull_N_)});
+  }
   void reset(const Sample&) override {}
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
     pull_N_ = -k_ * y.y(0);
     u.setConstant(pull_N_);
   }
-  std::span<const Signal> signals() const override { return signals_; }
 
  private:
   double k_;
   double pull_N_ = 0.0;
-  std::vector<Signal> signals_ = {{"pull_N", "N", "-k times the measurement", view(pull_N_)}};
 };
 
 void bind_spring(Fields& fields, Number& number) {

@@ -23,7 +23,6 @@ class FunctionController final : public Controller {
     ++updates;
     law_(y, u);
   }
-  std::span<const Signal> signals() const override { return {}; }
 
   int resets = 0;
   int updates = 0;

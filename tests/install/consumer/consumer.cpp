@@ -16,7 +16,6 @@ class PdControl final : public breakwater::Controller {
     last_ = y.y(0);
     u(0) = 25.0 * (1.0 - y.y(0)) - 10.0 * rate;
   }
-  std::span<const breakwater::Signal> signals() const override { return {}; }
 
  private:
   double last_ = 0.0;
