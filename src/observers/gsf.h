@@ -20,40 +20,9 @@ namespace breakwater {
 ///
 /// Sources: R. A. González, A. L. Cedeño, arXiv 2504.09711 (the sum for a code, and the unknown
 /// input); A. R. Runnalls, IEEE Trans. Aerosp. Electron. Syst. 43 (2007) 989–999 (the reduction).
-template <int N>
-class Gsf final : public GuardedKalman<N> {
- public:
-  /// Throws std::invalid_argument unless `parts` is from 1 to 20.
-  Gsf(const KalmanDesign& design, const SensorError& sensor, int parts);
-
- private:
-  using typename GuardedKalman<N>::Vector;
-  using typename GuardedKalman<N>::State;
-  using typename GuardedKalman<N>::Covariance;
-
-  struct Part {
-    State x;
-    Covariance P;
-    double weight;
-    double log_determinant;  // ln |P|
-    State gain;              // K of the last correction
-  };
-
-  void step(const Vector& held_input, const Vector& y) override;
-  void multiply(const CodeSensor::Observation& observed);
-  void reduce();
-  static Part join(const Part& a, const Part& b);
-  double cost(std::size_t i, std::size_t j) const;
-
-  CodeSensor sensor_;
-  std::size_t most_parts_;
-  std::vector<Part> parts_;
-  std::vector<Part> products_;
-  Eigen::MatrixXd costs_;
-};
-
-/// The filter of the design's size.
-std::unique_ptr<DisturbanceEstimator> sized_gsf(const KalmanDesign& design,
-                                                const SensorError& sensor, int parts);
+///
+/// Throws std::invalid_argument unless `parts` is from 1 to 20.
+std::unique_ptr<KalmanEstimator> sized_gsf(const KalmanDesign& design, const SensorError& sensor,
+                                           int parts);
 
 }  // namespace breakwater

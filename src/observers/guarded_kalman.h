@@ -102,7 +102,7 @@ inline constexpr int kMostAxisStates = 5;
 
 /// Filter<N> for the number of extended states of an axis: 3 to 5. Throws as its class does.
 template <template <int> class Filter, typename... Arguments>
-std::unique_ptr<DisturbanceEstimator> of_axis_size(const KalmanDesign& design,
+std::unique_ptr<KalmanEstimator> of_axis_size(const KalmanDesign& design,
                                                    const Arguments&... arguments) {
   switch (design.plant.states()) {
     case 3:

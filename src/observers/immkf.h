@@ -25,38 +25,9 @@ struct ImmDesign {
 /// Sources: S. Li, D. Shi, X. Lyu, J. Tang, L. Shi, "Bias–variance trade-off in Kalman filter-based
 /// disturbance observers", arXiv 2410.05061; H. A. P. Blom, Y. Bar-Shalom, IEEE Trans. Autom.
 /// Control 33 (1988) 780–783.
-template <int N>
-class Immkf final : public GuardedKalman<N> {
- public:
-  /// Throws std::invalid_argument if a probability is outside of [0, 1] or η is not positive.
-  Immkf(const KalmanDesign& design, const SensorError& sensor, const ImmDesign& imm);
-
- private:
-  using typename GuardedKalman<N>::Vector;
-  using typename GuardedKalman<N>::State;
-  using typename GuardedKalman<N>::Covariance;
-  static constexpr int kModels = 2;
-
-  struct Model {
-    State x;
-    Covariance P;
-    double outside;
-  };
-
-  void step(const Vector& held_input, const Vector& y) override;
-  double correct_model(double& outside, const CodeSensor::Observation& observed);
-
-  Eigen::Matrix2d transition_;  // T
-  std::array<double, kModels> noise_ratio_;
-  Likelihood likelihood_;
-  CodeSensor sensor_;
-  std::array<Model, kModels> models_;
-  std::array<Model, kModels> mixed_;
-  Eigen::Vector2d weights_;  // μ
-};
-
-/// The filter of the design's size.
-std::unique_ptr<DisturbanceEstimator> sized_immkf(const KalmanDesign& design,
-                                                  const SensorError& sensor, const ImmDesign& imm);
+///
+/// Throws std::invalid_argument if a probability is outside of [0, 1] or η is not positive.
+std::unique_ptr<KalmanEstimator> sized_immkf(const KalmanDesign& design, const SensorError& sensor,
+                                             const ImmDesign& imm);
 
 }  // namespace breakwater

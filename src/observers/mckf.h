@@ -22,28 +22,9 @@ struct CorrentropyDesign {
 ///
 /// Sources: S. Li et al., arXiv 2410.05061 (immkf.h); B. Chen, X. Liu, H. Zhao, J. C. Príncipe,
 /// Automatica 76 (2017) 70–77.
-template <int N>
-class Mckf final : public GuardedKalman<N> {
- public:
-  /// Throws std::invalid_argument unless σ is positive.
-  Mckf(const KalmanDesign& design, const SensorError& sensor, const CorrentropyDesign& correntropy);
-
- private:
-  using typename GuardedKalman<N>::Vector;
-  using typename GuardedKalman<N>::State;
-  using typename GuardedKalman<N>::Covariance;
-
-  void step(const Vector& held_input, const Vector& y) override;
-
-  double kernel_width_;
-  Likelihood likelihood_;
-  CodeSensor sensor_;
-  double outside_ = 1.0;
-};
-
-/// The filter of the design's size.
-std::unique_ptr<DisturbanceEstimator> sized_mckf(const KalmanDesign& design,
-                                                 const SensorError& sensor,
-                                                 const CorrentropyDesign& correntropy);
+///
+/// Throws std::invalid_argument unless σ is positive.
+std::unique_ptr<KalmanEstimator> sized_mckf(const KalmanDesign& design, const SensorError& sensor,
+                                            const CorrentropyDesign& correntropy);
 
 }  // namespace breakwater

@@ -22,28 +22,9 @@ struct VariationalDesign {
 ///
 /// Sources: Y. Huang, Y. Zhang, Z. Wu, N. Li, J. Chambers, IEEE Trans. Autom. Control 63 (2018)
 /// 594–601; S. Särkkä, A. Nummenmaa, IEEE Trans. Autom. Control 54 (2009) 596–600.
-template <int N>
-class Vbakf final : public GuardedKalman<N> {
- public:
-  /// Throws std::invalid_argument if a number is out of its range.
-  Vbakf(const KalmanDesign& design, const VariationalDesign& variational);
-
- private:
-  using typename GuardedKalman<N>::Vector;
-  using typename GuardedKalman<N>::State;
-  using typename GuardedKalman<N>::Covariance;
-
-  void step(const Vector& held_input, const Vector& y) override;
-  bool is_sound() const override { return std::isfinite(scale_) && GuardedKalman<N>::is_sound(); }
-
-  VariationalDesign variational_;
-  double degrees_ = 0.0;  // ν
-  double scale_ = 0.0;    // T
-  double noise_variance_ = 0.0;
-};
-
-/// The filter of the design's size.
-std::unique_ptr<DisturbanceEstimator> sized_vbakf(const KalmanDesign& design,
-                                                  const VariationalDesign& variational);
+///
+/// Throws std::invalid_argument if a number is out of its range.
+std::unique_ptr<KalmanEstimator> sized_vbakf(const KalmanDesign& design,
+                                             const VariationalDesign& variational);
 
 }  // namespace breakwater

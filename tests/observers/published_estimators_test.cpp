@@ -29,12 +29,12 @@ TEST(Gsf, ApproximatesTheTruncatedDensity) {
     const double quantum = 0.1;
     KalmanDesign wide = design(sensor(quantum));
     wide.P0(0, 0) = quantum * quantum;
-    Gsf<3> filter(wide, sensor(quantum), 20);
-    filter.update(one(0.0), one(y));
+    const auto filter = sized_gsf(wide, sensor(quantum), 20);
+    filter->update(one(0.0), one(y));
     const auto [mean, variance] =
         CodeInterval((y - 0.5 * quantum) / quantum, (y + 0.5 * quantum) / quantum).moments();
-    EXPECT_NEAR(filter.state()(0), quantum * mean, 0.01 * quantum) << y;
-    EXPECT_NEAR(filter.P()(0, 0) / (quantum * quantum * variance), 1.0, 0.1) << y;
+    EXPECT_NEAR(filter->state()(0), quantum * mean, 0.01 * quantum) << y;
+    EXPECT_NEAR(filter->P()(0, 0) / (quantum * quantum * variance), 1.0, 0.1) << y;
   }
 }
 
@@ -58,10 +58,10 @@ TEST(Gsf, TheFirstCodeIsTheSumOverTheNodes) {
     first += share * P / S * e;
     second += share * (P - P * P / S + std::pow(P / S * e, 2));
   }
-  Gsf<3> filter(wide, sensor(quantum), 20);
-  filter.update(one(0.0), one(y));
-  EXPECT_NEAR(filter.state()(0), first / sum, 1e-12);
-  EXPECT_NEAR(filter.P()(0, 0), second / sum - std::pow(first / sum, 2), 1e-12);
+  const auto filter = sized_gsf(wide, sensor(quantum), 20);
+  filter->update(one(0.0), one(y));
+  EXPECT_NEAR(filter->state()(0), first / sum, 1e-12);
+  EXPECT_NEAR(filter->P()(0, 0), second / sum - std::pow(first / sum, 2), 1e-12);
 }
 
 // The first code makes five parts of one. Their union keeps the moments of the sum.
@@ -70,13 +70,13 @@ TEST(Gsf, TheReductionKeepsTheMeanAndTheCovariance) {
   KalmanDesign wide = design(coarse);
   wide.P0(0, 0) = 0.01;
   wide.P0(0, 1) = wide.P0(1, 0) = 0.02;
-  Gsf<3> all(wide, coarse, 20);
-  all.update(one(0.0), one(0.1));
+  const auto all = sized_gsf(wide, coarse, 20);
+  all->update(one(0.0), one(0.1));
   for (const int parts : {1, 2, 4}) {
-    Gsf<3> few(wide, coarse, parts);
-    few.update(one(0.0), one(0.1));
-    EXPECT_LT((few.extended_state() - all.extended_state()).norm(), 1e-14) << parts;
-    EXPECT_LT((few.P() - all.P()).norm(), 1e-14) << parts;
+    const auto few = sized_gsf(wide, coarse, parts);
+    few->update(one(0.0), one(0.1));
+    EXPECT_LT((few->extended_state() - all->extended_state()).norm(), 1e-14) << parts;
+    EXPECT_LT((few->P() - all->P()).norm(), 1e-14) << parts;
   }
 }
 
@@ -84,13 +84,14 @@ TEST(Gsf, MorePartsComeNearerToTheSum) {
   const double quantum = 0.1;
   const SensorError coarse = sensor(quantum);
   const KalmanDesign of_kalman = design(coarse, 1e-4);
-  Gsf<3> one_part(of_kalman, coarse, 1), five(of_kalman, coarse, 5), twenty(of_kalman, coarse, 20);
+  const auto one_part = sized_gsf(of_kalman, coarse, 1), five = sized_gsf(of_kalman, coarse, 5),
+             twenty = sized_gsf(of_kalman, coarse, 20);
   double of_one = 0.0, of_five = 0.0;
   for (int k = 0; k < 400; ++k) {
     const double y = quantum * std::round(8.0 * std::sin(0.01 * k));
-    for (Gsf<3>* filter : {&one_part, &five, &twenty}) filter->update(one(0.0), one(y));
-    of_one += std::pow(one_part.state()(0) - twenty.state()(0), 2);
-    of_five += std::pow(five.state()(0) - twenty.state()(0), 2);
+    for (const auto& filter : {&one_part, &five, &twenty}) (*filter)->update(one(0.0), one(y));
+    of_one += std::pow(one_part->state()(0) - twenty->state()(0), 2);
+    of_five += std::pow(five->state()(0) - twenty->state()(0), 2);
   }
   EXPECT_LT(of_five, 0.5 * of_one);
   EXPECT_LT(std::sqrt(of_five / 400.0), 0.05 * quantum);
