@@ -27,49 +27,32 @@ double breakwater_tanh(double x) noexcept;
 /// Special arguments follow C99's Annex F.
 namespace breakwater::math {
 
+inline constexpr auto& sin = breakwater_sin;
+inline constexpr auto& cos = breakwater_cos;
+inline constexpr auto& tan = breakwater_tan;
+inline constexpr auto& asin = breakwater_asin;
+inline constexpr auto& acos = breakwater_acos;
+inline constexpr auto& atan2 = breakwater_atan2;
+inline constexpr auto& expm1 = breakwater_expm1;
+inline constexpr auto& pow = breakwater_pow;
+inline constexpr auto& tanh = breakwater_tanh;
+
 struct SineCosine {
   double sine;
   double cosine;
 };
 
-inline double sin(double x) {
-  return breakwater_sin(x);
-}
-inline double cos(double x) {
-  return breakwater_cos(x);
-}
 /// Both at little more than the cost of one; the same bits as sin() and cos().
 inline SineCosine sincos(double x) {
   SineCosine both;
   breakwater_sincos(x, &both.sine, &both.cosine);
   return both;
 }
-inline double tan(double x) {
-  return breakwater_tan(x);
-}
-inline double asin(double x) {
-  return breakwater_asin(x);
-}
-inline double acos(double x) {
-  return breakwater_acos(x);
-}
-inline double atan2(double y, double x) {
-  return breakwater_atan2(y, x);
-}
 inline double exp(double x) {
   return breakwater_exp(x);
 }
-inline double expm1(double x) {
-  return breakwater_expm1(x);
-}
 inline double log(double x) {
   return breakwater_log(x);
-}
-inline double pow(double base, double exponent) {
-  return breakwater_pow(base, exponent);
-}
-inline double tanh(double x) {
-  return breakwater_tanh(x);
 }
 
 inline std::complex<double> exp(const std::complex<double>& z) {
