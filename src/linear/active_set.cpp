@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
 
 #include <breakwater/linear/horizon.h>
@@ -37,6 +38,44 @@ double largest_product(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
 // a/b, where no error is no share of nothing.
 double share_of(double a, double b) {
   return a > 0.0 ? a / b : 0.0;
+}
+
+// Computes Ω z from N columns (N < 0: `values` already has it). All arrays have m entries, and
+// columns the length `stride`.
+template <int N>
+RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, Eigen::Index m,
+                  const double* lower, const double* upper, const double* share,
+                  const double* weight, double tolerance, double* values, double* scores) {
+  RowScan scan;
+  for (Eigen::Index i = 0; i < m; ++i) {
+    double value = values[i];
+    if constexpr (N >= 0) {
+      value = columns[i] * z[0];
+      for (int j = 1; j < N; ++j) value += columns[j * stride + i] * z[j];
+      values[i] = value;
+    }
+    const double beyond = std::max(value - upper[i], lower[i] - value) * share[i];
+    const double score = (beyond - tolerance) * weight[i];
+    scores[i] = score;
+    scan.violation = std::max(scan.violation, beyond);
+    scan.worst_score = std::max(scan.worst_score, score);
+  }
+  return scan;
+}
+
+// The largest share_i |bound_i| of the finite bounds. Negative unless lower ≤ upper for all rows,
+// without NaN, a lower bound of ∞ or an upper one of −∞.
+double largest_bound(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                     const Eigen::VectorXd& share) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  double largest = 0.0;
+  for (Eigen::Index i = 0; i < lower.size(); ++i) {
+    if (!(lower(i) <= upper(i)) || lower(i) == kInfinite || upper(i) == -kInfinite) return -1.0;
+    for (const double size : {std::abs(lower(i)), std::abs(upper(i))}) {
+      if (size < kInfinite) largest = std::max(largest, size * share(i));
+    }
+  }
+  return largest;
 }
 
 }  // namespace
