@@ -53,20 +53,20 @@ void ContactSettings::bind_wall(Fields& fields) {
     const Fields::OfPart part(fields, kMotion, kind);
     bind_keys();
   };
-  const auto start = [&] {
-    fields.optional_number("wall.motion_from_s", motion_.start_s, not_negative(),
+  const auto start = [&](double& start_s) {
+    fields.optional_number("wall.motion_from_s", start_s, not_negative(),
                            "time at which the wall begins to move");
   };
   of("ramp", [&] {
-    start();
-    fields.number("wall.speed_m_s", motion_.speed_m_s, any(),
+    start(motion_.ramp.start_s);
+    fields.number("wall.speed_m_s", motion_.ramp.amplitude, any(),
                   "speed of the wall, positive away from the tip");
   });
   of("sine", [&] {
-    start();
-    fields.number("wall.amplitude_m", motion_.amplitude_m, not_negative(),
+    start(motion_.sine.start_s);
+    fields.number("wall.amplitude_m", motion_.sine.amplitude, not_negative(),
                   "amplitude of the wall's motion");
-    fields.number("wall.frequency_rad_s", motion_.frequency_rad_s, positive(),
+    fields.number("wall.frequency_rad_s", motion_.sine.frequency_rad_s, positive(),
                   "angular frequency of the wall's motion");
   });
   of("csv", [&] {
@@ -106,7 +106,7 @@ void ContactSettings::check(const Config& config, const PhysicsSettings& physics
 WallMotion ContactSettings::motion() const {
   WallMotion motion = motion_;
   if (motion.kind != WallMotionKind::csv) return motion;
-  motion.table = read_function(file_, "position_m");
+  motion.csv.table = read_function(file_, "position_m");
   return motion;
 }
 

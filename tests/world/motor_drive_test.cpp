@@ -223,11 +223,15 @@ TEST(ContactLaw, RefusesWhatIsNoLaw) {
 }
 
 TEST(WallMotion, SpeedIsTheDerivativeOfThePosition) {
-  const std::vector<WallMotion> motions = {
-      {},
-      {.kind = WallMotionKind::ramp, .start_s = 0.1, .speed_m_s = -0.02},
-      {.kind = WallMotionKind::sine, .start_s = 0.1, .amplitude_m = 1e-3, .frequency_rad_s = 30.0},
-      {.kind = WallMotionKind::csv, .table = {{0.1, 0.3, 0.4}, {0.0, 0.1, 0.05}}}};
+  std::vector<WallMotion> motions = {{},
+                                     {.kind = WallMotionKind::ramp},
+                                     {.kind = WallMotionKind::sine},
+                                     {.kind = WallMotionKind::csv}};
+  motions[1].ramp.amplitude = -0.02;
+  motions[1].ramp.start_s = motions[2].sine.start_s = 0.1;
+  motions[2].sine.amplitude = 1e-3;
+  motions[2].sine.frequency_rad_s = 30.0;
+  motions[3].csv.table = {{0.1, 0.3, 0.4}, {0.0, 0.1, 0.05}};
   const double d = 1e-7;
   for (const WallMotion& motion : motions) {
     for (const double t : {0.05, 0.15, 0.25, 0.35, 0.5}) {
