@@ -84,11 +84,6 @@ std::string packed(const Number* from, std::ptrdiff_t count) {
                        static_cast<std::size_t>(count) * sizeof(Number)});
 }
 
-std::string name_of(const Model& model, mjtObj kind, int id) {
-  const char* name = mj_id2name(model.get(), kind, id);
-  return name == nullptr ? "" : name;
-}
-
 Pose pose_of(const mjtNum* position, const mjtNum* matrix) {
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const Eigen::Quaterniond q{Eigen::Matrix3d(Eigen::Map<const RowMajor>(matrix))};
@@ -232,7 +227,7 @@ Json geom_json(const Model& model, int id, const std::vector<WavingSurface>& sur
   if (material >= 0 && rgba == std::array<double, 4>{0.5, 0.5, 0.5, 1.0}) {
     rgba = numbers<4>(m.mat_rgba + row_at(4, material));
   }
-  const std::string name = name_of(model, mjOBJ_GEOM, id);
+  const std::string name = model.name(mjOBJ_GEOM, id);
   const Pose pose = {numbers<3>(m.geom_pos + row_at(3, id)),
                      numbers<4>(m.geom_quat + row_at(4, id))};
   Json geom = {{"id", id},
@@ -284,7 +279,7 @@ nlohmann::ordered_json describe_scene(const Model& model, const std::vector<int>
     return all;
   };
   Json scene;
-  scene["bodies"] = each(m.nbody, [&](int i) { return name_of(model, mjOBJ_BODY, i); });
+  scene["bodies"] = each(m.nbody, [&](int i) { return model.name(mjOBJ_BODY, i); });
   scene["geoms"] = each(static_cast<int>(geoms.size()), [&](int i) {
     return geom_json(model, geoms[static_cast<std::size_t>(i)], surfaces, assets);
   });
@@ -293,7 +288,7 @@ nlohmann::ordered_json describe_scene(const Model& model, const std::vector<int>
   scene["sky"] =
       sky_id < m.ntex ? assets.of("texture", sky_id, [&] { return texture_json(m, sky_id); }) : -1;
   scene["cameras"] = each(m.ncam, [&](int i) {
-    return Json{{"name", name_of(model, mjOBJ_CAMERA, i)}, {"fovy", rounded(m.cam_fovy[i])}};
+    return Json{{"name", model.name(mjOBJ_CAMERA, i)}, {"fovy", rounded(m.cam_fovy[i])}};
   });
   scene["lights"] = each(m.nlight, [&](int i) { return light_json(m, i); });
   scene["headlight"] = headlight_json(m);

@@ -81,8 +81,8 @@ int camera_id(const Model& model, const std::string& name) {
   if (id >= 0) return id;
   std::string names;
   for (int i = 0; i < model->ncam; ++i) {
-    const char* other = mj_id2name(model.get(), mjOBJ_CAMERA, i);
-    if (other != nullptr) names += (names.empty() ? "" : ", ") + std::string(other);
+    const std::string other = model.name(mjOBJ_CAMERA, i);
+    if (!other.empty()) names += (names.empty() ? "" : ", ") + other;
   }
   throw std::invalid_argument(model.file() + ": has no camera \"" + name + "\", but " +
                               (names.empty() ? "none at all" : names));

@@ -5,15 +5,11 @@
 namespace breakwater {
 
 JointForce::JointForce(const Model& model, const std::string& joint)
-    : joint_(model.id(mjOBJ_JOINT, joint)),
+    : joint_(model.axis(joint)),
       dof_(model->jnt_dofadr[joint_]),
       body_(model->jnt_bodyid[joint_]),
       is_from_world_(model->body_parentid[body_] == 0 && model->body_jntnum[body_] == 1),
-      part_(model->jnt_type[joint_] == mjJNT_HINGE ? 3 : 0) {
-  if (model->jnt_type[joint_] != mjJNT_HINGE && model->jnt_type[joint_] != mjJNT_SLIDE) {
-    throw std::invalid_argument(model.file() + ": joint \"" + joint + "\" is no hinge or slide");
-  }
-}
+      part_(model->jnt_type[joint_] == mjJNT_HINGE ? 3 : 0) {}
 
 void JointForce::apply(double, const mjModel&, mjData& data) const {
   if (!is_from_world_) {

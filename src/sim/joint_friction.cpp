@@ -17,7 +17,7 @@ void author_friction(Model& model, int joint, double viscous, double coulomb) {
       std::isfinite(viscous) && viscous >= 0.0 && std::isfinite(coulomb) && coulomb >= 0.0;
   if (!fits) throw std::invalid_argument("friction: must be finite and not negative");
   mjModel& m = *model.get();
-  if (m.jnt_type[joint] != mjJNT_SLIDE && m.jnt_type[joint] != mjJNT_HINGE) {
+  if (!model.is_axis(joint)) {
     throw std::invalid_argument(model.file() + ": friction needs a slide or a hinge");
   }
   const int dof = m.jnt_dofadr[joint];
@@ -31,8 +31,7 @@ void author_friction(Model& model, int joint, double viscous, double coulomb) {
 
 void author_friction(Model& model) {
   for (int joint = 0; joint < model->njnt; ++joint) {
-    const int type = model->jnt_type[joint];
-    if (type != mjJNT_SLIDE && type != mjJNT_HINGE) continue;
+    if (!model.is_axis(joint)) continue;
     const int dof = model->jnt_dofadr[joint];
     author_friction(model, joint, model->dof_damping[dof], model->dof_frictionloss[dof]);
   }

@@ -272,11 +272,25 @@ bool Model::has(mjtObj kind, const std::string& name) const {
   return mj_name2id(model_.get(), kind, name.c_str()) >= 0;
 }
 
+std::string Model::name(mjtObj kind, int id) const {
+  const char* const name = mj_id2name(model_.get(), kind, id);
+  return name != nullptr ? name : "";
+}
+
+int Model::axis(const std::string& joint) const {
+  const int found = id(mjOBJ_JOINT, joint);
+  if (!is_axis(found)) refuse(file_, "joint \"" + joint + "\" is no hinge or slide");
+  return found;
+}
+
+bool Model::is_axis(int joint) const {
+  return model_->jnt_type[joint] == mjJNT_HINGE || model_->jnt_type[joint] == mjJNT_SLIDE;
+}
+
 std::vector<int> Model::geoms_named(const std::string& prefix) const {
   std::vector<int> geoms;
   for (int i = 0; i < model_->ngeom; ++i) {
-    const char* name = mj_id2name(model_.get(), mjOBJ_GEOM, i);
-    if (name != nullptr && std::string(name).starts_with(prefix)) geoms.push_back(i);
+    if (name(mjOBJ_GEOM, i).starts_with(prefix)) geoms.push_back(i);
   }
   return geoms;
 }

@@ -62,6 +62,12 @@ class Model {
   /// The id of a named element. Throws std::invalid_argument `FILE: has no KIND named "NAME"`.
   int id(mjtObj kind, const std::string& name) const;
   bool has(mjtObj kind, const std::string& name) const;
+  /// The name of an element; empty: it has none.
+  std::string name(mjtObj kind, int id) const;
+
+  /// The id of a hinge or slide. Throws std::invalid_argument if there is none of this name.
+  int axis(const std::string& joint) const;
+  bool is_axis(int joint) const;
 
   /// The geoms whose names begin with `prefix`.
   std::vector<int> geoms_named(const std::string& prefix) const;

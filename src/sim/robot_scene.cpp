@@ -32,11 +32,6 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string name_in(const Model& model, mjtObj kind, int id) {
-  const char* const name = mj_id2name(model.get(), kind, id);
-  return name != nullptr ? name : "";
-}
-
 TipPlace find_tip(const Model& model, const std::string& tip) {
   const auto site_at = [&](int site) { return TipPlace{model->site_bodyid[site], site}; };
   if (!tip.empty()) {
@@ -46,7 +41,7 @@ TipPlace find_tip(const Model& model, const std::string& tip) {
   std::vector<std::string> sites, ends;
   std::vector<int> bodies;
   const auto add_name = [&](std::vector<std::string>& names, mjtObj kind, int id) {
-    const std::string name = name_in(model, kind, id);
+    const std::string name = model.name(kind, id);
     if (!name.empty()) names.push_back(name);
   };
   for (int i = 0; i < model->nsite; ++i) add_name(sites, mjOBJ_SITE, i);
@@ -136,7 +131,7 @@ void choose_pose(const Model& model, mjData& data, const TipPlace& tip,
 MjcfElement* find_body(MjcfElement& world, const Model& model, const TipPlace& tip) {
   const bool is_site = tip.site >= 0;
   const std::string name =
-      is_site ? name_in(model, mjOBJ_SITE, tip.site) : name_in(model, mjOBJ_BODY, tip.body);
+      is_site ? model.name(mjOBJ_SITE, tip.site) : model.name(mjOBJ_BODY, tip.body);
   MjcfElement* found = nullptr;
   for_each_in_body(world, "", [&](MjcfElement& element, MjcfElement& parent, const std::string&) {
     if (element.name == (is_site ? "site" : "body") && element.text("name") == name) {
@@ -207,13 +202,12 @@ RobotScene robot_before_wall(const std::string& file, const std::string& tip_nam
   std::reverse(joints.begin(), joints.end());
   if (joints.empty()) throw std::invalid_argument(file + ": no joint moves the tip");
   for (const int joint : joints) {
-    scene.joints.push_back(name_in(model, mjOBJ_JOINT, joint));
+    scene.joints.push_back(model.name(mjOBJ_JOINT, joint));
     if (scene.joints.back().empty()) {
       throw std::invalid_argument(file + ": joint number " + std::to_string(joint + 1) +
                                   " moves the tip and needs a name");
     }
-    const bool is_axis =
-        model->jnt_type[joint] == mjJNT_HINGE || model->jnt_type[joint] == mjJNT_SLIDE;
+    const bool is_axis = model.is_axis(joint);
     bool is_driven = false;
     for (int i = 0; i < model->nu; ++i) is_driven |= model.drives(i, joint);
     if (!is_axis || !is_driven) {
@@ -244,8 +238,8 @@ RobotScene robot_before_wall(const std::string& file, const std::string& tip_nam
     const Eigen::Vector3d along = motion.rotation.col(axis);
     if ((along.transpose() * motion.jacobian.topRows<3>()).norm() < 0.1 * most) continue;
     towards = along;
-    scene.tip = (tip.site >= 0 ? "site \"" + name_in(model, mjOBJ_SITE, tip.site)
-                               : "origin of body \"" + name_in(model, mjOBJ_BODY, tip.body)) +
+    scene.tip = (tip.site >= 0 ? "site \"" + model.name(mjOBJ_SITE, tip.site)
+                               : "origin of body \"" + model.name(mjOBJ_BODY, tip.body)) +
                 "\"; its " + "xyz"[axis] + " axis faces the wall";
     break;
   }

@@ -34,11 +34,7 @@ bool is_of_joint(Reading reading) {
 std::pair<int, bool> place(const Model& model, const SensorChannel& channel) {
   if (channel.source != nullptr) return {0, true};
   if (is_of_joint(channel.reading)) {
-    const int joint = model.id(mjOBJ_JOINT, channel.sensor);
-    if (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE) {
-      throw std::invalid_argument(model.file() + ": joint \"" + channel.sensor +
-                                  "\" is no hinge or slide");
-    }
+    const int joint = model.axis(channel.sensor);
     return {channel.reading == Reading::joint_position ? model->jnt_qposadr[joint]
                                                        : model->jnt_dofadr[joint],
             false};

@@ -12,15 +12,6 @@
 namespace breakwater {
 namespace {
 
-int joint_of(const Model& model, const std::string& name) {
-  const int joint = model.id(mjOBJ_JOINT, name);
-  if (model->jnt_type[joint] != mjJNT_SLIDE && model->jnt_type[joint] != mjJNT_HINGE) {
-    throw std::invalid_argument(model.file() + ": transmission: joint \"" + name +
-                                "\" is neither a slide nor a hinge");
-  }
-  return joint;
-}
-
 void check(const TransmissionDesign& design) {
   const auto not_negative = [](double x) { return x >= 0.0 && std::isfinite(x); };
   if (!(design.stiffness > 0.0) || !std::isfinite(design.stiffness) ||
@@ -39,7 +30,7 @@ Transmission::Transmission(const Model& model, const std::string& motor, const s
                            const TransmissionDesign& design)
     : design_(design) {
   check(design);
-  const int motor_joint = joint_of(model, motor), load_joint = joint_of(model, load);
+  const int motor_joint = model.axis(motor), load_joint = model.axis(load);
   if (motor_joint == load_joint) {
     throw std::invalid_argument("transmission: motor and load must be two joints");
   }
@@ -74,9 +65,8 @@ void Transmission::check_stability(const Model& model) const {
   if (is_stable(integrator, timestep_s, slopes)) return;
   std::ostringstream text;
   text.precision(6);
-  text << "transmission to joint \""
-       << mj_id2name(model.get(), mjOBJ_JOINT, model->dof_jntid[load_dof_]) << "\": a stiffness of "
-       << design_.stiffness << " and damping of " << design_.damping
+  text << "transmission to joint \"" << model.name(mjOBJ_JOINT, model->dof_jntid[load_dof_])
+       << "\": a stiffness of " << design_.stiffness << " and damping of " << design_.damping
        << " between the motor and the load, with an inertia of " << slopes.mass_kg
        << " of both together, are beyond the stability limit for a timestep of " << timestep_s
        << " s; the longest stable physics.timestep_s that divides it is "
