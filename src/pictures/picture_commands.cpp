@@ -288,8 +288,6 @@ int drawing_status(const std::function<int()>& draw) {
     fmt::print(stderr, "{}\n", error.what());
   } catch (const OutputError& error) {
     fmt::print(stderr, "{}\n", error.what());
-  } catch (const Stopped&) {
-    throw Interrupted();
   }
   return kLaterOutputFailed;
 }

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/record/interrupted.h>
 #include <breakwater/record/output_error.h>
 #include <breakwater/render/render_error.h>
 
@@ -140,7 +141,7 @@ std::string draw_frames(const FrameFarm& farm, const std::function<Drawer(std::s
   const std::unique_ptr<Shared, decltype(unmap)> shared(new (memory) Shared{}, unmap);
   Children children(used, start, take, *shared);
   while (children.are_at_work()) {
-    if (farm.stop != nullptr && *farm.stop) throw Stopped();
+    if (farm.stop != nullptr && *farm.stop) throw Interrupted();
     if (farm.progress) {
       farm.progress(static_cast<double>(shared->taken) / static_cast<double>(farm.frames));
     }

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -29,19 +28,13 @@ struct FrameFarm {
   std::function<void(double fraction_done)> progress;  ///< may be empty
 };
 
-/// Thrown if the work was asked to stop.
-class Stopped : public std::runtime_error {
- public:
-  Stopped() : std::runtime_error("stopped") {}
-};
-
 /// Draws frames in child processes, forked from this one. Each child calls `start` once, with its
 /// number, and the result for each of its frames, in turn with the others. Several contexts in one
 /// process would not be faster with Mesa, and a crash of a driver would end the process. The child
 /// that drew a frame calls `take`, one after the other, in the order of the frames.
 ///
-/// Call it while no other thread runs. Returns the name of the renderer. Throws Stopped, or if a
-/// child fails, RenderError, or OutputError if `take` threw it.
+/// Call it while no other thread runs. Returns the name of the renderer. Throws Interrupted, or if
+/// a child fails, RenderError, or OutputError if `take` threw it.
 std::string draw_frames(const FrameFarm& farm,
                         const std::function<Drawer(std::size_t process)>& start,
                         const std::function<void(const std::uint8_t* frame)>& take);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 
+#include <breakwater/record/interrupted.h>
 #include <breakwater/record/output_error.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/render/video_file.h>
@@ -105,7 +106,7 @@ TEST(FrameFarm, AnErrorOfTheConsumerEndsIt) {
 TEST(FrameFarm, StopsWhenAsked) {
   std::atomic<bool> stop = false;
   const FrameFarm farm = {1000000, 2, &stop, [&](double done) { stop = done > 0.0; }};
-  EXPECT_THROW(draw_with([](std::size_t) {}, farm), Stopped);
+  EXPECT_THROW(draw_with([](std::size_t) {}, farm), Interrupted);
 }
 
 TEST(VideoFile, NeedsFfmpeg) {
