@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/stacked_estimator.h>
 #include <breakwater/plants/damped_inertia.h>
@@ -14,13 +15,11 @@ namespace {
 
 const AccelerationControlDesign& checked(const AccelerationControlDesign& design) {
   const Eigen::Index n = design.nominal_inertia_kgm2.size();
-  if (n == 0 || design.torque_limit_Nm.size() != n) {
-    throw std::invalid_argument("acceleration control: needs one inertia and limit per joint");
-  }
-  if (!(design.nominal_inertia_kgm2.array() > 0.0).all() ||
-      !(design.torque_limit_Nm.array() > 0.0).all()) {
-    throw std::invalid_argument("acceleration control: inertias and limits must be positive");
-  }
+  refuse_unless(n != 0 && design.torque_limit_Nm.size() == n,
+                "acceleration control: needs one inertia and limit per joint");
+  refuse_unless((design.nominal_inertia_kgm2.array() > 0.0).all() &&
+                    (design.torque_limit_Nm.array() > 0.0).all(),
+                "acceleration control: inertias and limits must be positive");
   return design;
 }
 
@@ -29,9 +28,8 @@ const AccelerationControlDesign& checked(const AccelerationControlDesign& design
 std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal_inertia_kgm2,
                                                   const std::vector<PoleGroup>& poles,
                                                   double period_s) {
-  if (static_cast<Eigen::Index>(poles.size()) != nominal_inertia_kgm2.size()) {
-    throw std::invalid_argument("acceleration control: needs one group of poles per joint");
-  }
+  refuse_unless(static_cast<Eigen::Index>(poles.size()) == nominal_inertia_kgm2.size(),
+                "acceleration control: needs one group of poles per joint");
   // Eqs. 2.56–2.58 decouple the joints: each has its own observer.
   std::vector<std::unique_ptr<DisturbanceEstimator>> joints;
   for (std::size_t i = 0; i < poles.size(); ++i) {

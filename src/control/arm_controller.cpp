@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <breakwater/linear/pseudo_inverse.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -28,18 +29,16 @@ ArmController::ArmController(const TipChain& chain, const AccelerationControlDes
       acceleration_ref_(Eigen::VectorXd::Zero(chain.joints())),
       posture_(acceleration_ref_),
       J_damped_(Eigen::MatrixXd::Zero(chain.joints(), chain.held())) {
-  if (design.nominal_inertia_kgm2.size() != chain.joints() ||
-      task_.start_angles_rad.size() != chain.joints()) {
-    throw std::invalid_argument("arm controller: needs one inertia and start angle per joint");
-  }
+  refuse_unless(design.nominal_inertia_kgm2.size() == chain.joints() &&
+                    task_.start_angles_rad.size() == chain.joints(),
+                "arm controller: needs one inertia and start angle per joint");
   if (task_.start_pose.size() != chain.held() || chain.joints() < chain.held()) {
     throw std::invalid_argument(
         "arm controller: needs a start pose with the coordinates of the chain, and a joint for "
         "each");
   }
-  if (!(task_.convert_gain_N_m > 0.0)) {
-    throw std::invalid_argument("arm controller: the convert gain K_f must be positive");
-  }
+  refuse_unless(task_.convert_gain_N_m > 0.0,
+                "arm controller: the convert gain K_f must be positive");
   publish({"q_hat_rad", "rad", "joint angles, estimated (Eq. 2.54)", view(q_hat_)});
   publish({"dq_hat_rad_s", "rad/s", "joint velocities, estimated", view(dq_hat_)});
   publish({"d_hat_Nm", "N m", "disturbance torques, estimated, opposing motion (Eq. 2.53)",

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/linear/riccati.h>
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -15,10 +15,9 @@ constexpr double kDepthSoftness = 1e-9;  // softness of the force's bound: 1/wei
 }  // namespace
 
 LmpcDesign contact_problem(const ContactMpcDesign& design, double reference_N) {
-  if (!(design.acceleration_m_s2 > 0.0) || !(design.wall_correction_per_s >= 0.0)) {
-    throw std::invalid_argument(
-        "contact prediction: the acceleration must be positive, the correction not negative");
-  }
+  refuse_unless(
+      design.acceleration_m_s2 > 0.0 && design.wall_correction_per_s >= 0.0,
+      "contact prediction: the acceleration must be positive, the correction not negative");
   const double T = design.period_s;
   const Eigen::MatrixXd r = Eigen::MatrixXd::Constant(1, 1, design.r);
   LmpcDesign problem;
@@ -51,9 +50,7 @@ ContactMpc::ContactMpc(const TipChain& chain, const AccelerationControlDesign& a
       input_(Eigen::VectorXd::Zero(1)),
       reserved_(input_),
       trajectory_(Eigen::VectorXd::Zero(2 * design.prediction_steps)) {
-  if (!std::isfinite(wall_x_m_)) {
-    throw std::invalid_argument("contact prediction: needs a wall whose place is known");
-  }
+  refuse_unless(std::isfinite(wall_x_m_), "contact prediction: needs a wall whose place is known");
   for (Eigen::Index i = 0; i < trajectory_.size(); i += 2) {
     trajectory_(i) = task.force_reference_N / design.impact.stiffness_N_m;
   }

@@ -1,7 +1,8 @@
 #include <breakwater/control/energy_admittance.h>
 
 #include <cmath>
-#include <stdexcept>
+
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -10,12 +11,10 @@ double peak_per_speed_Ns_m(double stiffness_N_m, double mass_kg) {
 }
 
 void check(const ImpactModel& impact, const Admittance& admittance) {
-  if (!(impact.stiffness_N_m > 0.0) || !(impact.peak_margin_N > 0.0)) {
-    throw std::invalid_argument("impact: the wall's stiffness and the margin must be positive");
-  }
-  if (!(admittance.mass_kg > 0.0) || !(admittance.damping_Ns_m >= 0.0)) {
-    throw std::invalid_argument("admittance: the mass must be positive, the damping not negative");
-  }
+  refuse_unless(impact.stiffness_N_m > 0.0 && impact.peak_margin_N > 0.0,
+                "impact: the wall's stiffness and the margin must be positive");
+  refuse_unless(admittance.mass_kg > 0.0 && admittance.damping_Ns_m >= 0.0,
+                "admittance: the mass must be positive, the damping not negative");
 }
 
 EnergyAdmittance::EnergyAdmittance(const TipChain& chain,

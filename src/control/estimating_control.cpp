@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <breakwater/control/estimate_signals.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -14,9 +15,7 @@ EstimatingControl::EstimatingControl(std::shared_ptr<DisturbanceEstimator> estim
   if (state().size() != design.start_state.size() || estimator_->disturbance().size() != 1) {
     throw std::invalid_argument("control of an axis: the estimator must be for the same plant");
   }
-  if (!(design.force_limit > 0.0)) {
-    throw std::invalid_argument("control of an axis: the force limit must be positive");
-  }
+  refuse_unless(design.force_limit > 0.0, "control of an axis: the force limit must be positive");
   const AxisUnits& units = design.units;
   publish({"reference_" + units.position_suffix, units.position, "reference", view(reference_)});
   for (const Signal& signal : estimate_signals(*estimator_, units)) publish(signal);

@@ -1,7 +1,8 @@
 #include <breakwater/control/force_forecast.h>
 
 #include <algorithm>
-#include <stdexcept>
+
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -35,10 +36,9 @@ constexpr double kLargestTrace = 1e9;
 }  // namespace
 
 AutoregressiveModel::AutoregressiveModel(const AutoregressiveDesign& design) : design_(design) {
-  if (!(design.order > 0 && design.spacing > 0 && design.memory >= 1.0 && design.largest > 0.0)) {
-    throw std::invalid_argument(
-        "autoregressive model: every value must be positive, the memory at least 1 sample");
-  }
+  refuse_unless(
+      design.order > 0 && design.spacing > 0 && design.memory >= 1.0 && design.largest > 0.0,
+      "autoregressive model: every value must be positive, the memory at least 1 sample");
   past_.resize(static_cast<Eigen::Index>(design.order) * design.spacing);
   regressor_.setZero(design.order + 1);
   step_ = gain_ = regressor_;

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -88,14 +89,11 @@ ImpactQp::ImpactQp(const TipChain& chain, const AccelerationControlDesign& accel
       lower_(Eigen::VectorXd::Zero(chain.joints())),
       upper_(lower_) {
   check(design.impact, design.admittance);
-  if (!(design.approach_speed_m_s > 0.0) || !(design.preview_s > 0.0) ||
-      !(design.posture_weight > 0.0)) {
-    throw std::invalid_argument(
-        "impact-aware control: the speed, the preview and the weight must be positive");
-  }
-  if (!(design.restitution >= 0.0) || !(design.restitution <= 1.0)) {
-    throw std::invalid_argument("impact-aware control: the restitution must be between 0 and 1");
-  }
+  refuse_unless(
+      design.approach_speed_m_s > 0.0 && design.preview_s > 0.0 && design.posture_weight > 0.0,
+      "impact-aware control: the speed, the preview and the weight must be positive");
+  refuse_unless(design.restitution >= 0.0 && design.restitution <= 1.0,
+                "impact-aware control: the restitution must be between 0 and 1");
   publish({"foreseen_force_N", "N", "force of an impact at the next sample, as foreseen",
            view(foreseen_force_N_)});
   publish({"qp_iterations", "1", "changes of the active set", view(iterations_)});

@@ -1,6 +1,6 @@
 #include <breakwater/control/implicit_force_pfc.h>
 
-#include <stdexcept>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -12,9 +12,8 @@ ImplicitForcePfc::ImplicitForcePfc(const TipChain& chain,
       inverse_kinematics_(design.inverse_kinematics, chain.joints()),
       positioning_(design.positioning),
       q_ref_(task.start_angles_rad) {
-  if (static_cast<Eigen::Index>(pfc_.size()) != chain.joints()) {
-    throw std::invalid_argument("implicit force PFC: needs one PFC per joint");
-  }
+  refuse_unless(static_cast<Eigen::Index>(pfc_.size()) == chain.joints(),
+                "implicit force PFC: needs one PFC per joint");
   publish({"q_ref_rad",
            "rad",
            "joint angle references (Eq. 2.63)",

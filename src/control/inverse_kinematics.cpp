@@ -1,8 +1,7 @@
 #include <breakwater/control/inverse_kinematics.h>
 
-#include <stdexcept>
-
 #include <breakwater/linear/pseudo_inverse.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -12,15 +11,12 @@ LmInverseKinematics::LmInverseKinematics(const LmDesign& design, Eigen::Index jo
       normal_matrix_(joints, joints),
       factor_(joints),
       step_(Eigen::VectorXd::Zero(joints)) {
-  if (!(design.weights.array() > 0.0).all() || !(design.damping > 0.0) ||
-      !(design.step_limit_rad > 0.0)) {
-    throw std::invalid_argument(
-        "inverse kinematics: weights, damping and step limit must be positive");
-  }
-  if (design.form != LmForm::sugihara && joints != design.weights.size()) {
-    throw std::invalid_argument(
-        "inverse kinematics: the printed M needs as many joints as coordinates; use \"sugihara\"");
-  }
+  refuse_unless(
+      (design.weights.array() > 0.0).all() && design.damping > 0.0 && design.step_limit_rad > 0.0,
+      "inverse kinematics: weights, damping and step limit must be positive");
+  refuse_unless(
+      design.form == LmForm::sugihara || joints == design.weights.size(),
+      "inverse kinematics: the printed M needs as many joints as coordinates; use \"sugihara\"");
 }
 
 const Eigen::VectorXd& LmInverseKinematics::step(const TaskJacobian& J, const TipVector& X_e) {

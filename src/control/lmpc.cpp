@@ -8,6 +8,7 @@
 
 #include <breakwater/control/controller.h>
 #include <breakwater/linear/riccati.h>
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/signals/thread_time.h>
 
 namespace breakwater {
@@ -16,16 +17,12 @@ Prediction predict(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, int predi
                    int control_steps) {
   const Eigen::Index n = A.rows();
   const Eigen::Index m = B.cols();
-  if (n == 0 || m == 0 || A.cols() != n || B.rows() != n) {
-    throw std::invalid_argument("prediction: A must be n×n and B n×m");
-  }
-  if (prediction_steps < 1 || control_steps < 1) {
-    throw std::invalid_argument("prediction: the horizons must be at least 1 step");
-  }
-  if (control_steps > prediction_steps) {
-    throw std::invalid_argument(
-        "prediction: the control horizon must not be longer than the prediction horizon");
-  }
+  refuse_unless(n != 0 && m != 0 && A.cols() == n && B.rows() == n,
+                "prediction: A must be n×n and B n×m");
+  refuse_unless(prediction_steps >= 1 && control_steps >= 1,
+                "prediction: the horizons must be at least 1 step");
+  refuse_unless(control_steps <= prediction_steps,
+                "prediction: the control horizon must not be longer than the prediction horizon");
   Prediction prediction{Eigen::MatrixXd(prediction_steps * n, n),
                         Eigen::MatrixXd(prediction_steps * n, m),
                         Eigen::MatrixXd::Zero(prediction_steps * n, control_steps * m)};
@@ -68,10 +65,8 @@ Eigen::MatrixXd sums(int steps, Eigen::Index inputs) {
 int samples_per_move(double period_s, double sampling_s) {
   constexpr double kWhole = 1e-9;  // relative error of a whole multiple
   const double samples = std::round(period_s / sampling_s);
-  if (!(samples >= 1.0) || std::abs(period_s - samples * sampling_s) > kWhole * samples) {
-    throw std::invalid_argument(
-        "predictive control: the period must be a whole multiple of the sampling period");
-  }
+  refuse_unless(samples >= 1.0 && !(std::abs(period_s - samples * sampling_s) > kWhole * samples),
+                "predictive control: the period must be a whole multiple of the sampling period");
   return static_cast<int>(samples);
 }
 
@@ -101,9 +96,8 @@ Lmpc::Lmpc(const LmpcDesign& design)
       change_(Eigen::VectorXd::Zero(inputs())),
       first_change_(first_step(design.change_bounds, inputs())),
       first_input_(first_step(design.input_bounds, inputs())) {
-  if (design.on_infeasible == OnInfeasible::soften && !(design.softness > 0.0)) {
-    throw std::invalid_argument("predictive control: the softness must be positive");
-  }
+  refuse_unless(design.on_infeasible != OnInfeasible::soften || design.softness > 0.0,
+                "predictive control: the softness must be positive");
 }
 
 QpModel Lmpc::make_model() {
@@ -172,13 +166,10 @@ void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eig
                     int first_step, int last_step) {
   for (std::size_t b = 0; b < bounds.size(); ++b) {
     const PredictedBound& bound = bounds[b];
-    if (bound.component < 0 || bound.component >= width) {
-      throw std::invalid_argument(
-          "predictive control: a bound is on a component that does not exist");
-    }
-    if (!(bound.lower <= bound.upper)) {
-      throw std::invalid_argument("predictive control: a lower bound is above its upper bound");
-    }
+    refuse_unless(bound.component >= 0 && bound.component < width,
+                  "predictive control: a bound is on a component that does not exist");
+    refuse_unless(bound.lower <= bound.upper,
+                  "predictive control: a lower bound is above its upper bound");
     for (const int step : bound.steps) {
       if (step < first_step || step > last_step) {
         throw std::invalid_argument(

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include <breakwater/linear/pseudo_inverse.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -32,9 +32,8 @@ PathControl::PathControl(const TipChain& chain, const AccelerationControlDesign&
       across_(design.across),
       share_(along_),
       rest_(along_) {
-  if (static_cast<Eigen::Index>(joint_pfc_.size()) != chain.joints()) {
-    throw std::invalid_argument("path control: needs a PFC for each joint");
-  }
+  refuse_unless(static_cast<Eigen::Index>(joint_pfc_.size()) == chain.joints(),
+                "path control: needs a PFC for each joint");
 }
 
 void PathControl::decide(Eigen::Ref<Eigen::VectorXd> a) {

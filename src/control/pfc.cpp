@@ -1,10 +1,10 @@
 #include <breakwater/control/pfc.h>
 
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -15,14 +15,10 @@ void check(const PfcDesign& design) {
   const bool times_fit = std::isfinite(design.target_response_time_s) &&
                          design.target_response_time_s > 0.0 && std::isfinite(design.period_s) &&
                          design.period_s > 0.0;
-  if (!times_fit) {
-    throw std::invalid_argument("PFC: target response time and period must be positive");
-  }
-  if (design.basis_functions < 1 || design.basis_functions > 3 ||
-      design.coincidence_points < design.basis_functions) {
-    throw std::invalid_argument(
-        "PFC: needs 1 to 3 basis functions and at least as many coincidence points");
-  }
+  refuse_unless(times_fit, "PFC: target response time and period must be positive");
+  refuse_unless(design.basis_functions >= 1 && design.basis_functions <= 3 &&
+                    design.coincidence_points >= design.basis_functions,
+                "PFC: needs 1 to 3 basis functions and at least as many coincidence points");
 }
 
 // Eq. 2.76. The small factor makes 1 s/1 ms give 1000 samples in spite of rounding.
@@ -31,15 +27,12 @@ std::vector<int> coincidence_points(const PfcDesign& design) {
   for (int j = 1; j <= design.coincidence_points; ++j) {
     const double samples =
         design.target_response_time_s / (design.period_s * (design.coincidence_points - j + 1));
-    if (samples > kMostSamples) {
-      throw std::invalid_argument("PFC: the target response time is too long for the period");
-    }
+    refuse_unless(!(samples > kMostSamples),
+                  "PFC: the target response time is too long for the period");
     points.push_back(static_cast<int>(std::floor(samples * (1.0 + 1e-12))));
     // The response of a double integrator sampled as in Eq. 2.72 begins after two samples.
-    if (points.back() < 2 || (j > 1 && points[j - 1] <= points[j - 2])) {
-      throw std::invalid_argument(
-          "PFC: the target response time is too short for so many coincidence points");
-    }
+    refuse_unless(points.back() >= 2 && (j <= 1 || points[j - 1] > points[j - 2]),
+                  "PFC: the target response time is too short for so many coincidence points");
   }
   return points;
 }

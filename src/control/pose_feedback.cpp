@@ -1,7 +1,8 @@
 #include <breakwater/control/pose_feedback.h>
 
-#include <stdexcept>
 #include <utility>
+
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -13,12 +14,11 @@ PoseFeedback::PoseFeedback(std::shared_ptr<DisturbanceEstimator> estimator,
       error_(Eigen::VectorXd::Zero(design_.plant.states())),
       position_hat_(design_.pose),
       held_input_(Eigen::VectorXd::Zero(design_.plant.inputs())) {
-  if (estimator_->state().size() != design_.plant.states() ||
-      estimator_->disturbance().size() != design_.plant.inputs() ||
-      design_.to_states.rows() != design_.plant.states() ||
-      design_.to_states.cols() != design_.plant.outputs()) {
-    throw std::invalid_argument("state feedback: estimator and gain must be for the same plant");
-  }
+  refuse_unless(estimator_->state().size() == design_.plant.states() &&
+                    estimator_->disturbance().size() == design_.plant.inputs() &&
+                    design_.to_states.rows() == design_.plant.states() &&
+                    design_.to_states.cols() == design_.plant.outputs(),
+                "state feedback: estimator and gain must be for the same plant");
   Eigen::Index input = 0;
   for (Eigen::Index i = 0; i < y_.size(); ++i) {
     const FeedbackAxis& axis = design_.axes[static_cast<std::size_t>(i)];

@@ -1,8 +1,9 @@
 #include <breakwater/control/predictive_control.h>
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
+
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -16,14 +17,11 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
       reserved_(Eigen::VectorXd::Zero(1)),
       planned_input_(Eigen::VectorXd::Zero(1)) {
   const Eigen::Index disturbances = design.disturbance_use == DisturbanceUse::predict ? 1 : 0;
-  if (lmpc_.inputs() != 1 || lmpc_.states() != state().size() + disturbances ||
-      design.controlled < 0 || design.controlled >= state().size()) {
-    throw std::invalid_argument(
-        "predictive control: estimator and model must be for the same plant");
-  }
-  if (design.samples_per_move < 1) {
-    throw std::invalid_argument("predictive control: needs at least one sample per move");
-  }
+  refuse_unless(lmpc_.inputs() == 1 && lmpc_.states() == state().size() + disturbances &&
+                    design.controlled >= 0 && design.controlled < state().size(),
+                "predictive control: estimator and model must be for the same plant");
+  refuse_unless(design.samples_per_move >= 1,
+                "predictive control: needs at least one sample per move");
   const AxisUnits& units = design.loop.units;
   publish({"u_mpc_" + units.force_suffix, units.force, "input of the optimisation (Eq. 2.42)",
            view(planned_input_)});

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <breakwater/control/quadrotor_filters.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -298,17 +299,14 @@ std::unique_ptr<QuadrotorEstimator> make_wave_estimator(
 
 std::unique_ptr<QuadrotorEstimator> make_quadrotor_estimator(const QuadrotorEstimatorDesign& design,
                                                              const QuadrotorModel& model) {
-  if (!(design.position_std_m > 0.0 && design.angle_std_rad > 0.0)) {
-    throw std::invalid_argument("quadrotor estimator: the noise's deviations must be positive");
-  }
-  if (design.noise == ProcessNoiseSource::input && design.filter != QuadrotorFilter::ekf) {
-    throw std::invalid_argument("quadrotor estimator: process noise by the input needs the EKF");
-  }
+  refuse_unless(design.position_std_m > 0.0 && design.angle_std_rad > 0.0,
+                "quadrotor estimator: the noise's deviations must be positive");
+  refuse_unless(design.noise != ProcessNoiseSource::input || design.filter == QuadrotorFilter::ekf,
+                "quadrotor estimator: process noise by the input needs the EKF");
   const bool is_of_waves =
       design.order == DisturbanceOrder::resonator || design.order == DisturbanceOrder::spectrum;
-  if (is_of_waves && design.filter != QuadrotorFilter::ukf) {
-    throw std::invalid_argument("quadrotor estimator: resonator and spectrum need the UKF");
-  }
+  refuse_unless(!is_of_waves || design.filter == QuadrotorFilter::ukf,
+                "quadrotor estimator: resonator and spectrum need the UKF");
   switch (design.order) {
     case DisturbanceOrder::none:
       return make_thruster_estimator<-1>(design, model);

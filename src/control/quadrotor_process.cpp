@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include <breakwater/math/refuse_unless.h>
+
 namespace breakwater {
 
 Vector6d HeldThrust::velocity_step(
@@ -52,10 +54,9 @@ void WaveForces<K, Order>::set_resonators(const Resonators& resonators) {
   const double period_s = held_.period_s();
   for (int i = 0; i < K; ++i) {
     const Resonator& r = resonators[static_cast<std::size_t>(i)];
-    if (!(r.omega_rad_s > 0.0 && r.damping > 0.0 && r.damping < 1.0 && r.std > 0.0)) {
-      throw std::invalid_argument(
-          "resonators: frequency and deviation must be positive, the damping between 0 and 1");
-    }
+    refuse_unless(
+        r.omega_rad_s > 0.0 && r.damping > 0.0 && r.damping < 1.0 && r.std > 0.0,
+        "resonators: frequency and deviation must be positive, the damping between 0 and 1");
     const int f = force_row(i), h = rate_row(i);
     const Eigen::Matrix2d step = resonator_step(r.omega_rad_s, r.damping, period_s);
     A_.template block<3, 3>(f, f).diagonal().setConstant(step(0, 0));
@@ -70,9 +71,7 @@ void WaveForces<K, Order>::set_resonators(const Resonators& resonators) {
 
 template <int K, int Order>
 void WaveForces<K, Order>::set_torque_noise(double std_Nm) {
-  if (!(std_Nm > 0.0)) {
-    throw std::invalid_argument("resonators: the torques' walk must be positive");
-  }
+  refuse_unless(std_Nm > 0.0, "resonators: the torques' walk must be positive");
   Q_.diagonal().template segment<3>(kTorque).setConstant(std_Nm * std_Nm);
 }
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -22,9 +22,8 @@ constexpr double kLearnsTo_s = 0.35;
 }  // namespace
 
 ContactStiffness::ContactStiffness(double lag_s, double period_s) : period_s_(period_s) {
-  if (!(period_s > 0.0) || !(lag_s >= 0.0)) {
-    throw std::invalid_argument("contact stiffness: needs a period > 0 and a lag >= 0");
-  }
+  refuse_unless(period_s > 0.0 && lag_s >= 0.0,
+                "contact stiffness: needs a period > 0 and a lag >= 0");
   forget_ = lag_s > 0.0 ? math::exp(-period_s / lag_s) : 0.0;
   reset();
 }
@@ -113,9 +112,8 @@ SoftContact::SoftContact(const TipChain& chain, const AccelerationControlDesign&
       elbow_(std::min<Eigen::Index>(1, inertia_.size() - 1)),
       elbow_inertia_(inertia_(elbow_)),
       stiffness_(task.force_lag_s, acceleration.period_s) {
-  if (!(design.wall_stiffness_N_m > 0.0) || !(design.peak_margin_N > 0.0)) {
-    throw std::invalid_argument("TLSC: the wall's stiffness and the margin must be positive");
-  }
+  refuse_unless(design.wall_stiffness_N_m > 0.0 && design.peak_margin_N > 0.0,
+                "TLSC: the wall's stiffness and the margin must be positive");
   publish({"contact_stiffness_hat_N_m", "N/m", "K of the contact, estimated; 0: none yet",
            view(stiffness_N_m_)});
   publish({"way_to_go_m", "m", "epsilon = (F^ref - F)/K, in contact", view(way_to_go_m_)});

@@ -1,8 +1,9 @@
 #include <breakwater/control/state_feedback.h>
 
 #include <Eigen/LU>
-#include <stdexcept>
 #include <utility>
+
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -20,10 +21,9 @@ StateFeedback::StateFeedback(std::shared_ptr<DisturbanceEstimator> estimator,
   const StateSpace& plant = design.plant;
   check(plant);
   const Eigen::Index n = plant.states();
-  if (plant.inputs() != 1 || design.E.size() != n || design.K.size() != n || state().size() != n ||
-      design.controlled < 0 || design.controlled >= n) {
-    throw std::invalid_argument("state feedback: estimator, gain and plant do not fit");
-  }
+  refuse_unless(plant.inputs() == 1 && design.E.size() == n && design.K.size() == n &&
+                    state().size() == n && design.controlled >= 0 && design.controlled < n,
+                "state feedback: estimator, gain and plant do not fit");
   // [A B; c 0] [x*; u*] = [E d; r], for d = 1 and for r = 1.
   Eigen::MatrixXd rest = Eigen::MatrixXd::Zero(n + 1, n + 1), wanted = rest.leftCols(2);
   rest.topLeftCorner(n, n) = plant.A;
@@ -32,9 +32,7 @@ StateFeedback::StateFeedback(std::shared_ptr<DisturbanceEstimator> estimator,
   wanted.col(0).head(n) = design.E;
   wanted(n, 1) = 1.0;
   const Eigen::FullPivLU<Eigen::MatrixXd> factor(rest);
-  if (!factor.isInvertible()) {
-    throw std::invalid_argument("state feedback: the plant cannot rest at every reference");
-  }
+  refuse_unless(factor.isInvertible(), "state feedback: the plant cannot rest at every reference");
   const Eigen::MatrixXd found = factor.solve(wanted);
   const Eigen::RowVectorXd gains = found.row(n) + design.K * found.topRows(n);
   disturbance_gain_ = gains(0);
@@ -46,9 +44,7 @@ LqrControl::LqrControl(std::shared_ptr<DisturbanceEstimator> estimator, const Ax
     : EstimatingControl(std::move(estimator), loop),
       K_(std::move(K)),
       uses_true_state_(uses_true_state) {
-  if (K_.size() != state().size()) {
-    throw std::invalid_argument("LQR: estimator and gain must be for the same plant");
-  }
+  refuse_unless(K_.size() == state().size(), "LQR: estimator and gain must be for the same plant");
 }
 
 }  // namespace breakwater

@@ -1,10 +1,10 @@
 #include <breakwater/control/wave_mpc.h>
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 #include <breakwater/linear/riccati.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -110,10 +110,9 @@ WaveMpc::WaveMpc(const Backstepping& law, std::shared_ptr<QuadrotorEstimator> es
          law.design().thrust_floor_N - law.nominal().parameters().net_weight_N(),
          2.0 * law.nominal().parameters().thrust_limit_N),
       forces_(ForceTable::Zero(3, design.prediction_steps + 1)) {
-  if (!this->estimator().models_world_force()) {
-    throw std::invalid_argument(
-        "wave prediction: the estimator must model a force in the world: resonator or spectrum");
-  }
+  refuse_unless(
+      this->estimator().models_world_force(),
+      "wave prediction: the estimator must model a force in the world: resonator or spectrum");
   publish({"force_forecast_N", "N", "disturbing force at the end of the horizon, as foreseen",
            view(furthest_)});
   publish({"qp_iterations", "1", "changes of the active sets of all axes", view(iterations_)});

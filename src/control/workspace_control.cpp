@@ -1,17 +1,16 @@
 #include <breakwater/control/workspace_control.h>
 
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/linear/pseudo_inverse.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
 
 const WorkspaceControlDesign& checked(const WorkspaceControlDesign& design) {
-  if (!(design.k_p >= 0.0) || !(design.k_f >= 0.0) || !(design.singular_value_floor >= 0.0)) {
-    throw std::invalid_argument("workspace control: gains must not be negative");
-  }
+  refuse_unless(design.k_p >= 0.0 && design.k_f >= 0.0 && design.singular_value_floor >= 0.0,
+                "workspace control: gains must not be negative");
   return design;
 }
 

@@ -5,10 +5,10 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
-#include <stdexcept>
 
 #include <breakwater/linear/horizon.h>
 #include <breakwater/linear/small_products.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -128,9 +128,7 @@ ActiveSetQp::ActiveSetQp(const QpModel& model, int max_changes)
       max_changes_(max_changes),
       factor_(factors_.rows()),
       orthogonal_(factors_) {
-  if (max_changes < 1) {
-    throw std::invalid_argument("active set: needs a cap of at least 1 change");
-  }
+  refuse_unless(max_changes >= 1, "active set: needs a cap of at least 1 change");
   const Eigen::Index n = factors_.variables();
   const Eigen::Index m = factors_.rows();
   derive();
@@ -160,11 +158,9 @@ void ActiveSetQp::derive() {
 
 void ActiveSetQp::set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor& Omega) {
   const QpModel& model = factors_.model;
-  if (model.horizon || H.rows() != model.H.rows() || H.cols() != model.H.cols() ||
-      Omega.rows() != model.Omega.rows() || Omega.cols() != model.Omega.cols()) {
-    throw std::invalid_argument(
-        "active set: new matrices must have the sizes of the old ones, without a horizon");
-  }
+  refuse_unless(!model.horizon && H.rows() == model.H.rows() && H.cols() == model.H.cols() &&
+                    Omega.rows() == model.Omega.rows() && Omega.cols() == model.Omega.cols(),
+                "active set: new matrices must have the sizes of the old ones, without a horizon");
   factors_.model.H = H;
   factors_.model.Omega = Omega;
   factors_.factor();

@@ -1,17 +1,15 @@
 #include <breakwater/linear/high_pass.h>
 
 #include <numbers>
-#include <stdexcept>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
 HighPass::HighPass(double cutoff_Hz, double period_s) {
-  if (!(period_s > 0.0) || !(cutoff_Hz > 0.0) || !(cutoff_Hz < 0.5 / period_s)) {
-    throw std::invalid_argument(
-        "high-pass: the cut-off must lie between 0 and half the sampling frequency");
-  }
+  refuse_unless(period_s > 0.0 && cutoff_Hz > 0.0 && cutoff_Hz < 0.5 / period_s,
+                "high-pass: the cut-off must lie between 0 and half the sampling frequency");
   const double w = math::tan(std::numbers::pi * cutoff_Hz * period_s);
   const double norm = 1.0 + std::numbers::sqrt2 * w + w * w;
   gain_ = 1.0 / norm;

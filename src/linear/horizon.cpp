@@ -1,9 +1,9 @@
 #include <breakwater/linear/horizon.h>
 
 #include <algorithm>
-#include <stdexcept>
 
 #include <breakwater/linear/small_products.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -14,22 +14,19 @@ void check(const Horizon& horizon) {
   const auto is_square = [](const Eigen::MatrixXd& matrix, Eigen::Index size) {
     return matrix.rows() == size && matrix.cols() == size;
   };
-  if (n == 0 || m == 0 || !is_square(horizon.A, n) || horizon.B.rows() != n ||
-      !is_square(horizon.Q, n) || !is_square(horizon.Q_last, n) || !is_square(horizon.R, m) ||
-      !is_square(horizon.S, m)) {
-    throw std::invalid_argument("horizon: the matrices' shapes do not fit");
-  }
-  if (horizon.control_steps < 1 || horizon.control_steps > horizon.prediction_steps) {
-    throw std::invalid_argument("horizon: needs 1 <= control steps <= prediction steps");
-  }
+  refuse_unless(n != 0 && m != 0 && is_square(horizon.A, n) && horizon.B.rows() == n &&
+                    is_square(horizon.Q, n) && is_square(horizon.Q_last, n) &&
+                    is_square(horizon.R, m) && is_square(horizon.S, m),
+                "horizon: the matrices' shapes do not fit");
+  refuse_unless(horizon.control_steps >= 1 && horizon.control_steps <= horizon.prediction_steps,
+                "horizon: needs 1 <= control steps <= prediction steps");
   for (const Horizon::Row& row : horizon.rows) {
     const bool is_state = row.kind == Horizon::RowKind::state;
     const int first = is_state ? 1 : 0;
     const int last = is_state ? horizon.prediction_steps : horizon.control_steps - 1;
-    if (row.step < first || row.step > last || row.component < 0 ||
-        row.component >= (is_state ? n : m)) {
-      throw std::invalid_argument("horizon: a row has a step or component that does not exist");
-    }
+    refuse_unless(row.step >= first && row.step <= last && row.component >= 0 &&
+                      row.component < (is_state ? n : m),
+                  "horizon: a row has a step or component that does not exist");
   }
 }
 

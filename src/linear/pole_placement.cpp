@@ -9,6 +9,7 @@
 
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -19,13 +20,11 @@ constexpr double kAgreement = 1e-9;             // relative, between two methods
 
 void check_group(const PoleGroup& group) {
   for (const auto& pole : group) {
-    if (!std::isfinite(pole.real()) || !std::isfinite(pole.imag())) {
-      throw std::invalid_argument("pole placement: a pole is not finite");
-    }
-    if (std::count(group.begin(), group.end(), pole) !=
-        std::count(group.begin(), group.end(), std::conj(pole))) {
-      throw std::invalid_argument("pole placement: a complex pole lacks its conjugate");
-    }
+    refuse_unless(std::isfinite(pole.real()) && std::isfinite(pole.imag()),
+                  "pole placement: a pole is not finite");
+    refuse_unless(std::count(group.begin(), group.end(), pole) ==
+                      std::count(group.begin(), group.end(), std::conj(pole)),
+                  "pole placement: a complex pole lacks its conjugate");
   }
 }
 
@@ -160,10 +159,8 @@ std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, do
   std::vector<PoleGroup> sampled = continuous;
   for (auto& group : sampled) {
     for (auto& pole : group) {
-      if (!(pole.real() < 0.0)) {
-        throw std::invalid_argument(
-            "pole placement: the poles must lie left of the imaginary axis");
-      }
+      refuse_unless(pole.real() < 0.0,
+                    "pole placement: the poles must lie left of the imaginary axis");
       pole = math::exp(pole * period_s);
     }
   }

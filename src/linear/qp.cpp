@@ -9,6 +9,7 @@
 
 #include <breakwater/linear/active_set.h>
 #include <breakwater/linear/riccati.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -136,21 +137,17 @@ double infeasibility_margin(const QpModel& model, const QpInput& input, const Ei
 
 QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
   const Eigen::Index n = model.H.rows();
-  if (n == 0 || model.H.cols() != n || model.Omega.cols() != n) {
-    throw std::invalid_argument("quadratic program: H must be n×n and Omega m×n");
-  }
+  refuse_unless(n != 0 && model.H.cols() == n && model.Omega.cols() == n,
+                "quadratic program: H must be n×n and Omega m×n");
   if (model.horizon && (static_cast<Eigen::Index>(model.horizon->rows.size()) != rows() ||
                         model.horizon->control_steps * model.horizon->B.cols() != n)) {
     throw std::invalid_argument(
         "quadratic program: the horizon must have the rows of Omega and the "
         "variables of H");
   }
-  if (!model.Omega.allFinite()) {
-    throw std::invalid_argument("quadratic program: Omega must be finite");
-  }
-  if (!is_positive_definite(model.H)) {
-    throw std::invalid_argument("quadratic program: H must be symmetric positive definite");
-  }
+  refuse_unless(model.Omega.allFinite(), "quadratic program: Omega must be finite");
+  refuse_unless(is_positive_definite(model.H),
+                "quadratic program: H must be symmetric positive definite");
   factor();
 }
 

@@ -14,6 +14,7 @@
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/linear/state_space.h>
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -270,19 +271,12 @@ Eigen::MatrixXd solve_dare(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
                            const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R) {
   const Eigen::Index n = A.rows();
   const Eigen::Index m = B.cols();
-  if (n == 0 || m == 0 || A.cols() != n || B.rows() != n || Q.rows() != n || Q.cols() != n ||
-      R.rows() != m || R.cols() != m) {
-    throw std::invalid_argument("Riccati: A and Q must be n×n, B n×m and R m×m");
-  }
-  if (!A.allFinite() || !B.allFinite()) {
-    throw std::invalid_argument("Riccati: A and B must be finite");
-  }
-  if (!is_positive_semidefinite(Q)) {
-    throw std::invalid_argument("Riccati: Q must be symmetric positive semidefinite");
-  }
-  if (!is_positive_definite(R)) {
-    throw std::invalid_argument("Riccati: R must be symmetric positive definite");
-  }
+  refuse_unless(n != 0 && m != 0 && A.cols() == n && B.rows() == n && Q.rows() == n &&
+                    Q.cols() == n && R.rows() == m && R.cols() == m,
+                "Riccati: A and Q must be n×n, B n×m and R m×m");
+  refuse_unless(A.allFinite() && B.allFinite(), "Riccati: A and B must be finite");
+  refuse_unless(is_positive_semidefinite(Q), "Riccati: Q must be symmetric positive semidefinite");
+  refuse_unless(is_positive_definite(R), "Riccati: R must be symmetric positive definite");
 
   const Plant plant{A, B, Q, R};
   const Eigen::VectorXd d = balance(plant);

@@ -1,35 +1,30 @@
 #include <breakwater/linear/state_space.h>
 
 #include <Eigen/QR>
-#include <stdexcept>
 #include <unsupported/Eigen/MatrixFunctions>
+
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
 void check(const StateSpace& plant) {
   const Eigen::Index n = plant.A.rows();
-  if (n == 0 || plant.A.cols() != n || plant.B.rows() != n || plant.C.cols() != n) {
-    throw std::invalid_argument("state space: A must be n×n, B n×m and C p×n");
-  }
-  if (!plant.A.allFinite() || !plant.B.allFinite() || !plant.C.allFinite()) {
-    throw std::invalid_argument("state space: A, B and C must be finite");
-  }
+  refuse_unless(n != 0 && plant.A.cols() == n && plant.B.rows() == n && plant.C.cols() == n,
+                "state space: A must be n×n, B n×m and C p×n");
+  refuse_unless(plant.A.allFinite() && plant.B.allFinite() && plant.C.allFinite(),
+                "state space: A, B and C must be finite");
 }
 
 StateSpace zero_order_hold(const StateSpace& continuous, double period_s) {
   check(continuous);
-  if (!(period_s > 0.0)) {
-    throw std::invalid_argument("zero-order hold: the sampling period must be positive");
-  }
+  refuse_unless(period_s > 0.0, "zero-order hold: the sampling period must be positive");
   const Eigen::Index n = continuous.states();
   const Eigen::Index m = continuous.inputs();
   Eigen::MatrixXd generator = Eigen::MatrixXd::Zero(n + m, n + m);
   generator.topLeftCorner(n, n) = continuous.A * period_s;
   generator.topRightCorner(n, m) = continuous.B * period_s;
   const Eigen::MatrixXd transition = generator.exp();
-  if (!transition.allFinite()) {
-    throw std::invalid_argument("zero-order hold: the sampled plant has no finite numbers");
-  }
+  refuse_unless(transition.allFinite(), "zero-order hold: the sampled plant has no finite numbers");
   return {transition.topLeftCorner(n, n), transition.topRightCorner(n, m), continuous.C};
 }
 

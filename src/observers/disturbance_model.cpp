@@ -4,6 +4,7 @@
 #include <string>
 
 #include <breakwater/linear/state_space.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -12,12 +13,8 @@ namespace {
 ExtendedPlant extend(const StateSpace& sampled_plant, const Eigen::MatrixXd& E, int order,
                      double period_s) {
   check(sampled_plant);
-  if (order < 0 || order > 2) {
-    throw std::invalid_argument("disturbance model: the order must be 0, 1 or 2");
-  }
-  if (!(period_s > 0.0)) {
-    throw std::invalid_argument("disturbance model: the sampling period must be positive");
-  }
+  refuse_unless(order >= 0 && order <= 2, "disturbance model: the order must be 0, 1 or 2");
+  refuse_unless(period_s > 0.0, "disturbance model: the sampling period must be positive");
   const Eigen::Index n = sampled_plant.states();
   const Eigen::Index m = sampled_plant.inputs();
   const Eigen::Index p = sampled_plant.outputs();
@@ -59,9 +56,8 @@ ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant, 
 
 ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant,
                                             const Eigen::MatrixXd& E, int order, double period_s) {
-  if (E.rows() != continuous_plant.states() || E.cols() != continuous_plant.inputs()) {
-    throw std::invalid_argument("disturbance model: E must have the shape of B");
-  }
+  refuse_unless(E.rows() == continuous_plant.states() && E.cols() == continuous_plant.inputs(),
+                "disturbance model: E must have the shape of B");
   const StateSpace disturbed{continuous_plant.A, E, continuous_plant.C};
   return extend(zero_order_hold(continuous_plant, period_s), zero_order_hold(disturbed, period_s).B,
                 order, period_s);

@@ -1,10 +1,10 @@
 #include <breakwater/observers/eso.h>
 
 #include <Eigen/LU>
-#include <stdexcept>
 
 #include <breakwater/linear/pole_placement.h>
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -15,12 +15,10 @@ double scaled_fal(double e, double exponent, double zone) {
 
 Eso::Eso(const StateSpace& plant, const EsoDesign& design, double period_s)
     : linear_zone_(design.linear_zone) {
-  if (plant.states() != 2 || plant.inputs() != 1 || plant.outputs() != 1) {
-    throw std::invalid_argument("ESO: needs an axis with position and velocity");
-  }
-  if (!(design.bandwidth_rad_s > 0.0) || !(linear_zone_ > 0.0)) {
-    throw std::invalid_argument("ESO: the bandwidth and the linear zone must be positive");
-  }
+  refuse_unless(plant.states() == 2 && plant.inputs() == 1 && plant.outputs() == 1,
+                "ESO: needs an axis with position and velocity");
+  refuse_unless(design.bandwidth_rad_s > 0.0 && linear_zone_ > 0.0,
+                "ESO: the bandwidth and the linear zone must be positive");
   const StateSpace sampled = zero_order_hold(extend_by_input_disturbance(plant), period_s);
   transition_ = sampled.A;
   input_ = sampled.B;

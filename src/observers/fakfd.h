@@ -1,6 +1,7 @@
 // Forgetting factor-based adaptive Kalman filter (FAKFD): thesis 4.2.3.
 #pragma once
 
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/observers/kalman_estimator.h>
 
 namespace breakwater {
@@ -35,14 +36,11 @@ class Fakfd final : public KalmanEstimator {
   Fakfd(const KalmanDesign& design, const Eigen::VectorXd& gamma,
         CovarianceForm form = CovarianceForm::symmetric)
       : KalmanEstimator(design, form == CovarianceForm::symmetric), gamma_(gamma), form_(form) {
-    if (gamma.size() != design.plant.states() ||
-        !(gamma.array() >= 1.0 && gamma.array() <= 1e6).all()) {
-      throw std::invalid_argument(
-          "FAKFD: needs one factor gamma from 1 to 1e6 for each extended state");
-    }
-    if (form != CovarianceForm::symmetric && design.plant.outputs() != 1) {
-      throw std::invalid_argument("FAKFD: Eq. 4.5 as printed needs a plant with one output");
-    }
+    refuse_unless(gamma.size() == design.plant.states() &&
+                      (gamma.array() >= 1.0 && gamma.array() <= 1e6).all(),
+                  "FAKFD: needs one factor gamma from 1 to 1e6 for each extended state");
+    refuse_unless(form == CovarianceForm::symmetric || design.plant.outputs() == 1,
+                  "FAKFD: Eq. 4.5 as printed needs a plant with one output");
     const Eigen::VectorXd root = gamma.cwiseSqrt();
     inflation_ = root * root.transpose();
     lambda_ = 1.0 / gamma.maxCoeff();

@@ -5,6 +5,7 @@
 #include <array>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/observers/guarded_kalman.h>
 
 namespace breakwater {
@@ -30,9 +31,7 @@ class Gsf final : public GuardedKalman<N> {
  public:
   Gsf(const KalmanDesign& design, const SensorError& sensor, int parts)
       : GuardedKalman<N>(design), sensor_(sensor) {
-    if (parts < 1 || parts > 20) {
-      throw std::invalid_argument("GSF: the number of parts must be from 1 to 20");
-    }
+    refuse_unless(parts >= 1 && parts <= 20, "GSF: the number of parts must be from 1 to 20");
     most_parts_ = static_cast<std::size_t>(parts);
     parts_.reserve(most_parts_ * kNodes);
     products_.reserve(most_parts_ * kNodes);

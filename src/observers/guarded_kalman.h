@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/kalman_estimator.h>
 #include <breakwater/observers/sensor_error.h>
@@ -73,9 +74,8 @@ class GuardedKalman : public Guarded<KalmanEstimator> {
   using Covariance = Eigen::Matrix<double, N, N>;
 
   explicit GuardedKalman(const KalmanDesign& design) : Guarded<KalmanEstimator>(design) {
-    if (!(kernel_ && measures_first_ && extended_state().size() == N)) {
-      throw std::invalid_argument("Kalman filter: the output must be the first state");
-    }
+    refuse_unless(kernel_ && measures_first_ && extended_state().size() == N,
+                  "Kalman filter: the output must be the first state");
     signals_.pop_back();  // lambda: there is no forgetting factor
   }
 
@@ -103,7 +103,7 @@ inline constexpr int kMostAxisStates = 5;
 /// Filter<N> for the number of extended states of an axis: 3 to 5. Throws as its class does.
 template <template <int> class Filter, typename... Arguments>
 std::unique_ptr<KalmanEstimator> of_axis_size(const KalmanDesign& design,
-                                                   const Arguments&... arguments) {
+                                              const Arguments&... arguments) {
   switch (design.plant.states()) {
     case 3:
       return std::make_unique<Filter<3>>(design, arguments...);

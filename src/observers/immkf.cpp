@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/observers/guarded_kalman.h>
 
 namespace breakwater {
@@ -20,12 +21,10 @@ class Immkf final : public GuardedKalman<N> {
         noise_ratio_{1.0, imm.noise_ratio},
         likelihood_(imm.likelihood),
         sensor_(sensor) {
-    if (!(imm.noise_ratio > 0.0) || !std::isfinite(imm.noise_ratio)) {
-      throw std::invalid_argument("IMMKF: the ratio of the noises must be positive");
-    }
-    if (!is_probability(imm.stays_quiet) || !is_probability(imm.stays_busy)) {
-      throw std::invalid_argument("IMMKF: a probability must be within 0 and 1");
-    }
+    refuse_unless(imm.noise_ratio > 0.0 && std::isfinite(imm.noise_ratio),
+                  "IMMKF: the ratio of the noises must be positive");
+    refuse_unless(is_probability(imm.stays_quiet) && is_probability(imm.stays_busy),
+                  "IMMKF: a probability must be within 0 and 1");
     transition_ << imm.stays_quiet, 1.0 - imm.stays_quiet, 1.0 - imm.stays_busy, imm.stays_busy;
     weights_.setConstant(1.0 / kModels);
     this->signals_.push_back(

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -18,9 +19,7 @@ class Mckf final : public GuardedKalman<N> {
         kernel_width_(correntropy.kernel_width),
         likelihood_(correntropy.likelihood),
         sensor_(sensor) {
-    if (!(kernel_width_ > 0.0)) {
-      throw std::invalid_argument("MCKF: the width of the kernel must be positive");
-    }
+    refuse_unless(kernel_width_ > 0.0, "MCKF: the width of the kernel must be positive");
     this->signals_.push_back(
         {"lambda", "1", "c: weight of the predicted disturbance", view(this->lambda_)});
   }

@@ -1,20 +1,17 @@
 #include <breakwater/observers/mdob.h>
 
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
 MomentumObserver::MomentumObserver(double inertia, double cutoff_rad_s)
     : cutoff_rad_s_(cutoff_rad_s), momentum_gain_(cutoff_rad_s * inertia) {
-  if (!(inertia > 0.0 && cutoff_rad_s > 0.0)) {
-    throw std::invalid_argument("MDOB: inertia, cut-offs and sampling period must be positive");
-  }
-  if (std::isinf(cutoff_rad_s)) {
-    throw std::invalid_argument("MDOB: the low-pass needs a finite cut-off");
-  }
+  refuse_unless(inertia > 0.0 && cutoff_rad_s > 0.0,
+                "MDOB: inertia, cut-offs and sampling period must be positive");
+  refuse_unless(!std::isinf(cutoff_rad_s), "MDOB: the low-pass needs a finite cut-off");
 }
 
 void MomentumObserver::over(double interval_s) {
@@ -37,9 +34,8 @@ Mdob::Mdob(const MdobDesign& design, double period_s)
     : design_(design),
       period_s_(period_s),
       disturbance_(design.nominal_inertia, design.observer_cutoff_rad_s) {
-  if (!(design.derivative_cutoff_rad_s > 0.0 && period_s > 0.0)) {
-    throw std::invalid_argument("MDOB: inertia, cut-offs and sampling period must be positive");
-  }
+  refuse_unless(design.derivative_cutoff_rad_s > 0.0 && period_s > 0.0,
+                "MDOB: inertia, cut-offs and sampling period must be positive");
   follow({});
 }
 

@@ -2,9 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <stdexcept>
 
 #include <breakwater/linear/riccati.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -23,12 +23,10 @@ Mhe::Mhe(const KalmanDesign& design, const SensorError& sensor, int horizon, boo
       has_constraints_(has_constraints) {
   check(design);
   check(sensor, 1);
-  if (plant_.inputs() != 1 || plant_.outputs() != 1) {
-    throw std::invalid_argument("MHE: needs one input and one output");
-  }
-  if (horizon < 1 || horizon > kLongestHorizon) {
-    throw std::invalid_argument("MHE: the horizon must be from 1 to 50 samples");
-  }
+  refuse_unless(plant_.inputs() == 1 && plant_.outputs() == 1,
+                "MHE: needs one input and one output");
+  refuse_unless(horizon >= 1 && horizon <= kLongestHorizon,
+                "MHE: the horizon must be from 1 to 50 samples");
   const Eigen::Index N = plant_.states();
   root_R_ = std::sqrt(design.R(0, 0));
   changed_ = std::sqrt(design.Q(N - 1, N - 1)) * Eigen::VectorXd::Unit(N, N - 1);

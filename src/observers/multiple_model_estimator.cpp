@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/observers/record_intervals.h>
 
 namespace breakwater {
@@ -58,13 +58,11 @@ MultipleModelBank<n>::MultipleModelBank(const MultipleModelDesign& design)
       at_rest_.template tail<n - 1>() = least_squares(plant.A.rightCols(n - 1), -plant.A.col(0));
     }
   }
-  if (!is_axis || !((plant.A * at_rest_).norm() <= kAtRest * plant.A.norm())) {
-    throw std::invalid_argument(
-        "QBANK: needs a plant of one axis, [position; velocity] first, with measured position");
-  }
-  if (!(design.largest_d > 0.0) || !std::isfinite(design.largest_d)) {
-    throw std::invalid_argument("QBANK: the largest disturbance must be positive");
-  }
+  refuse_unless(
+      is_axis && (plant.A * at_rest_).norm() <= kAtRest * plant.A.norm(),
+      "QBANK: needs a plant of one axis, [position; velocity] first, with measured position");
+  refuse_unless(design.largest_d > 0.0 && std::isfinite(design.largest_d),
+                "QBANK: the largest disturbance must be positive");
   sample();
   const double quantum = design.sensor.quantum(0);
   const double sigma = design.sensor.noise_std(0);

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include <breakwater/linear/riccati.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater::detail {
 
@@ -103,12 +104,10 @@ struct NonlinearKalmanDesign {
 /// Throws std::invalid_argument unless Q is positive semidefinite, and R and P0 positive definite.
 template <int N, int p>
 void check(const NonlinearKalmanDesign<N, p>& design) {
-  if (!is_positive_semidefinite(design.Q)) {
-    throw std::invalid_argument("Kalman filter: Q must be symmetric positive semidefinite");
-  }
-  if (!is_positive_definite(design.R) || !is_positive_definite(design.P0)) {
-    throw std::invalid_argument("Kalman filter: R and P0 must be symmetric positive definite");
-  }
+  refuse_unless(is_positive_semidefinite(design.Q),
+                "Kalman filter: Q must be symmetric positive semidefinite");
+  refuse_unless(is_positive_definite(design.R) && is_positive_definite(design.P0),
+                "Kalman filter: R and P0 must be symmetric positive definite");
 }
 
 /// State, covariance and correction of a filter that measures the first p states, y = [I 0] x +

@@ -5,10 +5,10 @@
 #include <complex>
 #include <cstring>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -31,9 +31,7 @@ ObserverPoles::ObserverPoles(const DisturbanceEstimator& estimator, double perio
            {"poles_continuous_re_rad_s", "rad/s", "ln(p_d)/T_s: real part", view(continuous_real_)},
            {"poles_continuous_im_rad_s", "rad/s", "their imaginary part",
             view(continuous_imaginary_)}}) {
-  if (!(period_s > 0.0)) {
-    throw std::invalid_argument("observer poles: the sampling period must be positive");
-  }
+  refuse_unless(period_s > 0.0, "observer poles: the sampling period must be positive");
   if (estimator.poles() == 0) signals_.clear();
 }
 

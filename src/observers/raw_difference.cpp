@@ -1,6 +1,6 @@
 #include <breakwater/observers/raw_difference.h>
 
-#include <stdexcept>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -11,9 +11,8 @@ RawDifference::RawDifference(const StateSpace& plant, double period_s)
       x_(Eigen::VectorXd::Zero(plant.states())),
       d_(Eigen::VectorXd::Zero(plant.inputs())) {
   const Eigen::Index n = plant.states() / 2;
-  if (plant.outputs() != n || !(to_positions_.transpose() * to_positions_).isIdentity()) {
-    throw std::invalid_argument("needs a measurement of every position");
-  }
+  refuse_unless(plant.outputs() == n && (to_positions_.transpose() * to_positions_).isIdentity(),
+                "needs a measurement of every position");
 }
 
 void RawDifference::reset(const Vector& x) {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -102,10 +103,9 @@ void check(const ForceSpectrum& s) {
            s.noise[i] > 0.0;
     area += s.density[i];
   }
-  if (!(fits && area > 0.0 && std::isfinite(area))) {
-    throw std::invalid_argument(
-        "resonator fit: needs six or more increasing frequencies, a spectrum, and positive noise");
-  }
+  refuse_unless(
+      fits && area > 0.0 && std::isfinite(area),
+      "resonator fit: needs six or more increasing frequencies, a spectrum, and positive noise");
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include <breakwater/math/refuse_unless.h>
+
 namespace breakwater {
 
 StackedEstimator::StackedEstimator(std::vector<std::unique_ptr<DisturbanceEstimator>> axes)
@@ -14,11 +16,9 @@ StackedEstimator::StackedEstimator(std::vector<std::unique_ptr<DisturbanceEstima
   published_.setZero(size(), static_cast<Eigen::Index>(of_first.size()));
   for (Eigen::Index i = 0; i < size(); ++i) {
     const DisturbanceEstimator& axis = *axes_[static_cast<std::size_t>(i)];
-    if (axis.state().size() != 2 || axis.disturbance().size() != 1 ||
-        axis.signals().size() != of_first.size()) {
-      throw std::invalid_argument(
-          "stacked estimators: each must be for one axis, and all of one kind");
-    }
+    refuse_unless(axis.state().size() == 2 && axis.disturbance().size() == 1 &&
+                      axis.signals().size() == of_first.size(),
+                  "stacked estimators: each must be for one axis, and all of one kind");
     copies_.push_back({axis.state().data(), &estimate_(i)});
     copies_.push_back({axis.state().data() + 1, &estimate_(size() + i)});
     copies_.push_back({axis.disturbance().data(), &estimate_(2 * size() + i)});

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -16,15 +17,12 @@ Vfakfd::Vfakfd(const KalmanDesign& design, const VfakfdDesign& adaptation)
       lambda_min_(adaptation.lambda_min),
       lambda_max_(adaptation.lambda_max) {
   const Eigen::Index outputs = design.plant.outputs();
-  if (adaptation.alpha.size() != outputs || adaptation.dead_zone.size() != outputs ||
-      !(adaptation.alpha.minCoeff() > 0.0) || !(adaptation.dead_zone.minCoeff() >= 0.0) ||
-      !adaptation.alpha.allFinite() || !adaptation.dead_zone.allFinite()) {
-    throw std::invalid_argument(
-        "VFAKFD: needs alpha > 0 and a dead zone >= 0 for each output, all finite");
-  }
-  if (!(lambda_min_ > 0.0 && lambda_min_ <= lambda_max_ && lambda_max_ <= 1.0)) {
-    throw std::invalid_argument("VFAKFD: needs 0 < lambda_min <= lambda_max <= 1");
-  }
+  refuse_unless(adaptation.alpha.size() == outputs && adaptation.dead_zone.size() == outputs &&
+                    adaptation.alpha.minCoeff() > 0.0 && adaptation.dead_zone.minCoeff() >= 0.0 &&
+                    adaptation.alpha.allFinite() && adaptation.dead_zone.allFinite(),
+                "VFAKFD: needs alpha > 0 and a dead zone >= 0 for each output, all finite");
+  refuse_unless(lambda_min_ > 0.0 && lambda_min_ <= lambda_max_ && lambda_max_ <= 1.0,
+                "VFAKFD: needs 0 < lambda_min <= lambda_max <= 1");
   dead_zone_ = adaptation.dead_zone;
   weight_ = adaptation.alpha.cwiseSqrt().cwiseInverse();
   weighted_.setZero(outputs);

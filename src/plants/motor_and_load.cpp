@@ -1,19 +1,19 @@
 #include <breakwater/plants/motor_and_load.h>
 
 #include <cmath>
-#include <stdexcept>
+
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
 void check(const TwoInertia& plant) {
   const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
   const auto not_negative = [](double x) { return x >= 0.0 && std::isfinite(x); };
-  if (!positive(plant.motor_inertia) || !positive(plant.load_inertia) ||
-      !positive(plant.stiffness) || !positive(plant.ratio) || !not_negative(plant.damping) ||
-      !not_negative(plant.motor_friction) || !not_negative(plant.load_friction)) {
-    throw std::invalid_argument(
-        "two inertias: need inertias, a stiffness and a ratio > 0, and damping and friction >= 0");
-  }
+  refuse_unless(
+      positive(plant.motor_inertia) && positive(plant.load_inertia) && positive(plant.stiffness) &&
+          positive(plant.ratio) && not_negative(plant.damping) &&
+          not_negative(plant.motor_friction) && not_negative(plant.load_friction),
+      "two inertias: need inertias, a stiffness and a ratio > 0, and damping and friction >= 0");
 }
 
 StateSpace motor_and_load(const TwoInertia& p, Side measured) {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/plants/tip_chain.h>
 
 namespace breakwater {
@@ -34,9 +35,7 @@ SpatialChain::SpatialChain(std::vector<SpatialJoint> joints, const Eigen::Isomet
     : joints_(std::move(joints)), tip_(tip), to_contact_(contact.inverse()) {
   const auto n = static_cast<Eigen::Index>(joints_.size());
   if (n == 0) throw std::invalid_argument("no joint moves the tip");
-  if (start_angles_rad.size() != n) {
-    throw std::invalid_argument("spatial chain: needs a start angle for each joint");
-  }
+  refuse_unless(start_angles_rad.size() == n, "spatial chain: needs a start angle for each joint");
   effort_limits_.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     effort_limits_(i) = joints_[static_cast<std::size_t>(i)].effort_limit;
@@ -65,9 +64,7 @@ SpatialChain::SpatialChain(std::vector<SpatialJoint> joints, const Eigen::Isomet
       rest.row(other) -= rest.row(other).dot(direction) * direction;
     }
   }
-  if (rows_.empty() || rows_.front() != 0) {
-    throw std::invalid_argument("no joint moves the tip along the force");
-  }
+  refuse_unless(!rows_.empty() && rows_.front() == 0, "no joint moves the tip along the force");
 }
 
 // Visits each joint with its axis and a point of it in the world. Returns the tip.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/sim/contact.h>
 
 namespace breakwater {
@@ -31,9 +32,7 @@ Transmission::Transmission(const Model& model, const std::string& motor, const s
     : design_(design) {
   check(design);
   const int motor_joint = model.axis(motor), load_joint = model.axis(load);
-  if (motor_joint == load_joint) {
-    throw std::invalid_argument("transmission: motor and load must be two joints");
-  }
+  refuse_unless(motor_joint != load_joint, "transmission: motor and load must be two joints");
   motor_ = model->jnt_qposadr[motor_joint];
   load_ = model->jnt_qposadr[load_joint];
   motor_dof_ = model->jnt_dofadr[motor_joint];

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include <breakwater/world/refuse_unless.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include <breakwater/math/functions.h>
-#include <breakwater/world/refuse_unless.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 KelvinVoigt::KelvinVoigt(double stiffness_N_m, double damping_Ns_m, By by)

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <breakwater/math/functions.h>
-#include <breakwater/world/refuse_unless.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {

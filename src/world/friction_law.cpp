@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include <breakwater/math/functions.h>
-#include <breakwater/world/refuse_unless.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 StribeckFriction::StribeckFriction(const Curve& curve, const Bristles& bristles)

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -13,9 +14,8 @@ class LowPass {
   /// Both in seconds. Throws std::invalid_argument if τ is negative or the step is not positive.
   LowPass(double time_constant_s, double step_s)
       : gain_(time_constant_s == 0.0 ? 1.0 : -math::expm1(-step_s / time_constant_s)) {
-    if (!(time_constant_s >= 0.0) || !(step_s > 0.0)) {
-      throw std::invalid_argument("low-pass: needs a time constant >= 0 and a step > 0");
-    }
+    refuse_unless(time_constant_s >= 0.0 && step_s > 0.0,
+                  "low-pass: needs a time constant >= 0 and a step > 0");
   }
 
   void reset(double value) { value_ = value; }

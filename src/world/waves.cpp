@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/world/noise.h>
 
 namespace breakwater {
@@ -71,9 +72,7 @@ Waves::Waves(const SeaState& sea, double slope_low_pass_s)
       depth_m_(sea.water_depth_m),
       slope_low_pass_s_(slope_low_pass_s) {
   check(sea);
-  if (!(slope_low_pass_s >= 0.0)) {
-    throw std::invalid_argument("waves: the low-pass's time constant must be 0 or more");
-  }
+  refuse_unless(slope_low_pass_s >= 0.0, "waves: the low-pass's time constant must be 0 or more");
   if (sea.significant_height_m == 0.0) return;  // still water
   const JonswapSpectrum spectrum(sea);
   const Noise frequencies(sea.seed, "wave frequencies");
