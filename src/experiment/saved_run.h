@@ -10,9 +10,9 @@
 #include <vector>
 
 #include <breakwater/experiment/run_manifest.h>
+#include <breakwater/math/table_function.h>
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/recording.h>
-#include <breakwater/record/series.h>
 
 namespace breakwater {
 

@@ -28,3 +28,10 @@ struct TableFunction {
 };
 
 }  // namespace breakwater::math
+
+namespace breakwater {
+
+/// Increasing times and their values, as in a log.
+using Series = math::TableFunction;
+
+}  // namespace breakwater

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <breakwater/math/table_function.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/record/series.h>
 
 namespace breakwater {
 

@@ -10,8 +10,8 @@
 #include <breakwater/config/config.h>
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/saved_run.h>
+#include <breakwater/math/table_function.h>
 #include <breakwater/record/hdf5_log.h>
-#include <breakwater/record/series.h>
 #include <breakwater/sim/model.h>
 
 namespace breakwater {

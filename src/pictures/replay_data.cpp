@@ -136,7 +136,7 @@ class Channels {
 
   Json signal(const Series& series, const std::vector<double>& times_s) {
     std::vector<double> values;
-    for (const double time_s : times_s) values.push_back(series.at(time_s));
+    for (const double time_s : times_s) values.push_back(series.at(time_s).value);
     Json place = {{"channel", count_}};
     add(values);
     return place;

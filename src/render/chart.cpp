@@ -64,8 +64,8 @@ ChartRange chart_range(const std::vector<ChartLine>& lines, double from_s, doubl
     for (std::size_t i = 0; i < series.values.size(); ++i) {
       if (series.times_s[i] >= from_s && series.times_s[i] <= to_s) include(series.values[i]);
     }
-    include(series.at(from_s));
-    include(series.at(to_s));
+    include(series.at(from_s).value);
+    include(series.at(to_s).value);
   }
   const double span = range.highest - range.lowest;
   const double room = span > 0.0 ? 0.08 * span : 1.0;
@@ -167,7 +167,7 @@ std::vector<Point> Chart::trace(const ChartLine& line, double now_s) const {
   const auto lower = [](auto begin, auto end, double t) { return std::lower_bound(begin, end, t); };
   const auto upper = [](auto begin, auto end, double t) { return std::upper_bound(begin, end, t); };
   const std::size_t end = index_after(upper, now_s);
-  std::vector<Point> points = {place(range_.from_s, line.series.at(range_.from_s))};
+  std::vector<Point> points = {place(range_.from_s, line.series.at(range_.from_s).value)};
   for (std::size_t i = index_after(lower, range_.from_s); i < end;) {
     const double column = std::floor(place(times[i], 0.0).x);
     std::array<std::size_t, 4> kept = {i, i, i, i};
@@ -181,7 +181,7 @@ std::vector<Point> Chart::trace(const ChartLine& line, double now_s) const {
     std::transform(kept.cbegin(), last, std::back_inserter(points),
                    [&](std::size_t k) { return place(times[k], values[k]); });
   }
-  points.push_back(place(now_s, line.series.at(now_s)));
+  points.push_back(place(now_s, line.series.at(now_s).value));
   return points;
 }
 

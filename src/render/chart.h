@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/record/series.h>
+#include <breakwater/math/table_function.h>
 #include <breakwater/render/canvas.h>
 #include <breakwater/render/line_style.h>
 

@@ -216,9 +216,11 @@ double Picture::unit_px(double width, double height) {
 }
 
 ArrowNow arrow_at(const ArrowTrack& track, double time_s) {
-  Eigen::Vector3d value = Eigen::Vector3d::Constant(track.components.front().at(time_s));
+  Eigen::Vector3d value = Eigen::Vector3d::Constant(track.components.front().at(time_s).value);
   if (track.components.size() == 3) {
-    for (int k = 0; k < 3; ++k) value[k] = track.components[static_cast<std::size_t>(k)].at(time_s);
+    for (int k = 0; k < 3; ++k) {
+      value[k] = track.components[static_cast<std::size_t>(k)].at(time_s).value;
+    }
   }
   const Eigen::Vector3d force = value.cwiseProduct(track.along);
   ArrowNow now{track.arrow, force.norm()};

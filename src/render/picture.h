@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/math/table_function.h>
 #include <breakwater/record/hdf5_log.h>
-#include <breakwater/record/series.h>
 #include <breakwater/render/canvas.h>
 #include <breakwater/render/chart.h>
 #include <breakwater/render/offscreen.h>

@@ -175,10 +175,10 @@ TEST(Chart, TheRangeContainsAllValuesOfTheWindowAndZero) {
 
 TEST(Series, InterpolatesLinearly) {
   const Series series = ramp().series;
-  EXPECT_DOUBLE_EQ(series.at(0.5), 2.5);
-  EXPECT_DOUBLE_EQ(series.at(1.0), 5.0);
-  EXPECT_DOUBLE_EQ(series.at(-1.0), 0.0);
-  EXPECT_DOUBLE_EQ(series.at(3.0), 10.0);
+  EXPECT_DOUBLE_EQ(series.at(0.5).value, 2.5);
+  EXPECT_DOUBLE_EQ(series.at(1.0).value, 5.0);
+  EXPECT_DOUBLE_EQ(series.at(-1.0).value, 0.0);
+  EXPECT_DOUBLE_EQ(series.at(3.0).value, 10.0);
 }
 
 TEST(LineStyle, EachColourHasADashAndTheyComeAgainWithOthers) {
