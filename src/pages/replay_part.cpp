@@ -78,14 +78,12 @@ double begin_of(const ShotList& shots, const FinishedRun& run, const Window& win
   return std::max(run.times_s().front(), *time_s - kShare * (window.to_s - window.from_s));
 }
 
-ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
+ReplayPart replay_part(ShownRuns runs, const std::vector<std::string>& labels,
                        const ReplayOptions& options, std::vector<std::string>& notes) {
   ReplayPart part;
   const ShotList shots = shot_list(runs.front().shots_file());
-  std::vector<LabelledRun> labelled;
-  for (std::size_t i = 0; i < runs.size(); ++i) labelled.push_back({runs[i], labels[i]});
   const ReplayData data =
-      replay_data(labelled, shots, options.camera.empty() ? shots.page.camera : options.camera);
+      replay_data(runs, labels, shots, options.camera.empty() ? shots.page.camera : options.camera);
   part.window = data.window;
   part.is_whole =
       data.window.to_s - data.window.from_s > 0.98 * (data.whole.to_s - data.whole.from_s);
@@ -123,7 +121,7 @@ std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
                                     const std::vector<std::string>& labels,
                                     const ReplayOptions& options, std::vector<std::string>& notes) {
   try {
-    std::deque<FinishedRun> runs;
+    std::vector<FinishedRun> runs;
     for (const fs::path& folder : folders) runs.emplace_back(catalogue, folder);
     return replay_part(runs, labels, options, notes);
   } catch (const NothingMoved&) {
@@ -142,7 +140,7 @@ PageData window_data(const Window& window, const std::string& axis) {
           {"to_s", fmt::format("{:g}", window.to_s)}};
 }
 
-std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
+std::string replay_page(ShownRuns runs, const std::vector<std::string>& labels,
                         const std::string& camera, std::vector<std::string>& notes) {
   const ReplayPart part = replay_part(runs, labels, {"replay", "replay", camera}, notes);
   auto blocks = PageData::array();

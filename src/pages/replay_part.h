@@ -1,7 +1,6 @@
 // A replay as a part of a page.
 #pragma once
 
-#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,7 +39,7 @@ std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
 PageData window_data(const Window& window, const std::string& axis);
 
 /// The page of `breakwater replay`.
-std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
+std::string replay_page(ShownRuns runs, const std::vector<std::string>& labels,
                         const std::string& camera, std::vector<std::string>& notes);
 
 }  // namespace breakwater

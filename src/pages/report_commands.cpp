@@ -121,7 +121,7 @@ int report(const Catalogue& catalogue, const RunsArguments& arguments) {
 }
 
 int replay(const Catalogue& catalogue, const RunsArguments& arguments) {
-  const std::deque<FinishedRun> runs = open_runs(catalogue, arguments.runs);
+  const std::vector<FinishedRun> runs = open_runs(catalogue, arguments.runs);
   const fs::path file =
       arguments.out.empty() ? runs.front().folder() / "replay.html" : fs::path(arguments.out);
   std::vector<std::string> notes;

@@ -75,9 +75,9 @@ Look read_look(const std::string& text, const Look& otherwise) {
   throw std::invalid_argument("--look " + text + ": must be fast, full or print");
 }
 
-PictureStage set_stage(const std::deque<FinishedRun>& runs, const ShotList& shots,
-                       const PictureArguments& arguments, const Window& window) {
-  PictureStage stage = stage_pictures(pointers_to(runs), shots, arguments.camera, window);
+PictureStage set_stage(ShownRuns runs, const ShotList& shots, const PictureArguments& arguments,
+                       const Window& window) {
+  PictureStage stage = stage_pictures(runs, shots, arguments.camera, window);
   for (const std::string& note : stage.notes) fmt::print(stderr, "pictures: {}\n", note);
   return stage;
 }
@@ -113,9 +113,9 @@ fs::path picture_file(const PictureArguments& arguments, const fs::path& otherwi
 
 int video(const Catalogue& catalogue, const PictureArguments& arguments) {
   const auto begin = std::chrono::steady_clock::now();
-  const std::deque<FinishedRun> runs = open_runs(catalogue, arguments.runs);
+  const std::vector<FinishedRun> runs = open_runs(catalogue, arguments.runs);
   const ShotList shots = shot_list(runs.front().shots_file());
-  const Window window = choose_window(pointers_to(runs), shots, arguments.wish);
+  const Window window = choose_window(runs, shots, arguments.wish);
   const int fps = arguments.fps.value_or(shots.fps);
   const std::size_t frames = window.frames(fps);
   PictureStage stage = set_stage(runs, shots, arguments, window);
@@ -159,10 +159,10 @@ int video(const Catalogue& catalogue, const PictureArguments& arguments) {
 }
 
 int still(const Catalogue& catalogue, const PictureArguments& arguments) {
-  const std::deque<FinishedRun> runs = open_runs(catalogue, arguments.runs);
+  const std::vector<FinishedRun> runs = open_runs(catalogue, arguments.runs);
   const ShotList shots = shot_list(runs.front().shots_file());
-  Window window = choose_window(pointers_to(runs), shots, {});
-  const Window all = whole_window(pointers_to(runs));
+  Window window = choose_window(runs, shots, {});
+  const Window all = whole_window(runs);
   if (!(arguments.at_s >= all.from_s && arguments.at_s <= all.to_s)) {
     throw std::invalid_argument(fmt::format("--at {:g}: the log lasts from {:g} s to {:g} s",
                                             arguments.at_s, all.from_s, all.to_s));
@@ -185,7 +185,7 @@ int still(const Catalogue& catalogue, const PictureArguments& arguments) {
 }
 
 int strip(const Catalogue& catalogue, const PictureArguments& arguments) {
-  const std::deque<FinishedRun> runs = open_runs(catalogue, arguments.runs);
+  const std::vector<FinishedRun> runs = open_runs(catalogue, arguments.runs);
   const FinishedRun& run = runs.front();
   const Size size = read_size(arguments.size, {StripStyle{}.width, StripStyle{}.height});
   const fs::path file = picture_file(arguments, run.folder() / "strip.png");

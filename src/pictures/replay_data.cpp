@@ -221,12 +221,11 @@ Json visibility_json(const std::vector<Visibility>& changes) {
   return all;
 }
 
-Json run_json(const LabelledRun& labelled, PictureRun& staged, const Window& window,
-              SceneAssets& assets, std::vector<std::string>& notes) {
+Json run_json(const std::string& folder, const std::string& label, PictureRun& staged,
+              const Window& window, SceneAssets& assets, std::vector<std::string>& notes) {
   const std::vector<TimeSpan> spans = replay_times(staged.times_s, window);
   const std::vector<double> times_s = times_of(spans);
   const ReplayMotion motion = replay_motion(staged, times_s);
-  const std::string folder = labelled.run.folder().string();
   if (const int skipped = staged.model->nskin + staged.model->ntendon; skipped > 0) {
     notes.push_back(
         fmt::format("{}: {} skins and tendons of its model are not shown", folder, skipped));
@@ -238,7 +237,7 @@ Json run_json(const LabelledRun& labelled, PictureRun& staged, const Window& win
   }
   Channels channels;
   Json run;
-  run["label"] = labelled.label;
+  run["label"] = label;
   Json time = Json::array();
   for (const TimeSpan& span : spans) time.push_back({span.from_s, span.step_s, span.count});
   run["times"] = time;
@@ -259,13 +258,11 @@ Json run_json(const LabelledRun& labelled, PictureRun& staged, const Window& win
 
 }  // namespace
 
-ReplayData replay_data(const std::vector<LabelledRun>& runs, const ShotList& shots,
-                       const std::string& camera) {
+ReplayData replay_data(ShownRuns runs, const std::vector<std::string>& labels,
+                       const ShotList& shots, const std::string& camera) {
   ReplayData data;
-  std::vector<const FinishedRun*> finished;
-  for (const LabelledRun& run : runs) finished.push_back(&run.run);
-  data.window = choose_window(finished, shots, {});
-  const Window whole = data.whole = whole_window(finished);
+  data.window = choose_window(runs, shots, {});
+  const Window whole = data.whole = whole_window(runs);
   SceneAssets assets;
   Json json;
   json["title"] = shots.title;
@@ -275,23 +272,25 @@ ReplayData replay_data(const std::vector<LabelledRun>& runs, const ShotList& sho
       {"from", data.window.from_s}, {"to", data.window.to_s}, {"speed", data.window.speed}};
   Json all = Json::array();
   std::vector<SavedRun> saved;
-  for (const FinishedRun* run : finished) saved.push_back(run->saved());
-  data.styles = styles_of(runs.front().run.catalogue(), saved);
-  for (const LabelledRun& run : runs) {
+  for (const FinishedRun& run : runs) saved.push_back(run.saved());
+  data.styles = styles_of(runs.front().catalogue(), saved);
+  for (const FinishedRun& run : runs) {
+    const std::string folder = run.folder().string();
     std::vector<std::string> missing;
-    data.staged.push_back(stage(run.run, shots, camera, &missing));
+    data.staged.push_back(stage(run, shots, camera, &missing));
     for (const std::string& signal : missing) {
-      data.notes.push_back(fmt::format("{}: its log has no signal {}, which the shot list names",
-                                       run.run.folder().string(), signal));
+      data.notes.push_back(
+          fmt::format("{}: its log has no signal {}, which the shot list names", folder, signal));
     }
-    data.notes.insert(data.notes.end(), run.run.notes().begin(), run.run.notes().end());
-    all.push_back(run_json(run, data.staged.back(), data.window, assets, data.notes));
+    data.notes.insert(data.notes.end(), run.notes().begin(), run.notes().end());
+    all.push_back(
+        run_json(folder, labels[all.size()], data.staged.back(), data.window, assets, data.notes));
     all.back()["colour"] = data.styles[all.size() - 1] % kStyleColours;
   }
   json["camera"] = data.staged.front().camera;
   Json moments = Json::array();
   for (const ShotMoment& moment : shots.moments) {
-    if (const auto time_s = time_of(moment, runs.front().run)) {
+    if (const auto time_s = time_of(moment, runs.front())) {
       moments.push_back({{"caption", moment.caption}, {"time", *time_s}});
     }
   }

@@ -50,12 +50,6 @@ struct ReplayMotion {
 /// The poses of the run's scene at these times, from its log. Throws RenderError.
 ReplayMotion replay_motion(PictureRun& run, const std::vector<double>& times_s);
 
-/// A run and its name on the page.
-struct LabelledRun {
-  const FinishedRun& run;
-  std::string label;
-};
-
 struct ReplayData {
   nlohmann::ordered_json json;     ///< for data/report/replay
   std::vector<PictureRun> staged;  ///< the runs prepared for pictures, for charts
@@ -65,10 +59,11 @@ struct ReplayData {
   std::vector<std::string> notes;  ///< missing things on the page, one line each
 };
 
-/// The scenes and motions of up to kMostRuns runs. Looks come from the compiled models, poses and
-/// arrows from the logs, and waves from their components. `camera`, if not empty, replaces that of
-/// the shot list. Throws std::invalid_argument, one line, or RenderError.
-ReplayData replay_data(const std::vector<LabelledRun>& runs, const ShotList& shots,
-                       const std::string& camera = "");
+/// The scenes and motions of up to kMostRuns runs, with a label for each. Looks come from the
+/// compiled models, poses and arrows from the logs, and waves from their components. `camera`, if
+/// not empty, replaces that of the shot list. Throws std::invalid_argument, one line, or
+/// RenderError.
+ReplayData replay_data(ShownRuns runs, const std::vector<std::string>& labels,
+                       const ShotList& shots, const std::string& camera = "");
 
 }  // namespace breakwater

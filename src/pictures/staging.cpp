@@ -110,13 +110,13 @@ std::size_t Window::frames(int fps) const {
   return static_cast<std::size_t>(std::llround(exact));
 }
 
-std::deque<FinishedRun> open_runs(const Catalogue& catalogue,
-                                  const std::vector<std::string>& folders) {
+std::vector<FinishedRun> open_runs(const Catalogue& catalogue,
+                                   const std::vector<std::string>& folders) {
   if (folders.size() > kMostRuns) {
     throw std::invalid_argument(
         fmt::format("{} runs: at most {} fit side by side", folders.size(), kMostRuns));
   }
-  std::deque<FinishedRun> runs;
+  std::vector<FinishedRun> runs;
   for (const std::string& folder : folders) {
     runs.emplace_back(catalogue, folder);
     const std::string& first = runs.front().scenario().name();
@@ -127,12 +127,6 @@ std::deque<FinishedRun> open_runs(const Catalogue& catalogue,
     }
   }
   return runs;
-}
-
-ShownRuns pointers_to(const std::deque<FinishedRun>& runs) {
-  ShownRuns pointers;
-  for (const FinishedRun& run : runs) pointers.push_back(&run);
-  return pointers;
 }
 
 std::vector<LineStyle> styles_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs) {
@@ -150,16 +144,16 @@ std::vector<std::string> cases_of(const Catalogue& catalogue, const std::string&
   }
 }
 
-Window whole_window(const ShownRuns& runs) {
-  Window all{runs.front()->times_s().front(), runs.front()->end_s(), 1.0};
-  for (const FinishedRun* run : runs) {
-    all.from_s = std::min(all.from_s, run->times_s().front());
-    all.to_s = std::max(all.to_s, run->end_s());
+Window whole_window(ShownRuns runs) {
+  Window all{runs.front().times_s().front(), runs.front().end_s(), 1.0};
+  for (const FinishedRun& run : runs) {
+    all.from_s = std::min(all.from_s, run.times_s().front());
+    all.to_s = std::max(all.to_s, run.end_s());
   }
   return all;
 }
 
-Window choose_window(const ShownRuns& runs, const ShotList& shots, const Wish& wish) {
+Window choose_window(ShownRuns runs, const ShotList& shots, const Wish& wish) {
   const Window all = whole_window(runs);
   const double begin_s = all.from_s;
   const double end_s = all.to_s;
@@ -186,21 +180,21 @@ Window choose_window(const ShownRuns& runs, const ShotList& shots, const Wish& w
   return window;
 }
 
-PictureStage stage_pictures(const ShownRuns& runs, const ShotList& shots, const std::string& camera,
+PictureStage stage_pictures(ShownRuns runs, const ShotList& shots, const std::string& camera,
                             const Window& window) {
   PictureStage stage;
   std::vector<SavedRun> saved;
-  for (const FinishedRun* run : runs) saved.push_back(run->saved());
-  const std::vector<std::string> labels = labels_of(runs.front()->catalogue(), saved);
+  for (const FinishedRun& run : runs) saved.push_back(run.saved());
+  const std::vector<std::string> labels = labels_of(runs.front().catalogue(), saved);
   std::vector<ChartLine> lines;
-  for (const FinishedRun* run : runs) {
+  for (const FinishedRun& run : runs) {
     std::vector<std::string> missing;
-    stage.runs.push_back(breakwater::stage(*run, shots, camera, &missing));
+    stage.runs.push_back(breakwater::stage(run, shots, camera, &missing));
     stage.runs.back().caption = labels[stage.runs.size() - 1];
-    stage.notes.insert(stage.notes.end(), run->notes().begin(), run->notes().end());
+    stage.notes.insert(stage.notes.end(), run.notes().begin(), run.notes().end());
     for (const std::string& signal : missing) {
       stage.notes.push_back(fmt::format("{}: its log has no signal {}, which the shot list names",
-                                        run->folder().string(), signal));
+                                        run.folder().string(), signal));
     }
     const auto& own = stage.runs.back().lines;
     lines.insert(lines.end(), own.begin(), own.end());
@@ -275,7 +269,7 @@ Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle
   constexpr Colour kInk{0.10, 0.12, 0.15, 1.0};
   constexpr int kGap = 12;
   const std::vector<Moment> moments = moments_of(run, shots);
-  const ShownRuns runs = {&run};
+  const ShownRuns runs(&run, 1);
   const Window window = choose_window(runs, shots, {});
   PictureStage stage = stage_pictures(runs, shots, style.camera, window);
   for (std::string& note : notes_of_missing(run, shots)) stage.notes.push_back(std::move(note));

@@ -1,8 +1,8 @@
 // Prepares finished runs for pictures by a shot list.
 #pragma once
 
-#include <deque>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,16 +41,15 @@ struct Window {
 };
 
 /// Runs in one picture.
-using ShownRuns = std::vector<const FinishedRun*>;
-ShownRuns pointers_to(const std::deque<FinishedRun>& runs);
+using ShownRuns = std::span<const FinishedRun>;
 
 /// The largest number of runs in one picture.
 inline constexpr std::size_t kMostRuns = 4;
 
 /// Opens finished runs for one picture. Throws std::invalid_argument, one line, if there are too
 /// many or of more than one scenario, or as FinishedRun.
-std::deque<FinishedRun> open_runs(const Catalogue& catalogue,
-                                  const std::vector<std::string>& folders);
+std::vector<FinishedRun> open_runs(const Catalogue& catalogue,
+                                   const std::vector<std::string>& folders);
 
 /// The looks of runs that are shown together.
 std::vector<LineStyle> styles_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs);
@@ -58,12 +57,12 @@ std::vector<LineStyle> styles_of(const Catalogue& catalogue, const std::vector<S
 std::vector<std::string> cases_of(const Catalogue& catalogue, const std::string& scenario);
 
 /// All whole longest run, in real time.
-Window whole_window(const ShownRuns& runs);
+Window whole_window(ShownRuns runs);
 
 /// The window of a video of these runs: the wish, or the window of the shot list up to the end of
 /// the runs. If no run reaches that window, it is the whole longest run in real time. Throws
 /// std::invalid_argument if the wish is outside of all runs.
-Window choose_window(const ShownRuns& runs, const ShotList& shots, const Wish& wish);
+Window choose_window(ShownRuns runs, const ShotList& shots, const Wish& wish);
 
 /// The data for pictures of some runs.
 struct PictureStage {
@@ -72,7 +71,7 @@ struct PictureStage {
   std::vector<std::string> notes;  ///< for the user, one line each
 };
 /// `camera`, if not empty, replaces that of the shot list. The runs must outlive the result.
-PictureStage stage_pictures(const ShownRuns& runs, const ShotList& shots, const std::string& camera,
+PictureStage stage_pictures(ShownRuns runs, const ShotList& shots, const std::string& camera,
                             const Window& window);
 
 /// The time of a moment of the shot list in a run; nothing if the run does not have it.

@@ -216,9 +216,9 @@ TEST_F(Pictures, TheChartEndsWhereTheLogSays) {
 TEST_F(Pictures, AScenarioWithoutAShotListIsDrawnToo) {
   push("run");
   const ShotList shots = shot_list("no_such_file.toml");
-  std::deque<FinishedRun> finished;
+  std::vector<FinishedRun> finished;
   finished.emplace_back(testing::catalogue(), folder_ / "run");
-  const Window window = choose_window(pointers_to(finished), shots, {});
+  const Window window = choose_window(finished, shots, {});
   EXPECT_DOUBLE_EQ(window.from_s, 0.0);
   EXPECT_NEAR(window.to_s, 0.5, 1e-9);
   EXPECT_EQ(window.frames(30), 15U);

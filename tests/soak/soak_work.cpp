@@ -54,11 +54,10 @@ void run(const Catalogue& catalogue, const std::string& folder, long k) {
 // One video of `count` frames.
 void draw(const Catalogue& catalogue, const std::string& folder, const std::string& run_folder,
           long count) {
-  const std::deque<FinishedRun> runs = open_runs(catalogue, {run_folder});
-  const ShownRuns shown = pointers_to(runs);
+  const std::vector<FinishedRun> runs = open_runs(catalogue, {run_folder});
   const ShotList shots = shot_list(runs.front().shots_file());
-  const Window window = choose_window(shown, shots, {});
-  PictureStage stage = stage_pictures(shown, shots, "", window);
+  const Window window = choose_window(runs, shots, {});
+  PictureStage stage = stage_pictures(runs, shots, "", window);
   stage.style.width = kWidth;
   stage.style.height = kHeight;
   Picture picture(stage.runs, stage.style);
