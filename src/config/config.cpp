@@ -9,6 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/input_file.h>
@@ -88,16 +89,19 @@ std::string shown(const std::string& word) {
 }
 
 // Folders have the names of cases and readings.
-void check_name(const std::string& name, const std::string& what, const std::string& origin) {
+void check_name(const std::string& name, const TomlEntry& named, const std::string& what) {
+  const auto refuse = [&](const std::string& why) {
+    throw std::invalid_argument(at_line(named.file(), named.node()->source()) + ": " + what + "." +
+                                shown(name) + ": " + why);
+  };
   const bool fits =
       !name.empty() && name.size() <= kLongestWord && name != "." && name != ".." &&
       std::all_of(name.begin(), name.end(), [](char c) { return is_key_character(c) || c == '+'; });
   if (!fits) {
-    throw std::invalid_argument(origin + ": " + what + "." + shown(name) +
-                                ": a name is made of A-Z, a-z, 0-9, '.', '_', '+' and '-', and is "
-                                "not '.' or '..'");
+    refuse("a name is made of A-Z, a-z, 0-9, '.', '_', '+' and '-', and is not '.' or '..'");
   }
-  if (name == "all") throw std::invalid_argument(origin + ": " + what + ".all: means all of them");
+  if (name == "all") refuse("means all of them");
+  if (!named.node()->is_table()) refuse("must be a table");
 }
 
 // Tables become dotted keys; everything else is a value.
@@ -128,39 +132,22 @@ void flatten(const toml::table& table, const std::string& file, const std::strin
 }
 
 // The names of the tables [WHAT.NAME] in the file's order, and their keys.
-std::vector<std::string> read_named(const toml::table& file_table, const std::string& what,
-                                    const std::string& file,
+std::vector<std::string> read_named(const TomlEntry& root, const std::string& what,
                                     std::map<std::string, Entries>& named) {
   std::vector<std::string> names;
-  const toml::node* node = file_table.get(what);
-  if (node == nullptr) return names;
-  if (!node->is_table()) {
-    throw std::invalid_argument(at_line(file, node->source()) + ": " + what + ": must be a table");
+  for (const auto& [name, entry] : root[what].entries()) {
+    check_name(name, entry, what);
+    flatten(*entry.node()->as_table(), root.file(), "", named[name]);
+    names.push_back(name);
   }
-  std::vector<std::pair<toml::source_index, std::string>> lines;
-  for (const auto& [key, keys] : *node->as_table()) {
-    const std::string name(key.str());
-    const std::string origin = at_line(file, key.source());
-    check_name(name, what, origin);
-    if (!keys.is_table()) {
-      throw std::invalid_argument(origin + ": " + what + "." + name + ": must be a table");
-    }
-    flatten(*keys.as_table(), file, "", named[name]);
-    lines.emplace_back(keys.source().begin.line, name);
-  }
-  std::sort(lines.begin(), lines.end());  // the TOML parser sorts tables by name
-  for (const auto& line : lines) names.push_back(line.second);
   return names;
 }
 
 // The table [alias]: "NAME" = "KEY".
-Aliases read_aliases(const toml::node& node, const std::string& file) {
+Aliases read_aliases(const TomlEntry& alias) {
   Entries named;
-  if (node.is_table()) flatten(*node.as_table(), file, "", named);
-  if (named.empty()) {
-    throw std::invalid_argument(at_line(file, node.source()) +
-                                ": alias: must be a table with \"NAME\" = \"KEY\"");
-  }
+  if (alias.node()->is_table()) flatten(*alias.node()->as_table(), alias.file(), "", named);
+  if (named.empty()) alias.fail("must be a table with \"NAME\" = \"KEY\"");
   Aliases aliases;
   for (const auto& [name, entry] : named) {
     const auto* key = std::get_if<std::string>(&entry.value.data);
@@ -329,36 +316,22 @@ void Config::fail(const std::string& key, const std::string& message) const {
 
 ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario) : file_(file) {
   toml::table table = parse_toml_file(file, &text_);
-
-  const auto root_text = [&](const char* key) {
-    const toml::node* node = table.get(key);
-    if (node == nullptr) throw std::invalid_argument(file + ": " + key + ": is missing");
-    if (!node->is_string()) {
-      throw std::invalid_argument(at_line(file, node->source()) + ": " + key + ": must be a text");
-    }
-    return std::pair(node->as_string()->get(), at_line(file, node->source()));
-  };
-  const auto [name, name_origin] = root_text("scenario");
-  if (name != scenario) {
-    throw std::invalid_argument(name_origin + ": scenario: is \"" + shown(name) + "\", not \"" +
-                                scenario + "\"");
+  const TomlEntry root(table, file);
+  if (const TomlEntry name = root["scenario"]; name.text() != scenario) {
+    name.fail("is \"" + shown(name.text()) + "\", not \"" + scenario + "\"");
   }
-  cases_ = read_named(table, "case", file, overrides_);
-  if (cases_.size() == 1 && !table.contains("default_case")) {
-    default_case_ = cases_.front();
-  } else {
-    const auto [default_case, default_origin] = root_text("default_case");
-    default_case_ = default_case;
-    if (!overrides_.contains(default_case_)) {
-      throw std::invalid_argument(default_origin + ": default_case: there is no [case." +
-                                  default_case_ + "]" + did_you_mean(default_case_, cases_));
-    }
+  cases_ = read_named(root, "case", overrides_);
+  const TomlEntry default_case = root["default_case"];
+  default_case_ = cases_.size() == 1 && !default_case ? cases_.front() : default_case.text();
+  if (!overrides_.contains(default_case_)) {
+    default_case.fail("there is no [case." + default_case_ + "]" +
+                      did_you_mean(default_case_, cases_));
   }
   for (auto& [case_name, keys] : overrides_) {
     for (auto& [key, entry] : keys) entry.is_chosen = true;
   }
-  read_named(table, "readings", file, readings_);
-  if (const toml::node* alias = table.get("alias")) aliases_ = read_aliases(*alias, file);
+  read_named(root, "readings", readings_);
+  if (root["alias"]) aliases_ = read_aliases(root["alias"]);
   for (const char* key : {"scenario", "default_case", "case", "readings", "alias"}) {
     table.erase(key);
   }
