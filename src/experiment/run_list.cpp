@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <stdexcept>
 
 #include <breakwater/experiment/run_manifest.h>
@@ -11,52 +10,9 @@
 
 namespace breakwater {
 namespace fs = std::filesystem;
-namespace {
 
-void look_into(const fs::path& folder, const std::function<bool(const fs::path&)>& is_other,
-               FoundRuns& found) {
-  if (is_other(folder)) {
-    found.others.push_back(folder);
-    return;
-  }
-  std::error_code error;
-  if (fs::exists(folder / "manifest.json", error)) {
-    found.runs.push_back(folder);
-    return;
-  }
-  // A folder that cannot be read, or vanishes meanwhile, counts as empty.
-  std::vector<fs::path> folders;
-  for (fs::directory_iterator entries(folder, error), end; !error && entries != end;
-       entries.increment(error)) {
-    std::error_code ignored;
-    const fs::directory_entry& entry = *entries;
-    if (entry.is_directory(ignored) && !entry.is_symlink(ignored)) folders.push_back(entry.path());
-  }
-  std::sort(folders.begin(), folders.end());
-  for (const fs::path& inner : folders) {
-    if (is_unfinished_run(inner)) {
-      found.unfinished.push_back(inner);
-    } else if (!inner.filename().string().starts_with('.')) {
-      look_into(inner, is_other, found);
-    }
-  }
-}
-
-}  // namespace
-
-FoundRuns find_runs(const fs::path& below, const std::function<bool(const fs::path&)>& is_other) {
-  if (!fs::is_directory(below)) {
-    throw std::invalid_argument(below.string() + (fs::exists(below) ? ": is a file, not a folder"
-                                                                    : ": there is no such folder"));
-  }
-  FoundRuns found;
-  look_into(below, is_other, found);
-  return found;
-}
-
-ListedRun list_run(const fs::path& folder) {
-  ListedRun run;
-  run.folder = folder;
+ListedFolder list_run(const fs::path& folder) {
+  ListedFolder run{folder};
   std::error_code ignored;
   // The manifest's time is no use: drawing a picture changes it.
   run.written = fs::last_write_time(folder / "log.h5", ignored);

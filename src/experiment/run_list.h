@@ -1,8 +1,8 @@
-// The runs below a folder.
+// The list of the runs below a folder.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,30 +10,22 @@
 
 namespace breakwater {
 
-/// The contents of a folder.
-struct FoundRuns {
-  std::vector<std::filesystem::path> runs;        ///< folders with a manifest.json
-  std::vector<std::filesystem::path> unfinished;  ///< hidden folders of unfinished runs
-  std::vector<std::filesystem::path> others;  ///< folders that `is_other` accepts, such as studies
+/// A run or study in the list.
+struct ListedFolder {
+  std::filesystem::path folder;
+  std::filesystem::file_time_type written = {};
+  std::string kind = "run";        ///< or "study", "tuning"
+  std::string status = "damaged";  ///< or "complete", "failed", "cut", kRunning; a study's results
+  std::string scenario = "";       ///< empty: unknown
+  std::string reason = "";         ///< if it is not complete
+  std::string case_name = "";      ///< only a run has it
+  std::string seed = "";
+  std::vector<Metric> metrics = {};
+  std::size_t runs = 0;  ///< that a study has finished so far
+  std::size_t failed = 0;
 };
-
-/// Searches `below`, including the folder itself. It does not search inside the found folders, and
-/// does not follow symbolic links. A folder that cannot be read counts as empty. Throws
-/// std::invalid_argument if `below` does not exist.
-FoundRuns find_runs(const std::filesystem::path& below,
-                    const std::function<bool(const std::filesystem::path&)>& is_other);
 
 /// The summary of a run from its small files. The log is not opened.
-struct ListedRun {
-  std::filesystem::path folder;
-  std::string status = "damaged";  ///< or "complete", "failed", "cut", kRunning
-  std::string reason;              ///< if it is not complete
-  std::string scenario;
-  std::string case_name;
-  std::string seed;
-  std::vector<Metric> metrics;
-  std::filesystem::file_time_type written;
-};
-ListedRun list_run(const std::filesystem::path& folder);
+ListedFolder list_run(const std::filesystem::path& folder);
 
 }  // namespace breakwater

@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 
 #include <breakwater/experiment/differing_keys.h>
 #include <breakwater/experiment/run_list.h>
@@ -18,7 +19,9 @@
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
+#include <breakwater/study/shards.h>
 #include <breakwater/study/study_folder.h>
+#include <breakwater/study/study_reader.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -26,42 +29,49 @@ namespace {
 
 constexpr const char* kListIndent = "    ";
 
-// A run or study in the list.
-struct Entry {
-  fs::path folder;
-  fs::file_time_type written;
-  std::string kind;      // run, study or tuning
-  std::string status;    // status of a run; for a study the number of its runs
-  std::string scenario;  // empty: unknown
-  std::string reason;
-  std::vector<Metric> metrics;
-  nlohmann::ordered_json more;  // fields of one kind only
-};
-
-Entry entry_of(const ListedRun& run) {
-  return {run.folder,   run.written, "run",       run.status,
-          run.scenario, run.reason,  run.metrics, {{"case", run.case_name}, {"seed", run.seed}}};
-}
-
-Entry entry_of(const StudySummary& study) {
-  const std::string failed = study.failed > 0 ? fmt::format(", {} failed", study.failed) : "";
-  return {study.folder,
-          study.written,
-          study.kind,
-          number_of(study.runs, "run") + failed,
-          study.scenario,
-          "",
-          {},
-          {{"runs", study.runs}, {"failed", study.failed}}};
-}
-
-Entry study_entry(const fs::path& folder) {
+// One unreadable study does not end the list.
+ListedFolder list_study(const fs::path& folder) {
+  const bool is_tuning = !fs::exists(folder / kSweep.file);
+  ListedFolder study{folder, fs::last_write_time(folder / "shards"),
+                     is_tuning ? "tuning" : "study"};
   try {
-    return entry_of(summarise_study(folder));
-  } catch (const std::exception& error) {  // one unreadable study does not end the list
+    const std::string file = (folder / (is_tuning ? kTune : kSweep).file).string();
+    study.scenario = study_root(study_tables(file), file)["scenario"].text_or_nothing();
+    const auto results = results_by_key(folder / "shards");
+    study.runs = results.size();
+    for (const auto& [key, result] : results) {
+      if (result.status != PointStatus::complete) ++study.failed;
+    }
+    study.status = number_of(study.runs, "run");
+    if (study.failed > 0) study.status += fmt::format(", {} failed", study.failed);
+  } catch (const std::exception& error) {
+    study.reason = error.what();
+  }
+  return study;
+}
+
+// It does not search inside the found folders, and does not follow symbolic links. A folder that
+// cannot be read, or vanishes meanwhile, counts as empty.
+void look_into(const fs::path& folder, std::vector<ListedFolder>& found) {
+  std::error_code error;
+  if (is_study_folder(folder)) {
+    found.push_back(list_study(folder));
+    return;
+  }
+  if (fs::exists(folder / "manifest.json", error)) {
+    found.push_back(list_run(folder));
+    return;
+  }
+  for (fs::directory_iterator inside(folder, error), end; !error && inside != end;
+       inside.increment(error)) {
     std::error_code ignored;
-    return {folder, fs::last_write_time(folder, ignored), "study", "damaged", "", error.what(),
-            {},     nlohmann::ordered_json::object()};
+    const fs::directory_entry& inner = *inside;
+    if (!inner.is_directory(ignored) || inner.is_symlink(ignored)) continue;
+    if (is_unfinished_run(inner)) {
+      if (is_kept(inner)) found.push_back(list_run(inner));
+    } else if (!inner.path().filename().string().starts_with('.')) {
+      look_into(inner, found);
+    }
   }
 }
 
@@ -72,16 +82,16 @@ std::time_t seconds_of(fs::file_time_type time) {
 }
 
 // Newest first.
-std::vector<Entry> entries_below(const fs::path& below) {
-  const FoundRuns found = find_runs(below, is_study_folder);
-  std::vector<Entry> entries;
-  for (const fs::path& folder : found.runs) entries.push_back(entry_of(list_run(folder)));
-  for (const fs::path& folder : found.unfinished) {
-    if (is_kept(folder)) entries.push_back(entry_of(list_run(folder)));
+std::vector<ListedFolder> entries_below(const fs::path& below) {
+  if (!fs::is_directory(below)) {
+    throw std::invalid_argument(below.string() + (fs::exists(below) ? ": is a file, not a folder"
+                                                                    : ": there is no such folder"));
   }
-  for (const fs::path& folder : found.others) entries.push_back(study_entry(folder));
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const Entry& a, const Entry& b) { return a.written > b.written; });
+  std::vector<ListedFolder> entries;
+  look_into(below, entries);
+  std::sort(entries.begin(), entries.end(), [](const ListedFolder& a, const ListedFolder& b) {
+    return std::tie(b.written, a.folder) < std::tie(a.written, b.folder);
+  });
   return entries;
 }
 
@@ -90,7 +100,7 @@ class MainMetrics {
  public:
   explicit MainMetrics(const Catalogue& catalogue) : catalogue_(catalogue) {}
 
-  std::vector<Metric> of(const Entry& entry) {
+  std::vector<Metric> of(const ListedFolder& entry) {
     const auto [place, is_new] = names_.try_emplace(entry.scenario);
     if (is_new && catalogue_.has<ScenarioKind>(entry.scenario)) {
       place->second = make_scenario(catalogue_, entry.scenario)->main_metrics();
@@ -104,10 +114,9 @@ class MainMetrics {
 };
 
 // Scenario and label of a run, if the folder's name does not have them.
-std::string origin_of(const Catalogue& catalogue, const Entry& entry) {
+std::string origin_of(const Catalogue& catalogue, const ListedFolder& entry) {
   if (entry.kind != "run" || entry.scenario.empty()) return "";
-  const auto name = entry.more.value("case", "");
-  const std::string label = label_of(catalogue, entry.folder, entry.scenario, name);
+  const std::string label = label_of(catalogue, entry.folder, entry.scenario, entry.case_name);
   const fs::path folder = entry.folder.lexically_normal();
   if (folder.filename() == label && folder.parent_path().filename() == entry.scenario) return "";
   return entry.scenario + (label.empty() ? "" : ", " + label);
@@ -119,12 +128,12 @@ void print_lines(const std::string& text, std::size_t width) {
   }
 }
 
-void print_entries(const Catalogue& catalogue, const std::vector<Entry>& entries,
+void print_entries(const Catalogue& catalogue, const std::vector<ListedFolder>& entries,
                    const fs::path& below) {
   const std::size_t width = output_width();
   MainMetrics main(catalogue);
   if (entries.empty()) fmt::print("no run below {}\n", below.string());
-  for (const Entry& entry : entries) {
+  for (const ListedFolder& entry : entries) {
     const std::string when =
         fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(seconds_of(entry.written)));
     const std::string status = fmt::format("{:<9}", entry.status);
@@ -137,16 +146,20 @@ void print_entries(const Catalogue& catalogue, const std::vector<Entry>& entries
   }
 }
 
-void print_entries_json(const std::vector<Entry>& entries) {
+void print_entries_json(const std::vector<ListedFolder>& entries) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Entry& entry : entries) {
+  for (const ListedFolder& entry : entries) {
     nlohmann::ordered_json object = {
         {"folder", entry.folder.string()},
         {"kind", entry.kind},
         {"status", entry.status},
         {"written", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(seconds_of(entry.written)))},
         {"scenario", entry.scenario}};
-    object.update(entry.more);
+    if (entry.kind == "run") {
+      object.update({{"case", entry.case_name}, {"seed", entry.seed}});
+    } else if (entry.status != "damaged") {
+      object.update({{"runs", entry.runs}, {"failed", entry.failed}});
+    }
     if (!entry.reason.empty()) object["reason"] = entry.reason;
     if (entry.kind == "run") object["metrics"] = nlohmann::ordered_json::object();
     for (const Metric& metric : entry.metrics) object["metrics"][metric.name] = metric.value;
@@ -168,7 +181,7 @@ int list_runs_main(const Catalogue& catalogue, int argc, const char* const* argv
     app.add_flag("--json", json, "print a list of objects instead, with all metrics");
     app.footer("A study is one entry, whatever runs it keeps. Exit status: 0 success, 2 usage.");
     if (const auto status = parse(app, argc, argv)) return *status;
-    const std::vector<Entry> entries = entries_below(below);
+    const std::vector<ListedFolder> entries = entries_below(below);
     json ? print_entries_json(entries) : print_entries(catalogue, entries, below);
     return static_cast<int>(kSuccess);
   });

@@ -183,23 +183,4 @@ bool is_study_folder(const fs::path& folder) {
          (fs::exists(folder / kSweep.file, ignored) || fs::exists(folder / kTune.file, ignored));
 }
 
-StudySummary summarise_study(const fs::path& folder) {
-  StudySummary summary;
-  summary.folder = folder;
-  const bool is_tuning = !fs::exists(folder / kSweep.file);
-  if (is_tuning) summary.kind = "tuning";
-  const std::string file = (folder / (is_tuning ? kTune : kSweep).file).string();
-  const toml::table tables = study_tables(file);
-  summary.scenario = study_root(tables, file)["scenario"].text_or_nothing();
-  const auto results = results_by_key(folder / "shards");
-  summary.runs = results.size();
-  summary.failed =
-      static_cast<std::size_t>(std::count_if(results.begin(), results.end(), [](const auto& entry) {
-        return entry.second.status != PointStatus::complete;
-      }));
-  std::error_code ignored;
-  summary.written = fs::last_write_time(folder / "shards", ignored);
-  return summary;
-}
-
 }  // namespace breakwater

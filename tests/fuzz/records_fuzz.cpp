@@ -52,7 +52,7 @@ void read_run_manifest(const std::string& text) {
   static const std::string metrics = fuzz::folder().write("metrics.json", "{\"peak_N\": 1.5}");
   fuzz::folder().write("manifest.json", text);
   const bool is_run = is_run_folder(fuzz::folder().path());
-  const ListedRun run = list_run(fuzz::folder().path());
+  const ListedFolder run = list_run(fuzz::folder().path());
   fuzz::require(is_run || run.status == "damaged", "a run has a manifest");
   note_renderer(fuzz::folder().path(), "0", "video.mp4", "egl");
   check_log(fuzz::folder().path());
