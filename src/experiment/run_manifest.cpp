@@ -4,109 +4,91 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
+#include <initializer_list>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 
+#include <breakwater/config/unit_of.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/record/partial_file.h>
+#include <breakwater/record/run_folder.h>
 #include <breakwater/shell/child_program.h>
 
 namespace breakwater {
 namespace {
 
-using nlohmann::json;
+using nlohmann::ordered_json;
 
-class Reader {
- public:
-  explicit Reader(std::string file) : file_(std::move(file)) {
-    std::ifstream stream = open_input(file_);
-    json_ = json::parse(stream, nullptr, false);
-    if (!json_.is_object() || !json_.contains("scenario") || !json_.contains("state_hash")) {
-      throw std::invalid_argument(file_ + ": is not a run's manifest" + broken_line(file_) +
-                                  "; give the folder of a run");
-    }
+// The object with these `keys` in a file. Throws std::invalid_argument `FILE: WHAT (line 3 is no
+// JSON); ADVICE`.
+ordered_json read_object(const std::filesystem::path& file, std::initializer_list<const char*> keys,
+                         const std::string& what, const std::string& advice) {
+  std::stringstream bytes;
+  bytes << open_input(file).rdbuf();
+  const std::string text = bytes.str();
+  std::string where;
+  try {
+    ordered_json object = ordered_json::parse(text);
+    const auto has = [&](const char* key) { return object.contains(key); };
+    if (object.is_object() && std::all_of(keys.begin(), keys.end(), has)) return object;
+  } catch (const ordered_json::parse_error& error) {
+    const std::size_t end = std::min(error.byte, text.size());
+    const auto before = text.begin() + static_cast<std::ptrdiff_t>(end == 0 ? 0 : end - 1);
+    where = fmt::format(" (line {} is no JSON)", 1 + std::count(text.begin(), before, '\n'));
+  } catch (const ordered_json::exception&) {  // a number out of range
   }
-
-  [[noreturn]] void fail(const char* key, const std::string& reason) const {
-    throw std::invalid_argument(file_ + ": " + key + ": " + reason +
-                                ": the manifest is damaged; run it again");
-  }
-
-  const json* find(const char* key) const {
-    const auto found = json_.find(key);
-    return found == json_.end() ? nullptr : &*found;
-  }
-
-  const json& at(const char* key) const {
-    const json* value = find(key);
-    if (value == nullptr) fail(key, "is missing");
-    return *value;
-  }
-
-  std::string text(const char* key) const {
-    const json& value = at(key);
-    if (!value.is_string()) fail(key, "must be a text");
-    return value.get<std::string>();
-  }
-
-  std::string text_or_nothing(const char* key) const {
-    return find(key) == nullptr ? "" : text(key);
-  }
-
-  double number(const char* key) const {
-    const json& value = at(key);
-    if (!value.is_number()) fail(key, "must be a number");
-    return value.get<double>();
-  }
-
- private:
-  std::string file_;
-  json json_;
-};
+  throw std::invalid_argument(file.string() + ": " + what + where + "; " + advice);
+}
 
 }  // namespace
 
 RunManifest read_manifest(const std::filesystem::path& folder) {
-  const Reader reader((folder / "manifest.json").string());
+  const std::filesystem::path file = folder / "manifest.json";
+  const ordered_json object = read_object(file, {"scenario", "state_hash"},
+                                          "is not a run's manifest", "give the folder of a run");
+  const auto fail = [&](const char* key) {
+    throw std::invalid_argument(file.string() + ": " + key +
+                                ": is missing or wrong: the manifest is damaged; run it again");
+  };
+  const auto get = [&](const char* key, auto& target) {
+    const auto value = object.find(key);
+    // A boolean would pass for a number.
+    if (value == object.end() || value->is_boolean()) fail(key);
+    try {
+      value->get_to(target);
+    } catch (const ordered_json::exception&) {
+      fail(key);
+    }
+  };
+  const auto get_if_there = [&](const char* key, auto& target) {
+    if (object.contains(key)) get(key, target);
+  };
   RunManifest manifest;
-  manifest.scenario = reader.text("scenario");
-  manifest.case_name = reader.text("case");
-  const json& seed = reader.at("seed");
-  if (!seed.is_number_unsigned()) reader.fail("seed", "must be a whole number");
-  manifest.seed = seed.dump();
-  manifest.state_hash = reader.text("state_hash");
-  const std::string status = reader.text("status");
+  get("scenario", manifest.scenario);
+  get("case", manifest.case_name);
+  if (!object.contains("seed") || !object["seed"].is_number_unsigned()) fail("seed");
+  manifest.seed = object["seed"].dump();
+  get("state_hash", manifest.state_hash);
+  std::string status;
+  get("status", status);
   manifest.is_unfinished = status == kRunning;
   if (manifest.is_unfinished) {
     manifest.failure = Failure{0.0, "its process ended before the run did", true};
   } else if (status == "failed" || status == "cut") {  // a log that was recovered
-    manifest.failure = Failure{reader.number("time_s"), reader.text("reason"), status == "cut"};
+    Failure& failure = manifest.failure.emplace(Failure{0.0, "", status == "cut"});
+    get("time_s", failure.time_s);
+    get("reason", failure.reason);
   } else if (status != "complete") {
-    reader.fail("status", "must be complete, failed or running");
+    fail("status");
   }
-  manifest.program = reader.text_or_nothing("program");
-  if (const json* models = reader.find("models")) {
-    if (!models->is_object()) reader.fail("models", "must be an object");
-    for (const auto& [file, hash] : models->items()) {
-      if (!hash.is_string()) reader.fail("models", "must be an object of texts");
-      manifest.models[file] = hash.get<std::string>();
-    }
-  }
-  if (const json* absent = reader.find("absent")) {
-    if (!absent->is_object()) reader.fail("absent", "must be a table");
-    for (const auto& [name, reason] : absent->items()) {
-      if (!reason.is_string()) reader.fail("absent", "must have texts");
-      manifest.absent.push_back({name, "", reason.get<std::string>()});
-    }
-  }
-  if (const json* warnings = reader.find("warnings")) {
-    if (!warnings->is_array()) reader.fail("warnings", "must be a list");
-    for (const json& line : *warnings) {
-      if (!line.is_string()) reader.fail("warnings", "must have texts");
-      manifest.warnings.push_back(line.get<std::string>());
-    }
-  }
+  get_if_there("program", manifest.program);
+  get_if_there("models", manifest.models);
+  get_if_there("warnings", manifest.warnings);
+  std::map<std::string, std::string> absent;
+  get_if_there("absent", absent);
+  for (const auto& [name, reason] : absent) manifest.absent.push_back({name, "", reason});
   return manifest;
 }
 
@@ -114,18 +96,28 @@ std::string where_the_log_is(const std::filesystem::path& folder) {
   return "its log so far is in " + shell_word(folder.string());
 }
 
-std::string broken_line(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  try {
-    [[maybe_unused]] const json parsed = json::parse(text);
-  } catch (const json::parse_error& error) {
-    const std::size_t end = std::min(error.byte, text.size());
-    const auto before = text.begin() + static_cast<std::ptrdiff_t>(end == 0 ? 0 : end - 1);
-    return fmt::format(" (line {} is no JSON)", 1 + std::count(text.begin(), before, '\n'));
-  } catch (const json::exception&) {  // a number out of range
+std::vector<Metric> read_metrics(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "metrics.json";
+  if (!std::filesystem::is_regular_file(file)) {
+    throw std::invalid_argument(folder.string() +
+                                ": the run is incomplete: it has no metrics.json; run it again");
   }
-  return "";
+  std::vector<Metric> list;
+  const ordered_json metrics = read_object(file, {}, "is no object of numbers", "run it again");
+  for (const auto& [name, value] : metrics.items()) {
+    if (value.is_null()) continue;  // version 0.1 wrote null for a number that is not finite
+    if (!value.is_number()) {
+      throw std::invalid_argument(file.string() + ": " + name +
+                                  ": must be a number: the file is damaged; run it again");
+    }
+    try {
+      list.emplace_back(name, unit_of(name), value.get<double>());
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(file.string() + ": " + error.what());
+    }
+  }
+  check_file(folder, "metrics.json");
+  return list;
 }
 
 void note_renderer(const std::filesystem::path& folder, const std::string& state_hash,

@@ -1,4 +1,4 @@
-// Reads manifest.json of a run's folder.
+// Reads manifest.json and metrics.json of a run's folder.
 #pragma once
 
 #include <filesystem>
@@ -31,9 +31,9 @@ struct RunManifest {
 /// Throws std::invalid_argument `FILE: KEY: reason` if the manifest is missing or damaged.
 RunManifest read_manifest(const std::filesystem::path& folder);
 
-/// The line in which a file ceases to be JSON, in words: " (line 3 is no JSON)"; empty if it is
-/// JSON.
-std::string broken_line(const std::filesystem::path& file);
+/// The metrics of a complete run, in the scenario's order. Throws std::invalid_argument, one line,
+/// if they are missing or damaged.
+std::vector<Metric> read_metrics(const std::filesystem::path& folder);
 
 /// The folder with the log of a streamed run that did not end, in words for messages.
 std::string where_the_log_is(const std::filesystem::path& folder);

@@ -4,13 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
-#include <breakwater/config/unit_of.h>
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/record/run_folder.h>
@@ -137,35 +134,6 @@ void SavedRun::check_rows(const std::string& path, const LoggedSignal& data) con
     if (is_finite && (i == 0 || time_s > data.values[i - 1])) continue;
     refuse(fmt::format("must be finite and rise, is {} in row {}", time_s, i + 1));
   }
-}
-
-std::vector<Metric> read_metrics(const fs::path& folder) {
-  const fs::path file = folder / "metrics.json";
-  if (!fs::is_regular_file(file)) {
-    throw std::invalid_argument(folder.string() +
-                                ": the run is incomplete: it has no metrics.json; run it again");
-  }
-  std::vector<Metric> list;
-  std::ifstream stream = open_input(file);
-  const auto metrics = nlohmann::ordered_json::parse(stream, nullptr, false);
-  if (!metrics.is_object()) {
-    throw std::invalid_argument(file.string() + ": is no object of numbers" + broken_line(file) +
-                                "; run it again");
-  }
-  for (const auto& [name, value] : metrics.items()) {
-    if (value.is_null()) continue;  // version 0.1 wrote null for a number that is not finite
-    if (!value.is_number()) {
-      throw std::invalid_argument(file.string() + ": " + name +
-                                  ": must be a number: the file is damaged; run it again");
-    }
-    try {
-      list.emplace_back(name, unit_of(name), value.get<double>());
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(file.string() + ": " + error.what());
-    }
-  }
-  check_file(folder, "metrics.json");
-  return list;
 }
 
 std::optional<double> SavedRun::metric(const std::string& name) const {

@@ -78,8 +78,4 @@ class SavedRun {
   mutable std::map<std::string, LoggedSignal> read_;  // the datasets that were read so far
 };
 
-/// The metrics of a complete run, in the scenario's order. Throws std::invalid_argument, one line,
-/// if they are missing or damaged.
-std::vector<Metric> read_metrics(const std::filesystem::path& folder);
-
 }  // namespace breakwater

@@ -151,8 +151,8 @@ class DamagedRun(Folder):
         for whole in ("", "{", "[]", "null", '{"scenario": 1, "state_hash": 2}'):
             self.refuses("manifest", whole, "run")
         failed = {**self.manifest, "status": "failed"}  # it has a time and a reason
-        self.refuses("manifest", failed, "time_s: is missing")
-        self.refuses("manifest", {**failed, "time_s": "soon", "reason": "x"}, "time_s: must be a number")
+        self.refuses("manifest", failed, "time_s: is missing or wrong")
+        self.refuses("manifest", {**failed, "time_s": "soon", "reason": "x"}, "time_s: is missing or wrong")
         self.refuses("manifest", {**failed, "time_s": 1.0, "reason": "x"}, "", False, True)
 
     def test_every_wrong_value_of_the_metrics(self):
