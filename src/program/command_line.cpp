@@ -202,44 +202,29 @@ int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments,
   return status;
 }
 
-// Warns only about a --set that is ineffective in all runs.
-void print_ineffective_sets(const std::string& scenario, const std::vector<PreparedRun>& runs) {
-  for (const IneffectiveKey& ineffective : runs.front().ineffective) {
-    const bool is_ineffective_in_all =
-        std::all_of(runs.begin(), runs.end(), [&](const PreparedRun& run) {
-          return std::any_of(run.ineffective.begin(), run.ineffective.end(),
-                             [&](const IneffectiveKey& other) {
-                               return other.key == ineffective.key && other.origin == "--set";
-                             });
-        });
-    if (!is_ineffective_in_all) continue;
-    warn(scenario, {fmt::format("--set: {}: {}", ineffective.key, ineffective.reason)});
-  }
-}
-
+// Warns once of what all runs share, and of a --set only if it is ineffective in all of them.
 void print_warnings(const std::string& scenario, const std::vector<PreparedRun>& runs) {
-  print_ineffective_sets(scenario, runs);
   std::set<std::string> models;
   for (const PreparedRun& run : runs) models.insert(run.model_files.begin(), run.model_files.end());
   for (const std::string& model : models) warn(scenario, conversion_warnings(model));
+  const auto each_warning = [](const PreparedRun& run, const auto& use) {
+    for (const IneffectiveKey& one : run.ineffective) {
+      const std::string key = one.origin + ": " + one.key;
+      use(key, key + ": " + one.reason);
+    }
+    for (const std::string& warning : run.scenario->warnings()) use(warning, warning);
+  };
   std::map<std::string, std::set<const PreparedRun*>> runs_with;
   for (const PreparedRun& run : runs) {
-    for (const std::string& warning : run.scenario->warnings()) runs_with[warning].insert(&run);
+    each_warning(run, [&](const std::string& what, const auto&) { runs_with[what].insert(&run); });
   }
   for (const PreparedRun& run : runs) {
-    const std::string which = fmt::format("{} {}", scenario, run.case_name);
-    for (const IneffectiveKey& ineffective : run.ineffective) {
-      if (ineffective.origin == "--set") continue;
-      warn(which,
-           {fmt::format("{}: {}: {}", ineffective.origin, ineffective.key, ineffective.reason)});
-    }
-    for (const std::string& warning : run.scenario->warnings()) {
-      if (runs.size() == 1 || runs_with[warning].size() < runs.size()) {
-        warn(which, {warning});
-      } else if (&run == &runs.front()) {
-        warn(scenario, {warning});
-      }
-    }
+    each_warning(run, [&](const std::string& what, const std::string& text) {
+      const bool is_set = what.starts_with(kSetOrigin);
+      const bool is_shared = runs_with[what].size() == runs.size() && (runs.size() > 1 || is_set);
+      if (is_shared && &run == &runs.front()) warn(scenario, {text});
+      if (!is_shared && !is_set) warn(fmt::format("{} {}", scenario, run.case_name), {text});
+    });
   }
 }
 
