@@ -32,7 +32,7 @@ std::vector<std::string> ask_slurm(std::vector<std::string> words) {
   constexpr int kNoAnswer = 3;
   EndedProgram ended;
   try {
-    ended = run_beside(script_words("slurm.py", std::move(words)), [](ReadProgram&) {});
+    ended = run_beside(script_words("slurm.py", std::move(words)));
   } catch (const std::invalid_argument& error) {
     throw OutputError(error.what());
   }

@@ -49,10 +49,7 @@ std::string table(const Row& heading, const std::vector<Row>& rows) {
 }
 
 std::string help_of(const std::vector<std::string>& words) {
-  ReadProgram called(words);
-  std::string text;
-  while (const auto line = called.next()) text += *line + "\n";
-  called.wait();
+  const std::string text = fmt::format("{}", fmt::join(run_beside(words).said, "\n"));
   return text.substr(0, text.find_last_not_of('\n') + 1);
 }
 

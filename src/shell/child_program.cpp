@@ -12,9 +12,11 @@
 #include <cctype>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
@@ -23,6 +25,58 @@
 #include <breakwater/signals/environment.h>
 
 namespace breakwater {
+namespace {
+
+// Starts a program, and returns its process. `output` becomes the end of a pipe with its stdout and
+// stderr.
+pid_t start(std::vector<std::string> words, int& output) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  pid_t process = 0;
+  int ends[2];
+  int error = pipe2(ends, O_CLOEXEC) == 0 ? 0 : errno;
+  if (error == 0) {
+    std::fflush(nullptr);
+    if (start_copy != nullptr && words[0] == own_program()) {
+      process = start_copy(words, ends[1]);
+      if (process < 0) error = errno;
+    } else {
+      posix_spawn_file_actions_t actions;
+      posix_spawn_file_actions_init(&actions);
+      posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+      posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+      error = posix_spawnp(&process, argv[0], &actions, nullptr, argv.data(), environ);
+      posix_spawn_file_actions_destroy(&actions);
+    }
+    close(ends[1]);
+    if (error != 0) close(ends[0]);
+  }
+  if (error != 0) {
+    throw std::invalid_argument(
+        fmt::format("{}: cannot be called ({})", words[0], std::strerror(error)));
+  }
+  output = ends[0];
+  return process;
+}
+
+// The next line without its end; nothing after the end of the text.
+std::optional<std::string> next_line(FILE* text) {
+  char* line = nullptr;
+  std::size_t size = 0;
+  ssize_t length = -1;
+  do {
+    std::clearerr(text);
+    errno = 0;
+    length = getline(&line, &size, text);
+  } while (length < 0 && errno == EINTR);
+  const std::unique_ptr<char, void (*)(void*)> owner(line, std::free);
+  if (length <= 0) return std::nullopt;
+  const bool has_end = line[length - 1] == '\n';
+  return std::string(line, static_cast<std::size_t>(has_end ? length - 1 : length));
+}
+
+}  // namespace
 
 std::string own_program() {
   return std::filesystem::read_symlink("/proc/self/exe").string();
@@ -69,73 +123,6 @@ int call_script(const std::string& what, const std::string& script,
   return call_program(what, script_words(script, std::move(words)));
 }
 
-ReadProgram::ReadProgram(std::vector<std::string> words, bool with_stderr) {
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  int ends[2];
-  int error = pipe2(ends, O_CLOEXEC) == 0 ? 0 : errno;
-  if (error == 0 && start_copy != nullptr && words[0] == own_program()) {
-    std::fflush(nullptr);
-    process_ = start_copy(words, ends[1]);
-    if (process_ < 0) error = errno;
-    close(ends[1]);
-    said_.reset(fdopen(ends[0], "r"));
-  } else if (error == 0) {
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-    if (with_stderr) posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-    std::fflush(nullptr);
-    error = posix_spawnp(&process_, argv[0], &actions, nullptr, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    close(ends[1]);
-    said_.reset(fdopen(ends[0], "r"));
-  }
-  if (error != 0) {
-    status_ = 0;
-    throw std::invalid_argument(
-        fmt::format("{}: cannot be called ({})", words[0], std::strerror(error)));
-  }
-}
-
-ReadProgram::~ReadProgram() {
-  wait();
-}
-
-std::optional<std::string> ReadProgram::next() {
-  char* line = nullptr;
-  std::size_t size = 0;
-  errno = 0;
-  const ssize_t length = getline(&line, &size, said_.get());
-  const std::unique_ptr<char, void (*)(void*)> owner(line, std::free);
-  if (length < 0 && errno == EINTR) {
-    std::clearerr(said_.get());
-    return "";
-  }
-  if (length <= 0) return std::nullopt;
-  const bool has_end = line[length - 1] == '\n';
-  return std::string(line, static_cast<std::size_t>(has_end ? length - 1 : length));
-}
-
-bool ReadProgram::has_news(double seconds) const {
-  pollfd said = {fileno(said_.get()), POLLIN, 0};
-  return poll(&said, 1, static_cast<int>(1000.0 * seconds)) > 0;
-}
-
-int ReadProgram::wait() {
-  if (status_) return *status_;
-  said_.reset();
-  int status = 0;
-  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) continue;
-  status_ = status;
-  return status;
-}
-
-void ReadProgram::interrupt() {
-  if (!std::exchange(is_interrupted_, true)) kill(process_, SIGTERM);
-}
-
 std::optional<int> EndedProgram::exit_status() const {
   return WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt;
 }
@@ -152,6 +139,7 @@ bool EndedProgram::has_crashed() const {
 }
 
 std::string EndedProgram::take_reason() {
+  while (!said.empty() && said.back().empty()) said.pop_back();
   if (said.empty()) return end();
   std::string reason = std::move(said.back());
   said.pop_back();
@@ -163,19 +151,32 @@ void EndedProgram::repeat_said() const {
 }
 
 EndedProgram run_beside(std::vector<std::string> words,
-                        const std::function<void(ReadProgram&)>& look) {
-  constexpr double kLooks_s = 0.1;
-  ReadProgram program(std::move(words), true);
+                        const std::function<bool(pid_t process)>& look) {
+  constexpr int kLooks_ms = 100;
+  int output = -1;
+  const pid_t process = start(std::move(words), output);
+  std::unique_ptr<FILE, int (*)(FILE*)> text(fdopen(output, "r"), std::fclose);
   EndedProgram ended;
-  for (bool goes_on = true; goes_on;) {
-    if (program.has_news(kLooks_s)) {
-      const auto line = program.next();
-      goes_on = line.has_value();
-      if (line && !line->empty()) ended.said.push_back(*line);
+  const auto wait = [&] {
+    text.reset();
+    while (waitpid(process, &ended.status, 0) < 0 && errno == EINTR) continue;
+  };
+  bool is_interrupted = false;
+  try {
+    for (bool goes_on = true; goes_on;) {
+      pollfd news = {output, POLLIN, 0};
+      if (poll(&news, 1, kLooks_ms) > 0) {
+        auto line = next_line(text.get());
+        goes_on = line.has_value();
+        if (line) ended.said.push_back(std::move(*line));
+      }
+      if (look && look(process) && !std::exchange(is_interrupted, true)) kill(process, SIGTERM);
     }
-    look(program);
+  } catch (...) {
+    wait();
+    throw;
   }
-  ended.status = program.wait();
+  wait();
   return ended;
 }
 

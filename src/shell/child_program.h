@@ -3,9 +3,7 @@
 
 #include <sys/types.h>
 
-#include <cstdio>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,34 +35,6 @@ std::vector<std::string> script_words(const std::string& script, std::vector<std
 /// Calls it as call_program() does.
 int call_script(const std::string& what, const std::string& script, std::vector<std::string> words);
 
-/// A program that runs beside this one, with its standard output. words[0] is as above.
-class ReadProgram {
- public:
-  /// Also reads its stderr if `with_stderr`; otherwise it shares the stderr of this process. Throws
-  /// std::invalid_argument `PROGRAM: cannot be called (…)`.
-  explicit ReadProgram(std::vector<std::string> words, bool with_stderr = false);
-  /// Waits for its end.
-  ~ReadProgram();
-  ReadProgram(const ReadProgram&) = delete;
-  ReadProgram& operator=(const ReadProgram&) = delete;
-
-  /// The next line without its end; empty if a signal came meanwhile; nothing after its end.
-  std::optional<std::string> next();
-  /// Whether next() has a result within `seconds`.
-  bool has_news(double seconds) const;
-  /// Waits for its end. Returns the status of waitpid().
-  int wait();
-  /// Interrupts it, only once: a second signal would end it during a run.
-  void interrupt();
-  pid_t process() const { return process_; }
-
- private:
-  pid_t process_ = 0;
-  bool is_interrupted_ = false;
-  std::optional<int> status_;
-  std::unique_ptr<FILE, int (*)(FILE*)> said_{nullptr, std::fclose};
-};
-
 /// The end of a program: its status from waitpid(), and its lines.
 struct EndedProgram {
   int status = 0;
@@ -76,14 +46,16 @@ struct EndedProgram {
   /// Whether it caused the signal that ended it. Other signals come from outside: from the system
   /// without memory, a scheduler or a user.
   bool has_crashed() const;
-  /// Removes the last of the lines, which has the reason of the failure, and returns it.
+  /// Removes the last line that is not empty, which has the reason of the failure, and returns it.
   std::string take_reason();
   /// Prints the lines on stderr.
   void repeat_said() const;
 };
 
-/// Runs a program to its end; `look` is called several times a second.
+/// Runs a program to its end. words[0] is as above. `look` is called several times a second with
+/// its process. When it first returns true, the program is interrupted, only once: a second signal
+/// would end it during a run. Throws std::invalid_argument `PROGRAM: cannot be called (…)`.
 EndedProgram run_beside(std::vector<std::string> words,
-                        const std::function<void(ReadProgram&)>& look);
+                        const std::function<bool(pid_t process)>& look = nullptr);
 
 }  // namespace breakwater

@@ -227,9 +227,9 @@ class Children {
                                             "--quiet"};
     std::size_t next = begin;
     ProcessResults written;
-    EndedProgram ended = run_beside(words, [&](ReadProgram& child) {
+    EndedProgram ended = run_beside(words, [&](pid_t child) {
       const std::size_t before = written.results.size();
-      written = results_of_process(folder_.shards(), child.process(), std::move(written));
+      written = results_of_process(folder_.shards(), child, std::move(written));
       for (std::size_t i = before; i < written.results.size(); ++i) {
         // An earlier process may have had the same process number.
         const PointResult& result = written.results[i];
@@ -238,7 +238,7 @@ class Children {
         next = nth + 1;
         finish(nth, result);
       }
-      if (has_to_stop()) child.interrupt();
+      return has_to_stop();
     });
     // A child that was still loading ends by the signal without a message.
     const bool has_stopped = has_to_stop();
