@@ -1,11 +1,10 @@
 #include <breakwater/pages/study_numbers.h>
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <string_view>
 #include <unordered_map>
 
 #include <breakwater/config/toml_text.h>
@@ -33,57 +32,14 @@ Eigen::MatrixXd design(const StudyNumbers& numbers, std::size_t candidate, Quant
   return sum.cwiseQuotient(seeds);  // 0/0: no runs
 }
 
-constexpr std::size_t kMostKinds = 200;    // kinds of failures; further ones are "other reasons"
-constexpr std::size_t kPointsOfAKind = 5;  // points named per kind
+constexpr std::size_t kPointsOfAKind = 5;  // points named per kind of failures
 
 // "at 3.1 s: diverged" and "at 4 s: diverged" are one kind.
-std::string without_numbers(const std::string& reason) {
-  std::string text;
-  for (std::size_t i = 0; i < reason.size();) {
-    if (std::isdigit(static_cast<unsigned char>(reason[i])) == 0) {
-      text += reason[i++];
-      continue;
-    }
-    const char* const begin = reason.data() + i;
-    double value = 0.0;
-    const char* const end = std::from_chars(begin, reason.data() + reason.size(), value).ptr;
-    text += '#';
-    i += static_cast<std::size_t>(end - begin);
-  }
-  return text;
+std::string without_numbers(std::string reason) {
+  constexpr std::string_view kOfNumbers = "0123456789.e+-";
+  std::erase_if(reason, [&](char c) { return kOfNumbers.find(c) != std::string_view::npos; });
+  return reason;
 }
-
-// Counts the failures of each kind.
-class Failures {
- public:
-  explicit Failures(std::size_t candidates) : candidates_(candidates) {}
-
-  void add(const PointResult& result, std::size_t candidate) {
-    std::pair<PointStatus, std::string> name = {result.status, without_numbers(result.reason)};
-    if (kinds_.size() >= kMostKinds && !kinds_.contains(name)) name.second.clear();
-    FailureKind& kind = kinds_[name];
-    if (kind.runs++ == 0) {
-      kind.status = result.status;
-      kind.reason = name.second.empty() && !result.reason.empty() ? "other reasons" : result.reason;
-      kind.of_candidate.resize(candidates_);
-    }
-    ++kind.of_candidate[candidate];
-    if (kind.first.size() < kPointsOfAKind) kind.first.push_back(result.number);
-  }
-
-  // Most runs first.
-  std::vector<FailureKind> kinds() const {
-    std::vector<FailureKind> all;
-    for (const auto& [name, kind] : kinds_) all.push_back(kind);
-    std::stable_sort(all.begin(), all.end(),
-                     [](const auto& a, const auto& b) { return a.runs > b.runs; });
-    return all;
-  }
-
- private:
-  std::size_t candidates_;
-  std::map<std::pair<PointStatus, std::string>, FailureKind> kinds_;
-};
 
 }  // namespace
 
@@ -102,7 +58,7 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
   const std::size_t block_size =
       plan.study().method == Method::saltelli ? numbers.keys.size() + 2 : 1;
 
-  Failures failures(candidates);
+  std::map<std::pair<PointStatus, std::string>, FailureKind> failures;
   std::vector<std::string> metrics = first;
   std::vector<std::vector<double>> columns(first.size());
   std::unordered_map<std::string, std::size_t> column_of;
@@ -119,7 +75,16 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
     run.in_block = static_cast<std::uint32_t>(sample % block_size);
     run.candidate = static_cast<std::uint32_t>(number % candidates);
     run.failed = result.status != PointStatus::complete;
-    if (run.failed) failures.add(result, run.candidate);
+    if (run.failed) {
+      FailureKind& kind = failures[{result.status, without_numbers(result.reason)}];
+      if (kind.runs++ == 0) {
+        kind.status = result.status;
+        kind.reason = result.reason;
+        kind.of_candidate.resize(candidates);
+      }
+      ++kind.of_candidate[run.candidate];
+      if (kind.first.size() < kPointsOfAKind) kind.first.push_back(number);
+    }
     numbers.blocks = run.block + 1;  // points ascend
     numbers.runs.push_back(run);
     for (const auto& [name, value] : result.metrics) {
@@ -140,7 +105,9 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
     numbers.metrics.push_back(metrics[i]);
     numbers.columns.push_back(std::move(columns[i]));
   }
-  numbers.failures = failures.kinds();
+  for (const auto& [name, kind] : failures) numbers.failures.push_back(kind);
+  std::stable_sort(numbers.failures.begin(), numbers.failures.end(),
+                   [](const auto& a, const auto& b) { return a.runs > b.runs; });
   return numbers;
 }
 
