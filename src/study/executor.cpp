@@ -75,7 +75,7 @@ void fill(PointResult& result, RunControl control, Common& common) {
     if (common.is_task) common.shard->begin(number, "");
     run = source.prepare(number);
     models = known.of(run.model_files);
-    result.key = source.key(number, run, models);
+    result.key = point_key(run.config_text, models);
     if (common.shard != nullptr) common.shard->add(models);
     if (common.is_task) common.shard->begin(number, result.key);
     control.logs = source.logs(number);

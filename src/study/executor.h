@@ -22,11 +22,6 @@ class PointSource {
 
   /// The run of a point. Throws std::invalid_argument if the point has to be refused.
   virtual PreparedRun prepare(std::size_t point) const = 0;
-  /// The key that identifies the point.
-  virtual std::string key(std::size_t /*point*/, const PreparedRun& run,
-                          const ModelHashes& models) const {
-    return point_key(run.config_text, models);
-  }
   /// The key of a point that cannot be prepared.
   virtual std::string unprepared_key(std::size_t point) const = 0;
   /// A hash of what the study asks for at this point; empty: not known yet. It is cheaper than the

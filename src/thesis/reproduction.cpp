@@ -10,7 +10,6 @@
 
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/record/file_hash.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/statistics/quantile.h>
@@ -30,6 +29,9 @@ struct Job {
   bool is_logged = false;
   std::string key;
   double cost = 0.0;  // number of physics steps
+
+  // Names its result by this program.
+  std::string asked() const { return asked_of(program_hash(), key); }
 };
 
 [[noreturn]] void fail(const Experiments& experiments, std::size_t line, const std::string& what) {
@@ -46,9 +48,6 @@ class Jobs : public PointSource {
   KnownModels& models() { return models_; }
 
   PreparedRun prepare(std::size_t point) const override;
-  std::string key(std::size_t point, const PreparedRun&, const ModelHashes&) const override {
-    return jobs_[point].key;
-  }
   std::string unprepared_key(std::size_t point) const override { return jobs_[point].key; }
   fs::path folder(std::size_t point, const std::string&, bool) const override {
     const Job& job = jobs_[point];
@@ -81,11 +80,7 @@ Jobs::Jobs(const Reproduction& reproduction) : reproduction_(reproduction) {
       } catch (const std::invalid_argument& error) {
         fail(experiments, spec.line, fmt::format("run {}: {}", name, error.what()));
       }
-      Job& job = jobs_.back();
-      job.is_logged = i == 0 && logged.contains(name);
-      std::vector<std::string> parts = {spec.scenario, job.config_text, program_hash()};
-      for (const auto& [file, hash] : job.models) parts.insert(parts.end(), {file, hash});
-      job.key = fingerprint(parts);
+      jobs_.back().is_logged = i == 0 && logged.contains(name);
     }
   }
   std::stable_sort(jobs_.begin(), jobs_.end(),
@@ -112,6 +107,7 @@ Job Jobs::make_job(const RunSpec& spec, std::size_t repetition) {
   job.repetition = repetition;
   job.config_text = run.config_text;
   job.models = models_.of(run.model_files);
+  job.key = point_key(job.config_text, job.models);
   job.cost = config.number("run.duration_s").value_or(1.0) /
              config.number("physics.timestep_s").value_or(1e-3);
   return job;
@@ -157,7 +153,7 @@ void run_pending(Jobs& jobs, const std::vector<std::size_t>& points,
     fail(reproduction.experiments, job.spec->line,
          fmt::format("run {}: {}", job.spec->name, result.reason));
   };
-  Shard shard(shards_folder(reproduction.out));
+  Shard shard(shards_folder(reproduction.out), program_hash());
   const std::size_t finished = run_points(points, jobs, shard, options);
   shard.finish();
   if (finished < points.size()) throw Interrupted();
@@ -220,11 +216,11 @@ Measured measure(const Reproduction& reproduction) {
   Jobs jobs(reproduction);
   const fs::path shards = shards_folder(reproduction.out);
   fs::create_directories(shards);
-  auto results = results_by_key(shards);
+  auto results = results_by_key(shards, &PointResult::asked);
   std::vector<std::size_t> points;  // still without a result
   for (std::size_t point = 0; point < jobs.all().size(); ++point) {
     const Job& job = jobs.all()[point];
-    const auto found = results.find(job.key);
+    const auto found = results.find(job.asked());
     const bool has_result = found != results.end() && has_run(found->second);
     const bool has_folder =
         !job.is_logged || is_kept(run_folder(reproduction.out, job.spec->name), job);
@@ -236,14 +232,14 @@ Measured measure(const Reproduction& reproduction) {
   }
   if (!points.empty()) {
     run_pending(jobs, points, reproduction);
-    results = results_by_key(shards);
+    results = results_by_key(shards, &PointResult::asked);
   }
 
   Measured measured;
   for (const Job& job : jobs.all()) {
     std::vector<Measurement>& repetitions = measured[job.spec->name];
     repetitions.resize(std::max(repetitions.size(), job.repetition + 1));
-    repetitions[job.repetition] = measurement_of(results.at(job.key));
+    repetitions[job.repetition] = measurement_of(results.at(job.asked()));
   }
   const auto metrics = known_metrics(reproduction.experiments, measured);
   check_metrics(reproduction, metrics);

@@ -96,21 +96,6 @@ TEST_F(Executor, KeepsEveryPointUnderItsKey) {
   EXPECT_EQ(ShardIndex(source_.shards(), 4).models(), models);
 }
 
-TEST_F(Executor, ASourceMayHaveItsOwnKeys) {
-  class Own : public Source {
-   public:
-    using Source::Source;
-    std::string key(std::size_t point, const PreparedRun& run,
-                    const ModelHashes& models) const override {
-      return run.config_text + "/" + models.begin()->second + "/" + std::to_string(point);
-    }
-  };
-  const Own own(folder_);
-  EXPECT_EQ(run(own), 4U);
-  const std::string hash = model_hashes({own.model().string()}).begin()->second;
-  EXPECT_EQ(results_by_key(own.shards()).at("2/" + hash + "/2").number, 2U);
-}
-
 TEST_F(Executor, AModelThatChangesGivesNoResult) {
   source_.during[2] = [&] { source_.write(source_.model(), "<mujoco><!-- other --></mujoco>"); };
   expect_changed();
