@@ -46,7 +46,7 @@ class CartEstimation final : public AxisScenario {
              .reductions = {{.name = "lag",
                              .meaning = "delay of an estimate, by least squares; of a sine, whose "
                                         "frequency is the level, together with a gain",
-                             .unit = ReducedUnit::time,
+                             .unit = "s",
                              .make = make_reduction<Lag>,
                              .has_level = true,
                              .takes_all = true}}}) {

@@ -38,16 +38,6 @@ class RmsChange final : public Reduction {
   SampleStatistics changes_;
 };
 
-class Excess final : public Reduction {
- public:
-  explicit Excess(const ReductionSetup& /*setup*/) {}
-  void add(const AddedValues& added) override { largest_ = std::max(largest_, added.value); }
-  std::optional<double> value() const override { return largest_; }
-
- private:
-  double largest_ = 0.0;
-};
-
 class Settling final : public Reduction {
  public:
   explicit Settling(const ReductionSetup& setup) : setup_(setup) {}
@@ -238,46 +228,6 @@ class RiseRate final : public Rises {
   std::optional<double> value() const override {
     return *Rises::value() / setup_.window.length_s();
   }
-};
-
-class First final : public Reduction {
- public:
-  explicit First(const ReductionSetup& /*setup*/) {}
-  void add(const AddedValues& added) override {
-    if (!first_) first_ = added.value;
-  }
-  std::optional<double> value() const override { return first_; }
-
- private:
-  std::optional<double> first_;
-};
-
-class Last final : public Reduction {
- public:
-  explicit Last(const ReductionSetup& /*setup*/) {}
-  void add(const AddedValues& added) override { last_ = added.value; }
-  std::optional<double> value() const override { return last_; }
-
- private:
-  double last_ = 0.0;
-};
-
-// The speed with which something leaves, over the speed with which it came.
-class Restitution final : public Reduction {
- public:
-  explicit Restitution(const ReductionSetup& /*setup*/) {}
-  void add(const AddedValues& added) override {
-    if (!in_) in_ = added.value;
-    out_ = -added.value;
-  }
-  std::optional<double> value() const override {
-    if (!(*in_ > 0.0)) return std::nullopt;
-    return out_ / *in_;
-  }
-
- private:
-  std::optional<double> in_;
-  double out_ = 0.0;
 };
 
 class RelativeRms final : public Reduction {
@@ -471,53 +421,54 @@ double MetricWindow::length_s() const {
 }
 
 const std::vector<MetricKind>& standard_metric_kinds() {
-  using enum ReducedUnit;
   static const std::vector<MetricKind> kinds = {
-      {"rms", "root mean square", signal, make_reduction<Statistic<&SampleStatistics::rms>>},
-      {"mean", "mean", signal, make_reduction<Statistic<&SampleStatistics::mean>>},
-      {"running_mean", "mean, by Welford's recursion", signal,
+      {"rms", "root mean square", "", make_reduction<Statistic<&SampleStatistics::rms>>},
+      {"mean", "mean", "", make_reduction<Statistic<&SampleStatistics::mean>>},
+      {"running_mean", "mean, by Welford's recursion", "",
        make_reduction<Statistic<&SampleStatistics::running_mean>>},
-      {"max", "largest value", signal, make_reduction<Statistic<&SampleStatistics::largest>>},
-      {"min", "smallest value", signal, make_reduction<Statistic<&SampleStatistics::smallest>>},
-      {"peak", "largest magnitude", signal, make_reduction<Statistic<&SampleStatistics::peak>>},
-      {"std", "sample standard deviation", signal,
+      {"max", "largest value", "", make_reduction<Statistic<&SampleStatistics::largest>>},
+      {"min", "smallest value", "", make_reduction<Statistic<&SampleStatistics::smallest>>},
+      {"peak", "largest magnitude", "", make_reduction<Statistic<&SampleStatistics::peak>>},
+      {"std", "sample standard deviation", "",
        make_reduction<Statistic<&SampleStatistics::standard_deviation>>},
-      {"deviation", "largest deviation from the mean", signal,
+      {"deviation", "largest deviation from the mean", "",
        make_reduction<Statistic<&SampleStatistics::largest_deviation>>},
-      {"excess", "largest value, or 0 if none is above 0", signal, make_reduction<Excess>},
-      {"first", "first value of the window", signal, make_reduction<First>},
-      {"last", "last value of the window", signal, make_reduction<Last>},
-      {"rms_change", "root mean square of the change from sample to sample", signal,
+      {"excess", "largest value, or 0 if none is above 0", "",
+       make_reduction<Statistic<&SampleStatistics::excess>>},
+      {"first", "first value of the window", "",
+       make_reduction<Statistic<&SampleStatistics::first>>},
+      {"last", "last value of the window", "", make_reduction<Statistic<&SampleStatistics::last>>},
+      {"rms_change", "root mean square of the change from sample to sample", "",
        make_reduction<RmsChange>},
-      {"travel", "sum of the magnitudes of all changes from sample to sample", signal,
+      {"travel", "sum of the magnitudes of all changes from sample to sample", "",
        make_reduction<Total<change_of>>},
-      {"sum", "sum", signal, make_reduction<Total<value_of>>},
-      {"integral", "sum of the values times the time between them", time_integral,
+      {"sum", "sum", "", make_reduction<Total<value_of>>},
+      {"integral", "sum of the values times the time between them", kTimesSeconds,
        make_reduction<Total<area_of>>},
       {.name = "settling",
        .meaning =
            "time from the window's start until the magnitude stays within the level to its end",
-       .unit = time,
+       .unit = "s",
        .make = make_reduction<Settling>,
        .has_level = true,
        .why_absent = "the magnitude ends beyond the level"},
       {.name = "settled",
        .meaning = "time from the window's start until the magnitude stays within the level to the "
                   "end of the run, which covers the window",
-       .unit = time,
+       .unit = "s",
        .make = make_reduction<Settling>,
        .has_level = true,
        .goes_on = true,
        .why_absent = "the magnitude ends beyond the level"},
       {.name = "reach",
        .meaning = "time from the window's start until the magnitude first reaches the level",
-       .unit = time,
+       .unit = "s",
        .make = make_reduction<TimeUntil<reaches>>,
        .has_level = true,
        .why_absent = "the magnitude never reaches the level"},
       {.name = "exceed",
        .meaning = "time from the window's start until the value is first above the level",
-       .unit = time,
+       .unit = "s",
        .make = make_reduction<TimeUntil<exceeds>>,
        .has_level = true,
        .why_absent = "the value never rises above the level"},
@@ -534,49 +485,49 @@ const std::vector<MetricKind>& standard_metric_kinds() {
       {.name = "overshoot",
        .meaning = "farthest value beyond 0, on the other side of the window's first value, as a "
                   "share of this first value",
-       .unit = percent,
+       .unit = "%",
        .make = make_reduction<Overshoot>,
        .why_absent = "the first value of its window is 0"},
       {.name = "time",
        .meaning = "time for which the value is above the level",
-       .unit = time,
+       .unit = "s",
        .make = make_reduction<Total<time_above>>,
        .has_level = true},
       {.name = "time_outside",
        .meaning = "time for which the value is above the level or below the lower one",
-       .unit = time,
+       .unit = "s",
        .make = make_reduction<Total<time_outside>>,
        .has_level = true},
       {.name = "bounces",
        .meaning = "number of times that the value rises above the level, without the first: "
                   "bounces",
-       .unit = one,
+       .unit = "1",
        .make = make_reduction<Bounces>,
        .has_level = true,
        .why_absent = "the value never rises above the level"},
       {.name = "rises",
        .meaning = "number of times that the value rises above the level within the window",
-       .unit = one,
+       .unit = "1",
        .make = make_reduction<Rises>,
        .has_level = true},
       {.name = "rise_rate",
        .meaning = "number of times per second that the value rises above the level",
-       .unit = rate,
+       .unit = "Hz",
        .make = make_reduction<RiseRate>,
        .has_level = true},
       {.name = "restitution",
        .meaning = "opposite of the last value over the first one",
-       .unit = one,
-       .make = make_reduction<Restitution>,
+       .unit = "1",
+       .make = make_reduction<Statistic<&SampleStatistics::rebound>>,
        .why_absent = "the first value of its window is not positive"},
       {.name = "decay",
        .meaning = "standard deviation in the window's last fifth over that in its first fifth",
-       .unit = one,
+       .unit = "1",
        .make = make_reduction<Decay>,
        .why_absent = "the value is constant in the window's first fifth"},
       {.name = "relative_rms",
        .meaning = "root mean square of the first signal less the second, over that of the second",
-       .unit = one,
+       .unit = "1",
        .make = make_reduction<RelativeRms>,
        .takes_all = true,
        .why_absent = "the second signal is 0"},
@@ -587,7 +538,7 @@ const std::vector<MetricKind>& standard_metric_kinds() {
       {.name = "reversals",
        .meaning = "largest number of times that one of the values turns back by more than the "
                   "level",
-       .unit = one,
+       .unit = "1",
        .make = make_reduction<Reversals>,
        .has_level = true,
        .takes_all = true}};

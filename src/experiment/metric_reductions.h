@@ -105,10 +105,12 @@ class RunningVariance {
   double squared_deviation_ = 0.0;
 };
 
-/// Mean, spread, root mean square and extremes of the added values; nothing without any.
+/// Mean, spread, root mean square, extremes and ends of the added values; nothing without any.
 class SampleStatistics {
  public:
   void add(double value) {
+    if (variance_.count() == 0) first_ = value;
+    last_ = value;
     sum_ += value;
     sum_of_squares_ += value * value;
     variance_.add(value);
@@ -128,6 +130,15 @@ class SampleStatistics {
   std::optional<double> smallest() const { return if_any(smallest_); }
   /// The largest |value|.
   std::optional<double> peak() const { return if_any(std::max(largest_, -smallest_)); }
+  /// The largest value, or 0 if none is above 0.
+  std::optional<double> excess() const { return if_any(std::max(0.0, largest_)); }
+  std::optional<double> first() const { return if_any(first_); }
+  std::optional<double> last() const { return if_any(last_); }
+  /// The opposite of the last value over the first one; nothing if the first one is not positive.
+  std::optional<double> rebound() const {
+    if (!(first_ > 0.0)) return std::nullopt;
+    return -last_ / first_;
+  }
   /// The sample standard deviation; nothing for less than two values.
   std::optional<double> standard_deviation() const { return variance_.standard_deviation(); }
   /// The largest |value − mean|.
@@ -142,6 +153,8 @@ class SampleStatistics {
     return value;
   }
 
+  double first_ = 0.0;
+  double last_ = 0.0;
   double sum_ = 0.0;
   double sum_of_squares_ = 0.0;
   RunningVariance variance_;
@@ -179,14 +192,14 @@ class Beyond : public Reduction {
   double beyond_ = 0.0;
 };
 
-/// The unit of a reduction's number, for a signal with the unit N.
-enum class ReducedUnit { signal, time, percent, one, rate, time_integral };
+/// The unit of a sum over time, in place of a unit.
+inline constexpr const char* kTimesSeconds = "times seconds";
 
 /// A reduction and its name.
 struct MetricKind {
   std::string name;
   std::string meaning;  ///< follows the name of the signal and a colon
-  ReducedUnit unit = ReducedUnit::signal;
+  std::string unit;     ///< kTimesSeconds: that of the signal times s; empty: that of the signal
   std::unique_ptr<Reduction> (*make)(const ReductionSetup& setup) = nullptr;
   bool has_level = false;
   bool takes_all = false;  ///< all values of one or several signals

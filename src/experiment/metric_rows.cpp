@@ -31,6 +31,20 @@ const std::string kIsThere = " is there";
 const std::string kIsReached = " is reached";
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
+// A value that is taken from a signal, and the words for it: {} is the signal, the next {} the
+// cut-off.
+struct Taking {
+  const char* name;
+  Taken take;
+  const char* words;
+};
+constexpr Taking kTakings[] = {{"value", Taken::value, "{}"},
+                               {"difference", Taken::difference, "rate of change of {}"},
+                               {"high_pass", Taken::high_pass, "{} behind a high-pass of {} Hz"},
+                               {"largest", Taken::largest, "largest value of {}"},
+                               {"largest_size", Taken::largest_size, "largest magnitude of {}"},
+                               {"norm", Taken::norm, "norm of {}"}};
+
 std::vector<std::string> split(const std::string& text, const std::string& between) {
   std::vector<std::string> parts;
   std::size_t from = 0;
@@ -133,14 +147,10 @@ void MetricRow::bind(Fields& fields, const std::vector<MetricKind>& kinds) {
     fields.only_for({"level"}, "kind", with_level);
     fields.only_for({"lower"}, "kind", {"time_outside", "jump"});
   }
+  std::vector<std::pair<std::string, Taken>> takings;
+  for (const Taking& one : kTakings) takings.emplace_back(one.name, one.take);
   fields.choice(
-      "take", take,
-      {{"value", Taken::value},
-       {"difference", Taken::difference},
-       {"high_pass", Taken::high_pass},
-       {"largest", Taken::largest},
-       {"largest_size", Taken::largest_size},
-       {"norm", Taken::norm}},
+      "take", take, takings,
       "value that is taken from the signal, before minus. difference: to the last sample (of a "
       "contact's force the last physics step), divided by the time between; largest, largest_size "
       "(magnitude), norm: of several values");
@@ -177,51 +187,20 @@ MetricDefinition MetricRow::definition(const MetricKind& kind_of_row) const {
   const std::string own_name = name.empty() ? table : name;
   std::string of_signal = unit_of(whole_key(split(of, ", ").front()));
   if (of_signal.empty()) of_signal = "1";
-  std::string of_what = of;
-  switch (take) {
-    case Taken::value:
-      break;
-    case Taken::difference:
-      of_signal += "/s";
-      of_what = "rate of change of " + of;
-      break;
-    case Taken::high_pass:
-      of_what = fmt::format("{} behind a high-pass of {} Hz", of, cutoff_Hz);
-      break;
-    case Taken::largest:
-      of_what = "largest value of " + of;
-      break;
-    case Taken::largest_size:
-      of_what = "largest magnitude of " + of;
-      break;
-    case Taken::norm:
-      of_what = "norm of " + of;
-      break;
-  }
+  if (take == Taken::difference) of_signal += "/s";
+  const auto& words =
+      std::find_if(std::begin(kTakings), std::end(kTakings), [this](const Taking& one) {
+        return one.take == take;
+      })->words;
+  std::string of_what = fmt::format(fmt::runtime(words), of, cutoff_Hz);
   if (minus != kNone) of_what += " less " + minus;
   const std::string meaning = text.empty() ? of_what + ": " + kind_of_row.meaning : text;
   if (!unit.empty()) return {own_name, unit, meaning};
-  std::string own_unit = of_signal;
-  switch (kind_of_row.unit) {
-    case ReducedUnit::signal:
-      break;
-    case ReducedUnit::time:
-      own_unit = "s";
-      break;
-    case ReducedUnit::percent:
-      own_unit = "%";
-      break;
-    case ReducedUnit::one:
-      own_unit = "1";
-      break;
-    case ReducedUnit::rate:
-      own_unit = "Hz";
-      break;
-    case ReducedUnit::time_integral:
-      own_unit = of_signal == "1"            ? "s"
-                 : of_signal.ends_with("/s") ? of_signal.substr(0, of_signal.size() - 2)
-                                             : of_signal + " s";
-      break;
+  std::string own_unit = kind_of_row.unit.empty() ? of_signal : kind_of_row.unit;
+  if (own_unit == kTimesSeconds) {
+    own_unit = of_signal == "1"            ? "s"
+               : of_signal.ends_with("/s") ? of_signal.substr(0, of_signal.size() - 2)
+                                           : of_signal + " s";
   }
   const std::string end = unit_suffix(own_unit);
   return {own_name.ends_with(end) ? own_name : own_name + end, own_unit, meaning};

@@ -60,7 +60,7 @@ MetricKind converged() {
           .meaning =
               "1 if its norm stays below 2 m and the root mean square of each value below "
               "0.5 m, else 0",
-          .unit = ReducedUnit::one,
+          .unit = "1",
           .make = make_reduction<Converged>,
           .takes_all = true};
 }
