@@ -130,13 +130,11 @@ void minimise(const SearchSettings& settings, const EvaluateAll& evaluate) {
   if (thrown) std::rethrow_exception(thrown);
 }
 
-void search_with(const SearchSettings& settings, const EvaluateAll& evaluate) {
-  if (settings.algorithm == SearchAlgorithm::bobyqa) return minimise(settings, evaluate);
-  evolve(settings, evaluate);
-}
-
 }  // namespace
 }  // namespace breakwater
 
-extern "C" [[gnu::visibility("default")]] const breakwater::SearchEngines breakwater_search_engines;
-const breakwater::SearchEngines breakwater_search_engines = {breakwater::search_with};
+extern "C" [[gnu::visibility("default")]] void breakwater_search(
+    const breakwater::SearchSettings& settings, const breakwater::EvaluateAll& evaluate) {
+  const bool is_bobyqa = settings.algorithm == breakwater::SearchAlgorithm::bobyqa;
+  (is_bobyqa ? breakwater::minimise : breakwater::evolve)(settings, evaluate);
+}

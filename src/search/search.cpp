@@ -82,12 +82,8 @@ void search(const SearchSettings& settings, const EvaluateAll& evaluate) {
   if (const std::string reason = objection(settings); !reason.empty()) {
     throw std::invalid_argument(reason);
   }
-  search_engines().search(settings, evaluate);
-}
-
-const SearchEngines& search_engines() {
-  static const LoadedLibrary library(own_library(BREAKWATER_SEARCH_ENGINES), "breakwater");
-  return *library.symbol<NoEngines, const SearchEngines>("breakwater_search_engines");
+  static const LoadedLibrary engines(own_library(BREAKWATER_SEARCH_ENGINES), "breakwater");
+  engines.symbol<NoEngines, decltype(search)>("breakwater_search")(settings, evaluate);
 }
 
 namespace {

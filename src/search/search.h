@@ -48,7 +48,9 @@ std::string objection(const SearchSettings& settings);
 
 /// Calls `evaluate` until the budget is used or the algorithm stops. The points depend only on the
 /// settings and the answers. Throws the exceptions of `evaluate`, and std::invalid_argument if
-/// there is an objection.
+/// there is an objection, or pagmo and NLopt are not there. They are in a library of their own
+/// (engines.cpp): pagmo takes longer to load than all other libraries of a program together. The
+/// library has the version in its name, since it shares types with the program.
 void search(const SearchSettings& settings, const EvaluateAll& evaluate);
 
 /// The indices of the points that no other point dominates, in ascending order. A point dominates
@@ -58,16 +60,5 @@ std::vector<std::size_t> front_of(const Vectors& points);
 
 /// At most `count` numbers of 0 … size − 1 with equal distances, including both ends.
 std::vector<std::size_t> evenly_spaced(std::size_t size, std::size_t count);
-
-/// The parts of a search that pagmo and NLopt do. They are in a library of their own (engines.cpp):
-/// pagmo takes longer to load than all other libraries of a program together. The library has the
-/// version in its name, since it shares types with the program.
-struct SearchEngines {
-  /// search() with settings that have no objection.
-  void (*search)(const SearchSettings& settings, const EvaluateAll& evaluate) = nullptr;
-};
-
-/// Loads the library at the first call. Throws std::invalid_argument if it is not there.
-const SearchEngines& search_engines();
 
 }  // namespace breakwater

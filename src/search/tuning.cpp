@@ -65,30 +65,15 @@ std::vector<VariedKey> read_searched(const TomlEntry& table) {
       throw std::invalid_argument(key.place +
                                   ": a search needs ends: uniform, log_uniform or values");
     }
-    if (key.key == "run.seed") throw std::invalid_argument(key.place + ": say seeds instead");
   }
   return keys;
 }
 
-const Names<WorldMethod>& world_methods() {
-  static const Names<WorldMethod> names = {{"grid", WorldMethod::grid},
-                                           {"list", WorldMethod::list}};
-  return names;
-}
-
-std::vector<VariedKey> read_world(const TomlEntry& table, WorldMethod method) {
+std::vector<VariedKey> read_world(const TomlEntry& table) {
   std::vector<VariedKey> keys = read_varied(table);
   for (const VariedKey& key : keys) {
-    if (key.distribution) {
-      throw std::invalid_argument(key.place + ": a world has values: an array, lin() or log()");
-    }
-    if (key.key == "run.seed") throw std::invalid_argument(key.place + ": say seeds instead");
-    if (method == WorldMethod::list && key.values.size() != keys.front().values.size()) {
-      throw std::invalid_argument(
-          fmt::format("{}: has {} values, {} has {}: in a list all have as "
-                      "many",
-                      key.place, key.values.size(), keys.front().key, keys.front().values.size()));
-    }
+    if (!key.distribution) continue;
+    throw std::invalid_argument(key.place + ": a world has values: an array, lin() or log()");
   }
   return keys;
 }
@@ -102,7 +87,12 @@ void read_cases(const TomlEntry& root, Tuning& tuning) {
   for (const auto& [name, own] : each.entries()) {
     metric_table(own, "of keys that are searched");
     TunedCase tuned{name, own.place(), common};
-    for (VariedKey& searched : read_searched(own)) tuned.search.push_back(std::move(searched));
+    for (VariedKey& searched : read_searched(own)) {
+      if (has_key(common, searched)) {
+        throw std::invalid_argument(searched.place + ": is given twice");
+      }
+      tuned.search.push_back(std::move(searched));
+    }
     tuning.cases.push_back(std::move(tuned));
   }
   if (!each) {
@@ -117,13 +107,6 @@ void read_cases(const TomlEntry& root, Tuning& tuning) {
       throw std::invalid_argument(root.file() + ": search: names no key" +
                                   (tuned.name.empty() ? "" : " for " + tuned.name));
     }
-    for (std::size_t i = 0; i < tuned.search.size(); ++i) {
-      for (std::size_t k = 0; k < i; ++k) {
-        if (tuned.search[i].key == tuned.search[k].key) {
-          throw std::invalid_argument(tuned.search[i].place + ": is given twice");
-        }
-      }
-    }
   }
 }
 
@@ -132,7 +115,7 @@ void read_validation(const TomlEntry& table, Tuning& tuning) {
   table.allow({"seeds", "world", "points"});
   Worlds worlds = tuning.worlds;
   if (const TomlEntry seeds = table["seeds"]) worlds.seeds = read_seeds(seeds);
-  if (const TomlEntry world = table["world"]) worlds.keys = read_world(world, worlds.method);
+  if (const TomlEntry world = table["world"]) worlds.keys = read_world(world);
   if (!table["seeds"] && !table["world"]) {
     table.fail("needs seeds or a world that the tuning does not have");
   }
@@ -163,23 +146,15 @@ void check_fits(const TomlEntry& root, const Tuning& tuning) {
                                                                        : "algorithm";
     root[key].fail(reason);
   }
-  const auto is_searched = [](const TunedCase& tuned, const VariedKey& key) {
-    return std::any_of(tuned.search.begin(), tuned.search.end(),
-                       [&](const VariedKey& other) { return other.key == key.key; });
-  };
   for (const TunedCase& tuned : tuning.cases) {
-    for (const VariedKey& key : tuned.search) {
-      if (is_set(tuning.sets, key.key)) {
-        throw std::invalid_argument(key.place + ": is set and searched");
-      }
-    }
+    check_keys(tuned.search, tuning.sets, "searched");
     for (const Worlds* worlds :
          {&tuning.worlds, tuning.validation ? &*tuning.validation : nullptr}) {
       if (worlds == nullptr) continue;
+      check_keys(worlds->keys, tuning.sets, "varied", worlds->is_list);
       for (const VariedKey& key : worlds->keys) {
-        if (is_searched(tuned, key)) throw std::invalid_argument(key.place + ": is searched too");
-        if (is_set(tuning.sets, key.key)) {
-          throw std::invalid_argument(key.place + ": is set and varied");
+        if (has_key(tuned.search, key)) {
+          throw std::invalid_argument(key.place + ": is searched too");
         }
       }
     }
@@ -211,12 +186,12 @@ double gathered(std::vector<double> values, Over over, bool large_is_bad) {
 
 std::size_t Worlds::size() const {
   return std::max<std::size_t>(1, seeds.size()) *
-         static_cast<std::size_t>(combinations(keys, method == WorldMethod::list));
+         static_cast<std::size_t>(combinations(keys, is_list));
 }
 
 std::vector<std::string> Worlds::values(std::size_t i) const {
   const std::size_t count = std::max<std::size_t>(1, seeds.size());
-  std::vector<std::string> all = combination(keys, i / count, method == WorldMethod::list);
+  std::vector<std::string> all = combination(keys, i / count, is_list);
   all.insert(all.begin(), seeds.empty() ? "" : std::to_string(seeds[i % count]));
   return all;
 }
@@ -257,8 +232,8 @@ Tuning read_tuning(const toml::table& tables, const std::string& file) {
         static_cast<std::uint32_t>(seed.whole(0, std::numeric_limits<std::uint32_t>::max()));
   }
   tuning.worlds.seeds = read_seeds(root["seeds"]);
-  root["worlds"].choice(world_methods(), tuning.worlds.method);
-  tuning.worlds.keys = read_world(root["world"], tuning.worlds.method);
+  root["worlds"].choice<bool>({{"grid", false}, {"list", true}}, tuning.worlds.is_list);
+  tuning.worlds.keys = read_world(root["world"]);
   tuning.objectives = read_objectives(root["objective"]);
   tuning.constraints = read_constraints(root["constraint"]);
   read_cases(root, tuning);
@@ -279,7 +254,7 @@ std::string Tuning::print() const {
                       toml_string(name_of(search_algorithms(), algorithm)), budget, population,
                       sampling_seed);
   text += print_seeds(worlds.seeds);
-  if (worlds.method == WorldMethod::list) text += "worlds = \"list\"\n";
+  if (worlds.is_list) text += "worlds = \"list\"\n";
   text += print_sets(*this);
   if (is_for_each) {
     for (const TunedCase& tuned : cases) {

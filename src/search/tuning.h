@@ -47,15 +47,11 @@ struct TunedCase {
   std::vector<VariedKey> search;  ///< the keys of [search] and those of the case
 };
 
-/// Combination of the keys' values in the test conditions: every combination, or the first values
-/// of all keys, the second, …
-enum class WorldMethod { grid, list };
-
 /// Test conditions: combinations of values with each random seed.
 struct Worlds {
   std::vector<std::uint64_t> seeds;  ///< empty: that of the scenario file
   std::vector<VariedKey> keys;       ///< in a list all have equally many values
-  WorldMethod method = WorldMethod::grid;
+  bool is_list = false;  ///< the first values of all keys, the second, …, not every combination
 
   std::size_t size() const;
   /// key=value of test condition i < size(). The seed changes first.

@@ -34,7 +34,7 @@ Study probed_study(const Tuning& tuning, const TunedCase& tuned, const Worlds& w
 
 // Test conditions whose values may be combined freely. In a list each test condition is alone.
 std::vector<Worlds> probed_at_once(const Worlds& worlds) {
-  if (worlds.method == WorldMethod::grid || worlds.keys.empty()) return {worlds};
+  if (!worlds.is_list || worlds.keys.empty()) return {worlds};
   std::vector<Worlds> each(worlds.keys.front().values.size(), worlds);
   for (std::size_t i = 0; i < each.size(); ++i) {
     for (VariedKey& key : each[i].keys) key.values = {key.values[i]};

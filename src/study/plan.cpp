@@ -17,23 +17,6 @@ constexpr double kMostOfAStudy = 1e7;
 constexpr double kMostCandidates = 1000;
 constexpr std::size_t kMostProbes = 1000;  // per key or list
 
-std::optional<SamplingMethod> sampling_method(Method method) {
-  switch (method) {
-    case Method::random:
-      return SamplingMethod::random;
-    case Method::latin_hypercube:
-      return SamplingMethod::latin_hypercube;
-    case Method::sobol:
-      return SamplingMethod::sobol;
-    case Method::saltelli:
-      return SamplingMethod::saltelli;
-    case Method::grid:
-    case Method::list:
-      break;
-  }
-  return std::nullopt;
-}
-
 std::vector<Candidate> make_candidates(const Study& study) {
   const double count = static_cast<double>(study.cases.size()) * combinations(study.compare);
   if (count > kMostCandidates) {
@@ -76,10 +59,9 @@ Plan::Plan(Study study) : study_(std::move(study)), candidates_(make_candidates(
   check_baseline(study_, candidates_);
   seeds_ = std::max<std::size_t>(1, study_.seeds.size());
   double samples = 1.0;
-  const auto method = sampling_method(study_.method);
-  if (method) {
+  if (draws(study_.method)) {
     const auto d = static_cast<Eigen::Index>(study_.vary.size());
-    sampler_ = make_sampler(*method, study_.samples, d, study_.sampling_seed);
+    sampler_ = make_sampler(study_.method, study_.samples, d, study_.sampling_seed);
     samples = static_cast<double>(sampler_->size());
   } else {
     samples = combinations(study_.vary, study_.method == Method::list);

@@ -85,14 +85,14 @@ auto shifted_sobol(Eigen::Index dimension, std::uint64_t seed) {
   };
 }
 
-Sampler::Coordinate coordinate_of(SamplingMethod method, std::uint64_t n, Eigen::Index d,
+Sampler::Coordinate coordinate_of(Method method, std::uint64_t n, Eigen::Index d,
                                   std::uint64_t seed) {
   switch (method) {
-    case SamplingMethod::random:
+    case Method::random:
       return [bits = streams(seed, "random points", d)](std::uint64_t i, Eigen::Index j) {
         return open_unit(bits[static_cast<std::size_t>(j)].bits(i).first);
       };
-    case SamplingMethod::latin_hypercube: {
+    case Method::latin_hypercube: {
       std::vector<Permutation> permutations;
       for (const Noise& keys : streams(seed, "latin hypercube's permutation", d)) {
         permutations.emplace_back(n, keys);
@@ -106,15 +106,18 @@ Sampler::Coordinate coordinate_of(SamplingMethod method, std::uint64_t n, Eigen:
                static_cast<double>(n);
       };
     }
-    case SamplingMethod::sobol:
+    case Method::sobol:
       return shifted_sobol(d, seed);
-    case SamplingMethod::saltelli:
+    case Method::saltelli:
       return [d, halves = shifted_sobol(2 * d, seed)](std::uint64_t i, Eigen::Index j) {
         const auto columns = static_cast<std::uint64_t>(d) + 2;
         const auto column = static_cast<Eigen::Index>(i % columns);
         const bool is_of_B = column == d + 1 || column == j + 1;
         return halves(i / columns, is_of_B ? d + j : j);
       };
+    case Method::grid:
+    case Method::list:
+      break;
   }
   throw std::logic_error("no such method");
 }
@@ -128,12 +131,12 @@ Eigen::VectorXd Sampler::point(std::uint64_t i) const {
   return u;
 }
 
-std::unique_ptr<const Sampler> make_sampler(SamplingMethod method, std::uint64_t n, Eigen::Index d,
+std::unique_ptr<const Sampler> make_sampler(Method method, std::uint64_t n, Eigen::Index d,
                                             std::uint64_t seed) {
   if (n < 1) throw std::invalid_argument("there must be at least one sample");
   if (d < 1) throw std::invalid_argument("nothing is varied by a distribution");
   const std::uint64_t points_a_sample =
-      method == SamplingMethod::saltelli ? static_cast<std::uint64_t>(d) + 2 : 1;
+      method == Method::saltelli ? static_cast<std::uint64_t>(d) + 2 : 1;
   if (n > kMostPoints / points_a_sample) {
     throw std::invalid_argument(fmt::format("more than 2^{} points", kMostPointsLog2));
   }

@@ -10,7 +10,15 @@
 
 namespace breakwater {
 
-enum class SamplingMethod { random, latin_hypercube, sobol, saltelli };
+/// How the values of the varied keys are combined. The first four draw samples.
+enum class Method {
+  random,           ///< independent draws
+  latin_hypercube,  ///< random, with one draw in each equal part of a key's range
+  sobol,            ///< a low-discrepancy sequence
+  saltelli,         ///< design for sensitivity indices
+  grid,             ///< every combination of the values
+  list              ///< the first values of all keys, the second, …
+};
 
 /// The points u₀, u₁, … of a plan in the open unit cube (0, 1)ᵈ. No coordinate is 0 or 1, so every
 /// distribution has a value there. A point depends only on the seed and its number. It costs O(d),
@@ -52,7 +60,7 @@ class Sampler {
 ///
 /// Throws std::invalid_argument if n or d is 0, there are more than 2⁴⁰ points, or d is larger than
 /// 3667 (sobol) or 1833 (saltelli).
-std::unique_ptr<const Sampler> make_sampler(SamplingMethod method, std::uint64_t n, Eigen::Index d,
+std::unique_ptr<const Sampler> make_sampler(Method method, std::uint64_t n, Eigen::Index d,
                                             std::uint64_t seed);
 
 /// Sobol' points in the order of the Gray code, with the directions of Joe and Kuo for good

@@ -111,25 +111,14 @@ void check(const TomlEntry& root, const Study& study) {
     if (!is_drawn && key.distribution) {
       fail("a distribution needs a method that draws: random, lhs, sobol or saltelli");
     }
-    if (study.method == Method::list && key.values.size() != study.vary.front().values.size()) {
-      fail(fmt::format("has {} values, and {} has {}: a list needs as many of each",
-                       key.values.size(), study.vary.front().key,
-                       study.vary.front().values.size()));
-    }
-    for (const VariedKey& other : study.compare) {
-      if (other.key == key.key) fail("is varied and compared");
-    }
-    if (is_set(study.sets, key.key)) fail("is set and varied");
+    if (has_key(study.compare, key)) fail("is varied and compared");
     const std::set<std::string> different(key.values.begin(), key.values.end());
     if (study.method != Method::list && different.size() < key.values.size()) {
       fail("a value is there twice");
     }
   }
-  for (const auto* keys : {&study.vary, &study.compare}) {
-    for (const VariedKey& key : *keys) {
-      if (key.key == "run.seed") throw std::invalid_argument(key.place + ": say seeds instead");
-    }
-  }
+  check_keys(study.vary, study.sets, "varied", study.method == Method::list);
+  check_keys(study.compare, {}, "compared");
 }
 
 std::string without_blanks(const std::string& text) {

@@ -15,6 +15,7 @@
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/goal.h>
 #include <breakwater/statistics/ranking.h>
+#include <breakwater/study/sampling.h>
 
 namespace breakwater {
 
@@ -29,16 +30,6 @@ struct VariedKey {
 
 /// Whether `sets` (key=value) give a key a value.
 bool is_set(const std::vector<std::string>& sets, const std::string& key);
-
-/// How the values of the varied keys are combined.
-enum class Method {
-  grid,             ///< every combination of the values
-  list,             ///< the first values of all keys, the second, …
-  random,           ///< independent draws
-  latin_hypercube,  ///< random, with one draw in each equal part of a key's range
-  sobol,            ///< a low-discrepancy sequence
-  saltelli          ///< design for sensitivity indices
-};
 
 const Names<Method>& methods();
 /// Whether a method draws its samples.

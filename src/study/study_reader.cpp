@@ -102,40 +102,23 @@ VariedKey varied_key(const TomlEntry& entry, const std::string& path,
   return key;
 }
 
-// Sets are kept as key=value.
-void refuse_sign_in(const std::string& key, const TomlEntry& entry) {
-  if (key.empty() || key.find('=') != std::string::npos) entry.fail("is no key");
-}
-
-// The keys of a table and its subtables, with their positions.
-void collect(const TomlEntry& table, const std::string& prefix, const std::set<std::string>& but,
-             std::vector<std::pair<toml::source_position, VariedKey>>& found) {
+// Calls `body` with the path of each value in a table and its subtables, except `but`.
+template <typename IsValue, typename Body>
+void each_value(const TomlEntry& table, const std::string& prefix, const std::set<std::string>& but,
+                const IsValue& is_value, const Body& body) {
   for (const auto& [key, entry] : table.entries()) {
     const std::string path = prefix + key;
     if (but.contains(path)) continue;
-    refuse_sign_in(key, entry);
+    // Sets are kept as key=value.
+    if (key.empty() || key.find('=') != std::string::npos) entry.fail("is no key");
     const toml::table* nested = entry.node()->as_table();
-    if (nested != nullptr && !is_distribution(*nested)) {
-      if (nested->empty()) entry.fail("is empty");
-      collect(entry, path + ".", but, found);
-      continue;
+    if (nested == nullptr || is_value(*nested)) {
+      body(path, entry);
+    } else if (nested->empty()) {
+      entry.fail("is empty");
+    } else {
+      each_value(entry, path + ".", but, is_value, body);
     }
-    found.emplace_back(entry.begin(), varied_key(entry, path, but));
-  }
-}
-
-void collect_sets(const TomlEntry& table, const std::string& prefix,
-                  std::map<std::string, std::string>& sets, Places& places) {
-  for (const auto& [key, entry] : table.entries()) {
-    refuse_sign_in(key, entry);
-    if (entry.node()->is_table()) {
-      collect_sets(entry, prefix + key + ".", sets, places);
-      continue;
-    }
-    if (!sets.emplace(prefix + key, entry.written()).second) {
-      entry.fail("is given twice");
-    }
-    places["set." + prefix + key] = entry.place();
   }
 }
 
@@ -192,7 +175,11 @@ void read_base(const TomlEntry& root, StudyBase& base) {
   base.config = root["config"].text_or_nothing();
   for (const char* key : {"scenario", "config"}) base.places[key] = root[key].place();
   std::map<std::string, std::string> sets;
-  collect_sets(root["set"], "", sets, base.places);
+  const auto is_value = [](const toml::table&) { return false; };
+  each_value(root["set"], "", {}, is_value, [&](const std::string& key, const TomlEntry& entry) {
+    if (!sets.emplace(key, entry.written()).second) entry.fail("is given twice");
+    base.places["set." + key] = entry.place();
+  });
   for (const auto& [key, value] : sets) base.sets.push_back(key + "=" + value);
 }
 
@@ -236,17 +223,37 @@ void check_seeds(const std::vector<std::string>& sets, const std::vector<std::ui
 
 std::vector<VariedKey> read_varied(const TomlEntry& table, const std::set<std::string>& but) {
   std::vector<std::pair<toml::source_position, VariedKey>> found;
-  collect(table, "", but, found);
+  each_value(table, "", but, is_distribution, [&](const std::string& key, const TomlEntry& entry) {
+    found.emplace_back(entry.begin(), varied_key(entry, key, but));
+  });
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<VariedKey> keys;
   for (auto& [place, key] : found) {
-    for (const VariedKey& other : keys) {
-      if (other.key == key.key) throw std::invalid_argument(key.place + ": is given twice");
-    }
+    if (has_key(keys, key)) throw std::invalid_argument(key.place + ": is given twice");
     keys.push_back(std::move(key));
   }
   return keys;
+}
+
+bool has_key(const std::vector<VariedKey>& keys, const VariedKey& key) {
+  return std::any_of(keys.begin(), keys.end(),
+                     [&](const VariedKey& other) { return other.key == key.key; });
+}
+
+void check_keys(const std::vector<VariedKey>& keys, const std::vector<std::string>& sets,
+                const std::string& what, bool is_list) {
+  for (const VariedKey& key : keys) {
+    const auto fail = [&](const std::string& reason) {
+      throw std::invalid_argument(key.place + ": " + reason);
+    };
+    if (key.key == "run.seed") fail("say seeds instead");
+    if (is_set(sets, key.key)) fail("is set and " + what);
+    if (is_list && key.values.size() != keys.front().values.size()) {
+      fail(fmt::format("has {} values, and {} has {}: a list needs as many of each",
+                       key.values.size(), keys.front().key, keys.front().values.size()));
+    }
+  }
 }
 
 }  // namespace breakwater

@@ -37,5 +37,9 @@ void check_seeds(const std::vector<std::string>& sets, const std::vector<std::ui
                  const Places& places);
 /// Reads the keys of tables such as [vary] and [compare], in the order of the file, except `but`.
 std::vector<VariedKey> read_varied(const TomlEntry& table, const std::set<std::string>& but = {});
+bool has_key(const std::vector<VariedKey>& keys, const VariedKey& key);
+/// Refuses run.seed, keys that are set and `what` ("varied"), and a list of unequal lengths.
+void check_keys(const std::vector<VariedKey>& keys, const std::vector<std::string>& sets,
+                const std::string& what, bool is_list = false);
 
 }  // namespace breakwater

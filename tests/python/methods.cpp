@@ -15,7 +15,7 @@
 #include <breakwater/study/sampling.h>
 
 namespace breakwater::python_methods {
-Eigen::MatrixXd points(SamplingMethod method, std::uint64_t n, Eigen::Index d, std::uint64_t seed,
+Eigen::MatrixXd points(Method method, std::uint64_t n, Eigen::Index d, std::uint64_t seed,
                        const std::optional<std::vector<std::uint64_t>>& which) {
   const auto sampler = make_sampler(method, n, d, seed);
   const std::size_t count = which ? which->size() : sampler->size();
@@ -26,7 +26,7 @@ Eigen::MatrixXd points(SamplingMethod method, std::uint64_t n, Eigen::Index d, s
 
 void bind_statistics(py::module_& module) {
   choice<Goal>(module, "Goal none min max");
-  choice<SamplingMethod>(module, "SamplingMethod random latin_hypercube sobol saltelli");
+  choice<Method>(module, "SamplingMethod random latin_hypercube sobol saltelli");
   choice<ComparisonVerdict>(
       module, "ComparisonVerdict better worse smaller larger no_difference_shown too_few_blocks");
   choice<DistributionKind>(module, "DistributionKind uniform log_uniform normal");
