@@ -4,9 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <set>
 #include <stdexcept>
 #include <string_view>
@@ -106,6 +104,16 @@ toml::table& table_in(toml::table& tables, const std::string& name, const std::s
   throw std::invalid_argument(file + ": " + name + ": must be a table");
 }
 
+// The value that the text is, or the text: a word without quotes.
+void put_text(toml::table& into, const std::string& key, const std::string& text,
+              const std::string& option) {
+  if (const auto parsed = parse_toml_value(text, option)) {
+    into.insert_or_assign(key, *parsed->get("value"));
+  } else {
+    into.insert_or_assign(key, text);
+  }
+}
+
 // The tables of a study file, with the options merged in.
 class OptionTables {
  public:
@@ -117,17 +125,7 @@ class OptionTables {
     if (given.empty()) return;
     toml::table& into = table(what.table);
     if (what.as == As::text) into.insert_or_assign(what.key, given.back());
-    if (what.as == As::number) {
-      const auto value = parse_toml_value(given.back(), what.option);
-      if (!value) {
-        const bool is_large = given.back().find_first_not_of("0123456789") == std::string::npos;
-        throw std::invalid_argument(fmt::format(
-            "{}: {}: must be {}", what.option, given.back(),
-            is_large ? fmt::format("at most {}", std::numeric_limits<std::int64_t>::max())
-                     : "a number"));
-      }
-      put(into, what.key, *value->get("value"));
-    }
+    if (what.as == As::number) put_text(into, what.key, given.back(), what.option);
     if (what.as == As::names) {
       toml::array names;
       for (const std::string& name : given) {
@@ -163,11 +161,16 @@ class OptionTables {
   void lay_seeds() {
     const std::vector<std::string>& given = options_.what.at("--seeds");
     if (given.empty()) return;
-    toml::array seeds;
-    for (const std::uint64_t seed : parse_seeds(given.back())) {
-      seeds.push_back(static_cast<std::int64_t>(seed));
+    const std::string& text = given.back();
+    const std::size_t dots = text.find("..");
+    if (dots == std::string::npos) {
+      return put(tables_, "seeds", *option_value("--seeds", text).get("value"));
     }
-    tables_.insert_or_assign("seeds", std::move(seeds));
+    const auto range = parse_toml_value(
+        fmt::format("{{ first = {}, last = {} }}", text.substr(0, dots), text.substr(dots + 2)),
+        "--seeds");
+    if (!range) throw std::invalid_argument("--seeds: " + text + ": must be 1..20 or 1,4,7");
+    put(tables_, "seeds", *range->get("value"));
   }
 
   void lay_goals() {
@@ -275,14 +278,9 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
 void lay_sets(const std::vector<std::string>& sets, const std::string& file, toml::table& tables) {
   for (const std::string& set : sets) {
     const auto [key, text] = key_and_value("--set", set);
-    const auto parsed = parse_toml_value(text, "--set: " + key);
     toml::table& into = table_in(tables, "set", file);
     take_out(into, key);
-    if (parsed) {
-      into.insert_or_assign(key, *parsed->get("value"));
-    } else {
-      into.insert_or_assign(key, text);  // a word without quotes
-    }
+    put_text(into, key, text, "--set: " + key);
   }
 }
 

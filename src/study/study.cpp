@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -20,7 +18,6 @@
 namespace breakwater {
 namespace {
 
-constexpr std::uint64_t kMostSeeds = 1'000'000;
 constexpr std::int64_t kMostSamples = 10'000'000;
 
 const Names<Keep>& keeps() {
@@ -297,50 +294,6 @@ toml::table option_value(const std::string& option, const std::string& given) {
     }
   }
   return toml::table{{"value", std::move(values)}};
-}
-
-std::vector<std::uint64_t> parse_seeds(const std::string& text) {
-  const auto fail = [&]() -> std::vector<std::uint64_t> {
-    throw std::invalid_argument("--seeds: " + text + ": must be 1..20 or 1,4,7");
-  };
-  const auto check_count = [&](std::uint64_t count) {
-    if (count <= kMostSeeds) return;
-    throw std::invalid_argument(
-        fmt::format("--seeds: {}: must be at most {} seeds", text, kMostSeeds));
-  };
-  const auto number = [&](std::string_view given) {
-    const std::string part = without_blanks(std::string(given));
-    std::uint64_t value = 0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    if (error != std::errc() || end != part.data() + part.size() || value >> 62 != 0) fail();
-    return value;
-  };
-  const std::string_view all = text;
-  if (const std::size_t dots = all.find(".."); dots != std::string_view::npos) {
-    const std::uint64_t first = number(all.substr(0, dots));
-    const std::uint64_t last = number(all.substr(dots + 2));
-    if (last < first) return fail();
-    check_count(last - first + 1);
-    std::vector<std::uint64_t> seeds;
-    for (std::uint64_t seed = first; seed <= last; ++seed) seeds.push_back(seed);
-    return seeds;
-  }
-  std::vector<std::uint64_t> seeds;
-  for (const std::string& part : option_parts(text)) seeds.push_back(number(part));
-  return seeds;
-}
-
-std::string comparable(const std::string& value) {
-  constexpr std::size_t kExactDigits = 15;  // a double holds every number of so many digits
-  char* end = nullptr;
-  const double number = std::strtod(value.c_str(), &end);
-  const bool is_number = !value.empty() && *end == '\0' && value.size() <= kExactDigits;
-  return is_number ? fmt::format("{}", number) : value;
-}
-
-std::string comparable_set(const std::string& set) {
-  const std::size_t value = set.find('=') + 1;
-  return set.substr(0, value) + comparable(set.substr(value));
 }
 
 }  // namespace breakwater

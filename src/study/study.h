@@ -106,12 +106,4 @@ toml::table option_value(const std::string& option, const std::string& given);
 /// Splits an option's text at its commas, except inside brackets and quotes, and trims the parts.
 std::vector<std::string> option_parts(const std::string& text);
 
-/// Reads seeds such as "1..20" or "1,4,7". Throws std::invalid_argument.
-std::vector<std::uint64_t> parse_seeds(const std::string& text);
-
-/// A value as TOML such that equal numbers give equal texts: "0.50" and "5e-1" give "0.5".
-std::string comparable(const std::string& value);
-/// The same for KEY=VALUE.
-std::string comparable_set(const std::string& set);
-
 }  // namespace breakwater

@@ -36,7 +36,7 @@ std::string option_of(std::string key) {
   }
   if (key.starts_with("compare.goal.")) return "--goal: " + key.substr(13);
   if (key.starts_with("require.")) return "--require: " + key.substr(8);
-  for (const std::string table : {"vary.", "compare.", "set."}) {
+  for (const std::string table : {"vary.", "compare.", "set.", "seeds."}) {
     if (key.starts_with(table)) {
       return "--" + table.substr(0, table.size() - 1) + ": " + key.substr(table.size());
     }
@@ -151,10 +151,13 @@ std::vector<std::uint64_t> read_seeds(const TomlEntry& seeds) {
   std::vector<std::uint64_t> all;
   if (!seeds) return all;
   if (seeds.node()->is_table()) {
-    seeds.allow({"first", "count"});
+    seeds.allow({"first", "count", "last"});
     const TomlEntry first_entry = seeds["first"];
     const std::int64_t first = first_entry ? first_entry.whole(0, std::int64_t{1} << 62) : 1;
-    const std::int64_t count = seeds["count"].whole(1, kMostSeedsRead);
+    const TomlEntry last = seeds["last"];
+    if (last && seeds["count"]) last.fail("stands beside count: leave one of them out");
+    const std::int64_t count = last ? last.whole(first, first + kMostSeedsRead - 1) - first + 1
+                                    : seeds["count"].whole(1, kMostSeedsRead);
     for (std::int64_t i = 0; i < count; ++i) all.push_back(static_cast<std::uint64_t>(first + i));
     return all;
   }

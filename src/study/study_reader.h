@@ -30,7 +30,8 @@ std::string print_sets(const StudyBase& base);
 /// The lines of a table of keys.
 std::string print_keys(const std::vector<VariedKey>& keys);
 
-/// Reads { first = 1, count = 20 } or an array. An empty entry gives none.
+/// Reads { first = 1, count = 20 }, { first = 1, last = 20 } or an array. An empty entry gives
+/// none.
 std::vector<std::uint64_t> read_seeds(const TomlEntry& seeds);
 /// Refuses seeds beside a set of run.seed.
 void check_seeds(const std::vector<std::string>& sets, const std::vector<std::uint64_t>& seeds,

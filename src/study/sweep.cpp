@@ -120,7 +120,10 @@ std::string Sweep::unprepared_key(std::size_t number) const {
   const StudyPoint point = plan_->point(number);
   std::vector<std::string> parts = {plan_->study().scenario,
                                     plan_->candidates()[point.candidate].case_name};
-  for (const std::string& set : point.sets) parts.push_back(comparable_set(set));
+  for (const std::string& set : point.sets) {
+    // 1.0 is 1.
+    parts.push_back(set.ends_with(".0") ? set.substr(0, set.size() - 2) : set);
+  }
   std::sort(parts.begin() + 2, parts.end());  // their order changes no run
   return fingerprint(parts);
 }

@@ -206,7 +206,6 @@ constexpr fuzz::Parser kParsers[] = {
        if (is_value_list(text)) value_list(text);
      }},
     {'o', "option", read_option},
-    {'n', "seeds", [](const std::string& text) { parse_seeds(text); }},
     {'d', "points", read_points},
 };
 }  // namespace
