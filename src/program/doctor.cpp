@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/config/names.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/render/canvas.h>
@@ -128,38 +129,27 @@ std::vector<HealthCheck> check_health(const Catalogue& catalogue) {
 constexpr std::size_t kWidth = 80;
 constexpr std::size_t kTextColumn = 19;
 
-const char* word(State state) {
-  switch (state) {
-    case State::ok:
-      return "ok";
-    case State::missing:
-      return "missing";
-    case State::broken:
-      return "broken";
-  }
-  return "";
-}
+const Names<State> kWords = {
+    {"ok", State::ok}, {"missing", State::missing}, {"broken", State::broken}};
 
 std::size_t count(const std::vector<HealthCheck>& checks, State state) {
-  return static_cast<std::size_t>(std::count_if(
-      checks.begin(), checks.end(), [&](const HealthCheck& c) { return c.state == state; }));
+  return static_cast<std::size_t>(std::ranges::count(checks, state, &HealthCheck::state));
 }
 
 std::string summary(const std::vector<HealthCheck>& checks) {
   const std::size_t broken = count(checks, State::broken);
   const std::size_t missing = count(checks, State::missing);
   if (broken > 0) return fmt::format("{} of {} broken", broken, checks.size());
-  if (missing > 0)
-    return fmt::format("all that is there works; {} of {} missing, which are optional", missing,
-                       checks.size());
-  return "all works";
+  if (missing == 0) return "all works";
+  return fmt::format("all that is there works; {} of {} missing, which are optional", missing,
+                     checks.size());
 }
 
 void print_checks(const std::vector<HealthCheck>& checks) {
   const std::string indent(kTextColumn, ' ');
   for (const HealthCheck& check : checks) {
     const std::vector<std::string> lines = wrapped(one_line(check.found), kWidth - kTextColumn);
-    fmt::print("{:<10}{:<9}{}\n", check.what, word(check.state), lines.front());
+    fmt::print("{:<10}{:<9}{}\n", check.what, name_of(kWords, check.state), lines.front());
     for (std::size_t i = 1; i < lines.size(); ++i) fmt::print("{}{}\n", indent, lines[i]);
     if (check.install.empty()) continue;
     for (const std::string& line : wrapped(check.install, kWidth - kTextColumn - 2)) {

@@ -156,14 +156,6 @@ std::size_t StudyCommand::run_here(const std::vector<std::size_t>& points,
       points.begin(), points.end(), [&](std::size_t point) { return !now.has(point); }));
 }
 
-int StudyCommand::collect(const ShardIndex&) const {
-  throw std::logic_error("--collect is no option of this command");
-}
-
-int StudyCommand::replay(const ShardIndex&) {
-  throw std::logic_error("--replay is no option of this command");
-}
-
 void StudyCommand::fail_for_undone(std::size_t left) const {
   throw OutputError(fmt::format("{}: {} left undone: the same command goes on",
                                 folder_.path().string(),

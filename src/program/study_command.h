@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -99,10 +100,9 @@ class StudyCommand {
 
   virtual void print_dry_run() const = 0;
   virtual void print_status(const ShardIndex& index) const = 0;
-  /// Only for commands with this option; the default throws std::logic_error. replay() likewise.
-  /// Returns the exit status.
-  virtual int collect(const ShardIndex& index) const;
-  virtual int replay(const ShardIndex& index);
+  /// Only for commands with the options --collect and --replay. Return the exit status.
+  virtual int collect(const ShardIndex&) const { throw std::logic_error("there is no --collect"); }
+  virtual int replay(const ShardIndex&) { throw std::logic_error("there is no --replay"); }
   /// Called before the first output. Throws std::invalid_argument for a mistake and prints
   /// warnings.
   virtual void check() const = 0;

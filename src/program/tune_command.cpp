@@ -41,13 +41,6 @@ class RunsMissing : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Settings of a tuning on a cluster.
-struct ClusterTuning {
-  StudyFolder folder;
-  SlurmRequest request;
-  bool quiet = false;
-};
-
 constexpr int kMostWithoutResult = 3;  // jobs in a row without a result
 
 // The runs that are in no shard.
@@ -72,9 +65,8 @@ std::string text_of(const TuningPlan& plan, const std::vector<std::size_t>& runs
 // that are missing after the job are submitted again, unless they are still in the queue. Throws
 // RunsMissing after three jobs in a row without a result, Interrupted (the queue stays as it is),
 // and std::invalid_argument if Slurm refuses.
-void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
+void run_on_slurm(const TuningPlan& plan, const StudyFolder& folder, const StudyOptions& options,
                   const std::vector<std::size_t>& runs) {
-  const StudyFolder& folder = cluster.folder;
   std::vector<std::size_t> left = runs;
   for (int without_result = 0;;) {
     wait_for_queue(folder, plan.size());
@@ -89,8 +81,8 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
       throw RunsMissing(fmt::format("{} jobs in a row have brought nothing of {}",
                                     kMostWithoutResult, text_of(plan, left)));
     }
-    const SubmittedJob job = submit(folder, left, cluster.request);
-    if (cluster.quiet) continue;
+    const SubmittedJob job = submit(folder, left, options.request);
+    if (options.quiet) continue;
     fmt::print("{} in {}: job {}\n", text_of(plan, left), number_of(job.tasks, "task"), job.number);
     std::fflush(stdout);  // standard output may be a file that somebody watches
   }
@@ -347,9 +339,7 @@ class TuneCommand : public StudyCommand {
       // Another process of this tuning may be ahead.
       const bool has_all = fs::exists(candidates_) && bytes_of(candidates_).starts_with(lines);
       if (!has_all) replace_file(candidates_, lines);
-      if (options_.slurm) {
-        return run_on_slurm(plan_, {folder_, options_.request, options_.quiet}, runs);
-      }
+      if (options_.slurm) return run_on_slurm(plan_, folder_, options_, runs);
       std::sort(runs.begin(), runs.end());
       const std::size_t left = make(runs);
       if (interrupted()) throw Interrupted();

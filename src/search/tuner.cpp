@@ -267,38 +267,25 @@ std::vector<FrontPoint> front_points(const Tuning& tuning,
   return points;
 }
 
-// The points of a front for the validation, with their evaluations.
-struct Validated {
-  std::vector<std::size_t> points;
-  std::vector<std::size_t> evaluations;
-};
-
-Validated to_validate(const TuningPlan& plan, const TunedFront& front) {
-  Validated chosen;
-  chosen.points = evenly_spaced(front.points.size(), plan.tuning().validated_points);
-  for (const std::size_t i : chosen.points) {
-    chosen.evaluations.push_back(front.points[i].evaluation);
-  }
-  return chosen;
-}
-
 void validate_all(const TuningPlan& plan, Runs& runs, const TunerOptions& options,
                   std::vector<TunedFront>& fronts) {
-  std::vector<Validated> chosen;
+  std::vector<std::vector<std::size_t>> chosen(fronts.size());  // evaluations
   std::vector<std::size_t> numbers;
+  const auto points_of = [&](const TunedFront& front) {
+    return evenly_spaced(front.points.size(), plan.tuning().validated_points);
+  };
   for (std::size_t c = 0; c < fronts.size(); ++c) {
-    chosen.push_back(to_validate(plan, fronts[c]));
-    for (const std::size_t evaluation : chosen[c].evaluations) {
-      const auto more = numbers_of(plan, c, evaluation, true);
+    for (const std::size_t i : points_of(fronts[c])) {
+      chosen[c].push_back(fronts[c].points[i].evaluation);
+      const auto more = numbers_of(plan, c, chosen[c].back(), true);
       numbers.insert(numbers.end(), more.begin(), more.end());
     }
   }
   if (options.on_validation) options.on_validation(numbers);
   for (std::size_t c = 0; c < fronts.size(); ++c) {
-    const auto fresh = evaluate_all(plan, runs, c, chosen[c].evaluations, true);
-    for (std::size_t i = 0; i < fresh.size(); ++i) {
-      fronts[c].points[chosen[c].points[i]].fresh = fresh[i];
-    }
+    const auto fresh = evaluate_all(plan, runs, c, chosen[c], true);
+    auto next = fresh.begin();
+    for (const std::size_t i : points_of(fronts[c])) fronts[c].points[i].fresh = *next++;
   }
 }
 
