@@ -246,10 +246,8 @@ class TuneCommand : public StudyCommand {
     warn(name(), plan_.check());
     if (!options_.quiet) print_count(plan_);
     std::fflush(stdout);
-    const Trial trial = plan_.try_each_case(interrupted());
-    warn(name(), trial.warnings);
-    if (options_.quiet) return;
-    fmt::print("{}", time_needed(trial.seconds, options_.jobs));
+    const double seconds = try_each_case();
+    if (!options_.quiet) fmt::print("{}", time_needed(seconds, options_.jobs));
   }
 
   void print_status(const ShardIndex& index) const override {
@@ -262,11 +260,7 @@ class TuneCommand : public StudyCommand {
                validated > 0 ? fmt::format(", {} of the validation", validated) : "");
   }
 
-  void check() const override {
-    warn(name(), plan_.check());
-    if (options_.isolate) return;  // a run could crash this process
-    warn(name(), plan_.try_each_case(interrupted()).warnings);
-  }
+  void check() const override { warn(name(), plan_.check()); }
 
   std::vector<std::size_t> task_points() override {
     plan_.begin(candidates_);
@@ -313,6 +307,37 @@ class TuneCommand : public StudyCommand {
   }
 
  private:
+  // Runs each case in the middle of its ranges, in the first test condition, and warns of what may
+  // fail. Returns the processor time of search and validation. Throws Interrupted.
+  double try_each_case() const {
+    const Tuning& tuning = plan_.tuning();
+    const std::size_t fresh =
+        tuning.validation ? tuning.validated_points * tuning.validation->size() : 0;
+    const std::size_t runs = plan_.evaluations() * tuning.worlds.size() + fresh;
+    TuningPlan plan = plan_;
+    RunControl control;
+    control.stop = &interrupted();
+    double seconds = 0.0;
+    for (std::size_t c = 0; c < tuning.cases.size(); ++c) {
+      const TunedCase& tuned = tuning.cases[c];
+      plan.begin(c, 0, plan.values(c, std::vector<double>(tuned.search.size(), 0.5)));
+      const PointResult run = run_point(plan.number({.tuned = c}), plan, control);
+      seconds += static_cast<double>(runs) * run.cost_s;
+      if (run.status != PointStatus::complete) {
+        warn(name(),
+             {fmt::format("{}: the candidate in the middle fails: {}", tuned.name, run.reason)});
+        continue;
+      }
+      const auto check = [&](const std::string& place, const std::string& metric) {
+        if (metric_of(run, metric)) return;
+        warn(name(), {fmt::format("{}: a run of {} lacks it", place, tuned.name)});
+      };
+      for (const Objective& one : tuning.objectives) check(one.place, one.metric);
+      for (const Constraint& one : tuning.constraints) check(one.place, one.metric);
+    }
+    return seconds;
+  }
+
   TuningResult search_and_validate() {
     // Progress: one line for the searches and one for the validation, whose runs are known later.
     std::optional<Progress> progress;

@@ -11,7 +11,6 @@
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/shell/did_you_mean.h>
-#include <breakwater/signals/thread_time.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -84,52 +83,21 @@ std::vector<std::string> TuningPlan::check() const {
   for (const TunedCase& tuned : tuning_.cases) {
     check_in(tuned, tuning_.worlds);
     if (tuning_.validation) check_in(tuned, *tuning_.validation);
-  }
-  return warnings;
-}
-
-Trial TuningPlan::try_each_case(const std::atomic<bool>& stop) const {
-  Trial trial;
-  const auto runs = static_cast<double>(evaluations() * tuning_.worlds.size());
-  const std::size_t fresh =
-      tuning_.validation ? tuning_.validated_points * tuning_.validation->size() : 0;
-  for (std::size_t c = 0; c < tuning_.cases.size(); ++c) {
-    const TunedCase& tuned = tuning_.cases[c];
-    std::vector<std::string> sets =
-        own_sets(c, values(c, std::vector<double>(tuned.search.size(), 0.5)));
-    for (std::string& set : tuning_.worlds.sets(0)) sets.push_back(std::move(set));
-    RunControl control;
-    control.stop = &stop;
-    control.logs = false;
-    const double begin_s = thread_time_s();
-    const PreparedRun prepared =
-        prepare_point(catalogue_, tuning_.scenario, *file_, tuned.name, sets);
-    const Recording recording = prepared.scenario->run(control);
-    trial.seconds += (runs + static_cast<double>(fresh)) * (thread_time_s() - begin_s);
-    if (recording.failure) {
-      trial.warnings.push_back(fmt::format("{}: the candidate in the middle fails: at {:.6g} s: {}",
-                                           tuned.name, recording.failure->time_s,
-                                           recording.failure->reason));
-      continue;
+    std::vector<std::string> known;
+    const Sweep sweep(catalogue_,
+                      probed_study(tuning_, tuned, probed_at_once(tuning_.worlds).front()));
+    for (const auto& one : sweep.prepare(0).scenario->metric_definitions()) {
+      known.push_back(one.name);
     }
-    std::vector<std::string> names;
-    for (const Metric& metric : recording.metrics) names.push_back(metric.name);
     const auto check = [&](const std::string& place, const std::string& metric) {
-      if (std::find(names.begin(), names.end(), metric) != names.end()) return;
-      const auto absent = std::find_if(recording.absent.begin(), recording.absent.end(),
-                                       [&](const AbsentMetric& one) { return one.name == metric; });
-      if (absent != recording.absent.end()) {
-        trial.warnings.push_back(
-            fmt::format("{}: a run of {} lacks it: {}", place, tuned.name, absent->reason));
-        return;
-      }
+      if (known.empty() || std::find(known.begin(), known.end(), metric) != known.end()) return;
       throw std::invalid_argument(fmt::format("{}: a run of {} has no such metric{}", place,
-                                              tuned.name, did_you_mean(metric, names)));
+                                              tuned.name, did_you_mean(metric, known)));
     };
     for (const Objective& one : tuning_.objectives) check(one.place, one.metric);
     for (const Constraint& one : tuning_.constraints) check(one.place, one.metric);
   }
-  return trial;
+  return warnings;
 }
 
 std::size_t TuningPlan::size() const {

@@ -21,12 +21,6 @@ struct TuningRun {
   std::size_t world = 0;
 };
 
-/// The result of one trial run of each case.
-struct Trial {
-  double seconds = 0.0;               ///< estimated processor time of search and validation
-  std::vector<std::string> warnings;  ///< one per failed run
-};
-
 /// A tuning with the numbers of all runs that it may make. The order is: case, evaluation, test
 /// condition; first all searches, then the validation. begin() sets the keys of an evaluation when
 /// the search asks for it.
@@ -40,11 +34,9 @@ class TuningPlan : public PointSource {
   const ScenarioFile& file() const { return *file_; }
 
   /// Prepares runs that together have each value and each end of a range. Returns a warning for
-  /// each ineffective key. Throws std::invalid_argument for the first mistake.
+  /// each ineffective key. Throws std::invalid_argument for the first mistake, and for a metric
+  /// that the scenario of a case does not define. A user's own scenario may define none.
   std::vector<std::string> check() const;
-  /// Runs each case in the middle of its ranges, in the first test condition. Throws Interrupted,
-  /// and std::invalid_argument if a complete run lacks a metric of an objective or constraint.
-  Trial try_each_case(const std::atomic<bool>& stop) const;
 
   std::size_t size() const;
   /// The number of runs of all searches with full budgets.
