@@ -198,7 +198,7 @@ void Chart::draw(Canvas& canvas, int left, int top, double now_s) {
                 strokes(lines_[i].style, unit_px_));
   }
   if (!lines_.empty()) {
-    canvas.dot(shift(place(now, lines_.front().series.at(now))), 4.5 * unit_px_,
+    canvas.dot(shift(place(now, lines_.front().series.at(now).value)), 4.5 * unit_px_,
                on_paper(lines_.front().style));
   }
 }
