@@ -15,7 +15,6 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/study/shards.h>
-#include <breakwater/study/study_reader.h>
 
 namespace breakwater {
 namespace {
