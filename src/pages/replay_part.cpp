@@ -32,7 +32,7 @@ std::string strip_address(const FinishedRun& run, const ShotList& shots, const s
   const fs::path made = run.folder() / "strip.png";
   if (fs::exists(made)) return data_address(made, "image/png");
   try {
-    const Window window = choose_window({&run}, shots, {});
+    const Window window = choose_window({&run, 1}, shots, {});
     const Strip strip =
         draw_strip(run, with_moments(run, shots, window), {camera, 420, 240, kFullLook});
     return "data:image/png;base64," + base64(strip.png.data(), strip.png.size());

@@ -106,7 +106,7 @@ TEST_F(Pictures, ALongCaptionStandsBesideTheChart) {
   ran(kShortWall + "controller.name=hpfc --out run");
   const FinishedRun finished(testing::catalogue(), folder_ / "run");
   PictureStage stage =
-      stage_pictures({&finished}, shot_list(finished.shots_file()), "", {5.0, 6.0, 0.1});
+      stage_pictures({&finished, 1}, shot_list(finished.shots_file()), "", {5.0, 6.0, 0.1});
   EXPECT_EQ(stage.runs.front().caption, "proposed-2N with hpfc") << "the controller is said";
   constexpr int kWidth = 480, kHeight = 270;
   stage.style.width = kWidth;
