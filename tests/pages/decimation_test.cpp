@@ -68,8 +68,8 @@ TEST(Decimation, AStepStaysAStep) {
   }
   const Series thin = decimate(series, 100);
   EXPECT_LE(thin.values.size(), 6U);
-  EXPECT_EQ(thin.at(4800.0), 0.0);
-  EXPECT_EQ(thin.at(5200.0), 1.0);
+  EXPECT_EQ(thin.at(4800.0).value, 0.0);
+  EXPECT_EQ(thin.at(5200.0).value, 1.0);
 }
 
 TEST(Decimation, ShortSeriesDoNotChange) {
