@@ -95,6 +95,13 @@ std::string keys(const std::vector<KeyHelp>& all) {
   return text;
 }
 
+std::string further_names(const Aliases& aliases) {
+  if (aliases.empty()) return "";
+  std::vector<Row> rows;
+  for (const auto& [name, key] : aliases) rows.push_back({code(name), code(key)});
+  return "### Further names of keys\n\n" + table({"Name", "Key"}, rows);
+}
+
 // The values of the keys that the scenario has read, as TOML.
 std::map<std::string, std::string> values(const std::vector<KeyHelp>& all) {
   std::map<std::string, std::string> found;
@@ -228,6 +235,7 @@ std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind,
               : "A table with `NAME` stands for all tables of its kind, and `NAME_` in the log "
                 "for all columns of an axis. ") +
          "A key without a default value must be given where it is used.\n\n" + keys(fields.help()) +
+         further_names(shown.aliases()) +
          "## Metrics\n\nA metric that does not apply to a run is absent.\n\n" + metrics(*shipped) +
          (is_own ? "" : metric_kinds()) +
          "## Columns of the log\n\n"

@@ -22,6 +22,7 @@ AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design
     axis_parts_.emplace_back(catalogue, design_.controller);
   } else {
     whole_.emplace(catalogue_, design_.is_arm ? "" : "axes", design_.is_arm ? "idob" : "none");
+    add_parts();
   }
 }
 
@@ -29,7 +30,11 @@ void AxisScenario::learn(const Config& config) {
   Scenario::learn(config);
   if (!whole_) return;
   plant_.learn(config);
-  for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
+  add_parts();
+}
+
+void AxisScenario::add_parts() {
+  while (axis_parts_.size() < plant_.axes.size()) {
     axis_parts_.emplace_back(catalogue_, "none", "none");
   }
 }
