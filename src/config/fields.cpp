@@ -723,6 +723,8 @@ Config Fields::read(const Config& given) {
   if (!missing.empty()) config.fail(missing.front()->key, missing_in_words(missing));
   for (const Field& field : fields_) find_file(config, field);
   Config all = given;
+  // The number of an alias is that of its key, which another one may override.
+  for (const auto& [alias, key] : aliases_) all.remove(alias);
   all.apply(config.entries());
   return all;
 }

@@ -13,7 +13,6 @@
 #include <utility>
 
 #include <breakwater/config/column_table.h>
-#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/linear_model.h>
 #include <breakwater/sim/model.h>
@@ -273,11 +272,7 @@ void AxisPlant::learn(const Config& config) {
     bool is_hinge = true;
     std::string actuator = Axis::kNone;
     bool is_replaced = false;
-    if (joint_name.empty()) {
-      std::vector<std::string> others = names;
-      std::erase(others, name);
-      own.fail("joint", "must name a hinge or a slide of the model" + did_you_mean(name, others));
-    }
+    if (joint_name.empty()) own.fail("joint", "must name a hinge or a slide of the model");
     if (model) {
       const Model& m = *model;
       joint = id_of(own, "joint", m, mjOBJ_JOINT, joint_name);

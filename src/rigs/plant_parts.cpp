@@ -293,6 +293,9 @@ class TipPart final : public PlantControllerKind::Part {
   ArmSetup setup(const PlantTask& task, std::shared_ptr<DisturbanceEstimator> estimator) const {
     ArmSetup arm = task.tip();
     if (!estimator) throw WrongKey("observer.name", "needs an estimator for each joint");
+    if (task.axes.front().senses_true_state) {
+      throw WrongKey("sensor.true_state", "must be false: it takes positions and force alone");
+    }
     const Eigen::Index n = arm.chain.joints();
     AccelerationControlDesign& joints = arm.acceleration;
     arm.task.start_angles_rad.resize(n);

@@ -60,6 +60,6 @@ std::vector<QuadrotorControllerKind> quadrotor_controllers();
 /// A vehicle goes to a point under waves and stays there. The controller uses the state of one of
 /// several nonlinear estimators. The model must have a free body "quadrotor" with the sites t1 …
 /// t4, four thrusters and the sensors position and attitude.
-ScenarioKind quadrotor_waves();
+ScenarioKind quadrotor_kind(const std::string& name, const std::string& summary);
 
 }  // namespace breakwater

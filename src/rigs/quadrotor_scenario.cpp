@@ -167,14 +167,14 @@ class Flight {
 
 class QuadrotorScenario final : public Scenario {
  public:
-  explicit QuadrotorScenario(const Catalogue& catalogue)
-      : Scenario(MetricRows(catalogue, "quadrotor_waves", {converged()})),
+  QuadrotorScenario(const Catalogue& catalogue, const std::string& name, std::string summary)
+      : Scenario(MetricRows(catalogue, name, {converged()})),
+        name_(name),
+        summary_(std::move(summary)),
         parts_(catalogue, "backstepping", "kalman") {}
 
-  std::string name() const override { return "quadrotor_waves"; }
-  std::string summary() const override {
-    return "underwater quadrotor under JONSWAP waves: nonlinear estimators, backstepping";
-  }
+  std::string name() const override { return name_; }
+  std::string summary() const override { return summary_; }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return run_; }
@@ -204,6 +204,8 @@ class QuadrotorScenario final : public Scenario {
   SensingSetup sensing() const;
   void add_mass_of_water(Model& model) const;
 
+  std::string name_;
+  std::string summary_;
   ModelFile mjcf_;
   QuadrotorParameters parameters_;  // Table 3.4, without added mass
   QuadrotorPhysics physics_kind_ = QuadrotorPhysics::physical;
@@ -423,8 +425,13 @@ Recording QuadrotorScenario::run(const RunControl& control) const {
 
 }  // namespace
 
-ScenarioKind quadrotor_waves() {
-  return scenario_kind<QuadrotorScenario>("quadrotor_waves", true);
+ScenarioKind quadrotor_kind(const std::string& name, const std::string& summary) {
+  return {name,
+          [name, summary](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+            return std::make_unique<QuadrotorScenario>(catalogue, name, summary);
+          },
+          {},
+          true};
 }
 
 }  // namespace breakwater
