@@ -59,7 +59,7 @@ class ArmPush final : public ArmScenario {
   AxisPlant plant() const override {
     AxisPlant plant = plant_;
     for (AxisSettings& joint : plant.axes) {
-      joint.start_position = joint.reference.value - joint.reference.before;
+      joint.start_position += joint.reference.at(0.0) - joint.reference.before;
     }
     return plant;
   }

@@ -501,7 +501,10 @@ Config Fields::without_aliases(const Config& config) const {
   Aliases aliases = config.aliases();
   aliases.insert(aliases_.begin(), aliases_.end());
   Config whole = config;
-  for (const auto& [alias, key] : aliases) {
+  for (const auto& [alias, target] : aliases) {
+    // A file may have a further name of a key that is one itself by now.
+    const auto known = aliases_.find(target);
+    const std::string& key = known != aliases_.end() ? known->second : target;
     const bool is_key =
         std::any_of(fields_.begin(), fields_.end(), [&alias = alias](const Field& field) {
           return field.key == alias || field.unnamed == alias;

@@ -67,13 +67,10 @@ class Catalogue {
     kinds.push_back(std::move(kind));
   }
 
-  /// Puts a kind in the place of that with its name, or adds it.
+  /// Has these kinds in the place of all of their type.
   template <typename Kind>
-  void put(Kind kind) {
-    if (!has<Kind>(kind.name)) return add(std::move(kind));
-    for (Kind& other : *std::any_cast<std::vector<Kind>>(&shelves_[typeid(Kind)])) {
-      if (other.name == kind.name) other = std::move(kind);
-    }
+  void set(std::vector<Kind> kinds) {
+    shelves_[typeid(Kind)] = std::move(kinds);
   }
 
   /// All kinds of one type.

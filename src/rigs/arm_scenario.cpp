@@ -22,6 +22,22 @@ ArmScenario::ArmScenario(const Catalogue& catalogue, AxisScenarioDesign design)
   plant_.tip = {.touch = "tip_touch", .sensor = "tip_force"};
 }
 
+void ArmScenario::learn(const Config& config) {
+  if (!config.text("model.urdf")) config.fail("model.urdf", "is missing: the URDF file of the arm");
+  AxisScenario::learn(config);
+}
+
+void ArmScenario::check(const Config& config) {
+  AxisScenario::check(config);
+  // A log with the friction of one joint has that of all.
+  plant_.knows_disturbances =
+      std::any_of(plant_.axes.begin(), plant_.axes.end(), [](const AxisSettings& one) {
+        const Disturbance& d = one.disturbance.shape;
+        return d.kind != DisturbanceKind::none || d.offset != 0.0 || one.input_noise() > 0.0 ||
+               one.drive.friction->make(1.0) != nullptr;
+      });
+}
+
 Eigen::VectorXd ArmScenario::start_angles_rad() const {
   Eigen::VectorXd angles(chain().joints());
   for (Eigen::Index i = 0; i < angles.size(); ++i) {

@@ -16,6 +16,10 @@ void show_geoms(Model& model, const std::string& prefix, bool visible);
 /// signals of the log have the values of all joints side by side. The reference of each joint is
 /// its start angle.
 class ArmScenario : public AxisScenario {
+ public:
+  void learn(const Config& config) override;
+  void check(const Config& config) override;
+
  protected:
   ArmScenario(const Catalogue& catalogue, AxisScenarioDesign design);
 

@@ -34,7 +34,7 @@ void AxisScenario::learn(const Config& config) {
 }
 
 void AxisScenario::add_parts() {
-  while (axis_parts_.size() < plant_.axes.size()) {
+  while (!design_.is_arm && axis_parts_.size() < plant_.axes.size()) {
     axis_parts_.emplace_back(catalogue_, "none", "none");
   }
 }
@@ -47,11 +47,10 @@ Fields AxisScenario::fields() {
     const Fields::Under under(fields, plant_.axes[i].axis.prefix());
     axis_parts_[i].bind(fields);
   }
-  if (whole_) {
-    for (const AxisSettings& one : plant_.axes) {
-      fields.only_for({one.axis.prefix() + "controller.name", one.axis.prefix() + "observer.name"},
-                      "controller.name", {"axes"});
-    }
+  for (std::size_t i = 0; whole_ && i < axis_parts_.size(); ++i) {
+    const std::string axis = plant_.axes[i].axis.prefix();
+    fields.only_for({axis + "controller.name", axis + "observer.name"}, "controller.name",
+                    {"axes"});
   }
   bind(fields);
   rows_.bind(fields);
@@ -99,10 +98,12 @@ std::unique_ptr<Controller> AxisScenario::axes_control(const std::vector<AxisTas
 std::vector<AxisOfPlant> AxisScenario::loops() const {
   if (!whole_) return {{plant(), task(), &parts()}};
   if (whole_->controller_name() != "axes") {
-    throw std::invalid_argument("controller.name: \"" + whole_->controller_name() +
-                                "\" controls all axes at once, so an axis has no loop of its own; "
-                                "analyze needs \"axes\". Python has the eigenvalues of the whole "
-                                "loop: setup.A, setup.B and K of bw.lqr()");
+    throw std::invalid_argument(
+        "controller.name: \"" + whole_->controller_name() +
+        "\" controls all axes at once, so an axis has no loop of its own" +
+        (design_.is_arm ? ""
+                        : "; analyze needs \"axes\". Python has the eigenvalues of the "
+                          "whole loop: setup.A, setup.B and K of bw.lqr()"));
   }
   AxisPlant held = plant_;
   for (AxisSettings& axis : held.axes) axis.reference.kind = ReferenceShape::hold;
@@ -128,9 +129,8 @@ void AxisScenario::check(const Config& config) {
     parts().check(config, this->task());
   }
   MetricContext context = complete(config);
-  // A contact is shorter than a sample. The rows of an arm say it themselves.
-  if (!design_.is_arm)
-    context.fast_signals = {"force_true_N", "force_sensor_N", "force_filtered_N"};
+  // A contact is shorter than a sample.
+  context.fast_signals = {"force_true_N", "force_sensor_N", "force_filtered_N"};
   for (const ContactSettings& one : plant_.contacts) {
     context.fast_signals.push_back(one.signal(""));
   }

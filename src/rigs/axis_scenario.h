@@ -32,7 +32,7 @@ struct AxisScenarioDesign {
   std::string summary;
   std::optional<Axis> axis = {};  ///< an axis of every file, the only one if it has no name
   std::string controller = {};    ///< the default one of its only axis; empty: the file names it
-  bool is_arm = false;  ///< its controllers are first those of an arm, and it has rows of its own
+  bool is_arm = false;  ///< its controllers are those of an arm, and it has rows of its own
   /// The default kind of the only axis' disturbance.
   DisturbanceKind disturbance = DisturbanceKind::none;
   bool optimises = false;  ///< the metrics of predictive control's optimisations belong to it

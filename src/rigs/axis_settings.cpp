@@ -188,8 +188,9 @@ void AxisSettings::bind_parts(Fields& fields) {
     fields.only_where({"encoder.multiplication", "encoder.gear_ratio"}, "encoder.bits is not 0",
                       [this] { return counts.bits != 0; });
     fields.optional_number("encoder.counts_per_turn", counts_per_turn, between(0.0, 1e12),
-                           "counts per turn of the axis, in place of encoder.bits; 0: see there");
-    fields.either("encoder.bits", "encoder.counts_per_turn");
+                           "counts per turn of the axis; 0: those of encoder.bits");
+    fields.only_where({"encoder.bits", "encoder.multiplication", "encoder.gear_ratio"},
+                      "encoder.counts_per_turn is 0", [this] { return counts_per_turn == 0.0; });
   } else {
     fields.optional_number("encoder.resolution_" + u.position_suffix, encoder.quantum,
                            not_negative(), "encoder resolution, one count; 0: not quantised");
@@ -411,7 +412,7 @@ std::vector<std::string> AxisPlant::warnings() const {
   for (const AxisSettings& one : axes) {
     if (one.axis.is_replaced) replaced += (replaced.empty() ? "" : ", ") + one.axis.name;
     const TransmissionSettings& transmission = one.transmission;
-    if (one.nominal_from == NominalFrom::keys &&
+    if (one.nominal_from == NominalFrom::keys && !one.of_motor &&
         (transmission.is_elastic() || transmission.motor_inertia > 0.0) &&
         transmission.nominal_model == NominalModel::rigid &&
         transmission.nominal.motor_inertia == 0.0) {
@@ -762,12 +763,6 @@ void AxisPlant::check(const Config& config) {
     if (one.transmission.is_elastic()) one.transmission.make(model, one.axis.joint);
   }
   const Sensing check_only(model, setup);
-  if (!chain) return;
-  // A log with the friction of one joint has that of all.
-  knows_disturbances = std::any_of(axes.begin(), axes.end(), [](const AxisSettings& one) {
-    return one.disturbance.shape.kind != DisturbanceKind::none || one.input_noise() > 0.0 ||
-           one.drive.friction->make(1.0) != nullptr;
-  });
 }
 
 void PushSettings::bind(Fields& fields) {

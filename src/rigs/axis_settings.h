@@ -189,8 +189,8 @@ struct AxisPlant {
 
   ModelFile mjcf;
   std::string urdf;
-  /// The chain of model.urdf, if the file has that key. Each of its joints is an axis with a nominal
-  /// model by keys. The chain is the nominal kinematics of the tip.
+  /// The chain of model.urdf, if the file has that key. Each of its joints is an axis with a
+  /// nominal model by keys. The chain is the nominal kinematics of the tip.
   std::shared_ptr<const PlanarChain> chain;
   PhysicsSettings physics;
   TimingSettings timing;  ///< timing of the commands
@@ -210,10 +210,10 @@ struct AxisPlant {
   std::vector<ContactSettings> contacts;
   std::optional<TipSettings> tip;
 
-  /// Takes the names of axes, pushes and contacts from the tables of a file. The joints of a URDF are
-  /// axes too. Takes the kind of each axis from its joint, and finds whether there is a tip. The axes
-  /// have the order of their joints in the model. Throws std::invalid_argument
-  /// `ORIGIN: KEY: reason`.
+  /// Takes the names of axes, pushes and contacts from the tables of a file. The joints of a URDF
+  /// are axes too. Takes the kind of each axis from its joint, and finds whether there is a tip.
+  /// The axes have the order of their joints in the model. Throws std::invalid_argument `ORIGIN:
+  /// KEY: reason`.
   void learn(const Config& config);
 
   /// The first axis.

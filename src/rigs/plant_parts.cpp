@@ -164,9 +164,11 @@ Catalogue with_none(Catalogue catalogue, bool is_arm) {
   catalogue.add(AxisEstimatorKind(
       "none", "no estimator: the measured position, its difference over a sample, no disturbance",
       make_raw_difference));
-  for (PlantControllerKind& kind : tip_controllers(catalogue)) {
+  std::vector<PlantControllerKind> of_tip = tip_controllers(catalogue);
+  if (is_arm) catalogue.set(std::exchange(of_tip, {}));
+  for (PlantControllerKind& kind : of_tip) {
     // A controller in Python is of all kinds.
-    if (is_arm || !catalogue.has<PlantControllerKind>(kind.name)) catalogue.put(std::move(kind));
+    if (!catalogue.has<PlantControllerKind>(kind.name)) catalogue.add(std::move(kind));
   }
   catalogue.add(AxisControllerKind("none", "no control", [](const AxisTask&, SharedEstimator) {
     return std::make_unique<NoControl>();
@@ -259,9 +261,10 @@ ArmSetup planar_setup(const AxisPlant& plant) {
     }
     // The controllers limit their torque as in the URDF.
     if (std::abs(joint.force_limit() - known.effort_limit_Nm) > 1e-9 * known.effort_limit_Nm) {
-      throw std::invalid_argument(
-          fmt::format("needs the limits ±{} N m of the URDF at the actuator of \"{}\" in {}",
-                      known.effort_limit_Nm, known.name, plant.mjcf.path));
+      const bool is_set = joint.drive_limit > 0.0;
+      throw WrongKey(is_set ? joint.axis.prefix() + "drive.limit_Nm" : "model.mjcf",
+                     fmt::format("the actuator of \"{}\" must have the limits ±{} N m of the URDF",
+                                 known.name, known.effort_limit_Nm));
     }
     arm.acceleration.nominal_inertia_kgm2(i) = joint.transmission.nominal.load_inertia;
   }

@@ -89,8 +89,8 @@ class NoControl final : public Controller {
 std::vector<PlantControllerKind> plant_controllers();
 
 /// The catalogue with "none" among the estimators and the controllers of an axis, and "model" among
-/// the contact laws. An arm's controllers are controllers of a plant too, and for an arm they come
-/// before others of their name.
+/// the contact laws. An arm's controllers are controllers of a plant too, and the only ones of an
+/// arm.
 Catalogue with_none(Catalogue catalogue, bool is_arm = false);
 
 /// The kinematics of a plant's tip with the nominal inertias and the lag of its force. Without a
