@@ -21,7 +21,7 @@ class TwoInertiaDrive final : public AxisScenario {
                                             "vibration, load torque, backlash",
                                  .axis = load_axis(),
                                  .controller = "pd",
-                                 .optimises = true}) {
+                                 .optimises = QpMetrics()}) {
     plant_.axis().has_disturbance_keys = false;
   }
 

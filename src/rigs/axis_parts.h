@@ -137,4 +137,10 @@ void add_qp_metrics(const Controller& controller, Recording& recording);
 /// Appends the definitions of the metrics of add_qp_metrics().
 std::vector<MetricDefinition> with_qp_metrics(std::vector<MetricDefinition> definitions);
 
+/// Both, for a scenario that has them. Others link no predictive control.
+struct QpMetrics {
+  decltype(&with_qp_metrics) with = with_qp_metrics;
+  decltype(&add_qp_metrics) add = add_qp_metrics;
+};
+
 }  // namespace breakwater

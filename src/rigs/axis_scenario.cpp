@@ -192,7 +192,7 @@ bool AxisScenario::has_own_loop(std::size_t i) const {
 }
 
 std::vector<MetricDefinition> AxisScenario::metric_definitions() const {
-  return design_.optimises ? with_qp_metrics(rows_.definitions()) : rows_.definitions();
+  return design_.optimises ? design_.optimises->with(rows_.definitions()) : rows_.definitions();
 }
 
 RigRun AxisScenario::make_run(AxisRig& rig, const AxisLoop& loop) const {
@@ -218,7 +218,7 @@ Recording AxisScenario::run(const RunControl& control) const {
   AxisRig rig(plant(), *loop.controller);
   Recording recording = rig.run(control, rows_, make_run(rig, loop));
   if (design_.optimises && !recording.failure) {
-    add_qp_metrics(*loop.controller, recording);
+    design_.optimises->add(*loop.controller, recording);
   }
   return recording;
 }

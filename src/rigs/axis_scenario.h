@@ -35,7 +35,7 @@ struct AxisScenarioDesign {
   bool is_arm = false;  ///< its controllers are those of an arm, and it has rows of its own
   /// The default kind of the only axis' disturbance.
   DisturbanceKind disturbance = DisturbanceKind::none;
-  bool optimises = false;  ///< the metrics of predictive control's optimisations belong to it
+  std::optional<QpMetrics> optimises = {};  ///< metrics of predictive control belong to it
   std::vector<MetricKind> reductions = {};  ///< its own
 
   bool has_nameless_axis() const { return axis && axis->name.empty(); }
