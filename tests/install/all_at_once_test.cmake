@@ -13,11 +13,11 @@ file(COPY ${SOURCE_DIR}/ DESTINATION ${all}/source)
 set(folder ${all}/source/own_scenario)
 file(MAKE_DIRECTORY ${folder})
 foreach(end cpp toml)
-  file(READ ${SCENARIOS}/cart_offset_free/cart_offset_free.${end} text)
-  string(REPLACE "cart_offset_free" "own_scenario" text "${text}")
+  file(READ ${SCENARIOS}/cart_constrained/cart_constrained.${end} text)
+  string(REPLACE "cart_constrained" "own_scenario" text "${text}")
   file(WRITE ${folder}/own_scenario.${end} "${text}")
 endforeach()
-file(COPY ${SCENARIOS}/cart_offset_free/shots.toml DESTINATION ${folder})
+file(COPY ${SCENARIOS}/cart_constrained/shots.toml DESTINATION ${folder})
 run(${CMAKE_COMMAND} -S ${all}/source -B ${all}/build -G Ninja -DCMAKE_BUILD_TYPE=Release ${fast}
     -DPROJECTS=${all} -DCMAKE_UNITY_BUILD=ON)  # each compiles alone in its own test
 run(${CMAKE_COMMAND} --build ${all}/build)
@@ -51,8 +51,9 @@ expect_file(${all}/identified/report.html)
 run_in(${all} ${lab} run own_scenario --set observer.name=own_observer observer.bandwidth_rad_s=30
   --quiet --out with)
 file(READ ${all}/with/metrics.json metrics)
-string(JSON error GET "${metrics}" steady_state_error_m)
-if(error GREATER 0.002 OR error LESS -0.002)
+string(JSON error GET "${metrics}" final_position_m)
+# A cart whose estimator does not serve runs away.
+if(error GREATER 0.5 OR error LESS -0.5)
   message(FATAL_ERROR "the estimator of the one does not serve the other: ${error} m")
 endif()
 # A program of that scenario alone makes the same run.
