@@ -67,10 +67,10 @@ class Catalogue {
     kinds.push_back(std::move(kind));
   }
 
-  /// Has these kinds in the place of all of their type.
+  /// Removes all kinds of one type.
   template <typename Kind>
-  void set(std::vector<Kind> kinds) {
-    shelves_[typeid(Kind)] = std::move(kinds);
+  void drop() {
+    shelves_.erase(typeid(Kind));
   }
 
   /// All kinds of one type.

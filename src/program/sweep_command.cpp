@@ -74,19 +74,6 @@ std::size_t tests_shown(const Plan& plan, const std::vector<PointResult>& runs) 
   return tests;
 }
 
-// The metrics of a point's scenario, also those that a run may be too short for.
-std::vector<std::string> defined_metrics(const Sweep& sweep, std::size_t point) {
-  std::vector<std::string> names;
-  try {
-    for (const MetricDefinition& one : sweep.prepare(point).scenario->metric_definitions()) {
-      names.push_back(one.name);
-    }
-  } catch (const std::invalid_argument&) {
-    return names;  // the point will be refused
-  }
-  return names;
-}
-
 // Whether another seed changes the runs, and what follows for the seeds of the study. Empty if
 // nothing does.
 std::string seed_warning(const Sweep& sweep, const std::vector<PointResult>& runs) {
@@ -119,7 +106,7 @@ std::string seed_warning(const Sweep& sweep, const std::vector<PointResult>& run
 std::string why_missing(const Sweep& sweep, const UnknownMetric& metric, std::size_t runs,
                         std::size_t failed) {
   if (failed == runs) return ": they failed";
-  const std::vector<std::string> defined = defined_metrics(sweep, 0);
+  const std::vector<std::string> defined = sweep.defined_metrics(0);
   if (std::find(defined.begin(), defined.end(), metric.name) == defined.end()) return metric.meant;
   const std::string which = failed > 0 ? fmt::format("{} failed, the others", failed) : "they";
   std::string why = ": " + which + " have no window or event for it";
@@ -138,7 +125,7 @@ void check_names(const Sweep& sweep) {
   for (const std::size_t first : {std::size_t{0}, sweep.plan().size() - candidates}) {
     for (std::size_t c = 0; c < candidates; ++c) {
       if (unknown_metrics(study, known).empty()) return;
-      add_names(defined_metrics(sweep, first + c), known);
+      add_names(sweep.defined_metrics(first + c), known);
     }
   }
   if (known.empty()) return;

@@ -67,7 +67,8 @@ AxisTask AxisScenario::task() const {
 
 PlantTask AxisScenario::whole_task() const {
   if (!whole_) return {.axes = {task()}, .driven = {0}};
-  PlantTask task = plant_task(plant_);
+  // A controller of the tip has an estimator for each axis.
+  PlantTask task = plant_task(plant_, !moves_tip());
   task.observes_axes = moves_tip();
   task.tip = [this, found = std::make_shared<std::optional<ArmSetup>>()] {
     if (!*found) *found = tip();
@@ -107,7 +108,7 @@ std::vector<AxisOfPlant> AxisScenario::loops() const {
   }
   AxisPlant held = plant_;
   for (AxisSettings& axis : held.axes) axis.reference.kind = ReferenceShape::hold;
-  const std::vector<AxisTask> tasks = plant_task(held).axes;
+  const std::vector<AxisTask> tasks = plant_task(held, false).axes;
   std::vector<AxisOfPlant> loops;
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     if (!held.axes[i].axis.is_driven() || !has_own_loop(i)) continue;

@@ -283,8 +283,8 @@ void AxisPlant::learn(const Config& config) {
                              : id_of(own, "transmission.motor_joint", m, mjOBJ_JOINT, motor_name);
       for (int i = m->nu - 1; i >= 0; --i) {
         if (!m.drives(i, driven)) continue;
-        const char* const found_name = mj_id2name(m.get(), mjOBJ_ACTUATOR, i);
-        actuator = found_name != nullptr ? found_name : Axis::kJoint;
+        const std::string found_name = m.name(mjOBJ_ACTUATOR, i);
+        actuator = found_name.empty() ? Axis::kJoint : found_name;
         is_replaced = !m.is_motor(i);
       }
       const std::string chosen = own.text("actuator").value_or("");
@@ -440,9 +440,7 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
   for (const AxisSettings& one : axes) {
     const Config own = config.under(one.axis.prefix());
     const int joint = id_of(own, "joint", model, mjOBJ_JOINT, one.axis.joint);
-    const bool is_axis =
-        model->jnt_type[joint] == mjJNT_HINGE || model->jnt_type[joint] == mjJNT_SLIDE;
-    if (!is_axis) own.fail("joint", "must be a hinge or a slide");
+    if (!model.is_axis(joint)) own.fail("joint", "must be a hinge or a slide");
     check_part(own, [&] { one.transmission.check_motor(model, one.axis.joint); });
     take(own, "joint", joints, joint, "has another axis: each joint may have one");
     if (one.transmission.adds_rotor() && !one.axis.is_driven()) {

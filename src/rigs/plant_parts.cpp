@@ -29,7 +29,7 @@ std::unique_ptr<DisturbanceEstimator> make_raw_difference(const NominalAxis& axi
 
 }  // namespace
 
-PlantTask plant_task(const AxisPlant& plant) {
+PlantTask plant_task(const AxisPlant& plant, bool is_linear) {
   PlantTask task;
   const Eigen::Index entries = plant.senses_true_state ? 3 : 1;
   const auto force_behind = [&](std::size_t axes) {
@@ -71,6 +71,7 @@ PlantTask plant_task(const AxisPlant& plant) {
     whole.sensor.quantum(i) = sensor.quantum(0);
     whole.sensor.noise_std(i) = sensor.noise_std(0);
   }
+  if (!is_linear) return task;
   try {
     Model nominal = plant.nominal_model();
     for (const AxisSettings& one : plant.axes) {
@@ -102,24 +103,6 @@ PlantTask plant_task(const AxisPlant& plant) {
     task.why_not_linear = error.what();
   }
   return task;
-}
-
-Catalogue with_none(Catalogue catalogue, bool is_arm) {
-  catalogue.add(AxisEstimatorKind(
-      "none", "no estimator: the measured position, its difference over a sample, no disturbance",
-      make_raw_difference));
-  std::vector<PlantControllerKind> of_tip = tip_controllers(catalogue);
-  if (is_arm) catalogue.set(std::exchange(of_tip, {}));
-  for (PlantControllerKind& kind : of_tip) {
-    // A controller in Python is of all kinds.
-    if (!catalogue.has<PlantControllerKind>(kind.name)) catalogue.add(std::move(kind));
-  }
-  catalogue.add(AxisControllerKind("none", "no control", [](const AxisTask&, SharedEstimator) {
-    return std::make_unique<NoControl>();
-  }));
-  catalogue.add(ContactLawKind(ContactSettings::kOfModel, "the contact as the model file has it",
-                               [] { return std::unique_ptr<ContactForceLaw>(); }));
-  return catalogue;
 }
 
 namespace {
@@ -157,12 +140,11 @@ std::vector<SpatialJoint> joints_to(int body, const AxisPlant& plant, const Mode
     frame = frame * frame_of(model->body_pos + 3 * one, model->body_quat + 4 * one);
     for (int k = 0; k < model->body_jntnum[one]; ++k) {
       const int id = model->body_jntadr[one] + k;
-      const char* const name = mj_id2name(model.get(), mjOBJ_JOINT, id);
-      const auto axis = std::find_if(plant.axes.begin(), plant.axes.end(), [&](const auto& each) {
-        return name != nullptr && each.axis.joint == name;
-      });
-      const std::string place = "joint " + (name != nullptr ? '"' + std::string(name) + '"'
-                                                            : "number " + std::to_string(id));
+      const std::string name = model.name(mjOBJ_JOINT, id);
+      const auto axis = std::find_if(plant.axes.begin(), plant.axes.end(),
+                                     [&](const auto& each) { return each.axis.joint == name; });
+      const std::string place =
+          "joint " + (!name.empty() ? '"' + name + '"' : "number " + std::to_string(id));
       if (axis == plant.axes.end()) {
         throw std::invalid_argument(place + " moves the tip and has no axis");
       }
@@ -333,14 +315,25 @@ ArmSetup tip_setup(const AxisPlant& plant) {
   return arm;
 }
 
-std::vector<PlantControllerKind> tip_controllers(const Catalogue& catalogue) {
-  std::vector<PlantControllerKind> kinds;
+Catalogue with_none(Catalogue catalogue, bool is_arm) {
+  catalogue.add(AxisEstimatorKind(
+      "none", "no estimator: the measured position, its difference over a sample, no disturbance",
+      make_raw_difference));
+  if (is_arm) catalogue.drop<PlantControllerKind>();
   for (const ArmControllerKind& kind : catalogue.all<ArmControllerKind>()) {
-    kinds.emplace_back(kind.name, kind.help,
-                       [kind] { return std::make_unique<TipPart>(kind.settings()); });
-    kinds.back().moves_tip = true;
+    // A controller in Python is of all kinds.
+    if (catalogue.has<PlantControllerKind>(kind.name)) continue;
+    PlantControllerKind of_plant(kind.name, kind.help,
+                                 [kind] { return std::make_unique<TipPart>(kind.settings()); });
+    of_plant.moves_tip = true;
+    catalogue.add(std::move(of_plant));
   }
-  return kinds;
+  catalogue.add(AxisControllerKind("none", "no control", [](const AxisTask&, SharedEstimator) {
+    return std::make_unique<NoControl>();
+  }));
+  catalogue.add(ContactLawKind(ContactSettings::kOfModel, "the contact as the model file has it",
+                               [] { return std::unique_ptr<ContactForceLaw>(); }));
+  return catalogue;
 }
 
 }  // namespace breakwater

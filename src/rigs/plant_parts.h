@@ -39,8 +39,9 @@ struct PlantTask {
   std::function<std::unique_ptr<Controller>()> own_controllers;
 };
 
-/// The task of a plant whose settings are complete, without tip and own_controllers.
-PlantTask plant_task(const AxisPlant& plant);
+/// The task of a plant whose settings are complete, without tip and own_controllers, and without
+/// the linearised plant unless `is_linear`.
+PlantTask plant_task(const AxisPlant& plant, bool is_linear = true);
 
 /// A controller of all axes and its name: key controller.name. It gets the samples of
 /// AxisPlant::sensing(), and writes a force for each driven axis.
@@ -90,7 +91,8 @@ std::vector<PlantControllerKind> plant_controllers();
 
 /// The catalogue with "none" among the estimators and the controllers of an axis, and "model" among
 /// the contact laws. An arm's controllers are controllers of a plant too, and the only ones of an
-/// arm.
+/// arm. Their estimator stands for each joint by itself, with the nominal inertia of the joint's
+/// axis.
 Catalogue with_none(Catalogue catalogue, bool is_arm = false);
 
 /// The kinematics of a plant's tip with the nominal inertias and the lag of its force. Without a
@@ -100,9 +102,5 @@ Catalogue with_none(Catalogue catalogue, bool is_arm = false);
 /// an axis with an actuator and a sensor at the joint. There must be no other axis. Throws
 /// std::invalid_argument.
 ArmSetup tip_setup(const AxisPlant& plant);
-
-/// An arm's controllers of the catalogue as controllers of a plant. Their estimator stands for each
-/// joint by itself, with the nominal inertia of the joint's axis.
-std::vector<PlantControllerKind> tip_controllers(const Catalogue& catalogue);
 
 }  // namespace breakwater

@@ -83,12 +83,9 @@ std::vector<std::string> TuningPlan::check() const {
   for (const TunedCase& tuned : tuning_.cases) {
     check_in(tuned, tuning_.worlds);
     if (tuning_.validation) check_in(tuned, *tuning_.validation);
-    std::vector<std::string> known;
     const Sweep sweep(catalogue_,
                       probed_study(tuning_, tuned, probed_at_once(tuning_.worlds).front()));
-    for (const auto& one : sweep.prepare(0).scenario->metric_definitions()) {
-      known.push_back(one.name);
-    }
+    const std::vector<std::string> known = sweep.defined_metrics(0);
     const auto check = [&](const std::string& place, const std::string& metric) {
       if (known.empty() || std::find(known.begin(), known.end(), metric) != known.end()) return;
       throw std::invalid_argument(fmt::format("{}: a run of {} has no such metric{}", place,

@@ -116,6 +116,18 @@ PreparedRun Sweep::prepare(std::size_t point) const {
   return prepare(plan_->point(point), bound_);
 }
 
+std::vector<std::string> Sweep::defined_metrics(std::size_t point) const {
+  std::vector<std::string> names;
+  try {
+    for (const MetricDefinition& one : prepare(point).scenario->metric_definitions()) {
+      names.push_back(one.name);
+    }
+  } catch (const std::invalid_argument&) {
+    return names;
+  }
+  return names;
+}
+
 std::string Sweep::unprepared_key(std::size_t number) const {
   const StudyPoint point = plan_->point(number);
   std::vector<std::string> parts = {plan_->study().scenario,
