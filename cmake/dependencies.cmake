@@ -40,7 +40,6 @@ breakwater_package(CLI11::CLI11 libcli11-dev [[find_package(CLI11 ${how})]])
 # Debian's mujoco package names libqhull's headers and OpenGL without depending on them.
 breakwater_package(mujoco::mujoco "libmujoco-dev, libqhull-dev, libgl-dev and libopengl-dev"
   [[find_package(mujoco 2.2.2 EXACT ${how} NO_MODULE)]])
-breakwater_package(PkgConfig::urdfdom liburdfdom-dev [[breakwater_pkg_config(${how} urdfdom urdfdom)]])
 breakwater_package(PkgConfig::tinyxml2 libtinyxml2-dev
   [[breakwater_pkg_config(${how} tinyxml2 tinyxml2)]])
 breakwater_package(PkgConfig::xxhash libxxhash-dev [[breakwater_pkg_config(${how} xxhash libxxhash)]])

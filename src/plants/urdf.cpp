@@ -1,17 +1,12 @@
-// Reads a planar chain from URDF. urdfdom gives the meaning. tinyxml2 gives the line numbers and
-// finds errors that urdfdom accepts.
-#include <console_bridge/console.h>
-#include <urdf_model/model.h>
-#include <urdf_parser/urdf_parser.h>
+// Reads a planar chain from URDF.
+#include <tinyxml2.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
-#include <mutex>
+#include <map>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
+#include <tuple>
 
 #include <breakwater/math/functions.h>
 #include <breakwater/plants/planar_chain.h>
@@ -20,128 +15,88 @@
 namespace breakwater {
 namespace {
 
+using Eigen::Vector3d;
+using tinyxml2::XMLElement;
+
 constexpr double kAngleTolerance = 1e-9;
 constexpr double kInertiaTolerance = 1e-6;  // numbers of a file are rounded
 
-// urdfdom reports to a process-wide handler. This one stores the first message.
-class FirstComplaint : public console_bridge::OutputHandler {
- public:
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && text_.empty()) text_ = text;
-  }
-  const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-};
-
-// An attribute with numbers in URDF's specification.
-struct NumberAttribute {
-  const char* element;
-  const char* name;
-  std::size_t count;
-  bool may_be_negative;
-};
-
-constexpr NumberAttribute kNumberAttributes[] = {
-    {"origin", "xyz", 3, true},
-    {"origin", "rpy", 3, true},
-    {"axis", "xyz", 3, true},
-    {"mass", "value", 1, false},
-    {"inertia", "ixx", 1, false},
-    {"inertia", "ixy", 1, true},
-    {"inertia", "ixz", 1, true},
-    {"inertia", "iyy", 1, false},
-    {"inertia", "iyz", 1, true},
-    {"inertia", "izz", 1, false},
-    {"limit", "lower", 1, true},
-    {"limit", "upper", 1, true},
-    {"limit", "effort", 1, false},
-    {"limit", "velocity", 1, false},
-    {"dynamics", "damping", 1, false},
-    {"dynamics", "friction", 1, false},
-    {"calibration", "rising", 1, true},
-    {"calibration", "falling", 1, true},
-    {"mimic", "multiplier", 1, true},
-    {"mimic", "offset", 1, true},
-    {"safety_controller", "soft_lower_limit", 1, true},
-    {"safety_controller", "soft_upper_limit", 1, true},
-    {"safety_controller", "k_position", 1, true},
-    {"safety_controller", "k_velocity", 1, true},
-    {"box", "size", 3, false},
-    {"cylinder", "radius", 1, false},
-    {"cylinder", "length", 1, false},
-    {"sphere", "radius", 1, false},
-    {"mesh", "scale", 3, true},
-    {"color", "rgba", 4, false},
-    {"robot", "version", 1, false},
-};
-
-void check_numbers(const XmlFile& xml, const tinyxml2::XMLElement& element) {
-  for (const NumberAttribute& a : kNumberAttributes) {
-    if (std::strcmp(element.Name(), a.element) != 0) continue;
-    const tinyxml2::XMLAttribute* attribute = element.FindAttribute(a.name);
-    if (attribute == nullptr) continue;
-    const std::string text = attribute->Value();
-    const auto refuse = [&](const std::string& what) {
-      xml.fail(attribute->GetLineNum(),
-               std::string("<") + a.element + "> " + a.name + "=\"" + text + "\": " + what);
-    };
-    const auto numbers = read_numbers(text);
-    if (!numbers || numbers->size() != a.count) {
-      refuse(a.count == 1 ? "must be a number" : "must be " + std::to_string(a.count) + " numbers");
-    }
-    for (const double number : *numbers) {
-      if (!is_sensible(number)) refuse("must be finite and not beyond 1e30");
-      if (number < 0.0 && !a.may_be_negative) refuse("must not be negative");
-    }
-  }
-  for (const auto* child = element.FirstChildElement(); child != nullptr;
-       child = child->NextSiblingElement()) {
-    check_numbers(xml, *child);
-  }
+// The attribute of an element's part, or of the element itself; empty if it is missing.
+std::string text_of(const XMLElement& element, const char* part, const char* attribute) {
+  const XMLElement* e = part[0] != '\0' ? element.FirstChildElement(part) : &element;
+  const char* text = e != nullptr ? e->Attribute(attribute) : nullptr;
+  return text != nullptr ? text : "";
 }
 
-bool turns(const urdf::Joint& joint) {
-  return joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
+std::string name_of(const XMLElement& element) {
+  return text_of(element, "", "name");
 }
+
+bool turns(const XMLElement& joint) {
+  const std::string type = text_of(joint, "", "type");
+  return type == "revolute" || type == "continuous";
+}
+
+// A joint and the link that it moves or holds.
+struct Step {
+  const XMLElement* joint;
+  const XMLElement* link;
+};
 
 class UrdfFile {
  public:
-  UrdfFile(const std::string& file, const std::string& text) : file_(file), xml_(file, text) {
-    check_numbers(xml_, *xml_.root());
-    model_ = parse(xml_.text());
-    normal_ = normal_of_first_joint();
+  explicit UrdfFile(const std::string& file) : xml_(file) {
+    if (std::string(xml_.root()->Name()) != "robot") {
+      xml_.fail(1, "is not a valid URDF: its root is no <robot>");
+    }
+    numbers(*xml_.root(), "version", 1);
+    find_chain();
+    const auto first = std::find_if(chain.begin(), chain.end(),
+                                    [](const Step& step) { return turns(*step.joint); });
+    if (first == chain.end()) return;
+    vector(*first->joint, "axis", "xyz", Vector3d::UnitX()).cwiseAbs().maxCoeff(&normal_);
   }
+
+  std::vector<Step> chain;  // from the root to the tip
 
   // The plane of the chain is normal to the axis of its first joint that turns: 0 x, 1 y, 2 z.
-  double along_normal(const urdf::Vector3& v) const { return std::array{v.x, v.y, v.z}[normal_]; }
-  Eigen::Vector2d in_plane(const urdf::Vector3& v) const {
-    const std::array xyz{v.x, v.y, v.z};
-    return {xyz[(normal_ + 1u) % 3], xyz[(normal_ + 2u) % 3]};
+  double along_normal(const Vector3d& v) const { return v[normal_]; }
+  Eigen::Vector2d in_plane(const Vector3d& v) const {
+    return {v[(normal_ + 1) % 3], v[(normal_ + 2) % 3]};
   }
-
-  const urdf::ModelInterface& model() const { return *model_; }
 
   // `FILE:LINE: joint "name": reason`
-  [[noreturn]] void fail(const char* element, const std::string& name,
-                         const std::string& reason) const {
-    throw std::invalid_argument(file_ + ":" + std::to_string(line_of(element, name)) + ": " +
-                                element + " \"" + name + "\": " + reason);
+  [[noreturn]] void fail(const XMLElement& element, const std::string& reason) const {
+    const std::string name = name_of(element);
+    fail(element.GetLineNum(),
+         element.Name() + (name.empty() ? "" : " \"" + name + '"') + ": " + reason);
+  }
+  [[noreturn]] void fail(int line, const std::string& what) const { xml_.fail(line, what); }
+
+  // A part's three numbers; `otherwise` if they are missing.
+  Vector3d vector(const XMLElement& element, const char* part, const char* attribute,
+                  const Vector3d& otherwise) const {
+    const XMLElement* e = element.FirstChildElement(part);
+    const auto found = e != nullptr ? numbers(*e, attribute, 3) : std::nullopt;
+    return found ? Vector3d(found->data()) : otherwise;
   }
 
-  // The turn in the plane of the <origin> of a joint or of a link's <inertial>; nothing if it also
-  // leaves the plane.
-  // It comes from rpy: urdfdom stores a quaternion with processor-dependent rounding.
-  std::optional<double> planar_yaw(const char* element, const std::string& name) const {
-    const tinyxml2::XMLElement* e = &find(element, name);
-    if (std::strcmp(element, "link") == 0) e = e->FirstChildElement("inertial");
-    if (e != nullptr) e = e->FirstChildElement("origin");
-    const char* rpy = e == nullptr ? nullptr : e->Attribute("rpy");
-    if (rpy == nullptr) return 0.0;
-    const std::vector<double> angles = *read_numbers(rpy);  // check_numbers() has found three
-    const auto [sin_1, cos_1] = math::sincos(angles[(normal_ + 1u) % 3]);
-    const auto [sin_2, cos_2] = math::sincos(angles[(normal_ + 2u) % 3]);
+  // A part's number, which must be there unless there is an `otherwise`.
+  double number(const XMLElement& element, const char* part, const char* attribute,
+                std::optional<double> otherwise = std::nullopt) const {
+    const XMLElement* e = element.FirstChildElement(part);
+    const auto found = e != nullptr ? numbers(*e, attribute, 1) : std::nullopt;
+    if (found) return found->front();
+    if (otherwise) return *otherwise;
+    fail(element, std::string("has no <") + part + "> with " + attribute);
+  }
+
+  // The turn in the plane of the <origin> of a joint or of an <inertial>; nothing if it also leaves
+  // the plane.
+  std::optional<double> planar_yaw(const XMLElement& element) const {
+    const Vector3d angles = vector(element, "origin", "rpy", Vector3d::Zero());
+    const auto [sin_1, cos_1] = math::sincos(angles[(normal_ + 1) % 3]);
+    const auto [sin_2, cos_2] = math::sincos(angles[(normal_ + 2) % 3]);
     const bool is_planar = std::abs(sin_1) <= kAngleTolerance &&
                            std::abs(sin_2) <= kAngleTolerance && cos_1 * cos_2 > 0.0;
     if (!is_planar) return std::nullopt;
@@ -152,63 +107,74 @@ class UrdfFile {
   }
 
  private:
-  urdf::ModelInterfaceSharedPtr parse(const std::string& text) {
-    static std::mutex handler_in_use;
-    const std::lock_guard lock(handler_in_use);
-    FirstComplaint complaint;
-    console_bridge::useOutputHandler(&complaint);
-    auto model = urdf::parseURDF(text);
-    console_bridge::restorePreviousOutputHandler();
-    if (model) return model;
-    fail_with(complaint.text());
-  }
-
-  unsigned normal_of_first_joint() const {
-    for (urdf::LinkConstSharedPtr link = model_->getRoot(); link && !link->child_joints.empty();
-         link = model_->getLink(link->child_joints.front()->child_link_name)) {
-      const urdf::Joint& joint = *link->child_joints.front();
-      if (!turns(joint)) continue;
-      const std::array size{std::abs(joint.axis.x), std::abs(joint.axis.y), std::abs(joint.axis.z)};
-      return static_cast<unsigned>(std::max_element(size.begin(), size.end()) - size.begin());
+  // An attribute with numbers; nothing if it is missing.
+  std::optional<std::vector<double>> numbers(const XMLElement& element, const char* name,
+                                             std::size_t count) const {
+    const tinyxml2::XMLAttribute* attribute = element.FindAttribute(name);
+    if (attribute == nullptr) return std::nullopt;
+    const std::string text = attribute->Value();
+    const auto refuse = [&](const std::string& what) {
+      xml_.fail(attribute->GetLineNum(),
+                std::string("<") + element.Name() + "> " + name + "=\"" + text + "\": " + what);
+    };
+    const auto found = read_numbers(text);
+    if (!found || found->size() != count) {
+      refuse(count == 1 ? "must be a number" : "must be " + std::to_string(count) + " numbers");
     }
-    return 2;
-  }
-
-  // Reports the line of the joint or link in urdfdom's message, if there is one.
-  [[noreturn]] void fail_with(const std::string& complaint) const {
-    for (const auto* e = xml_.root()->FirstChildElement(); e != nullptr;
-         e = e->NextSiblingElement()) {
-      const char* name = e->Attribute("name");
-      const bool has_place =
-          std::strcmp(e->Name(), "joint") == 0 || std::strcmp(e->Name(), "link") == 0;
-      if (has_place && name != nullptr && names(complaint, name)) fail(e->Name(), name, complaint);
+    if (!std::all_of(found->begin(), found->end(), is_sensible)) {
+      refuse("must be finite and not beyond 1e30");
     }
-    throw std::invalid_argument(file_ + ":1: is not a valid URDF" +
-                                (complaint.empty() ? "" : ": " + complaint));
+    return found;
   }
 
-  static bool names(const std::string& complaint, const std::string& name) {
-    return complaint.find("[" + name + "]") != std::string::npos ||
-           complaint.find("'" + name + "'") != std::string::npos;
-  }
-
-  // The joint or link with this name, or the robot.
-  const tinyxml2::XMLElement& find(const char* element, const std::string& name) const {
-    for (const auto* e = xml_.root()->FirstChildElement(element); e != nullptr;
-         e = e->NextSiblingElement(element)) {
-      if (e->Attribute("name", name.c_str()) != nullptr) return *e;
+  // The links or joints, by their names.
+  std::map<std::string, const XMLElement*> all(const char* kind) const {
+    std::map<std::string, const XMLElement*> found;
+    for (const XMLElement* e = xml_.root()->FirstChildElement(kind); e != nullptr;
+         e = e->NextSiblingElement(kind)) {
+      if (name_of(*e).empty() || !found.emplace(name_of(*e), e).second) {
+        fail(*e, "needs a name of its own");
+      }
     }
-    return *xml_.root();
+    return found;
   }
 
-  int line_of(const char* element, const std::string& name) const {
-    return find(element, name).GetLineNum();
+  void find_chain() {
+    const auto links = all("link");
+    std::map<std::string, const XMLElement*> joint_to;  // by the name of a link
+    std::multimap<std::string, const XMLElement*> joints_from;
+    for (const auto& [name, joint] : all("joint")) {
+      for (const char* end : {"parent", "child"}) {
+        if (!links.contains(text_of(*joint, end, "link"))) {
+          fail(*joint, std::string("its <") + end + "> is no link of the robot");
+        }
+      }
+      if (!joint_to.emplace(text_of(*joint, "child", "link"), joint).second) {
+        fail(*joint, "its <child> is that of another joint too");
+      }
+      joints_from.emplace(text_of(*joint, "parent", "link"), joint);
+    }
+    const XMLElement* link = nullptr;
+    for (const auto& [name, one] : links) {
+      if (joint_to.contains(name)) continue;
+      if (link != nullptr)
+        fail(*one, "no joint has this link or \"" + name_of(*link) + "\" as <child>");
+      link = one;
+    }
+    if (link == nullptr) xml_.fail(1, "is not a valid URDF: it has no link, or each is a <child>");
+    // It ends, since no joint leads to the first link, and one alone to each other.
+    for (auto [next, end] = joints_from.equal_range(name_of(*link)); next != end;
+         std::tie(next, end) = joints_from.equal_range(name_of(*link))) {
+      if (std::next(next) != end) {
+        fail(*link, "has more than one child: only a chain can be used");
+      }
+      link = links.at(text_of(*next->second, "child", "link"));
+      chain.push_back({next->second, link});
+    }
   }
 
-  std::string file_;
   XmlFile xml_;
-  urdf::ModelInterfaceSharedPtr model_;
-  unsigned normal_ = 2;
+  Eigen::Index normal_ = 2;
 };
 
 // A frame in the plane: the URDF origin of a child in its parent.
@@ -225,20 +191,17 @@ struct PlanarFrame {
   }
 };
 
-PlanarFrame planar_origin(const UrdfFile& file, const urdf::Joint& joint) {
-  const urdf::Pose& origin = joint.parent_to_joint_origin_transform;
-  const std::optional<double> yaw = file.planar_yaw("joint", joint.name);
-  if (!yaw) {
-    file.fail("joint", joint.name, "its origin is turned out of the plane of the joints before it");
-  }
-  return {file.in_plane(origin.position), *yaw};
+PlanarFrame planar_origin(const UrdfFile& file, const XMLElement& joint) {
+  const std::optional<double> yaw = file.planar_yaw(joint);
+  if (!yaw) file.fail(joint, "its origin is turned out of the plane of the joints before it");
+  return {file.in_plane(file.vector(joint, "origin", "xyz", Vector3d::Zero())), *yaw};
 }
 
-// ∫ r rᵀ dm = tr(I)/2 − I has no negative eigenvalue, so no negative principal minor.
-bool is_of_a_body(const urdf::Inertial& of) {
-  const double half = 0.5 * (of.ixx + of.iyy + of.izz);
-  const double x = half - of.ixx, y = half - of.iyy, z = half - of.izz;
-  const double xy = of.ixy, xz = of.ixz, yz = of.iyz;  // the minus of each cancels in the minors
+// ∫ r rᵀ dm = tr(I)/2 − I has no negative eigenvalue, so no negative principal minor. The products
+// are those of I: the minus of each cancels in the minors.
+bool is_of_a_body(const Vector3d& moments, double xy, double xz, double yz) {
+  const double half = 0.5 * (moments.x() + moments.y() + moments.z());
+  const double x = half - moments.x(), y = half - moments.y(), z = half - moments.z();
   const double least = -kInertiaTolerance;
   const double determinant =
       x * (y * z - yz * yz) - xy * (xy * z + yz * xz) - xz * (xy * yz + y * xz);
@@ -248,58 +211,62 @@ bool is_of_a_body(const urdf::Inertial& of) {
 }
 
 // Adds a link's inertia to the moving link. `frame` is the link's frame in that of the moving link.
-void lump(const UrdfFile& file, const urdf::Link& link, const PlanarFrame& frame,
+void lump(const UrdfFile& file, const XMLElement& link, const PlanarFrame& frame,
           PlanarJoint& carrier) {
-  if (!link.inertial) return;
-  const urdf::Inertial& inertial = *link.inertial;
-  if (!std::isfinite(inertial.mass) || inertial.mass < 0.0) {
-    file.fail("link", link.name, "its mass must be finite and not negative");
-  }
-  if (!is_of_a_body(inertial)) {
-    file.fail("link", link.name,
+  const XMLElement* inertial = link.FirstChildElement("inertial");
+  if (inertial == nullptr) return;
+  const double own_mass = file.number(*inertial, "mass", "value");
+  if (own_mass < 0.0) file.fail(link, "its mass must not be negative");
+  const auto moment = [&](const char* name) { return file.number(*inertial, "inertia", name); };
+  const Vector3d moments(moment("ixx"), moment("iyy"), moment("izz"));
+  if (!is_of_a_body(moments, moment("ixy"), moment("ixz"), moment("iyz"))) {
+    file.fail(link,
               "no body has this inertia: each principal moment is at most the sum of the others");
   }
-  if (!file.planar_yaw("link", link.name)) {
-    file.fail("link", link.name, "its inertial frame is turned out of the plane of the joints");
+  if (!file.planar_yaw(*inertial)) {
+    file.fail(link, "its inertial frame is turned out of the plane of the joints");
   }
-  const double mass = carrier.link_mass_kg + inertial.mass;
+  const double mass = carrier.link_mass_kg + own_mass;
   if (mass == 0.0) return;
-  const Eigen::Vector2d com = frame.map(file.in_plane(inertial.origin.position));
+  const Eigen::Vector2d com =
+      frame.map(file.in_plane(file.vector(*inertial, "origin", "xyz", Vector3d::Zero())));
   const Eigen::Vector2d lumped_com =
-      (carrier.link_mass_kg * carrier.link_com_m + inertial.mass * com) / mass;
+      (carrier.link_mass_kg * carrier.link_com_m + own_mass * com) / mass;
   carrier.link_inertia_kgm2 +=
-      file.along_normal({inertial.ixx, inertial.iyy, inertial.izz}) +
+      file.along_normal(moments) +
       carrier.link_mass_kg * (carrier.link_com_m - lumped_com).squaredNorm() +
-      inertial.mass * (com - lumped_com).squaredNorm();
+      own_mass * (com - lumped_com).squaredNorm();
   carrier.link_mass_kg = mass;
   carrier.link_com_m = lumped_com;
 }
 
-PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
+PlanarJoint revolute_joint(const UrdfFile& file, const XMLElement& joint,
                            const PlanarFrame& frame) {
-  const double length = std::hypot(joint.axis.x, joint.axis.y, joint.axis.z);
-  const double along = file.along_normal(joint.axis);
+  const Vector3d axis = file.vector(joint, "axis", "xyz", Vector3d::UnitX());
+  const double length = std::hypot(axis.x(), axis.y(), axis.z());
+  const double along = file.along_normal(axis);
   if (length == 0.0 || !(std::abs(along) >= (1.0 - kAngleTolerance) * length)) {
-    file.fail("joint", joint.name,
+    file.fail(joint,
               "its axis is not along x, y or z, or not that of the first joint: no planar chain");
   }
-  if (joint.mimic) {
-    file.fail("joint", joint.name, "has <mimic>, but each joint of a chain moves by itself");
+  if (joint.FirstChildElement("mimic") != nullptr) {
+    file.fail(joint, "has <mimic>, but each joint of a chain moves by itself");
   }
-  if (!joint.limits) file.fail("joint", joint.name, "has no <limit>");
-  const double effort = joint.limits->effort;
-  const double velocity = joint.limits->velocity;
-  if (!(std::isfinite(effort) && effort > 0.0 && std::isfinite(velocity) && velocity > 0.0)) {
-    file.fail("joint", joint.name, "its effort and velocity limits must be positive");
+  const double effort = file.number(joint, "limit", "effort");
+  const double velocity = file.number(joint, "limit", "velocity");
+  if (!(effort > 0.0 && velocity > 0.0)) {
+    file.fail(joint, "its effort and velocity limits must be positive");
   }
   // Both are 0 if the file has none.
-  const bool has_limits = joint.type == urdf::Joint::REVOLUTE &&
-                          (joint.limits->lower != 0.0 || joint.limits->upper != 0.0);
-  if (has_limits && !(joint.limits->lower < joint.limits->upper)) {
-    file.fail("joint", joint.name, "its lower limit must be below its upper one");
+  const double lower = file.number(joint, "limit", "lower", 0.0);
+  const double upper = file.number(joint, "limit", "upper", 0.0);
+  const bool has_limits =
+      text_of(joint, "", "type") == "revolute" && (lower != 0.0 || upper != 0.0);
+  if (has_limits && !(lower < upper)) {
+    file.fail(joint, "its lower limit must be below its upper one");
   }
   PlanarJoint result;
-  result.name = joint.name;
+  result.name = name_of(joint);
   result.offset_m = frame.position_m;
   result.yaw_rad = frame.yaw_rad;
   result.sense = along > 0.0 ? 1.0 : -1.0;
@@ -308,56 +275,29 @@ PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
   return result;
 }
 
-PlanarChain read_chain(const std::string& urdf_file, const std::string& text) {
-  const UrdfFile file(urdf_file, text);
-  std::vector<PlanarJoint> joints;
-  PlanarFrame frame;  // frame of the current link, in the frame of the moving link
-  urdf::LinkConstSharedPtr link = file.model().getRoot();
-  while (!link->child_joints.empty()) {
-    if (link->child_joints.size() > 1) {
-      file.fail("link", link->name, "has more than one child: only a chain can be used");
-    }
-    const urdf::Joint& joint = *link->child_joints.front();
-    const urdf::Link& child = *link->child_links.front();
-    frame = frame * planar_origin(file, joint);
-    if (turns(joint)) {
-      joints.push_back(revolute_joint(file, joint, frame));
-      frame = {};
-      lump(file, child, frame, joints.back());
-      if (joints.back().link_mass_kg <= 0.0) {
-        file.fail("link", child.name, "is moved by a joint and needs an <inertial> with a mass");
-      }
-    } else if (joint.type == urdf::Joint::FIXED) {
-      if (!joints.empty()) lump(file, child, frame, joints.back());
-    } else {
-      file.fail("joint", joint.name, "must be revolute, continuous or fixed");
-    }
-    link = file.model().getLink(child.name);
-  }
-  if (joints.empty()) {
-    throw std::invalid_argument(urdf_file + ":1: has no revolute joint");
-  }
-  return {std::move(joints), frame.position_m, frame.yaw_rad};
-}
-
-// The last chain: the runs of a study read the same one again and again.
-struct LastChain {
-  std::mutex mutex;
-  std::string text;
-  std::optional<PlanarChain> chain;
-};
-
 }  // namespace
 
 PlanarChain load_planar_chain(const std::string& urdf_file) {
-  static LastChain last;
-  const std::string text = read_text(urdf_file);
-  const std::lock_guard lock(last.mutex);
-  if (!last.chain || last.text != text) {
-    last.chain = read_chain(urdf_file, text);
-    last.text = text;
+  const UrdfFile file(urdf_file);
+  std::vector<PlanarJoint> joints;
+  PlanarFrame frame;  // frame of the current link, in the frame of the moving link
+  for (const auto& [joint, link] : file.chain) {
+    frame = frame * planar_origin(file, *joint);
+    if (turns(*joint)) {
+      joints.push_back(revolute_joint(file, *joint, frame));
+      frame = {};
+      lump(file, *link, frame, joints.back());
+      if (joints.back().link_mass_kg <= 0.0) {
+        file.fail(*link, "is moved by a joint and needs an <inertial> with a mass");
+      }
+    } else if (text_of(*joint, "", "type") == "fixed") {
+      if (!joints.empty()) lump(file, *link, frame, joints.back());
+    } else {
+      file.fail(*joint, "must be revolute, continuous or fixed");
+    }
   }
-  return *last.chain;
+  if (joints.empty()) file.fail(1, "has no revolute joint");
+  return {std::move(joints), frame.position_m, frame.yaw_rad};
 }
 
 }  // namespace breakwater

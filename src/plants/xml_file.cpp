@@ -53,6 +53,8 @@ void check_ends(const std::filesystem::path& file) {
   }
 }
 
+namespace {
+
 std::string read_text(const std::string& file) {
   check_ends(file);
   std::ifstream stream(file, std::ios::binary);
@@ -62,16 +64,16 @@ std::string read_text(const std::string& file) {
   return text.str();
 }
 
-XmlFile::XmlFile(const std::string& file) : XmlFile(file, read_text(file)) {}
+}  // namespace
 
-XmlFile::XmlFile(std::string file, std::string text)
-    : file_(std::move(file)), text_(std::move(text)) {
-  const std::size_t broken = find_no_utf8(text_);
+XmlFile::XmlFile(std::string file) : file_(std::move(file)) {
+  const std::string text = read_text(file_);
+  const std::size_t broken = find_no_utf8(text);
   if (broken != std::string::npos) {
-    const auto end = text_.begin() + static_cast<std::ptrdiff_t>(broken);
-    fail(1 + static_cast<int>(std::count(text_.begin(), end, '\n')), "is not UTF-8");
+    const auto end = text.begin() + static_cast<std::ptrdiff_t>(broken);
+    fail(1 + static_cast<int>(std::count(text.begin(), end, '\n')), "is not UTF-8");
   }
-  if (document_.Parse(text_.c_str()) != tinyxml2::XML_SUCCESS) {
+  if (document_.Parse(text.c_str()) != tinyxml2::XML_SUCCESS) {
     fail(document_.ErrorLineNum(),
          std::string("is not well-formed XML (") + document_.ErrorName() + ")");
   }

@@ -15,11 +15,8 @@ namespace breakwater {
 class XmlFile {
  public:
   /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or is not such a file.
-  explicit XmlFile(const std::string& file);
-  /// Parses the text of a file.
-  XmlFile(std::string file, std::string text);
+  explicit XmlFile(std::string file);
 
-  const std::string& text() const { return text_; }
   const tinyxml2::XMLElement* root() const { return document_.RootElement(); }
 
   /// Throws std::invalid_argument `FILE:LINE: WHAT`.
@@ -27,15 +24,11 @@ class XmlFile {
 
  private:
   std::string file_;
-  std::string text_;
   tinyxml2::XMLDocument document_;
 };
 
 /// Throws std::invalid_argument if a file is a folder, a device, a pipe or a socket.
 void check_ends(const std::filesystem::path& file);
-
-/// The bytes of a file. Throws as check_ends() does, and if the file cannot be read.
-std::string read_text(const std::string& file);
 
 /// The words of a text, between white space.
 std::vector<std::string> words_of(std::string_view text);

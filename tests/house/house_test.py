@@ -30,7 +30,7 @@ WITHOUT = {
     "pictures": "rigs recorded study statistics", "pages": "rigs recorded", "thesis": "rigs recorded"}
 # Included headers, and the only rooms that may.
 HEADERS = {
-    "mujoco|mjdata|mjmodel": "sim render", "EGL/|GL/|libav": "render", "urdf|tinyxml|console_bridge": "plants",
+    "mujoco|mjdata|mjmodel": "sim render", "EGL/|GL/|libav": "render", "tinyxml": "plants",
     "^hdf5": "record", r"toml\+\+": "config study search pictures thesis",
     "CLI/": "shell recorded study cluster pictures pages thesis analysis identification program",
     "nlohmann": "record experiment render study search pictures pages thesis identification program",
