@@ -25,31 +25,30 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-// Walks through the files of a model as the engine's reader does (mjCReader, mjXReader in MuJoCo
-// 2.2). Includes and folders are relative to the folder of the main file, also in an included file.
-class MjcfFiles {
+// Reads the files of a model as the engine does (mjCReader, mjXReader in MuJoCo 2.2). Includes and
+// folders are relative to the folder of the main file, also in an included file.
+class MjcfReader {
  public:
   using Visit = std::function<void(const XmlFile& xml, const XMLElement& element)>;
 
-  // Calls visit(xml, element) for each element, if it is there. Throws then, as XmlFile does, if a
-  // file is missing or no XML.
-  explicit MjcfFiles(const fs::path& mjcf, Visit visit = {}, std::vector<fs::path> known = {})
-      : files(std::move(known)), folder_(mjcf.parent_path()), visit_(std::move(visit)) {
-    read(mjcf);
-    for (const Asset& asset : assets_) {
-      const fs::path name(strips_ ? asset.name.filename() : asset.name);
-      add(folder_ / (asset.is_texture ? texture_folder_ : mesh_folder_) / name);
-    }
+  explicit MjcfReader(fs::path mjcf, Visit visit = {})
+      : mjcf_(std::move(mjcf)), visit_(std::move(visit)) {}
+
+  // Calls visit(xml, element) for each element, if it is there. Throws as XmlFile does, and if a
+  // file is missing.
+  void read() {
+    std::vector<MjcfElement> top;
+    add(mjcf_);
+    const XmlFile xml(mjcf_.string());
+    read(xml, *xml.root(), mjcf_, top);
+    if (!top.empty()) root = std::move(top.front());  // an <include> may have none
+    if (root.name == "mujoco") find_assets(root);
   }
 
+  MjcfElement root;             // with all included elements
   std::vector<fs::path> files;  // that exist
 
  private:
-  struct Asset {
-    fs::path name;
-    bool is_texture;
-  };
-
   // False if the file was added before.
   bool add(const fs::path& file) {
     const fs::path path = file.lexically_normal();
@@ -60,59 +59,78 @@ class MjcfFiles {
     return true;
   }
 
-  void read(const fs::path& file) {
-    if (!add(file)) return;
-    std::optional<XmlFile> xml;
-    try {
-      xml.emplace(file.string());
-    } catch (const std::invalid_argument&) {
-      if (visit_) throw;
+  // The recursion is safe, because tinyxml2 refuses deeply nested files.
+  void read(const XmlFile& xml, const XMLElement& from, const fs::path& file,
+            std::vector<MjcfElement>& out) {
+    if (visit_) visit_(xml, from);
+    MjcfElement element{
+        from.Name(), file.string() + ":" + std::to_string(from.GetLineNum()), {}, {}};
+    for (const auto* one = from.FirstAttribute(); one != nullptr; one = one->Next()) {
+      element.attributes.emplace_back(one->Name(), one->Value());
+    }
+    if (element.name == "include") {
+      const fs::path path = (folder() / element.text("file")).lexically_normal();
+      if (!add(path)) element.fail("includes a file a second time");
+      const XmlFile included(path.string());
+      if (visit_) visit_(included, *included.root());
+      read_children(included, *included.root(), path, out);
       return;
     }
-    walk(*xml, xml->root());
+    read_children(xml, from, file, element.children);
+    out.push_back(std::move(element));
   }
 
-  // The recursion is safe, because tinyxml2 refuses deeply nested files.
-  void walk(const XmlFile& xml, const XMLElement* element) {
-    for (; element != nullptr; element = element->NextSiblingElement()) {
-      if (visit_) visit_(xml, *element);
-      const std::string kind = element->Name();
-      const char* const name = element->Attribute("file");
-      if (kind == "compiler") {
-        if (const char* folder = element->Attribute("assetdir")) {
-          mesh_folder_ = texture_folder_ = folder;
-        }
-        if (const char* folder = element->Attribute("meshdir")) mesh_folder_ = folder;
-        if (const char* folder = element->Attribute("texturedir")) texture_folder_ = folder;
-        element->QueryBoolAttribute("strippath", &strips_);
-      } else if (kind == "include") {
-        if (name != nullptr) read(folder_ / name);
-      } else if (kind == "model") {  // for <attach>, with its own folder
-        if (name != nullptr) files = MjcfFiles(folder_ / name, visit_, std::move(files)).files;
-      } else if (kind == "mesh" || kind == "hfield" || kind == "skin" || kind == "texture") {
-        constexpr std::array<const char*, 7> kFiles = {
-            "file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback"};
-        for (const char* key : kFiles) {
-          const char* asset = element->Attribute(key);
-          if (asset != nullptr) assets_.push_back({asset, kind == "texture"});
-        }
-      }
-      walk(xml, element->FirstChildElement());
+  void read_children(const XmlFile& xml, const XMLElement& from, const fs::path& file,
+                     std::vector<MjcfElement>& out) {
+    for (const auto* child = from.FirstChildElement(); child != nullptr;
+         child = child->NextSiblingElement()) {
+      read(xml, *child, file, out);
     }
   }
 
-  fs::path folder_;
+  // Adds the files of the assets, and makes their names absolute.
+  void find_assets(MjcfElement& parent) {
+    for (MjcfElement& asset : parent.children) {
+      find_assets(asset);
+      const bool is_texture = asset.name == "texture";
+      if (!is_texture && asset.name != "mesh" && asset.name != "hfield" && asset.name != "skin") {
+        continue;
+      }
+      const std::string own = mjcf_compiler(root, is_texture ? "texturedir" : "meshdir",
+                                            mjcf_compiler(root, "assetdir", ""));
+      for (auto& [attribute, value] : asset.attributes) {
+        if (!attribute.starts_with("file")) continue;
+        fs::path name = value;
+        if (mjcf_compiler(root, "strippath", "false") == "true") name = name.filename();
+        const fs::path path = folder() / own / name;
+        add(path);
+        value = fs::absolute(path).lexically_normal().string();
+        if (!fs::is_regular_file(path)) asset.fail("there is no file " + value);
+      }
+    }
+  }
+
+  fs::path folder() const { return mjcf_.parent_path(); }
+
+  fs::path mjcf_;
   Visit visit_;
-  fs::path mesh_folder_;
-  fs::path texture_folder_;
-  bool strips_ = false;
-  std::vector<Asset> assets_;
 };
 
 }  // namespace
 
+MjcfElement read_mjcf(const fs::path& mjcf) {
+  MjcfReader reader(mjcf);
+  reader.read();
+  return std::move(reader.root);
+}
+
 std::vector<fs::path> mjcf_files(const fs::path& mjcf) {
-  return MjcfFiles(mjcf).files;
+  MjcfReader reader(mjcf);
+  try {
+    reader.read();
+  } catch (const std::invalid_argument&) {  // Model::load() reports it
+  }
+  return std::move(reader.files);
 }
 namespace {
 
@@ -239,7 +257,7 @@ double elements_of(const tinyxml2::XMLElement& element) {
 
 void check_mjcf(const std::string& file, std::uint64_t most_elements) {
   double elements = 0.0, bytes = 0.0;  // bytes of all grids
-  const MjcfFiles model(file, [&](const XmlFile& xml, const XMLElement& element) {
+  MjcfReader model(file, [&](const XmlFile& xml, const XMLElement& element) {
     const auto refuse = [&](const std::string& complaint) {
       xml.fail(element.GetLineNum(), std::string("<") + element.Name() + ">" + complaint);
     };
@@ -252,6 +270,7 @@ void check_mjcf(const std::string& file, std::uint64_t most_elements) {
     bytes += bytes_of_grid(element);
     if (const std::string complaint = too_large(bytes); !complaint.empty()) refuse(complaint);
   });
+  model.read();
   bytes = 0.0;
   for (const auto& asset : model.files) {  // meshes and textures must be regular files too
     bytes += bytes_of_png(asset);

@@ -1,7 +1,6 @@
-// Includes, attached models, frames and replicates of MJCF, written out.
-#include <tinyxml2.h>
-
+// Frames and replicates of MJCF, written out.
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cctype>
 #include <numbers>
 #include <set>
@@ -22,14 +21,6 @@ using Names = std::set<std::pair<std::string, std::string>>;  // kind and name
 constexpr std::array kRotations = {"quat", "axisangle", "euler", "xyaxes", "zaxis"};
 constexpr std::array kSectionsThatRefer = {"tendon", "equality", "contact", "actuator", "sensor"};
 
-std::string compiler(const MjcfElement& root, std::string_view attribute,
-                     const std::string& otherwise) {
-  std::string value = otherwise;
-  for_each_section(root, "compiler",
-                   [&](const MjcfElement& section) { value = section.text(attribute, value); });
-  return value;
-}
-
 Quaterniond turn(double angle_rad, const Vector3d& axis) {
   const auto [sine, cosine] = math::sincos(0.5 * angle_rad);
   Quaterniond rotation;
@@ -39,7 +30,7 @@ Quaterniond turn(double angle_rad, const Vector3d& axis) {
 }
 
 Quaterniond euler_rotation(const MjcfElement& root, const std::vector<double>& angles) {
-  const std::string sequence = compiler(root, "eulerseq", "xyz");
+  const std::string sequence = mjcf_compiler(root, "eulerseq", "xyz");
   const double unit = has_degrees(root) ? std::numbers::pi / 180.0 : 1.0;
   Quaterniond rotation = Quaterniond::Identity();
   for (std::size_t i = 0; i < 3 && i < sequence.size(); ++i) {
@@ -87,16 +78,14 @@ MjcfPose pose_of(const Vector3d& p, const Quaterniond& q) {
 // The kind of element whose name this attribute gives; empty: none.
 std::string kind_referred(const MjcfElement& element, const std::string& attribute) {
   static const std::map<std::string_view, const char*> kinds = {
-      {"joint", "joint"},       {"joint1", "joint"},      {"joint2", "joint"},
-      {"body", "body"},         {"body1", "body"},        {"body2", "body"},
-      {"target", "body"},       {"site", "site"},         {"site1", "site"},
-      {"site2", "site"},        {"refsite", "site"},      {"sidesite", "site"},
-      {"slidersite", "site"},   {"cranksite", "site"},    {"geom", "geom"},
-      {"geom1", "geom"},        {"geom2", "geom"},        {"tendon", "tendon"},
-      {"tendon1", "tendon"},    {"tendon2", "tendon"},    {"jointinparent", "joint"},
-      {"actuator", "actuator"}, {"class", "class"},       {"childclass", "class"},
-      {"mesh", "mesh"},         {"material", "material"}, {"texture", "texture"},
-      {"hfield", "hfield"}};
+      {"joint", "joint"},      {"joint1", "joint"},   {"joint2", "joint"},
+      {"body", "body"},        {"body1", "body"},     {"body2", "body"},
+      {"target", "body"},      {"site", "site"},      {"site1", "site"},
+      {"site2", "site"},       {"refsite", "site"},   {"sidesite", "site"},
+      {"slidersite", "site"},  {"cranksite", "site"}, {"geom", "geom"},
+      {"geom1", "geom"},       {"geom2", "geom"},     {"tendon", "tendon"},
+      {"tendon1", "tendon"},   {"tendon2", "tendon"}, {"jointinparent", "joint"},
+      {"actuator", "actuator"}};
   if (attribute == "objname" || attribute == "refname") {
     const std::string type = element.text(attribute == "objname" ? "objtype" : "reftype");
     return type == "xbody" ? "body" : type;
@@ -135,18 +124,11 @@ void collect_names(const std::vector<MjcfElement>& elements, Names& names) {
 class FlatMjcf {
  public:
   FlatMjcf(const fs::path& file, std::uint64_t most_elements, MjcfChanges& changes)
-      : folder_(file.parent_path()), changes_(changes), most_(most_elements) {
-    std::vector<MjcfElement> top;
-    const XmlFile xml(file.string());
-    included_.insert(file.lexically_normal());
-    read(*xml.root(), file, top);
-    root = std::move(top.front());
+      : root(read_mjcf(file)), changes_(changes), most_(most_elements) {
     if (root.name != "mujoco") return;
-    find_assets();
-    for_each_section(root, "worldbody", [&](MjcfElement& world) { attach_in(world); });
-    for (MjcfElement& section : attached_) root.children.push_back(std::move(section));
-    for_each_section(root, "asset", [](MjcfElement& assets) {
-      std::erase_if(assets.children, [](const MjcfElement& e) { return e.name == "model"; });
+    for_each_section(root, "compiler", [&](MjcfElement& section) {
+      if (section.has("assetdir")) changes_.add(Loss::none, "compiler assetdir", section.place);
+      for (const char* own : {"assetdir", "meshdir", "texturedir", "strippath"}) section.erase(own);
     });
     classes_ = MjcfClasses(root);
     for_each_section(root, "worldbody", [&](MjcfElement& world) { expand(world, ""); });
@@ -155,174 +137,12 @@ class FlatMjcf {
   MjcfElement root;
 
  private:
-  void read(const tinyxml2::XMLElement& xml, const fs::path& file, std::vector<MjcfElement>& out) {
-    MjcfElement element{xml.Name(), file.string() + ":" + std::to_string(xml.GetLineNum()), {}, {}};
-    for (const auto* one = xml.FirstAttribute(); one != nullptr; one = one->Next()) {
-      element.attributes.emplace_back(one->Name(), one->Value());
-    }
-    if (element.name == "include") {
-      const fs::path path = (folder_ / element.text("file")).lexically_normal();
-      if (!included_.insert(path).second) element.fail("includes a file a second time");
-      const XmlFile included(path.string());
-      read_children(*included.root(), path, out);
-      return;
-    }
-    read_children(xml, file, element.children);
-    out.push_back(std::move(element));
-    count(1, out.back());
-  }
-
-  void read_children(const tinyxml2::XMLElement& xml, const fs::path& file,
-                     std::vector<MjcfElement>& out) {
-    for (const auto* child = xml.FirstChildElement(); child != nullptr;
-         child = child->NextSiblingElement()) {
-      read(*child, file, out);
-    }
-  }
-
-  void count(std::size_t more, const MjcfElement& element) {
-    elements_ += more;
-    if (elements_ > most_) {
-      element.fail("here the model has more than the " + std::to_string(most_) +
-                   " elements that model.most_elements allows");
-    }
-  }
-
-  // Writes absolute names of files, and takes out the folders of <compiler>.
-  void find_assets() {
-    const std::string all = compiler(root, "assetdir", "");
-    const fs::path meshes = folder_ / compiler(root, "meshdir", all);
-    const fs::path textures = folder_ / compiler(root, "texturedir", all);
-    const bool strips = compiler(root, "strippath", "false") == "true";
-    for_each_section(root, "compiler", [&](MjcfElement& section) {
-      if (section.has("assetdir")) changes_.add(Loss::none, "compiler assetdir", section.place);
-      for (const char* own : {"assetdir", "meshdir", "texturedir", "strippath"}) section.erase(own);
-    });
-    for_each_section(root, "asset", [&](MjcfElement& assets) {
-      for (MjcfElement& asset : assets.children) {
-        for (auto& [attribute, value] : asset.attributes) {
-          if (!attribute.starts_with("file")) continue;
-          const fs::path name = strips ? fs::path(value).filename() : fs::path(value);
-          const fs::path& folder = asset.name == "model"     ? folder_
-                                   : asset.name == "texture" ? textures
-                                                             : meshes;
-          const fs::path path = fs::absolute(folder / name).lexically_normal();
-          if (!fs::is_regular_file(path)) asset.fail("there is no file " + path.string());
-          value = path.string();
-        }
-      }
-    });
-  }
-
-  void attach_in(MjcfElement& parent) {
-    std::vector<MjcfElement> out;
-    for (MjcfElement& child : parent.children) {
-      if (child.name == "attach") {
-        attach(child, out);
-      } else {
-        attach_in(child);
-        out.push_back(std::move(child));
-      }
-    }
-    parent.children = std::move(out);
-  }
-
-  const MjcfElement& model_asset(const MjcfElement& attach) const {
-    const std::string name = attach.text("model");
-    for (const MjcfElement& section : root.children) {
-      for (const MjcfElement& asset : section.children) {
-        if (section.name != "asset" || asset.name != "model") continue;
-        if (asset.text("name", fs::path(asset.text("file")).stem().string()) == name) return asset;
-      }
-    }
-    attach.fail(name.empty() ? "a part of the file itself cannot be attached here"
-                             : "there is no <model> \"" + name + "\"");
-  }
-
-  // Puts a body of another file, or all of its world, in place of an <attach>.
-  void attach(const MjcfElement& attach, std::vector<MjcfElement>& out) {
-    const fs::path file = model_asset(attach).text("file");
-    if (attach.has("frame")) attach.fail("a frame of another model cannot be attached here");
-    FlatMjcf other(file, most_ - elements_, changes_);
-    count(other.elements_, attach);
-    for (const auto& [attribute, otherwise] : {std::pair("angle", "degree"),
-                                               {"eulerseq", "xyz"},
-                                               {"inertiafromgeom", "auto"},
-                                               {"autolimits", "true"}}) {
-      if (compiler(root, attribute, otherwise) == compiler(other.root, attribute, otherwise)) {
-        continue;
-      }
-      attach.fail(file.string() + " has another compiler " + attribute);
-    }
-    // The default values of the other model become a class. Values of our main class would be its
-    // own too.
-    MjcfElement main{"default", attach.place, {{"class", "main"}}, {}};
-    for_each_section(other.root, "default", [&](MjcfElement& section) {
-      main.set("class", section.text("class", main.text("class")));
-      for (MjcfElement& child : section.children) main.children.push_back(std::move(child));
-    });
-    for_each_section(root, "default", [&](const MjcfElement& section) {
-      for (const MjcfElement& own : section.children) {
-        if (own.name != "default") own.fail("values of the main class do not go with <attach>");
-      }
-    });
-    const std::string class_of_all = main.text("class");
-    std::vector<MjcfElement> parts;
-    for_each_section(other.root, "worldbody", [&](MjcfElement& world) {
-      for_each_in_body(world, class_of_all,
-                       [&](MjcfElement& part, MjcfElement& parent, const std::string& inherited) {
-                         const bool is_wanted =
-                             attach.has("body")
-                                 ? part.name == "body" && part.text("name") == attach.text("body")
-                                 : &parent == &world;
-                         if (!is_wanted) return;
-                         parts.push_back(part);
-                         give_class(parts.back(), inherited);
-                       });
-    });
-    if (parts.empty()) attach.fail(file.string() + " has no body \"" + attach.text("body") + "\"");
-    const std::string prefix = attach.text("prefix");
-    Names names;
-    collect_names(parts, names);
-    const auto rename = [&](MjcfElement& element, const std::string& section) {
-      for_each_name(element, section,
-                    [&](const std::string&, std::string& value, bool) { value = prefix + value; });
-    };
-    for (const char* kind : kSectionsThatRefer) {
-      MjcfElement section{kind, attach.place, {}, {}};
-      for_each_section(other.root, kind, [&](MjcfElement& from) {
-        for (MjcfElement& one : from.children) {
-          if (!refers(one, kind, names, true)) continue;
-          if (one.has("name")) names.emplace(kind, one.text("name"));
-          if (section.name != "sensor" && section.name != "contact") give_class(one, class_of_all);
-          rename(one, kind);
-          section.children.push_back(std::move(one));
-        }
-      });
-      if (!section.children.empty()) attached_.push_back(std::move(section));
-    }
-    for (MjcfElement& part : parts) rename(part, "");
-    rename(main, "");
-    attached_.push_back({"default", attach.place, {}, {std::move(main)}});
-    for_each_section(other.root, "asset", [&](MjcfElement& assets) {
-      rename(assets, "");
-      attached_.push_back(std::move(assets));
-    });
-    changes_.add(Loss::none, "attach", attach.place);
-    std::move(parts.begin(), parts.end(), std::back_inserter(out));
-  }
-
-  // Whether an element has references to these names; `alone`: and to no other part of a body.
-  static bool refers(const MjcfElement& element, const std::string& section, const Names& names,
-                     bool alone) {
-    bool one = false, other = false;
+  static bool refers(const MjcfElement& element, const std::string& section, const Names& names) {
+    bool is_ours = false;
     for_each_name(element, section, [&](const std::string& kind, const std::string& name, bool) {
-      const bool is_ours = names.contains({kind, name});
-      one |= is_ours;
-      other |= !is_ours && (kind == "body" || kind == "joint" || kind == "site" || kind == "geom" ||
-                            kind == "tendon" || kind == "camera");
+      is_ours |= names.contains({kind, name});
     });
-    return one && !(alone && other);
+    return is_ours;
   }
 
   static void give_class(MjcfElement& element, const std::string& name) {
@@ -390,7 +210,10 @@ class FlatMjcf {
 
   void add_suffix(MjcfElement& element, const std::string& section, const Names& names,
                   const std::string& suffix) {
-    count(1, element);
+    if (++copied_ > most_) {
+      element.fail("here the model has more than the " + std::to_string(most_) +
+                   " elements that model.most_elements allows");
+    }
     for_each_name(element, section, [&](const std::string& kind, std::string& value, bool) {
       if (names.contains({kind, value})) value += suffix;
     });
@@ -405,7 +228,7 @@ class FlatMjcf {
         last = &section;
         std::vector<MjcfElement> others;
         for (MjcfElement& one : section.children) {
-          const bool is_one = refers(one, kind, names, false);
+          const bool is_one = refers(one, kind, names);
           if (is_one && one.has("name")) names.emplace(kind, one.text("name"));
           (is_one ? originals : others).push_back(std::move(one));
         }
@@ -457,19 +280,16 @@ class FlatMjcf {
     }
   }
 
-  fs::path folder_;  // for includes
   MjcfChanges& changes_;
   std::uint64_t most_;
-  std::uint64_t elements_ = 0;
-  std::set<fs::path> included_;
+  std::uint64_t copied_ = 0;  // elements
   MjcfClasses classes_;
-  std::vector<MjcfElement> attached_;  // sections of attached models
 };
 
 }  // namespace
 
 bool has_degrees(const MjcfElement& root) {
-  return compiler(root, "angle", "degree") == "degree";
+  return mjcf_compiler(root, "angle", "degree") == "degree";
 }
 
 MjcfPose operator*(const MjcfPose& first, const MjcfPose& second) {

@@ -1,7 +1,5 @@
 #include <breakwater/plants/mjcf_tree.h>
 
-#include <tinyxml2.h>
-
 #include <algorithm>
 #include <charconv>
 #include <set>
@@ -141,6 +139,14 @@ const std::string* MjcfClasses::find(const MjcfElement& element, std::string_vie
     if (const std::string* value = (*one)->find(attribute)) return value;
   }
   return nullptr;
+}
+
+std::string mjcf_compiler(const MjcfElement& root, std::string_view attribute,
+                          const std::string& otherwise) {
+  std::string value = otherwise;
+  for_each_section(root, "compiler",
+                   [&](const MjcfElement& section) { value = section.text(attribute, value); });
+  return value;
 }
 
 std::string mjcf_text(const MjcfElement& root) {

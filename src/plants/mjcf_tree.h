@@ -93,10 +93,17 @@ void for_each_in_body(MjcfElement& body, const std::string& inherited, Visit&& v
   }
 }
 
-/// A file in the form of MuJoCo 2.2, as far as the places of elements go. It has its <include>s and
-/// the <attach>ed models. Poses of <frame> and copies of <replicate> are written out. The names of
-/// all files of assets are absolute. Throws std::invalid_argument `FILE[:LINE]: reason`, also if a
-/// file is missing or the copies have more than `most_elements`.
+/// A setting of the file: an attribute of its last <compiler> that has it.
+std::string mjcf_compiler(const MjcfElement& root, std::string_view attribute,
+                          const std::string& otherwise);
+
+/// A file with its <include>s. The names of all files of assets are absolute. Throws
+/// std::invalid_argument `FILE[:LINE]: reason`, also if a file is missing.
+MjcfElement read_mjcf(const std::filesystem::path& mjcf);
+
+/// The same in the form of MuJoCo 2.2, as far as the places of elements go. Poses of <frame> and
+/// copies of <replicate> are written out. Throws as read_mjcf(), and if more than `most_elements`
+/// are copied.
 MjcfElement flat_mjcf(const std::filesystem::path& file, std::uint64_t most_elements,
                       MjcfChanges& changes);
 
@@ -116,10 +123,9 @@ MjcfPose mjcf_pose(const MjcfElement& root, const MjcfClasses& classes, const Mj
 /// Whether angles of the file are in degrees.
 bool has_degrees(const MjcfElement& root);
 
-/// An MJCF file, its includes, the models that it attaches, and the meshes, height fields, skins
-/// and textures of all of them. Each existing file occurs once, the main file first. A file that is
-/// not XML gives only itself, and Model::load() reports its error. Throws as check_ends() does for
-/// each file.
+/// An MJCF file, its includes, and their meshes, height fields, skins and textures. Each existing
+/// file occurs once, the main file first. A file that cannot be read whole gives those before the
+/// error, which Model::load() reports.
 std::vector<std::filesystem::path> mjcf_files(const std::filesystem::path& mjcf);
 
 /// Throws std::invalid_argument `FILE[:LINE]: reason` if an MJCF file or one of its includes cannot
