@@ -82,14 +82,22 @@ void for_each_section(Root& root, std::string_view name, Visit&& visit) {
   }
 }
 
-/// Calls visit(element, parent, class that it inherits) for all that a body or the world contains.
+/// Calls visit(element, parent, class) for what a section contains, also in its bodies or classes.
+/// The class is the one that the element inherits, or that a <default> gives it to.
 template <typename Visit>
-void for_each_in_body(MjcfElement& body, const std::string& inherited, Visit&& visit) {
-  for (MjcfElement& child : body.children) {
-    visit(child, body, inherited);
-    if (child.name == "body") {
-      for_each_in_body(child, child.text("childclass", inherited), visit);
-    }
+void for_each_below(MjcfElement& parent, const std::string& inherited, Visit&& visit) {
+  for (MjcfElement& child : parent.children) {
+    visit(child, parent, inherited);
+    if (child.name == "body") for_each_below(child, child.text("childclass", inherited), visit);
+    if (child.name == "default") for_each_below(child, child.text("class"), visit);
+  }
+}
+
+/// The same for all sections of a model.
+template <typename Visit>
+void for_each_element(MjcfElement& root, Visit&& visit) {
+  for (MjcfElement& section : root.children) {
+    for_each_below(section, section.name == "default" ? section.text("class", "main") : "", visit);
   }
 }
 

@@ -116,14 +116,13 @@ class Conversion {
       : root(flat_mjcf(file, most_elements, changes)), file_(file) {
     if (root.name != "mujoco") return;
     classes_ = MjcfClasses(root);
-    for_each_section(root, "worldbody", [&](MjcfElement& world) {
-      for_each_in_body(world, "",
-                       [&](MjcfElement& one, MjcfElement& body, const std::string& name) {
-                         if (!one.has("name")) return;
-                         named_[{one.name, one.text("name")}] = {&one, &body, name};
-                       });
+    for_each_element(root, [&](MjcfElement& one, MjcfElement& parent, const std::string& name) {
+      const bool is_tendon = parent.name == "tendon";
+      const bool is_in_body = parent.name == "body" || parent.name == "worldbody";
+      if (!one.has("name") || !(is_tendon || is_in_body)) return;
+      named_[{is_tendon ? "tendon" : one.name, one.text("name")}] = {&one, &parent, name};
     });
-    for (const char* section : {"default", "actuator"}) convert_servos(section);
+    convert_servos();
     limit_joint_forces();
     join_sites();
     compensate_gravity();
@@ -141,7 +140,7 @@ class Conversion {
  private:
   struct Named {
     MjcfElement* element = nullptr;
-    MjcfElement* body = nullptr;
+    MjcfElement* parent = nullptr;
     std::string inherited;
   };
 
@@ -169,68 +168,60 @@ class Conversion {
     return mjcf_numbers(*one.element, *text, 2, 2);
   }
 
-  void convert_servos(const char* section) {
-    for_each_section(root, section, [&](MjcfElement& all) {
-      const std::string main = all.text("class", "main");
-      convert_servos(all, section == std::string("default") ? main : "");
+  // Each servo gets all numbers itself, since the engine's classes cannot have them.
+  void convert_servos() {
+    for_each_actuator([&](MjcfElement& one) {
+      if (one.name != "position" && one.name != "intvelocity" && one.name != "general") return;
+      Servo servo;
+      for (const MjcfElement* above : classes_.defaults(one.name, one.text("class"))) {
+        servo.read(*above);
+      }
+      servo.read(one);
+      if (servo.is_new) write_servo(one, servo);
+    });
+    for_each_element(root, [&](MjcfElement& one, MjcfElement& parent, const std::string&) {
+      if (parent.name == "default") erase_servo(one);
     });
   }
 
-  // `own` is the class whose elements these are, in a <default>.
-  void convert_servos(MjcfElement& section, const std::string& own) {
-    for (MjcfElement& one : section.children) {
-      if (one.name == "default") convert_servos(one, one.text("class"));
-      if (one.name != "position" && one.name != "intvelocity") continue;
-      Servo servo;
-      for (const MjcfElement* above :
-           classes_.defaults(one.name, own.empty() ? one.text("class") : own)) {
-        servo.read(*above);
-      }
-      if (own.empty()) {
-        servo.read(one);
-      }
-      if (servo.is_new) write_servo(one, servo, !own.empty());
-    }
-  }
-
-  void write_servo(MjcfElement& one, const Servo& servo, bool is_default) {
+  void erase_servo(MjcfElement& one) {
+    if (one.name != "position" && one.name != "intvelocity") return;
     for (const char* attribute : {"kv", "dampratio", "timeconst", "inheritrange"}) {
       if (one.has(attribute)) changes.add(Loss::none, one.name + " " + attribute, one.place);
       one.erase(attribute);
     }
+  }
+
+  void write_servo(MjcfElement& one, const Servo& servo) {
+    erase_servo(one);
     one.erase("kp");
     const bool integrates = one.name == "intvelocity";
-    if (servo.inherited_range > 0.0 && !is_default) {
+    if (servo.inherited_range > 0.0) {
       one.set(integrates ? "actrange" : "ctrlrange", inherited_range(one, servo.inherited_range));
       if (!integrates) one.set("ctrllimited", "true");
     }
     if (integrates) one.set("actlimited", "true");
     has_damping_ratio_ |= servo.bias[2] > 0.0;
     one.name = "general";
-    one.set("gaintype", "fixed");
-    one.set("biastype", "affine");
-    one.set("gainprm", std::array{servo.gain});
-    one.set("biasprm", servo.bias);
-    one.set("dyntype", servo.dynamics);
-    one.set("dynprm", std::array{servo.time_constant_s});
+    const auto give = [&](const char* attribute, const auto& value) {
+      if (!one.has(attribute)) one.set(attribute, value);
+    };
+    give("gaintype", "fixed");
+    give("biastype", "affine");
+    give("gainprm", std::array{servo.gain});
+    give("biasprm", servo.bias);
+    give("dyntype", servo.dynamics);
+    give("dynprm", std::array{servo.time_constant_s});
   }
 
   std::array<double, 2> inherited_range(const MjcfElement& actuator, double part) {
-    const bool is_joint = actuator.has("joint");
-    const Named* joint = is_joint ? named("joint", actuator.text("joint")) : nullptr;
-    std::optional<std::vector<double>> whole;
-    if (joint != nullptr) whole = range(*joint, "range");
-    for_each_section(root, "tendon", [&](MjcfElement& tendons) {
-      for (MjcfElement& tendon : tendons.children) {
-        if (!is_joint && tendon.text("name") == actuator.text("tendon")) {
-          whole = range({&tendon, nullptr, ""}, "range");
-        }
-      }
-    });
+    const std::string kind = actuator.has("joint") ? "joint" : "tendon";
+    const Named* driven = named(kind, actuator.text(kind));
+    const auto whole = driven != nullptr ? range(*driven, "range") : std::nullopt;
     if (!whole) actuator.fail("inheritrange: its joint or tendon has no range");
     double unit = 1.0;
-    if (joint != nullptr && has_degrees(root)) {
-      const std::string* type = classes_.find(*joint->element, "type", joint->inherited);
+    if (kind == "joint" && has_degrees(root)) {
+      const std::string* type = classes_.find(*driven->element, "type", driven->inherited);
       if (type == nullptr || *type == "hinge") unit = std::numbers::pi / 180.0;
     }
     const double middle = 0.5 * unit * ((*whole)[0] + (*whole)[1]);
@@ -243,21 +234,10 @@ class Conversion {
     for (auto& [key, joint] : named_) {
       if (key.first == "joint") limit_joint_force(joint);
     }
-    const auto erase = [](MjcfElement& one) { one.erase("actuatorfrcrange"); };
-    for_each_section(root, "worldbody", [&](MjcfElement& world) {
-      // A joint without a name has no actuator.
-      for_each_in_body(world, "", [&](MjcfElement& one, MjcfElement&, const std::string&) {
-        if (one.name == "joint") erase(one);
-      });
+    // A joint without a name has no actuator.
+    for_each_element(root, [](MjcfElement& one, MjcfElement&, const std::string&) {
+      if (one.name == "joint") one.erase("actuatorfrcrange");
     });
-    const auto erase_defaults = [&](auto&& self, MjcfElement& section) -> void {
-      for (MjcfElement& one : section.children) {
-        if (one.name == "joint") erase(one);
-        if (one.name == "default") self(self, one);
-      }
-    };
-    for_each_section(root, "default",
-                     [&](MjcfElement& section) { erase_defaults(erase_defaults, section); });
   }
 
   void limit_joint_force(const Named& joint) {
@@ -296,48 +276,41 @@ class Conversion {
   }
 
   // Whether an actuator without a joint may act on one: fixed tendons name their joints.
-  bool may_drive(const MjcfElement& actuator, const std::string& joint) {
-    bool may = true;
-    for_each_section(root, "tendon", [&](const MjcfElement& section) {
-      for (const MjcfElement& tendon : section.children) {
-        if (tendon.name != "fixed" || tendon.text("name") != actuator.text("tendon")) continue;
-        may = std::any_of(tendon.children.begin(), tendon.children.end(),
-                          [&](const MjcfElement& one) { return one.text("joint") == joint; });
-      }
-    });
-    return may;
+  bool may_drive(const MjcfElement& actuator, const std::string& joint) const {
+    const Named* tendon = named("tendon", actuator.text("tendon"));
+    if (tendon == nullptr || tendon->element->name != "fixed") return true;
+    const auto& joints = tendon->element->children;
+    return std::any_of(joints.begin(), joints.end(),
+                       [&](const MjcfElement& one) { return one.text("joint") == joint; });
   }
 
   // Two sites become two bodies and a relative pose. A <connect> is a <weld> that turns freely, so
   // that the sites need not meet at the reference pose.
   void join_sites() {
-    for_each_section(root, "equality", [&](MjcfElement& section) {
-      for (MjcfElement& one : section.children) {
-        if (!one.has("site1") || !one.has("site2")) continue;
-        std::array<MjcfPose, 2> poses;
-        for (const int i : {0, 1}) {
-          const std::string attribute = i == 0 ? "site1" : "site2";
-          const Named* site = named("site", one.text(attribute));
-          if (site == nullptr) one.fail("there is no site \"" + one.text(attribute) + "\"");
-          poses[static_cast<std::size_t>(i)] =
-              mjcf_pose(root, classes_, *site->element, site->inherited);
-          one.set(i == 0 ? "body1" : "body2", name_of(*site->body));
-        }
-        const bool is_weld = one.name == "weld";
-        changes.add(is_weld ? Loss::dropped : Loss::approximated,
-                    is_weld ? "weld of sites (the engine weighs its rotation otherwise)"
-                            : "connect of sites (equal at rest)",
-                    one.place);
-        const MjcfPose relative = poses[0] * inverse(poses[1]);
-        std::vector<double> pose(poses[0].position.begin(), poses[0].position.end());
-        pose.insert(pose.end(), relative.rotation.begin(), relative.rotation.end());
-        one.set("relpose", pose);
-        one.set("anchor", poses[1].position);
-        if (!is_weld) one.set("torquescale", "0");
-        one.name = "weld";
-        one.erase("site1");
-        one.erase("site2");
+    for_each_element(root, [&](MjcfElement& one, MjcfElement&, const std::string&) {
+      if (!one.has("site1") || !one.has("site2")) return;
+      std::array<MjcfPose, 2> poses;
+      for (const int i : {0, 1}) {
+        const std::string attribute = i == 0 ? "site1" : "site2";
+        const Named* site = named("site", one.text(attribute));
+        if (site == nullptr) one.fail("there is no site \"" + one.text(attribute) + "\"");
+        poses[static_cast<std::size_t>(i)] =
+            mjcf_pose(root, classes_, *site->element, site->inherited);
+        one.set(i == 0 ? "body1" : "body2", name_of(*site->parent));
+        one.erase(attribute);
       }
+      const bool is_weld = one.name == "weld";
+      changes.add(is_weld ? Loss::dropped : Loss::approximated,
+                  is_weld ? "weld of sites (the engine weighs its rotation otherwise)"
+                          : "connect of sites (equal at rest)",
+                  one.place);
+      const MjcfPose relative = poses[0] * inverse(poses[1]);
+      std::vector<double> pose(poses[0].position.begin(), poses[0].position.end());
+      pose.insert(pose.end(), relative.rotation.begin(), relative.rotation.end());
+      one.set("relpose", pose);
+      one.set("anchor", poses[1].position);
+      if (!is_weld) one.set("torquescale", "0");
+      one.name = "weld";
     });
   }
 
@@ -385,16 +358,14 @@ class Conversion {
   void compensate_gravity() {
     std::vector<std::pair<MjcfElement*, std::vector<double>>> rows;
     std::size_t used = stated_size("nuser_body");
-    for_each_section(root, "worldbody", [&](MjcfElement& world) {
-      for_each_in_body(world, "", [&](MjcfElement& body, MjcfElement&, const std::string&) {
-        if (body.name != "body") return;
-        used = user_size(body, used);
-        const double part = mjcf_numbers(body, body.text("gravcomp", "0"), 1, 1)[0];
-        body.erase("gravcomp");
-        if (part == 0.0) return;
-        rows.push_back({&body, {part}});
-        changes.add(Loss::none, "body gravcomp", body.place);
-      });
+    for_each_element(root, [&](MjcfElement& body, MjcfElement&, const std::string&) {
+      if (body.name != "body") return;
+      used = user_size(body, used);
+      const double part = mjcf_numbers(body, body.text("gravcomp", "0"), 1, 1)[0];
+      body.erase("gravcomp");
+      if (part == 0.0) return;
+      rows.push_back({&body, {part}});
+      changes.add(Loss::none, "body gravcomp", body.place);
     });
     if (!rows.empty()) add_user_data(rows, used, "nuser_body", kGravityColumn);
   }
@@ -403,22 +374,20 @@ class Conversion {
   void convert_slack() {
     std::vector<std::pair<MjcfElement*, std::vector<double>>> rows;
     std::size_t used = stated_size("nuser_tendon");
-    for_each_section(root, "tendon", [&](MjcfElement& section) {
-      for (MjcfElement& tendon : section.children) {
-        used = user_size(tendon, used);
-        const std::string* text = classes_.find(tendon, "springlength");
-        if (text == nullptr) continue;
-        const auto lengths = mjcf_numbers(tendon, *text, 1, 2);
-        if (lengths.size() < 2) continue;
-        changes.add(Loss::none, "tendon springlength", tendon.place);
-        tendon.set("springlength", std::array{lengths[0]});
-        if (lengths[0] == lengths[1]) continue;
-        const std::string* stiffness = classes_.find(tendon, "stiffness");
-        if (stiffness == nullptr) continue;
-        rows.push_back(
-            {&tendon, {mjcf_numbers(tendon, *stiffness, 1, 1)[0], lengths[0], lengths[1]}});
-        tendon.set("stiffness", "0");
-      }
+    for_each_element(root, [&](MjcfElement& tendon, MjcfElement& parent, const std::string&) {
+      if (parent.name != "tendon") return;
+      used = user_size(tendon, used);
+      const std::string* text = classes_.find(tendon, "springlength");
+      if (text == nullptr) return;
+      const auto lengths = mjcf_numbers(tendon, *text, 1, 2);
+      if (lengths.size() < 2) return;
+      changes.add(Loss::none, "tendon springlength", tendon.place);
+      tendon.set("springlength", std::array{lengths[0]});
+      const std::string* stiffness = classes_.find(tendon, "stiffness");
+      if (lengths[0] == lengths[1] || stiffness == nullptr) return;
+      rows.push_back(
+          {&tendon, {mjcf_numbers(tendon, *stiffness, 1, 1)[0], lengths[0], lengths[1]}});
+      tendon.set("stiffness", "0");
     });
     if (!rows.empty()) add_user_data(rows, used, "nuser_tendon", kSlackColumn);
   }
@@ -426,25 +395,18 @@ class Conversion {
   // A gap beyond the margin has no meaning in the engine. In MuJoCo 3 it lies outside of the
   // margin.
   void widen_margins() {
-    const auto widen = [&](MjcfElement& one, const std::string& inherited) {
-      if (one.name != "geom" && one.name != "pair") return;
-      const std::string* gap = classes_.find(one, "gap", inherited);
-      const std::string* margin = classes_.find(one, "margin", inherited);
-      if (gap == nullptr) return;
-      const double outside = mjcf_numbers(one, *gap, 1, 1)[0];
-      const double inside = margin != nullptr ? mjcf_numbers(one, *margin, 1, 1)[0] : 0.0;
-      if (outside <= inside) return;
-      one.set("margin", std::array{inside + outside});
-      changes.add(Loss::none, one.name + " gap", one.place);
-    };
-    for_each_section(root, "worldbody", [&](MjcfElement& world) {
-      for_each_in_body(world, "", [&](MjcfElement& one, MjcfElement&, const std::string& name) {
-        widen(one, name);
-      });
-    });
-    for_each_section(root, "contact", [&](MjcfElement& section) {
-      for (MjcfElement& pair : section.children) widen(pair, "");
-    });
+    for_each_element(
+        root, [&](MjcfElement& one, MjcfElement& parent, const std::string& inherited) {
+          if (parent.name == "default" || (one.name != "geom" && one.name != "pair")) return;
+          const std::string* gap = classes_.find(one, "gap", inherited);
+          const std::string* margin = classes_.find(one, "margin", inherited);
+          if (gap == nullptr) return;
+          const double outside = mjcf_numbers(one, *gap, 1, 1)[0];
+          const double inside = margin != nullptr ? mjcf_numbers(one, *margin, 1, 1)[0] : 0.0;
+          if (outside <= inside) return;
+          one.set("margin", std::array{inside + outside});
+          changes.add(Loss::none, one.name + " gap", one.place);
+        });
   }
 
   // MuJoCo 3 has one memory for all. In the engine the stack, contacts and constraints each have a
@@ -471,12 +433,9 @@ class Conversion {
 
   // The engine asks for `limited` wherever there is a range, unless `autolimits` is set.
   void set_autolimits() {
-    bool is_set = false;
-    for_each_section(root, "compiler",
-                     [&](const MjcfElement& section) { is_set |= section.has("autolimits"); });
-    if (is_set) return;
+    if (!mjcf_compiler(root, "autolimits", "").empty()) return;
     std::string place;
-    const auto look = [&](const MjcfElement& one, const std::string& inherited) {
+    for_each_element(root, [&](MjcfElement& one, MjcfElement&, const std::string& inherited) {
       const bool has_range = one.name == "joint" || one.name == "spatial" || one.name == "fixed" ||
                              one.name == "tendon";
       const bool is_free = one.name == "damper" || one.name == "adhesion";  // always limited
@@ -488,26 +447,6 @@ class Conversion {
         if (is_free && range == std::string("ctrlrange")) continue;
         if (classes_.find(one, limited, inherited) == nullptr) place = one.place;
       }
-    };
-    for_each_section(root, "worldbody", [&](MjcfElement& world) {
-      for_each_in_body(world, "", [&](MjcfElement& one, MjcfElement&, const std::string& name) {
-        look(one, name);
-      });
-    });
-    for (const char* name : {"tendon", "actuator"}) {
-      for_each_section(root, name, [&](const MjcfElement& section) {
-        for (const MjcfElement& one : section.children) look(one, "");
-      });
-    }
-    const auto look_in = [&](auto&& self, const MjcfElement& section,
-                             const std::string& own) -> void {
-      for (const MjcfElement& one : section.children) {
-        if (one.name == "default") self(self, one, one.text("class"));
-        look(one, own);
-      }
-    };
-    for_each_section(root, "default", [&](const MjcfElement& section) {
-      look_in(look_in, section, section.text("class", "main"));
     });
     if (place.empty()) return;
     changes.add(Loss::none, "compiler autolimits", place);

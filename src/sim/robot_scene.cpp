@@ -133,7 +133,7 @@ MjcfElement* find_body(MjcfElement& world, const Model& model, const TipPlace& t
   const std::string name =
       is_site ? model.name(mjOBJ_SITE, tip.site) : model.name(mjOBJ_BODY, tip.body);
   MjcfElement* found = nullptr;
-  for_each_in_body(world, "", [&](MjcfElement& element, MjcfElement& parent, const std::string&) {
+  for_each_below(world, "", [&](MjcfElement& element, MjcfElement& parent, const std::string&) {
     if (element.name == (is_site ? "site" : "body") && element.text("name") == name) {
       found = is_site ? &parent : &element;
     }
@@ -178,7 +178,7 @@ void show_robot(MjcfElement& root, const Model& model) {
   }
   for_each_section(root, "worldbody", [&](MjcfElement& world) {
     if (hidden == 0) draw_links(world);
-    for_each_in_body(world, "", [](MjcfElement& element, MjcfElement& parent, const std::string&) {
+    for_each_below(world, "", [](MjcfElement& element, MjcfElement& parent, const std::string&) {
       if (element.name == "geom" && parent.name == "body")
         element.set("group", std::to_string(kLastShown));
     });
