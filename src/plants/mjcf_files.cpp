@@ -147,10 +147,11 @@ bool holds_a_name(const tinyxml2::XMLAttribute& attribute) {
 // accepts the others.
 bool must_not_be_negative(const tinyxml2::XMLAttribute& attribute) {
   static const std::set<std::string_view> names = {
-      "mass",    "diaginertia", "density",    "viscosity", "armature",  "damping",  "frictionloss",
-      "fovy",    "offwidth",    "offheight",  "znear",     "zfar",      "extent",   "shadowclip",
-      "group",   "numslices",   "shadowsize", "numstacks", "rgba",      "rgb1",     "rgb2",
-      "markrgb", "ambient",     "diffuse",    "specular",  "shininess", "emission", "reflectance"};
+      "mass",         "diaginertia", "density",    "viscosity", "armature",   "damping",
+      "frictionloss", "friction",    "fovy",       "offwidth",  "offheight",  "znear",
+      "zfar",         "extent",      "shadowclip", "group",     "numslices",  "shadowsize",
+      "numstacks",    "rgba",        "rgb1",       "rgb2",      "markrgb",    "ambient",
+      "diffuse",      "specular",    "shininess",  "emission",  "reflectance"};
   return names.contains(attribute.Name());
 }
 

@@ -18,15 +18,6 @@ namespace {
 constexpr double kHorizontal = 1e-3;      // sine of a plane's normal with the vertical
 constexpr double kSoftImpedance = 0.001;  // d, ten times the engine's smallest
 
-int world_plane(const Model& model, const std::string& wall) {
-  const int plane = geom_id(model, wall);
-  if (model->geom_type[plane] != mjGEOM_PLANE || model->geom_bodyid[plane] != 0) {
-    throw std::invalid_argument(model.file() + ": geom \"" + wall +
-                                "\" must be a plane of the world body");
-  }
-  return plane;
-}
-
 // The wall and its parts, to be moved. The engine computes no frame of a geom whose frame was its
 // body's in the file, unless it is told that this is over.
 std::vector<int> movable_parts(Model& model, const std::string& wall) {
@@ -39,6 +30,15 @@ std::vector<int> movable_parts(Model& model, const std::string& wall) {
 }
 
 }  // namespace
+
+int world_plane(const Model& model, const std::string& wall) {
+  const int plane = geom_id(model, wall);
+  if (model->geom_type[plane] != mjGEOM_PLANE || model->geom_bodyid[plane] != 0) {
+    throw std::invalid_argument(model.file() + ": geom \"" + wall +
+                                "\" must be a plane of the world body");
+  }
+  return plane;
+}
 
 void author_contact(Model& model, int geom1, int geom2, const KelvinVoigt& law) {
   mjModel& m = *model.get();

@@ -24,6 +24,9 @@ namespace breakwater {
 /// no gap, the same priority and no <pair>.
 void author_contact(Model& model, int geom1, int geom2, const KelvinVoigt& law);
 
+/// The id of a plane of the world body. Throws std::invalid_argument if there is no such plane.
+int world_plane(const Model& model, const std::string& wall);
+
 /// Moves the geom `wall`, a plane of the world body, to x. All geoms of that body with a name that
 /// begins with `wall_` move too. Throws std::invalid_argument if there is no such plane.
 void place_wall(Model& model, const std::string& wall, double x_m);

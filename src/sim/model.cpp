@@ -108,18 +108,6 @@ void check_geoms(const mjModel& m, const std::string& file) {
   }
 }
 
-void check_joints(const mjModel& m, const std::string& file) {
-  for (int i = 0; i < m.nv; ++i) {
-    const bool fits = std::isfinite(m.dof_armature[i]) && m.dof_armature[i] >= 0.0 &&
-                      std::isfinite(m.dof_damping[i]) && m.dof_damping[i] >= 0.0 &&
-                      std::isfinite(m.dof_frictionloss[i]) && m.dof_frictionloss[i] >= 0.0;
-    if (!fits) {
-      refuse(file, "joint " + name_of(m, mjOBJ_JOINT, m.dof_jntid[i]) +
-                       ": armature, damping and frictionloss must be finite and not negative");
-    }
-  }
-}
-
 // Whether the engine gives another meaning than MuJoCo 3 to a file that it accepts.
 bool has_gap_outside(const mjModel& m) {
   const std::less_equal<> fits;
@@ -159,7 +147,6 @@ Model Model::compile(const ModelFile& mjcf) {
   check_timestep(model->opt.timestep, mjcf_file);
   check_bodies(*model.get(), mjcf_file);
   check_geoms(*model.get(), mjcf_file);
-  check_joints(*model.get(), mjcf_file);
   return model;
 }
 
@@ -307,17 +294,7 @@ DataPointer Model::make_data() const {
 void Model::set_physics(double timestep_s, Integrator integrator) {
   check_timestep(timestep_s, file_);
   model_->opt.timestep = timestep_s;
-  switch (integrator) {
-    case Integrator::euler:
-      model_->opt.integrator = mjINT_EULER;
-      break;
-    case Integrator::rk4:
-      model_->opt.integrator = mjINT_RK4;
-      break;
-    case Integrator::implicit:
-      model_->opt.integrator = mjINT_IMPLICIT;
-      break;
-  }
+  model_->opt.integrator = static_cast<int>(integrator);
 }
 
 void Model::scale_inertia(double ratio) {

@@ -12,7 +12,7 @@
 
 namespace breakwater {
 
-enum class Integrator { euler, rk4, implicit };
+enum class Integrator { euler = mjINT_EULER, rk4 = mjINT_RK4, implicit = mjINT_IMPLICIT };
 
 struct DeleteData {
   void operator()(mjData* data) const { mj_deleteData(data); }
@@ -79,6 +79,7 @@ class Model {
   /// Replaces the timestep [s] and the integrator of the file. Throws std::invalid_argument unless
   /// the timestep is positive and finite.
   void set_physics(double timestep_s, Integrator integrator);
+  Integrator integrator() const { return static_cast<Integrator>(model_->opt.integrator); }
 
   /// Multiplies the mass and inertia of every body. Throws std::invalid_argument unless the ratio
   /// is positive and finite and the engine can compute the derived constants.

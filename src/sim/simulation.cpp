@@ -1,6 +1,7 @@
 #include <breakwater/sim/simulation.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -29,26 +30,16 @@ Model with_listed_contacts(Model model) {
   return model;
 }
 
-const char* warning_name(int warning) {
-  switch (warning) {
-    case mjWARN_INERTIA:
-      return "inertia matrix is nearly singular";
-    case mjWARN_CONTACTFULL:
-      return "contact buffer is full";
-    case mjWARN_CNSTRFULL:
-      return "constraint buffer is full";
-    case mjWARN_BADQPOS:
-      return "diverged: a position is not finite or huge";
-    case mjWARN_BADQVEL:
-      return "diverged: a velocity is not finite or huge";
-    case mjWARN_BADQACC:
-      return "diverged: an acceleration is not finite or huge";
-    case mjWARN_BADCTRL:
-      return "an actuator command is not finite or huge";
-    default:
-      return "the engine warned";
-  }
-}
+// In the order of mjtWarning.
+constexpr std::array<const char*, mjNWARNING> kWarnings = {
+    "inertia matrix is nearly singular",
+    "contact buffer is full",
+    "constraint buffer is full",
+    "too many geoms are drawn",
+    "diverged: a position is not finite or huge",
+    "diverged: a velocity is not finite or huge",
+    "diverged: an acceleration is not finite or huge",
+    "an actuator command is not finite or huge"};
 
 }  // namespace
 
@@ -228,7 +219,7 @@ void Simulation::check_engine(double time_before_s) {
   for (int i = 0; i < mjNWARNING; ++i) {
     if (data_->warning[i].number > 0) {
       const std::string text = take_engine_warning();
-      fail(warning_name(i) + (text.empty() ? "" : std::string(" (") + text + ")"));
+      fail(kWarnings[static_cast<std::size_t>(i)] + (text.empty() ? "" : " (" + text + ")"));
     }
   }
   if (!(data_->time > time_before_s)) fail("time does not advance");

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <sstream>
 #include <stdexcept>
-#include <vector>
 
 #include <breakwater/math/functions.h>
 #include <breakwater/math/refuse_unless.h>
 #include <breakwater/sim/contact.h>
+#include <breakwater/sim/linear_model.h>
 
 namespace breakwater {
 namespace {
@@ -40,26 +41,16 @@ Transmission::Transmission(const Model& model, const std::string& motor, const s
 }
 
 void Transmission::check_stability(const Model& model) const {
-  const DataPointer data = model.make_data();
-  mj_resetData(model.get(), data.get());
-  mj_kinematics(model.get(), data.get());
-  mj_comPos(model.get(), data.get());
-  mj_crb(model.get(), data.get());
-  mj_factorM(model.get(), data.get());
-  const auto n = static_cast<std::size_t>(model->nv);
-  std::vector<double> along(n, 0.0), acceleration(n, 0.0);
-  along[static_cast<std::size_t>(motor_dof_)] =
+  Eigen::VectorXd along = Eigen::VectorXd::Zero(model->nv);
+  along(motor_dof_) =
       std::abs(1.0 / design_.ratio) + std::abs(design_.kinematic_error * design_.error_per_turn);
-  along[static_cast<std::size_t>(load_dof_)] = -1.0;
-  mj_solveM(model.get(), data.get(), acceleration.data(), along.data(), 1);
-  double inverse_inertia = 0.0;
-  for (std::size_t i = 0; i < n; ++i) inverse_inertia += along[i] * acceleration[i];
-
+  along(load_dof_) = -1.0;
+  const auto pose = std::span(model->qpos0, static_cast<std::size_t>(model->nq));
+  const Eigen::LLT<Eigen::MatrixXd> inertia(joint_inertia(model, pose));
   const ContactSlopes slopes{.stiffness_N_m = design_.stiffness,
                              .damping_Ns_m = design_.damping,
-                             .mass_kg = 1.0 / inverse_inertia};
-  const Integrator integrator =
-      model->opt.integrator == mjINT_RK4 ? Integrator::rk4 : Integrator::euler;
+                             .mass_kg = 1.0 / along.dot(inertia.solve(along))};
+  const Integrator integrator = model.integrator();
   const double timestep_s = model->opt.timestep;
   if (is_stable(integrator, timestep_s, slopes)) return;
   std::ostringstream text;

@@ -18,17 +18,6 @@ double weight(std::size_t stages, std::size_t stage) {
   return stages == 1 ? 1.0 : kWeights[stage];
 }
 
-Integrator integrator_of(const Model& model) {
-  switch (model->opt.integrator) {
-    case mjINT_RK4:
-      return Integrator::rk4;
-    case mjINT_IMPLICIT:
-      return Integrator::implicit;
-    default:
-      return Integrator::euler;
-  }
-}
-
 double dot(const std::array<double, 3>& a, const mjtNum* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -39,10 +28,10 @@ WallContact::WallContact(const Model& model, const std::string& sphere, const st
                          std::unique_ptr<ContactForceLaw> law, WallMotion motion,
                          const ContactFriction& friction)
     : sphere_(model.id(mjOBJ_GEOM, sphere)),
-      plane_(model.id(mjOBJ_GEOM, plane)),
+      plane_(world_plane(model, plane)),
       body_(model->geom_bodyid[sphere_]),
       radius_m_(model->geom_size[3 * sphere_]),
-      integrator_(integrator_of(model)),
+      integrator_(model.integrator()),
       timestep_s_(model->opt.timestep),
       stages_(integrator_ == Integrator::rk4 ? kMostStages : 1),
       law_(std::move(law)),
@@ -54,10 +43,6 @@ WallContact::WallContact(const Model& model, const std::string& sphere, const st
       recoil_(along_) {
   if (model->geom_type[sphere_] != mjGEOM_SPHERE) {
     throw std::invalid_argument(model.file() + ": geom \"" + sphere + "\" must be a sphere");
-  }
-  if (model->geom_type[plane_] != mjGEOM_PLANE || model->geom_bodyid[plane_] != 0) {
-    throw std::invalid_argument(model.file() + ": geom \"" + plane +
-                                "\" must be a plane of the world body");
   }
 }
 
