@@ -20,19 +20,12 @@ constexpr double kFarMoved = 0.5;
 std::string position_units(const Model& model, int joints) {
   std::vector<std::string> units;
   for (int joint = 0; joint < joints; ++joint) {
-    switch (model->jnt_type[joint]) {
-      case mjJNT_HINGE:
-        units.emplace_back("rad");
-        break;
-      case mjJNT_SLIDE:
-        units.emplace_back("m");
-        break;
-      case mjJNT_FREE:
-        units.insert(units.end(), 3, "m");
-        [[fallthrough]];
-      default:  // the quaternion of a ball
-        units.insert(units.end(), 4, "1");
-    }
+    const int type = model->jnt_type[joint];
+    const bool has_quaternion = type == mjJNT_FREE || type == mjJNT_BALL;
+    if (type == mjJNT_HINGE) units.emplace_back("rad");
+    if (type == mjJNT_SLIDE) units.emplace_back("m");
+    if (type == mjJNT_FREE) units.insert(units.end(), 3, "m");
+    if (has_quaternion) units.insert(units.end(), 4, "1");
   }
   const bool is_one = std::all_of(units.begin(), units.end(),
                                   [&](const std::string& unit) { return unit == units.front(); });

@@ -218,21 +218,16 @@ void AxisSettings::bind_parts(Fields& fields) {
   of_motor ? of_motor->bind_plant(fields, u) : transmission.bind(fields, u);
 }
 
-EncoderCounts AxisSettings::whole_counts() const {
-  if (counts_per_turn > 0.0) return {.bits = 1, .multiplication = 0.5 * counts_per_turn};
-  return counts;
-}
-
 double AxisSettings::pulses_per_revolution() const {
   if (!axis.counts_pulses) return encoder.quantum > 0.0 ? 1.0 / encoder.quantum : 0.0;
-  const EncoderCounts whole = whole_counts();
-  return whole.bits == 0 ? 0.0 : whole.counts_per_revolution();
+  if (counts_per_turn > 0.0) return counts_per_turn;
+  return counts.bits == 0 ? 0.0 : counts.counts_per_revolution();
 }
 
 double AxisSettings::quantum() const {
   if (!axis.counts_pulses) return encoder.quantum;
-  const EncoderCounts whole = whole_counts();
-  return whole.bits == 0 ? 0.0 : whole.quantum_rad();
+  const double pulses = pulses_per_revolution();
+  return pulses > 0.0 ? 2.0 * std::numbers::pi / pulses : 0.0;
 }
 
 double AxisSettings::force_limit() const {

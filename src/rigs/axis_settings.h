@@ -180,7 +180,6 @@ struct AxisSettings {
   void bind_nominal(Fields& fields);
   void bind_parts(Fields& fields);
   void bind_nominal_from(Fields& fields);
-  EncoderCounts whole_counts() const;
 };
 
 /// The settings of a plant with axes.
