@@ -41,6 +41,18 @@ struct ConfigEntry {
   int rank() const { return is_set() ? 2 : is_chosen ? 1 : 0; }
 };
 
+/// Thrown by settings that cannot be used, such as those of a part. It names the wrong key.
+class WrongKey : public std::invalid_argument {
+ public:
+  WrongKey(std::string key, const std::string& reason)
+      : std::invalid_argument(reason), key_(std::move(key)) {}
+
+  const std::string& key() const { return key_; }
+
+ private:
+  std::string key_;
+};
+
 /// Further names of keys: {name, key}.
 using Aliases = std::map<std::string, std::string>;
 
@@ -94,11 +106,14 @@ class Config {
   /// there. The key may name an element.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 
-  /// Calls `body`. If it throws std::invalid_argument, fail() reports that for `key`.
+  /// Calls `body`. If it throws std::invalid_argument, fail() reports that for `key`, or for the
+  /// key of a WrongKey.
   template <typename Body>
   auto blame(const std::string& key, Body&& body) const {
     try {
       return std::forward<Body>(body)();
+    } catch (const WrongKey& wrong) {
+      fail(wrong.key(), wrong.what());
     } catch (const std::invalid_argument& error) {
       fail(key, error.what());
     }

@@ -13,18 +13,6 @@
 
 namespace breakwater {
 
-/// Thrown by a part that cannot be made from its settings. It names the wrong key.
-class WrongKey : public std::invalid_argument {
- public:
-  WrongKey(std::string key, const std::string& reason)
-      : std::invalid_argument(reason), key_(std::move(key)) {}
-
-  const std::string& key() const { return key_; }
-
- private:
-  std::string key_;
-};
-
 /// Calls `make`. If it throws std::invalid_argument, throws a WrongKey for `key` instead.
 template <typename Make>
 auto blame(const char* key, Make&& make) {
@@ -152,13 +140,7 @@ class PartChoice {
   /// The same, as a check: throws std::invalid_argument `ORIGIN: KEY: reason`.
   template <typename... Context>
   auto check(const Config& config, Context&&... context) const {
-    try {
-      return make(std::forward<Context>(context)...);
-    } catch (const WrongKey& wrong) {
-      config.fail(wrong.key(), wrong.what());
-    } catch (const std::invalid_argument& error) {
-      config.fail(key_, error.what());
-    }
+    return config.blame(key_, [&] { return make(std::forward<Context>(context)...); });
   }
 
  private:

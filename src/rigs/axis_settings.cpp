@@ -38,16 +38,6 @@ TransmissionSettings at_joint(TransmissionSettings transmission) {
   return transmission;
 }
 
-// Calls a check whose error names a key of the axis.
-template <typename Check>
-void check_part(const Config& own, Check&& check) {
-  try {
-    check();
-  } catch (const WrongKey& wrong) {
-    own.fail(wrong.key(), wrong.what());
-  }
-}
-
 }  // namespace
 
 int actuator_id(const Model& model, const Axis& axis) {
@@ -436,7 +426,8 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
     const Config own = config.under(one.axis.prefix());
     const int joint = id_of(own, "joint", model, mjOBJ_JOINT, one.axis.joint);
     if (!model.is_axis(joint)) own.fail("joint", "must be a hinge or a slide");
-    check_part(own, [&] { one.transmission.check_motor(model, one.axis.joint); });
+    own.blame("transmission.motor_joint",
+              [&] { one.transmission.check_motor(model, one.axis.joint); });
     take(own, "joint", joints, joint, "has another axis: each joint may have one");
     if (one.transmission.adds_rotor() && !one.axis.is_driven()) {
       own.fail("actuator", "none: a motor that the model lacks needs an actuator of the joint");
@@ -746,7 +737,7 @@ void AxisPlant::check(const Config& config) {
   const SensingSetup setup = sensing(&no_force_N);
   faults.check(config, setup.channels);
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    check_part(config.under(axes[i].axis.prefix()), [&] { nominal(i); });
+    config.under(axes[i].axis.prefix()).blame("nominal.model", [&] { nominal(i); });
   }
   const Model model = load_model();
   for (const AxisSettings& one : axes) {

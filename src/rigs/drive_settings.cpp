@@ -183,7 +183,7 @@ double TransmissionSettings::rotor_inertia(const Model& model, const std::string
 void TransmissionSettings::check_motor(const Model& model, const std::string& load) const {
   if (!is_elastic()) return;
   if (!adds_rotor()) {
-    blame("transmission.motor_joint", [&] { model.id(mjOBJ_JOINT, motor_joint); });
+    model.id(mjOBJ_JOINT, motor_joint);
   } else if (!(rotor_inertia(model, load) > 0.0)) {
     throw WrongKey(
         "transmission." + motor_inertia_key_,

@@ -114,8 +114,8 @@ struct TransmissionSettings {
   /// The inertia of the rotor that author() adds: the motor's, and the armature of the joint `load`
   /// over the ratio squared. A model file has the motor's inertia as an armature.
   double rotor_inertia(const Model& model, const std::string& load) const;
-  /// Throws a WrongKey if the motor of an elastic transmission has neither a joint in the model of
-  /// the file nor an inertia.
+  /// Throws std::invalid_argument if the motor of an elastic transmission has neither a joint in
+  /// the model of the file nor an inertia.
   void check_motor(const Model& model, const std::string& load) const;
   /// Motion of the measured side for one of the load at rest.
   double measured_ratio() const { return measured == Side::motor ? design.ratio : 1.0; }
