@@ -65,104 +65,76 @@ MetricKind converged() {
           .takes_all = true};
 }
 
-// The vehicle with waves, estimator and controller in the engine, and the values at a sample for
-// log and metrics.
-class Flight {
- public:
-  Flight(Model model, SensingSetup sensing, int steps_per_sample,
-         std::unique_ptr<UnderwaterForce> waves, const Eigen::Vector3d& start,
-         const Eigen::Vector3d& reference, QuadrotorLoop loop)
-      : reference_(reference),
-        loop_(std::move(loop)),
-        simulation_(std::move(model), *loop_.controller, std::move(sensing), steps_per_sample),
-        waves_(std::move(waves)) {
-    simulation_.add(*waves_);
-    simulation_.set_position(std::vector<double>{start.x(), start.y(), start.z(), 1, 0, 0, 0});
-  }
-  Flight(const Flight&) = delete;
-  Flight& operator=(const Flight&) = delete;
+// The values of a flight at a sample, for log and metrics.
+struct Flight {
+  using Motion = QuadrotorEstimator::Motion;  // the pose and its rate
 
-  const Simulation& simulation() const { return simulation_; }
-  double distance_m() const { return error_.norm(); }
-
-  // One physics step, with the states of the waves at its beginning.
-  void step() {
-    if (simulation_.steps() > 0) {
-      const mjData& data = simulation_.data();
-      waves_->advance(simulation_.time_of(simulation_.steps()), FreeMotion(data.qpos, data.qvel));
-    }
-    simulation_.step();
-  }
+  const Simulation& simulation;
+  const UnderwaterForce& waves;
+  const QuadrotorLoop& loop;
+  Eigen::Vector3d reference;
+  Motion motion = Motion::Zero();
+  Eigen::Vector3d error = Eigen::Vector3d::Zero();  // reference minus position [m]
+  Vector6d wave_load = Vector6d::Zero();            // force [N] and torque [N m] in the world
+  double elevation_m = 0.0;                         // elevation of the surface above it
+  double saturated = 0.0;                           // 1 if a thrust is at its limit
+  // The errors of measurements and estimates.
+  Eigen::Vector3d measured_error = Eigen::Vector3d::Zero();
+  Motion motion_error = Motion::Zero();
+  Eigen::Vector3d force_error = Eigen::Vector3d::Zero();
+  double nees = 0.0;
 
   // Updates the values from the last step.
   void observe(double time_s) {
-    const FreeMotion free(simulation_.qpos().data(), simulation_.qvel().data());
-    motion_ << free.position, free.euler, free.velocity,
+    const FreeMotion free(simulation.qpos().data(), simulation.qvel().data());
+    motion << free.position, free.euler, free.velocity,
         attitude_rates(AttitudeTrig(free.euler), free.body_rates);
-    error_ = reference_ - free.position;
-    wave_load_ = waves_->wave_load(time_s, free);
-    elevation_m_ = waves_->elevation(time_s, free.position.x(), free.position.y());
-    saturated_ = simulation_.saturated() ? 1.0 : 0.0;
-    measured_error_ = simulation_.sample().y.head<3>() - motion_.head<3>();
-    if (!loop_.estimates()) return;
-    const QuadrotorEstimator& estimator = *loop_.estimator;
-    motion_error_ = estimator.motion() - motion_;
-    for (int i = 3; i < 6; ++i) motion_error_(i) = wrapped(motion_error_(i));
-    force_error_ = estimator.force() - wave_load_.head<3>();
-    nees_ = motion_error_.dot(estimator.motion_covariance().llt().solve(motion_error_));
+    error = reference - free.position;
+    wave_load = waves.wave_load(time_s, free);
+    elevation_m = waves.elevation(time_s, free.position.x(), free.position.y());
+    saturated = simulation.saturated() ? 1.0 : 0.0;
+    measured_error = simulation.sample().y.head<3>() - motion.head<3>();
+    if (!loop.estimates()) return;
+    const QuadrotorEstimator& estimator = *loop.estimator;
+    motion_error = estimator.motion() - motion;
+    for (int i = 3; i < 6; ++i) motion_error(i) = wrapped(motion_error(i));
+    force_error = estimator.force() - wave_load.head<3>();
+    nees = motion_error.dot(estimator.motion_covariance().llt().solve(motion_error));
   }
 
   // The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const {
-    const Simulation& sim = simulation_;
+    const Simulation& sim = simulation;
     std::vector<Signal> signals = {
         {"qpos", "m, m, m, 1, 1, 1, 1", "the engine's generalised positions", sim.qpos()},
-        {"motion_true", kMotionUnits, "true zeta and its rate", view(motion_)},
+        {"motion_true", kMotionUnits, "true zeta and its rate", view(motion)},
         {"pose_measured", kPoseUnits, "sampled x, y, z, roll, pitch, yaw", view(sim.sample().y)},
         {"thrust_command_N", "N", "commanded thrusts", view(sim.command())},
         {"thrust_applied_N", "N", "thrusts after saturation", view(sim.actuation())},
-        {"saturated", "1", "1 where any thrust is at its limit", view(saturated_)},
-        {"error_m", "m", "reference minus true position", view(error_)},
-        {"wave_force_N", "N", "true force of the waves, in the world", view(wave_load_).first(3)},
+        {"saturated", "1", "1 where any thrust is at its limit", view(saturated)},
+        {"error_m", "m", "reference minus true position", view(error)},
+        {"wave_force_N", "N", "true force of the waves, in the world", view(wave_load).first(3)},
         {"wave_torque_Nm", "N m", "true torque of the waves, in the world",
-         view(wave_load_).subspan(3)},
+         view(wave_load).subspan(3)},
         {"surface_elevation_m", "m", "elevation of the surface above the vehicle",
-         view(elevation_m_)}};
-    for (const Signal& signal : loop_.controller->signals()) signals.push_back(signal);
+         view(elevation_m)}};
+    for (const Signal& signal : loop.controller->signals()) signals.push_back(signal);
     return signals;
   }
 
   std::vector<Signal> signals_of_metrics() const {
-    std::vector<Signal> all = {{"position_measured_error_m", "m", "", view(measured_error_)},
-                               {"horizontal_wave_force_N", "N", "", view(wave_load_).first(2)}};
-    if (!loop_.estimates()) return all;
-    all.push_back({"position_hat_error_m", "m", "", view(motion_error_).first(3)});
-    all.push_back({"attitude_hat_error_rad", "rad", "", view(motion_error_).subspan(3, 3)});
-    all.push_back({"roll_rate_hat_error_rad_s", "rad/s", "", view(motion_error_[9])});
-    all.push_back({"nees", "1", "", view(nees_)});
-    if (!loop_.estimator->models_disturbance()) return all;
-    all.push_back({"horizontal_force_hat_error_N", "N", "", view(force_error_).first(2)});
-    all.push_back({"vertical_force_hat_error_N", "N", "", view(force_error_[2])});
+    std::vector<Signal> all = {{"position_measured_error_m", "m", "", view(measured_error)},
+                               {"horizontal_wave_force_N", "N", "", view(wave_load).first(2)}};
+    if (!loop.estimates()) return all;
+    all.push_back({"position_hat_error_m", "m", "", view(motion_error).first(3)});
+    all.push_back({"attitude_hat_error_rad", "rad", "", view(motion_error).subspan(3, 3)});
+    all.push_back({"roll_rate_hat_error_rad_s", "rad/s", "", view(motion_error[9])});
+    all.push_back({"nees", "1", "", view(nees)});
+    if (!loop.estimator->models_disturbance()) return all;
+    all.push_back({"horizontal_force_hat_error_N", "N", "", view(force_error).first(2)});
+    all.push_back({"vertical_force_hat_error_N", "N", "", view(force_error[2])});
     return all;
   }
-
- private:
-  using Motion = QuadrotorEstimator::Motion;  // the pose and its rate
-
-  Eigen::Vector3d reference_;
-  QuadrotorLoop loop_;
-  Simulation simulation_;
-  std::unique_ptr<UnderwaterForce> waves_;
-  Motion motion_ = Motion::Zero();
-  Eigen::Vector3d error_ = Eigen::Vector3d::Zero();  // reference minus position [m]
-  Vector6d wave_load_ = Vector6d::Zero();            // force [N] and torque [N m] in the world
-  double elevation_m_ = 0.0;                         // elevation of the surface above it
-  double saturated_ = 0.0;                           // 1 if a thrust is at its limit
-  // The errors of measurements and estimates.
-  Eigen::Vector3d measured_error_ = Eigen::Vector3d::Zero();
-  Motion motion_error_ = Motion::Zero();
-  Eigen::Vector3d force_error_ = Eigen::Vector3d::Zero();
-  double nees_ = 0.0;
 };
 
 class QuadrotorScenario final : public Scenario {
@@ -197,9 +169,8 @@ class QuadrotorScenario final : public Scenario {
   QuadrotorModel plant() const;
   WaveLoadSetup wave_setup() const;
   QuadrotorTask task() const;
-  std::unique_ptr<UnderwaterForce> water(const Model& model) const {
-    return std::make_unique<UnderwaterForce>(model, plant().parameters(), physics_kind_,
-                                             wave_setup(), vector3(start_m_));
+  UnderwaterForce water(const Model& model) const {
+    return {model, plant().parameters(), physics_kind_, wave_setup(), vector3(start_m_)};
   }
   SensingSetup sensing() const;
   void add_mass_of_water(Model& model) const;
@@ -401,24 +372,30 @@ Recording QuadrotorScenario::run(const RunControl& control) const {
   Model model = Model::load_physics(mjcf_);
   model.set_physics(physics_.timestep_s, physics_.integrator);
   add_mass_of_water(model);
-  const Eigen::Vector3d start = vector3(start_m_), reference = vector3(reference_m_);
-  std::unique_ptr<UnderwaterForce> waves = water(model);
-  Flight flight(std::move(model), sensing(), physics_.steps_per_sample(), std::move(waves), start,
-                reference, parts_.make(task()));
-  const Simulation& sim = flight.simulation();
+  UnderwaterForce waves = water(model);
+  const QuadrotorLoop loop = parts_.make(task());
+  Simulation sim(std::move(model), *loop.controller, sensing(), physics_.steps_per_sample());
+  sim.add(waves);
+  const Eigen::Vector3d start = vector3(start_m_);
+  sim.set_position(std::vector<double>{start.x(), start.y(), start.z(), 1, 0, 0, 0});
+  Flight flight{sim, waves, loop, vector3(reference_m_)};
+  const double end_s = run_.duration_s;
   std::vector<Signal> of_metrics = flight.signals_of_metrics();
   for (const Signal& signal : flight.signals()) of_metrics.push_back(signal);
-  const double end_s = run_.duration_s;
   MetricValues values(rows_, of_metrics, end_s);
   HeldReference held({0.0, end_s >= window_s_ ? end_s : 0.0}, "the position", "m");
-  held.ask((reference - start).norm());
+  held.ask((flight.reference - start).norm());
+  const auto step = [&](std::int64_t k) {
+    // With the states of the waves at its beginning.
+    if (k > 0) waves.advance(sim.time_of(k), FreeMotion(sim.data().qpos, sim.data().qvel));
+    sim.step();
+  };
   const auto sample = [&](double time_s) {
     flight.observe(time_s);
-    held.add(time_s, flight.distance_m());
+    held.add(time_s, flight.error.norm());
   };
-  Recording recording = record_run(
-      sim, physics_, physics_.step_at(end_s), flight.signals(), control,
-      [&](std::int64_t) { flight.step(); }, sample, &values);
+  Recording recording = record_run(sim, physics_, physics_.step_at(end_s), flight.signals(),
+                                   control, step, sample, &values);
   if (!recording.failure) held.warn(recording.warnings);
   return recording;
 }
