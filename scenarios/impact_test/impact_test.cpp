@@ -27,7 +27,7 @@ class ImpactTest final : public AxisScenario {
 
   AxisPlant plant() const override {
     AxisPlant plant = plant_;
-    plant.inertia_ratio *= mass_kg_ - plant_.tip->chain.tool_mass_kg;  // to the model's 1 kg
+    plant.inertia_ratio *= mass_kg_ - plant_.tip->tool_mass_kg;  // to the model's 1 kg
     AxisSettings& axis = plant.axis();
     axis.start_position -= distance_m_;
     axis.start_velocity += speed_m_s_;
@@ -47,7 +47,7 @@ class ImpactTest final : public AxisScenario {
   }
 
   MetricContext complete(const Config& config) override {
-    if (plant_.tip->chain.tool_mass_kg >= mass_kg_) {
+    if (plant_.tip->tool_mass_kg >= mass_kg_) {
       config.fail("sensor.force_tool_mass_kg", "must be less than impact.mass_kg");
     }
     return {};

@@ -598,7 +598,11 @@ void AxisPlant::check_tip(const Model& model, const Config& config) const {
       config.under(one.axis.prefix()).fail("joint", "a sensor of the tip has this axis' name");
     }
   }
-  tip->chain.check(config, physics.timestep_s);
+  for (const auto& [key, time_s] :
+       {std::pair("sensor.force_period_s", tip->raw.electronics.period_s),
+        {"sensor.force_delay_s", tip->raw.electronics.delay_s}}) {
+    check_multiple(config, key, time_s, physics.timestep_s, "physics.timestep_s");
+  }
   if (tip->sensor == TipSettings::kNone) {
     if (tip->contact != TipSettings::kNone) return;
     config.fail("tip.contact", "must name a contact, or tip.sensor a sensor");
@@ -627,7 +631,7 @@ double AxisPlant::coulomb_friction_at_drive(std::size_t i) const {
 Model AxisPlant::model_of_file() const {
   AxisPlant plant = *this;
   plant.inertia_ratio = 1.0;
-  if (plant.tip) plant.tip->chain.tool_mass_kg = 0.0;
+  if (plant.tip) plant.tip->tool_mass_kg = 0.0;
   for (AxisSettings& one : plant.axes) one.viscous_friction = one.coulomb_friction = -1.0;
   return plant.load_model();
 }
@@ -713,11 +717,7 @@ SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
     add_true("true velocity", Reading::joint_velocity);
   }
   if (tip) {
-    const bool has_sensor = tip->sensor != TipSettings::kNone;
-    for (SensorChannel& channel : tip->chain.channels()) {
-      channel.sensor = tip->sensor;
-      channel.source = has_sensor ? nullptr : contact_force_N;
-      channel.component = tip->component;
+    for (SensorChannel& channel : tip->channels(contact_force_N)) {
       setup.channels.push_back(std::move(channel));
     }
   }
@@ -768,11 +768,41 @@ void TipSettings::bind(Fields& fields) {
   fields.optional_count(
       "tip.component", component, between(0, 2),
       "value of the sensor, from 0: 0 is the force with which the tip presses along x of its site");
-  chain.bind(fields);
+  fields.optional_number("sensor.force_noise_N", raw.noise_std, not_negative(),
+                         "standard deviation of white noise on each force sample");
+  fields.optional_number(
+      "sensor.force_tool_mass_kg", tool_mass_kg, not_negative(),
+      "mass before the force sensor beside the tip's own: the sensor reads its inertia");
+  fields.optional_number("sensor.force_resonance_Hz", resonance_Hz, not_negative(),
+                         "natural frequency of the sensor's body; 0: rigid");
+  fields.optional_number("sensor.force_damping_ratio", raw.body.damping_ratio, between(0.0, 0.99),
+                         "damping ratio of the sensor's body");
+  fields.only_where({"sensor.force_damping_ratio"}, "sensor.force_resonance_Hz is not 0",
+                    [this] { return resonance_Hz != 0.0; });
+  fields.optional_number("sensor.force_bias_N", raw.electronics.bias, any(),
+                         "constant error of the sensor");
+  fields.optional_number("sensor.force_drift_N_sqrt_s", raw.electronics.drift_per_sqrt_s,
+                         not_negative(),
+                         "drift, a random walk: its standard deviation after 1 s [N/s^0.5]");
+  fields.optional_number("sensor.force_range_N", raw.electronics.range, not_negative(),
+                         "range: larger forces of either sign are clipped; 0: no limit");
+  fields.optional_number("sensor.force_quantum_N", raw.electronics.quantum, not_negative(),
+                         "one step of the converter; 0: no quantisation");
+  fields.optional_number("sensor.force_period_s", raw.electronics.period_s, not_negative(),
+                         "the sensor's own sampling period; 0: physics.timestep_s");
+  fields.optional_number("sensor.force_delay_s", raw.electronics.delay_s, not_negative(),
+                         "delay of the sensor's samples");
+  fields.optional_number("sensor.force_weighed_kg", raw.weighed_kg,
+                         between(SensorChannel::kAllBeyond, 1e3),
+                         "mass beyond the sensor whose weight is taken off each sample, as the "
+                         "sensor is turned; negative: all that the model has there");
+  fields.optional_number(
+      "sensor.force_tare_at_s", raw.tare_at_s, between(SensorChannel::kNever, 1e9),
+      "time whose value, before noise, is taken off all samples from then on; -1: none");
   fields.only_where({"tip.component", "sensor.force_tool_mass_kg", "sensor.force_weighed_kg"},
                     "tip.sensor names a sensor", [this] { return sensor != kNone; });
   if (std::isinf(reference.from_s)) return;
-  fields.optional_number("force.filter_time_constant_s", chain.low_pass_s, not_negative(),
+  fields.optional_number("force.filter_time_constant_s", low_pass_s, not_negative(),
                          "time constant of the force sensor's low-pass; 0: none");
   fields.optional_number("force.reference_N", reference.value, any(),
                          "reference of the force, for the controller and the log");
@@ -781,9 +811,9 @@ void TipSettings::bind(Fields& fields) {
 }
 
 void TipSettings::add_tool(Model& model) const {
-  if (sensor == kNone || chain.tool_mass_kg == 0.0) return;
+  if (sensor == kNone || tool_mass_kg == 0.0) return;
   const int id = model.id(mjOBJ_SENSOR, sensor);
-  model.add_mass(model->site_bodyid[model->sensor_objid[id]], chain.tool_mass_kg);
+  model.add_mass(model->site_bodyid[model->sensor_objid[id]], tool_mass_kg);
 }
 
 void DisturbanceSettings::bind(Fields& fields, const std::string& suffix, const std::string& unit) {
@@ -858,50 +888,12 @@ Disturbance DisturbanceSettings::make(std::uint64_t seed, const std::string& cha
   return made;
 }
 
-void ForceSensorSettings::bind(Fields& fields) {
-  fields.optional_number("sensor.force_noise_N", raw.noise_std, not_negative(),
-                         "standard deviation of white noise on each force sample");
-  fields.optional_number(
-      "sensor.force_tool_mass_kg", tool_mass_kg, not_negative(),
-      "mass before the force sensor beside the tip's own: the sensor reads its inertia");
-  fields.optional_number("sensor.force_resonance_Hz", resonance_Hz, not_negative(),
-                         "natural frequency of the sensor's body; 0: rigid");
-  fields.optional_number("sensor.force_damping_ratio", raw.body.damping_ratio, between(0.0, 0.99),
-                         "damping ratio of the sensor's body");
-  fields.only_where({"sensor.force_damping_ratio"}, "sensor.force_resonance_Hz is not 0",
-                    [this] { return resonance_Hz != 0.0; });
-  fields.optional_number("sensor.force_bias_N", raw.electronics.bias, any(),
-                         "constant error of the sensor");
-  fields.optional_number("sensor.force_drift_N_sqrt_s", raw.electronics.drift_per_sqrt_s,
-                         not_negative(),
-                         "drift, a random walk: its standard deviation after 1 s [N/s^0.5]");
-  fields.optional_number("sensor.force_range_N", raw.electronics.range, not_negative(),
-                         "range: larger forces of either sign are clipped; 0: no limit");
-  fields.optional_number("sensor.force_quantum_N", raw.electronics.quantum, not_negative(),
-                         "one step of the converter; 0: no quantisation");
-  fields.optional_number("sensor.force_period_s", raw.electronics.period_s, not_negative(),
-                         "the sensor's own sampling period; 0: physics.timestep_s");
-  fields.optional_number("sensor.force_delay_s", raw.electronics.delay_s, not_negative(),
-                         "delay of the sensor's samples");
-  fields.optional_number("sensor.force_weighed_kg", raw.weighed_kg,
-                         between(SensorChannel::kAllBeyond, 1e3),
-                         "mass beyond the sensor whose weight is taken off each sample, as the "
-                         "sensor is turned; negative: all that the model has there");
-  fields.optional_number(
-      "sensor.force_tare_at_s", raw.tare_at_s, between(SensorChannel::kNever, 1e9),
-      "time whose value, before noise, is taken off all samples from then on; -1: none");
-}
-
-void ForceSensorSettings::check(const Config& config, double timestep_s) const {
-  check_multiple(config, "sensor.force_period_s", raw.electronics.period_s, timestep_s,
-                 "physics.timestep_s");
-  check_multiple(config, "sensor.force_delay_s", raw.electronics.delay_s, timestep_s,
-                 "physics.timestep_s");
-}
-
-std::array<SensorChannel, 2> ForceSensorSettings::channels() const {
+std::array<SensorChannel, 2> TipSettings::channels(const double* contact_force_N) const {
   SensorChannel before = raw;
   before.name = "force_raw";
+  before.sensor = sensor;
+  before.source = sensor != kNone ? nullptr : contact_force_N;
+  before.component = component;
   before.body.resonance_rad_s = 2.0 * std::numbers::pi * resonance_Hz;
   SensorChannel behind = before;
   behind.name = "force";

@@ -63,21 +63,6 @@ Axis cart_axis();
 Axis named_axis(const std::string& name, const std::string& joint, const std::string& actuator,
                 bool is_hinge);
 
-/// The chain of a force sensor, each part of which is off at 0.
-struct ForceSensorSettings {
-  double low_pass_s = 0.0;    ///< time constant
-  double tool_mass_kg = 0.0;  ///< before the sensor: it reads what this mass' inertia takes
-  double resonance_Hz = 0.0;
-  SensorChannel raw;  ///< the rest of the channel before the low-pass
-
-  /// The keys sensor.force_…
-  void bind(Fields& fields);
-  /// Throws std::invalid_argument, blaming a key, if a time is no multiple of the timestep.
-  void check(const Config& config, double timestep_s) const;
-  /// The channels "force", behind the low-pass, and "force_raw", before it, without what they read.
-  std::array<SensorChannel, 2> channels() const;
-};
-
 /// A disturbance by the keys disturbance.…
 struct DisturbanceSettings {
   Disturbance shape;
@@ -114,10 +99,17 @@ struct TipSettings {
   std::string touch;            ///< <touch> of the model with the force of the engine's contact
   std::string sensor = kNone;   ///< kNone: the force of the contact is measured itself
   int component = 0;
-  ForceSensorSettings chain;
+  // The chain of the sensor, each part of which is off at 0.
+  double low_pass_s = 0.0;    ///< time constant
+  double tool_mass_kg = 0.0;  ///< before the sensor: it reads what this mass' inertia takes
+  double resonance_Hz = 0.0;
+  SensorChannel raw;    ///< the rest of the channel before the low-pass
   Reference reference;  ///< 0 until it begins; never, and without keys, if that is infinite
 
   void bind(Fields& fields);
+  /// The channels "force", behind the low-pass, and "force_raw", before it. `contact_force_N` is
+  /// the force of the contact.
+  std::array<SensorChannel, 2> channels(const double* contact_force_N) const;
   /// Puts the tool's mass before the sensor.
   void add_tool(Model& model) const;
 };

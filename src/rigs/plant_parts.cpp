@@ -177,7 +177,7 @@ ArmSetup planar_setup(const AxisPlant& plant) {
   if (static_cast<Eigen::Index>(plant.axes.size()) != n) {
     throw std::invalid_argument("moves the joints of the URDF alone, and there are other axes");
   }
-  arm.task.force_lag_s = plant.tip->chain.low_pass_s;
+  arm.task.force_lag_s = plant.tip->low_pass_s;
   arm.acceleration.nominal_inertia_kgm2.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const AxisSettings& joint = plant.axes[static_cast<std::size_t>(i)];
@@ -295,7 +295,7 @@ ArmSetup tip_setup(const AxisPlant& plant) {
   }
   const auto chain = std::make_shared<SpatialChain>(joints, body * tip.frame, *contact, start);
   ArmSetup arm{TipChain(chain), {}, {}, plant.physics.control_period_s};
-  arm.task.force_lag_s = settings.chain.low_pass_s;
+  arm.task.force_lag_s = settings.low_pass_s;
   arm.acceleration.nominal_inertia_kgm2.resize(start.size());
   std::vector<Eigen::Index> rates;
   for (std::size_t i = 0; i < plant.axes.size(); ++i) {
