@@ -233,13 +233,6 @@ struct ContactMpcSettings {
 
 }  // namespace
 
-void bind_observer_feed(Fields& fields, ObserverFeed& feed) {
-  fields.choice(
-      "observer.feed", feed,
-      {{"clipped", ObserverFeed::clipped}, {"unclipped", ObserverFeed::unclipped}},
-      "torque that the observer gets: after saturation (clipped) or before it (unclipped)");
-}
-
 std::vector<ArmControllerKind> arm_controllers() {
   return {{"proposed", "implicit force control over torque-limited PFC joints (2.4.2)",
            &Proposed::make},

@@ -25,9 +25,6 @@ struct ArmControllerKind : PartKind<Controller, const ArmSetup&> {
   static constexpr const char* kWhat = "controller of the arm";
 };
 
-/// The key observer.feed.
-void bind_observer_feed(Fields& fields, ObserverFeed& feed);
-
 /// The controllers of Breakwater.
 std::vector<ArmControllerKind> arm_controllers();
 

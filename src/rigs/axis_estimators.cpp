@@ -99,9 +99,6 @@ struct KalmanNoise {
     bind_process_noise(fields, process_noise, not_negative());
     bind_initial_covariance(fields, initial_covariance);
   }
-  void bind_observation(Fields& fields) {
-    fields.number("observer.observation_noise", observation_noise, positive(), "R");
-  }
 
   KalmanDesign design(const NominalAxis& axis) const {
     const ExtendedPlant plant = model.extend(axis);
@@ -114,7 +111,7 @@ struct KalmanNoise {
 struct KfdSettings : KalmanNoise {
   void bind(Fields& fields) {
     KalmanNoise::bind(fields);
-    bind_observation(fields);
+    fields.number("observer.observation_noise", observation_noise, positive(), "R");
   }
   Estimator make(const NominalAxis& axis) const { return std::make_unique<Kfd>(design(axis)); }
 };

@@ -118,8 +118,9 @@ struct AxisControllerKind
   static constexpr const char* kWhat = "controller of an axis";
 };
 
-inline const NominalAxis& what_is_known(const AxisTask& task) {
-  return task.axis;
+template <typename Make>
+auto estimator_for(const AxisTask& task, Make&& make) {
+  return make(task.axis);
 }
 
 using AxisLoop = ControlLoop<DisturbanceEstimator>;

@@ -195,7 +195,10 @@ void AxisSettings::bind_parts(Fields& fields) {
   bind_encoder_rounding(fields, encoder.rounding);
   fields.only_where({"encoder.phase_" + u.position_suffix, "encoder.origin", "encoder.rounding"},
                     "the encoder is quantised", [this] { return quantum() != 0.0; });
-  bind_scale(fields, encoder, u);
+  bind_sine(fields, "encoder.eccentricity", u.position_suffix, encoder.eccentricity, u,
+            "amplitude of the error of a scale that is not centred");
+  bind_sine(fields, "encoder.interpolation", u.position_suffix, encoder.interpolation, u,
+            "amplitude of the error between two lines of the scale");
   fields.optional_flag("noise.enabled", has_noise, "add the noise");
   fields.optional_number("noise.std_" + u.position_suffix, noise_std, not_negative(),
                          "standard deviation of the measurement's white noise");
@@ -336,44 +339,6 @@ void AxisPlant::bind_fine(Fields& fields) {
                 "time until which forces are logged at the physics rate");
 }
 
-void AxisPlant::complete(const Config& config) {
-  if (fine_to_s < fine_from_s) {
-    config.fail("record.fine_to_s", "must not be before record.fine_from_s");
-  }
-  load_model(&config);
-  const Model model = model_of_file();  // the true plant may differ from the nominal one
-  if (keyframe != Axis::kNone) id_of(config, "start.keyframe", model, mjOBJ_KEY, keyframe);
-  const std::vector<double> pose = this->pose(model);
-  const Eigen::MatrixXd inertia = joint_inertia(model, pose);
-  for (PushSettings& one : pushes) {
-    const Config own = config.under(one.prefix());
-    id_of(own, "body", model, mjOBJ_BODY, one.body);
-    if (one.along.size() != 3 ||
-        (one.along[0] == 0.0 && one.along[1] == 0.0 && one.along[2] == 0.0)) {
-      own.fail("along", "must be three numbers that are not all 0");
-    }
-    one.disturbance.load(own);
-  }
-  for (AxisSettings& one : axes) {
-    const Config own = config.under(one.axis.prefix());
-    const int joint = model.id(mjOBJ_JOINT, one.axis.joint);
-    one.reference.before = pose[static_cast<std::size_t>(model->jnt_qposadr[joint])];
-    if (one.reference.kind == ReferenceShape::csv) {
-      own.blame("reference.file",
-                [&] { one.reference.table = read_function(one.reference_file, "value"); });
-    }
-    one.disturbance.load(own);
-    one.force = one.disturbance.make(run.seed, one.axis.own("disturbance"));
-    one.output.start_s = one.force.start_s;
-    one.model_numbers = one.transmission.true_numbers(model, inertia, one.axis.joint);
-    if (!one.axis.is_driven()) continue;
-    const int actuator = actuator_id(model, one.axis);
-    one.model_limit = model->actuator_ctrllimited[actuator] != 0
-                          ? model->actuator_ctrlrange[2 * actuator + 1]
-                          : std::numeric_limits<double>::infinity();
-  }
-}
-
 NominalAxis AxisPlant::nominal(std::size_t i) const {
   const AxisSettings& one = axes[i];
   NominalAxis axis{
@@ -505,7 +470,10 @@ Model AxisPlant::load_model(const Config* config) const {
     if (!model.is_motor(actuator)) model.make_motor(actuator);
   }
   model.scale_inertia(inertia_ratio);
-  if (tip) tip->add_tool(model);
+  if (tip && tip->sensor != TipSettings::kNone && tip->tool_mass_kg != 0.0) {
+    const int sensor = model.id(mjOBJ_SENSOR, tip->sensor);
+    model.add_mass(model->site_bodyid[model->sensor_objid[sensor]], tip->tool_mass_kg);
+  }
   author_friction(model);  // also of joints that are no axis
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const AxisSettings& one = axes[i];
@@ -732,14 +700,47 @@ void AxisPlant::check(const Config& config) {
   for (AxisSettings& one : axes) {
     if (one.of_motor) one.transmission = at_joint(*one.of_motor);
   }
-  complete(config);
+  if (fine_to_s < fine_from_s) {
+    config.fail("record.fine_to_s", "must not be before record.fine_from_s");
+  }
+  const Model model = load_model(&config);
+  const Model of_file = model_of_file();  // the true plant may differ from the nominal one
+  if (keyframe != Axis::kNone) id_of(config, "start.keyframe", of_file, mjOBJ_KEY, keyframe);
+  const std::vector<double> pose = this->pose(of_file);
+  const Eigen::MatrixXd inertia = joint_inertia(of_file, pose);
+  for (PushSettings& one : pushes) {
+    const Config own = config.under(one.prefix());
+    id_of(own, "body", of_file, mjOBJ_BODY, one.body);
+    if (one.along.size() != 3 ||
+        (one.along[0] == 0.0 && one.along[1] == 0.0 && one.along[2] == 0.0)) {
+      own.fail("along", "must be three numbers that are not all 0");
+    }
+    one.disturbance.load(own);
+  }
+  for (AxisSettings& one : axes) {
+    const Config own = config.under(one.axis.prefix());
+    const int joint = of_file.id(mjOBJ_JOINT, one.axis.joint);
+    one.reference.before = pose[static_cast<std::size_t>(of_file->jnt_qposadr[joint])];
+    if (one.reference.kind == ReferenceShape::csv) {
+      own.blame("reference.file",
+                [&] { one.reference.table = read_function(one.reference_file, "value"); });
+    }
+    one.disturbance.load(own);
+    one.force = one.disturbance.make(run.seed, one.axis.own("disturbance"));
+    one.output.start_s = one.force.start_s;
+    one.model_numbers = one.transmission.true_numbers(of_file, inertia, one.axis.joint);
+    if (!one.axis.is_driven()) continue;
+    const int actuator = actuator_id(of_file, one.axis);
+    one.model_limit = of_file->actuator_ctrllimited[actuator] != 0
+                          ? of_file->actuator_ctrlrange[2 * actuator + 1]
+                          : std::numeric_limits<double>::infinity();
+  }
   const double no_force_N = 0.0;
   const SensingSetup setup = sensing(&no_force_N);
   faults.check(config, setup.channels);
   for (std::size_t i = 0; i < axes.size(); ++i) {
     config.under(axes[i].axis.prefix()).blame("nominal.model", [&] { nominal(i); });
   }
-  const Model model = load_model();
   for (const AxisSettings& one : axes) {
     const std::string rubs = one.transmission.friction_joint(one.axis.joint);
     const int dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, rubs)];
@@ -808,12 +809,6 @@ void TipSettings::bind(Fields& fields) {
                          "reference of the force, for the controller and the log");
   fields.optional_number("force.from_s", reference.from_s, not_negative(),
                          "time from which the reference counts; before, it is 0");
-}
-
-void TipSettings::add_tool(Model& model) const {
-  if (sensor == kNone || tool_mass_kg == 0.0) return;
-  const int id = model.id(mjOBJ_SENSOR, sensor);
-  model.add_mass(model->site_bodyid[model->sensor_objid[id]], tool_mass_kg);
 }
 
 void DisturbanceSettings::bind(Fields& fields, const std::string& suffix, const std::string& unit) {

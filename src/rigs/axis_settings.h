@@ -110,8 +110,6 @@ struct TipSettings {
   /// The channels "force", behind the low-pass, and "force_raw", before it. `contact_force_N` is
   /// the force of the contact.
   std::array<SensorChannel, 2> channels(const double* contact_force_N) const;
-  /// Puts the tool's mass before the sensor.
-  void add_tool(Model& model) const;
 };
 
 /// The settings of one axis.
@@ -246,8 +244,6 @@ struct AxisPlant {
   SensingSetup sensing(const double* contact_force_N) const;
 
  private:
-  // Reads the tables that the keys name, and takes from the model what they leave to it.
-  void complete(const Config& config);
   Model load_model(const Config* config) const;  // checks the names of the keys, if it is there
   Model model_of_file() const;  // load_model() without the keys plant.… and the tool
   void check_names(const Model& model, const Config& config) const;

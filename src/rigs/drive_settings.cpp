@@ -7,9 +7,7 @@
 #include <breakwater/sim/joint_friction.h>
 
 namespace breakwater {
-namespace {
 
-// A sine of the position: its amplitude, and its periods per turn or metre.
 void bind_sine(Fields& fields, const std::string& stem, const std::string& amplitude_suffix,
                PositionSine& sine, const AxisUnits& units, const std::string& doc) {
   const std::string amplitude = stem + "_" + amplitude_suffix;
@@ -21,8 +19,6 @@ void bind_sine(Fields& fields, const std::string& stem, const std::string& ampli
   sine.length = turns ? 2.0 * std::numbers::pi : 1.0;
   fields.only_where({periods}, amplitude + " is not 0", [&sine] { return sine.amplitude != 0.0; });
 }
-
-}  // namespace
 
 void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
   friction->bind(fields);
@@ -60,13 +56,6 @@ void DriveSettings::check(const Config& config, double coulomb) const {
   if (electric.voltage_limit_V > 0.0 && electric.resistance_ohm == 0.0) {
     config.fail("drive.resistance_ohm", "must be above 0 where drive.voltage_limit_V is not 0");
   }
-}
-
-void bind_scale(Fields& fields, Encoder& encoder, const AxisUnits& units) {
-  bind_sine(fields, "encoder.eccentricity", units.position_suffix, encoder.eccentricity, units,
-            "amplitude of the error of a scale that is not centred");
-  bind_sine(fields, "encoder.interpolation", units.position_suffix, encoder.interpolation, units,
-            "amplitude of the error between two lines of the scale");
 }
 
 void TimingSettings::bind(Fields& fields) {

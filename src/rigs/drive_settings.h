@@ -47,8 +47,9 @@ struct DriveSettings {
   void check(const Config& config, double coulomb) const;
 };
 
-/// Binds the errors of an encoder's scale.
-void bind_scale(Fields& fields, Encoder& encoder, const AxisUnits& units);
+/// Binds a sine of the position: its amplitude STEM_SUFFIX, and its periods per turn or metre.
+void bind_sine(Fields& fields, const std::string& stem, const std::string& amplitude_suffix,
+               PositionSine& sine, const AxisUnits& units, const std::string& doc);
 
 /// When commands reach the drives: keys control.…
 class TimingSettings {

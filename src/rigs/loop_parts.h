@@ -33,14 +33,8 @@ struct ControlLoop {
   bool estimates() const { return estimator != nullptr; }
 };
 
-/// The estimator of a task by `make(MODEL)`.
-template <typename Task, typename Make>
-auto estimator_for(const Task& task, Make&& make) {
-  return make(what_is_known(task));
-}
-
-/// The chosen estimator and controller of a loop. `estimator_for(task, make)` makes the
-/// estimator; the controller gets the task and the estimator.
+/// The chosen estimator and controller of a loop. `estimator_for(task, make)` makes the estimator
+/// by `make(MODEL)`; the controller gets the task and the estimator.
 template <typename Estimator, typename EstimatorKind, typename ControllerKind, typename Task>
 class LoopParts {
  public:

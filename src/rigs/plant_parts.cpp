@@ -209,8 +209,10 @@ class TipPart final : public PlantControllerKind::Part {
     fields.optional_number("controller.k_posture", k_posture_, not_negative(),
                            "stiffness to the start angles of the motion that the tip does not "
                            "feel; its damping is critical [1/s^2]");
-    bind_observer_feed(fields, feed_);
-    fields.standard("observer.feed", {std::string("clipped")});
+    fields.optional_choice(
+        "observer.feed", feed_,
+        {{"clipped", ObserverFeed::clipped}, {"unclipped", ObserverFeed::unclipped}},
+        "torque that the observer gets: after saturation (clipped) or before it (unclipped)");
   }
 
   std::unique_ptr<Controller> make(const PlantTask& task,

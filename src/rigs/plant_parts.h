@@ -53,26 +53,18 @@ struct PlantControllerKind
   bool moves_tip = false;  ///< it is one of an arm, and has an estimator for each axis
 };
 
-/// One estimator for each axis, by `make(NominalAxis)`.
-template <typename Make>
-std::unique_ptr<DisturbanceEstimator> estimator_of_each(std::vector<NominalAxis> axes,
-                                                        Make&& make) {
-  std::vector<std::unique_ptr<DisturbanceEstimator>> estimators;
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    axes[i].joint = static_cast<int>(i);
-    axes[i].joints = static_cast<int>(axes.size());
-    estimators.push_back(make(axes[i]));
-  }
-  return std::make_unique<StackedEstimator>(std::move(estimators));
-}
-
 /// The estimator of the linearised plant, or one for each axis, by `make(NominalAxis)`.
 template <typename Make>
 std::shared_ptr<DisturbanceEstimator> estimator_for(const PlantTask& task, Make&& make) {
   if (!task.observes_axes) return make(task.whole);
-  std::vector<NominalAxis> axes;
-  for (const AxisTask& one : task.axes) axes.push_back(one.axis);
-  return estimator_of_each(std::move(axes), make);
+  std::vector<std::unique_ptr<DisturbanceEstimator>> estimators;
+  for (const AxisTask& one : task.axes) {
+    NominalAxis axis = one.axis;
+    axis.joint = static_cast<int>(estimators.size());
+    axis.joints = static_cast<int>(task.axes.size());
+    estimators.push_back(make(axis));
+  }
+  return std::make_shared<StackedEstimator>(std::move(estimators));
 }
 
 /// The chosen controller of a plant and its estimator of the linearised plant.

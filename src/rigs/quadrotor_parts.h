@@ -28,8 +28,9 @@ struct QuadrotorTask {
   WaveLoadSetup waves;
 };
 
-inline const QuadrotorTask& what_is_known(const QuadrotorTask& task) {
-  return task;
+template <typename Make>
+auto estimator_for(const QuadrotorTask& task, Make&& make) {
+  return make(task);
 }
 
 /// An estimator of the quadrotor and its name: key estimator.name.
