@@ -11,14 +11,14 @@ Catalogue axes_catalogue() {
       axis_kind({.name = "cart_position",
                  .summary = "position control of a cart with friction, quantised drive and encoder",
                  .axis = cart_axis(),
-                 .optimises = QpMetrics()}));
+                 .totals = qp_totals}));
   catalogue.add(axis_kind({.name = "cart_offset_free",
                            .summary = "predictive control of a cart under input and output "
                                       "disturbance: the remaining error",
                            .axis = cart_axis(),
                            .controller = "mpc",
                            .disturbance = DisturbanceKind::step,
-                           .optimises = QpMetrics()}));
+                           .totals = qp_totals}));
   catalogue.add(cart_constrained());
   catalogue.add(cart_estimation());
   catalogue.add(axis_kind(

@@ -22,7 +22,7 @@ class CartConstrained final : public AxisScenario {
                                             "disturbance and mass error",
                                  .axis = cart_axis(),
                                  .disturbance = DisturbanceKind::step,
-                                 .optimises = QpMetrics()}) {
+                                 .totals = qp_totals}) {
     plant_.senses_true_state = true;
     plant_.axis().has_disturbance_keys = false;
   }

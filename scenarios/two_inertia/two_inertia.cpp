@@ -21,7 +21,7 @@ class TwoInertiaDrive final : public AxisScenario {
                                             "vibration, load torque, backlash",
                                  .axis = load_axis(),
                                  .controller = "pd",
-                                 .optimises = QpMetrics()}) {
+                                 .totals = qp_totals}) {
     plant_.axis().has_disturbance_keys = false;
   }
 

@@ -153,7 +153,6 @@ struct PredictiveSettings {
   bool softens_velocity_first = false;
 
   void bind(Fields& fields);
-  void check(const NominalAxis& axis) const;
   PredictiveControlDesign design(const AxisTask& task) const;
   std::unique_ptr<Controller> make(const AxisTask& task, SharedEstimator estimator) const {
     return std::make_unique<PredictiveControl>(std::move(estimator), design(task));
@@ -232,7 +231,8 @@ void PredictiveSettings::bind(Fields& fields) {
   only_with({"constraint.input_change_N"}, "input_change_steps", change_steps);
 }
 
-void PredictiveSettings::check(const NominalAxis& axis) const {
+PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
+  const NominalAxis& axis = task.axis;
   if (!is_multiple(weights.period_s, axis.period_s)) {
     throw WrongKey("controller.period_s", "must be a whole multiple of control.period_s");
   }
@@ -254,11 +254,6 @@ void PredictiveSettings::check(const NominalAxis& axis) const {
   if (input_lower_N > input_upper_N) {
     throw WrongKey("constraint.input_lower_N", "must not be above constraint.input_upper_N");
   }
-}
-
-PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
-  const NominalAxis& axis = task.axis;
-  check(axis);
   const double period_s = weights.period_s;
   const StateSpace sampled = zero_order_hold(axis.plant, period_s);
   PredictiveControlDesign design = given;
@@ -311,14 +306,12 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
   return design;
 }
 
-// A number of the optimisations of a run, for metrics or costs.
-struct QpNumber {
-  MetricDefinition definition;
-  double value;
-  bool is_cost = false;
-};
+}  // namespace
 
-std::vector<QpNumber> qp_numbers(const QpStatistics& s) {
+std::vector<ControllerTotal> qp_totals(const Controller* controller) {
+  const auto* predictive = dynamic_cast<const PredictiveControl*>(controller);
+  if (controller != nullptr && predictive == nullptr) return {};
+  const QpStatistics s = predictive != nullptr ? predictive->lmpc().statistics() : QpStatistics();
   const auto optimisations = static_cast<double>(std::max<std::int64_t>(s.optimisations, 1));
   const auto count = [](auto number) { return static_cast<double>(number); };
   return {{{"qp_iterations_mean", "1", "mean number of solver iterations of an optimisation"},
@@ -342,8 +335,6 @@ std::vector<QpNumber> qp_numbers(const QpStatistics& s) {
            true}};
 }
 
-}  // namespace
-
 std::vector<AxisControllerKind> axis_controllers() {
   return {
       {"pd", "PD control that cancels the estimated disturbance (Eqs. 4.10, 4.22)",
@@ -357,20 +348,6 @@ std::vector<AxisControllerKind> axis_controllers() {
        "linear quadratic regulator of the estimated state, with cancellation of the disturbance",
        &Regulator::make<false>},
       {"mpc", "constrained predictive control (2.3)", &PredictiveSettings::make}};
-}
-
-void add_qp_metrics(const Controller& controller, Recording& recording) {
-  const auto* predictive = dynamic_cast<const PredictiveControl*>(&controller);
-  if (predictive == nullptr) return;
-  for (const QpNumber& one : qp_numbers(predictive->lmpc().statistics())) {
-    add(one.is_cost ? recording.costs : recording.metrics, one.definition.name, one.definition.unit,
-        one.value);
-  }
-}
-
-std::vector<MetricDefinition> with_qp_metrics(std::vector<MetricDefinition> definitions) {
-  for (const QpNumber& one : qp_numbers({})) definitions.push_back(one.definition);
-  return definitions;
 }
 
 }  // namespace breakwater

@@ -133,15 +133,15 @@ std::vector<AxisEstimatorKind> axis_estimators();
 std::vector<AxisEstimatorKind> published_estimators();
 std::vector<AxisControllerKind> axis_controllers();
 
-/// If `controller` is predictive control, adds the metrics and costs of its optimisations.
-void add_qp_metrics(const Controller& controller, Recording& recording);
-/// Appends the definitions of the metrics of add_qp_metrics().
-std::vector<MetricDefinition> with_qp_metrics(std::vector<MetricDefinition> definitions);
-
-/// Both, for a scenario that has them. Others link no predictive control.
-struct QpMetrics {
-  decltype(&with_qp_metrics) with = with_qp_metrics;
-  decltype(&add_qp_metrics) add = add_qp_metrics;
+/// A number with which a controller ends a run: a metric, or a cost.
+struct ControllerTotal {
+  MetricDefinition definition;
+  double value;
+  bool is_cost = false;
 };
+
+/// The totals of predictive control's optimisations, zeros without a controller. Another controller
+/// has none.
+std::vector<ControllerTotal> qp_totals(const Controller* controller);
 
 }  // namespace breakwater

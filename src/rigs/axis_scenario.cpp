@@ -193,7 +193,10 @@ bool AxisScenario::has_own_loop(std::size_t i) const {
 }
 
 std::vector<MetricDefinition> AxisScenario::metric_definitions() const {
-  return design_.optimises ? design_.optimises->with(rows_.definitions()) : rows_.definitions();
+  std::vector<MetricDefinition> all = rows_.definitions();
+  if (design_.totals == nullptr) return all;
+  for (const ControllerTotal& one : design_.totals(nullptr)) all.push_back(one.definition);
+  return all;
 }
 
 RigRun AxisScenario::make_run(AxisRig& rig, const AxisLoop& loop) const {
@@ -218,8 +221,10 @@ Recording AxisScenario::run(const RunControl& control) const {
   const AxisLoop loop = make_loop(task);
   AxisRig rig(plant(), *loop.controller);
   Recording recording = rig.run(control, rows_, make_run(rig, loop));
-  if (design_.optimises && !recording.failure) {
-    design_.optimises->add(*loop.controller, recording);
+  if (design_.totals == nullptr || recording.failure) return recording;
+  for (const ControllerTotal& one : design_.totals(loop.controller.get())) {
+    add(one.is_cost ? recording.costs : recording.metrics, one.definition.name, one.definition.unit,
+        one.value);
   }
   return recording;
 }

@@ -35,7 +35,8 @@ struct AxisScenarioDesign {
   bool is_arm = false;  ///< its controllers are those of an arm, and it has rows of its own
   /// The default kind of the only axis' disturbance.
   DisturbanceKind disturbance = DisturbanceKind::none;
-  std::optional<QpMetrics> optimises = {};  ///< metrics of predictive control belong to it
+  /// The totals of its controllers, for a scenario with predictive control. Others do not link it.
+  std::vector<ControllerTotal> (*totals)(const Controller* controller) = nullptr;
   std::vector<MetricKind> reductions = {};  ///< its own
 
   bool has_nameless_axis() const { return axis && axis->name.empty(); }

@@ -9,7 +9,7 @@ ScenarioKind own_scenario() {
                     .axis = cart_axis(),
                     .controller = "mpc",
                     .disturbance = DisturbanceKind::step,
-                    .optimises = QpMetrics()});
+                    .totals = qp_totals});
 }
 
 }  // namespace breakwater
