@@ -11,7 +11,6 @@
 #include <set>
 #include <stdexcept>
 #include <string_view>
-#include <unordered_map>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/config/unit_of.h>
@@ -26,43 +25,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Error = std::optional<Refusal>;
 
-// The values of the choices, which do not change during a pass over all keys. `ask` says them in
-// TOML.
-template <typename Ask>
-class Remembered {
- public:
-  explicit Remembered(Ask ask) : ask_(std::move(ask)) {}
-
-  bool operator()(const std::string& choice, const std::string& name) {
-    if (last_ == known_.end() || last_->first != choice) {
-      const auto [known, is_new] = known_.try_emplace(choice);
-      if (is_new) known->second = ask_(choice);
-      last_ = known;
-    }
-    return last_->second == toml_string(name);
-  }
-
-  // The variable of the scenario or of the chosen part; null if there is none.
-  template <typename Field>
-  auto in_use(const Field& field) {
-    const auto find = [&](auto&& counts) {
-      const auto found = std::find_if(field.variables.begin(), field.variables.end(), counts);
-      return found != field.variables.end() ? &*found : nullptr;
-    };
-    const auto* own = find([](const auto& v) { return v.part.name.empty(); });
-    return own != nullptr
-               ? own
-               : find([this](const auto& v) { return (*this)(v.part.choice, v.part.name); });
-  }
-
- private:
-  using Known = std::map<std::string_view, std::string>;
-
-  Ask ask_;
-  Known known_;
-  typename Known::const_iterator last_ = known_.end();
-};
-
 // The key without the name of its table: "observer.alpha" for "axis.NAME.observer.alpha",
 // "contact.stiffness_N_m" for "contact.NAME.stiffness_N_m", "wall.motion" for
 // "contact.NAME.wall.motion". Empty for another key, and for those that say what an axis is.
@@ -75,58 +37,6 @@ std::string without_name(const std::string& key) {
   if (of == "contact" || of == "push") return of + "." + rest;
   const bool is_own = rest == "joint" || rest == "actuator" || rest == "position_sensor";
   return of == "axis" && !is_own ? rest : "";
-}
-
-// Each key of a table must exist, and its value must suit one of its variables. Keys of a part that
-// does not exist are unknown too. Report the choice first: it is the cause. assign(table, field,
-// value) refuses a wrong value.
-template <typename Fields, typename Assign>
-void check_tables(Fields& fields, std::span<const Config> tables, const Assign& assign) {
-  std::unordered_map<std::string_view, std::size_t> by_key;
-  std::set<std::string_view> choices;
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    by_key.emplace(fields[i].key, i);
-    for (const auto& variable : fields[i].variables) choices.insert(variable.part.choice);
-  }
-  const auto check_values = [&](const Config& table, const auto& is_wanted) {
-    std::vector<std::pair<std::size_t, const ConfigValue*>> values;
-    for (const auto& [key, entry] : table.entries()) {
-      const auto known = by_key.find(key);
-      if (known != by_key.end() && is_wanted(key)) values.emplace_back(known->second, &entry.value);
-    }
-    std::sort(values.begin(), values.end());  // the order of the keys here, not in the table
-    for (const auto& [number, value] : values) assign(table, fields[number], *value);
-  };
-  for (const Config& table : tables) {
-    check_values(table, [&](const std::string& key) { return choices.contains(key); });
-  }
-  for (const Config& table : tables) {
-    // The first in the file: a misspelt table may make keys of others unknown.
-    std::optional<std::pair<std::size_t, std::string>> unknown;
-    for (const auto& [key, entry] : table.entries()) {
-      if (by_key.contains(key) || (unknown && unknown->first <= entry.line())) continue;
-      unknown.emplace(entry.line(), key);
-    }
-    if (unknown) {
-      std::set<std::string> keys;
-      for (const auto& field : fields) {
-        keys.insert(field.key);
-        if (!field.unnamed.empty()) keys.insert(field.unnamed);
-      }
-      const std::string& key = unknown->second;
-      table.fail(key, "unknown key" + did_you_mean(key, {keys.begin(), keys.end()}));
-    }
-    check_values(table, [](const std::string&) { return true; });
-  }
-}
-
-// The field of a key; null if there is none. The key that was bound last is asked for most.
-template <typename Fields>
-auto find_key(Fields& fields, const std::string& key) {
-  const auto found = std::find_if(fields.rbegin(), fields.rend(), [&](const auto& field) {
-    return field.key.size() == key.size() && field.key == key;
-  });
-  return found != fields.rend() ? &*found : nullptr;
 }
 
 // Gives a missing key its default value, if it has one.
@@ -378,16 +288,22 @@ void Fields::add(const std::string& name, Variable variable) {
   // The name of a number says its unit, unless the meaning says another one.
   const std::string unit = variable.takes.find("number") == std::string::npos ? "" : unit_of(name);
   if (!unit.empty() && !variable.doc.ends_with(']')) variable.doc += " [" + unit + "]";
-  Field* field = find_key(fields_, key);
-  if (field == nullptr) field = &fields_.emplace_back(Field{key, {}, without_name(key)});
-  for (const Variable& other : field->variables) {
+  const auto [place, is_new] = numbers_.try_emplace(key, fields_.size());
+  if (is_new) {
+    const std::string unnamed = without_name(key);
+    fields_.push_back({key, {}, unnamed});
+    if (!unnamed.empty()) named_[unnamed].push_back(place->second);
+  }
+  Field& field = fields_[place->second];
+  for (const Variable& other : field.variables) {
     if (other.part == variable.part) throw std::logic_error("the key " + key + " is bound twice");
   }
-  field->variables.push_back(std::move(variable));
+  field.variables.push_back(std::move(variable));
 }
 
 const Fields::Field* Fields::find(const std::string& key) const {
-  return find_key(fields_, key);
+  const auto found = numbers_.find(key);
+  return found != numbers_.end() ? &fields_[found->second] : nullptr;
 }
 
 // The variables that a statement on a key concerns: that of the part being bound, or all outside of
@@ -395,8 +311,8 @@ const Fields::Field* Fields::find(const std::string& key) const {
 std::vector<Fields::Variable*> Fields::at(const std::string& name) {
   const std::string key = prefix_ + name;
   std::vector<Variable*> variables;
-  if (Field* field = find_key(fields_, key)) {
-    for (Variable& variable : field->variables) {
+  if (const auto found = numbers_.find(key); found != numbers_.end()) {
+    for (Variable& variable : fields_[found->second].variables) {
       if (variable.part == part_ || part_.name.empty()) variables.push_back(&variable);
     }
   }
@@ -468,8 +384,21 @@ bool Fields::has_chosen(const std::string& choice, const std::string& name) cons
 }
 
 const Fields::Variable* Fields::in_use(const Field& field) const {
-  Remembered chosen([this](const std::string& choice) { return this->chosen(choice); });
-  return chosen.in_use(field);
+  Choices known;
+  return in_use(field, known);
+}
+
+const Fields::Variable* Fields::in_use(const Field& field, Choices& known) const {
+  const Variable* of_part = nullptr;
+  for (const Variable& variable : field.variables) {
+    const auto& [choice, name] = variable.part;
+    if (name.empty()) return &variable;
+    if (of_part != nullptr) continue;
+    const auto [value, is_new] = known.try_emplace(choice);
+    if (is_new) value->second = chosen(choice);
+    if (value->second == toml_string(name)) of_part = &variable;
+  }
+  return of_part;
 }
 
 Fields::Error Fields::assign(Field& field, const ConfigValue& value, const Variable* counts) {
@@ -490,10 +419,10 @@ Fields::Error Fields::assign(Field& field, const ConfigValue& value, const Varia
 }
 
 // Whether an array has an entry for each of the fields: it is one of lists, or they take no array.
-bool Fields::has_one_each(const ConfigValue::Array& array, const std::vector<Field*>& named) {
+bool Fields::has_one_each(const ConfigValue::Array& array, const std::vector<std::size_t>& named) {
   return array.size() == named.size() &&
          (std::holds_alternative<ConfigValue::Array>(array.front().data) ||
-          assign(*named.front(), {array}, nullptr));
+          assign(fields_[named.front()], {array}, nullptr));
 }
 
 // Gives the value of an alias to its key, unless the key has one that overrides it.
@@ -505,11 +434,7 @@ Config Fields::without_aliases(const Config& config) const {
     // A file may have a further name of a key that is one itself by now.
     const auto known = aliases_.find(target);
     const std::string& key = known != aliases_.end() ? known->second : target;
-    const bool is_key =
-        std::any_of(fields_.begin(), fields_.end(), [&alias = alias](const Field& field) {
-          return field.key == alias || field.unnamed == alias;
-        });
-    if (is_key) {
+    if (has(alias) || named_.contains(alias)) {
       config.fail("alias." + alias, "is a key itself: choose another name");
     }
     const ConfigEntry* entry = config.find(alias);
@@ -541,29 +466,24 @@ Config Fields::spread(const Config& given) {
     return !is_of_axes || !is_of_controller || key == "controller.name" ||
            (is_replaced && !entry.is_chosen);
   };
-  std::unordered_map<std::string_view, std::vector<Field*>> named;
-  for (Field& field : fields_) {
-    if (!field.unnamed.empty()) named[field.unnamed].push_back(&field);
-  }
   Config whole = config;
-  if (named.empty()) return whole;
   for (const auto& [key, entry] : config.entries()) {
-    const auto found = named.find(key);
-    if (found == named.end() || is_own(key, entry)) continue;
+    const auto found = named_.find(key);
+    if (found == named_.end() || is_own(key, entry)) continue;
     whole.remove(key);
-    const std::vector<Field*>& fields = found->second;
+    const std::vector<std::size_t>& named = found->second;
+    Field& first = fields_[named.front()];
     const auto* array = std::get_if<ConfigValue::Array>(&entry.value.data);
-    const bool is_split = array != nullptr && has_one_each(*array, fields);
-    if (array != nullptr && !is_split && !array->empty() &&
-        assign(*fields.front(), entry.value, nullptr) &&
-        !assign(*fields.front(), array->front(), nullptr)) {
-      config.fail(key, fmt::format("must be one value or an array of {}, has {}", fields.size(),
+    const bool is_split = array != nullptr && has_one_each(*array, named);
+    if (array != nullptr && !is_split && !array->empty() && assign(first, entry.value, nullptr) &&
+        !assign(first, array->front(), nullptr)) {
+      config.fail(key, fmt::format("must be one value or an array of {}, has {}", named.size(),
                                    array->size()));
     }
     const std::string written = entry.given.empty() ? key : entry.given;
     bool counts = false;
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      const std::string& name = fields[i]->key;
+    for (std::size_t i = 0; i < named.size(); ++i) {
+      const std::string& name = fields_[named[i]].key;
       if (config.find(name) != nullptr) continue;
       ConfigEntry one = entry;
       if (is_split) one.value = (*array)[i];
@@ -572,11 +492,9 @@ Config Fields::spread(const Config& given) {
       counts = true;
     }
     if (!counts && entry.is_set()) {
-      const std::string& first = fields.front()->key;
-      config.fail(
-          key,
-          fmt::format("has no effect, since {} has a value of its own",
-                      fields.size() == 1 ? first : "each " + first.substr(0, first.find('.'))));
+      const std::string each = "each " + first.key.substr(0, first.key.find('.'));
+      config.fail(key, fmt::format("has no effect, since {} has a value of its own",
+                                   named.size() == 1 ? first.key : each));
     }
   }
   return whole;
@@ -587,10 +505,10 @@ std::vector<UnusedKey> Fields::unused() const {
   std::map<std::string, std::size_t> counts;
   for (const Field& field : fields_) counts[field.given] += field.was_read ? 1 : 0;
   std::vector<UnusedKey> all;
-  Remembered chosen([this](const std::string& choice) { return this->chosen(choice); });
+  Choices choices;
   for (const Field& field : fields_) {
     if (!field.was_read) continue;
-    std::optional<UnusedKey> one = unused(field, chosen.in_use(field));
+    std::optional<UnusedKey> one = unused(field, in_use(field, choices));
     if (!one) continue;
     if (!field.given.empty()) {
       if (--counts[field.given] > 0) continue;
@@ -619,11 +537,6 @@ std::optional<UnusedKey> Fields::unused(const Field& field, const Variable* vari
 
 template <typename What, typename ValueOf>
 void Fields::unite_axes(std::vector<Shown<What>>& all, ValueOf&& value_of) const {
-  std::map<std::string, std::size_t> axes;  // the number of axes that have a key
-  for (const Field& field : fields_) {
-    if (!axis_in(field.key).empty()) ++axes[field.unnamed];
-  }
-  if (axes.empty()) return;
   std::map<std::string, std::vector<Shown<What>*>> groups;
   for (Shown<What>& one : all) {
     if (axis_in(one.key).empty()) continue;
@@ -641,7 +554,7 @@ void Fields::unite_axes(std::vector<Shown<What>>& all, ValueOf&& value_of) const
                           std::all_of(group.begin(), group.end(), [&](const Shown<What>* one) {
                             return one->field->given == first.field->given;
                           });
-    if (!(is_one || is_split) || !has_names || group.size() != axes.at(key)) continue;
+    if (!(is_one || is_split) || !has_names || group.size() != named_.at(key).size()) continue;
     first.key = key;
     if (!is_one) {
       std::vector<std::string> values;
@@ -658,9 +571,42 @@ void Fields::fail_if(const Config& config, const Field& field, const Error& erro
 }
 
 void Fields::check(std::span<const Config> tables) {
-  check_tables(fields_, tables, [](const Config& table, Field& field, const ConfigValue& value) {
-    fail_if(table, field, assign(field, value, nullptr));
-  });
+  std::set<std::string_view> choices;
+  for (const Field& field : fields_) {
+    for (const Variable& variable : field.variables) choices.insert(variable.part.choice);
+  }
+  const auto check_values = [&](const Config& table, const auto& is_wanted) {
+    std::vector<std::pair<std::size_t, const ConfigValue*>> values;
+    for (const auto& [key, entry] : table.entries()) {
+      const auto known = numbers_.find(key);
+      if (known != numbers_.end() && is_wanted(key)) {
+        values.emplace_back(known->second, &entry.value);
+      }
+    }
+    std::sort(values.begin(), values.end());  // the order of the keys here, not in the table
+    for (const auto& [number, value] : values) {
+      fail_if(table, fields_[number], assign(fields_[number], *value, nullptr));
+    }
+  };
+  for (const Config& table : tables) {
+    check_values(table, [&](const std::string& key) { return choices.contains(key); });
+  }
+  for (const Config& table : tables) {
+    // The first in the file: a misspelt table may make keys of others unknown.
+    std::optional<std::pair<std::size_t, std::string>> unknown;
+    for (const auto& [key, entry] : table.entries()) {
+      if (has(key) || (unknown && unknown->first <= entry.line())) continue;
+      unknown.emplace(entry.line(), key);
+    }
+    if (unknown) {
+      std::set<std::string> keys;
+      for (const Field& field : fields_) keys.insert({field.key, field.unnamed});
+      keys.erase("");
+      const std::string& key = unknown->second;
+      table.fail(key, "unknown key" + did_you_mean(key, {keys.begin(), keys.end()}));
+    }
+    check_values(table, [](const std::string&) { return true; });
+  }
 }
 
 // Sets the missing keys that have a default value. One of them may be a choice, so set them first.
@@ -703,9 +649,9 @@ std::vector<const Fields::Field*> Fields::assign_all(const Config& config) {
   assign_standards(config);
   check(std::span(&config, 1));  // the choices are then known
   std::vector<const Field*> missing;
-  Remembered chosen([this](const std::string& choice) { return this->chosen(choice); });
+  Choices choices;
   for (Field& field : fields_) {
-    const Variable* counts = chosen.in_use(field);
+    const Variable* counts = in_use(field, choices);
     const ConfigEntry* rival = counts != nullptr ? config.find(counts->rival) : nullptr;
     const ConfigEntry* entry = config.find(field.key);
     if (entry != nullptr && rival != nullptr && entry->rank() < rival->rank()) {
@@ -809,10 +755,10 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
     }
   };
   std::vector<Shown<Line>> lines;
-  Remembered chosen([this](const std::string& choice) { return this->chosen(choice); });
+  Choices choices;
   for (const Field& field : fields_) {
     if (field.is_left_out()) continue;
-    const Variable* variable = chosen.in_use(field);
+    const Variable* variable = in_use(field, choices);
     // Keys of parts that are not chosen, and those without a value, are printed only if given.
     if (!field.was_read && (variable == nullptr || variable->clear)) continue;
     if (variable == nullptr) variable = &field.variables[field.suited];

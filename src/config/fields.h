@@ -7,6 +7,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -294,7 +296,7 @@ class Fields {
   Config without_aliases(const Config& config) const;
   // Gives the keys without a name to all names that lack them.
   Config spread(const Config& given);
-  static bool has_one_each(const ConfigValue::Array& array, const std::vector<Field*>& named);
+  bool has_one_each(const ConfigValue::Array& array, const std::vector<std::size_t>& named);
   // A key and the texts shown for it.
   template <typename What>
   struct Shown {
@@ -313,6 +315,9 @@ class Fields {
   void add_condition(const std::vector<std::string>& keys, const Condition& condition);
   // The variable of the scenario or of the chosen part; null if there is none.
   const Variable* in_use(const Field& field) const;
+  // The values of choices, in TOML, which do not change during a pass over all keys.
+  using Choices = std::unordered_map<std::string_view, std::string>;
+  const Variable* in_use(const Field& field, Choices& known) const;
   // The present value of a choice, in TOML; empty if there is no such one.
   std::string chosen(const std::string& choice) const;
   // The message on missing keys, with the meaning of the first one and the part that needs it.
@@ -322,7 +327,9 @@ class Fields {
   static Error assign(Field& field, const ConfigValue& value, const Variable* counts);
   static void fail_if(const Config& config, const Field& field, const Error& error);
   void assign_standards(const Config& config);
-  // Checks the choices of all tables, then each table.
+  // Each key of a table must exist, and its value must suit one of its variables. Keys of a part
+  // that does not exist are unknown too. Checks the choices of all tables first: they are the
+  // cause.
   void check(std::span<const Config> tables);
   void find_file(const Config& config, const Field& field) const;
   void add_choice(const std::string& key, std::vector<std::string> names,
@@ -330,6 +337,8 @@ class Fields {
                   const std::string& doc);
 
   std::vector<Field> fields_;
+  std::unordered_map<std::string, std::size_t> numbers_;             // by key
+  std::unordered_map<std::string, std::vector<std::size_t>> named_;  // by the key without a name
   Aliases aliases_;
   Part part_;           // the part whose keys are being bound
   std::string prefix_;  // the prefix of the keys that are being bound
