@@ -15,7 +15,7 @@ namespace {
 // returns in another posture has the farthest offset at the end. The last value is the tip's error.
 class PostureOvershoot final : public Beyond {
  public:
-  explicit PostureOvershoot(const ReductionSetup& setup) : Beyond(setup), setup_(setup) {}
+  using Beyond::Beyond;
   void add(const AddedValues& added) override {
     Beyond::add(added);
     last_offset_rad_ = 0.0;
@@ -31,7 +31,6 @@ class PostureOvershoot final : public Beyond {
   }
 
  private:
-  ReductionSetup setup_;
   bool is_home_ = false;          // the tip, at the end
   double last_offset_rad_ = 0.0;  // largest of all joints
 };

@@ -11,7 +11,7 @@ namespace {
 // constant. The values are d̂, d and the rate of d.
 class Lag final : public Reduction {
  public:
-  explicit Lag(const ReductionSetup& setup) : omega_rad_s_(setup.level.value()) {}
+  using Reduction::Reduction;
   void add(const AddedValues& added) override {
     const Eigen::Vector2d d(added.all[1], added.all[2]);
     d_d_ += d * d.transpose();
@@ -25,7 +25,7 @@ class Lag final : public Reduction {
   }
 
  private:
-  double omega_rad_s_;
+  const double omega_rad_s_ = setup_.level.value();
   Eigen::Matrix2d d_d_ = Eigen::Matrix2d::Zero();
   Eigen::Vector2d error_d_ = Eigen::Vector2d::Zero();
 };

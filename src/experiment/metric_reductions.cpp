@@ -13,34 +13,87 @@ namespace {
 
 constexpr double kOpen = std::numeric_limits<double>::infinity();
 
-using Value = std::optional<double> (SampleStatistics::*)() const;
+// A number that each value gives.
+using Number = double (*)(const ReductionSetup& setup, const AddedValues& added);
 
-template <Value kValue>
+double value_of(const ReductionSetup& /*setup*/, const AddedValues& added) {
+  return added.value;
+}
+
+double area_of(const ReductionSetup& setup, const AddedValues& added) {
+  return added.value * setup.period_s;
+}
+
+double change_of(const ReductionSetup& /*setup*/, const AddedValues& added) {
+  return added.value - added.last.value_or(0.0);
+}
+
+double travel_of(const ReductionSetup& /*setup*/, const AddedValues& added) {
+  return added.last ? std::abs(added.value - *added.last) : 0.0;
+}
+
+double time_above(const ReductionSetup& setup, const AddedValues& added) {
+  return added.value > setup.level.value() ? setup.period_s : 0.0;
+}
+
+double time_outside(const ReductionSetup& setup, const AddedValues& added) {
+  const bool is_below = added.value < setup.lower.value();
+  return is_below ? setup.period_s : time_above(setup, added);
+}
+
+// 1 for a rise above the level.
+double rise_of(const ReductionSetup& setup, const AddedValues& added) {
+  const double level = setup.level.value();
+  return added.value > level && added.last.value_or(0.0) <= level ? 1.0 : 0.0;
+}
+
+// 1 for a rise between values that both lie in the window.
+double inner_rise_of(const ReductionSetup& setup, const AddedValues& added) {
+  return added.is_first ? 0.0 : rise_of(setup, added);
+}
+
+template <std::optional<double> (SampleStatistics::*kStatistic)() const, Number kNumber = value_of>
 class Statistic final : public Reduction {
  public:
-  explicit Statistic(const ReductionSetup& /*setup*/) {}
-  void add(const AddedValues& added) override { values_.add(added.value); }
-  std::optional<double> value() const override { return (values_.*kValue)(); }
+  using Reduction::Reduction;
+  void add(const AddedValues& added) override { numbers_.add(kNumber(setup_, added)); }
+  std::optional<double> value() const override { return (numbers_.*kStatistic)(); }
 
  private:
-  SampleStatistics values_;
+  SampleStatistics numbers_;
 };
 
-class RmsChange final : public Reduction {
+template <Number kNumber>
+class Total : public Reduction {
  public:
-  explicit RmsChange(const ReductionSetup& /*setup*/) {}
-  void add(const AddedValues& added) override {
-    changes_.add(added.value - added.last.value_or(0.0));
-  }
-  std::optional<double> value() const override { return changes_.rms(); }
+  using Reduction::Reduction;
+  void add(const AddedValues& added) override { total_ += kNumber(setup_, added); }
+  std::optional<double> value() const override { return total_; }
 
  private:
-  SampleStatistics changes_;
+  double total_ = 0.0;
+};
+
+class Bounces final : public Total<rise_of> {
+ public:
+  using Total::Total;
+  std::optional<double> value() const override {
+    const double rises = *Total::value();
+    return rises == 0.0 ? std::nullopt : std::optional(rises - 1.0);
+  }
+};
+
+class RiseRate final : public Total<inner_rise_of> {
+ public:
+  using Total::Total;
+  std::optional<double> value() const override {
+    return *Total::value() / setup_.window.length_s();
+  }
 };
 
 class Settling final : public Reduction {
  public:
-  explicit Settling(const ReductionSetup& setup) : setup_(setup) {}
+  using Reduction::Reduction;
   void add(const AddedValues& added) override {
     const bool is_inside = std::abs(added.value) <= std::abs(setup_.level.value());
     if (!is_inside) {
@@ -55,7 +108,6 @@ class Settling final : public Reduction {
   }
 
  private:
-  ReductionSetup setup_;
   std::optional<double> settled_at_s_;
 };
 
@@ -71,7 +123,7 @@ bool reaches(double value, double level) {
 template <bool (*kIsThere)(double value, double level)>
 class TimeUntil final : public Reduction {
  public:
-  explicit TimeUntil(const ReductionSetup& setup) : setup_(setup) {}
+  using Reduction::Reduction;
   void add(const AddedValues& added) override {
     if (!time_s_ && kIsThere(added.value, setup_.level.value())) {
       time_s_ = added.time_s - setup_.window.from_s.value();
@@ -80,42 +132,8 @@ class TimeUntil final : public Reduction {
   std::optional<double> value() const override { return time_s_; }
 
  private:
-  ReductionSetup setup_;
   std::optional<double> time_s_;
 };
-
-template <double (*kAddend)(const ReductionSetup& setup, const AddedValues& added)>
-class Total final : public Reduction {
- public:
-  explicit Total(const ReductionSetup& setup) : setup_(setup) {}
-  void add(const AddedValues& added) override { total_ += kAddend(setup_, added); }
-  std::optional<double> value() const override { return total_; }
-
- private:
-  ReductionSetup setup_;
-  double total_ = 0.0;
-};
-
-double value_of(const ReductionSetup& /*setup*/, const AddedValues& added) {
-  return added.value;
-}
-
-double area_of(const ReductionSetup& setup, const AddedValues& added) {
-  return added.value * setup.period_s;
-}
-
-double change_of(const ReductionSetup& /*setup*/, const AddedValues& added) {
-  return added.last ? std::abs(added.value - *added.last) : 0.0;
-}
-
-double time_above(const ReductionSetup& setup, const AddedValues& added) {
-  return added.value > setup.level.value() ? setup.period_s : 0.0;
-}
-
-double time_outside(const ReductionSetup& setup, const AddedValues& added) {
-  const bool is_below = added.value < setup.lower.value();
-  return is_below ? setup.period_s : time_above(setup, added);
-}
 
 // The values of a line at 0, by least squares.
 class LineAtZero {
@@ -138,7 +156,7 @@ class LineAtZero {
 class Jump final : public Reduction {
  public:
   explicit Jump(const ReductionSetup& setup)
-      : setup_(setup), length_s_(setup.lower.value()), before_(count()) {}
+      : Reduction(setup), length_s_(setup.lower.value()), before_(count()) {}
 
   void add(const AddedValues& added) override {
     const double since_s = added.time_s - setup_.level.value();
@@ -169,7 +187,6 @@ class Jump final : public Reduction {
     return static_cast<std::size_t>(number);
   }
 
-  ReductionSetup setup_;
   double length_s_;
   std::vector<std::pair<double, double>> before_;  // the last ones before the jump
   std::size_t number_ = 0;                         // ever written there
@@ -186,53 +203,9 @@ class Overshoot final : public Beyond {
   }
 };
 
-class Bounces final : public Reduction {
- public:
-  explicit Bounces(const ReductionSetup& setup) : setup_(setup) {}
-  void add(const AddedValues& added) override {
-    const double level = setup_.level.value();
-    if (added.value > level && added.last.value_or(0.0) <= level) ++onsets_;
-  }
-  std::optional<double> value() const override {
-    if (onsets_ == 0) return std::nullopt;
-    return onsets_ - 1;
-  }
-
- private:
-  ReductionSetup setup_;
-  int onsets_ = 0;
-};
-
-// Rises between values that both lie in the window.
-class Rises : public Reduction {
- public:
-  explicit Rises(const ReductionSetup& setup) : setup_(setup) {}
-  void add(const AddedValues& added) override {
-    const double level = setup_.level.value();
-    if (is_begun_ && added.value > level && *added.last <= level) ++rises_;
-    is_begun_ = true;
-  }
-  std::optional<double> value() const override { return rises_; }
-
- protected:
-  ReductionSetup setup_;
-
- private:
-  bool is_begun_ = false;
-  int rises_ = 0;
-};
-
-class RiseRate final : public Rises {
- public:
-  using Rises::Rises;
-  std::optional<double> value() const override {
-    return *Rises::value() / setup_.window.length_s();
-  }
-};
-
 class RelativeRms final : public Reduction {
  public:
-  explicit RelativeRms(const ReductionSetup& /*setup*/) {}
+  using Reduction::Reduction;
   void add(const AddedValues& added) override {
     error_.add(added.all[0] - added.all[1]);
     truth_.add(added.all[1]);
@@ -251,7 +224,7 @@ class RelativeRms final : public Reduction {
 class RmsPerValue final : public Reduction {
  public:
   explicit RmsPerValue(const ReductionSetup& setup)
-      : values_(static_cast<Eigen::Index>(setup.values)) {}
+      : Reduction(setup), values_(static_cast<Eigen::Index>(setup.values)) {}
   void add(const AddedValues& added) override {
     values_ = Eigen::Map<const Eigen::VectorXd>(added.all.data(), values_.size());
     squares_.add(values_.squaredNorm() / static_cast<double>(values_.size()));
@@ -303,7 +276,7 @@ class ReversalCount {
 class Reversals final : public Reduction {
  public:
   explicit Reversals(const ReductionSetup& setup)
-      : counts_(setup.values, ReversalCount(std::abs(setup.level.value()))) {}
+      : Reduction(setup), counts_(setup.values, ReversalCount(std::abs(setup.level.value()))) {}
   void add(const AddedValues& added) override {
     for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i].add(added.all[i]);
   }
@@ -319,7 +292,7 @@ class Reversals final : public Reduction {
 
 class Decay final : public Reduction {
  public:
-  explicit Decay(const ReductionSetup& setup) : setup_(setup) {}
+  using Reduction::Reduction;
   void add(const AddedValues& added) override {
     const double fifth_s = setup_.window.length_s() / 5.0;
     const double rounding_s = setup_.window.rounding_s;
@@ -335,7 +308,6 @@ class Decay final : public Reduction {
   }
 
  private:
-  ReductionSetup setup_;
   RunningVariance first_;
   RunningVariance last_;
 };
@@ -343,8 +315,7 @@ class Decay final : public Reduction {
 }  // namespace
 
 void Beyond::add(const AddedValues& added) {
-  if (!has_first_) std::copy(added.all.begin(), added.all.end(), first_.begin());
-  has_first_ = true;
+  if (added.is_first) std::copy(added.all.begin(), added.all.end(), first_.begin());
   for (std::size_t i = 0; i < first_.size(); ++i) {
     beyond_ = std::max(beyond_, first_[i] > 0.0 ? -added.all[i] : added.all[i]);
   }
@@ -439,9 +410,9 @@ const std::vector<MetricKind>& standard_metric_kinds() {
        make_reduction<Statistic<&SampleStatistics::first>>},
       {"last", "last value of the window", "", make_reduction<Statistic<&SampleStatistics::last>>},
       {"rms_change", "root mean square of the change from sample to sample", "",
-       make_reduction<RmsChange>},
+       make_reduction<Statistic<&SampleStatistics::rms, change_of>>},
       {"travel", "sum of the magnitudes of all changes from sample to sample", "",
-       make_reduction<Total<change_of>>},
+       make_reduction<Total<travel_of>>},
       {"sum", "sum", "", make_reduction<Total<value_of>>},
       {"integral", "sum of the values times the time between them", kTimesSeconds,
        make_reduction<Total<area_of>>},
@@ -508,7 +479,7 @@ const std::vector<MetricKind>& standard_metric_kinds() {
       {.name = "rises",
        .meaning = "number of times that the value rises above the level within the window",
        .unit = "1",
-       .make = make_reduction<Rises>,
+       .make = make_reduction<Total<inner_rise_of>>,
        .has_level = true},
       {.name = "rise_rate",
        .meaning = "number of times per second that the value rises above the level",

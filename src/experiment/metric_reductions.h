@@ -70,6 +70,7 @@ struct AddedValues {
   std::span<const double> all;  ///< the values of all signals, less the subtracted ones
   double value;                 ///< the first of them
   std::optional<double> last;   ///< the value before, which may lie before the window
+  bool is_first;                ///< in the window
 };
 
 /// The data of a reduction. They must outlive it.
@@ -165,7 +166,7 @@ class SampleStatistics {
 /// Reduces values to one number.
 class Reduction {
  public:
-  Reduction() = default;
+  explicit Reduction(const ReductionSetup& setup) : setup_(setup) {}
   Reduction(const Reduction&) = delete;
   Reduction& operator=(const Reduction&) = delete;
   virtual ~Reduction() = default;
@@ -174,12 +175,15 @@ class Reduction {
   virtual void add(const AddedValues& added) = 0;
   /// Nothing if it does not apply. Is called after add().
   virtual std::optional<double> value() const = 0;
+
+ protected:
+  const ReductionSetup setup_;
 };
 
 /// The farthest of all values beyond 0, on the other side of their first ones.
 class Beyond : public Reduction {
  public:
-  explicit Beyond(const ReductionSetup& setup) : first_(setup.values) {}
+  explicit Beyond(const ReductionSetup& setup) : Reduction(setup), first_(setup.values) {}
   void add(const AddedValues& added) override;
   std::optional<double> value() const override { return beyond_; }
 
@@ -188,7 +192,6 @@ class Beyond : public Reduction {
 
  private:
   std::vector<double> first_;
-  bool has_first_ = false;
   double beyond_ = 0.0;
 };
 

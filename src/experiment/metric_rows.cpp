@@ -524,9 +524,9 @@ struct MetricValues::Value {
       value = taken() - (minus.empty() ? 0.0 : minus.front());
     }
     if (window.contains(time_s)) {
+      const std::span<const double> added = kind.takes_all ? all : view(value);
+      reduction->add({time_s, added, value, last, !has_values});
       has_values = true;
-      reduction->add(
-          {time_s, kind.takes_all ? std::span<const double>(all) : view(value), value, last});
     }
     last = now = value;
   }

@@ -36,7 +36,7 @@ double wrapped(double angle_rad) {
 // 1 if the error stays small in the window, else 0.
 class Converged final : public Reduction {
  public:
-  explicit Converged(const ReductionSetup& /*setup*/) {}
+  using Reduction::Reduction;
   void add(const AddedValues& added) override {
     const Eigen::Map<const Eigen::Vector3d> error(added.all.data());
     farthest_m_ = std::max(farthest_m_, error.norm());
