@@ -17,34 +17,19 @@ extern "C" [[gnu::visibility("hidden")]] const ElfW(Ehdr) __ehdr_start;
 namespace breakwater {
 namespace {
 
-std::size_t aligned(std::size_t size, std::size_t alignment) {
-  return (size + alignment - 1) / alignment * alignment;
-}
-
-// The build id among the notes of a segment; empty if there is none.
-std::string_view build_id_in(const char* notes, std::size_t size, std::size_t alignment) {
-  while (size >= sizeof(ElfW(Nhdr))) {
-    const auto& note = *reinterpret_cast<const ElfW(Nhdr)*>(notes);
-    const std::size_t begin = aligned(sizeof note + note.n_namesz, alignment);
-    const std::size_t end = begin + aligned(note.n_descsz, alignment);
-    if (note.n_type == NT_GNU_BUILD_ID && end <= size) return {notes + begin, note.n_descsz};
-    if (end > size) break;
-    notes += end;
-    size -= end;
-  }
-  return {};
-}
-
-// The build id that the linker wrote into the program or module with this code, as it is loaded.
-std::string build_id() {
+// The build id of the program or module with this code, as it is loaded; empty if there is none.
+std::string_view build_id() {
+  constexpr std::size_t kBytes = 20;                                      // a SHA-1
+  constexpr char kNote[] = {NT_GNU_BUILD_ID, 0, 0, 0, 'G', 'N', 'U', 0};  // its type and owner
   const auto* const begin = reinterpret_cast<const char*>(&__ehdr_start);
   const auto* const segments = reinterpret_cast<const ElfW(Phdr)*>(begin + __ehdr_start.e_phoff);
-  std::string id;
   for (const ElfW(Phdr) & segment : std::span(segments, __ehdr_start.e_phnum)) {
     if (segment.p_type != PT_NOTE) continue;
-    id += build_id_in(begin + segment.p_offset, segment.p_memsz, segment.p_align);
+    const std::string_view notes(begin + segment.p_offset, segment.p_memsz);
+    const std::size_t at = notes.find(std::string_view(kNote, sizeof kNote));
+    if (at != std::string_view::npos) return notes.substr(at + sizeof kNote, kBytes);
   }
-  return id;
+  return {};
 }
 
 }  // namespace
@@ -71,7 +56,7 @@ std::string point_key(const std::string& config_text, const ModelHashes& models)
 
 const std::string& program_hash() {
   static const std::string hash = [] {
-    const std::string id = build_id();
+    const std::string_view id = build_id();
     return id.empty() ? file_hash(program_file()) : text_hash(id);
   }();
   return hash;
