@@ -1,19 +1,18 @@
 // The models of many runs, which must not change while they run.
 #pragma once
 
-#include <sys/stat.h>
-
 #include <filesystem>
 #include <map>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <breakwater/experiment/provenance.h>
 
 namespace breakwater {
 
-/// Hashes of models, and the status of each file when it was read, once. Thread-safe.
+/// Hashes of models, each read once. Thread-safe.
 ///
 /// A hash belongs to the compiled model if the file is noted before the compilation (SharedModels)
 /// and is unchanged after the run.
@@ -25,24 +24,20 @@ class KnownModels {
   const ModelHashes& of(const std::vector<std::string>& files);
 
   /// Throws std::invalid_argument `FILE: was changed while it ran: start again` if a file given to
-  /// of() has changed. It reads only files with a changed status.
+  /// of() has changed.
   void check_unchanged(const std::vector<std::string>& files) const;
   /// The same for all files.
   void check_unchanged() const;
 
  private:
-  struct File {
-    std::filesystem::path path = {};
-    struct stat status = {};  // just before it was read
-    std::string hash = {};
-  };
+  using File = std::pair<const std::filesystem::path, std::string>;  // with its hash
   using Files = std::vector<const File*>;
 
   const Files& noted(const std::string& file);
   static void check(const File& file);
 
   // The entries do not change.
-  std::map<std::filesystem::path, File> files_;
+  std::map<std::filesystem::path, std::string> files_;
   std::map<std::string, Files> models_;  // an MJCF file, and all files that it includes
   std::map<std::vector<std::string>, ModelHashes> hashes_;
   mutable std::mutex mutex_;
