@@ -33,14 +33,9 @@ class PartKind {
   using Makes = std::function<std::unique_ptr<Product>(Context...)>;
 
   /// The settings of a part for one run.
-  class Part {
-   public:
-    Part() = default;
-    Part(const Part&) = delete;
-    Part& operator=(const Part&) = delete;
-    virtual ~Part() = default;
-    virtual void bind(Fields& fields) = 0;
-    virtual std::unique_ptr<Product> make(Context... context) const = 0;
+  struct Part {
+    std::function<void(Fields& fields)> bind;
+    Makes make;
   };
 
   /// `Settings` is any default-constructible struct. `bind` binds keys to it, and `make` makes the
@@ -50,57 +45,42 @@ class PartKind {
   PartKind(std::string part_name, std::string one_line, void (*bind)(Fields&, Settings&),
            std::unique_ptr<Product> (*make)(const Settings&, Context...))
       : PartKind(std::move(part_name), std::move(one_line),
-                 [bind, make] { return std::make_unique<PartOf<Settings>>(bind, make); }) {}
+                 [bind, make] { return part(std::make_shared<Settings>(), bind, make); }) {}
 
   /// The same for a struct with both as functions: `void bind(Fields&)` and `make`.
   template <typename Settings>
   PartKind(std::string part_name, std::string one_line,
            std::unique_ptr<Product> (Settings::*make)(Context...) const)
       : PartKind(std::move(part_name), std::move(one_line), [make] {
-          return std::make_unique<PartOf<Settings>>(
-              [](Fields& fields, Settings& settings) { settings.bind(fields); }, std::mem_fn(make));
+          const auto bind = [](Fields& fields, Settings& settings) { settings.bind(fields); };
+          return part(std::make_shared<Settings>(), bind, std::mem_fn(make));
         }) {}
 
   /// For a part without keys.
   PartKind(std::string part_name, std::string one_line, Makes make)
       : PartKind(std::move(part_name), std::move(one_line), [make] {
-          return std::make_unique<PartOf<Keyless>>([](Fields&, Keyless&) {},
-                                                   [make](const Keyless&, Context... context) {
-                                                     return make(std::forward<Context>(context)...);
-                                                   });
+          return Part{[](Fields&) {}, make};
         }) {}
 
-  /// For a part without such a struct: `settings` makes the object that does both.
-  PartKind(std::string part_name, std::string one_line,
-           std::function<std::unique_ptr<Part>()> settings)
+  /// For a part without such a struct: `settings` makes both functions.
+  PartKind(std::string part_name, std::string one_line, std::function<Part()> settings)
       : name(std::move(part_name)), help(std::move(one_line)), settings_(std::move(settings)) {}
 
-  std::unique_ptr<Part> settings() const { return settings_(); }
+  Part settings() const { return settings_(); }
 
   std::string name;
   std::string help;
 
  private:
-  struct Keyless {};
+  template <typename Settings, typename Bind, typename Make>
+  static Part part(const std::shared_ptr<Settings>& settings, Bind bind, Make make) {
+    return {[=](Fields& fields) { bind(fields, *settings); },
+            [=](Context... context) {
+              return make(std::as_const(*settings), std::forward<Context>(context)...);
+            }};
+  }
 
-  template <typename Settings>
-  class PartOf final : public Part {
-   public:
-    PartOf(std::function<void(Fields&, Settings&)> binds,
-           std::function<std::unique_ptr<Product>(const Settings&, Context...)> makes)
-        : bind_(std::move(binds)), make_(std::move(makes)) {}
-    void bind(Fields& fields) override { bind_(fields, settings_); }
-    std::unique_ptr<Product> make(Context... context) const override {
-      return make_(settings_, std::forward<Context>(context)...);
-    }
-
-   private:
-    Settings settings_{};
-    std::function<void(Fields&, Settings&)> bind_;
-    std::function<std::unique_ptr<Product>(const Settings&, Context...)> make_;
-  };
-
-  std::function<std::unique_ptr<Part>()> settings_;
+  std::function<Part()> settings_;
 };
 
 /// The choice of a kind of the catalogue by a key ("observer.name"), and the settings of each kind.
@@ -125,7 +105,7 @@ class PartChoice {
     if (!standard_.empty()) fields.standard(key_, {standard_});
     for (auto& [name, part] : parts_) {
       const Fields::OfPart of_part(fields, key_, name);
-      part->bind(fields);
+      part.bind(fields);
     }
   }
 
@@ -134,7 +114,7 @@ class PartChoice {
   /// Makes the chosen part. Throws std::invalid_argument if its settings are wrong.
   template <typename... Context>
   auto make(Context&&... context) const {
-    return parts_.at(chosen_).second->make(std::forward<Context>(context)...);
+    return parts_.at(chosen_).second.make(std::forward<Context>(context)...);
   }
 
   /// The same, as a check: throws std::invalid_argument `ORIGIN: KEY: reason`.
@@ -146,7 +126,7 @@ class PartChoice {
  private:
   std::string key_;
   std::string standard_;
-  std::vector<std::pair<std::string, std::unique_ptr<typename Kind::Part>>> parts_;  // by name
+  std::vector<std::pair<std::string, typename Kind::Part>> parts_;  // by name
   std::size_t chosen_ = 0;
 };
 

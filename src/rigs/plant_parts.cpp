@@ -198,12 +198,12 @@ ArmSetup planar_setup(const AxisPlant& plant) {
 }
 
 // An arm's controller and the keys that a plant adds to it.
-class TipPart final : public PlantControllerKind::Part {
+class TipPart {
  public:
-  explicit TipPart(std::unique_ptr<ArmControllerKind::Part> own) : own_(std::move(own)) {}
+  explicit TipPart(ArmControllerKind::Part own) : own_(std::move(own)) {}
 
-  void bind(Fields& fields) override {
-    own_->bind(fields);
+  void bind(Fields& fields) {
+    own_.bind(fields);
     fields.optional_number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
                            "factor of the force gain: K_f is this value times the reference [1/m]");
     fields.optional_number("controller.k_posture", k_posture_, not_negative(),
@@ -216,8 +216,8 @@ class TipPart final : public PlantControllerKind::Part {
   }
 
   std::unique_ptr<Controller> make(const PlantTask& task,
-                                   std::shared_ptr<DisturbanceEstimator> estimator) const override {
-    return own_->make(setup(task, std::move(estimator)));
+                                   std::shared_ptr<DisturbanceEstimator> estimator) const {
+    return own_.make(setup(task, std::move(estimator)));
   }
 
  private:
@@ -250,7 +250,7 @@ class TipPart final : public PlantControllerKind::Part {
     return arm;
   }
 
-  std::unique_ptr<ArmControllerKind::Part> own_;
+  ArmControllerKind::Part own_;
   double convert_gain_per_m_ = 10.0;
   double k_posture_ = ArmTask().k_posture;
   ObserverFeed feed_ = ObserverFeed::clipped;
@@ -325,8 +325,14 @@ Catalogue with_none(Catalogue catalogue, bool is_arm) {
   for (const ArmControllerKind& kind : catalogue.all<ArmControllerKind>()) {
     // A controller in Python is of all kinds.
     if (catalogue.has<PlantControllerKind>(kind.name)) continue;
-    PlantControllerKind of_plant(kind.name, kind.help,
-                                 [kind] { return std::make_unique<TipPart>(kind.settings()); });
+    PlantControllerKind of_plant(kind.name, kind.help, [kind] {
+      const auto part = std::make_shared<TipPart>(kind.settings());
+      return PlantControllerKind::Part{
+          [part](Fields& fields) { part->bind(fields); },
+          [part](const PlantTask& task, std::shared_ptr<DisturbanceEstimator> estimator) {
+            return part->make(task, std::move(estimator));
+          }};
+    });
     of_plant.moves_tip = true;
     catalogue.add(std::move(of_plant));
   }
