@@ -100,10 +100,10 @@ std::vector<IdentifiedNumbers> drawn_plants(const Identification& identification
                                             std::size_t count) {
   const Eigen::MatrixXd spread = spread_of(identification);
   const Eigen::Index free = spread.rows();
-  const auto sampler = make_sampler(Method::sobol, count, free + 1, 1);
+  const Sampler sampler = make_sampler(Method::sobol, count, free + 1, 1);
   std::vector<IdentifiedNumbers> plants;
   for (std::uint64_t n = 0; n < count; ++n) {
-    const Eigen::VectorXd point = sampler->point(n);
+    const Eigen::VectorXd point = sampler.point(n);
     const Eigen::VectorXd change = spread * point.head(free).unaryExpr(&normal_quantile);
     AxisValues values = identification.fit.values;
     for (Eigen::Index i = 0; i < free; ++i) {

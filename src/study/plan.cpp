@@ -62,7 +62,7 @@ Plan::Plan(Study study) : study_(std::move(study)), candidates_(make_candidates(
   if (draws(study_.method)) {
     const auto d = static_cast<Eigen::Index>(study_.vary.size());
     sampler_ = make_sampler(study_.method, study_.samples, d, study_.sampling_seed);
-    samples = static_cast<double>(sampler_->size());
+    samples = static_cast<double>(sampler_.size);
   } else {
     samples = combinations(study_.vary, study_.method == Method::list);
   }
@@ -78,8 +78,8 @@ Plan::Plan(Study study) : study_(std::move(study)), candidates_(make_candidates(
 }
 
 std::vector<std::string> Plan::values(std::size_t sample) const {
-  if (!sampler_) return combination(study_.vary, sample, study_.method == Method::list);
-  const Eigen::VectorXd u = sampler_->point(sample);
+  if (!sampler_.point) return combination(study_.vary, sample, study_.method == Method::list);
+  const Eigen::VectorXd u = sampler_.point(sample);
   std::vector<std::string> values;
   for (std::size_t i = 0; i < study_.vary.size(); ++i) {
     values.push_back(value_at(study_.vary[i], u(static_cast<Eigen::Index>(i))));

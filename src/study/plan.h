@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,7 +58,7 @@ class Plan {
 
   Study study_;
   std::vector<Candidate> candidates_;
-  std::unique_ptr<const Sampler> sampler_;
+  Sampler sampler_;  // empty for a grid and a list
   std::size_t samples_ = 1;
   std::size_t seeds_ = 1;
 };

@@ -74,23 +74,33 @@ class Permutation {
   std::uint64_t swap_;
 };
 
-// Sobol' points with a digital shift, as coordinates.
+// Coordinate j for each of d from coordinate(j).
+template <typename Coordinate>
+Eigen::VectorXd point_of(std::size_t d, const Coordinate& coordinate) {
+  Eigen::VectorXd u(static_cast<Eigen::Index>(d));
+  for (std::size_t j = 0; j < d; ++j) u(static_cast<Eigen::Index>(j)) = coordinate(j);
+  return u;
+}
+
+// Sobol' points with a digital shift.
 auto shifted_sobol(Eigen::Index dimension, std::uint64_t seed) {
   std::vector<std::uint64_t> shifts;
   for (const Noise& noise : streams(seed, "Sobol' shift", dimension)) {
     shifts.push_back(noise.bits(0).first);
   }
-  return [sequence = SobolSequence(dimension), shifts](std::uint64_t i, Eigen::Index j) {
-    return open_unit(sequence.coordinate(i, j) ^ shifts[static_cast<std::size_t>(j)]);
+  return [points = sobol_points(dimension), shifts](std::uint64_t i) {
+    const std::vector<std::uint64_t> bits = points(i);
+    return point_of(bits.size(), [&](std::size_t j) { return open_unit(bits[j] ^ shifts[j]); });
   };
 }
 
-Sampler::Coordinate coordinate_of(Method method, std::uint64_t n, Eigen::Index d,
+decltype(Sampler::point) point_by(Method method, std::uint64_t n, Eigen::Index d,
                                   std::uint64_t seed) {
   switch (method) {
     case Method::random:
-      return [bits = streams(seed, "random points", d)](std::uint64_t i, Eigen::Index j) {
-        return open_unit(bits[static_cast<std::size_t>(j)].bits(i).first);
+      return [streams = streams(seed, "random points", d)](std::uint64_t i) {
+        return point_of(streams.size(),
+                        [&](std::size_t j) { return open_unit(streams[j].bits(i).first); });
       };
     case Method::latin_hypercube: {
       std::vector<Permutation> permutations;
@@ -99,21 +109,24 @@ Sampler::Coordinate coordinate_of(Method method, std::uint64_t n, Eigen::Index d
       }
       // The jitter r has so few bits that π + r is exact: the point stays in its interval.
       const int bits = 50 - static_cast<int>(std::bit_width(n));
-      return [=, jitters = streams(seed, "latin hypercube", d)](std::uint64_t i, Eigen::Index j) {
-        const auto k = static_cast<std::size_t>(j);
-        const auto jitter = static_cast<double>(jitters[k].bits(i).first >> (64 - bits));
-        return (static_cast<double>(permutations[k](i)) + std::ldexp(jitter + 0.5, -bits)) /
-               static_cast<double>(n);
+      return [=, jitters = streams(seed, "latin hypercube", d)](std::uint64_t i) {
+        return point_of(jitters.size(), [&](std::size_t j) {
+          const auto jitter = static_cast<double>(jitters[j].bits(i).first >> (64 - bits));
+          return (static_cast<double>(permutations[j](i)) + std::ldexp(jitter + 0.5, -bits)) /
+                 static_cast<double>(n);
+        });
       };
     }
     case Method::sobol:
       return shifted_sobol(d, seed);
     case Method::saltelli:
-      return [d, halves = shifted_sobol(2 * d, seed)](std::uint64_t i, Eigen::Index j) {
+      return [d, halves = shifted_sobol(2 * d, seed)](std::uint64_t i) {
         const auto columns = static_cast<std::uint64_t>(d) + 2;
         const auto column = static_cast<Eigen::Index>(i % columns);
-        const bool is_of_B = column == d + 1 || column == j + 1;
-        return halves(i / columns, is_of_B ? d + j : j);
+        const Eigen::VectorXd both = halves(i / columns);
+        Eigen::VectorXd u = column == d + 1 ? both.tail(d) : both.head(d);
+        if (column >= 1 && column <= d) u(column - 1) = both(d + column - 1);
+        return u;
       };
     case Method::grid:
     case Method::list:
@@ -124,15 +137,7 @@ Sampler::Coordinate coordinate_of(Method method, std::uint64_t n, Eigen::Index d
 
 }  // namespace
 
-Eigen::VectorXd Sampler::point(std::uint64_t i) const {
-  if (i >= size_) throw std::out_of_range(fmt::format("point {} of {}", i, size_));
-  Eigen::VectorXd u(dimension_);
-  for (Eigen::Index j = 0; j < dimension_; ++j) u(j) = coordinate_(i, j);
-  return u;
-}
-
-std::unique_ptr<const Sampler> make_sampler(Method method, std::uint64_t n, Eigen::Index d,
-                                            std::uint64_t seed) {
+Sampler make_sampler(Method method, std::uint64_t n, Eigen::Index d, std::uint64_t seed) {
   if (n < 1) throw std::invalid_argument("there must be at least one sample");
   if (d < 1) throw std::invalid_argument("nothing is varied by a distribution");
   const std::uint64_t points_a_sample =
@@ -140,31 +145,23 @@ std::unique_ptr<const Sampler> make_sampler(Method method, std::uint64_t n, Eige
   if (n > kMostPoints / points_a_sample) {
     throw std::invalid_argument(fmt::format("more than 2^{} points", kMostPointsLog2));
   }
-  return std::make_unique<Sampler>(n * points_a_sample, d, coordinate_of(method, n, d, seed));
+  return {n * points_a_sample, point_by(method, n, d, seed)};
 }
 
-SobolSequence::SobolSequence(Eigen::Index dimension) : dimension_(dimension) {
-  static_assert(kMostDimensions == boost::random::default_sobol_table::max_dimension);
-  if (dimension < 1 || dimension > kMostDimensions) {
+std::function<std::vector<std::uint64_t>(std::uint64_t i)> sobol_points(Eigen::Index dimension) {
+  constexpr Eigen::Index kMost = boost::random::default_sobol_table::max_dimension;
+  if (dimension < 1 || dimension > kMost) {
     throw std::invalid_argument(
-        fmt::format("Sobol' points have 1 to {} dimensions, not {}", kMostDimensions, dimension));
+        fmt::format("Sobol' points have 1 to {} dimensions, not {}", kMost, dimension));
   }
-  boost::random::sobol engine(static_cast<std::size_t>(dimension));
-  directions_.resize(static_cast<std::size_t>(kMostPointsLog2 * dimension));
-  for (int k = 0; k < kMostPointsLog2; ++k) {
-    // The Gray code of 2ᵏ⁺¹ − 1 is 2ᵏ, so that point is v_k itself. The engine begins with number
-    // 1.
-    engine.seed((std::uint64_t{2} << k) - 2);
-    for (Eigen::Index j = 0; j < dimension; ++j) directions_[k * dimension + j] = engine();
-  }
-}
-
-std::uint64_t SobolSequence::coordinate(std::uint64_t i, Eigen::Index j) const {
-  std::uint64_t x = 0;
-  for (std::uint64_t gray = i ^ i >> 1; gray != 0; gray &= gray - 1) {
-    x ^= directions_[std::countr_zero(gray) * dimension_ + j];
-  }
-  return x;
+  return [first = boost::random::sobol(static_cast<std::size_t>(dimension))](std::uint64_t i) {
+    std::vector<std::uint64_t> point(first.dimension());
+    if (i == 0) return point;  // the engine begins with number 1
+    boost::random::sobol engine = first;
+    engine.seed(i - 1);
+    engine.generate(point.begin(), point.end());
+    return point;
+  };
 }
 
 }  // namespace breakwater

@@ -4,8 +4,6 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
-#include <memory>
-#include <utility>
 #include <vector>
 
 namespace breakwater {
@@ -23,23 +21,9 @@ enum class Method {
 /// The points u₀, u₁, … of a plan in the open unit cube (0, 1)ᵈ. No coordinate is 0 or 1, so every
 /// distribution has a value there. A point depends only on the seed and its number. It costs O(d),
 /// may be computed on any thread, and has the same bits on every processor.
-class Sampler {
- public:
-  /// Coordinate j of point i.
-  using Coordinate = std::function<double(std::uint64_t i, Eigen::Index j)>;
-
-  Sampler(std::uint64_t size, Eigen::Index dimension, Coordinate coordinate)
-      : size_(size), dimension_(dimension), coordinate_(std::move(coordinate)) {}
-
-  /// The number of points.
-  std::uint64_t size() const { return size_; }
-  /// Point i < size().
-  Eigen::VectorXd point(std::uint64_t i) const;
-
- private:
-  std::uint64_t size_;
-  Eigen::Index dimension_;
-  Coordinate coordinate_;
+struct Sampler {
+  std::uint64_t size = 0;                                 ///< number of points
+  std::function<Eigen::VectorXd(std::uint64_t i)> point;  ///< point i < size
 };
 
 /// Makes a plan of n samples of d quantities:
@@ -47,7 +31,7 @@ class Sampler {
 /// - latin_hypercube: u_ij = (π_j(i) + r_ij)/n with random permutations π_j of 0 … n − 1 and
 ///   uniform r_ij. Each of the n equal intervals of a coordinate has exactly one point
 ///   (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21 (1979) 239–245).
-/// - sobol: Sobol' points (SobolSequence) with a digital shift: the bits of each coordinate are
+/// - sobol: Sobol' points (sobol_points()) with a digital shift: the bits of each coordinate are
 ///   XORed with random bits. The points stay evenly spread, and none is at the cube's corner
 ///   (P. L'Ecuyer, C. Lemieux, in: Modeling Uncertainty, 2002, 419–474). The first 2ᵏ points hit
 ///   each interval of length 2⁻ᵏ of a coordinate exactly once, so n should be a power of two.
@@ -60,29 +44,16 @@ class Sampler {
 ///
 /// Throws std::invalid_argument if n or d is 0, there are more than 2⁴⁰ points, or d is larger than
 /// 3667 (sobol) or 1833 (saltelli).
-std::unique_ptr<const Sampler> make_sampler(Method method, std::uint64_t n, Eigen::Index d,
-                                            std::uint64_t seed);
+Sampler make_sampler(Method method, std::uint64_t n, Eigen::Index d, std::uint64_t seed);
 
 /// Sobol' points in the order of the Gray code, with the directions of Joe and Kuo for good
 /// two-dimensional projections:
 ///     x_i = ⊕_k g_k v_k,  g = i ⊕ ⌊i/2⌋        (g_k: bit k of g; v_k: the k-th direction)
-/// x₀ = 0. The points 0 … 2ᵐ − 1 are a digital net.
+/// x₀ = 0. The points 0 … 2ᵐ − 1 are a digital net. The function returns point i < 2⁴⁰, times 2⁶⁴.
+/// Throws std::invalid_argument unless 1 ≤ dimension ≤ 3667.
 ///
 /// Sources: I. M. Sobol', USSR Comput. Math. Math. Phys. 7 (1967) 86–112; I. A. Antonov, V. M.
 /// Saleev, ibid. 19 (1979) 252–256; S. Joe, F. Y. Kuo, SIAM J. Sci. Comput. 30 (2008) 2635–2654.
-class SobolSequence {
- public:
-  /// Throws std::invalid_argument unless 1 ≤ dimension ≤ kMostDimensions.
-  explicit SobolSequence(Eigen::Index dimension);
-
-  static constexpr Eigen::Index kMostDimensions = 3667;
-
-  /// Coordinate j of point i < 2⁴⁰, times 2⁶⁴.
-  std::uint64_t coordinate(std::uint64_t i, Eigen::Index j) const;
-
- private:
-  Eigen::Index dimension_;
-  std::vector<std::uint64_t> directions_;  // v_k of coordinate j at k·dimension + j
-};
+std::function<std::vector<std::uint64_t>(std::uint64_t i)> sobol_points(Eigen::Index dimension);
 
 }  // namespace breakwater

@@ -17,10 +17,10 @@
 namespace breakwater::python_methods {
 Eigen::MatrixXd points(Method method, std::uint64_t n, Eigen::Index d, std::uint64_t seed,
                        const std::optional<std::vector<std::uint64_t>>& which) {
-  const auto sampler = make_sampler(method, n, d, seed);
-  const std::size_t count = which ? which->size() : sampler->size();
+  const Sampler sampler = make_sampler(method, n, d, seed);
+  const std::size_t count = which ? which->size() : sampler.size;
   Eigen::MatrixXd all(count, d);
-  for (std::size_t i = 0; i < count; ++i) all.row(i) = sampler->point(which ? (*which)[i] : i);
+  for (std::size_t i = 0; i < count; ++i) all.row(i) = sampler.point(which ? (*which)[i] : i);
   return all;
 }
 
@@ -102,10 +102,11 @@ void bind_statistics(py::module_& module) {
   module.def("points", points, py::arg(), py::arg(), py::arg(), py::arg(),
              py::arg("which") = py::none());
   module.def("sobol", [](Eigen::Index d, const std::vector<std::uint64_t>& which) {
-    const SobolSequence sequence(d);
+    const auto points = sobol_points(d);
     Eigen::Matrix<std::uint64_t, Eigen::Dynamic, Eigen::Dynamic> all(which.size(), d);
     for (std::size_t i = 0; i < which.size(); ++i) {
-      for (Eigen::Index j = 0; j < d; ++j) all(i, j) = sequence.coordinate(which[i], j);
+      const std::vector<std::uint64_t> point = points(which[i]);
+      for (Eigen::Index j = 0; j < d; ++j) all(i, j) = point[j];
     }
     return all;
   });

@@ -576,8 +576,6 @@ class Sampling(unittest.TestCase):
         wrong = [(plan, *numbers) for plan in PLANS for numbers in ((0, 3), (3, 0), (2**64 - 1, 3))]
         for plan, n, d in (*wrong, (SamplingMethod.sobol, 8, 3668), (SamplingMethod.saltelli, 8, 1834)):
             self.assertRaises(ValueError, methods.points, plan, n, d, 1)
-        for plan in PLANS:
-            self.assertRaises(IndexError, methods.points, plan, 10, 2, 1, [40])
 
     def test_bits_are_the_same_everywhere(self):
         """On every processor: a study identifies a point by the hash of its configuration."""
