@@ -6,7 +6,6 @@
 #include <limits>
 #include <numeric>
 #include <set>
-#include <span>
 #include <utility>
 
 #include <breakwater/statistics/distribution.h>
@@ -67,50 +66,8 @@ std::vector<std::pair<std::size_t, std::size_t>> pairs_of(const PairedResults& r
   return pairs;
 }
 
-// The test conditions, sorted by block.
-class Blocks {
- public:
-  // For some candidates. Leaves out samples whose runs repeat those of an earlier sample for all of
-  // them.
-  Blocks(const PairedResults& results, const std::vector<std::size_t>& candidates) {
-    std::set<std::vector<int>> met;
-    const Eigen::Index all = results.failed.rows();
-    for (Eigen::Index first = 0, end = 0; first < all; first = end) {
-      end = end_of_sample(results, first);
-      if (!is_new(results, candidates, first, end, met)) continue;
-      for (Eigen::Index world = first; world < end; ++world) worlds_.push_back(world);
-      ends_.push_back(worlds_.size());
-    }
-  }
-
-  std::size_t size() const { return ends_.size(); }
-  std::span<const Eigen::Index> operator[](std::size_t block) const {
-    const std::size_t first = block == 0 ? 0 : ends_[block - 1];
-    return std::span(worlds_).subspan(first, ends_[block] - first);
-  }
-  const std::vector<Eigen::Index>& worlds() const { return worlds_; }
-
- private:
-  static Eigen::Index end_of_sample(const PairedResults& results, Eigen::Index first) {
-    Eigen::Index end = first + 1;
-    while (end < results.samples.size() && results.samples(end) == results.samples(first)) ++end;
-    return end;
-  }
-  static bool is_new(const PairedResults& results, const std::vector<std::size_t>& candidates,
-                     Eigen::Index first, Eigen::Index end, std::set<std::vector<int>>& met) {
-    if (results.runs.size() == 0) return true;
-    std::vector<int> runs;
-    for (Eigen::Index world = first; world < end; ++world) {
-      for (const std::size_t c : candidates) {
-        runs.push_back(results.runs(world, static_cast<Eigen::Index>(c)));
-      }
-    }
-    return met.insert(std::move(runs)).second;
-  }
-
-  std::vector<Eigen::Index> worlds_;
-  std::vector<std::size_t> ends_;
-};
+// The test conditions of each block.
+using Blocks = std::vector<std::vector<Eigen::Index>>;
 
 using Groups = std::vector<std::vector<double>>;
 
@@ -118,10 +75,10 @@ using Groups = std::vector<std::vector<double>>;
 template <typename Value>
 Groups values_in(const Blocks& blocks, Value value) {
   Groups values(blocks.size());
-  for (std::size_t block = 0; block < blocks.size(); ++block) {
-    for (const Eigen::Index world : blocks[block]) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    for (const Eigen::Index world : blocks[i]) {
       const double one = value(world);
-      if (!std::isnan(one)) values[block].push_back(one);
+      if (!std::isnan(one)) values[i].push_back(one);
     }
   }
   return values;
@@ -228,11 +185,11 @@ FailureComparison compare_failures(const PairedResults& results, const Pair& pai
   FailureComparison comparison;
   comparison.candidate = pair.x;
   comparison.reference = pair.y;
-  comparison.pairs = pair.blocks.worlds().size();
   comparison.blocks = pair.blocks.size();
-  for (std::size_t block = 0; block < pair.blocks.size(); ++block) {
+  for (const std::vector<Eigen::Index>& block : pair.blocks) {
+    comparison.pairs += block.size();
     std::size_t of_x = 0, of_y = 0;
-    for (const Eigen::Index world : pair.blocks[block]) {
+    for (const Eigen::Index world : block) {
       of_x += results.failed(world, static_cast<Eigen::Index>(pair.x)) > 0.0;
       of_y += results.failed(world, static_cast<Eigen::Index>(pair.y)) > 0.0;
     }
@@ -359,12 +316,23 @@ EstimatedValue estimated_median(std::vector<double> values) {
 
 std::vector<std::vector<Eigen::Index>> different_blocks(
     const PairedResults& results, const std::vector<std::size_t>& candidates) {
-  const Blocks blocks(results, candidates);
-  std::vector<std::vector<Eigen::Index>> all;
-  for (std::size_t block = 0; block < blocks.size(); ++block) {
-    all.emplace_back(blocks[block].begin(), blocks[block].end());
+  Blocks blocks;
+  std::set<std::vector<int>> met;
+  for (Eigen::Index first = 0, end = 0; first < results.failed.rows(); first = end) {
+    Blocks::value_type block;
+    std::vector<int> runs;
+    do {
+      block.push_back(end);
+      for (const std::size_t c : candidates) {
+        if (results.runs.size() == 0) break;
+        runs.push_back(results.runs(end, static_cast<Eigen::Index>(c)));
+      }
+      ++end;
+    } while (end < results.samples.size() && results.samples(end) == results.samples(first));
+    const bool is_new = results.runs.size() == 0 || met.insert(runs).second;
+    if (is_new) blocks.push_back(std::move(block));
   }
-  return all;
+  return blocks;
 }
 
 const std::string& name_of(ComparisonVerdict verdict) {
@@ -383,17 +351,16 @@ CandidateComparison compare_candidates(const PairedResults& results) {
   comparison.candidates = results.candidates;
   std::vector<std::size_t> all(results.candidates.size());
   std::iota(all.begin(), all.end(), 0);
-  const Blocks blocks(results, all);
-  comparison.blocks = blocks.size();
+  comparison.blocks = different_blocks(results, all).size();
   std::vector<Blocks> of_one;
   for (const std::size_t c : all) {
-    of_one.emplace_back(results, std::vector{c});
+    of_one.push_back(different_blocks(results, {c}));
     comparison.reached.push_back(of_one.back().size());
     comparison.never.push_back(never_measured(results, c));
   }
   std::vector<Pair> pairs;
   for (const auto& [x, y] : pairs_of(results)) {
-    pairs.push_back({x, y, Blocks(results, {x, y}), of_one[x], of_one[y]});
+    pairs.push_back({x, y, different_blocks(results, {x, y}), of_one[x], of_one[y]});
   }
   constexpr double kRounding = 1e-12;  // relative to the values
   std::vector<SignedRank> tests;       // one for each of comparison.metrics
