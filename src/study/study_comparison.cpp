@@ -57,7 +57,16 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
   std::unordered_map<std::string, std::size_t> columns;
   for (std::size_t i = 0; i < results.metrics.size(); ++i) columns.emplace(results.metrics[i], i);
 
-  const auto rows = static_cast<Eigen::Index>(all), width = static_cast<Eigen::Index>(k);
+  // A sample waits until all its seeds have run. Earlier, repeats could not be recognised.
+  const std::size_t together = counts_seeds(study) ? k : k * plan.seeds();
+  std::vector<std::size_t> worlds;
+  for (std::size_t world = 0; world < all; ++world) {
+    const std::size_t first = world * k / together * together;
+    std::size_t done = 0;
+    while (done < together && index.has(first + done)) ++done;
+    if (done == together) worlds.push_back(world);
+  }
+  const auto rows = static_cast<Eigen::Index>(worlds.size()), width = static_cast<Eigen::Index>(k);
   results.failed = Eigen::MatrixXd::Zero(rows, width);
   results.values.assign(
       results.metrics.size(),
@@ -65,27 +74,11 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
   results.runs = Eigen::MatrixXi::Zero(rows, width);
   results.samples = Eigen::VectorXi::Zero(rows);
   const std::vector<StudyKey> keys = study_keys(study);
-  const bool are_seeds_worlds = counts_seeds(study);
-  // A sample waits until all its seeds have run. Earlier, repeats could not be recognised.
-  const auto is_done = [&](std::size_t sample) {
-    const std::size_t runs = plan.seeds() * k;
-    for (std::size_t point = sample * runs; point < (sample + 1) * runs; ++point) {
-      if (!index.has(point)) return false;
-    }
-    return true;
-  };
-  Eigen::Index kept = 0;
   std::unordered_map<std::string, int> numbers;  // outcome → number
   std::vector<Coordinates> places;
-  for (std::size_t world = 0; world < all; ++world) {
-    const std::size_t sample = world / plan.seeds();
-    if (!are_seeds_worlds && !is_done(sample)) continue;
-    std::vector<PointResult> runs;
-    for (std::size_t c = 0; c < k && index.has(world * k + c); ++c) {
-      runs.push_back(index.read(world * k + c));
-    }
-    if (runs.size() < k) continue;
-    results.samples(kept) = static_cast<int>(are_seeds_worlds ? world : sample);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const std::size_t world = worlds[static_cast<std::size_t>(row)];
+    results.samples(row) = static_cast<int>(world * k / together);
     const StudyPoint point = plan.point(world * k);
     Coordinates& place = places.emplace_back();
     for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -93,22 +86,18 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
     }
     place.push_back(static_cast<double>(world % plan.seeds()));
     for (std::size_t c = 0; c < k; ++c) {
+      const PointResult run = index.read(world * k + c);
       const auto column = static_cast<Eigen::Index>(c);
-      const std::string left = fingerprint({outcome(runs[c])});
-      results.runs(kept, column) =
-          numbers.emplace(left, static_cast<int>(numbers.size())).first->second;
-      if (runs[c].status != PointStatus::complete) results.failed(kept, column) = 1.0;
-      for (const auto& [name, value] : runs[c].metrics) {
+      results.runs(row, column) =
+          numbers.emplace(fingerprint({outcome(run)}), static_cast<int>(numbers.size()))
+              .first->second;
+      if (run.status != PointStatus::complete) results.failed(row, column) = 1.0;
+      for (const auto& [name, value] : run.metrics) {
         const auto found = columns.find(name);
-        if (found != columns.end()) results.values[found->second](kept, column) = value;
+        if (found != columns.end()) results.values[found->second](row, column) = value;
       }
     }
-    ++kept;
   }
-  results.failed.conservativeResize(kept, Eigen::NoChange);
-  results.runs.conservativeResize(kept, Eigen::NoChange);
-  results.samples.conservativeResize(kept);
-  for (Eigen::MatrixXd& values : results.values) values.conservativeResize(kept, Eigen::NoChange);
   number_failed_runs(places, results);
   return results;
 }
