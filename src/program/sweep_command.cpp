@@ -167,15 +167,21 @@ void print_preview(const Sweep& sweep, std::size_t jobs) {
   fmt::print("{}: {}, {}, {}\n", number_of(plan.size(), "run"), number_of(plan.samples(), "sample"),
              number_of(plan.seeds(), "seed"), number_of(plan.candidates().size(), "candidate"));
   std::fflush(stdout);
-  const Estimate time = estimate(sweep, interrupted());
+  const std::size_t candidates = plan.candidates().size();
+  RunControl control;
+  control.stop = &interrupted();
+  std::vector<PointResult> runs;
+  double seconds = 0.0;
   Table table({"candidate", "one run", "metrics"});
-  for (std::size_t c = 0; c < time.runs.size(); ++c) {
-    table.add({plan.candidates()[c].label, fmt::format("{:.3g} s", time.runs[c].cost_s),
-               std::to_string(time.runs[c].metrics.size())});
+  for (std::size_t c = 0; c < candidates; ++c) {
+    runs.push_back(run_point(c, sweep, control));
+    seconds += runs[c].cost_s * static_cast<double>(plan.size() / candidates);
+    table.add({plan.candidates()[c].label, fmt::format("{:.3g} s", runs[c].cost_s),
+               std::to_string(runs[c].metrics.size())});
   }
-  fmt::print("\n{}\n{}", table.print(output_width()), time_needed(time.seconds, jobs));
+  fmt::print("\n{}\n{}", table.print(output_width()), time_needed(seconds, jobs));
   std::fflush(stdout);
-  warn(kSweep.command, warnings_of(sweep, time.runs));
+  warn(kSweep.command, warnings_of(sweep, runs));
 }
 
 // A text such as "3 of 40 points are done; of these 1 failed".

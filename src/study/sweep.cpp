@@ -12,7 +12,6 @@
 
 #include <breakwater/experiment/run_manifest.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/signals/thread_time.h>
 #include <breakwater/study/study.h>
 
 namespace breakwater {
@@ -181,19 +180,6 @@ std::vector<std::size_t> pending(const ShardIndex& index) {
     if (!index.has(point)) points.push_back(point);
   }
   return points;
-}
-
-Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop) {
-  const std::size_t candidates = sweep.plan().candidates().size();
-  const auto runs_of_each = static_cast<double>(sweep.plan().size() / candidates);
-  Estimate estimate;
-  for (std::size_t c = 0; c < candidates; ++c) {
-    RunControl control;
-    control.stop = &stop;
-    estimate.runs.push_back(run_point(c, sweep, control));
-    estimate.seconds += estimate.runs.back().cost_s * runs_of_each;
-  }
-  return estimate;
 }
 
 }  // namespace breakwater

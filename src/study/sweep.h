@@ -64,12 +64,4 @@ class Sweep : public PointSource {
 /// The points without a result, in order.
 std::vector<std::size_t> pending(const ShardIndex& index);
 
-struct Estimate {
-  double seconds = 0.0;           ///< processor time of all points
-  std::vector<PointResult> runs;  ///< one per candidate
-};
-
-/// Estimates the time of a study from the first run of each candidate. Throws Interrupted.
-Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop);
-
 }  // namespace breakwater
