@@ -101,6 +101,17 @@ std::string number_of(std::size_t count, const std::string& what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
+std::string listed(std::vector<std::string> names) {
+  constexpr std::size_t kMostNamed = 3;
+  if (names.size() > kMostNamed + 1) {
+    const std::size_t more = names.size() - kMostNamed;
+    names.resize(kMostNamed);
+    names.push_back(fmt::format("{} more", more));
+  }
+  if (names.size() < 2) return names.empty() ? "" : names.front();
+  return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
+}
+
 std::string duration_text(double seconds) {
   if (seconds < 90.0) return fmt::format("{:.1f} s", seconds);
   if (seconds < 5400.0) return fmt::format("{:.0f} min", seconds / 60.0);

@@ -39,6 +39,9 @@ std::string in_digits(double value);
 /// "1 run", "2 runs".
 std::string number_of(std::size_t count, const std::string& what);
 
+/// "A, B and C"; of five or more the first three: "A, B, C and 2 more".
+std::string listed(std::vector<std::string> names);
+
 /// "12.3 s", "20 min", "3.4 h", "2.0 days".
 std::string duration_text(double seconds);
 

@@ -17,23 +17,12 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kMostNamed = 3;  // candidates in a sentence
 constexpr std::size_t kMostRows = 18;  // in a terminal's table
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 std::string with_unit(double value, const std::string& metric) {
   const std::string unit = unit_of(metric);
   return in_digits(value) + (unit.empty() ? "" : " ") + unit;
-}
-
-std::string listed(std::vector<std::string> names) {
-  if (names.size() > kMostNamed + 1) {
-    const std::size_t more = names.size() - kMostNamed;
-    names.resize(kMostNamed);
-    names.push_back(fmt::format("{} more", more));
-  }
-  if (names.size() < 2) return names.empty() ? "" : names.front();
-  return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
 std::string text_of(const Requirement& requirement) {

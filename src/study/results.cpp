@@ -16,6 +16,7 @@
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/shell/table.h>
 #include <breakwater/study/plan.h>
 
 namespace breakwater {
@@ -83,8 +84,6 @@ void write_sqlite(const std::filesystem::path& csv, const std::filesystem::path&
 
 namespace {
 
-constexpr std::size_t kMostInALine = 4;  // metrics in a line
-
 // "12 of 40 complete runs of hpfc-2N" for each candidate of which only some runs have a metric. One
 // that no run of a candidate has does not apply to it.
 std::string missing(const std::vector<std::string>& candidates,
@@ -96,10 +95,7 @@ std::string missing(const std::vector<std::string>& candidates,
     parts.push_back(fmt::format("{} of {} complete runs of {}", complete[c] - counts[c],
                                 complete[c], candidates[c]));
   }
-  const std::size_t more = parts.size() - std::min(parts.size(), kMostInALine);
-  parts.resize(parts.size() - more);
-  if (more > 0) parts.push_back(fmt::format("of {} more candidates", more));
-  return fmt::format("{}", fmt::join(parts, ", "));
+  return listed(std::move(parts));
 }
 
 }  // namespace
@@ -115,14 +111,9 @@ std::vector<std::string> missing_lines(
     if (!where.empty()) metrics[where].push_back(name);
   }
   std::vector<std::string> lines;
-  for (auto& [where, names] : metrics) {
-    const std::size_t more = names.size() - std::min(names.size(), kMostInALine);
-    names.resize(names.size() - more);
-    lines.push_back(fmt::format("{}{} missing: in {}", fmt::join(names, ", "),
-                                more > 0           ? fmt::format(" and {} more are", more)
-                                : names.size() > 1 ? " are"
-                                                   : " is",
-                                where));
+  for (const auto& [where, names] : metrics) {
+    lines.push_back(
+        fmt::format("{} {} missing: in {}", listed(names), names.size() > 1 ? "are" : "is", where));
   }
   return lines;
 }
