@@ -13,10 +13,9 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <memory>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -58,22 +57,6 @@ pid_t start(std::vector<std::string> words, int& output) {
   }
   output = ends[0];
   return process;
-}
-
-// The next line without its end; nothing after the end of the text.
-std::optional<std::string> next_line(FILE* text) {
-  char* line = nullptr;
-  std::size_t size = 0;
-  ssize_t length = -1;
-  do {
-    std::clearerr(text);
-    errno = 0;
-    length = getline(&line, &size, text);
-  } while (length < 0 && errno == EINTR);
-  const std::unique_ptr<char, void (*)(void*)> owner(line, std::free);
-  if (length <= 0) return std::nullopt;
-  const bool has_end = line[length - 1] == '\n';
-  return std::string(line, static_cast<std::size_t>(has_end ? length - 1 : length));
 }
 
 }  // namespace
@@ -155,20 +138,21 @@ EndedProgram run_beside(std::vector<std::string> words,
   constexpr int kLooks_ms = 100;
   int output = -1;
   const pid_t process = start(std::move(words), output);
-  std::unique_ptr<FILE, int (*)(FILE*)> text(fdopen(output, "r"), std::fclose);
   EndedProgram ended;
   const auto wait = [&] {
-    text.reset();
+    close(output);
     while (waitpid(process, &ended.status, 0) < 0 && errno == EINTR) continue;
   };
   bool is_interrupted = false;
+  std::string text;
   try {
     for (bool goes_on = true; goes_on;) {
       pollfd news = {output, POLLIN, 0};
       if (poll(&news, 1, kLooks_ms) > 0) {
-        auto line = next_line(text.get());
-        goes_on = line.has_value();
-        if (line) ended.said.push_back(std::move(*line));
+        char part[4096];
+        const ssize_t length = read(output, part, sizeof part);
+        goes_on = length > 0 || (length < 0 && errno == EINTR);
+        if (length > 0) text.append(part, static_cast<std::size_t>(length));
       }
       if (look && look(process) && !std::exchange(is_interrupted, true)) kill(process, SIGTERM);
     }
@@ -177,6 +161,8 @@ EndedProgram run_beside(std::vector<std::string> words,
     throw;
   }
   wait();
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) ended.said.push_back(line);
   return ended;
 }
 
