@@ -471,7 +471,7 @@ class SweepCommand : public StudyCommand {
                shown < notes.size() ? number_of(notes.size() - shown, "more note") + " and " : "");
   }
 
-  bool stops() const { return plan_.study().on_failure == OnFailure::stop; }
+  bool stops() const { return plan_.study().stops_on_failure; }
   // Removes points in the queue from `points`, so that they do not run twice, and reports them.
   // Returns whether there were any.
   bool leave_out_queued(std::vector<std::size_t>& points) const {

@@ -26,17 +26,6 @@ const Names<Keep>& keeps() {
   return names;
 }
 
-const Names<OnFailure>& failure_rules() {
-  static const Names<OnFailure> names = {{"count", OnFailure::count}, {"stop", OnFailure::stop}};
-  return names;
-}
-
-const Names<WorldUnit>& world_units() {
-  static const Names<WorldUnit> names = {{"samples", WorldUnit::samples},
-                                         {"seeds", WorldUnit::seeds}};
-  return names;
-}
-
 void read_compare(const TomlEntry& root, Study& study) {
   const TomlEntry compare = root["compare"];
   if (const TomlEntry cases = compare["case"]) {
@@ -51,7 +40,7 @@ void read_compare(const TomlEntry& root, Study& study) {
     study.goals.emplace_back(metric, goal.choice(goal_names()));
     study.places["compare.goal." + metric] = goal.place();
   }
-  compare["worlds"].choice(world_units(), study.worlds);
+  compare["worlds"].choice<bool>({{"samples", false}, {"seeds", true}}, study.are_seeds_worlds);
   study.compare = read_varied(compare, {"case", "baseline", "metrics", "goal", "worlds"});
   for (const VariedKey& key : study.compare) {
     if (!key.distribution) continue;
@@ -194,7 +183,7 @@ Study read_study(const toml::table& tables, const std::string& file) {
   }
   study.seeds = read_seeds(root["seeds"]);
   root["keep"].choice(keeps(), study.keep);
-  root["on_failure"].choice(failure_rules(), study.on_failure);
+  root["on_failure"].choice<bool>({{"count", false}, {"stop", true}}, study.stops_on_failure);
   study.vary = read_varied(root["vary"]);
   read_compare(root, study);
   study.require = read_require(root, study);
@@ -219,7 +208,7 @@ std::string Study::print() const {
   }
   text += print_seeds(seeds);
   text += fmt::format("keep = {}\non_failure = {}\n", toml_string(name_of(keeps(), keep)),
-                      toml_string(name_of(failure_rules(), on_failure)));
+                      toml_string(stops_on_failure ? "stop" : "count"));
   text += print_sets(*this);
   if (!vary.empty()) text += "\n[vary]\n" + print_keys(vary);
   text += "\n[compare]\n";
@@ -230,9 +219,7 @@ std::string Study::print() const {
     text +=
         fmt::format("goal.{} = {}\n", toml_key(metric), toml_string(name_of(goal_names(), goal)));
   }
-  if (worlds != WorldUnit::samples) {
-    text += fmt::format("worlds = {}\n", toml_string(name_of(world_units(), worlds)));
-  }
+  if (are_seeds_worlds) text += "worlds = \"seeds\"\n";
   text += print_keys(compare);
   if (!require.bounds.empty()) {
     text += fmt::format("\n[require]\nshare = {}\nconfidence = {}\n", toml_number(require.share),

@@ -35,15 +35,8 @@ const Names<Method>& methods();
 /// Whether a method draws its samples.
 bool draws(Method method);
 
-/// The independent units of a comparison: the samples, each repeated by its seeds, or each seed of
-/// each sample.
-enum class WorldUnit { samples, seeds };
-
 /// Which runs keep their folder: none, the failed ones, all.
 enum class Keep { metrics, failed, all };
-
-/// Effect of a failed run: it counts as a result, or it ends the study.
-enum class OnFailure { count, stop };
 
 /// "FILE:LINE: KEY" or the name of an option, by KEY.
 using Places = std::map<std::string, std::string>;
@@ -76,7 +69,7 @@ struct Study : StudyBase {
   std::uint64_t sampling_seed = 1;   ///< random seed of the samples
   std::vector<std::uint64_t> seeds;  ///< run.seed; empty: that of the scenario file
   Keep keep = Keep::metrics;
-  OnFailure on_failure = OnFailure::count;
+  bool stops_on_failure = false;  ///< a failed run ends the study; else it counts as a result
   std::vector<VariedKey> vary;
   std::vector<std::string> cases;    ///< at least one, once completed
   std::vector<VariedKey> compare;    ///< keys in which candidates differ besides their case
@@ -85,7 +78,9 @@ struct Study : StudyBase {
   /// The goals of compared metrics, in the order of the file.
   std::vector<std::pair<std::string, Goal>> goals;
   Requirement require;  ///< a ranked candidate meets it
-  WorldUnit worlds = WorldUnit::samples;
+  /// Whether each seed of each sample is an independent unit of a comparison. If not, a sample is
+  /// one, and its seeds repeat it.
+  bool are_seeds_worlds = false;
 
   /// The metrics that the user named, the most important first.
   std::vector<std::string> named_metrics() const;

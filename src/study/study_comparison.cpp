@@ -29,7 +29,7 @@ std::string outcome(const PointResult& result) {
 
 // Whether each seed of a sample is a block of its own.
 bool counts_seeds(const Study& study) {
-  return study.vary.empty() || study.worlds == WorldUnit::seeds;
+  return study.vary.empty() || study.are_seeds_worlds;
 }
 
 }  // namespace

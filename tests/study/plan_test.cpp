@@ -157,7 +157,7 @@ TEST(OptionParts, AnEscapedQuoteDoesNotEndAText) {
 }
 
 // An ineffective key, an effective one, and effective seeds: two of eight samples differ.
-Plan plan(WorldUnit worlds = WorldUnit::samples) {
+Plan plan(bool are_seeds_worlds = false) {
   Study study;
   study.scenario = "any";
   study.cases = {"a", "b"};
@@ -165,7 +165,7 @@ Plan plan(WorldUnit worlds = WorldUnit::samples) {
                 {.key = "busy", .values = {"10", "20"}}};
   study.seeds = {1, 2, 3};
   study.metrics = {"y"};
-  study.worlds = worlds;
+  study.are_seeds_worlds = are_seeds_worlds;
   return Plan(study);
 }
 
@@ -238,7 +238,7 @@ TEST(StudyComparison, AHalfFinishedSampleMakesNoBlock) {
   EXPECT_EQ(results.samples.size(), 7 * 3);
   EXPECT_EQ(compare_candidates(results).blocks, 2U);
   // If each seed is a block, the finished seeds count.
-  const PairedResults of_seeds = results_of(plan(WorldUnit::seeds), never, missing);
+  const PairedResults of_seeds = results_of(plan(true), never, missing);
   EXPECT_EQ(of_seeds.samples.size(), 8 * 3 - 1);
   EXPECT_EQ(compare_candidates(of_seeds).blocks, 6U);
 }
