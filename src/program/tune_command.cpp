@@ -185,16 +185,16 @@ void print_count(const TuningPlan& plan) {
 
 // Warns if all test conditions of a candidate give the same run. Copies contain no information
 // about other conditions, and their intervals are too narrow.
-void warn_of_copies(const TuningPlan& plan, const std::vector<PointResult>& runs) {
+void warn_of_copies(const TuningPlan& plan, const std::map<std::size_t, PointResult>& runs) {
   struct Count {
     std::size_t copies = 0;
     std::size_t all = 0;
   };
   Count search, validation;
   std::map<std::pair<std::size_t, std::size_t>, std::set<std::string>> met;  // by candidate
-  for (const PointResult& run : runs) {
+  for (const auto& [number, run] : runs) {
     if (run.status != PointStatus::complete) continue;  // it may have failed in its first step
-    const TuningRun one = plan.run(run.number);
+    const TuningRun one = plan.run(number);
     Count& count = one.is_validation ? validation : search;
     ++count.all;
     if (!met[{one.tuned, one.evaluation}].insert(run.state_hash).second) ++count.copies;

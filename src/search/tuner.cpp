@@ -129,15 +129,10 @@ class Runs {
     return results;
   }
 
-  // Call it after the last run. Throws OutputError.
-  void finish() { shard_.finish(); }
-
-  std::vector<PointResult> all() const {
-    std::vector<PointResult> results;
-    for (const auto& [number, result] : known_) results.push_back(result);
-    std::sort(results.begin(), results.end(),
-              [](const auto& a, const auto& b) { return a.number < b.number; });
-    return results;
+  // All runs, after the last one. Throws OutputError.
+  std::map<std::size_t, PointResult> finish() {
+    shard_.finish();
+    return known_;
   }
 
  private:
@@ -189,7 +184,7 @@ class Runs {
       keep(result);
     };
     if (run_points(numbers, plan_, shard_, executor) == numbers.size()) return;
-    finish();
+    shard_.finish();
     throw Interrupted();
   }
 
@@ -199,7 +194,7 @@ class Runs {
   const std::string origin_;
   Shard shard_;
   std::unordered_map<std::string, PointResult> earlier_;  // from the shards, by PointResult::asked
-  std::unordered_map<std::size_t, PointResult> known_;    // in use by the search
+  std::map<std::size_t, PointResult> known_;              // in use by the search
 };
 
 std::vector<std::size_t> numbers_of(const TuningPlan& plan, std::size_t tuned,
@@ -303,8 +298,7 @@ TuningResult tune(TuningPlan& plan, const StudyFolder& folder, const TunerOption
     result.fronts.push_back(std::move(front));
   }
   if (tuning.validation) validate_all(plan, runs, options, result.fronts);
-  runs.finish();
-  result.runs = runs.all();
+  result.runs = runs.finish();
   return result;
 }
 

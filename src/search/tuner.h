@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,7 +62,7 @@ struct TunedFront {
 
 struct TuningResult {
   std::vector<TunedFront> fronts;
-  std::vector<PointResult> runs;  ///< in the order of their numbers
+  std::map<std::size_t, PointResult> runs;  ///< by number
 };
 
 struct TunerOptions {

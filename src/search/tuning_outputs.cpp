@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <unordered_map>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/partial_file.h>
@@ -24,8 +23,6 @@ constexpr double kEdge = 0.01;  // share of a range that counts as its bound
 PairedResults fresh_results(const TuningPlan& plan, const TuningResult& result,
                             const std::vector<std::size_t>& cases) {
   const Objective& objective = plan.tuning().objectives.front();
-  std::unordered_map<std::size_t, const PointResult*> made;
-  for (const PointResult& run : result.runs) made.emplace(run.number, &run);
   const auto rows = static_cast<Eigen::Index>(plan.worlds(true).size());
   const auto columns = static_cast<Eigen::Index>(cases.size());
   PairedResults paired;
@@ -40,7 +37,7 @@ PairedResults fresh_results(const TuningPlan& plan, const TuningResult& result,
     const TunedFront& best = result.fronts[tuned];
     paired.candidates.push_back(best.case_name);
     for (Eigen::Index world = 0; world < rows; ++world) {
-      const PointResult& run = *made.at(plan.number(
+      const PointResult& run = result.runs.at(plan.number(
           {tuned, best.points.front().evaluation, true, static_cast<std::size_t>(world)}));
       const bool has_failed = run.status != PointStatus::complete;
       const std::string own = has_failed ? std::to_string(run.number) : run.state_hash;
@@ -138,8 +135,8 @@ std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
   add_new(tuning.worlds.keys, keys);
   if (tuning.validation) add_new(tuning.validation->keys, keys);
   std::vector<ResultRow> rows;
-  for (const PointResult& run : result.runs) {
-    const TuningRun one = plan.run(run.number);
+  for (const auto& [number, run] : result.runs) {
+    const TuningRun one = plan.run(number);
     const Worlds& worlds = plan.worlds(one.is_validation);
     const std::vector<std::string> world = worlds.values(one.world);
     ResultRow& cells = rows.emplace_back();
