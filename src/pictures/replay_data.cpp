@@ -23,17 +23,9 @@ double looks_of(const Model& model) {
   return sum;
 }
 
-TimeSpan span_of(double from_s, double to_s, double step_s) {
-  if (!(to_s > from_s)) return {from_s, step_s, 0};
-  // The end belongs to the next span or is the last frame.
-  const auto count =
-      static_cast<std::size_t>(std::max(1.0, std::ceil((to_s - from_s) / step_s - 1e-6)));
-  return {from_s, (to_s - from_s) / static_cast<double>(count), count};
-}
-
 }  // namespace
 
-std::vector<TimeSpan> replay_times(const std::vector<double>& log_times_s, const Window& window) {
+std::vector<double> replay_times(const std::vector<double>& log_times_s, const Window& window) {
   const double begin = log_times_s.front();
   const double end = log_times_s.back();
   const double period = (end - begin) / static_cast<double>(log_times_s.size() - 1);
@@ -46,26 +38,35 @@ std::vector<TimeSpan> replay_times(const std::vector<double>& log_times_s, const
       std::clamp(std::max(window.speed / kFramesPerSecond,
                           2.0 * (fine_end - fine_begin) / static_cast<double>(kMostFrames)),
                  std::min(period, coarse), coarse);
-  std::vector<TimeSpan> spans;
-  for (const TimeSpan& span :
-       {span_of(begin, fine_begin, coarse), span_of(fine_begin, fine_end, fine),
-        span_of(fine_end, end, coarse)}) {
-    if (span.count > 0) spans.push_back(span);
-  }
-  spans.back().count += 1;
-  return spans;
-}
-
-std::vector<double> times_of(const std::vector<TimeSpan>& spans) {
   std::vector<double> times;
-  for (const TimeSpan& span : spans) {
-    for (std::size_t i = 0; i < span.count; ++i) {
-      times.push_back(span.from_s + static_cast<double>(i) * span.step_s);
-    }
-  }
+  // The end of a part belongs to the next one, or is the last frame.
+  const auto add = [&times](double from_s, double to_s, double step_s) {
+    const double count = std::ceil((to_s - from_s) / step_s - 1e-6);
+    for (double i = 0.0; i < count; ++i) times.push_back(from_s + i * (to_s - from_s) / count);
+  };
+  add(begin, fine_begin, coarse);
+  add(fine_begin, fine_end, fine);
+  add(fine_end, end, coarse);
+  times.push_back(end);
   return times;
 }
 
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Poses over time, one for each frame.
+using PoseTrack = std::vector<Pose>;
+
+struct ReplayMotion {
+  std::vector<PoseTrack> bodies, cameras, lights;  // all of the model
+  std::vector<int> geoms;                          // visible in at least one frame
+  Json visibility = Json::array();                 // geoms that are visible only at times
+  // Whether something else changed in the pictures: a colour, or the place of a geom on its body.
+  bool is_incomplete = false;
+};
+
+// The poses of the run's scene at these times, from its log. Throws RenderError.
 ReplayMotion replay_motion(PictureRun& run, const std::vector<double>& times_s) {
   Model& model = run.model;
   ScenePoser poser(model);
@@ -73,7 +74,9 @@ ReplayMotion replay_motion(PictureRun& run, const std::vector<double>& times_s) 
   motion.bodies.resize(static_cast<std::size_t>(model->nbody));
   motion.cameras.resize(static_cast<std::size_t>(model->ncam));
   motion.lights.resize(static_cast<std::size_t>(model->nlight));
-  std::vector<Visibility> visibility(static_cast<std::size_t>(model->ngeom));
+  // Whether a geom is visible at first, and the frames at which this changes.
+  std::vector<bool> at_first(static_cast<std::size_t>(model->ngeom));
+  std::vector<std::vector<std::size_t>> changes(at_first.size());
   std::vector<double> qpos;
   double looks = 0.0;
   const auto add = [](std::vector<PoseTrack>& tracks, auto&& pose_of) {
@@ -89,24 +92,20 @@ ReplayMotion replay_motion(PictureRun& run, const std::vector<double>& times_s) 
     add(motion.bodies, [&](int i) { return poser.body(i); });
     add(motion.cameras, [&](int i) { return poser.camera(i); });
     add(motion.lights, [&](int i) { return poser.light(i); });
-    for (int i = 0; i < model->ngeom; ++i) {
-      Visibility& geom = visibility[static_cast<std::size_t>(i)];
-      const bool now = is_drawn(model, i);
-      geom.geom = i;
-      if (frame == 0) geom.at_first = now;
-      if (now != (geom.at_first == (geom.changes.size() % 2 == 0))) geom.changes.push_back(frame);
+    for (std::size_t i = 0; i < at_first.size(); ++i) {
+      const bool now = is_drawn(model, static_cast<int>(i));
+      if (frame == 0) at_first[i] = now;
+      if (now != (at_first[i] == (changes[i].size() % 2 == 0))) changes[i].push_back(frame);
     }
   }
-  for (const Visibility& geom : visibility) {
-    if (geom.at_first || !geom.changes.empty()) motion.geoms.push_back(geom.geom);
-    if (!geom.changes.empty()) motion.visibility.push_back(geom);
+  for (std::size_t i = 0; i < at_first.size(); ++i) {
+    if (at_first[i] || !changes[i].empty()) motion.geoms.push_back(static_cast<int>(i));
+    if (changes[i].empty()) continue;
+    motion.visibility.push_back(
+        {{"geom", i}, {"atFirst", bool{at_first[i]}}, {"changes", changes[i]}});
   }
   return motion;
 }
-
-namespace {
-
-using Json = nlohmann::ordered_json;
 
 // Collects the channels of a run: numbers of 32 bits, one for each frame.
 class Channels {
@@ -213,18 +212,9 @@ Json tracks_json(const std::vector<PoseTrack>& tracks, Channels& channels) {
   return all;
 }
 
-Json visibility_json(const std::vector<Visibility>& changes) {
-  Json all = Json::array();
-  for (const Visibility& geom : changes) {
-    all.push_back({{"geom", geom.geom}, {"atFirst", geom.at_first}, {"changes", geom.changes}});
-  }
-  return all;
-}
-
 Json run_json(const std::string& folder, const std::string& label, PictureRun& staged,
               const Window& window, SceneAssets& assets, std::vector<std::string>& notes) {
-  const std::vector<TimeSpan> spans = replay_times(staged.times_s, window);
-  const std::vector<double> times_s = times_of(spans);
+  const std::vector<double> times_s = replay_times(staged.times_s, window);
   const ReplayMotion motion = replay_motion(staged, times_s);
   if (const int skipped = staged.model->nskin + staged.model->ntendon; skipped > 0) {
     notes.push_back(
@@ -238,14 +228,12 @@ Json run_json(const std::string& folder, const std::string& label, PictureRun& s
   Channels channels;
   Json run;
   run["label"] = label;
-  Json time = Json::array();
-  for (const TimeSpan& span : spans) time.push_back({span.from_s, span.step_s, span.count});
-  run["times"] = time;
+  run["times"] = rounded_list(times_s);
   run["scene"] = describe_scene(staged.model, motion.geoms, staged.surfaces, assets);
   run["bodies"] = tracks_json(motion.bodies, channels);
   run["cameras"] = tracks_json(motion.cameras, channels);
   run["lights"] = tracks_json(motion.lights, channels);
-  run["visibility"] = visibility_json(motion.visibility);
+  run["visibility"] = motion.visibility;
   run["surfaces"] = surfaces_json(staged.surfaces);
   run["arrows"] = Json::array();
   for (const ArrowTrack& arrow : staged.arrows) {

@@ -22,35 +22,29 @@ const Replay = {};
     return Array.from({length: channels}, (_, c) => new Float32Array(bytes.buffer, 4 * c * frames, frames));
   }
 
-  // When the frames of a run are: pieces of equal steps.
+  // When the frames of a run are.
   class Times {
-    constructor(spans) {
-      let first = 0;
-      this.spans = spans.map(([from, step, count]) => {
-        const span = {from, step, count, first};
-        first += count;
-        return span;
-      });
-      this.frames = first;
-      const last = this.spans[this.spans.length - 1];
-      this.begin = this.spans[0].from;
-      this.end = last.from + (last.count - 1) * last.step;
+    constructor(list) {
+      this.list = list;
+      this.frames = list.length;
+      this.begin = list[0];
+      this.end = list[list.length - 1];
     }
 
     // The frame at or before a time, and how far it is to the next.
     place(time) {
       if (!(time > this.begin)) return {frame: 0, part: 0};
       if (time >= this.end) return {frame: this.frames - 1, part: 0};
-      const span = this.spans.findLast((one) => time >= one.from) || this.spans[0];
-      const exact = (time - span.from) / span.step;
-      const i = Math.min(Math.floor(exact + 1e-9), span.count - 1);
-      return {frame: span.first + i, part: Math.min(Math.max(exact - i, 0), 1)};
+      let frame = 0, after = this.frames - 1;
+      while (after - frame > 1) {
+        const middle = (frame + after) >> 1;
+        if (this.list[middle] <= time) frame = middle;
+        else after = middle;
+      }
+      return {frame, part: (time - this.list[frame]) / (this.list[after] - this.list[frame])};
     }
 
-    timeOf(frame) {
-      const span = this.spans.findLast((one) => frame >= one.first) || this.spans[0];
-      return span.from + (frame - span.first) * span.step;
-    }
+    timeOf(frame) { return this.list[frame]; }
   }
 
   const between = (column, {frame, part}) => column[frame] + part * (column[part > 0 ? frame + 1 : frame] - column[frame]);
