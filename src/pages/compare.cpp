@@ -290,7 +290,7 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
   if (choice_.with_replay && runs_.size() <= kMostRuns) {
     std::vector<std::filesystem::path> folders;
     for (const SavedRun& run : runs_) folders.push_back(run.folder());
-    replay = replay_of(catalogue_, folders, labels_, {"replay", "compare", ""}, notes);
+    replay = replay_of(catalogue_, folders, {"replay", "compare", ""}, notes);
   }
   std::optional<Window> window;
   if (choice_.from_s || choice_.to_s) {

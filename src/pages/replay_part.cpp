@@ -42,24 +42,24 @@ std::string strip_address(const FinishedRun& run, const ShotList& shots, const s
   }
 }
 
-PageChart chart_of(const ShotList& shots, const ReplayData& data,
-                   const std::vector<std::string>& labels, const ReplayOptions& options) {
+PageChart chart_of(const ShotList& shots, const PictureStage& stage, const ReplayOptions& options) {
   PageChart chart;
   chart.id = options.id + "-shots";
   chart.group = options.group;
   chart.title = shots.chart_title;
-  const bool is_one = data.staged.size() == 1;
-  for (std::size_t i = 0; i < data.staged.size(); ++i) {
-    for (const ChartLine& line : data.staged[i].lines) {
+  const bool is_one = stage.runs.size() == 1;
+  for (std::size_t i = 0; i < stage.runs.size(); ++i) {
+    const PictureRun& run = stage.runs[i];
+    for (const ChartLine& line : run.lines) {
       const bool is_reference = line.style == kReferenceStyle;
       if (is_reference && i > 0) continue;  // it is equal for all runs
       ChartSeries series;
-      series.label = is_one || is_reference ? line.label : labels[i] + ", " + line.label;
+      series.label = is_one || is_reference ? line.label : run.caption + ", " + line.label;
       series.values = line.series;
       if (is_one || is_reference) series.style = line.style;
       // With several runs each run has one line in its colour. The user can switch on its other
       // lines.
-      if (!is_one && &line == &data.staged[i].lines.front()) series.style = data.styles[i];
+      if (!is_one && &line == &run.lines.front()) series.style = stage.styles[i];
       series.is_off = !series.style;
       chart.series.push_back(series);
     }
@@ -78,32 +78,36 @@ double begin_of(const ShotList& shots, const FinishedRun& run, const Window& win
   return std::max(run.times_s().front(), *time_s - kShare * (window.to_s - window.from_s));
 }
 
-ReplayPart replay_part(ShownRuns runs, const std::vector<std::string>& labels,
-                       const ReplayOptions& options, std::vector<std::string>& notes) {
+ReplayPart replay_part(ShownRuns runs, const ReplayOptions& options,
+                       std::vector<std::string>& notes) {
   ReplayPart part;
   const ShotList shots = shot_list(runs.front().shots_file());
   const ReplayData data =
-      replay_data(runs, labels, shots, options.camera.empty() ? shots.page.camera : options.camera);
+      replay_data(runs, shots, options.camera.empty() ? shots.page.camera : options.camera);
   part.window = data.window;
-  part.is_whole =
-      data.window.to_s - data.window.from_s > 0.98 * (data.whole.to_s - data.whole.from_s);
-  notes.insert(notes.end(), data.notes.begin(), data.notes.end());
+  const Window whole = whole_window(runs);
+  part.is_whole = data.window.to_s - data.window.from_s > 0.98 * (whole.to_s - whole.from_s);
+  notes.insert(notes.end(), data.stage.notes.begin(), data.stage.notes.end());
+  for (const PictureRun& run : data.stage.runs) {
+    part.labels += (part.labels.empty() ? "" : ", ") + run.caption;
+  }
   if (!shots.lines.empty()) {
-    part.chart = chart_of(shots, data, labels, options);
+    part.chart = chart_of(shots, data.stage, options);
     part.chart->from_s = part.window.from_s;
     part.chart->to_s = part.window.to_s;
     if (part.chart->series.empty()) part.chart.reset();
   }
   const std::string about =
-      fmt::format("{} in three dimensions: {}", fmt::join(labels, ", "),
+      fmt::format("{} in three dimensions: {}", part.labels,
                   shots.title.empty() ? runs.front().scenario().summary() : shots.title);
   auto strips = PageData::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const std::string strip = strip_address(runs[i], shots, options.camera, notes);
     if (strip.empty()) break;  // the others have none either
+    const std::string& label = data.stage.runs[i].caption;
     strips.push_back({{"address", strip},
-                      {"alt", "Pictures of the run " + labels[i] + " in a row"},
-                      {"label", runs.size() > 1 ? PageData(labels[i]) : PageData()}});
+                      {"alt", "Pictures of the run " + label + " in a row"},
+                      {"label", runs.size() > 1 ? PageData(label) : PageData()}});
   }
   part.box = {{"id", options.id},
               {"group", options.group},
@@ -118,12 +122,11 @@ ReplayPart replay_part(ShownRuns runs, const std::vector<std::string>& labels,
 
 std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
                                     const std::vector<fs::path>& folders,
-                                    const std::vector<std::string>& labels,
                                     const ReplayOptions& options, std::vector<std::string>& notes) {
   try {
     std::vector<FinishedRun> runs;
     for (const fs::path& folder : folders) runs.emplace_back(catalogue, folder);
-    return replay_part(runs, labels, options, notes);
+    return replay_part(runs, options, notes);
   } catch (const NothingMoved&) {
     // The scenario has nothing to show in three dimensions, so no note is needed.
   } catch (const std::invalid_argument& error) {
@@ -140,15 +143,15 @@ PageData window_data(const Window& window, const std::string& axis) {
           {"to_s", fmt::format("{:g}", window.to_s)}};
 }
 
-std::string replay_page(ShownRuns runs, const std::vector<std::string>& labels,
-                        const std::string& camera, std::vector<std::string>& notes) {
-  const ReplayPart part = replay_part(runs, labels, {"replay", "replay", camera}, notes);
+std::string replay_page(ShownRuns runs, const std::string& camera,
+                        std::vector<std::string>& notes) {
+  const ReplayPart part = replay_part(runs, {"replay", "replay", camera}, notes);
   auto blocks = PageData::array();
   add_block(blocks, "replay", part.box);
   if (part.chart) add_block(blocks, "figures", PageData::array({figure_of(*part.chart)}));
   const Scenario& scenario = runs.front().scenario();
   return html_page("replay",
-                   {{"title", fmt::format("{}: {}", scenario.name(), fmt::join(labels, ", "))},
+                   {{"title", fmt::format("{}: {}", scenario.name(), part.labels)},
                     {"is_bare", true},
                     {"lead", PageData::array({PageData{{"text", scenario.summary()}}})},
                     {"sections", PageData::array({PageData{{"id", "run"}, {"blocks", blocks}}})}});

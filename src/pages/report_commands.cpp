@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
-#include <breakwater/experiment/differing_keys.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/compare.h>
 #include <breakwater/pages/html_page.h>
@@ -126,8 +125,7 @@ int replay(const Catalogue& catalogue, const RunsArguments& arguments) {
       arguments.out.empty() ? runs.front().folder() / "replay.html" : fs::path(arguments.out);
   std::vector<std::string> notes;
   return drawing_status([&] {
-    replace_file(file, replay_page(runs, labels_of(catalogue, open_all(arguments.runs)),
-                                   arguments.camera, notes));
+    replace_file(file, replay_page(runs, arguments.camera, notes));
     for (const std::string& note : notes) fmt::print(stderr, "replay: {}\n", note);
     if (!arguments.quiet) fmt::print("replay: {}\n", file.string());
     return kSuccess;

@@ -103,7 +103,7 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     if (!changed["rows"].empty()) add_block(blocks, "table", changed);
     std::optional<ReplayPart> replay;
     if (with_replay) {
-      replay = replay_of(catalogue, {run.folder()}, {labels[i]}, {id + "-replay", id, ""}, notes);
+      replay = replay_of(catalogue, {run.folder()}, {id + "-replay", id, ""}, notes);
     }
     std::optional<Window> window;
     if (replay) {

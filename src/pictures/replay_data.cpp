@@ -212,8 +212,8 @@ Json tracks_json(const std::vector<PoseTrack>& tracks, Channels& channels) {
   return all;
 }
 
-Json run_json(const std::string& folder, const std::string& label, PictureRun& staged,
-              const Window& window, SceneAssets& assets, std::vector<std::string>& notes) {
+Json run_json(const std::string& folder, PictureRun& staged, const Window& window,
+              SceneAssets& assets, std::vector<std::string>& notes) {
   const std::vector<double> times_s = replay_times(staged.times_s, window);
   const ReplayMotion motion = replay_motion(staged, times_s);
   if (const int skipped = staged.model->nskin + staged.model->ntendon; skipped > 0) {
@@ -227,7 +227,7 @@ Json run_json(const std::string& folder, const std::string& label, PictureRun& s
   }
   Channels channels;
   Json run;
-  run["label"] = label;
+  run["label"] = staged.caption;
   run["times"] = rounded_list(times_s);
   run["scene"] = describe_scene(staged.model, motion.geoms, staged.surfaces, assets);
   run["bodies"] = tracks_json(motion.bodies, channels);
@@ -246,46 +246,31 @@ Json run_json(const std::string& folder, const std::string& label, PictureRun& s
 
 }  // namespace
 
-ReplayData replay_data(ShownRuns runs, const std::vector<std::string>& labels,
-                       const ShotList& shots, const std::string& camera) {
-  ReplayData data;
-  data.window = choose_window(runs, shots, {});
-  const Window whole = data.whole = whole_window(runs);
+ReplayData replay_data(ShownRuns runs, const ShotList& shots, const std::string& camera) {
+  const Window window = choose_window(runs, shots, {});
+  const Window whole = whole_window(runs);
+  ReplayData data{Json(), stage_pictures(runs, shots, camera, window), window};
+  std::vector<PictureRun>& staged = data.stage.runs;
   SceneAssets assets;
-  Json json;
-  json["title"] = shots.title;
-  json["begin"] = whole.from_s;
-  json["end"] = whole.to_s;
-  json["window"] = {
-      {"from", data.window.from_s}, {"to", data.window.to_s}, {"speed", data.window.speed}};
   Json all = Json::array();
-  std::vector<SavedRun> saved;
-  for (const FinishedRun& run : runs) saved.push_back(run.saved());
-  data.styles = styles_of(runs.front().catalogue(), saved);
-  for (const FinishedRun& run : runs) {
-    const std::string folder = run.folder().string();
-    std::vector<std::string> missing;
-    data.staged.push_back(stage(run, shots, camera, &missing));
-    for (const std::string& signal : missing) {
-      data.notes.push_back(
-          fmt::format("{}: its log has no signal {}, which the shot list names", folder, signal));
-    }
-    data.notes.insert(data.notes.end(), run.notes().begin(), run.notes().end());
-    all.push_back(
-        run_json(folder, labels[all.size()], data.staged.back(), data.window, assets, data.notes));
-    all.back()["colour"] = data.styles[all.size() - 1] % kStyleColours;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    all.push_back(run_json(runs[i].folder().string(), staged[i], window, assets, data.stage.notes));
+    all.back()["colour"] = data.stage.styles[i] % kStyleColours;
   }
-  json["camera"] = data.staged.front().camera;
   Json moments = Json::array();
   for (const ShotMoment& moment : shots.moments) {
     if (const auto time_s = time_of(moment, runs.front())) {
       moments.push_back({{"caption", moment.caption}, {"time", *time_s}});
     }
   }
-  json["moments"] = moments;
-  json["assets"] = assets.all();
-  json["runs"] = all;
-  data.json = std::move(json);
+  data.json = {{"title", shots.title},
+               {"begin", whole.from_s},
+               {"end", whole.to_s},
+               {"window", {{"from", window.from_s}, {"to", window.to_s}, {"speed", window.speed}}},
+               {"camera", staged.front().camera},
+               {"moments", moments},
+               {"assets", assets.all()},
+               {"runs", all}};
   return data;
 }
 

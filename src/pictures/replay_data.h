@@ -18,19 +18,14 @@ namespace breakwater {
 std::vector<double> replay_times(const std::vector<double>& log_times_s, const Window& window);
 
 struct ReplayData {
-  nlohmann::ordered_json json;     ///< for data/report/replay
-  std::vector<PictureRun> staged;  ///< the runs prepared for pictures, for charts
-  std::vector<LineStyle> styles;   ///< one for each run
-  Window window;                   ///< the shot list's window for these runs
-  Window whole;                    ///< the whole longest run
-  std::vector<std::string> notes;  ///< missing things on the page, one line each
+  nlohmann::ordered_json json;  ///< for data/report/replay
+  PictureStage stage;           ///< the runs prepared for pictures; notes on what the page lacks
+  Window window;                ///< the shot list's window for these runs
 };
 
-/// The scenes and motions of up to kMostRuns runs, with a label for each. Looks come from the
-/// compiled models, poses and arrows from the logs, and waves from their components. `camera`, if
-/// not empty, replaces that of the shot list. Throws std::invalid_argument, one line, or
-/// RenderError.
-ReplayData replay_data(ShownRuns runs, const std::vector<std::string>& labels,
-                       const ShotList& shots, const std::string& camera = "");
+/// The scenes and motions of up to kMostRuns runs. Looks come from the compiled models, poses and
+/// arrows from the logs, and waves from their components. `camera`, if not empty, replaces that of
+/// the shot list. Throws std::invalid_argument, one line, or RenderError.
+ReplayData replay_data(ShownRuns runs, const ShotList& shots, const std::string& camera = "");
 
 }  // namespace breakwater

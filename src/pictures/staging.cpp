@@ -186,6 +186,7 @@ PictureStage stage_pictures(ShownRuns runs, const ShotList& shots, const std::st
   std::vector<SavedRun> saved;
   for (const FinishedRun& run : runs) saved.push_back(run.saved());
   const std::vector<std::string> labels = labels_of(runs.front().catalogue(), saved);
+  stage.styles = styles_of(runs.front().catalogue(), saved);
   std::vector<ChartLine> lines;
   for (const FinishedRun& run : runs) {
     std::vector<std::string> missing;

@@ -66,7 +66,8 @@ Window choose_window(ShownRuns runs, const ShotList& shots, const Wish& wish);
 
 /// The data for pictures of some runs.
 struct PictureStage {
-  std::vector<PictureRun> runs;
+  std::vector<PictureRun> runs;    ///< captions are the labels of the runs
+  std::vector<LineStyle> styles;   ///< the looks of the runs
   PictureStyle style;              ///< from the shot list; the caller sets size and look
   std::vector<std::string> notes;  ///< for the user, one line each
 };

@@ -71,7 +71,7 @@ void draw(const Catalogue& catalogue, const std::string& folder, const std::stri
 
 void replay(const Catalogue& catalogue, const std::string& run_folder) {
   std::vector<std::string> notes;
-  if (replay_page(open_runs(catalogue, {run_folder}), {"run"}, "", notes).empty()) std::abort();
+  if (replay_page(open_runs(catalogue, {run_folder}), "", notes).empty()) std::abort();
 }
 
 void leak() {
