@@ -215,7 +215,7 @@ double Picture::unit_px(double width, double height) {
   return fits >= 0.85 ? fits : std::max(fits, std::min(0.85, width / 380.0));
 }
 
-ArrowNow arrow_at(const ArrowTrack& track, double time_s) {
+SceneArrow arrow_at(const ArrowTrack& track, double time_s) {
   Eigen::Vector3d value = Eigen::Vector3d::Constant(track.components.front().at(time_s).value);
   if (track.components.size() == 3) {
     for (int k = 0; k < 3; ++k) {
@@ -223,9 +223,10 @@ ArrowNow arrow_at(const ArrowTrack& track, double time_s) {
     }
   }
   const Eigen::Vector3d force = value.cwiseProduct(track.along);
-  ArrowNow now{track.arrow, force.norm()};
-  now.arrow.vector_m = track.metres_per_unit * force;
-  if (force.isZero(0.0)) now.arrow.contact_mark_m = 0.0;
+  SceneArrow now = track.arrow;
+  now.number = force.norm();
+  now.vector_m = track.metres_per_unit * force;
+  if (force.isZero(0.0)) now.contact_mark_m = 0.0;
   return now;
 }
 
@@ -305,18 +306,14 @@ void Picture::draw_scene(PictureRun& run, Panel& panel, double time_s) {
   panel.view->pose(qpos_);
 
   panel.arrows.clear();
-  std::vector<SceneArrow> arrows;
-  for (const ArrowTrack& track : run.arrows) {
-    panel.arrows.push_back(arrow_at(track, time));
-    arrows.push_back(panel.arrows.back().arrow);
-  }
+  for (const ArrowTrack& track : run.arrows) panel.arrows.push_back(arrow_at(track, time));
 
   const int samples = style_.look.samples;
   const mjrRect viewport = {samples * static_cast<int>(panel.area.left),
                             samples * (style_.height - static_cast<int>(panel.area.bottom())),
                             samples * static_cast<int>(panel.area.width),
                             samples * static_cast<int>(panel.area.height)};
-  panel.view->draw(viewport, arrows);
+  panel.view->draw(viewport, panel.arrows);
 }
 
 // Mesa leaves 0 in the fourth byte where nothing is drawn. A translucent layer of alpha a over the
@@ -385,8 +382,8 @@ void Picture::draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Pa
   // The view has more samples per pixel than the canvas.
   const double samples = style_.look.samples;
   for (std::size_t i = 0; i < panel.arrows.size(); ++i) {
-    const SceneArrow& arrow = panel.arrows[i].arrow;
-    const double value = panel.arrows[i].number;
+    const SceneArrow& arrow = panel.arrows[i];
+    const double value = arrow.number;
     if (run.arrows[i].unit.empty() || arrow.vector_m.norm() < kShortestArrow_m) continue;
     const auto ends = panel.view->ends_of(arrow);
     if (!ends) continue;

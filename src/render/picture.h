@@ -41,7 +41,7 @@ class EdgeSmoother {
 
 /// An arrow over time, from the log.
 struct ArrowTrack {
-  SceneArrow arrow;                ///< its vector is set from the other members
+  SceneArrow arrow;                ///< its vector and number are set from the other members
   std::vector<Series> components;  ///< one or three
   Eigen::Vector3d along = Eigen::Vector3d::UnitX();
   double metres_per_unit = 1.0;
@@ -49,12 +49,7 @@ struct ArrowTrack {
   std::string name;  ///< name of the signal
 };
 
-/// An arrow at one time, and the number beside it.
-struct ArrowNow {
-  SceneArrow arrow;
-  double number = 0.0;
-};
-ArrowNow arrow_at(const ArrowTrack& track, double time_s);
+SceneArrow arrow_at(const ArrowTrack& track, double time_s);
 
 /// The data for pictures of one run.
 struct PictureRun {
@@ -110,7 +105,7 @@ class Picture {
     Rectangle chart_area;
     std::unique_ptr<SceneView> view;
     std::unique_ptr<Chart> chart;
-    std::vector<ArrowNow> arrows;  // the arrows of the last picture
+    std::vector<SceneArrow> arrows;  // the arrows of the last picture
   };
 
   void lay_out();

@@ -310,7 +310,12 @@ ScenePoser::ScenePoser(const Model& model) : model_(model) {
 
 void ScenePoser::pose(std::span<const double> qpos) {
   std::copy(qpos.begin(), qpos.end(), data_->qpos);
-  const std::string fatal = call_engine([&] { place_scene(*model_.get(), *data_); });
+  const std::string fatal = call_engine([&] {
+    mj_kinematics(model_.get(), data_.get());
+    mj_comPos(model_.get(), data_.get());
+    mj_camlight(model_.get(), data_.get());
+    mj_tendon(model_.get(), data_.get());
+  });
   if (!fatal.empty()) throw RenderError("pictures: " + fatal);
 }
 

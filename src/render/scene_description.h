@@ -20,14 +20,6 @@ namespace breakwater {
 /// Geoms of groups below this are drawn: bodies and decoration. The others are for the physics.
 inline constexpr int kDrawnGroups = 3;
 
-/// Computes the poses of bodies, cameras, lights and tendons at data.qpos. Forces are in the log.
-inline void place_scene(const mjModel& model, mjData& data) {
-  mj_kinematics(&model, &data);
-  mj_comPos(&model, &data);
-  mj_camlight(&model, &data);
-  mj_tendon(&model, &data);
-}
-
 /// The pose of a body, camera or light in the world: position [m] and unit quaternion (w, x, y, z).
 struct Pose {
   std::array<double, 3> position_m{};
@@ -73,7 +65,8 @@ nlohmann::ordered_json describe_scene(const Model& model, const std::vector<int>
                                       const std::vector<WavingSurface>& surfaces,
                                       SceneAssets& assets);
 
-/// Computes poses for given positions of the joints, by the kinematics of SceneView.
+/// Computes poses of bodies, cameras, lights and tendons for given positions of the joints. Forces
+/// are in the log.
 class ScenePoser {
  public:
   /// The model must outlive it. Throws RenderError.
@@ -84,6 +77,7 @@ class ScenePoser {
   Pose body(int id) const;
   Pose camera(int id) const;  ///< looks along −z, y up
   Pose light(int id) const;   ///< shines along −z
+  mjData& data() const { return *data_; }
 
  private:
   const Model& model_;

@@ -9,7 +9,6 @@
 
 #include <breakwater/render/offscreen.h>
 #include <breakwater/render/render_error.h>
-#include <breakwater/render/scene_description.h>
 #include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
@@ -43,14 +42,6 @@ template <typename Body>
 void draw_by_engine(const std::string& what, Body body) {
   const std::string fatal = call_engine(body);
   if (!fatal.empty()) throw RenderError(what + ": " + fatal);
-}
-
-DataPointer make_data(const Model& model) {
-  try {
-    return model.make_data();
-  } catch (const std::invalid_argument& error) {
-    throw RenderError(std::string("pictures: ") + error.what());
-  }
 }
 
 // The engine's textures are trilinear.
@@ -97,7 +88,7 @@ void interpolate_qpos(const mjModel& model, std::span<const double> first,
 }
 
 SceneView::SceneView(const Offscreen& offscreen, Model& model, int camera, const Look& look)
-    : model_(model), data_(make_data(model)) {
+    : model_(model), poser_(model) {
   mjModel& m = *model_.get();
   mjv_defaultCamera(&camera_);
   if (camera >= 0) {
@@ -134,13 +125,7 @@ SceneView::~SceneView() {
 }
 
 void SceneView::pose(std::span<const double> qpos) {
-  mjModel& m = *model_.get();
-  std::copy(qpos.begin(), qpos.end(), data_->qpos);
-  draw_by_engine("pictures", [&] { place_scene(m, *data_); });
-  upload_height_fields();
-}
-
-void SceneView::upload_height_fields() {
+  poser_.pose(qpos);
   const mjModel& m = *model_.get();
   if (std::equal(uploaded_heights_.begin(), uploaded_heights_.end(), m.hfield_data)) return;
   uploaded_heights_.assign(m.hfield_data, m.hfield_data + m.nhfielddata);
@@ -150,13 +135,13 @@ void SceneView::upload_height_fields() {
 }
 
 SceneView::Segment SceneView::place(const SceneArrow& arrow) const {
-  const Eigen::Vector3d site =
-      vector(data_->site_xpos + static_cast<std::ptrdiff_t>(3) * arrow.site);
+  const mjData& data = poser_.data();
+  const Eigen::Vector3d site = vector(data.site_xpos + static_cast<std::ptrdiff_t>(3) * arrow.site);
   Eigen::Vector3d reach = arrow.vector_m;
   if (arrow.in_site_frame) {
     using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
     reach =
-        Eigen::Map<const RowMajor>(data_->site_xmat + static_cast<std::ptrdiff_t>(9) * arrow.site) *
+        Eigen::Map<const RowMajor>(data.site_xmat + static_cast<std::ptrdiff_t>(9) * arrow.site) *
         reach;
   }
   const Eigen::Vector3d from = site + arrow.offset_m;
@@ -195,7 +180,7 @@ void SceneView::add(const SceneArrow& arrow) {
 void SceneView::draw(const mjrRect& viewport, const std::vector<SceneArrow>& arrows) {
   viewport_ = viewport;
   draw_by_engine("pictures", [&] {
-    mjv_updateScene(model_.get(), data_.get(), &options_, nullptr, &camera_, mjCAT_ALL, &scene_);
+    mjv_updateScene(model_.get(), &poser_.data(), &options_, nullptr, &camera_, mjCAT_ALL, &scene_);
   });
   fit_frame(static_cast<double>(viewport.width) / viewport.height);
   for (const SceneArrow& arrow : arrows) add(arrow);

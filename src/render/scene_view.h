@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <breakwater/render/canvas.h>
+#include <breakwater/render/scene_description.h>
 #include <breakwater/sim/model.h>
 
 namespace breakwater {
@@ -51,6 +52,7 @@ struct SceneArrow {
   bool in_site_frame = false;   ///< frame of vector_m: the site's, or the world's if false
   double contact_mark_m = 0.0;  ///< radius of a ball at the site; 0: none
   Colour colour;
+  double number = 0.0;  ///< beside it
 };
 
 /// The positions between two logged ones, each joint on its shortest way. `part` 0 gives the first.
@@ -93,10 +95,9 @@ class SceneView {
   std::optional<Point> project(const Eigen::Vector3d& point) const;
   void fit_frame(double aspect);
   void add(const SceneArrow& arrow);
-  void upload_height_fields();
 
   Model& model_;
-  DataPointer data_;
+  ScenePoser poser_;
   mjvScene scene_;
   mjrContext context_;
   mjvCamera camera_;

@@ -118,7 +118,7 @@ void render(const std::string& folder, const std::string& look, const std::strin
     run.animate(run.model, time_s);
     view.pose({run.qpos.row(row), run.qpos.width});
     std::vector<SceneArrow> arrows;
-    for (const ArrowTrack& track : run.arrows) arrows.push_back(arrow_at(track, time_s).arrow);
+    for (const ArrowTrack& track : run.arrows) arrows.push_back(arrow_at(track, time_s));
     view.draw({0, 0, shots.width, shots.height}, arrows);
     offscreen.finish();
   }

@@ -59,7 +59,7 @@ void expect_arrows_inside(const FinishedRun& run, const ShotList& shots) {
     view.pose({run.qpos().row(static_cast<std::size_t>(row)), run.qpos().width});
     view.draw({0, 0, kWidth, kHeight}, {});
     for (std::size_t i = 0; i < staged.arrows.size(); ++i) {
-      const auto ends = view.ends_of(arrow_at(staged.arrows[i], time_s).arrow);
+      const auto ends = view.ends_of(arrow_at(staged.arrows[i], time_s));
       const std::string which = shots.arrows[i].signal + ", " + moment.caption;
       ASSERT_TRUE(ends) << which;
       for (const Point& end : {ends->from, ends->to}) {
