@@ -6,6 +6,7 @@
 #include <map>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/math/functions.h>
@@ -111,34 +112,26 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
   return numbers;
 }
 
-std::vector<std::uint32_t> in_order(const std::vector<double>& column) {
-  std::vector<std::uint32_t> order;
-  order.reserve(column.size());
-  for (std::uint32_t i = 0; i < column.size(); ++i) {
-    if (std::isfinite(column[i])) order.push_back(i);
-  }
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return column[a] < column[b]; });
-  return order;
-}
-
 std::vector<QuantileBand> bands(const StudyNumbers& numbers, const std::vector<double>& column,
-                                const std::vector<std::uint32_t>& order, std::size_t groups,
+                                std::size_t groups,
                                 const std::function<std::size_t(const StudyRun&)>& group_of) {
   std::vector<QuantileBand> all(groups);
-  for (const StudyRun& run : numbers.runs) {
-    QuantileBand& band = all[group_of(run)];
+  std::vector<std::vector<std::pair<double, std::size_t>>> of_group(groups);  // values and points
+  for (std::size_t i = 0; i < numbers.runs.size(); ++i) {
+    const StudyRun& run = numbers.runs[i];
+    const std::size_t group = group_of(run);
+    QuantileBand& band = all[group];
     ++band.runs;
     if (run.failed && band.failed++ == 0) band.first_failed = run.number;
+    if (std::isfinite(column[i])) of_group[group].emplace_back(column[i], run.number);
   }
-  std::vector<std::vector<std::uint32_t>> of_group(groups);  // in the order of their values
-  for (const std::uint32_t i : order) of_group[group_of(numbers.runs[i])].push_back(i);
   std::vector<double> sorted;
   for (std::size_t g = 0; g < groups; ++g) {
-    const std::vector<std::uint32_t>& members = of_group[g];
+    auto& members = of_group[g];
     if (members.empty()) continue;
+    std::sort(members.begin(), members.end());
     sorted.clear();
-    for (const std::uint32_t i : members) sorted.push_back(column[i]);
+    for (const auto& [value, point] : members) sorted.push_back(value);
     QuantileBand& band = all[g];
     band.measured = members.size();
     band.q10 = quantile(sorted, 0.1);
@@ -148,9 +141,9 @@ std::vector<QuantileBand> bands(const StudyNumbers& numbers, const std::vector<d
     band.q90 = quantile(sorted, 0.9);
     band.smallest = sorted.front();
     band.largest = sorted.back();
-    band.at_smallest = numbers.runs[members.front()].number;
-    band.at_middle = numbers.runs[members[(members.size() - 1) / 2]].number;
-    band.at_largest = numbers.runs[members.back()].number;
+    band.at_smallest = members.front().second;
+    band.at_middle = members[(members.size() - 1) / 2].second;
+    band.at_largest = members.back().second;
   }
   return all;
 }

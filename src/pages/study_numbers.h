@@ -61,14 +61,10 @@ struct QuantileBand {
   std::size_t at_smallest = 0, at_middle = 0, at_largest = 0, first_failed = 0;
 };
 
-/// The runs with a finite value in a column, in the order of the values. Equal values keep the
-/// order of the runs.
-std::vector<std::uint32_t> in_order(const std::vector<double>& column);
-
-/// Medians and quantiles (quantile(), with interpolation) of `groups` groups of runs. `column` is
-/// empty if no run has the metric. `order` is in_order(column). group_of(run) < groups.
+/// Medians and quantiles (quantile(), with interpolation) of `groups` groups of runs. The first of
+/// equal values counts as the smallest. group_of(run) < groups.
 std::vector<QuantileBand> bands(const StudyNumbers& numbers, const std::vector<double>& column,
-                                const std::vector<std::uint32_t>& order, std::size_t groups,
+                                std::size_t groups,
                                 const std::function<std::size_t(const StudyRun&)>& group_of);
 
 /// The output 1 for a failed run and 0 for another one.

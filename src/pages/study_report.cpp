@@ -89,24 +89,25 @@ class StudySections {
   std::size_t shown() const { return shown_; }
 
   PageData section(std::size_t metric) const {
-    const Output output = output_of(metric);
+    const std::string& name = numbers_.metrics[metric];
     auto blocks = PageData::array();
     if (labels_.size() > drawn_.size()) {
       add_block(blocks, "text",
                 first_of(drawn_.size(), labels_.size(), "candidates") + " have charts.");
     }
-    add_line_charts(output, blocks);
-    if (plan_.study().method == Method::saltelli) add_indices(output.name, blocks);
-    add_candidates(output, blocks);
+    add_line_charts(metric, blocks);
+    if (plan_.study().method == Method::saltelli) add_indices(name, blocks);
+    add_candidates(metric, blocks);
     return {{"id", fmt::format("metric-{}", metric + 1)},
-            {"heading", output.name},
+            {"heading", name},
             {"kind", "metric"},
             {"blocks", blocks}};
   }
 
   // The metric over all runs of each candidate.
   std::vector<QuantileBand> by_candidate(std::size_t metric) const {
-    return bands_of(output_of(metric));
+    return bands(numbers_, numbers_.columns[metric], labels_.size(),
+                 [](const StudyRun& run) { return run.candidate; });
   }
 
   void add_indices(const std::string& output, PageData& blocks) const {
@@ -127,34 +128,17 @@ class StudySections {
   }
 
  private:
-  struct Output {
-    const std::string& name;
-    const std::vector<double>& column;
-    std::vector<std::uint32_t> order;
-  };
-
-  Output output_of(std::size_t metric) const {
-    const std::vector<double>& column = numbers_.columns[metric];
-    return {numbers_.metrics[metric], column, in_order(column)};
-  }
-
-  std::vector<QuantileBand> bands_of(const Output& output) const {
-    return bands(numbers_, output.column, output.order, labels_.size(),
-                 [](const StudyRun& run) { return run.candidate; });
-  }
-
   std::string key_of(std::size_t point) const { return index_.read(point).key; }
 
-  PageChart line_chart(const Output& output, const KeyGroups& key, bool& has_bands,
+  PageChart line_chart(std::size_t metric, const KeyGroups& key, bool& has_bands,
                        bool& has_crosses) const {
     const std::vector<QuantileBand> all =
-        bands(numbers_, output.column, output.order, (drawn_.size() + 1) * key.size(),
+        bands(numbers_, numbers_.columns[metric], (drawn_.size() + 1) * key.size(),
               [&](const StudyRun& run) {
                 return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
               });
-    PageChart chart{.title = output.name};
-    chart.id = chart.group =
-        fmt::format("chart-{}-{}", &output.column - numbers_.columns.data(), &key - keys_.data());
+    PageChart chart{.title = numbers_.metrics[metric]};
+    chart.id = chart.group = fmt::format("chart-{}-{}", metric, &key - keys_.data());
     chart.x_title = key.name;
     chart.is_log_x = key.is_log;
     if (!key.is_number || (!key.is_binned && key.size() <= 8)) {
@@ -200,11 +184,11 @@ class StudySections {
     return chart.scaled();
   }
 
-  void add_line_charts(const Output& output, PageData& blocks) const {
+  void add_line_charts(std::size_t metric, PageData& blocks) const {
     auto lines = PageData::array();
     bool has_bands = false, has_crosses = false;
     for (const KeyGroups& key : keys_) {
-      lines.push_back(figure_of(line_chart(output, key, has_bands, has_crosses)));
+      lines.push_back(figure_of(line_chart(metric, key, has_bands, has_crosses)));
     }
     if (lines.empty()) return;
     add_block(blocks, "figures", lines);
@@ -215,8 +199,8 @@ class StudySections {
                           has_crosses ? " A cross: some of the runs failed." : ""));
   }
 
-  void add_candidates(const Output& output, PageData& blocks) const {
-    const std::vector<QuantileBand> all = bands_of(output);
+  void add_candidates(std::size_t metric, PageData& blocks) const {
+    const std::vector<QuantileBand> all = by_candidate(metric);
     const PageData columns = {"candidate", "runs",       "failed",   "without it", "median",
                               "quartiles", "10 to 90 %", "smallest", "largest"};
     auto rows = PageData::array();

@@ -117,10 +117,9 @@ TEST(QuantileBands, AreTheOrderStatistics) {
   const KeyGroups a = group_values(numbers.keys[0], 10), c = group_values(numbers.keys[1], 10);
   EXPECT_EQ(a.labels, (std::vector<std::string>{"1", "2", "4"}));
   const std::vector<double>& column = numbers.columns[1];
-  const std::vector<QuantileBand> all =
-      bands(numbers, column, in_order(column), 12, [&](const StudyRun& run) {
-        return (run.candidate * 3 + a.of_sample[run.sample]) * 2 + c.of_sample[run.sample];
-      });
+  const std::vector<QuantileBand> all = bands(numbers, column, 12, [&](const StudyRun& run) {
+    return (run.candidate * 3 + a.of_sample[run.sample]) * 2 + c.of_sample[run.sample];
+  });
   for (std::size_t g = 0; g < 12; ++g) {
     const QuantileBand& band = all[g];
     const double of_a = a.centre[g / 2 % 3];
