@@ -18,10 +18,9 @@ namespace {
 // In the order of the enumeration.
 constexpr struct {
   const char *text, *tone;
-} kVerdicts[] = {{"reproduced", "good"},
-                 {"within the class", "near"},
-                 {"not reproduced", "off"},
-                 {"not measured", "unknown"}};
+} kVerdicts[] = {{"reproduced", "good"},    {"within the class", "near"},
+                 {"not reproduced", "off"}, {"not measured", "unknown"},
+                 {"vacuous", "unknown"},    {"shown", "unknown"}};
 
 bool matches(const char* pattern, const char* path) {
   if (*pattern == '*')
@@ -56,17 +55,13 @@ class Lines {
   }
 
  private:
-  // Half a unit of the last digit: 0.05 for "66.0", 0.5e-15 for "1.00e-13".
+  // Half a unit of the last digit: 00.05 for "66.0", 0.005e-13 for "1.00e-13".
   static double half_unit(const std::string& digits) {
     const std::size_t e = std::min(digits.find_first_of("eE"), digits.size());
-    const std::size_t point = std::min(digits.find('.'), e);
-    const auto decimals = static_cast<int>(e - std::min(point + 1, e));
-    int exponent = 0;
-    if (e < digits.size()) {
-      const char* const begin = digits.data() + e + (digits[e + 1] == '+' ? 2 : 1);
-      std::from_chars(begin, digits.data() + digits.size(), exponent);
-    }
-    const std::string half = fmt::format("5e{}", std::clamp(exponent, -9999, 9999) - decimals - 1);
+    std::string half = digits.substr(0, e);
+    std::ranges::replace_if(
+        half, [](char c) { return c != '.'; }, '0');
+    half += (half.find('.') == std::string::npos ? ".5" : "5") + digits.substr(e);
     double read = 0.0;  // also if it is too small for a number
     std::from_chars(half.data(), half.data() + half.size(), read);
     return read;
@@ -183,9 +178,10 @@ PrintedResults::PrintedResults(const std::filesystem::path& folder) {
   }
   for (const auto& [scenario, cases] : root["case"].entries()) {
     for (const auto& [case_name, metrics] : cases.entries()) {
-      Case& entry = cases_[scenario + "/" + case_name];
+      const std::string path = metrics["printed"].text();
       for (const auto& [ours, theirs] : metrics.entries()) {
-        (ours == "printed" ? entry.printed : entry.metrics[ours]) = theirs.text();
+        if (ours == "printed") continue;
+        cases_[scenario + "/" + case_name][ours] = path + "." + theirs.text();
       }
     }
   }
@@ -204,10 +200,10 @@ const Standard& PrintedResults::standard(const std::string& path) const {
   throw std::runtime_error("reproduced.toml has no class for " + path);
 }
 
-std::optional<PrintedResults::Case> PrintedResults::of_case(const std::string& scenario,
-                                                            const std::string& case_name) const {
+std::map<std::string, std::string> PrintedResults::of_case(const std::string& scenario,
+                                                           const std::string& case_name) const {
   const auto found = cases_.find(scenario + "/" + case_name);
-  if (found == cases_.end()) return std::nullopt;
+  if (found == cases_.end()) return {};
   return found->second;
 }
 
@@ -225,10 +221,7 @@ namespace {
 std::vector<PublishedValue> of_case(const std::string& scenario, const std::string& case_name) {
   const PrintedResults& results = printed_results();
   std::vector<PublishedValue> values;
-  const auto of_case = results.of_case(scenario, case_name);
-  if (!of_case) return values;
-  for (const auto& [metric, theirs] : of_case->metrics) {
-    const std::string path = of_case->printed + "." + theirs;
+  for (const auto& [metric, path] : results.of_case(scenario, case_name)) {
     const auto printed = results.find(path);
     if (!printed || !printed->number) {
       throw std::runtime_error("printed-results.toml has no number " + path);

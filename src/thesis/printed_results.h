@@ -12,7 +12,8 @@
 
 namespace breakwater {
 
-enum class Verdict { reproduced, within_class, not_reproduced, not_measured };
+/// A result that holds by construction is vacuous, and one that is not judged is shown.
+enum class Verdict { reproduced, within_class, not_reproduced, not_measured, vacuous, shown };
 
 /// A band for a measured number. All given bounds must hold; without bounds it is unlimited.
 struct Band {
@@ -49,7 +50,7 @@ struct PrintedResult {
 /// bound such as "461 s at least". A motion that never settles is infinite. NaN means not measured.
 Verdict judge(double measured, const PrintedResult& printed, const Standard& standard);
 
-/// The name: "reproduced", "within the class", "not reproduced" or "not measured".
+/// The name: "reproduced", "within the class", "not reproduced", "not measured", …
 std::string text(Verdict verdict);
 
 /// The rule for a printed number: "reproduced: ±10 % or what rounds to it; class: ±35 %".
@@ -71,17 +72,14 @@ class PrintedResults {
   /// The criteria of the first matching pattern. Throws std::runtime_error if none matches.
   const Standard& standard(const std::string& path) const;
 
-  struct Case {
-    std::string printed;                         ///< path of its numbers
-    std::map<std::string, std::string> metrics;  ///< our name → name in the file
-  };
-  /// The printed numbers of a case; nothing if the thesis prints none.
-  std::optional<Case> of_case(const std::string& scenario, const std::string& case_name) const;
+  /// The paths of a case's printed numbers by our metric; none if the thesis prints none.
+  std::map<std::string, std::string> of_case(const std::string& scenario,
+                                             const std::string& case_name) const;
 
  private:
   std::map<std::string, PrintedResult> results_;
   std::vector<std::pair<std::string, Standard>> standards_;
-  std::map<std::string, Case> cases_;
+  std::map<std::string, std::map<std::string, std::string>> cases_;
 };
 
 /// Whether a text matches a pattern, in which * stands for any characters.

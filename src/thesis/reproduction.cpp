@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 struct Job {
   const RunSpec* spec = nullptr;
@@ -247,7 +248,7 @@ Measured measure(const Reproduction& reproduction) {
     for (Measurement& measurement : repetitions) {
       for (const std::string& metric :
            metrics.at(reproduction.experiments.runs.at(name).scenario)) {
-        if (!measurement.values.contains(metric)) measurement.absent.insert(metric);
+        measurement.values.emplace(metric, kNever);
       }
     }
   }
@@ -258,9 +259,8 @@ std::vector<double> values_of(const CellSpec& cell, const Measured& measured) {
   const auto value_of = [&](const Measurement& measurement, const std::string& name) {
     if (measurement.failed) return cell.if_failed;
     const auto found = measurement.values.find(name);
-    if (found != measurement.values.end()) return found->second;
-    const bool is_never = cell.absent_is_never && measurement.absent.contains(name);
-    return is_never ? std::numeric_limits<double>::infinity() : kNaN;
+    const double value = found == measurement.values.end() ? kNaN : found->second;
+    return value == kNever && !cell.absent_is_never ? kNaN : value;
   };
   const auto all_of = [&](const Quantity& quantity) {
     const std::string name = quantity.name();

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <filesystem>
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -17,12 +16,11 @@ namespace breakwater {
 /// The metrics of a run.
 struct Measurement {
   bool failed = false;
-  std::map<std::string, double> values;  ///< NaN: the metric is not finite
-  /// Metrics that other runs of the scenario have and this one lacks.
-  std::set<std::string> absent;
+  /// NaN: the metric is not finite. Infinite: other runs of the scenario have it, this one not.
+  std::map<std::string, double> values;
 };
 
-/// The metrics of a run that was complete or failed. `absent` is filled later.
+/// The metrics of a run that was complete or failed. It may lack some.
 Measurement measurement_of(const PointResult& result);
 
 /// Measurements by the name of the run, one per repetition.

@@ -73,7 +73,8 @@ PageChart chart_of(const FigureSpec& figure, const PanelSpec& panel, Logs& logs)
 }
 
 auto vacuous_of(const std::vector<JudgedCell>& cells) {
-  return std::ranges::count_if(cells, [](const JudgedCell& one) { return one.judged.is_vacuous; });
+  return std::ranges::count_if(
+      cells, [](const JudgedCell& one) { return one.judged.verdict == Verdict::vacuous; });
 }
 
 PageData tallies_data(const std::vector<JudgedCell>& cells) {
@@ -111,8 +112,7 @@ PageData cell_data(const JudgedCell& one, std::vector<std::string>& notes) {
   add("spread", spread_text(judged));
   if (!cell.says.empty()) add("printed", judged.class_text);
   if (cell.shows.empty()) {
-    add("verdict " + css_class(judged.is_vacuous ? Verdict::not_measured : judged.verdict),
-        one.word());
+    add("verdict " + css_class(judged.verdict), one.word());
     lines.back()["tip"] = judged.class_text;
   } else {
     add("printed", "beside the rest, not judged");
@@ -230,19 +230,21 @@ std::string verdict_list(const std::vector<JudgedCell>& cells) {
 }  // namespace
 
 std::string JudgedCell::word() const {
-  if (!cell.shows.empty()) return "shown";
-  if (judged.is_vacuous) return "vacuous";
+  if (judged.verdict == Verdict::shown) return text(judged.verdict);
   const std::string before = cell.reading.empty() ? "" : "other reading: ";
   // A statement of a user's own list holds; it is not reproduced.
-  const bool holds = is_own && !cell.says.empty() && judged.verdict != Verdict::not_measured;
-  if (!holds) return before + text(judged.verdict);
-  return before + (judged.verdict == Verdict::reproduced ? "holds" : "does not hold");
+  const bool is_own_statement = is_own && !cell.says.empty();
+  if (is_own_statement && judged.verdict == Verdict::reproduced) return before + "holds";
+  if (is_own_statement && judged.verdict == Verdict::not_reproduced) {
+    return before + "does not hold";
+  }
+  return before + text(judged.verdict);
 }
 
 std::string reason_of(const Judged& judged, const CellSpec& cell) {
   if (!cell.reading.empty()) return cell.reading;
-  if (judged.is_vacuous) return cell.vacuous;
-  if (!cell.shows.empty() || judged.verdict == Verdict::reproduced) return "";
+  if (judged.verdict == Verdict::vacuous) return cell.vacuous;
+  if (judged.verdict == Verdict::shown || judged.verdict == Verdict::reproduced) return "";
   return cell.why;
 }
 
@@ -294,7 +296,7 @@ std::vector<std::string> headline(const std::vector<JudgedCell>& cells) {
       near += *judged.deviation <= 0.05 ? 1 : 0;
       fair += *judged.deviation <= 0.25 ? 1 : 0;
     }
-    if (judged.is_vacuous) {
+    if (judged.verdict == Verdict::vacuous) {
       ++share.vacuous;
     } else if (judged.verdict == Verdict::not_reproduced) {
       ++causes[cell.cause.empty() ? "not said" : cell.cause];
@@ -373,6 +375,7 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
   };
   if (!cell.shows.empty()) {
     judged.printed = cell.shows;
+    judged.verdict = Verdict::shown;
     return judged;
   }
   // Whether a run without what the statement is about does as well.
@@ -389,7 +392,7 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
     judged.verdict = final_verdict(std::isnan(judged.median) ? Verdict::not_measured
                                    : holds                   ? Verdict::reproduced
                                                              : Verdict::not_reproduced);
-    judged.is_vacuous = is_trivial && judged.verdict == Verdict::reproduced;
+    if (is_trivial && judged.verdict == Verdict::reproduced) judged.verdict = Verdict::vacuous;
     return judged;
   }
   const PrintedResult result = printed.find(cell.printed).value();
@@ -399,8 +402,7 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
     judged.deviation = std::abs((judged.median - *result.number) / *result.number);
   }
   judged.verdict = final_verdict(judge(judged.median, result, standard));
-  judged.is_vacuous = is_trivial && judged.verdict != Verdict::not_reproduced &&
-                      judged.verdict != Verdict::not_measured;
+  if (is_trivial && judged.verdict <= Verdict::within_class) judged.verdict = Verdict::vacuous;
   if (result.number) {
     judged.class_text = rule_text(standard);
   } else {

@@ -17,13 +17,12 @@ struct Judged {
   double smallest = 0.0;
   double largest = 0.0;
   std::size_t values = 0;
-  std::size_t numbers = 0;                  ///< measured ones among `values`
-  std::string measured;                     ///< the median, behind its word if words are printed
-  std::string printed;                      ///< as in the thesis
-  std::optional<double> deviation = {};     ///< relative to a printed number
-  std::string class_text;                   ///< the criterion of "reproduced"
-  Verdict verdict = Verdict::not_measured;  ///< unused if the cell only `shows`
-  bool is_vacuous = false;                  ///< reproduced, but by construction
+  std::size_t numbers = 0;               ///< measured ones among `values`
+  std::string measured;                  ///< the median, behind its word if words are printed
+  std::string printed;                   ///< as in the thesis
+  std::optional<double> deviation = {};  ///< relative to a printed number
+  std::string class_text;                ///< the criterion of "reproduced"
+  Verdict verdict = Verdict::not_measured;
 };
 Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed);
 

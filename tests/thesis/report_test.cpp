@@ -89,8 +89,8 @@ std::vector<Measurement> runs_of(const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     Measurement& run = runs.emplace_back();
     run.failed = word == "failed";
-    if (word == "absent" || word == "nan") run.absent.insert("m");
-    if (word != "failed" && word != "absent" && word != "none") run.values["m"] = std::stod(word);
+    if (word == "failed" || word == "none") continue;
+    run.values["m"] = word == "absent" ? kInfinity : std::stod(word);
   }
   return runs;
 }
@@ -187,7 +187,7 @@ std::vector<JudgedCell> cells_of(int count, Verdict verdict, const std::string& 
 void add(std::vector<JudgedCell>& cells, const std::vector<JudgedCell>& more,
          bool is_vacuous = false) {
   for (JudgedCell one : more) {
-    one.judged.is_vacuous = is_vacuous;
+    if (is_vacuous) one.judged.verdict = Verdict::vacuous;
     cells.push_back(one);
   }
 }
@@ -206,7 +206,7 @@ TEST(Score, CountsStatementsOfOtherListsAsHeld) {
   EXPECT_TRUE(score_text(cells).ends_with(", 3 not measured; beside them 4 vacuous"))
       << score_text(cells);
   cells.back().cell.reading = "softer";  // counts nowhere
-  cells.back().judged.is_vacuous = false;
+  cells.back().judged.verdict = Verdict::reproduced;
   EXPECT_TRUE(score_text(cells).ends_with(", 3 not measured; beside them 3 vacuous"));
 }
 
