@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include <breakwater/math/table_function.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/render/chart.h>
 
 namespace breakwater {
 
@@ -63,13 +63,5 @@ inline PageData figure_of(const PageChart& chart, const std::string& caption = "
   if (!note.empty()) figure["note"] = note;
   return figure;
 }
-
-/// The part of a series from `from_s` to `to_s`, both included.
-Series cut(const Series& series, double from_s, double to_s);
-
-/// Reduces a series for drawing. Each of `buckets` equal parts keeps its smallest and largest value
-/// with their times, so no peak moves or disappears. The first and last sample stay. A constant
-/// stretch keeps only its ends.
-Series decimate(const Series& series, std::size_t buckets);
 
 }  // namespace breakwater

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 namespace breakwater {
@@ -51,7 +49,58 @@ std::string tick_text(double value, const std::vector<double>& all) {
   return fmt::format("{:.{}f}", value, decimals);
 }
 
+void add_sample(Series& to, const Series& from, std::size_t i) {
+  to.times_s.push_back(from.times_s[i]);
+  to.values.push_back(from.values[i]);
+}
+
+// Drops the samples that equal both their neighbours.
+Series without_repetition(const Series& series) {
+  Series kept;
+  const std::vector<double>& v = series.values;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const bool is_inside = i > 0 && i + 1 < v.size();
+    if (!is_inside || v[i] != v[i - 1] || v[i] != v[i + 1]) add_sample(kept, series, i);
+  }
+  return kept;
+}
+
 }  // namespace
+
+Series cut(const Series& series, double from_s, double to_s) {
+  Series part;
+  for (std::size_t i = 0; i < series.times_s.size(); ++i) {
+    if (series.times_s[i] >= from_s && series.times_s[i] <= to_s) add_sample(part, series, i);
+  }
+  return part;
+}
+
+Series decimate(const Series& series, std::size_t buckets) {
+  const std::size_t size = series.values.size();
+  if (size <= 2 * buckets) return without_repetition(series);
+  Series kept;
+  add_sample(kept, series, 0);
+  for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
+    const auto begin = series.values.begin() + static_cast<std::ptrdiff_t>(bucket * size / buckets);
+    const auto end =
+        series.values.begin() + static_cast<std::ptrdiff_t>((bucket + 1) * size / buckets);
+    // A value that is not finite is a gap, not an extreme.
+    const auto finite = std::find_if(begin, end, [](double v) { return std::isfinite(v); });
+    auto smallest = finite;
+    auto largest = finite;
+    for (auto v = finite; v != end; ++v) {
+      if (*v < *smallest) smallest = v;
+      if (*v > *largest) largest = v;
+    }
+    if (finite == end) smallest = largest = begin;
+    for (const auto& extreme : {std::min(smallest, largest), std::max(smallest, largest)}) {
+      const auto i = static_cast<std::size_t>(extreme - series.values.begin());
+      if (series.times_s[i] > kept.times_s.back()) add_sample(kept, series, i);
+    }
+  }
+  if (kept.times_s.back() < series.times_s.back()) add_sample(kept, series, size - 1);
+  return without_repetition(kept);
+}
 
 ChartRange chart_range(const std::vector<ChartLine>& lines, double from_s, double to_s) {
   ChartRange range{from_s, to_s, 0.0, 0.0};
@@ -81,6 +130,10 @@ Chart::Chart(const std::string& title, std::vector<ChartLine> lines, const Chart
       unit_px_(unit_px),
       frame_(std::make_unique<Canvas>(width, height)) {
   draw_frame(title);
+  for (const ChartLine& line : lines_) {
+    const Series inside = cut(line.series, range.from_s, range.to_s);
+    drawn_.push_back(decimate(inside, static_cast<std::size_t>(width)));
+  }
 }
 
 Point Chart::place(double time_s, double value) const {
@@ -156,35 +209,6 @@ void Chart::draw_legend(double baseline) {
   }
 }
 
-// Keeps the first, lowest, highest and last point in each column of pixels, in their order. The
-// picture is the same as with all points.
-std::vector<Point> Chart::trace(const ChartLine& line, double now_s) const {
-  const std::vector<double>& times = line.series.times_s;
-  const std::vector<double>& values = line.series.values;
-  const auto index_after = [&](auto bound, double time_s) {
-    return static_cast<std::size_t>(bound(times.begin(), times.end(), time_s) - times.begin());
-  };
-  const auto lower = [](auto begin, auto end, double t) { return std::lower_bound(begin, end, t); };
-  const auto upper = [](auto begin, auto end, double t) { return std::upper_bound(begin, end, t); };
-  const std::size_t end = index_after(upper, now_s);
-  std::vector<Point> points = {place(range_.from_s, line.series.at(range_.from_s).value)};
-  for (std::size_t i = index_after(lower, range_.from_s); i < end;) {
-    const double column = std::floor(place(times[i], 0.0).x);
-    std::array<std::size_t, 4> kept = {i, i, i, i};
-    do {
-      if (values[i] < values[kept[1]]) kept[1] = i;
-      if (values[i] > values[kept[2]]) kept[2] = i;
-      kept[3] = i++;
-    } while (i < end && std::floor(place(times[i], 0.0).x) == column);
-    std::sort(kept.begin(), kept.end());
-    const auto* const last = std::unique(kept.begin(), kept.end());
-    std::transform(kept.cbegin(), last, std::back_inserter(points),
-                   [&](std::size_t k) { return place(times[k], values[k]); });
-  }
-  points.push_back(place(now_s, line.series.at(now_s).value));
-  return points;
-}
-
 void Chart::draw(Canvas& canvas, int left, int top, double now_s) {
   canvas.paste(*frame_, left, top);
   const double now = std::clamp(now_s, range_.from_s, range_.to_s);
@@ -192,8 +216,15 @@ void Chart::draw(Canvas& canvas, int left, int top, double now_s) {
   const double y_zero = std::clamp(0.0, range_.lowest, range_.highest);
   canvas.line({shift(place(range_.from_s, y_zero)), shift(place(range_.to_s, y_zero))}, kMark, 1.0);
   for (std::size_t i = lines_.size(); i-- > 0;) {  // draw the first line last, on top
-    std::vector<Point> points = trace(lines_[i], now);
-    for (Point& p : points) p = shift(p);
+    const Series& series = lines_[i].series;
+    std::vector<Point> points;
+    const auto add = [&](double time_s, double value) {
+      points.push_back(shift(place(time_s, value)));
+    };
+    add(range_.from_s, series.at(range_.from_s).value);
+    const Series past = cut(drawn_[i], range_.from_s, now);
+    for (std::size_t k = 0; k < past.values.size(); ++k) add(past.times_s[k], past.values[k]);
+    add(now, series.at(now).value);
     canvas.line(points, on_paper(lines_[i].style), 2.0 * unit_px_,
                 strokes(lines_[i].style, unit_px_));
   }

@@ -25,6 +25,14 @@ struct ChartRange {
   double highest = 1.0;
 };
 
+/// The part of a series from `from_s` to `to_s`, both included.
+Series cut(const Series& series, double from_s, double to_s);
+
+/// Reduces a series for drawing. Each of `buckets` equal parts keeps its smallest and largest value
+/// with their times, so no peak moves or disappears. The first and last sample stay. A constant
+/// stretch keeps only its ends.
+Series decimate(const Series& series, std::size_t buckets);
+
 /// The range of all values of the lines in this time, with 0 and a margin.
 ChartRange chart_range(const std::vector<ChartLine>& lines, double from_s, double to_s);
 
@@ -49,9 +57,9 @@ class Chart {
   void draw_frame(const std::string& title);
   double legend_width(double text_size) const;
   void draw_legend(double baseline);
-  std::vector<Point> trace(const ChartLine& line, double now_s) const;
 
   std::vector<ChartLine> lines_;
+  std::vector<Series> drawn_;  // as many points of each line as can be seen
   ChartRange range_;
   double unit_px_;
   std::unique_ptr<Canvas> frame_;
