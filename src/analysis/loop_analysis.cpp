@@ -27,12 +27,18 @@ constexpr double kAgree = 1e-3;
 constexpr std::size_t kMostWindows = 8;
 constexpr double kLeastSamples = 200;  // smallest length of a window
 
-double abs2(const Phasors& a) {
-  return std::norm(a.command) + std::norm(a.disturbance) + std::norm(a.velocity);
-}
+// The probe of a loop. `force` is a force r on the plant, held over a sample and unknown to the
+// controller. `noise` is an error n of the measured position.
+enum class Probe { force, noise };
 
-Phasors operator-(const Phasors& a, const Phasors& b) {
-  return {a.command - b.command, a.disturbance - b.disturbance, a.velocity - b.velocity};
+// The observed signals of a loop: the controller's command u without the probe, d̂ and v̂. Without
+// an estimator, d̂ and v̂ are 0.
+constexpr Eigen::Index kCommand = 0, kDisturbance = 1, kVelocity = 2;
+using Phasors = Eigen::Vector3cd;
+
+Eigen::Vector3d observed(const AxisLoop& loop, double command) {
+  if (!loop.estimates()) return {command, 0.0, 0.0};
+  return {command, loop.estimator->disturbance()(0), loop.estimator->state()(1)};
 }
 
 // A loop's controller with a sine as the probe. Computes the outputs' phasors at its frequency.
@@ -47,42 +53,49 @@ class Probed final : public Controller {
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
     loop_.controller->update(y, u);
     const double angle = omega_per_sample_ * static_cast<double>(k_++);
-    const std::complex<double> turned = std::polar(1.0, -angle);
-    sums_.command += u(0) * turned;
-    if (loop_.estimates()) {
-      sums_.disturbance += loop_.estimator->disturbance()(0) * turned;
-      sums_.velocity += loop_.estimator->state()(1) * turned;
-    }
+    sums_ += observed(loop_, u(0)) * std::polar(1.0, -angle);
     u(0) += amplitude_ * std::sin(angle);
   }
   std::span<const Signal> signals() const override { return loop_.controller->signals(); }
 
   std::size_t samples() const { return k_; }
   // The sums since the last call.
-  Phasors take() { return std::exchange(sums_, Phasors{}); }
+  Phasors take() { return std::exchange(sums_, Phasors::Zero()); }
 
  private:
   AxisLoop& loop_;
   double amplitude_;
   double omega_per_sample_;
   std::size_t k_ = 0;
-  Phasors sums_;
+  Phasors sums_ = Phasors::Zero();
 };
 
-}  // namespace
+// The phasors of the observed signals at the probe's frequency, divided by the probe's.
+struct SineResponse {
+  double omega_rad_s = 0.0;  // rounded so that whole periods have whole samples
+  Phasors gain = Phasors::Zero();
+  double spread = 0.0;     // relative standard deviation of the command's gain between windows
+  double saturated = 0.0;  // share of the samples with the drive at its limit
+};
 
-SineResponse measure_sine(const AxisOfPlant& axis, const SineTest& test) {
+// Runs the plant of an axis, its encoder, drive and controller with a sine as the probe alone.
+// Other axes are under their own controllers. If two windows of whole periods agree to 1e-3,
+// returns the second one. Otherwise returns the mean of eight windows, because a loop with an
+// encoder never repeats exactly. Throws RunFailure, ControlFailure or Interrupted.
+SineResponse measure_sine(const AxisOfPlant& axis, Probe kind, double omega_rad_s,
+                          const AnalysisOptions& options) {
+  const double amplitude = kind == Probe::force ? options.force_amplitude : options.noise_amplitude;
   const AxisTask& task = axis.task;
   const double period_s = task.axis.period_s;
   // A window of whole periods in whole samples.
-  const double per_period = 2.0 * std::numbers::pi / (test.omega_rad_s * period_s);
+  const double per_period = 2.0 * std::numbers::pi / (omega_rad_s * period_s);
   const double periods = std::max(1.0, std::ceil(kLeastSamples / per_period));
   const double samples = std::round(periods * per_period);
   const auto window = static_cast<std::size_t>(samples);
   const double omega_per_sample = 2.0 * std::numbers::pi * periods / samples;
 
   AxisLoop loop = axis.parts->make(task);
-  auto own = std::make_unique<Probed>(loop, test.probe, test.amplitude, omega_per_sample);
+  auto own = std::make_unique<Probed>(loop, kind, amplitude, omega_per_sample);
   Probed& probed = *own;
   std::unique_ptr<Controller> controller = std::move(own);
   if (axis.among_others) controller = axis.among_others(std::move(controller));
@@ -91,9 +104,8 @@ SineResponse measure_sine(const AxisOfPlant& axis, const SineTest& test) {
   AxisPlant plant = axis.plant;
   for (AxisSettings& one : plant.axes) one.force = one.output = {};
   plant.pushes.clear();
-  if (test.probe == Probe::noise) {
-    plant.axes[axis.index].output = {DisturbanceKind::sine, test.amplitude, response.omega_rad_s,
-                                     0.0};
+  if (kind == Probe::noise) {
+    plant.axes[axis.index].output = {DisturbanceKind::sine, amplitude, response.omega_rad_s, 0.0};
   }
   AxisRig rig(plant, *controller);
 
@@ -104,41 +116,35 @@ SineResponse measure_sine(const AxisOfPlant& axis, const SineTest& test) {
       if (!rig.simulation().sampled()) continue;
       ++taken;
       if (rig.simulation().saturated()) ++saturated;
-      if (test.stop != nullptr && test.stop->load()) throw Interrupted();
+      if (options.stop != nullptr && options.stop->load()) throw Interrupted();
     }
   };
-  auto end = static_cast<std::size_t>(std::ceil(test.settle_s / period_s / samples)) * window;
+  auto end = static_cast<std::size_t>(std::ceil(options.settle_s / period_s / samples)) * window;
   run_until(end);
   probed.take();
   // The phasor of the probe: Σ a sin(ωk) e^{−jωk} = −j a K/2.
-  const std::complex<double> probe(0.0, -0.5 * test.amplitude * samples);
+  const std::complex<double> probe(0.0, -0.5 * amplitude * samples);
   std::vector<Phasors> windows;
   while (windows.size() < kMostWindows) {
     run_until(end += window);
-    const Phasors sums = probed.take();
-    windows.push_back({sums.command / probe, sums.disturbance / probe, sums.velocity / probe});
+    windows.emplace_back(probed.take() / probe);
     if (windows.size() < 2) continue;
     const Phasors& now = windows.back();
-    if (abs2(now - windows[windows.size() - 2]) <= kAgree * kAgree * abs2(now)) {
-      windows = {now};
+    if ((now - windows[windows.size() - 2]).norm() <= kAgree * now.norm()) {
+      windows = {Phasors(now)};
       break;
     }
   }
   const auto count = static_cast<double>(windows.size());
-  for (const Phasors& one : windows) {
-    response.gain.command += one.command / count;
-    response.gain.disturbance += one.disturbance / count;
-    response.gain.velocity += one.velocity / count;
-  }
+  for (const Phasors& one : windows) response.gain += one / count;
+  const std::complex<double> command = response.gain(kCommand);
   double squares = 0.0;
-  for (const Phasors& one : windows) squares += std::norm(one.command - response.gain.command);
-  response.spread = std::sqrt(squares / count) /
-                    std::max(std::abs(response.gain.command), std::numeric_limits<double>::min());
+  for (const Phasors& one : windows) squares += std::norm(one(kCommand) - command);
+  response.spread =
+      std::sqrt(squares / count) / std::max(std::abs(command), std::numeric_limits<double>::min());
   response.saturated = static_cast<double>(saturated) / static_cast<double>(taken);
   return response;
 }
-
-namespace {
 
 constexpr double kPi = std::numbers::pi;
 
@@ -164,13 +170,12 @@ LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
   if (omega_rad_s.size() < 2 || omega_rad_s.size() != loop_gain.size()) {
     throw std::invalid_argument("margins need a loop gain at two frequencies or more");
   }
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  LoopMargins margins{kNone, kNone, kNone, kNone, kNone, 0.0, 0.0};
+  LoopMargins margins;
   double last_phase = 0.0;
   for (std::size_t i = 0; i < omega_rad_s.size(); ++i) {
     const std::complex<double> L = loop_gain[i];
-    margins.sensitivity_peak = std::max(margins.sensitivity_peak, std::abs(1.0 / (1.0 + L)));
-    margins.complementary_peak = std::max(margins.complementary_peak, std::abs(L / (1.0 + L)));
+    margins.sensitivity_peak = std::fmax(margins.sensitivity_peak, std::abs(1.0 / (1.0 + L)));
+    margins.complementary_peak = std::fmax(margins.complementary_peak, std::abs(L / (1.0 + L)));
     // Unwraps the phase: nearest to the last one.
     double phase = std::arg(L);
     if (i > 0) phase += 2.0 * kPi * std::round((last_phase - phase) / (2.0 * kPi));
@@ -221,25 +226,21 @@ constexpr double kRounding = 1e-5;  // error of the peak of a sampled oscillatio
 constexpr double kWhole = 1e-9;     // a smaller part of a period is rounding
 constexpr std::size_t kWarmUps[] = {500, 5000, 50'000};  // settling times of a gain, in samples
 constexpr std::size_t kLater = 777;
-constexpr Eigen::Index kCommand = 0;  // its row in a response
-
-// Samples of the observed signals, in columns: the controller's command u without the probe, d̂ and
-// v̂. Without an estimator, d̂ and v̂ are 0.
+// Samples of the observed signals, in columns.
 using PulseResponse = Eigen::Matrix3Xd;
 
 // The loop of one axis: the scenario's controller and a linear plant
 //     x(k+1) = A x(k) + B (u(k − m) + r(k − m)),   y(k) = C x(k − l) + n(k − l) ,
 // without limits, rounding and Coulomb friction. A jitter of the command counts as its mean.
 struct ProbedLoop {
-  const AxisParts* parts = nullptr;
-  AxisTask task;
+  const AxisOfPlant& axis;
   // Over one period. Behind the states of linear_axis() come those of the drive's current loop, and
   // the command before, if it acts on a part of the period.
   StateSpace plant;
   Eigen::VectorXd start_state;    // n
-  int delay_samples = 0;          // l, of the measurement
   int command_delay_samples = 0;  // m, the whole periods of the command's delay
-  double force = 1.0;             // a force that the drive has, for is_unstable()
+
+  int delay_samples() const { return axis.settings().delay_samples; }  // l, of the measurement
 };
 
 struct ProbeSequence {
@@ -253,16 +254,17 @@ struct ProbeSequence {
 };
 
 PulseResponse run(const ProbedLoop& design, const ProbeSequence& probe, std::size_t samples) {
-  const AxisLoop loop = design.parts->make(design.task);
+  const AxisTask& task = design.axis.task;
+  const AxisLoop loop = design.axis.parts->make(task);
   Eigen::VectorXd x = design.start_state;
-  DelayLine measured(design.delay_samples), command(design.command_delay_samples);
+  DelayLine measured(design.delay_samples()), command(design.command_delay_samples);
   command.update(0.0);  // the drive's force before the first command
-  const bool has_full_state = design.task.senses_true_state;
+  const bool has_full_state = task.senses_true_state;
   const Eigen::Index entries = has_full_state ? 3 : 1;
-  Sample sample{0.0, Eigen::VectorXd::Zero(entries + (design.task.force.is_there() ? 2 : 0))};
+  Sample sample{0.0, Eigen::VectorXd::Zero(entries + (task.force.is_there() ? 2 : 0))};
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
   const auto sense = [&](std::size_t k) {
-    sample.time_s = static_cast<double>(k) * design.task.axis.period_s;
+    sample.time_s = static_cast<double>(k) * task.axis.period_s;
     sample.y(0) = measured.update((design.plant.C * x)(0) + probe.at(Probe::noise, k));
     if (has_full_state) sample.y.segment<2>(1) = x.head<2>();
   };
@@ -271,12 +273,7 @@ PulseResponse run(const ProbedLoop& design, const ProbeSequence& probe, std::siz
     sense(k);
     if (k == 0) loop.controller->reset(sample);
     loop.controller->update(sample, u);
-    const auto column = static_cast<Eigen::Index>(k);
-    out(kCommand, column) = u(0);
-    if (loop.estimates()) {
-      out(1, column) = loop.estimator->disturbance()(0);
-      out(2, column) = loop.estimator->state()(1);
-    }
+    out.col(static_cast<Eigen::Index>(k)) = observed(loop, u(0));
     x = design.plant.A * x + design.plant.B * command.update(u(0) + probe.at(Probe::force, k));
   }
   return out;
@@ -413,14 +410,11 @@ ProbedLoop loop_design(const AxisOfPlant& of) {
   const double period_s = of.task.axis.period_s;
   const double periods = of.plant.timing.delays().mean_s() / period_s;
   const double whole = std::floor(periods + kWhole), part = periods - whole;
-  ProbedLoop design{of.parts,
-                    of.task,
+  ProbedLoop design{of,
                     part > kWhole ? hold_late(driven, period_s, part * period_s)
                                   : zero_order_hold(driven, period_s),
                     {},
-                    axis.delay_samples,
-                    static_cast<int>(whole),
-                    usual_force(axis)};
+                    static_cast<int>(whole)};
   const Eigen::Vector2d start(axis.reference.before + axis.start_position, axis.start_velocity);
   design.start_state.setZero(design.plant.states());
   design.start_state.head<2>() = start * transmission.measured_ratio();
@@ -442,15 +436,16 @@ bool has_other_joints(const AxisOfPlant& axis) {
 // unstable if its response runs away.
 bool is_unstable(const ProbedLoop& design) {
   // The response begins after the delays.
-  const auto delays = static_cast<std::size_t>(design.delay_samples) +
+  const auto delays = static_cast<std::size_t>(design.delay_samples()) +
                       static_cast<std::size_t>(design.command_delay_samples);
+  const double usual = usual_force(design.axis.settings());
   std::size_t first = kFirstLength;
   while (first < 16 * delays) first *= 4;
   const auto command = [&](double force, std::size_t length) -> Eigen::RowVectorXd {
     return to_pulse(design, Probe::force, force, 0, length).row(kCommand);
   };
   for (std::size_t length = first;; length *= 4) {
-    const Eigen::RowVectorXd response = command(design.force, length);
+    const Eigen::RowVectorXd response = command(usual, length);
     const Eigen::Index quarter = response.size() / 4;
     const double before = largest(response.segment(2 * quarter, quarter));
     const double last = largest(response.tail(quarter));
@@ -459,63 +454,26 @@ bool is_unstable(const ProbedLoop& design) {
     if (length < kLongestJudged) continue;
     // A loop that is not linear has no eigenvalues.
     const auto begin = static_cast<Eigen::Index>(first);
-    return is_same(command(-2.0 * design.force, first), response.head(begin)) &&
+    return is_same(command(-2.0 * usual, first), response.head(begin)) &&
            (last > (1.0 + kRounding) * before ||
             (last > (1.0 - kRounding) * before && last > largest(response.head(begin / 4))));
   }
-}
-
-// The responses to a probe of one sample with unit size, or the reason why there are none.
-struct LoopResponse {
-  PulseResponse to_force;
-  PulseResponse to_noise;
-  std::string reason = {};
-  bool is_unstable = false;
-};
-
-// Determines the response by simulation, with probes of size `force` and `noise`. The loop counts
-// as linear if it responds −2 times as strongly to −2 times a random binary force. A pulse must
-// also have the same response later, after a Kalman filter's gain has settled.
-LoopResponse loop_response(const ProbedLoop& design, double force, double noise) {
-  const auto none = [](const char* reason, bool is_unstable = false) {
-    return LoopResponse{{}, {}, reason, is_unstable};
-  };
-  if (is_unstable(design)) return none("its response to a pulse grows without bound", true);
-  const std::optional<std::size_t> from = time_invariant_from(design, force);
-  if (!from) return none("its response to a pulse depends on the time of the pulse");
-  if (!is_linear(design, Probe::force, force, *from) ||
-      !is_linear(design, Probe::noise, noise, *from)) {
-    return none("not linear at these amplitudes");
-  }
-  std::optional<PulseResponse> to_force = whole_response(design, Probe::force, force, *from);
-  std::optional<PulseResponse> to_noise = whole_response(design, Probe::noise, noise, *from);
-  if (!to_force || !to_noise) return none("the loop does not settle");
-  return {std::move(*to_force), std::move(*to_noise)};
 }
 
 // Σ h(k) e^{−jωkT} of each output.
 Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, double period_s) {
   const std::complex<double> back(math::cos(omega_rad_s * period_s),
                                   -math::sin(omega_rad_s * period_s));
-  Phasors result{};
+  Phasors result = Phasors::Zero();
   // Horner's rule in z⁻¹. The three sums do not wait for each other.
-  for (Eigen::Index k = pulses.cols(); k-- > 0;) {
-    result.command = result.command * back + pulses(0, k);
-    result.disturbance = result.disturbance * back + pulses(1, k);
-    result.velocity = result.velocity * back + pulses(2, k);
-  }
+  for (Eigen::Index k = pulses.cols(); k-- > 0;) result = result * back + pulses.col(k);
   return result;
 }
 
 constexpr std::size_t kDesignPoints = 1200;
 constexpr double kShareOfNyquist = 0.9;
 constexpr double kStillHalfThePower = std::numbers::sqrt2 / 2.0;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNoiseCounts = 3.0, kSmallNoise = 1e-3;
-
-double nyquist_rad_s(const AxisOfPlant& axis) {
-  return std::numbers::pi / axis.task.axis.period_s;
-}
 
 // From low to high, equally spaced on a logarithmic scale.
 std::vector<double> frequencies(double low, double high, std::size_t count) {
@@ -530,11 +488,11 @@ std::vector<double> frequencies(double low, double high, std::size_t count) {
 LoopPoint point(double omega_rad_s, const Phasors& of_force, const Phasors& of_noise) {
   LoopPoint p;
   p.omega_rad_s = omega_rad_s;
-  p.d_hat_over_d = -of_force.disturbance;  // d = -r
-  p.noise_to_d_hat = of_noise.disturbance;
-  p.noise_to_v_hat = of_noise.velocity;
-  p.complementary = -of_force.command;
-  p.sensitivity = 1.0 + of_force.command;
+  p.d_hat_over_d = -of_force(kDisturbance);  // d = -r
+  p.noise_to_d_hat = of_noise(kDisturbance);
+  p.noise_to_v_hat = of_noise(kVelocity);
+  p.complementary = -of_force(kCommand);
+  p.sensitivity = 1.0 + of_force(kCommand);
   p.loop_gain = p.complementary / p.sensitivity;
   return p;
 }
@@ -547,12 +505,10 @@ double bandwidth(const std::vector<LoopPoint>& points) {
     return points[i - 1].omega_rad_s *
            std::pow(points[i].omega_rad_s / points[i - 1].omega_rad_s, share);
   }
-  return kNone;
+  return LoopMargins::kNone;
 }
 
 void judge(LoopCurve& curve, bool estimates, bool is_measured) {
-  curve.bandwidth_rad_s = kNone;
-  curve.margins = {kNone, kNone, kNone, kNone, kNone, kNone, kNone};
   std::vector<LoopPoint> reliable;
   std::vector<double> omega;
   std::vector<std::complex<double>> gain;
@@ -567,28 +523,32 @@ void judge(LoopCurve& curve, bool estimates, bool is_measured) {
   if (estimates) curve.bandwidth_rad_s = bandwidth(reliable);
 }
 
-double force_amplitude(const AxisOfPlant& axis, const AnalysisOptions& options) {
-  if (options.force_amplitude > 0.0) return options.force_amplitude;
-  return usual_force(axis.settings());
-}
-
-double noise_amplitude(const AxisOfPlant& axis, const AnalysisOptions& options) {
-  if (options.noise_amplitude > 0.0) return options.noise_amplitude;
-  return std::max(kSmallNoise, kNoiseCounts * axis.settings().quantum());
-}
-
-LoopCurve designed_curve(const AxisOfPlant& axis, const AnalysisOptions& options, double to_rad_s) {
-  const double period_s = axis.task.axis.period_s;
-  const LoopResponse found = loop_response(loop_design(axis), force_amplitude(axis, options),
-                                           noise_amplitude(axis, options));
+// Determines the responses by simulation, with probes of one sample. The loop counts as linear if
+// it responds −2 times as strongly to −2 times a random binary force. A pulse must also have the
+// same response later, after a Kalman filter's gain has settled.
+LoopCurve designed_curve(const AxisOfPlant& axis, const AnalysisOptions& options) {
+  const ProbedLoop design = loop_design(axis);
+  const double force = options.force_amplitude, noise = options.noise_amplitude;
   LoopCurve curve;
-  curve.reason = found.reason;
-  curve.is_unstable = found.is_unstable;
-  if (found.reason.empty()) {
-    for (const double omega : frequencies(options.from_rad_s, to_rad_s, kDesignPoints)) {
-      curve.points.push_back(point(omega, frequency_response(found.to_force, omega, period_s),
-                                   frequency_response(found.to_noise, omega, period_s)));
-    }
+  const auto none = [&curve](const char* reason) {
+    curve.reason = reason;
+    return curve;
+  };
+  curve.is_unstable = is_unstable(design);
+  if (curve.is_unstable) return none("its response to a pulse grows without bound");
+  const std::optional<std::size_t> from = time_invariant_from(design, force);
+  if (!from) return none("its response to a pulse depends on the time of the pulse");
+  if (!is_linear(design, Probe::force, force, *from) ||
+      !is_linear(design, Probe::noise, noise, *from)) {
+    return none("not linear at these amplitudes");
+  }
+  const auto to_force = whole_response(design, Probe::force, force, *from);
+  const auto to_noise = whole_response(design, Probe::noise, noise, *from);
+  if (!to_force || !to_noise) return none("the loop does not settle");
+  const double period_s = axis.task.axis.period_s;
+  for (const double omega : frequencies(options.from_rad_s, options.to_rad_s, kDesignPoints)) {
+    curve.points.push_back(point(omega, frequency_response(*to_force, omega, period_s),
+                                 frequency_response(*to_noise, omega, period_s)));
   }
   return curve;
 }
@@ -600,13 +560,16 @@ LoopPoint measured_point(const SineResponse& force, const SineResponse& noise) {
   return p;
 }
 
-void check(const AnalysedLoop& loop, const AnalysisOptions& options, double to_rad_s) {
-  const double nyquist = nyquist_rad_s(loop.axis);
-  if (!(options.from_rad_s > 0.0 && options.from_rad_s < to_rad_s && to_rad_s < nyquist)) {
+// The options with this loop's numbers in place of the defaults.
+AnalysisOptions options_of(const AnalysedLoop& loop, AnalysisOptions options) {
+  const double nyquist = std::numbers::pi / loop.axis.task.axis.period_s;
+  if (!(options.to_rad_s > 0.0)) options.to_rad_s = kShareOfNyquist * nyquist;
+  if (!(options.from_rad_s > 0.0 && options.from_rad_s < options.to_rad_s &&
+        options.to_rad_s < nyquist)) {
     throw std::invalid_argument(
         fmt::format("{}: frequencies from {:g} to {:g} rad/s: must rise, and stay below the "
                     "Nyquist frequency, {:.4g} rad/s",
-                    loop.name.label(), options.from_rad_s, to_rad_s, nyquist));
+                    loop.name.label(), options.from_rad_s, options.to_rad_s, nyquist));
   }
   const AxisSettings& settings = loop.axis.settings();
   if (options.force_amplitude >= settings.force_limit()) {
@@ -616,6 +579,11 @@ void check(const AnalysedLoop& loop, const AnalysisOptions& options, double to_r
                     loop.name.label(), options.force_amplitude, settings.axis.units.force,
                     settings.force_limit(), settings.axis.units.force));
   }
+  if (!(options.force_amplitude > 0.0)) options.force_amplitude = usual_force(settings);
+  if (!(options.noise_amplitude > 0.0)) {
+    options.noise_amplitude = std::max(kSmallNoise, kNoiseCounts * settings.quantum());
+  }
+  return options;
 }
 
 // How the loop is cut out of its plant, and why a measurement says little about the loop that moves
@@ -633,7 +601,7 @@ std::vector<std::string> hints(const AxisOfPlant& axis, const AnalysisOptions& o
   if (measured.points.empty()) return texts;
   const AxisSettings& settings = axis.settings();
   const std::string& unit = settings.axis.units.force;
-  const double amplitude = force_amplitude(axis, options);
+  const double amplitude = options.force_amplitude;
   const double friction = axis.plant.coulomb_friction_at_drive(axis.index);
   if (amplitude < kTimesFriction * friction) {
     texts.push_back(fmt::format(
@@ -658,26 +626,24 @@ std::vector<std::string> hints(const AxisOfPlant& axis, const AnalysisOptions& o
 std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
                                   const AnalysisOptions& options) {
   std::vector<LoopAnalysis> results(loops.size());
-  std::vector<double> to_rad_s;
-  for (const AnalysedLoop& loop : loops) {
-    to_rad_s.push_back(options.to_rad_s > 0.0 ? options.to_rad_s
-                                              : kShareOfNyquist * nyquist_rad_s(loop.axis));
-    check(loop, options, to_rad_s.back());
-  }
+  std::vector<AnalysisOptions> own;
+  for (const AnalysedLoop& loop : loops) own.push_back(options_of(loop, options));
   on_all_cores(
       loops.size(),
       [&](std::size_t i) {
         results[i].name = loops[i].name;
         const AxisOfPlant& axis = loops[i].axis;
         results[i].estimates = axis.parts->make(axis.task).estimates();
-        results[i].designed = designed_curve(axis, options, to_rad_s[i]);
+        results[i].designed = designed_curve(axis, own[i]);
       },
       options.jobs);
 
   // The lowest frequencies of all loops come first, because they take the longest.
   const auto points = static_cast<std::size_t>(options.points);
   std::vector<std::vector<double>> omegas;
-  for (const double to : to_rad_s) omegas.push_back(frequencies(options.from_rad_s, to, points));
+  for (const AnalysisOptions& of : own) {
+    omegas.push_back(frequencies(of.from_rad_s, of.to_rad_s, points));
+  }
   std::vector<double> times_s(2 * points * loops.size());
   std::vector<SineResponse> measured(times_s.size());  // with the force, then with the noise
   for (std::size_t task = 0; task < times_s.size(); ++task) {
@@ -690,27 +656,23 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
       times_s.size(),
       [&](std::size_t task) {
         const std::size_t loop = task / 2 % loops.size(), i = task / 2 / loops.size();
-        if (results[loop].designed.is_unstable) return progress.finish(task);
-        const bool is_force = task % 2 == 0;
-        const AxisOfPlant& axis = loops[loop].axis;
-        const SineTest test{
-            .probe = is_force ? Probe::force : Probe::noise,
-            .omega_rad_s = omegas[loop][i],
-            .amplitude = is_force ? force_amplitude(axis, options) : noise_amplitude(axis, options),
-            .settle_s = options.settle_s,
-            .stop = options.stop};
-        measured[task] = measure_sine(axis, test);
+        if (!results[loop].designed.is_unstable) {
+          measured[task] =
+              measure_sine(loops[loop].axis, task % 2 == 0 ? Probe::force : Probe::noise,
+                           omegas[loop][i], own[loop]);
+        }
         progress.finish(task);
       },
       options.jobs);
   for (std::size_t loop = 0; loop < loops.size(); ++loop) {
-    for (std::size_t i = 0; i < points && !results[loop].designed.is_unstable; ++i) {
+    LoopAnalysis& result = results[loop];
+    for (std::size_t i = 0; i < points && !result.designed.is_unstable; ++i) {
       const std::size_t task = 2 * (i * loops.size() + loop);
-      results[loop].measured.points.push_back(measured_point(measured[task], measured[task + 1]));
+      result.measured.points.push_back(measured_point(measured[task], measured[task + 1]));
     }
-    judge(results[loop].designed, results[loop].estimates, false);
-    judge(results[loop].measured, results[loop].estimates, true);
-    results[loop].hints = hints(loops[loop].axis, options, results[loop].measured);
+    judge(result.designed, result.estimates, false);
+    judge(result.measured, result.estimates, true);
+    result.hints = hints(loops[loop].axis, own[loop], result.measured);
   }
   return results;
 }

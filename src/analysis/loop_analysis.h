@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <complex>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,47 +11,18 @@
 
 namespace breakwater {
 
-/// The probe of a loop. `force` is a force r on the plant, held over a sample and unknown to the
-/// controller. `noise` is an error n of the measured position.
-enum class Probe { force, noise };
-
-struct Phasors {
-  std::complex<double> command;
-  std::complex<double> disturbance;
-  std::complex<double> velocity;
-};
-
-struct SineTest {
-  Probe probe = Probe::force;
-  double omega_rad_s = 0.0;
-  double amplitude = 0.0;  ///< amplitude of the probe
-  double settle_s = 0.0;   ///< time before the measurement
-  const std::atomic<bool>* stop = nullptr;
-};
-
-/// The outputs' phasors at the probe's frequency, divided by the probe's.
-struct SineResponse {
-  double omega_rad_s = 0.0;  ///< rounded so that whole periods have whole samples
-  Phasors gain;
-  double spread = 0.0;     ///< relative standard deviation of the command's gain between windows
-  double saturated = 0.0;  ///< share of the samples with the drive at its limit
-};
-
-/// Runs the plant of an axis, its encoder, drive and controller with the probe alone. Other axes
-/// are under their own controllers. If two windows of whole periods agree to 1e-3, returns the
-/// second one. Otherwise returns the mean of eight windows, because a loop with an encoder never
-/// repeats exactly. Throws RunFailure, ControlFailure or Interrupted.
-SineResponse measure_sine(const AxisOfPlant& axis, const SineTest& test);
-
 /// Margins of a loop gain L(jω) with negative feedback. NaN: there is no such crossing.
 struct LoopMargins {
-  double crossover_rad_s;        ///< the last frequency at which |L| = 1
-  double phase_margin_rad;       ///< the smallest distance of arg L from −π at |L| = 1
-  double gain_margin;            ///< the smallest factor above 1 that makes it unstable
-  double gain_reduction_margin;  ///< the largest factor below 1 that makes it unstable
-  double delay_margin_s;         ///< the smallest additional delay that makes it unstable
-  double sensitivity_peak;  ///< M_s = max |1/(1 + L)|; 1/M_s is the smallest distance of L from −1
-  double complementary_peak;  ///< M_t = max |L/(1 + L)|
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  double crossover_rad_s = kNone;        ///< the last frequency at which |L| = 1
+  double phase_margin_rad = kNone;       ///< the smallest distance of arg L from −π at |L| = 1
+  double gain_margin = kNone;            ///< the smallest factor above 1 that makes it unstable
+  double gain_reduction_margin = kNone;  ///< the largest factor below 1 that makes it unstable
+  double delay_margin_s = kNone;         ///< the smallest additional delay that makes it unstable
+  /// M_s = max |1/(1 + L)|; 1/M_s is the smallest distance of L from −1
+  double sensitivity_peak = kNone;
+  double complementary_peak = kNone;  ///< M_t = max |L/(1 + L)|
 };
 
 /// `omega_rad_s` (increasing) and `loop_gain` have equal length. Crossings are interpolated, so log
@@ -97,7 +69,8 @@ struct LoopCurve {
   std::vector<LoopPoint> points;
   std::string reason;        ///< why there are no points
   bool is_unstable = false;  ///< then there is no measurement either
-  double bandwidth_rad_s;    ///< |d̂/d| falls below 1/√2 here; NaN: nowhere, or no estimator
+  /// |d̂/d| falls below 1/√2 here; NaN: nowhere, or no estimator
+  double bandwidth_rad_s = LoopMargins::kNone;
   LoopMargins margins;
 };
 
