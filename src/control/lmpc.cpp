@@ -126,11 +126,12 @@ QpModel Lmpc::make_model() {
   H += weighted_inputs * C2;
   sums_ = weighted_inputs * C2.leftCols(m);
 
-  add_rows(RowKind::change, design_.change_bounds, m, 0, N_u - 1);
-  add_rows(RowKind::input, design_.input_bounds, m, 0, N_u - 1);
-  add_rows(RowKind::state, design_.state_bounds, n, 1, N_p);
-  QpModel model{0.5 * (H + H.transpose()), QpModel::RowMajor(rows_.size(), N_u * m),
-                make_horizon()};
+  add_rows(RowKind::change, design_.change_bounds, m);
+  add_rows(RowKind::input, design_.input_bounds, m);
+  add_rows(RowKind::state, design_.state_bounds, n);
+  design_.rows.assign(rows_.begin(), rows_.end());
+  check(design_);
+  QpModel model{0.5 * (H + H.transpose()), QpModel::RowMajor(rows_.size(), N_u * m), design_};
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     auto row = model.Omega.row(static_cast<Eigen::Index>(i));
     switch (rows_[i].kind) {
@@ -148,36 +149,18 @@ QpModel Lmpc::make_model() {
   return model;
 }
 
-Horizon Lmpc::make_horizon() const {
-  Horizon horizon{design_.A,
-                  design_.B,
-                  design_.prediction_steps,
-                  design_.control_steps,
-                  design_.Q,
-                  design_.Q_last,
-                  design_.R,
-                  design_.S,
-                  {}};
-  for (const Row& row : rows_) horizon.rows.push_back({row.kind, row.step, row.component});
-  return horizon;
-}
-
-void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eigen::Index width,
-                    int first_step, int last_step) {
+void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eigen::Index width) {
+  const int first_step = kind == RowKind::state ? 1 : 0;
   for (std::size_t b = 0; b < bounds.size(); ++b) {
     const PredictedBound& bound = bounds[b];
-    refuse_unless(bound.component >= 0 && bound.component < width,
-                  "predictive control: a bound is on a component that does not exist");
     refuse_unless(bound.lower <= bound.upper,
                   "predictive control: a lower bound is above its upper bound");
     for (const int step : bound.steps) {
-      if (step < first_step || step > last_step) {
-        throw std::invalid_argument(
-            "predictive control: a bound is on step " + std::to_string(step) + ", expected " +
-            std::to_string(first_step) + " to " + std::to_string(last_step));
-      }
-      rows_.push_back({kind, step, (step - first_step) * width + bound.component, bound.component,
-                       bound.lower, bound.upper, b});
+      rows_.push_back({{kind, step, bound.component},
+                       (step - first_step) * width + bound.component,
+                       bound.lower,
+                       bound.upper,
+                       b});
     }
   }
 }

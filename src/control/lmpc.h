@@ -52,16 +52,9 @@ enum class OnInfeasible {
   stop  ///< throws ControlFailure
 };
 
-struct LmpcDesign {
-  Eigen::MatrixXd A;         ///< n×n, of the sampled model
-  Eigen::MatrixXd B;         ///< n×m
-  int prediction_steps = 0;  ///< N_p
-  int control_steps = 0;     ///< N_u ≤ N_p: after them the input is constant
-  Eigen::MatrixXd Q;         ///< n×n, positive semidefinite: weight on the states' errors
-  Eigen::MatrixXd Q_last;    ///< n×n, the same at step N_p: terminal weight (Eq. 2.49)
-  Eigen::MatrixXd R;         ///< m×m, positive semidefinite: weight on Δu
-  Eigen::MatrixXd S;         ///< m×m, positive semidefinite: weight on u; empty: none
-
+/// The model and the weights on the errors of states, on Δu and on u. An empty S is no weight on u.
+/// Lmpc derives the rows from the bounds.
+struct LmpcDesign : Horizon {
   std::vector<PredictedBound> change_bounds;  ///< on Δu
   std::vector<PredictedBound> input_bounds;   ///< on u
   std::vector<PredictedBound> state_bounds;   ///< on x, in the order of softening
@@ -138,11 +131,8 @@ class Lmpc {
 
  private:
   using RowKind = Horizon::RowKind;
-  struct Row {
-    RowKind kind;
-    int step;         // as in Horizon::Row
+  struct Row : Horizon::Row {
     Eigen::Index at;  // index in u of all steps or in Z
-    Eigen::Index component;
     double lower;
     double upper;
     std::size_t bound;  // index among the bounds of its kind
@@ -154,9 +144,7 @@ class Lmpc {
   };
 
   QpModel make_model();
-  Horizon make_horizon() const;
-  void add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eigen::Index width,
-                int first_step, int last_step);
+  void add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eigen::Index width);
   void set_slope(const Eigen::Ref<const Eigen::VectorXd>& x,
                  const Eigen::Ref<const Eigen::VectorXd>& last_input,
                  const Eigen::Ref<const Eigen::VectorXd>& reference);

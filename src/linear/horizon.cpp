@@ -6,8 +6,6 @@
 #include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
-namespace {
-
 void check(const Horizon& horizon) {
   const Eigen::Index n = horizon.A.rows();
   const Eigen::Index m = horizon.B.cols();
@@ -29,6 +27,8 @@ void check(const Horizon& horizon) {
                   "horizon: a row has a step or component that does not exist");
   }
 }
+
+namespace {
 
 // Sweeps for n states and one input. Plain arrays keep the compiler's work small.
 template <int n>

@@ -20,16 +20,20 @@ struct Horizon {
     Eigen::Index component;  ///< index in Δu_i, u_i or x_i
   };
 
-  Eigen::MatrixXd A;  ///< n×n
-  Eigen::MatrixXd B;  ///< n×m
-  int prediction_steps = 0;
-  int control_steps = 0;
-  Eigen::MatrixXd Q;       ///< n×n
-  Eigen::MatrixXd Q_last;  ///< n×n
-  Eigen::MatrixXd R;       ///< m×m
-  Eigen::MatrixXd S;       ///< m×m
+  Eigen::MatrixXd A;         ///< n×n, of the sampled model
+  Eigen::MatrixXd B;         ///< n×m
+  int prediction_steps = 0;  ///< N_p
+  int control_steps = 0;     ///< N_u ≤ N_p: after them the input is constant
+  Eigen::MatrixXd Q;         ///< n×n, positive semidefinite: weight on the states
+  Eigen::MatrixXd Q_last;    ///< n×n, the same at step N_p: terminal weight (Eq. 2.49)
+  Eigen::MatrixXd R;         ///< m×m, positive semidefinite: weight on Δu
+  Eigen::MatrixXd S;         ///< m×m, positive semidefinite: weight on u
   std::vector<Row> rows;
 };
+
+/// Throws std::invalid_argument if the shapes do not fit, a horizon is invalid, or a row does not
+/// exist.
+void check(const Horizon& horizon);
 
 /// Products with H and Ω by simulation of the plant forwards and of its adjoint backwards. They
 /// take about N_p (n² + n m) multiplications instead of (N_u m)² or more. They differ from the
@@ -59,8 +63,7 @@ class HorizonSweeps {
                      Eigen::VectorXd& g) = 0;
 };
 
-/// Returns nullptr unless the plant has up to 4 states and one input. Throws std::invalid_argument
-/// if the shapes do not fit, a horizon is invalid, or a row does not exist.
+/// Returns nullptr unless the plant has up to 4 states and one input. Throws as check() does.
 std::unique_ptr<HorizonSweeps> make_horizon_sweeps(const Horizon& horizon);
 
 }  // namespace breakwater

@@ -22,12 +22,13 @@ void bind_predictive_control(py::module_& module) {
   record(module, "PredictedBound component lower upper steps", &L::component, &L::lower, &L::upper,
          &L::steps);
   using D = LmpcDesign;
+  const auto own = []<typename Field>(Field Horizon::*field) -> Field D::* { return field; };
   record(module,
          "LmpcDesign A B prediction_steps control_steps Q Q_last R S change_bounds input_bounds "
          "state_bounds solver max_iterations on_infeasible softness",
-         &D::A, &D::B, &D::prediction_steps, &D::control_steps, &D::Q, &D::Q_last, &D::R, &D::S,
-         &D::change_bounds, &D::input_bounds, &D::state_bounds, &D::solver, &D::max_iterations,
-         &D::on_infeasible, &D::softness);
+         own(&D::A), own(&D::B), own(&D::prediction_steps), own(&D::control_steps), own(&D::Q),
+         own(&D::Q_last), own(&D::R), own(&D::S), &D::change_bounds, &D::input_bounds,
+         &D::state_bounds, &D::solver, &D::max_iterations, &D::on_infeasible, &D::softness);
   using S = QpStatistics;
   record(module, "QpStatistics optimisations unsolved softened capped iterations most_iterations",
          &S::optimisations, &S::unsolved, &S::softened, &S::capped, &S::iterations,
