@@ -9,7 +9,7 @@
 namespace breakwater {
 
 KalmanEstimator::KalmanEstimator(const KalmanDesign& design, bool is_symmetric)
-    : kernel_(nullptr), plant_states_(design.plant.plant_states) {
+    : kernel_(nullptr), regular_(design) {
   check(design);
   if (is_symmetric && design.plant.inputs() == 1 && design.plant.outputs() == 1) {
     kernel_ = one_output::kernel(design.plant.states());
@@ -17,23 +17,17 @@ KalmanEstimator::KalmanEstimator(const KalmanDesign& design, bool is_symmetric)
   A_ = design.plant.sampled.A;
   B_ = design.plant.sampled.B;
   C_ = design.plant.sampled.C;
-  regular_A_ = A_;
-  regular_B_ = B_;
-  regular_Q_ = design.Q;
-  regular_R_ = design.R;
-  interval_s_ = period_s_ = design.plant.period_s;
+  interval_s_ = design.plant.period_s;
   instant_error_.setZero(C_.rows());
   if (const auto& plant = design.plant.continuous) {
-    plant_ = plant;
     output_rate_.setZero(C_.rows(), A_.cols());
-    output_rate_.leftCols(plant_states_) = plant->C * plant->A;
+    output_rate_.leftCols(plant_states()) = plant->C * plant->A;
     input_rate_ = plant->C * plant->B;
-    output_rate_.middleCols(plant_states_, B_.cols()) = -input_rate_;
+    output_rate_.middleCols(plant_states(), B_.cols()) = -input_rate_;
   }
   measures_first_ = C_ == Eigen::MatrixXd::Identity(C_.rows(), C_.cols());
   Q_ = design.Q;
   R_ = design.R;
-  initial_covariance_ = design.P0;
   extended_state_.setZero(A_.rows());
   predicted_ = extended_state_;
   gain_.setZero(A_.rows(), C_.rows());
@@ -42,47 +36,49 @@ KalmanEstimator::KalmanEstimator(const KalmanDesign& design, bool is_symmetric)
   solved_ = output_cross_;
   innovation_.setZero(C_.rows());
   output_covariance_ = R_;
-  covariance_ = work_ = initial_covariance_;
+  covariance_ = work_ = design.P0;
   signals_ = {{"innovation", "", "e = y - C x(k|k-1) (Eq. 4.15)", view(innovation_)},
               {"lambda", "1", "forgetting factor: P was divided by it", view(lambda_)}};
-  reset(Eigen::VectorXd::Zero(plant_states_));
+  reset(Eigen::VectorXd::Zero(plant_states()));
 }
 
 void KalmanEstimator::reset(const Vector& x) {
   extended_state_.setZero();
   extended_state_.head(x.size()) = x;
-  covariance_ = initial_covariance_;
+  covariance_ = regular_.P0;
   gain_.setZero();
   innovation_.setZero();
   has_prior_ = true;
-  if (plant_) follow({});
+  if (regular_.plant.continuous) follow({});
 }
 
 bool KalmanEstimator::follow(const SampleInterval& interval) {
-  if (!plant_) return false;
-  const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;
+  const ExtendedPlant& regular = regular_.plant;
+  if (!regular.continuous) return false;
+  const double period_s = regular.period_s;
+  const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s;
   instant_std_s_ = interval.instant_std_s;
   instant_error_.setZero();
-  R_ = regular_R_;
+  R_ = regular_.R;
   weight_ = interval.output_std > 0.0
-                ? regular_R_(0, 0) / (interval.output_std * interval.output_std)
+                ? regular_.R(0, 0) / (interval.output_std * interval.output_std)
                 : 1.0;
   interval_s_ = length_s;
-  pieces_ = pieces_of(length_s, period_s_);
-  if (length_s == period_s_) {
-    A_ = regular_A_;
-    B_ = regular_B_;
+  pieces_ = pieces_of(length_s, period_s);
+  if (length_s == period_s) {
+    A_ = regular.sampled.A;
+    B_ = regular.sampled.B;
   } else {
-    const Eigen::Index n = plant_states_;
+    const Eigen::Index n = plant_states();
     const Eigen::Index inputs = B_.cols();
     const double piece_s = length_s / pieces_;
-    const StateSpace sampled = zero_order_hold(*plant_, piece_s);
+    const StateSpace sampled = zero_order_hold(*regular.continuous, piece_s);
     A_.topLeftCorner(n, n) = sampled.A;
     A_.block(0, n, n, inputs) = -sampled.B;
     for (Eigen::Index i = n; i + inputs < A_.cols(); ++i) A_(i, i + inputs) = piece_s;
     B_.topRows(n) = sampled.B;
   }
-  Q_ = regular_Q_ * (length_s / (pieces_ * period_s_));
+  Q_ = regular_.Q * (length_s / (pieces_ * period_s));
   // The noise is white from piece to piece: the mean over all pieces has the given variance.
   const double variance = interval.input_std * interval.input_std * pieces_ * weight_;
   for (Eigen::Index i = 0; variance > 0.0 && i < B_.cols(); ++i) {
@@ -131,7 +127,7 @@ void KalmanEstimator::correct_for_instant(const Vector& held_input) {
   }
   instant_error_.noalias() += input_rate_ * held_input;
   instant_error_ = instant_error_.cwiseAbs() * instant_std_s_;
-  R_ = regular_R_;
+  R_ = regular_.R;
   R_.diagonal() += weight_ * instant_error_.cwiseAbs2();
 }
 

@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include <breakwater/linear/state_space.h>
@@ -75,8 +74,8 @@ class KalmanEstimator : public DisturbanceEstimator {
   /// output error, multiplied by the output's rate. Returns false without a continuous plant.
   bool follow(const SampleInterval& interval) final;
 
-  View state() const final { return {extended_state_.data(), plant_states_}; }
-  View disturbance() const final { return {extended_state_.data() + plant_states_, B_.cols()}; }
+  View state() const final { return {extended_state_.data(), plant_states()}; }
+  View disturbance() const final { return {extended_state_.data() + plant_states(), B_.cols()}; }
 
   Eigen::Index poles() const final { return A_.rows(); }
   void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const final;
@@ -109,15 +108,13 @@ class KalmanEstimator : public DisturbanceEstimator {
   void correct(double R, double D_inverse, double inflation);
 
   const one_output::Kernel* kernel_;  // nullptr: matrix products
-  Eigen::Index plant_states_;
-  bool has_prior_ = true;  // before the first sample after a reset: P0 is P(k|k−1)
+  bool has_prior_ = true;             // before the first sample after a reset: P0 is P(k|k−1)
   Eigen::MatrixXd A_;
   Eigen::MatrixXd B_;
   Eigen::MatrixXd C_;
   bool measures_first_ = false;  // C̅ = (1, 0, …)
   Eigen::MatrixXd Q_;
   Eigen::MatrixXd R_;
-  Eigen::MatrixXd initial_covariance_;
 
   Eigen::VectorXd extended_state_;
   Eigen::MatrixXd covariance_;
@@ -132,13 +129,9 @@ class KalmanEstimator : public DisturbanceEstimator {
   void correct_for_instant(const Vector& held_input);
   double measure();
 
-  // The matrices for one period. A̅, B̅, Q and R are those of the last interval.
-  Eigen::MatrixXd regular_A_;
-  Eigen::MatrixXd regular_B_;
-  Eigen::MatrixXd regular_Q_;
-  Eigen::MatrixXd regular_R_;
-  double period_s_ = 0.0;
-  std::optional<StateSpace> plant_;
+  Eigen::Index plant_states() const { return regular_.plant.plant_states; }
+
+  KalmanDesign regular_;         // for one period. A̅, B̅, Q and R are those of the last interval
   Eigen::MatrixXd output_rate_;  // ẏ = output_rate_ x̄ + input_rate_ u
   Eigen::MatrixXd input_rate_;
   double instant_std_s_ = 0.0;
