@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <iterator>
-#include <limits>
 
 #include <breakwater/linear/horizon.h>
 #include <breakwater/linear/small_products.h>
@@ -25,10 +23,6 @@ constexpr double kDependentPivot = 1e-10;  // below: the row depends on the work
 constexpr double kDoubtfulSign = 1e-10;    // multiplier with the wrong sign, relative to g
 constexpr int kCorrections = 2;            // after each change of the working set
 constexpr Eigen::Index kLongHorizon = 24;  // from this number of variables on, sweeps are faster
-
-bool is_finite(const Eigen::VectorXd& x) {
-  return (x.array() - x.array()).sum() == 0.0;  // ∞ − ∞ and every sum with NaN are NaN
-}
 
 // The largest |a_i b_i|.
 double largest_product(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
@@ -63,16 +57,13 @@ RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, E
   return scan;
 }
 
-// The largest share_i |bound_i| of the finite bounds. Negative unless lower ≤ upper for all rows,
-// without NaN, a lower bound of ∞ or an upper one of −∞.
+// The largest share_i |bound_i| of the finite bounds.
 double largest_bound(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                      const Eigen::VectorXd& share) {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
   double largest = 0.0;
   for (Eigen::Index i = 0; i < lower.size(); ++i) {
-    if (!(lower(i) <= upper(i)) || lower(i) == kInfinite || upper(i) == -kInfinite) return -1.0;
     for (const double size : {std::abs(lower(i)), std::abs(upper(i))}) {
-      if (size < kInfinite) largest = std::max(largest, size * share(i));
+      if (size < kNoBound) largest = std::max(largest, size * share(i));
     }
   }
   return largest;
@@ -184,17 +175,15 @@ void ActiveSetQp::weigh_all() {
 void ActiveSetQp::reset() {
   for (const Active& row : active_) weight_(row.row) = free_weight_(row.row);
   active_.clear();
-  active_count_ = 0;
   factor_.clear();
 }
 
 void ActiveSetQp::solve(const QpInput& input, QpSolution& solution) {
   solution.iterations = 0;
-  solution.status = examine(input);
+  solution.status = QpFactors::examine(input);
   if (solution.status == QpStatus::not_finite) {
     reset();
-    solution.set_not_finite();
-    return;
+    return solution.set_nothing(QpStatus::not_finite);
   }
   const bool empty = solution.status == QpStatus::infeasible;  // a lower bound above its upper one
   if (empty) reset();
@@ -219,26 +208,13 @@ void ActiveSetQp::solve(const QpInput& input, QpSolution& solution) {
   if (empty) solution.mu.setZero();
   if (solution.status == QpStatus::infeasible && !empty) solution.mu = proof_;
   if (!(solution.z.allFinite() && solution.mu.allFinite())) {
-    solution.set_overflowed(solution.status);
+    solution.set_nothing(solution.status);
   }
 }
 
 // Whether proof_ is a certificate.
 bool ActiveSetQp::is_proven(const QpInput& input) const {
   return infeasibility_margin(factors_.model, input, proof_) >= kInfeasibleFrom;
-}
-
-// Like QpFactors::examine(), which only runs if this finds a possible error.
-QpStatus ActiveSetQp::examine(const QpInput& input) {
-  slope_ = largest_product(input.g, inverse_root_);
-  is_softness_known_ =
-      softness_.size() == 0 ||
-      std::memcmp(softness_.data(), input.softness.data(),
-                  static_cast<std::size_t>(softness_.size()) * sizeof(double)) == 0;
-  bound_ = largest_bound(input.lower, input.upper, share_);
-  if (is_softness_known_ && is_finite(input.g) && bound_ >= 0.0) return QpStatus::solved;
-  bound_ = bound_scale(factors_.model, input);
-  return QpFactors::examine(input);
 }
 
 // Solves from the present working set.
@@ -257,15 +233,18 @@ void ActiveSetQp::attempt(const QpInput& input, QpSolution& solution) {
   }
 }
 
-// Removes active rows that have no bound now, and adopts a new softness.
+// Removes active rows that have no bound now, and adopts a new softness. Computes the scales.
 void ActiveSetQp::take_over(const QpInput& input) {
   for (Eigen::Index j = active_count() - 1; j >= 0; --j) {
     if (std::isinf(bound(input, active(j)))) remove(j);
   }
-  if (is_softness_known_) return;
-  softness_ = input.softness;
-  has_soft_ = (softness_.array() != 0.0).any();
-  refactor();
+  if (softness_ != input.softness) {
+    softness_ = input.softness;
+    has_soft_ = (softness_.array() != 0.0).any();
+    refactor();
+  }
+  slope_ = largest_product(input.g, inverse_root_);
+  bound_ = largest_bound(input.lower, input.upper, share_);
 }
 
 // Factors the working set anew, and drops the rows that depend on others. Weighs all rows anew.
@@ -578,7 +557,7 @@ void ActiveSetQp::measure(const QpInput& input, QpSolution& solution) {
   }
   zeta_ = std::max(reach_, kQpGradientShare * gamma);
   const double largest_value = largest_row_ * solution.z.lpNorm<Eigen::Infinity>();
-  if (has_soft_ || is_careful_ || !is_finite(gradient_) || !(largest_value < kNoBound)) {
+  if (has_soft_ || is_careful_ || !gradient_.allFinite() || !(largest_value < kNoBound)) {
     solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, room_);
     is_tilted_ = true;
     return;
@@ -640,7 +619,6 @@ void ActiveSetQp::add(Eigen::Index row, double side, double pivot) {
   } else {
     factor_.add(half_.data(), pivot);
   }
-  ++active_count_;
   active_.push_back({row, side, length_(row) + softness(row)});
   weight_(row) = 0.0;
 }
@@ -648,7 +626,6 @@ void ActiveSetQp::add(Eigen::Index row, double side, double pivot) {
 void ActiveSetQp::remove(Eigen::Index position) {
   weight_(active(position).row) = free_weight_(active(position).row);
   active_.erase(active_.begin() + position);
-  --active_count_;
   if (is_careful_) {
     orthogonal_.remove(position);
   } else {

@@ -67,7 +67,7 @@ class ActiveSetQp final : public QpSolver {
     double length;  // squared, in the metric of H⁻¹
   };
 
-  Eigen::Index active_count() const { return active_count_; }
+  Eigen::Index active_count() const { return static_cast<Eigen::Index>(active_.size()); }
   const Active& active(Eigen::Index j) const { return active_[static_cast<std::size_t>(j)]; }
   static double bound(const QpInput& input, const Active& row) {
     return row.side > 0.0 ? input.upper(row.row) : input.lower(row.row);
@@ -83,7 +83,6 @@ class ActiveSetQp final : public QpSolver {
   }
 
   void derive();
-  QpStatus examine(const QpInput& input);
   void take_over(const QpInput& input);
   void attempt(const QpInput& input, QpSolution& solution);
   void weigh_all();
@@ -135,14 +134,12 @@ class ActiveSetQp final : public QpSolver {
   double entering_mu_ = 0.0;    // its multiplier
 
   std::vector<Active> active_;
-  Eigen::Index active_count_ = 0;
-  std::vector<Active> previous_;   // work space of refactor()
-  Eigen::VectorXd size_;           // the rows' sizes (kkt_residual())
-  Eigen::VectorXd share_;          // 1/size
-  Eigen::VectorXd free_weight_;    // size/length of each row in the metric of H⁻¹
-  Eigen::VectorXd weight_;         // the same; 0: active
-  Eigen::VectorXd softness_;       // softness in the present factor
-  bool is_softness_known_ = true;  // the input has the same softness
+  std::vector<Active> previous_;  // work space of refactor()
+  Eigen::VectorXd size_;          // the rows' sizes (kkt_residual())
+  Eigen::VectorXd share_;         // 1/size
+  Eigen::VectorXd free_weight_;   // size/length of each row in the metric of H⁻¹
+  Eigen::VectorXd weight_;        // the same; 0: active
+  Eigen::VectorXd softness_;      // softness in the present factor
   bool has_soft_ = false;
   bool is_tilted_ = false;  // the residual is not only due to violated rows
 

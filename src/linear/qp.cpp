@@ -40,17 +40,12 @@ QpInput::QpInput(Eigen::Index n, Eigen::Index m)
 QpSolution::QpSolution(Eigen::Index n, Eigen::Index m)
     : z(Eigen::VectorXd::Zero(n)), mu(Eigen::VectorXd::Zero(m)) {}
 
-void QpSolution::set_not_finite() {
-  status = QpStatus::not_finite;
+void QpSolution::set_nothing(QpStatus why) {
+  status = why;
   iterations = 0;
   z.setZero();
   mu.setZero();
   kkt_residual = std::numeric_limits<double>::infinity();
-}
-
-void QpSolution::set_overflowed(QpStatus status_now) {
-  set_not_finite();
-  status = status_now;
 }
 
 double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
@@ -228,8 +223,7 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   solution.status = QpFactors::examine(input);
   if (solution.status == QpStatus::not_finite) {
     reset();
-    solution.set_not_finite();
-    return;
+    return solution.set_nothing(QpStatus::not_finite);
   }
   const bool empty = solution.status == QpStatus::infeasible;
   Eigen::Index unmet = -1;  // a row of zeros that no z satisfies
@@ -270,8 +264,7 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   }
   if (!(solution.z.allFinite() && solution.mu.allFinite())) {
     reset();
-    solution.set_overflowed(empty ? QpStatus::infeasible : QpStatus::inaccurate);
-    return;
+    return solution.set_nothing(empty ? QpStatus::infeasible : QpStatus::inaccurate);
   }
   if (solution.status == QpStatus::iteration_cap) {
     // The multipliers diverge: the next problem starts without them.

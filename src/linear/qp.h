@@ -59,10 +59,8 @@ struct QpSolution {
 
   QpSolution(Eigen::Index n, Eigen::Index m);
 
-  /// The result for an input that is not finite.
-  void set_not_finite();
-  /// The result if its numbers are too large: as above, but with the status.
-  void set_overflowed(QpStatus status_now);
+  /// The result where there are no numbers: an input is not finite, or they are too large.
+  void set_nothing(QpStatus why);
 };
 
 /// The error of a solution in the program's own units: other units of z, of a row or of the cost do
