@@ -1,6 +1,8 @@
 #include <breakwater/linear/state_space.h>
 
 #include <Eigen/QR>
+#include <stdexcept>
+#include <string>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include <breakwater/math/refuse_unless.h>
@@ -42,9 +44,7 @@ StateSpace extend_by_input_disturbance(const StateSpace& continuous) {
   return extended;
 }
 
-namespace {
-
-Eigen::MatrixXd observability_matrix(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C) {
+Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C) {
   const Eigen::Index n = A.rows();
   const Eigen::Index p = C.rows();
   Eigen::MatrixXd U_o(p * n, n);
@@ -53,13 +53,6 @@ Eigen::MatrixXd observability_matrix(const Eigen::MatrixXd& A, const Eigen::Matr
     U_o.middleRows(i * p, p) = block;
     block = block * A;
   }
-  return U_o;
-}
-
-}  // namespace
-
-Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C) {
-  Eigen::MatrixXd U_o = observability_matrix(A, C);
   for (auto column : U_o.colwise()) {
     const double norm = column.norm();
     if (norm > 0.0) column /= norm;
@@ -67,6 +60,14 @@ Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd&
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(U_o);
   qr.setThreshold(1e-12);
   return qr.rank();
+}
+
+void check_observable(const char* design, const Eigen::MatrixXd& A, const Eigen::MatrixXd& C) {
+  const Eigen::Index rank = observability_rank(A, C);
+  if (rank == A.rows()) return;
+  throw std::invalid_argument(std::string(design) +
+                              ": the extended plant is not observable (rank " +
+                              std::to_string(rank) + " of " + std::to_string(A.rows()) + ")");
 }
 
 double smallest_pivot(const Eigen::MatrixXd& matrix) {

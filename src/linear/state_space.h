@@ -33,6 +33,10 @@ StateSpace extend_by_input_disturbance(const StateSpace& continuous);
 /// (Eqs. 2.13, 2.14).
 Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C);
 
+/// Throws std::invalid_argument unless the extended plant of a `design` is observable. The message
+/// has the rank.
+void check_observable(const char* design, const Eigen::MatrixXd& A, const Eigen::MatrixXd& C);
+
 /// The smallest pivot of a matrix with at least as many columns as rows, relative to the largest.
 double smallest_pivot(const Eigen::MatrixXd& matrix);
 

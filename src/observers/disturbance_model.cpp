@@ -1,8 +1,5 @@
 #include <breakwater/observers/disturbance_model.h>
 
-#include <stdexcept>
-#include <string>
-
 #include <breakwater/linear/state_space.h>
 #include <breakwater/math/refuse_unless.h>
 
@@ -30,12 +27,7 @@ ExtendedPlant extend(const StateSpace& sampled_plant, const Eigen::MatrixXd& E, 
   }
   extended.B.topRows(n) = sampled_plant.B;
   extended.C.leftCols(n) = sampled_plant.C;
-
-  const Eigen::Index rank = observability_rank(extended.A, extended.C);
-  if (rank != size) {
-    throw std::invalid_argument("disturbance model: the extended plant is not observable (rank " +
-                                std::to_string(rank) + " of " + std::to_string(size) + ")");
-  }
+  check_observable("disturbance model", extended.A, extended.C);
   return {extended, n, order, period_s};
 }
 
