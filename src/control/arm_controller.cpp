@@ -70,7 +70,9 @@ void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   chain_.tip_jacobian(q_hat_, J_);
   has_inverse_ = false;
   X_ref_ = task_.start_pose;
-  if (force_control_) X_ref_[0] = implicit_force_reference_m(task_, X_hat_[0], force_N_);
+  if (force_control_) {
+    X_ref_[0] = X_hat_[0] + (task_.force_reference_N - force_N_) / task_.convert_gain_N_m;
+  }
 
   decide(acceleration_ref_);
   if (n > chain_.held()) hold_posture();

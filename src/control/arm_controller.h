@@ -25,15 +25,12 @@ struct ArmTask {
   double k_posture = 25.0;
 };
 
-/// Implicit force control, x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62). It converts a force
-/// error into a position error, so the position loop does not need the environment's stiffness.
-inline double implicit_force_reference_m(const ArmTask& task, double x_m, double force_N) {
-  return x_m + (task.force_reference_N - force_N) / task.convert_gain_N_m;
-}
-
 /// Expects samples y = [q (n) [rad]; F_x [N]; F_x before the sensor's low-pass [N]], where the last
 /// entry is optional. Writes torques u (n) [N m]. A derived class chooses the acceleration of the
 /// joints, and AccelerationControl realises it.
+///
+/// Implicit force control, x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62), converts a force error
+/// into a position error, so the position loop does not need the environment's stiffness.
 ///
 /// The observer starts at q_0^ref, not at the measurement (2.4.3.1). The arm starts stretched: the
 /// Jacobian is singular there, and the workspace controllers would never leave this pose.

@@ -59,8 +59,12 @@ class Guarded : public Base {
 
 /// Q = `q` on the disturbance's highest derivative, R from the sensor's error, P0 diagonal. The
 /// published filters depend on these numbers themselves, unlike those of the thesis.
-KalmanDesign known_sensor_design(const ExtendedPlant& plant, const SensorError& sensor, double q,
-                                 const Eigen::VectorXd& P0);
+inline KalmanDesign known_sensor_design(const ExtendedPlant& plant, const SensorError& sensor,
+                                        double q, const Eigen::VectorXd& P0) {
+  check(sensor, plant.outputs());
+  return {plant, disturbance_noise(plant, q),
+          sensor.variance().cwiseMax(kSmallestVariance).asDiagonal(), P0.asDiagonal()};
+}
 
 /// The likelihood of a measurement: a Gaussian density with the variance R, or the probability of
 /// the encoder's code (CodeSensor).

@@ -134,11 +134,11 @@ class GaussianEstimate {
 
   const State& x() const { return x_; }
   const Covariance& P() const { return P_; }
-  /// y − C x(k|k−1) and its covariance C P(k|k−1) Cᵀ + R.
+  /// e = y − C x(k|k−1).
   const Output& innovation() const { return innovation_; }
-  const Eigen::Matrix<double, p, p>& innovation_covariance() const { return S_; }
 
-  /// K = P Cᵀ S⁻¹, x += K e, P −= K S Kᵀ. With S = L_S L_Sᵀ, K S Kᵀ = W Wᵀ, W = P Cᵀ L_S⁻ᵀ.
+  /// S = C P Cᵀ + R, K = P Cᵀ S⁻¹, x += K e, P −= K S Kᵀ. With S = L_S L_Sᵀ, K S Kᵀ = W Wᵀ, W = P
+  /// Cᵀ L_S⁻ᵀ.
   void correct(const Output& y);
 
  protected:
@@ -151,7 +151,7 @@ class GaussianEstimate {
 
  private:
   Output innovation_ = Output::Zero();
-  Eigen::Matrix<double, p, p> S_ = Eigen::Matrix<double, p, p>::Identity();
+  Eigen::Matrix<double, p, p> S_;
   Eigen::LLT<Eigen::Matrix<double, p, p>> factor_;
   Eigen::Matrix<double, N, p> W_;
 };
