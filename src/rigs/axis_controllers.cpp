@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <breakwater/control/disturbance_cancelling_pd.h>
 #include <breakwater/control/predictive_control.h>
 #include <breakwater/control/state_feedback.h>
 #include <breakwater/linear/riccati.h>

@@ -2,9 +2,9 @@
 #include <Eigen/Dense>
 
 #include <breakwater/control/axes_control.h>
-#include <breakwater/control/disturbance_cancelling_pd.h>
 #include <breakwater/control/pfc.h>
 #include <breakwater/control/reference.h>
+#include <breakwater/control/state_feedback.h>
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>

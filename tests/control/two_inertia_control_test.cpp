@@ -1,7 +1,6 @@
 // Controllers and estimators of two inertias, on the sampled plant.
 #include <Eigen/LU>
 
-#include <breakwater/control/disturbance_cancelling_pd.h>
 #include <breakwater/control/predictive_control.h>
 #include <breakwater/control/state_feedback.h>
 #include <breakwater/observers/idob.h>
