@@ -36,19 +36,6 @@ struct Plant {
   Matrix A, B, Q, R;
 };
 
-// Eigen's product is compiled here alone, once for each form.
-Matrix times(const Matrix& a, const Matrix& b) {
-  return a * b;
-}
-
-Matrix transposed_times(const Matrix& a, const Matrix& b) {
-  return a.transpose() * b;
-}
-
-Matrix times_transposed(const Matrix& a, const Matrix& b) {
-  return a * b.transpose();
-}
-
 Matrix symmetric_part(const Matrix& matrix) {
   return 0.5 * (matrix + matrix.transpose());
 }
@@ -72,13 +59,13 @@ bool is_small(const Matrix& change, double share, const Matrix& P) {
 
 // G = B R⁻¹ Bᵀ
 Matrix input_weight(const Plant& plant) {
-  return symmetric_part(times(plant.B, plant.R.llt().solve(plant.B.transpose())));
+  return symmetric_part(plant.B * plant.R.llt().solve(plant.B.transpose()));
 }
 
 // K = (R + Bᵀ P B)⁻¹ Bᵀ P A
 Matrix feedback(const Plant& plant, const Matrix& P) {
-  const Matrix PB = times(P, plant.B);
-  return (plant.R + transposed_times(plant.B, PB)).llt().solve(transposed_times(PB, plant.A));
+  const Matrix PB = P * plant.B;
+  return (plant.R + plant.B.transpose() * PB).llt().solve(PB.transpose() * plant.A);
 }
 
 Matrix by_doubling(const Plant& plant) {
@@ -88,13 +75,13 @@ Matrix by_doubling(const Plant& plant) {
   Matrix P = plant.Q;
   for (int k = 0; k < kMostDoublings; ++k) {
     // (I + G P) is invertible, because G and P are positive semidefinite.
-    const Eigen::PartialPivLU<Matrix> lu(identity + times(G, P));
+    const Eigen::PartialPivLU<Matrix> lu(identity + G * P);
     const Matrix to_transition = lu.solve(transition);  // (I + G P)⁻¹ A_k
     const Matrix to_G = lu.solve(G);
-    const Matrix growth = symmetric_part(times(transposed_times(transition, P), to_transition));
-    G = symmetric_part(G + times_transposed(times(transition, to_G), transition));
+    const Matrix growth = symmetric_part(transition.transpose() * P * to_transition);
+    G = symmetric_part(G + transition * to_G * transition.transpose());
     P += growth;
-    transition = times(transition, to_transition);
+    transition = transition * to_transition;
     if (!P.allFinite() || is_small(growth, kConverged, P)) break;
   }
   return P;
@@ -103,8 +90,7 @@ Matrix by_doubling(const Plant& plant) {
 // The cost of one step of the closed loop, and of all later ones by P:
 //     (A − B K)ᵀ P (A − B K) + Q + Kᵀ R K.
 Matrix cost(const Plant& plant, const Matrix& closed, const Matrix& K, const Matrix& P) {
-  return symmetric_part(times(transposed_times(closed, P), closed) + plant.Q +
-                        times(transposed_times(K, plant.R), K));
+  return symmetric_part(closed.transpose() * P * closed + plant.Q + K.transpose() * plant.R * K);
 }
 
 // Newton's method from a P with stabilising feedback. Each step's P is the cost of that feedback,
@@ -114,12 +100,12 @@ Matrix by_newton(const Plant& plant, Matrix P) {
   for (int step = 0; step < kMostNewtonSteps && P.allFinite(); ++step) {
     const Matrix last = P;
     const Matrix K = feedback(plant, P);
-    Matrix closed = plant.A - times(plant.B, K);
+    Matrix closed = plant.A - plant.B * K;
     P = cost(plant, closed, K, none);
     for (int k = 0; k < kMostDoublings; ++k) {
-      const Matrix growth = symmetric_part(times(transposed_times(closed, P), closed));
+      const Matrix growth = symmetric_part(closed.transpose() * P * closed);
       P += growth;
-      closed = times(closed, closed);
+      closed = closed * closed;
       if (!P.allFinite() || is_small(growth, kConverged, P)) break;
     }
     if (is_small(P - last, kNewtonConverged, P)) break;
@@ -133,7 +119,7 @@ double error_of(const Plant& plant, const Matrix& P) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   if (!P.allFinite()) return kNone;
   const Matrix K = feedback(plant, P);
-  const Matrix closed = plant.A - times(plant.B, K);
+  const Matrix closed = plant.A - plant.B * K;
   const Matrix next = cost(plant, closed, K, P);
   if (!next.allFinite() || !(spectral_radius(closed) < kStable)) return kNone;
   const Eigen::VectorXd root = next.diagonal().cwiseMax(P.diagonal()).cwiseSqrt();
