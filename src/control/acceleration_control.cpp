@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include <breakwater/math/refuse_unless.h>
@@ -52,12 +51,12 @@ AccelerationControl::AccelerationControl(const AccelerationControlDesign& design
       observer_(design.make_observer()),
       fed_torque_(Eigen::VectorXd::Zero(nominal_inertia_.size())),
       start_(Eigen::VectorXd::Zero(2 * nominal_inertia_.size())) {
-  if (observer_->state().size() != 2 * joints() || observer_->disturbance().size() != joints()) {
-    throw std::invalid_argument("acceleration control: needs an observer of all joints");
-  }
-  if (is_coupled() && (mass_matrix_.rows() != joints() || factor_.info() != Eigen::Success)) {
-    throw std::invalid_argument("acceleration control: the mass matrix is not positive definite");
-  }
+  refuse_unless(
+      observer_->state().size() == 2 * joints() && observer_->disturbance().size() == joints(),
+      "acceleration control: needs an observer of all joints");
+  refuse_unless(
+      !is_coupled() || (mass_matrix_.rows() == joints() && factor_.info() == Eigen::Success),
+      "acceleration control: the mass matrix is not positive definite");
 }
 
 void AccelerationControl::reset(const Eigen::Ref<const Eigen::VectorXd>& q_rad) {

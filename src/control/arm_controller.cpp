@@ -1,7 +1,6 @@
 #include <breakwater/control/arm_controller.h>
 
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include <breakwater/linear/pseudo_inverse.h>
@@ -32,11 +31,9 @@ ArmController::ArmController(const TipChain& chain, const AccelerationControlDes
   refuse_unless(design.nominal_inertia_kgm2.size() == chain.joints() &&
                     task_.start_angles_rad.size() == chain.joints(),
                 "arm controller: needs one inertia and start angle per joint");
-  if (task_.start_pose.size() != chain.held() || chain.joints() < chain.held()) {
-    throw std::invalid_argument(
-        "arm controller: needs a start pose with the coordinates of the chain, and a joint for "
-        "each");
-  }
+  refuse_unless(task_.start_pose.size() == chain.held() && chain.joints() >= chain.held(),
+                "arm controller: needs a start pose with the coordinates of the chain, and a joint "
+                "for each");
   refuse_unless(task_.convert_gain_N_m > 0.0,
                 "arm controller: the convert gain K_f must be positive");
   publish({"q_hat_rad", "rad", "joint angles, estimated (Eq. 2.54)", view(q_hat_)});

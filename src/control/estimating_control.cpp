@@ -1,7 +1,6 @@
 #include <breakwater/control/estimating_control.h>
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 #include <breakwater/control/estimate_signals.h>
@@ -12,9 +11,9 @@ namespace breakwater {
 EstimatingControl::EstimatingControl(std::shared_ptr<DisturbanceEstimator> estimator,
                                      const AxisLoopDesign& design)
     : estimator_(std::move(estimator)), design_(design) {
-  if (state().size() != design.start_state.size() || estimator_->disturbance().size() != 1) {
-    throw std::invalid_argument("control of an axis: the estimator must be for the same plant");
-  }
+  refuse_unless(
+      state().size() == design.start_state.size() && estimator_->disturbance().size() == 1,
+      "control of an axis: the estimator must be for the same plant");
   refuse_unless(design.force_limit > 0.0, "control of an axis: the force limit must be positive");
   const AxisUnits& units = design.units;
   publish({"reference_" + units.position_suffix, units.position, "reference", view(reference_)});

@@ -121,7 +121,6 @@ class Lmpc {
   Eigen::Index states() const { return prediction_.Psi.cols(); }
   Eigen::Index inputs() const { return prediction_.Gamma.cols(); }
   int prediction_steps() const { return design_.prediction_steps; }
-  const Prediction& prediction() const { return prediction_; }
 
   /// The problem and the solution of the last optimisation.
   const QpModel& qp_model() const { return solver_->model(); }

@@ -1,7 +1,5 @@
 #include <breakwater/control/quadrotor_process.h>
 
-#include <stdexcept>
-
 #include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
@@ -26,9 +24,9 @@ WaveForces<K, Order>::WaveForces(const QuadrotorModel& model, const ProcessNoise
                                  const Resonators& resonators, double horizontal_share,
                                  double period_s, AttitudeKinematics kinematics)
     : held_(model, period_s, kinematics), horizontal_share_(horizontal_share) {
-  const bool fits = noise.velocity_std_m_s > 0.0 && noise.rate_std_rad_s > 0.0 &&
-                    noise.bias_std_N > 0.0 && horizontal_share > 0.0;
-  if (!fits) throw std::invalid_argument("resonators: the standard deviations must be positive");
+  refuse_unless(noise.velocity_std_m_s > 0.0 && noise.rate_std_rad_s > 0.0 &&
+                    noise.bias_std_N > 0.0 && horizontal_share > 0.0,
+                "resonators: the standard deviations must be positive");
   const auto square = [](double value) { return value * value; };
   A_.setIdentity();
   A_.template block<6, 6>(0, 6).diagonal().setConstant(period_s);

@@ -1,7 +1,8 @@
 #include <breakwater/observers/tracking_differentiator.h>
 
 #include <cmath>
-#include <stdexcept>
+
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 
@@ -16,11 +17,9 @@ double fhan(double x1, double x2, double r, double h) {
 
 TrackingDifferentiator::TrackingDifferentiator(const TrackingDesign& design, double period_s)
     : design_(design), period_s_(period_s), disturbance_(design.inertia, design.cutoff_rad_s) {
-  if (!(design.acceleration > 0.0) || !(design.filter_samples >= 1.0) || !(period_s > 0.0)) {
-    throw std::invalid_argument(
-        "tracking differentiator: the acceleration and the sampling period must be positive, and "
-        "the samples of the filter at least 1");
-  }
+  refuse_unless(design.acceleration > 0.0 && design.filter_samples >= 1.0 && period_s > 0.0,
+                "tracking differentiator: the acceleration and the sampling period must be "
+                "positive, and the samples of the filter at least 1");
   disturbance_.over(period_s);
 }
 

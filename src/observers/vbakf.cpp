@@ -8,12 +8,10 @@ class Vbakf final : public GuardedKalman<N> {
  public:
   Vbakf(const KalmanDesign& design, const VariationalDesign& variational)
       : GuardedKalman<N>(design), variational_(variational) {
-    if (!(variational.forgetting > 0.0 && variational.forgetting <= 1.0) ||
-        !(variational.prior_samples > 0.0) || variational.iterations < 1) {
-      throw std::invalid_argument(
-          "VBAKF: needs a forgetting factor within (0, 1], a positive weight of the prediction and "
-          "at least one iteration");
-    }
+    refuse_unless(variational.forgetting > 0.0 && variational.forgetting <= 1.0 &&
+                      variational.prior_samples > 0.0 && variational.iterations >= 1,
+                  "VBAKF: needs a forgetting factor within (0, 1], a positive weight of the "
+                  "prediction and at least one iteration");
     this->signals_.push_back({"noise_variance", "",
                               "estimate of R, in the unit of the output squared",
                               view(noise_variance_)});

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
 #include <string>
 
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/world/delay_line.h>
 
 namespace breakwater {
@@ -42,11 +42,9 @@ class FaultySensor {
   /// size is not finite, or that of a stuck quantiser is not positive.
   FaultySensor(const SensorFault& fault, double step_s)
       : fault_(fault), from_s_(fault.at_s - 0.5 * step_s), delay_(fault.delay_samples) {
-    if (!std::isfinite(fault.size) || (fault.kind == FaultKind::stuck && !(fault.size > 0.0))) {
-      throw std::invalid_argument(
-          "sensor fault: the size must be finite, and a stuck quantiser's "
-          "must be positive");
-    }
+    refuse_unless(
+        std::isfinite(fault.size) && (fault.kind != FaultKind::stuck || fault.size > 0.0),
+        "sensor fault: the size must be finite, and a stuck quantiser's must be positive");
   }
 
   /// The reading at a sampling instant, from the one `y` of the whole sensor. Call it for each

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <utility>
 
 #include <breakwater/math/functions.h>
@@ -36,7 +35,7 @@ double wave_number(double omega_rad_s, double water_depth_m, double gravity_m_s2
 
 SampledSpectrum acceleration_spectrum(const SeaState& sea, double depth_m, double lowest,
                                       double highest, int intervals) {
-  if (!(depth_m >= 0.0)) throw std::invalid_argument("waves: the depth must be 0 or more");
+  refuse_unless(depth_m >= 0.0, "waves: the depth must be 0 or more");
   const JonswapSpectrum spectrum(sea);
   const double step = (highest - lowest) * spectrum.peak_rad_s() / intervals;
   SampledSpectrum sampled;
@@ -203,20 +202,16 @@ constexpr int kMostComponents = 1000;
 }  // namespace
 
 void check(const SeaState& sea) {
-  const auto require = [](bool holds, const char* message) {
-    if (!holds) throw std::invalid_argument(message);
-  };
-  require(std::isfinite(sea.significant_height_m) && sea.significant_height_m >= 0.0,
-          "sea: the significant height must be 0 or more");
-  require(std::isfinite(sea.peak_period_s) && sea.peak_period_s > 0.0,
-          "sea: the peak period must be positive");
-  require(std::isfinite(sea.gamma) && sea.gamma >= 1.0, "sea: gamma must be 1 or more");
-  require(std::isfinite(sea.heading_rad), "sea: the heading must be finite");
-  require(std::isfinite(sea.water_depth_m) && sea.water_depth_m >= 0.0,
-          "sea: the water's depth must be positive, or 0 for deep water");
-  require(sea.gravity_m_s2 > 0.0, "sea: gravity must be positive");
-  require(sea.components >= 1 && sea.components <= kMostComponents,
-          "sea: needs 1 to 1000 components");
+  refuse_unless(is_not_negative(sea.significant_height_m),
+                "sea: the significant height must be 0 or more");
+  refuse_unless(is_positive(sea.peak_period_s), "sea: the peak period must be positive");
+  refuse_unless(std::isfinite(sea.gamma) && sea.gamma >= 1.0, "sea: gamma must be 1 or more");
+  refuse_unless(std::isfinite(sea.heading_rad), "sea: the heading must be finite");
+  refuse_unless(is_not_negative(sea.water_depth_m),
+                "sea: the water's depth must be positive, or 0 for deep water");
+  refuse_unless(sea.gravity_m_s2 > 0.0, "sea: gravity must be positive");
+  refuse_unless(sea.components >= 1 && sea.components <= kMostComponents,
+                "sea: needs 1 to 1000 components");
 }
 
 JonswapSpectrum::JonswapSpectrum(const SeaState& sea)
