@@ -29,8 +29,8 @@ struct ArmTask {
 /// entry is optional. Writes torques u (n) [N m]. A derived class chooses the acceleration of the
 /// joints, and AccelerationControl realises it.
 ///
-/// Implicit force control, x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62), converts a force error
-/// into a position error, so the position loop does not need the environment's stiffness.
+/// Implicit force control is x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62). It converts a force
+/// error into a position error, so the position loop does not need the environment's stiffness.
 ///
 /// The observer starts at q_0^ref, not at the measurement (2.4.3.1). The arm starts stretched: the
 /// Jacobian is singular there, and the workspace controllers would never leave this pose.

@@ -35,12 +35,12 @@ struct Disturbance {
   double end_s = std::numeric_limits<double>::infinity();
   double offset = 0.0;  ///< at all times
 
-  double value(double time_s) const;
+  double value(double time_s) const { return offset + shape(time_s).value; }
   /// The derivative, without the jumps of a step, of noise or at the end.
-  double rate(double time_s) const;
+  double rate(double time_s) const { return shape(time_s).rate; }
 
  private:
-  double shape(double time_s) const;
+  math::TableFunction::Value shape(double time_s) const;
 };
 
 }  // namespace breakwater
