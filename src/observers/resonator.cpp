@@ -37,19 +37,8 @@ Eigen::Vector3d slopes(const Resonator& r, double omega, double density) {
   return density * Eigen::Vector3d(3.0 - by_place, 1.0 - 2.0 * damped * damped / all, 2.0);
 }
 
-double distance(const ForceSpectrum& s, const Parameters& p) {
-  const Resonator first = resonator(p, 0), second = resonator(p, 1);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < s.density.size(); ++i) {
-    const double w = s.omega_rad_s[i];
-    const double model = spectral_density(first, w) + spectral_density(second, w) + s.noise[i];
-    const double ratio = (s.density[i] + s.noise[i]) / model;
-    sum += ratio - math::log(ratio) - 1.0;
-  }
-  return sum;
-}
-
 struct Scoring {
+  double distance = 0.0;  // that of Itakura and Saito
   Parameters gradient = Parameters::Zero();
   Eigen::Matrix<double, kParameters, kParameters> information =
       Eigen::Matrix<double, kParameters, kParameters>::Zero();
@@ -65,7 +54,9 @@ Scoring score(const ForceSpectrum& s, const Parameters& p) {
     Parameters slope;
     slope << slopes(pair[0], w, densities[0]), slopes(pair[1], w, densities[1]);
     slope /= model;
-    result.gradient += ((s.density[i] + s.noise[i]) / model - 1.0) * slope;
+    const double ratio = (s.density[i] + s.noise[i]) / model;
+    result.distance += ratio - math::log(ratio) - 1.0;
+    result.gradient += (ratio - 1.0) * slope;
     result.information += slope * slope.transpose();
   }
   return result;
@@ -124,23 +115,21 @@ ResonatorPair fit_resonators(const ForceSpectrum& spectrum) {
   check(spectrum);
   const double step = spectrum.omega_rad_s[1] - spectrum.omega_rad_s[0];
   Parameters p = first_guess(spectrum, step);
-  double best = distance(spectrum, p);
+  Scoring best = score(spectrum, p);
   double damping = 1e-3;
-  Scoring scoring = score(spectrum, p);
   for (int i = 0; i < kFitSteps && damping < kLargestFitDamping; ++i) {
-    auto damped = scoring.information;
-    damped.diagonal() += damping * scoring.information.diagonal();
-    Parameters change = damped.ldlt().solve(scoring.gradient);
+    auto damped = best.information;
+    damped.diagonal() += damping * best.information.diagonal();
+    Parameters change = damped.ldlt().solve(best.gradient);
     const double longest = change.cwiseAbs().maxCoeff();
     if (longest > kLongestFitStep) change *= kLongestFitStep / longest;
-    const double there = distance(spectrum, p + change);
-    if (there < best) {
-      const bool ends = best - there < kFitTolerance * best;
+    const Scoring there = score(spectrum, p + change);
+    if (there.distance < best.distance) {
+      const bool ends = best.distance - there.distance < kFitTolerance * best.distance;
       p += change;
       best = there;
       if (ends) break;
       damping *= 0.2;
-      scoring = score(spectrum, p);
     } else {
       damping *= 5.0;
     }
