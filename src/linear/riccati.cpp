@@ -97,17 +97,12 @@ Matrix cost(const Plant& plant, const Matrix& closed, const Matrix& K, const Mat
 // computed by doubling.
 Matrix by_newton(const Plant& plant, Matrix P) {
   const Matrix none = Matrix::Zero(P.rows(), P.rows());
+  const Matrix no_input = Matrix::Zero(plant.B.rows(), plant.B.cols());
   for (int step = 0; step < kMostNewtonSteps && P.allFinite(); ++step) {
     const Matrix last = P;
     const Matrix K = feedback(plant, P);
-    Matrix closed = plant.A - plant.B * K;
-    P = cost(plant, closed, K, none);
-    for (int k = 0; k < kMostDoublings; ++k) {
-      const Matrix growth = symmetric_part(closed.transpose() * P * closed);
-      P += growth;
-      closed = closed * closed;
-      if (!P.allFinite() || is_small(growth, kConverged, P)) break;
-    }
+    const Matrix closed = plant.A - plant.B * K;
+    P = by_doubling({closed, no_input, cost(plant, closed, K, none), plant.R});
     if (is_small(P - last, kNewtonConverged, P)) break;
   }
   return P;
