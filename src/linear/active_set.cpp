@@ -139,7 +139,6 @@ ActiveSetQp::ActiveSetQp(const QpModel& model, int max_changes)
 }
 
 void ActiveSetQp::derive() {
-  length_ = factors_.gram.diagonal();
   inverse_root_ = factors_.root.cwiseInverse();
   largest_row_ = 0.0;
   for (Eigen::Index i = 0; i < factors_.rows(); ++i) {
@@ -164,10 +163,9 @@ void ActiveSetQp::set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor
 void ActiveSetQp::weigh_all() {
   constexpr double kOfNothing = 1e150;
   for (Eigen::Index i = 0; i < size_.size(); ++i) {
-    const double length = length_(i) + softness(i);
     size_(i) = std::max(factors_.size(i), std::sqrt(softness(i)));
     share_(i) = size_(i) > 0.0 ? 1.0 / size_(i) : kOfNothing;
-    free_weight_(i) = length > 0.0 ? size_(i) / std::sqrt(length) : 1.0;
+    free_weight_(i) = length(i) > 0.0 ? size_(i) / std::sqrt(length(i)) : 1.0;
   }
   weight_ = free_weight_;
 }
@@ -443,7 +441,7 @@ double ActiveSetQp::what_is_left(const QpInput& input, const Violation& violatio
 double ActiveSetQp::pivot_towards(Eigen::Index row) {
   if (is_careful_) return orthogonal_.compare(row, direction_);
   const Eigen::Index k = active_count();
-  const double own = length_(row) + softness(row);
+  const double own = length(row);
   if (small_ != nullptr) {
     small_->dots(factors_.step.data(), active_, row_data(row), half_.data());
   } else {
@@ -619,7 +617,7 @@ void ActiveSetQp::add(Eigen::Index row, double side, double pivot) {
   } else {
     factor_.add(half_.data(), pivot);
   }
-  active_.push_back({row, side, length_(row) + softness(row)});
+  active_.push_back({row, side, length(row)});
   weight_(row) = 0.0;
 }
 

@@ -73,6 +73,8 @@ class ActiveSetQp final : public QpSolver {
     return row.side > 0.0 ? input.upper(row.row) : input.lower(row.row);
   }
   double softness(Eigen::Index row) const { return has_soft_ ? softness_(row) : 0.0; }
+  // Its squared length in the metric of H⁻¹.
+  double length(Eigen::Index row) const { return factors_.gram(row, row) + softness(row); }
   // The error of the j-th active row at its bound.
   double error_at(const QpInput& input, Eigen::Index j) const {
     const Eigen::Index row = active(j).row;
@@ -118,7 +120,6 @@ class ActiveSetQp final : public QpSolver {
 
   QpFactors factors_;
   const Small* small_;        // products for this number of variables; nullptr: it is not small
-  Eigen::VectorXd length_;    // squared length of each row in the metric of H⁻¹
   double largest_row_ = 0.0;  // ‖Ω‖∞
   int max_changes_;
   int changes_left_ = 0;  // in this attempt
