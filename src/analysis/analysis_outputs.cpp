@@ -27,6 +27,9 @@
 #include <breakwater/study/study.h>
 
 namespace breakwater {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 constexpr double kInDegrees = 180.0 / std::numbers::pi;
@@ -212,64 +215,6 @@ PageData result_of(const std::vector<LoopAnalysis>& loops, const std::string& sc
   return {{"title", "Frequency response of " + scenario}, {"lead", lead}, {"sections", sections}};
 }
 
-}  // namespace
-
-PageData bode_charts(const BodeResponse& response, const std::vector<LoopAnalysis>& loops,
-                     const std::vector<LineStyle>& looks) {
-  const std::string id = anchor(response.name);
-  PageChart gain{.id = id + "-gain", .group = id, .x_title = "frequency [rad/s]", .is_log_x = true};
-  PageChart phase = gain;
-  gain.title = response.unit.empty() ? "gain [dB]" : "gain [dB of " + response.unit + "]";
-  phase.id = id + "-phase";
-  phase.title = "phase [deg]";
-  double highest = -kDeep_dB;
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    const LoopAnalysis& loop = loops[i];
-    if (!loop.estimates && response.needs_estimator) continue;
-    const auto series = [&](const char* what, LineStyle look, const char* marks) {
-      return ChartSeries{.label = loop.name.label() + what,
-                         .style = look,
-                         .has_line = *marks == '\0',
-                         .marks = marks};
-    };
-    // The designed line, and the measured marks; those that are not sure are grey.
-    ChartSeries gains[] = {series("", looks[i], ""), series(", measured", looks[i], "dot"),
-                           series(", not reliable", kReferenceStyle, "dot")};
-    ChartSeries phases[] = {gains[0], gains[1], gains[2]};
-    Series& line = phases[0].values;
-    double last = 0.0;  // the first phase is within ±180
-    for (const LoopCurve* curve : {&loop.designed, &loop.measured}) {
-      for (const LoopPoint& point : curve->points) {
-        const std::complex<double> value = point.*response.value;
-        const double x = std::log10(point.omega_rad_s), dB = in_dB(std::abs(value));
-        const std::size_t kind = curve == &loop.designed ? 0 : is_reliable(point) ? 1 : 2;
-        // Marks beside a line are too far apart to be unwrapped alone.
-        if (kind > 0 && !line.values.empty()) last = at(line, x);
-        last = nearest_turn(std::arg(value) * kInDegrees, last);
-        gains[kind].values.times_s.push_back(x);
-        gains[kind].values.values.push_back(dB);
-        phases[kind].values.times_s.push_back(x);
-        phases[kind].values.values.push_back(last);
-        if (kind < 2) highest = std::max(highest, dB);
-      }
-    }
-    for (auto [from, to] : {std::pair(gains, &gain), std::pair(phases, &phase)}) {
-      std::copy_if(from, from + 3, std::back_inserter(to->series),
-                   [](const ChartSeries& one) { return !one.values.values.empty(); });
-    }
-  }
-  if (gain.series.empty()) return PageData::array();
-  // A line that is too low to be drawn has a gap, and no mark.
-  const double lowest = std::min(highest - kDeep_dB, kLow_dB);
-  for (ChartSeries& one : gain.series) {
-    for (double& value : one.values.values) value = value < lowest ? std::nan("") : value;
-  }
-  return {gain.json(), phase.json()};
-}
-
-namespace fs = std::filesystem;
-namespace {
-
 struct Arguments {
   std::string scenario;
   std::vector<std::string> cases;
@@ -438,6 +383,59 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
 }
 
 }  // namespace
+
+PageData bode_charts(const BodeResponse& response, const std::vector<LoopAnalysis>& loops,
+                     const std::vector<LineStyle>& looks) {
+  const std::string id = anchor(response.name);
+  PageChart gain{.id = id + "-gain", .group = id, .x_title = "frequency [rad/s]", .is_log_x = true};
+  PageChart phase = gain;
+  gain.title = response.unit.empty() ? "gain [dB]" : "gain [dB of " + response.unit + "]";
+  phase.id = id + "-phase";
+  phase.title = "phase [deg]";
+  double highest = -kDeep_dB;
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    const LoopAnalysis& loop = loops[i];
+    if (!loop.estimates && response.needs_estimator) continue;
+    const auto series = [&](const char* what, LineStyle look, const char* marks) {
+      return ChartSeries{.label = loop.name.label() + what,
+                         .style = look,
+                         .has_line = *marks == '\0',
+                         .marks = marks};
+    };
+    // The designed line, and the measured marks; those that are not sure are grey.
+    ChartSeries gains[] = {series("", looks[i], ""), series(", measured", looks[i], "dot"),
+                           series(", not reliable", kReferenceStyle, "dot")};
+    ChartSeries phases[] = {gains[0], gains[1], gains[2]};
+    Series& line = phases[0].values;
+    double last = 0.0;  // the first phase is within ±180
+    for (const LoopCurve* curve : {&loop.designed, &loop.measured}) {
+      for (const LoopPoint& point : curve->points) {
+        const std::complex<double> value = point.*response.value;
+        const double x = std::log10(point.omega_rad_s), dB = in_dB(std::abs(value));
+        const std::size_t kind = curve == &loop.designed ? 0 : is_reliable(point) ? 1 : 2;
+        // Marks beside a line are too far apart to be unwrapped alone.
+        if (kind > 0 && !line.values.empty()) last = at(line, x);
+        last = nearest_turn(std::arg(value) * kInDegrees, last);
+        gains[kind].values.times_s.push_back(x);
+        gains[kind].values.values.push_back(dB);
+        phases[kind].values.times_s.push_back(x);
+        phases[kind].values.values.push_back(last);
+        if (kind < 2) highest = std::max(highest, dB);
+      }
+    }
+    for (auto [from, to] : {std::pair(gains, &gain), std::pair(phases, &phase)}) {
+      std::copy_if(from, from + 3, std::back_inserter(to->series),
+                   [](const ChartSeries& one) { return !one.values.values.empty(); });
+    }
+  }
+  if (gain.series.empty()) return PageData::array();
+  // A line that is too low to be drawn has a gap, and no mark.
+  const double lowest = std::min(highest - kDeep_dB, kLow_dB);
+  for (ChartSeries& one : gain.series) {
+    for (double& value : one.values.values) value = value < lowest ? std::nan("") : value;
+  }
+  return {gain.json(), phase.json()};
+}
 
 int analyze_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   const std::string program = own_program_name() + " " + kAnalyze;

@@ -163,59 +163,6 @@ void take_less(double& least, double value) {
   if (std::isnan(least) || value < least) least = value;
 }
 
-}  // namespace
-
-LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
-                         const std::vector<std::complex<double>>& loop_gain) {
-  if (omega_rad_s.size() < 2 || omega_rad_s.size() != loop_gain.size()) {
-    throw std::invalid_argument("margins need a loop gain at two frequencies or more");
-  }
-  LoopMargins margins;
-  double last_phase = 0.0;
-  for (std::size_t i = 0; i < omega_rad_s.size(); ++i) {
-    const std::complex<double> L = loop_gain[i];
-    margins.sensitivity_peak = std::fmax(margins.sensitivity_peak, std::abs(1.0 / (1.0 + L)));
-    margins.complementary_peak = std::fmax(margins.complementary_peak, std::abs(L / (1.0 + L)));
-    // Unwraps the phase: nearest to the last one.
-    double phase = std::arg(L);
-    if (i > 0) phase += 2.0 * kPi * std::round((last_phase - phase) / (2.0 * kPi));
-    if (i > 0) {
-      const double gain_a = std::log(std::abs(loop_gain[i - 1])), gain_b = std::log(std::abs(L));
-      const double omega_a = std::log(omega_rad_s[i - 1]), omega_b = std::log(omega_rad_s[i]);
-      double share = 0.0;
-      if (crosses(gain_a, gain_b, share)) {
-        const double omega = std::exp(between(omega_a, omega_b, share));
-        const double at = between(last_phase, phase, share);
-        double above = std::fmod(at + kPi, 2.0 * kPi);  // from −π, in [0, 2π)
-        if (above < 0.0) above += 2.0 * kPi;
-        margins.crossover_rad_s = omega;
-        take_less(margins.phase_margin_rad, std::min(above, 2.0 * kPi - above));
-        take_less(margins.delay_margin_s, above / omega);
-      }
-      // All crossings of −π plus whole turns.
-      const double turn =
-          2.0 * kPi * std::round((between(last_phase, phase, 0.5) + kPi) / (2.0 * kPi));
-      if (crosses(last_phase + kPi - turn, phase + kPi - turn, share)) {
-        const double factor = std::exp(-between(gain_a, gain_b, share));
-        if (factor > 1.0 && !(margins.gain_margin <= factor)) {
-          margins.gain_margin = factor;
-        } else if (factor <= 1.0 && !(margins.gain_reduction_margin > factor)) {
-          margins.gain_reduction_margin = factor;
-        }
-      }
-    }
-    last_phase = phase;
-  }
-  return margins;
-}
-
-bool is_reliable(const LoopPoint& point) {
-  constexpr double kMostSpread = 0.2;
-  return point.spread <= kMostSpread && std::abs(point.complementary) > 1e-9;
-}
-
-namespace {
-
 constexpr double kSame = 1e-6;     // two responses are equal up to this share of the largest value
 constexpr double kDecayed = 1e-9;  // a response ends below this share of its largest value
 constexpr std::size_t kPattern = 1000;  // samples of the random binary force
@@ -622,6 +569,55 @@ std::vector<std::string> hints(const AxisOfPlant& axis, const AnalysisOptions& o
 }
 
 }  // namespace
+
+LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
+                         const std::vector<std::complex<double>>& loop_gain) {
+  if (omega_rad_s.size() < 2 || omega_rad_s.size() != loop_gain.size()) {
+    throw std::invalid_argument("margins need a loop gain at two frequencies or more");
+  }
+  LoopMargins margins;
+  double last_phase = 0.0;
+  for (std::size_t i = 0; i < omega_rad_s.size(); ++i) {
+    const std::complex<double> L = loop_gain[i];
+    margins.sensitivity_peak = std::fmax(margins.sensitivity_peak, std::abs(1.0 / (1.0 + L)));
+    margins.complementary_peak = std::fmax(margins.complementary_peak, std::abs(L / (1.0 + L)));
+    // Unwraps the phase: nearest to the last one.
+    double phase = std::arg(L);
+    if (i > 0) phase += 2.0 * kPi * std::round((last_phase - phase) / (2.0 * kPi));
+    if (i > 0) {
+      const double gain_a = std::log(std::abs(loop_gain[i - 1])), gain_b = std::log(std::abs(L));
+      const double omega_a = std::log(omega_rad_s[i - 1]), omega_b = std::log(omega_rad_s[i]);
+      double share = 0.0;
+      if (crosses(gain_a, gain_b, share)) {
+        const double omega = std::exp(between(omega_a, omega_b, share));
+        const double at = between(last_phase, phase, share);
+        double above = std::fmod(at + kPi, 2.0 * kPi);  // from −π, in [0, 2π)
+        if (above < 0.0) above += 2.0 * kPi;
+        margins.crossover_rad_s = omega;
+        take_less(margins.phase_margin_rad, std::min(above, 2.0 * kPi - above));
+        take_less(margins.delay_margin_s, above / omega);
+      }
+      // All crossings of −π plus whole turns.
+      const double turn =
+          2.0 * kPi * std::round((between(last_phase, phase, 0.5) + kPi) / (2.0 * kPi));
+      if (crosses(last_phase + kPi - turn, phase + kPi - turn, share)) {
+        const double factor = std::exp(-between(gain_a, gain_b, share));
+        if (factor > 1.0 && !(margins.gain_margin <= factor)) {
+          margins.gain_margin = factor;
+        } else if (factor <= 1.0 && !(margins.gain_reduction_margin > factor)) {
+          margins.gain_reduction_margin = factor;
+        }
+      }
+    }
+    last_phase = phase;
+  }
+  return margins;
+}
+
+bool is_reliable(const LoopPoint& point) {
+  constexpr double kMostSpread = 0.2;
+  return point.spread <= kMostSpread && std::abs(point.complementary) > 1e-9;
+}
 
 std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
                                   const AnalysisOptions& options) {

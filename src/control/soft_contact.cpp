@@ -19,6 +19,17 @@ constexpr double kHighestDamping_Ns_m = 60.0;
 constexpr double kLearnsFrom_s = 0.004;
 constexpr double kLearnsTo_s = 0.35;
 
+constexpr double kAuthorityShare = 0.85;  // used share of the authority in contact
+constexpr double kSmoothing = 0.05;       // weight of the newest sample in the identification
+constexpr double kIdentifyFrom_s = 0.1;   // after this time and above this speed
+constexpr double kIdentifyFrom_m_s = 0.05;
+constexpr double kDetection_s = 0.005;
+constexpr double kSlowest_m_s = 0.02;  // lower bound of the approach speed
+constexpr double kSlowestInContact_m_s = 0.05;
+constexpr double kFastest_m_s = 2.0;  // upper bound of contact_speed()
+constexpr int kBisections = 30;
+constexpr int kNewtonSteps = 8;
+
 }  // namespace
 
 ContactStiffness::ContactStiffness(double lag_s, double period_s) : period_s_(period_s) {
@@ -56,20 +67,6 @@ void ContactStiffness::update(double depth_m, double rate_m_s, double force_N) {
   contact_s_ += period_s_;
   force_ = stiffness_ * (depth_m - depth_f_) + force_N;
 }
-namespace {
-
-constexpr double kAuthorityShare = 0.85;  // used share of the authority in contact
-constexpr double kSmoothing = 0.05;       // weight of the newest sample in the identification
-constexpr double kIdentifyFrom_s = 0.1;   // after this time and above this speed
-constexpr double kIdentifyFrom_m_s = 0.05;
-constexpr double kDetection_s = 0.005;
-constexpr double kSlowest_m_s = 0.02;  // lower bound of the approach speed
-constexpr double kSlowestInContact_m_s = 0.05;
-constexpr double kFastest_m_s = 2.0;  // upper bound of contact_speed()
-constexpr int kBisections = 30;
-constexpr int kNewtonSteps = 8;
-
-}  // namespace
 
 double contact_peak_N(double speed_m_s, double stiffness_N_m, double braking_m_s2, double lag_s) {
   // The function is convex above the root, so Newton's method decreases to it.

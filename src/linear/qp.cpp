@@ -29,6 +29,9 @@ double size_of(const QpModel& model, const QpInput& input, Eigen::Index row) {
   return std::max(size_of(model, row), std::sqrt(input.softness(row)));
 }
 
+constexpr double kTolerance = 1e-8;  // largest move of a multiplier, relative to the gradient
+constexpr double kDiverged = 1.5;    // a larger excess() may be divergence
+
 }  // namespace
 
 QpInput::QpInput(Eigen::Index n, Eigen::Index m)
@@ -191,13 +194,6 @@ std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model
   const auto size = static_cast<int>(model.H.rows() + model.Omega.rows());
   return std::make_unique<ActiveSetQp>(model, 100 + kChangesPerRow * size);
 }
-
-namespace {
-
-constexpr double kTolerance = 1e-8;  // largest move of a multiplier, relative to the gradient
-constexpr double kDiverged = 1.5;    // a larger excess() may be divergence
-
-}  // namespace
 
 HildrethQp::HildrethQp(const QpModel& model, int max_sweeps)
     : factors_(model),

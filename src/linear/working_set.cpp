@@ -77,6 +77,9 @@ void of_size(Eigen::Index size, const Solve& solve) {
   }
 }
 
+constexpr double kDependent = 1e-11;  // smaller relative rest: the row depends on the working set
+constexpr int kPasses = 3;            // the first one and two corrections
+
 }  // namespace
 
 double LdlFactor::forward_solve(double* x) const {
@@ -128,13 +131,6 @@ void LdlFactor::remove(Eigen::Index position) {
     }
   }
 }
-
-namespace {
-
-constexpr double kDependent = 1e-11;  // smaller relative rest: the row depends on the working set
-constexpr int kPasses = 3;            // the first one and two corrections
-
-}  // namespace
 
 OrthogonalFactor::OrthogonalFactor(const QpFactors& factors) : factors_(factors) {
   const Eigen::Index n = factors.variables();

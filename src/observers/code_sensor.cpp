@@ -26,6 +26,10 @@ double mean_positive(double mean, double std) {
   return std * density + mean * (z > 0.0 ? 1.0 - tail : tail);
 }
 
+double density(double z) {
+  return math::exp(-0.5 * z * z) / math::kRootTwoPi;
+}
+
 }  // namespace
 
 double log_density(double e, double S) {
@@ -122,14 +126,6 @@ double CodeSensor::outside(double position, double variance, const Observation& 
   return CodeInterval((rest + observed.range.lower) / after, (rest + observed.range.upper) / after)
       .outside();
 }
-
-namespace {
-
-double density(double z) {
-  return math::exp(-0.5 * z * z) / math::kRootTwoPi;
-}
-
-}  // namespace
 
 CodeInterval::CodeInterval(double alpha, double beta)
     : sign_(alpha + beta < 0.0 ? -1.0 : 1.0),

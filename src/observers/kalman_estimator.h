@@ -35,9 +35,7 @@ Eigen::MatrixXd uniform_noise(const ExtendedPlant& plant, double q);
 /// derivative alone.
 Eigen::MatrixXd disturbance_noise(const ExtendedPlant& plant, double q);
 
-}  // namespace breakwater
-
-namespace breakwater::one_output {
+namespace one_output {
 
 /// The operations on matrices that are stored by columns. P is symmetric, before and after.
 struct Kernel {
@@ -58,9 +56,7 @@ struct Kernel {
 /// The operations for `states`; nullptr if there are none for this number.
 const Kernel* kernel(Eigen::Index states);
 
-}  // namespace breakwater::one_output
-
-namespace breakwater {
+}  // namespace one_output
 
 /// The Kalman filter of an extended plant (Eqs. 4.11–4.17). An adaptive filter reads the innovation
 /// between predict() and correct(). A filter with one input, one output and up to six extended

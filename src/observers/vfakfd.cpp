@@ -8,7 +8,11 @@
 namespace breakwater {
 namespace {
 
-constexpr double kInstantShare = 4.5;  // the same factor as for σ in QVFF's dead zone
+constexpr double kQuantumShare = 1.0;
+constexpr double kSigmaShare = 4.5;  // of σ in the dead zone, and of an uncertain time's error
+constexpr double kQuantumThreshold = 0.5;
+constexpr double kNoiseThreshold = 1.5;
+constexpr double kSmallestAlpha = 1e-22;  // the error of the arithmetic in place of the sensor's
 
 }  // namespace
 
@@ -45,7 +49,7 @@ void Vfakfd::update(const Vector& held_input, const Vector& y) {
 //     1/D = 1/(s + λ) = b a r   and   1/λ = b (s b + a) r   with   r = 1/(a (s b + a)).
 void Vfakfd::correct_and_forget() {
   const double s = output_covariance_(0, 0);
-  const double dead_zone = dead_zone_(0) + kInstantShare * instant_error_(0);
+  const double dead_zone = dead_zone_(0) + kSigmaShare * instant_error_(0);
   const double error = std::max(std::abs(innovation_(0)) - dead_zone, 0.0) * weight_(0);
   const double b = 1.0 + s;
   const double a = std::clamp(lambda_max_ * b - error * error, lambda_min_ * b, lambda_max_ * b);
@@ -58,7 +62,7 @@ void Vfakfd::correct_and_forget() {
 
 // ẽᵀ (I + C̅ P C̅ᵀ)⁻¹ ẽ
 double Vfakfd::nis() {
-  weighted_ = (innovation_.cwiseAbs() - dead_zone_ - kInstantShare * instant_error_)
+  weighted_ = (innovation_.cwiseAbs() - dead_zone_ - kSigmaShare * instant_error_)
                   .cwiseMax(0.0)
                   .cwiseProduct(weight_);
   weighted_ = (innovation_.array() < 0.0).select(-weighted_, weighted_);
@@ -70,20 +74,10 @@ double Vfakfd::nis() {
   return weighted_.dot(solved_);
 }
 
-namespace {
-
-constexpr double kQuantumShare = 1.0;
-constexpr double kDeadNoiseShare = 4.5;
-constexpr double kQuantumThreshold = 0.5;
-constexpr double kNoiseThreshold = 1.5;
-constexpr double kSmallestAlpha = 1e-22;  // the error of the arithmetic in place of the sensor's
-
-}  // namespace
-
 VfakfdDesign qvff_design(const SensorError& error) {
   check(error, error.quantum.size());
   VfakfdDesign design;
-  design.dead_zone = kQuantumShare * error.quantum + kDeadNoiseShare * error.noise_std;
+  design.dead_zone = kQuantumShare * error.quantum + kSigmaShare * error.noise_std;
   design.alpha = (kQuantumThreshold * error.quantum)
                      .cwiseAbs2()
                      .cwiseMax((kNoiseThreshold * error.noise_std).cwiseAbs2())

@@ -16,6 +16,10 @@ namespace {
 constexpr double kLowest = 0.5;
 constexpr double kHighest = 3.0;
 
+constexpr double kWidthBelowPeak = 0.07;
+constexpr double kWidthAbovePeak = 0.09;
+constexpr int kMostComponents = 1000;
+
 }  // namespace
 
 double wave_number(double omega_rad_s, double water_depth_m, double gravity_m_s2) {
@@ -192,14 +196,6 @@ std::vector<std::array<double, 9>> ChangingSea::plane_waves() const {
   if (second_) add(*second_, 0.0, 1.0);
   return all;
 }
-
-namespace {
-
-constexpr double kWidthBelowPeak = 0.07;
-constexpr double kWidthAbovePeak = 0.09;
-constexpr int kMostComponents = 1000;
-
-}  // namespace
 
 void check(const SeaState& sea) {
   refuse_unless(is_not_negative(sea.significant_height_m),
