@@ -1,6 +1,5 @@
 #include <breakwater/control/backstepping.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -2,8 +2,6 @@
 // are position and velocity.
 #pragma once
 
-#include <Eigen/Core>
-
 #include <breakwater/observers/sensor_error.h>
 
 namespace breakwater {

@@ -1,8 +1,6 @@
 // Gaussian-sum filter for an encoder code, with the disturbance as an unknown input (GSF).
 #pragma once
 
-#include <vector>
-
 #include <breakwater/observers/code_sensor.h>
 #include <breakwater/observers/guarded_kalman.h>
 

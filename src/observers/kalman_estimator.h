@@ -4,9 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <vector>
 
-#include <breakwater/linear/state_space.h>
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/disturbance_model.h>
 

@@ -6,7 +6,6 @@
 #include <array>
 #include <concepts>
 #include <cstddef>
-#include <stdexcept>
 
 #include <breakwater/linear/riccati.h>
 #include <breakwater/math/refuse_unless.h>

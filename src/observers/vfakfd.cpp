@@ -9,7 +9,7 @@ namespace breakwater {
 namespace {
 
 constexpr double kQuantumShare = 1.0;
-constexpr double kSigmaShare = 4.5;  // of σ in the dead zone, and of an uncertain time's error
+constexpr double kSigmaShare = 4.5;  // also of the error of an uncertain time
 constexpr double kQuantumThreshold = 0.5;
 constexpr double kNoiseThreshold = 1.5;
 constexpr double kSmallestAlpha = 1e-22;  // the error of the arithmetic in place of the sensor's

@@ -1,8 +1,6 @@
 // First-order low-pass filter of a sensor.
 #pragma once
 
-#include <stdexcept>
-
 #include <breakwater/math/functions.h>
 #include <breakwater/math/refuse_unless.h>
 
