@@ -82,9 +82,8 @@ struct AxisModel {
   /// The motion does not depend on the position of the start.
   void (*move)(const AxisValues& parameters, const AxisStart& start, const AxisStretch& stretch,
                std::span<double> positions);
-  /// First values of a fit by linear least squares, with a delay between these bounds.
-  std::vector<AxisValues> (*candidates)(const AxisData& data, double least_delay_s,
-                                        double largest_delay_s);
+  /// First values of a fit by linear least squares, with a delay between the bounds of the data.
+  std::vector<AxisValues> (*candidates)(const AxisData& data);
 };
 
 /// One inertia.

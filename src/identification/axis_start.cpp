@@ -131,16 +131,15 @@ WindowWeights cubic_weights(double s, double length_s) {
 
 }  // namespace
 
-std::vector<StartSolution> start_solutions(const AxisData& data, double least_delay_s,
-                                           double largest_delay_s, const StartEquation& equation) {
+std::vector<StartSolution> start_solutions(const AxisData& data, const StartEquation& equation) {
   std::vector<std::vector<Window>> all;
   std::vector<StartSolution> best(kWindowLengths);
   for (int i = 0; i < kWindowLengths; ++i) {
     all.push_back(windows_of(data, kShortestWindow << i, equation));
   }
   const double step_s = 0.5 * data.period_s;
-  for (int trial = 0; least_delay_s + trial * step_s <= largest_delay_s; ++trial) {
-    const double delay_s = least_delay_s + trial * step_s;
+  for (int trial = 0; data.least_delay_s + trial * step_s <= data.largest_delay_s; ++trial) {
+    const double delay_s = data.least_delay_s + trial * step_s;
     std::vector<std::vector<double>> inputs;
     for (const AxisStretch& stretch : data.stretches) {
       inputs.push_back(inputs_at_rows(stretch, delay_s));
@@ -157,11 +156,10 @@ std::vector<StartSolution> start_solutions(const AxisData& data, double least_de
   return best;
 }
 
-std::vector<AxisValues> start_candidates(const AxisData& data, double least_delay_s,
-                                         double largest_delay_s) {
+std::vector<AxisValues> start_candidates(const AxisData& data) {
   std::vector<AxisValues> candidates;
   for (const auto& [residual, delay_s, x] : start_solutions(
-           data, least_delay_s, largest_delay_s,
+           data,
            {2, 1, cubic_weights, [](const Eigen::VectorXd& found) { return found(0) > 0.0; }})) {
     AxisValues& values = candidates.emplace_back();
     values[kInertia] = 1.0 / x(0);

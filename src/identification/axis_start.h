@@ -15,12 +15,11 @@ namespace breakwater {
 /// slope vanish at its ends, so the equation needs no derivative of the position:
 ///     J ∫φ̈ q − c ∫φ̇ q + F_C ∫φ sgn v + d₀ ∫φ = k ∫φ u(t − τ)
 ///
-/// Each length of the window gives one candidate, with the delay of least residual, from
-/// `least_delay_s` to `largest_delay_s`. No candidate has a Stribeck friction.
+/// Each length of the window gives one candidate, with the delay of least residual between the
+/// bounds of the data. No candidate has a Stribeck friction.
 ///
 /// Source: M. Shinbrot, Trans. ASME 79 (1957) 547–552 (modulating functions).
-std::vector<AxisValues> start_candidates(const AxisData& data, double least_delay_s,
-                                         double largest_delay_s);
+std::vector<AxisValues> start_candidates(const AxisData& data);
 
 /// A window φ and its derivatives by the time, with alternating signs. The integral of number k
 /// times q is that of φ times the derivative k of q.
@@ -45,7 +44,6 @@ struct StartSolution {
 };
 
 /// For each length of the window the plant of least residual over the delay, if there is one.
-std::vector<StartSolution> start_solutions(const AxisData& data, double least_delay_s,
-                                           double largest_delay_s, const StartEquation& equation);
+std::vector<StartSolution> start_solutions(const AxisData& data, const StartEquation& equation);
 
 }  // namespace breakwater

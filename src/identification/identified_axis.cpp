@@ -424,8 +424,6 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
     throw std::invalid_argument(
         fmt::format("the records have no stretch of {} rows without a long gap", kLeastRows));
   }
-  const double largest_delay = std::max(kLargestDelay, 20.0 * all.period_s);
-  const double largest_lead = std::max(kLargestLead, 5.0 * all.period_s);
   // The inputs before the first row are unknown. Where a delay is longer, the start takes up most
   // of their effect.
   const double settle_s = kSettlePeriods * all.period_s;
@@ -433,8 +431,8 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   data = axis_data(records, settings.inputs_act_before, settle_s);
   if (data.stretches.empty()) data = all;
   data.model = settings.model;
-  data.least_delay_s = -largest_lead;
-  data.largest_delay_s = largest_delay;
+  data.least_delay_s = -std::max(kLargestLead, 5.0 * all.period_s);
+  data.largest_delay_s = std::max(kLargestDelay, 20.0 * all.period_s);
   if (settings.quantum) {
     data.quantum = *settings.quantum;
   } else {
@@ -457,8 +455,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
 
   FreeParameters& free = result.free;
   for (const AxisParameter p : settings.model->parameters) free[p] = true;
-  std::vector<AxisValues> candidates =
-      settings.model->candidates(data, -largest_lead, largest_delay);
+  std::vector<AxisValues> candidates = settings.model->candidates(data);
   if (candidates.empty()) {
     throw std::invalid_argument(
         "no start of the fit was found: the input does not explain the motion. Check the signs of "
@@ -575,8 +572,10 @@ double clock_offset(const RecordedAxis& record, const IdentificationSettings& se
     stretch.times_s = std::move(times_s);
     stretch.positions = std::move(positions);
   }
-  const double range = std::min(kLargest, 0.25 * (record.times_s.back() - record.times_s.front()));
-  const std::vector<AxisValues> candidates = start_candidates(data, -range, range);
+  data.largest_delay_s =
+      std::min(kLargest, 0.25 * (record.times_s.back() - record.times_s.front()));
+  data.least_delay_s = -data.largest_delay_s;
+  const std::vector<AxisValues> candidates = start_candidates(data);
   double best = 0.0;
   std::size_t most = kLeastVotes - 1;
   for (const AxisValues& one : candidates) {

@@ -247,15 +247,13 @@ void add_rigid_plants(const std::vector<AxisValues>& rigid, std::vector<AxisValu
 //
 // Source: M. Shinbrot, Trans. ASME 79 (1957) 547–552 (modulating functions).
 template <Side measured>
-std::vector<AxisValues> two_inertia_candidates(const AxisData& data, double least_delay_s,
-                                               double largest_delay_s) {
+std::vector<AxisValues> two_inertia_candidates(const AxisData& data) {
   std::vector<AxisValues> candidates;
   for (const StartSolution& one :
-       start_solutions(data, least_delay_s, largest_delay_s,
-                       {4, measured == Side::motor ? 3U : 2U, weights, vibrates})) {
+       start_solutions(data, {4, measured == Side::motor ? 3U : 2U, weights, vibrates})) {
     add_plants(one, measured, candidates);
   }
-  add_rigid_plants(start_candidates(data, least_delay_s, largest_delay_s), candidates);
+  add_rigid_plants(start_candidates(data), candidates);
   return candidates;
 }
 
