@@ -75,7 +75,7 @@ const KnownParameter& known_parameter(AxisParameter parameter) {
 
 namespace {
 
-constexpr double kSmall = 1e-2;         // below which a series replaces expm1 and log
+constexpr double kSmall = 1e-2;         // below which a series replaces expm1
 constexpr double kStribeckEnd = 5.0;    // in v_s: the friction is that of Coulomb beyond
 constexpr double kTruncation = 1e-12;   // error of a step, in v_s
 constexpr double kShortestStep = 1e-3;  // relative to the interval
@@ -100,16 +100,6 @@ Integrals integrals(double rate, double h) {
   }
   const double first = -math::expm1(-x) / rate;
   return {first, (h - first) / rate};
-}
-
-// The time t with φ₁(t) = w.
-double time_to(double rate, double w) {
-  const double x = rate * w;
-  if (std::abs(x) < kSmall) {
-    return w * (1.0 + x / 2.0 + x * x / 3.0 + x * x * x / 4.0 + x * x * x * x / 5.0 +
-                x * x * x * x * x / 6.0);
-  }
-  return -math::log(1.0 - x) / rate;
 }
 
 class Motion {
@@ -146,7 +136,10 @@ class Motion {
     const double velocity = velocity_ + acceleration * phi.first;
     const bool stops = velocity * direction <= 0.0;
     if (stops) {
-      h = std::min(h, time_to(rate, -velocity_ / acceleration));
+      const auto forward = [&](double t) {
+        return direction * (velocity_ + acceleration * integrals(rate, t).first);
+      };
+      h = time_of(forward, h);
       phi = integrals(rate, h);
     }
     position_ += velocity_ * h + acceleration * phi.second;
