@@ -15,17 +15,6 @@ std::size_t AxisData::rows() const {
   return rows;
 }
 
-const AxisModel& friction_axis() {
-  static const AxisModel model{.name = "axis",
-                               .parameters = {kInertia, kViscous, kCoulomb, kOffset, kDelay},
-                               .known_inertia = kInertia,
-                               .start_values = 2,
-                               .has_backlash = false,
-                               .move = move_axis,
-                               .candidates = start_candidates};
-  return model;
-}
-
 namespace {
 
 constexpr const char *kAccelerate = "accelerate: steps, a sine or a multisine of the torque",
@@ -183,9 +172,19 @@ class Motion {
 
 }  // namespace
 
-void move_axis(const AxisValues& parameters, const AxisStart& start, const AxisStretch& stretch,
-               std::span<double> positions) {
-  follow(stretch, parameters[kDelay], Motion(parameters, start), positions);
+const AxisModel& friction_axis() {
+  static const AxisModel model{.name = "axis",
+                               .parameters = {kInertia, kViscous, kCoulomb, kOffset, kDelay},
+                               .known_inertia = kInertia,
+                               .start_values = 2,
+                               .has_backlash = false,
+                               .move =
+                                   [](const AxisValues& p, const AxisStart& start,
+                                      const AxisStretch& stretch, std::span<double> positions) {
+                                     follow(stretch, p[kDelay], Motion(p, start), positions);
+                                   },
+                               .candidates = start_candidates};
+  return model;
 }
 
 }  // namespace breakwater

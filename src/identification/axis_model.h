@@ -86,7 +86,14 @@ struct AxisModel {
   std::vector<AxisValues> (*candidates)(const AxisData& data);
 };
 
-/// One inertia.
+/// One inertia,
+///     J v̇ = k u(t − τ) − d₀ − c v − sgn(v) (F_C + F_B exp(−(v/v_s)²)),   q̇ = v,
+/// from event to event: changes of the input, of the sign of v, and of stick to slip. The axis
+/// sticks at v = 0 while |k u − d₀| ≤ F_C + F_B. With F_B = 0 its motion is exact. Otherwise it is
+/// a Taylor polynomial, in steps whose last terms are below 1e-12 v_s.
+///
+/// Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083–1138,
+/// Eqs. 3 and 7.
 const AxisModel& friction_axis();
 
 /// Records of one axis with one encoder, and the model that explains them.
@@ -196,17 +203,5 @@ double time_of(const Function& g, double h) {
   const auto is_close = [h](double a, double b) { return b - a <= kTolerance * h; };
   return boost::math::tools::toms748_solve(g, from, h, at_from, at_h, is_close, trials).second;
 }
-
-/// Integrates
-///     J v̇ = k u(t − τ) − d₀ − c v − sgn(v) (F_C + F_B exp(−(v/v_s)²)),   q̇ = v,
-/// from event to event: changes of the input, of the sign of v, and of stick to slip. At v = 0 the
-/// axis sticks while |k u − d₀| ≤ F_C + F_B. With F_B = 0 this is exact. Otherwise a Taylor
-/// polynomial moves it, in steps whose last terms are below 1e-12 v_s. `positions` gets q at each
-/// of stretch.times_s.
-///
-/// Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083–1138,
-/// Eqs. 3 and 7.
-void move_axis(const AxisValues& parameters, const AxisStart& start, const AxisStretch& stretch,
-               std::span<double> positions);
 
 }  // namespace breakwater

@@ -174,12 +174,6 @@ class Motion {
   double longest_ = 0.0;  // longest step
 };
 
-template <Side measured>
-void move_measured(const AxisValues& parameters, const AxisStart& start, const AxisStretch& stretch,
-                   std::span<double> positions) {
-  move_two_inertias(measured, parameters, start, stretch, positions);
-}
-
 constexpr double kMotorShares[] = {0.3, 0.7};
 constexpr std::size_t kRigidPlants = 3;
 constexpr double kResonances_rad_s[] = {50.0, 200.0};
@@ -265,16 +259,15 @@ AxisModel model() {
           .known_inertia = kMotorInertia,
           .start_values = 4,
           .has_backlash = true,
-          .move = move_measured<measured>,
+          .move =
+              [](const AxisValues& p, const AxisStart& start, const AxisStretch& stretch,
+                 std::span<double> positions) {
+                follow(stretch, p[kDelay], Motion(measured, p, start), positions);
+              },
           .candidates = two_inertia_candidates<measured>};
 }
 
 }  // namespace
-
-void move_two_inertias(Side measured, const AxisValues& parameters, const AxisStart& start,
-                       const AxisStretch& stretch, std::span<double> positions) {
-  follow(stretch, parameters[kDelay], Motion(measured, parameters, start), positions);
-}
 
 const AxisModel& two_inertia_axis(Side measured) {
   static const AxisModel motor = model<Side::motor>();

@@ -6,10 +6,7 @@
 
 namespace breakwater {
 
-/// The model with the encoder on the motor or on the load.
-const AxisModel& two_inertia_axis(Side measured);
-
-/// Integrates the plant of the scenario two_inertia with the ratio 1,
+/// The plant of the scenario two_inertia with the ratio 1,
 ///     J_m v̇_m = k u(t − τ) − d₀ − c_m v_m − F_m sgn(v_m) − T,   q̇_m = v_m,
 ///     J_l v̇_l = T − c_l v_l − F_l sgn(v_l),                      q̇_l = v_l,
 /// with the torque T of sim/transmission.h. Beyond a play b, T = K z + D (v_m − v_l) and never
@@ -18,10 +15,9 @@ const AxisModel& two_inertia_axis(Side measured);
 ///
 /// Between events the plant is linear, and a Taylor polynomial moves it. A step is at most half the
 /// time constant of the fastest motion. Its error is below 1e-9 of its size. The time of each
-/// event (reversal, stick, slip, contact of a flank) is the root of a polynomial. `positions` gets
-/// the position of the side with the encoder; it is NaN if more than 100 steps a row are needed.
-/// The twist of `start` is q_m − q_l.
-void move_two_inertias(Side measured, const AxisValues& parameters, const AxisStart& start,
-                       const AxisStretch& stretch, std::span<double> positions);
+/// event (reversal, stick, slip, contact of a flank) is the root of a polynomial. The motor or the
+/// load has the encoder. Its position is NaN if more than 100 steps a row are needed. The twist of
+/// a start is q_m − q_l.
+const AxisModel& two_inertia_axis(Side measured);
 
 }  // namespace breakwater
