@@ -111,8 +111,8 @@ std::vector<double> bootstrap_std(const AxisData& data, const FreeParameters& fr
   const Noise random(1, "identify"), drift(1, "drift");
   std::uint64_t drawn = 0;
   const Encoder encoder{.quantum = data.quantum, .rounding = data.rounding};
-  std::vector<double> sums(kAxisParameters, 0.0);
-  std::vector<double> squares(kAxisParameters, 0.0);
+  const std::vector<AxisParameter> order = listed(free);
+  std::vector<double> stds(order.size(), 0.0);  // at first the sums of the squares
   const AxisValues scales = parameter_scales(data);
   for (std::uint64_t n = 0; n < kReplicates; ++n) {
     AxisFit truth = fit;
@@ -130,18 +130,14 @@ std::vector<double> bootstrap_std(const AxisData& data, const FreeParameters& fr
       for (double& y : stretch.positions) y = encoder.measure(positions[k++]);
     }
     const AxisFit again = fit_axis(made, free, truth, kIterations);
-    for (std::size_t i = 0; i < kAxisParameters; ++i) {
-      const double off = is_logarithmic(static_cast<AxisParameter>(i))
-                             ? math::log(again.values[i] / fit.values[i])
-                             : (again.values[i] - fit.values[i]) / scales[i];
-      sums[i] += off;
-      squares[i] += off * off;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const AxisParameter p = order[i];
+      const double off = is_logarithmic(p) ? math::log(again.values[p] / fit.values[p])
+                                           : (again.values[p] - fit.values[p]) / scales[p];
+      stds[i] += off * off;
     }
   }
-  std::vector<double> stds;
-  for (std::size_t i = 0; i < kAxisParameters; ++i) {
-    if (free[i]) stds.push_back(std::sqrt(squares[i] / kReplicates));
-  }
+  for (double& std : stds) std = std::sqrt(std / kReplicates);
   return stds;
 }
 

@@ -139,9 +139,6 @@ inline bool is_positive(AxisParameter parameter) {
 inline bool is_logarithmic(AxisParameter parameter) {
   return known_parameter(parameter).scale == ParameterScale::logarithmic;
 }
-inline const char* parameter_unit(AxisParameter parameter) {
-  return known_parameter(parameter).unit;
-}
 
 /// Moves `motion` through a stretch, from one change of the delayed input or row to the next:
 /// motion.advance(h, input), then motion.position().

@@ -199,7 +199,7 @@ PageData parameters(const Identification& identification) {
     }
     rows.push_back(PageData::array({parameter_key(estimate.parameter), shown(estimate.value),
                                     shown(estimate.low), shown(estimate.high),
-                                    parameter_unit(estimate.parameter), answer}));
+                                    known_parameter(estimate.parameter).unit, answer}));
   }
   return {{"label", "Parameters"},
           {"columns", {"parameter", "value", "low", "high", "unit", "identifiable"}},
