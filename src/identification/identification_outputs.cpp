@@ -43,46 +43,6 @@ double time_step_of(const AxisData& data) {
   return step_s;
 }
 
-// The table of a record, as its user named and scaled it.
-struct RecordSource {
-  std::string file;
-  std::string config;  // a file of `estimate` with further keys, or empty
-  RecordFormat format;
-  InputActs input_acts = InputActs::after;
-};
-
-// estimate.toml, a file of `breakwater estimate` with this table, plant, encoder and noise.
-std::string estimate_toml(const Catalogue& catalogue, const Identification& identification,
-                          const RecordSource& source) {
-  const IdentifiedNumbers plant = identified_plant(identification);
-  const ScenarioFile file(
-      source.config.empty() ? recorded_estimation().file().string() : source.config, "estimate");
-  std::vector<std::string> sets = {
-      "csv.file=" + toml_string(source.file),
-      "csv.time_column=" + toml_string(source.format.time_column),
-      "csv.input_column=" + toml_string(source.format.input_column),
-      "csv.position_column=" + toml_string(source.format.position_column),
-      fmt::format("csv.input_acts={}", source.input_acts == InputActs::after ? "after" : "before"),
-      fmt::format("encoder.rounding={}", identification.data.rounding == EncoderRounding::nearest
-                                             ? "nearest"
-                                             : "truncate")};
-  const auto set = [&](const char* key, double value) {
-    sets.push_back(fmt::format("{}={:.12g}", key, value));
-  };
-  set("csv.time_scale", source.format.time_scale);
-  set("csv.time_std_s", time_step_of(identification.data) / std::sqrt(12.0));
-  set("csv.input_scale", source.format.input_scale * identification.fit.values[kTorqueConstant]);
-  set("csv.position_scale", source.format.position_scale);
-  set("plant.inertia", plant.at("inertia"));
-  set("plant.viscous_friction", plant.at("viscous_friction"));
-  set("encoder.quantum", plant.at("quantum"));
-  set("noise.std", plant.at("noise_std"));
-  RecordedEstimation estimation(catalogue);
-  Fields fields = estimation.fields();
-  fields.read(file.config(file.default_case(), sets));
-  return fields.print("estimate", file.default_case());
-}
-
 // Each parameter's value, interval and identifiability, and "fit" with the errors, the whiteness
 // and the notes.
 std::string identified_json(const Identification& identification) {
@@ -324,17 +284,21 @@ struct IdentifyArguments {
   throw std::invalid_argument(fmt::format("{} {}: {}", own_program_name(), kIdentify, reason));
 }
 
+ScenarioFile estimate_file(const IdentifyArguments& arguments) {
+  return {arguments.config.empty() ? recorded_estimation().file().string() : arguments.config,
+          "estimate"};
+}
+
 // The keys of `estimate` that describe the table and the encoder.
 struct Keys {
   RecordFormat format;
-  InputActs input_acts = InputActs::after;
   double quantum = -1.0;
   EncoderRounding rounding = EncoderRounding::nearest;
   Side side = Side::motor;
 
   Fields fields() {
     Fields fields;
-    bind_record_format(fields, format, input_acts);
+    bind_record_format(fields, format);
     fields.number("encoder.quantum", quantum, any(),
                   "encoder resolution, one count; 0: not quantised; negative: found [rad]");
     bind_encoder_rounding(fields, rounding);
@@ -357,12 +321,35 @@ Keys keys_of(const IdentifyArguments& arguments) {
   check_record_format(sets);
   if (!arguments.config.empty()) {
     // A file of `estimate` has further keys.
-    const ScenarioFile file(arguments.config, "estimate");
+    const ScenarioFile file = estimate_file(arguments);
     const Config config = file.config(file.default_case(), arguments.sets);
     keys.fields().read_finished(config);
     check_record_format(config);
   }
   return keys;
+}
+
+// estimate.toml, a file of `breakwater estimate` with the first table, plant, encoder and noise.
+std::string estimate_toml(const Catalogue& catalogue, const Identification& identification,
+                          const IdentifyArguments& arguments, const RecordFormat& format) {
+  const IdentifiedNumbers plant = identified_plant(identification);
+  const ScenarioFile file = estimate_file(arguments);
+  std::vector<std::string> sets = arguments.sets;
+  std::erase_if(sets, [](const std::string& one) { return one.starts_with("encoder.side="); });
+  sets.push_back("csv.file=" + toml_string(arguments.files.front()));
+  const auto set = [&](const char* key, double value) {
+    sets.push_back(fmt::format("{}={:.12g}", key, value));
+  };
+  set("csv.time_std_s", time_step_of(identification.data) / std::sqrt(12.0));
+  set("csv.input_scale", format.input_scale * identification.fit.values[kTorqueConstant]);
+  set("plant.inertia", plant.at("inertia"));
+  set("plant.viscous_friction", plant.at("viscous_friction"));
+  set("encoder.quantum", plant.at("quantum"));
+  set("noise.std", plant.at("noise_std"));
+  RecordedEstimation estimation(catalogue);
+  Fields fields = estimation.fields();
+  fields.read(file.config(file.default_case(), sets));
+  return fields.print("estimate", file.default_case());
 }
 
 std::vector<RecordedAxis> records_of(const std::vector<std::string>& files, const Keys& keys,
@@ -400,7 +387,7 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   warn(kIdentify, warnings);
   IdentificationSettings settings;
   settings.has_stribeck = arguments.friction == "stribeck";
-  settings.inputs_act_before = keys.input_acts == InputActs::before;
+  settings.inputs_act_before = keys.format.input_acts == InputActs::before;
   if (keys.quantum >= 0.0) settings.quantum = keys.quantum;
   settings.rounding = keys.rounding;
   settings.known_inertia = arguments.inertia;
@@ -431,9 +418,8 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   } else if (!scenario.scenario.empty()) {
     write_text_file(out / "identified.toml",
                     identified_toml(catalogue, scenario, identified_plant(result)));
-    write_text_file(out / "estimate.toml", estimate_toml(catalogue, result,
-                                                         {arguments.files.front(), arguments.config,
-                                                          keys.format, keys.input_acts}));
+    write_text_file(out / "estimate.toml",
+                    estimate_toml(catalogue, result, arguments, keys.format));
     write_text_file(out / "draws.csv", drawn_csv(result, scenario));
   }
   write_text_file(out / "report.html",

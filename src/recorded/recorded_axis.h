@@ -17,15 +17,18 @@ namespace breakwater {
 /// through (count, position) removes the rounding of printed digits.
 double encoder_quantum(std::span<const double> positions);
 
+enum class InputActs { after, before };
+
 /// The names of the table's columns, and the value of 1 in each. A scale of 1 takes the unit that
 /// the table names, if any.
 struct RecordFormat {
   std::string time_column = "time_s";
   std::string input_column = "u";
   std::string position_column = "y";
-  double time_scale = 1.0;      ///< s
-  double input_scale = 1.0;     ///< N m, or N
-  double position_scale = 1.0;  ///< rad, or m
+  double time_scale = 1.0;                  ///< s
+  double input_scale = 1.0;                 ///< N m, or N
+  double position_scale = 1.0;              ///< rad, or m
+  InputActs input_acts = InputActs::after;  ///< the interval in which the input of a row acts
 };
 
 /// The three columns, all with the same rows.

@@ -133,7 +133,7 @@ std::vector<MetricDefinition> RecordedEstimation::metric_definitions() const {
 Fields RecordedEstimation::fields() {
   Fields fields;
   fields.file("csv.file", file_, "table of times, inputs and positions (--csv FILE)");
-  bind_record_format(fields, format_, input_acts_);
+  bind_record_format(fields, format_);
   fields.number("csv.time_std_s", time_std_s_, not_negative(),
                 "standard deviation of the error of the times [s]");
   fields.standard("csv.time_std_s", {0.0});
@@ -268,7 +268,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   InnovationStatistics statistics(sensor_std());
   RecordIntervals intervals({.times_s = record_.times_s,
                              .inputs = record_.inputs,
-                             .inputs_act_before = input_acts_ == InputActs::before,
+                             .inputs_act_before = format_.input_acts == InputActs::before,
                              .period_s = timing_.period_s,
                              .gap_periods = gap_periods_,
                              .instant_std_s = time_std_s_,
@@ -331,7 +331,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   return recording;
 }
 
-void bind_record_format(Fields& fields, RecordFormat& format, InputActs& input_acts) {
+void bind_record_format(Fields& fields, RecordFormat& format) {
   fields.text("csv.time_column", format.time_column, "name of the column of times");
   fields.text("csv.input_column", format.input_column, "name of the column of inputs u");
   fields.text("csv.position_column", format.position_column, "name of the column of positions y");
@@ -345,7 +345,7 @@ void bind_record_format(Fields& fields, RecordFormat& format, InputActs& input_a
                 "unit of the column u in N m or N, with sign: a torque constant, for example");
   fields.number("csv.position_scale", format.position_scale, any(),
                 "unit of the column y in rad or m, with sign");
-  fields.choice("csv.input_acts", input_acts,
+  fields.choice("csv.input_acts", format.input_acts,
                 {{"after", InputActs::after}, {"before", InputActs::before}},
                 "interval in which u of a row acts: after the row, or before it");
 }

@@ -16,10 +16,8 @@
 
 namespace breakwater {
 
-enum class InputActs { after, before };
-
 /// csv.time_column, …, csv.input_acts.
-void bind_record_format(Fields& fields, RecordFormat& format, InputActs& input_acts);
+void bind_record_format(Fields& fields, RecordFormat& format);
 
 /// Refuses scales of 0.
 void check_record_format(const Config& config);
@@ -96,7 +94,6 @@ class RecordedEstimation final : public Scenario {
   std::string file_;
   RecordFormat format_;
   double time_std_s_ = 0.0;
-  InputActs input_acts_ = InputActs::after;
   double period_s_ = 0.0;
   double gap_periods_ = 0.0;
   double longest_gap_s_ = 0.0;
