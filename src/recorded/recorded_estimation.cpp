@@ -29,39 +29,36 @@ double largest_mean(double n) {
   return root * root * root;
 }
 
+// Compares innovations e with R = Δ²/12 + σ², the variance of the sensor's error, plus that of the
+// error of the instant. An encoder that truncates has Δ²/3. Estimators' variances have no common
+// unit.
+//
+// With a correct model and a small error of the estimator, e²/R is chi-square distributed. A value
+// above 15.1, the 99.99 % quantile, is unexplained. It counts as 15.1 in the mean, so that a step
+// of the disturbance does not dominate a record. Rounding alone gives no such value: the
+// prediction and the code then differ by at most a count, so e² ≤ 12 R.
+struct InnovationStatistics {
+  double variance;  // that of SensorError; 0: unknown
+  double count = 0.0;
+  double unexplained = 0.0;
+  double squares = 0.0;
+  double normalised = 0.0;  // the sum of e²/R
+  double products = 0.0;    // the sum of e times the last e
+  double last = 0.0;        // 0 after a restart
+
+  // `instant_error` is the speed of the output times the standard deviation of the instant.
+  void add(double innovation, double instant_error) {
+    const double square = innovation * innovation, R = variance + instant_error * instant_error;
+    count += 1.0;
+    squares += square;
+    if (R > 0.0) normalised += std::min(square / R, kExplained);
+    if (square > kExplained * R) unexplained += 1.0;
+    products += innovation * last;
+    last = innovation;
+  }
+};
+
 }  // namespace
-
-void InnovationStatistics::add(double innovation, double instant_error) {
-  ++count_;
-  const double square = innovation * innovation;
-  const double R = variance_ + instant_error * instant_error;
-  squares_ += square;
-  if (R > 0.0) normalised_ += std::min(square / R, kExplained);
-  if (square > kExplained * R) ++unexplained_;
-  if (has_last_) products_ += innovation * last_;
-  last_ = innovation;
-  has_last_ = true;
-}
-
-std::optional<double> InnovationStatistics::rms() const {
-  if (count_ == 0) return std::nullopt;
-  return std::sqrt(squares_ / static_cast<double>(count_));
-}
-
-std::optional<double> InnovationStatistics::normalised_square() const {
-  if (count_ == 0 || variance_ == 0.0) return std::nullopt;
-  return normalised_ / static_cast<double>(count_);
-}
-
-std::optional<double> InnovationStatistics::unexplained_share() const {
-  if (count_ == 0 || variance_ == 0.0) return std::nullopt;
-  return static_cast<double>(unexplained_) / static_cast<double>(count_);
-}
-
-std::optional<double> InnovationStatistics::correlation() const {
-  if (squares_ == 0.0) return std::nullopt;
-  return products_ / squares_;
-}
 
 std::optional<std::string> doubt_of(const Recording& recording) {
   // A prediction with an error as large as that of the code doubles the mean from 1 to 2.
@@ -265,7 +262,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   Track log("control", std::move(signals), rows);
   StateHash hash;
   SampleStatistics d;
-  InnovationStatistics statistics(sensor_std());
+  InnovationStatistics innovations{sensor_std() * sensor_std()};
   RecordIntervals intervals({.times_s = record_.times_s,
                              .inputs = record_.inputs,
                              .inputs_act_before = format_.input_acts == InputActs::before,
@@ -290,7 +287,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
     raw_velocity = starts ? 0.0 : (y(0) - position) / (time_s - record_.times_s[k - 1]);
     if (starts) {
       stretch += 1.0;
-      statistics.interrupt();
+      innovations.last = 0.0;
       start(0) = y(0);
       estimator->reset(start);
     } else if (is_followed) {
@@ -305,7 +302,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
     hash.update(estimates);
     d.add(estimates[2]);
     if (!innovation.empty() && !starts) {
-      statistics.add(innovation.front(), estimates[1] * time_std_s_);
+      innovations.add(innovation.front(), estimates[1] * time_std_s_);
     }
   }
 
@@ -324,10 +321,15 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   add(metrics, "gap_count", "1", static_cast<double>(timing_.gaps.size()));
   add(metrics, with("mean_disturbance", units.force_suffix), units.force, d.mean());
   add(metrics, with("std_disturbance", units.force_suffix), units.force, d.standard_deviation());
-  add(metrics, with("rms_innovation", units.position_suffix), units.position, statistics.rms());
-  add(metrics, "innovation_correlation_1", "1", statistics.correlation());
-  add(metrics, "normalised_innovation_squared", "1", statistics.normalised_square());
-  add(metrics, "unexplained_share", "1", statistics.unexplained_share());
+  // Without innovations these are NaN, and are left out.
+  const auto& [variance, count, unexplained, squares, normalised, products, last] = innovations;
+  add(metrics, with("rms_innovation", units.position_suffix), units.position,
+      std::sqrt(squares / count));
+  add(metrics, "innovation_correlation_1", "1", products / squares);
+  if (variance > 0.0) {
+    add(metrics, "normalised_innovation_squared", "1", normalised / count);
+    add(metrics, "unexplained_share", "1", unexplained / count);
+  }
   return recording;
 }
 
