@@ -95,41 +95,23 @@ struct Row {
   std::size_t line;
 };
 
-// Counts a repair, and remembers its first line.
-class Count {
- public:
-  void add(std::size_t line) {
-    if (count_++ == 0) line_ = line;
-  }
-  std::size_t count() const { return count_; }
-  // Adds "3 rows WHAT (the first in line 7)".
-  void report(std::vector<std::string>& repairs, const std::string& thing,
-              const std::string& what) const {
-    if (count_ == 0) return;
-    repairs.push_back(fmt::format("{} {} ({} line {})", number_of(count_, thing), what,
-                                  count_ == 1 ? "in" : "the first in", line_));
-  }
-
- private:
-  std::size_t count_ = 0;
-  std::size_t line_ = 0;
-};
+using Lines = std::vector<std::size_t>;  // where the repaired rows are in the file
 
 class Repair {
  public:
   Repair(const std::string& file, const ColumnTable& table, const std::string& time_column)
       : file_(file), time_column_(time_column) {
-    Count without_time;
+    Lines without_time;
     for (std::size_t k = 0; k < table.rows(); ++k) {
       const Row row{table.columns[0][k], table.columns[1][k], table.columns[2][k], table.lines[k]};
       if (std::isnan(row.time)) {
-        without_time.add(row.line);
+        without_time.push_back(row.line);
       } else {
         rows_.push_back(row);
       }
     }
     if (table.has_torn_end) repairs_.emplace_back("the last line is not whole and was left out");
-    without_time.report(repairs_, "row", "without a time left out");
+    report(without_time, "row", "without a time left out");
   }
 
   RecordedAxis result() {
@@ -157,6 +139,13 @@ class Repair {
   }
 
  private:
+  // Adds "3 rows WHAT (the first in line 7)".
+  void report(const Lines& lines, const std::string& thing, const std::string& what) {
+    if (lines.empty()) return;
+    repairs_.push_back(fmt::format("{} {} ({} line {})", number_of(lines.size(), thing), what,
+                                   lines.size() == 1 ? "in" : "the first in", lines.front()));
+  }
+
   void require_rows() const {
     if (rows_.size() < 2) {
       throw std::invalid_argument(file_ + ": has fewer than two rows with different times");
@@ -169,13 +158,13 @@ class Repair {
 
   void sort() {
     const std::size_t farthest = std::clamp<std::size_t>(rows_.size() / 10, 1, kFarthestRows);
-    Count late;
+    Lines late;
     double latest = rows_.front().time;
     for (const Row& row : rows_) {
-      if (row.time < latest) late.add(row.line);
+      if (row.time < latest) late.push_back(row.line);
       latest = std::max(latest, row.time);
     }
-    if (late.count() == 0) return;
+    if (late.empty()) return;
     std::vector<std::size_t> order(rows_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
@@ -192,31 +181,31 @@ class Repair {
       }
     }
     rows_ = std::move(sorted);
-    late.report(repairs_, "row", "out of order sorted");
+    report(late, "row", "out of order sorted");
   }
 
   void treat_repeated_times() {
-    Count repeated;
+    Lines repeated;
     std::size_t same = 0;
     for (std::size_t k = 1; k < rows_.size(); ++k) {
       if (rows_[k].time > rows_[k - 1].time) continue;
-      repeated.add(rows_[k].line);
+      repeated.push_back(rows_[k].line);
       if (rows_[k].input == rows_[k - 1].input && rows_[k].position == rows_[k - 1].position) {
         ++same;
       }
     }
-    if (repeated.count() == 0) return;
+    if (repeated.empty()) return;
     // Rows that are written twice have the same values, too.
-    if (is_many(repeated.count()) && 10 * same < 9 * repeated.count() &&
+    if (is_many(repeated.size()) && 10 * same < 9 * repeated.size() &&
         rows_.back().time > rows_.front().time) {
       spread();
-      repeated.report(repairs_, "time", "of a coarse clock spread evenly");
+      report(repeated, "time", "of a coarse clock spread evenly");
       return;
     }
     rows_.erase(std::unique(rows_.begin(), rows_.end(),
                             [](const Row& a, const Row& b) { return b.time <= a.time; }),
                 rows_.end());
-    repeated.report(repairs_, "row", "with a repeated time left out");
+    report(repeated, "row", "with a repeated time left out");
   }
 
   // The rows of one stamp share the time until the next stamp.
@@ -239,18 +228,18 @@ class Repair {
   }
 
   void fill_inputs() {
-    Count missing;
+    Lines missing;
     std::optional<std::size_t> first;
     for (std::size_t k = 0; k < rows_.size(); ++k) {
       if (std::isnan(rows_[k].input)) {
-        missing.add(rows_[k].line);
+        missing.push_back(rows_[k].line);
       } else if (!first) {
         first = k;
       }
     }
-    if (missing.count() == 0) return;
+    if (missing.empty()) return;
     if (!first) throw std::invalid_argument(file_ + ": no row has an input");
-    const bool is_held = is_many(missing.count());
+    const bool is_held = is_many(missing.size());
     std::size_t next = 0;  // the next row with an input
     for (std::size_t k = 0; k < rows_.size(); ++k) {
       if (!std::isnan(rows_[k].input)) continue;
@@ -266,21 +255,21 @@ class Repair {
         rows_[k].input = rows_[k - 1].input + share * (rows_[next].input - rows_[k - 1].input);
       }
     }
-    missing.report(
-        repairs_, "input",
+    report(
+        missing, "input",
         is_held ? "missing: the input has a lower rate and was held" : "missing and interpolated");
   }
 
   void take_positions() {
-    Count missing;
+    Lines missing;
     for (const Row& row : rows_) {
-      if (std::isnan(row.position)) missing.add(row.line);
+      if (std::isnan(row.position)) missing.push_back(row.line);
     }
-    if (missing.count() == 0) return;
-    if (missing.count() == rows_.size()) {
+    if (missing.empty()) return;
+    if (missing.size() == rows_.size()) {
       throw std::invalid_argument(file_ + ": no row has a position");
     }
-    const bool is_rate = is_many(missing.count());
+    const bool is_rate = is_many(missing.size());
     std::vector<Row> kept;
     for (std::size_t k = 0; k < rows_.size();) {
       std::size_t next = k + 1;
@@ -292,10 +281,10 @@ class Repair {
       k = next;
     }
     rows_ = std::move(kept);
-    missing.report(repairs_, "row",
-                   is_rate ? "without a position left out: the position has a lower rate, and the "
-                             "input became its mean"
-                           : "without a position left out");
+    report(missing, "row",
+           is_rate ? "without a position left out: the position has a lower rate, and the "
+                     "input became its mean"
+                   : "without a position left out");
   }
 
   // The mean of the held inputs from row `from` to row `to`.
@@ -337,17 +326,17 @@ class Repair {
     for (const std::size_t k : jumps_) {
       if (std::abs(rows_[k].position) > std::max(normal, std::abs(motion(k)))) return;
     }
-    Count count;
+    Lines resets;
     double missing = 0.0;
     for (std::size_t k = 1; k < rows_.size(); ++k) {
       if (is_jump(k)) {
         const double last = k > 1 ? step(k - 1) : 0.0;
         missing = rows_[k - 1].position + last - rows_[k].position;
-        count.add(rows_[k].line);
+        resets.push_back(rows_[k].line);
       }
       rows_[k].position += missing;
     }
-    count.report(repairs_, "reset", "of the counter to 0 undone");
+    report(resets, "reset", "of the counter to 0 undone");
   }
 
   // A counter that wraps jumps by its range, whenever it leaves it. One that is reset jumps to 0
@@ -397,18 +386,18 @@ class Repair {
         (!has_ends || std::all_of(jumps_.begin(), jumps_.end(),
                                   [&](std::size_t k) { return motion(k) * step(k) < 0.0; }));
     if (!is_wrap) return continue_after_resets(normal);
-    Count wraps;
+    Lines wraps;
     double turns = 0.0;
     std::vector<double> signs(rows_.size(), 0.0);
     for (const std::size_t k : jumps_) {
       signs[k] = step(k) > 0.0 ? -1.0 : 1.0;
-      wraps.add(rows_[k].line);
+      wraps.push_back(rows_[k].line);
     }
     for (std::size_t k = 0; k < rows_.size(); ++k) {
       turns += signs[k];
       rows_[k].position += turns * wrap;
     }
-    wraps.report(repairs_, "wrap", fmt::format("of a counter of {:.10g} unwrapped", wrap));
+    report(wraps, "wrap", fmt::format("of a counter of {:.10g} unwrapped", wrap));
   }
 
   // How far steps are from the motion beside them, of all but the jumps.
@@ -445,12 +434,12 @@ class Repair {
           jumps_[i + 1] == jumps_[i] + 1 && step(jumps_[i]) * step(jumps_[i + 1]) < 0.0;
       if (!is_pair) return false;
     }
-    Count wrong;
-    for (std::size_t i = 0; i < jumps_.size(); i += 2) wrong.add(rows_[jumps_[i]].line);
+    Lines wrong;
+    for (std::size_t i = 0; i < jumps_.size(); i += 2) wrong.push_back(rows_[jumps_[i]].line);
     for (std::size_t i = jumps_.size(); i >= 2; i -= 2) {
       rows_.erase(rows_.begin() + static_cast<std::ptrdiff_t>(jumps_[i - 2]));
     }
-    wrong.report(repairs_, "row", "with a position far from both neighbours left out");
+    report(wrong, "row", "with a position far from both neighbours left out");
     return true;
   }
 
