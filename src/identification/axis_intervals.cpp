@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <boost/math/statistics/linear_regression.hpp>
 #include <cmath>
 #include <limits>
 
@@ -158,23 +159,15 @@ bool are_multiples(std::span<const double> times_s, double step) {
 bool is_regular(std::span<const double> times_s, double step) {
   const std::vector<double> times(times_s.begin(), times_s.end());
   const double period_s = timing_of(times, 0.0, 1.5, 0.1).period_s;
-  std::vector<double> ticks = {0.0};
-  double n_sum = 0.0, t_sum = 0.0, squares = 0.0, products = 0.0;
+  std::vector<double> ticks = {0.0}, passed_s = {0.0};
   for (std::size_t k = 1; k < times.size(); ++k) {
-    const double n = ticks.back() + std::round((times[k] - times[k - 1]) / period_s);
-    const double t = times[k] - times.front();
-    ticks.push_back(n);
-    n_sum += n;
-    t_sum += t;
-    squares += n * n;
-    products += n * t;
+    ticks.push_back(ticks.back() + std::round((times[k] - times[k - 1]) / period_s));
+    passed_s.push_back(times[k] - times.front());
   }
-  const auto rows = static_cast<double>(times.size());
-  const double slope = (rows * products - n_sum * t_sum) / (rows * squares - n_sum * n_sum);
-  const double first = (t_sum - slope * n_sum) / rows;
+  const auto [first_s, tick_s] =
+      boost::math::statistics::simple_ordinary_least_squares(ticks, passed_s);
   for (std::size_t k = 0; k < times.size(); ++k) {
-    if (std::abs(times[k] - times.front() - first - slope * ticks[k]) > kHalfStep * step)
-      return false;
+    if (std::abs(passed_s[k] - first_s - tick_s * ticks[k]) > kHalfStep * step) return false;
   }
   return true;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/statistics/linear_regression.hpp>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -67,17 +68,12 @@ double encoder_quantum(std::span<const double> positions) {
   std::sort(differences.begin(), differences.end());
   for (double quantum : guesses_of(differences)) {
     if (!explains(differences, quantum)) continue;
-    double n = 0.0, n_sum = 0.0, n_squares = 0.0, y_sum = 0.0, products = 0.0;
-    for (std::size_t k = 0; k < positions.size(); ++k) {
-      const double y = positions[k] - positions.front();
-      if (k > 0) n += std::round((positions[k] - positions[k - 1]) / quantum);
-      n_sum += n;
-      n_squares += n * n;
-      y_sum += y;
-      products += n * y;
+    std::vector<double> counts = {0.0}, moved = {0.0};
+    for (std::size_t k = 1; k < positions.size(); ++k) {
+      counts.push_back(counts.back() + std::round((positions[k] - positions[k - 1]) / quantum));
+      moved.push_back(positions[k] - positions.front());
     }
-    const auto rows = static_cast<double>(positions.size());
-    return (rows * products - n_sum * y_sum) / (rows * n_squares - n_sum * n_sum);
+    return boost::math::statistics::simple_ordinary_least_squares(counts, moved).second;
   }
   return 0.0;
 }
