@@ -69,7 +69,11 @@ class Problem {
         has_fine_differences_(has_fine_differences),
         scales_(parameter_scales(data)),
         free_(listed(free)) {
-    for (const AxisStretch& stretch : data.stretches) drifts_ += stretch.drifts.cols();
+    for (std::size_t s = 0; s < data.stretches.size(); ++s) {
+      const Eigen::Index count = data.stretches[s].drifts.cols();
+      drifts_ += count;
+      if (base_.starts[s].drifts.size() != count) base_.starts[s].drifts.setZero(count);
+    }
     const double speed = scales_[kOffset] / scales_[kViscous];
     start_scales_ = {speed * data.period_s, speed};
     centre_ = unknowns();
@@ -86,45 +90,21 @@ class Problem {
   Eigen::VectorXd unknowns() const {
     Eigen::VectorXd x(NumParameters());
     Eigen::Index n = 0;
-    for (const AxisParameter i : free_) {
-      x(n++) = is_logarithmic(i) ? math::log(base_.values[i]) : base_.values[i] / scales_[i];
-    }
-    for (const AxisStart& start : base_.starts) {
-      for (std::size_t i = 0; i < data_.model->start_values; ++i) {
-        x(n++) = start.*kStartParts[i] / start_scales_[i % kPlainStart];
-      }
-    }
-    for (std::size_t s = 0; s < base_.starts.size(); ++s) {
-      const Eigen::Index count = data_.stretches[s].drifts.cols();
-      if (base_.starts[s].drifts.size() == count) {
-        x.segment(n, count) = base_.starts[s].drifts;
-      } else {
-        x.segment(n, count).setZero();
-      }
-      n += count;
-    }
+    for_unknowns(base_, [&](double value, ParameterScale how, double scale) {
+      x(n++) = how == ParameterScale::logarithmic ? math::log(value) : value / scale;
+    });
     return x;
   }
 
   AxisFit fit_of(const double* x) const {
     AxisFit fit = base_;
-    for (const AxisParameter i : free_) {
-      const double value = is_logarithmic(i) ? math::exp(*x) : *x * scales_[i];
-      fit.values[i] = is_positive(i) ? std::abs(value) : value;
-      if (i == kDelay)
-        fit.values[i] = std::clamp(value, data_.least_delay_s, data_.largest_delay_s);
+    for_unknowns(fit, [&](double& value, ParameterScale how, double scale) {
+      value = how == ParameterScale::logarithmic ? math::exp(*x) : *x * scale;
+      if (how == ParameterScale::positive) value = std::abs(value);
       ++x;
-    }
-    for (AxisStart& start : fit.starts) {
-      for (std::size_t i = 0; i < data_.model->start_values; ++i) {
-        start.*kStartParts[i] = *x++ * start_scales_[i % kPlainStart];
-      }
-    }
-    for (std::size_t s = 0; s < fit.starts.size(); ++s) {
-      const Eigen::Index count = data_.stretches[s].drifts.cols();
-      fit.starts[s].drifts = Eigen::Map<const Eigen::VectorXd>(x, count);
-      x += count;
-    }
+    });
+    double& delay_s = fit.values[kDelay];
+    delay_s = std::clamp(delay_s, data_.least_delay_s, data_.largest_delay_s);
     return fit;
   }
 
@@ -153,44 +133,48 @@ class Problem {
     if (jacobian == nullptr) return true;
     Eigen::Map<Eigen::MatrixXd> J(jacobian, NumResiduals(), NumParameters());
     J.setZero();
-    // NOLINTNEXTLINE(readability-suspicious-call-argument): `free` is rows and columns
-    J.block(rows, 0, free, free).diagonal().setConstant(1.0 / prior_std_);
-    for (Eigen::Index column = 0; column < free; ++column) {
-      J.col(column).head(rows) = slopes.cwiseProduct(derivatives(x, positions, column, column + 1));
+    Eigen::MatrixXd by_parameter(rows, free), by_start(rows, width);
+    for (Eigen::Index i = 0; i < free; ++i) {
+      by_parameter.col(i) = derivatives(x, positions, i, i + 1);
     }
     // A start acts on its stretch alone. The motion does not depend on the position.
-    for (Eigen::Index part = 0; part < width; ++part) {
-      const Eigen::VectorXd all = part == 0 ? Eigen::VectorXd::Constant(rows, start_scales_[0])
-                                            : derivatives(x, positions, free + part, first_drift());
-      Eigen::Index top = 0, column = free + part;
-      for (const AxisStretch& stretch : data_.stretches) {
-        const Eigen::Index count = std::ssize(stretch.positions);
-        J.col(column).segment(top, count) =
-            slopes.segment(top, count).cwiseProduct(all.segment(top, count));
-        top += count;
-        column += width;
-      }
+    by_start.col(0).setConstant(start_scales_[0]);
+    for (Eigen::Index i = 1; i < width; ++i) {
+      by_start.col(i) = derivatives(x, positions, free + i, first_drift());
     }
-    // The prior's rows have the order of the starts.
-    row = rows + free;
-    for (Eigen::Index s = free; s < first_drift(); s += width) {
-      for (Eigen::Index i = kPlainStart; i < width; ++i) J(row++, s + i) = 1.0 / kPriorStd;
-    }
-    J.bottomRightCorner(drifts_, drifts_).setIdentity();
-    Eigen::Index top = 0, left = first_drift();
+    Eigen::Index top = 0, column = free, drift = first_drift();
+    row = rows + free;  // the prior's rows have the order of the starts
     for (const AxisStretch& stretch : data_.stretches) {
       const Eigen::Index count = std::ssize(stretch.positions), drifts = stretch.drifts.cols();
-      if (drifts > 0) {
-        J.block(top, left, count, drifts) =
-            slopes.segment(top, count).asDiagonal() * stretch.drifts;
-      }
+      const auto slope = slopes.segment(top, count).asDiagonal();
+      J.block(top, 0, count, free) = slope * by_parameter.middleRows(top, count);
+      J.block(top, column, count, width) = slope * by_start.middleRows(top, count);
+      if (drifts > 0) J.block(top, drift, count, drifts) = slope * stretch.drifts;
+      for (Eigen::Index i = kPlainStart; i < width; ++i) J(row++, column + i) = 1.0 / kPriorStd;
       top += count;
-      left += drifts;
+      column += width;
+      drift += drifts;
     }
+    // NOLINTNEXTLINE(readability-suspicious-call-argument): `free` is rows and columns
+    J.block(rows, 0, free, free).diagonal().setConstant(1.0 / prior_std_);
+    J.bottomRightCorner(drifts_, drifts_).setIdentity();
     return true;
   }
 
  private:
+  // Calls use(value, how, scale) for the numbers of a fit, in the order of the unknowns.
+  template <typename Fit, typename Use>
+  void for_unknowns(Fit& fit, const Use& use) const {
+    for (const AxisParameter p : free_) use(fit.values[p], known_parameter(p).scale, scales_[p]);
+    for (auto& start : fit.starts) {
+      for (std::size_t i = 0; i < data_.model->start_values; ++i) {
+        use(start.*kStartParts[i], ParameterScale::plain, start_scales_[i % kPlainStart]);
+      }
+    }
+    for (auto& start : fit.starts) {
+      for (auto& size : start.drifts) use(size, ParameterScale::plain, 1.0);
+    }
+  }
   Eigen::Index start_values() const { return static_cast<Eigen::Index>(data_.model->start_values); }
   Eigen::Index first_drift() const {
     return std::ssize(free_) + start_values() * std::ssize(data_.stretches);
