@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/algorithm/string/finder.hpp>
+#include <boost/algorithm/string/iter_find.hpp>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -27,10 +29,10 @@ namespace {
 
 constexpr const char* kTimeBase = "time_s";
 constexpr hsize_t kChunkRows = 8192;
-constexpr std::size_t kLeastMemoryStep = 1 << 16;
+constexpr std::size_t kMemoryStep = 1 << 18;  // by which a file in memory grows: HDF5 clears it
+constexpr std::size_t kFileBytes = 1 << 16;   // the most in a file without datasets
 constexpr std::size_t kHeaderBytes = 2048;    // approximate size of a dataset's header
 constexpr std::size_t kSieveBytes = 1 << 16;  // HDF5 may write so much for one value
-constexpr std::size_t kLargestMemoryStep = 4 << 20;
 constexpr std::size_t kLongestText = 1 << 16;
 // The largest ratio of deflate compression.
 constexpr hsize_t kMostDeflated = 1032;
@@ -218,16 +220,6 @@ Size checked_size(hid_t dataset) {
 // HDF5 may be built without safety for threads, though Debian's has it.
 std::mutex hdf5_in_use;
 
-// The step by which the file in memory grows. HDF5 clears each step: it must not be too large.
-std::size_t memory_step(const std::vector<Track>& tracks) {
-  std::size_t bytes = kLeastMemoryStep;
-  for (const Track& track : tracks) {
-    const std::size_t columns = track.rows() > 0 ? track.row(0).size() : 0;
-    bytes += columns * track.rows() * sizeof(double) + (1 + track.signals()) * kHeaderBytes;
-  }
-  return std::min(bytes, kLargestMemoryStep);
-}
-
 // The bytes of the log. HDF5 does not write the file itself: after a full disk it crashes at exit.
 std::string file_image(const std::string& file, const std::vector<Track>& tracks,
                        int deflate_level) {
@@ -235,7 +227,7 @@ std::string file_image(const std::string& file, const std::vector<Track>& tracks
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
     const Handle in_memory(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    require(H5Pset_fapl_core(in_memory, memory_step(tracks), false));
+    require(H5Pset_fapl_core(in_memory, kMemoryStep, false));
     const Handle handle(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, in_memory), H5Fclose);
     for (const Track& track : tracks) write_track(handle, track, deflate_level);
     require(H5Fflush(handle, H5F_SCOPE_GLOBAL));
@@ -256,7 +248,7 @@ bool is_time_base(const LogEntry& entry) {
 // HDF5 itself writes the headers of a log without values. It crashes at exit after a full disk, so
 // the disk must have room for them, and take a file of the size.
 void reserve_headers(const std::string& file, const std::vector<LogEntry>& datasets) {
-  std::size_t bytes = kLeastMemoryStep, all_bytes = kLeastMemoryStep;
+  std::size_t bytes = kFileBytes, all_bytes = kFileBytes;
   for (const LogEntry& entry : datasets) {
     const std::size_t width = entry.width * sizeof(double);
     bytes += kHeaderBytes + std::min(entry.rows, kSieveBytes / width + 1) * width;
@@ -438,15 +430,8 @@ SignalName signal_name(const std::string& text) {
 }
 
 std::string LogEntry::unit_of(std::size_t index) const {
-  constexpr std::string_view kComma = ", ";
   std::vector<std::string> units;
-  std::size_t from = 0;
-  for (std::size_t comma = unit.find(kComma); comma != std::string::npos;
-       comma = unit.find(kComma, from)) {
-    units.push_back(unit.substr(from, comma - from));
-    from = comma + kComma.size();
-  }
-  units.push_back(unit.substr(from));
+  boost::algorithm::iter_split(units, unit, boost::algorithm::first_finder(", "));
   return units.size() == width && index >= 1 && index <= width ? units[index - 1] : unit;
 }
 
