@@ -74,17 +74,31 @@ std::size_t tests_shown(const Plan& plan, const std::vector<PointResult>& runs) 
   return tests;
 }
 
-// Says so if the second seed gives the runs of the first.
+// Whether another seed changes the runs, and what follows for the seeds of the study. Empty if
+// nothing does.
 std::string seed_warning(const Sweep& sweep, const std::vector<PointResult>& runs) {
-  const std::vector<std::uint64_t>& seeds = sweep.plan().study().seeds;
-  if (seeds.size() < 2 || runs.front().status != PointStatus::complete) return "";
+  const Plan& plan = sweep.plan();
+  if (plan.study().seeds.empty()) return "";
+  const bool is_one = plan.seeds() == 1;
+  std::optional<Sweep> next_seed;
+  if (is_one) next_seed.emplace(sweep.with_next_seed());
+  const Sweep& other = next_seed ? *next_seed : sweep;
+  const std::size_t place = is_one ? 0 : 1;  // where the second seed is
+  const std::uint64_t first = plan.study().seeds[0], second = other.plan().study().seeds[place];
   RunControl control;
   control.stop = &interrupted();
   for (std::size_t c = 0; c < runs.size(); ++c) {
     if (runs[c].status != PointStatus::complete) continue;
-    if (!are_same_run(run_point(runs.size() + c, sweep, control), runs[c])) return "";
+    const PointResult run = run_point(place * runs.size() + c, other, control);
+    if (are_same_run(run, runs[c])) continue;
+    if (!is_one) return "";
+    return fmt::format(
+        "seeds: {} gives another run of {} than {}: one seed is one draw of the "
+        "noise, and more of them show what depends on it",
+        second, plan.candidates()[c].label, first);
   }
-  return fmt::format("seeds: {} and {} give the same runs: {}", seeds[0], seeds[1], kNoNoise);
+  if (is_one || runs.front().status != PointStatus::complete) return "";
+  return fmt::format("seeds: {} and {} give the same runs: {}", first, second, kNoNoise);
 }
 
 // Why the runs, of which some failed, lack a metric, behind "no run has it": they failed, are too

@@ -152,7 +152,7 @@ std::vector<std::string> notes(const Plan& plan, const ShardIndex& index) {
   for (const Candidate& candidate : plan.candidates()) labels.push_back(candidate.label);
   std::vector<std::string> lines = missing_lines(labels, counts, complete);
   if (plan.seeds() == 1 && !plan.study().goals.empty()) {
-    lines.emplace_back("seeds: one, so any noise is one draw of it (two would show noise)");
+    lines.emplace_back("seeds: one, so any noise is one draw of it (--dry-run looks for noise)");
   }
   if (pairs > 0 && different == 0) {
     lines.push_back(

@@ -99,6 +99,12 @@ Sweep::Sweep(const Catalogue& catalogue, Study study) : catalogue_(catalogue) {
   plan_ = std::make_unique<Plan>(completed(std::move(study), *file_));
 }
 
+Sweep Sweep::with_next_seed() const {
+  Study study = plan_->study();
+  study.seeds = {study.seeds.front() + 1};
+  return {catalogue_, std::move(study)};
+}
+
 PreparedRun Sweep::prepare(const StudyPoint& point,
                            const std::shared_ptr<BoundCases>& bound) const {
   return prepare_point(catalogue_, plan_->study().scenario, *file_,

@@ -32,6 +32,9 @@ class Sweep : public PointSource {
   const Plan& plan() const { return *plan_; }
   const ScenarioFile& file() const { return *file_; }
 
+  /// The same study with one seed, the one after its first.
+  Sweep with_next_seed() const;
+
   /// Prepares the plan's probes, so that no run begins if a value is wrong. Returns one line per
   /// ineffective key. Throws std::invalid_argument for the first mistake.
   std::vector<std::string> check() const;
