@@ -110,10 +110,6 @@ void default_is(Fields& fields, const char* key, const std::string& present) {
 
 void MetricRow::bind(Fields& fields, const std::vector<MetricKind>& kinds) {
   const Fields::Under under(fields, prefix());
-  const auto text_key = [&](const char* key, std::string& target, const char* doc) {
-    fields.text(key, target, doc);
-    fields.standard(key, {target});
-  };
   const auto number_key = [&](const char* key, std::string& target, const char* doc) {
     fields.number_or_text(key, target, doc);
     fields.standard(key, {target});
@@ -122,7 +118,7 @@ void MetricRow::bind(Fields& fields, const std::vector<MetricKind>& kinds) {
               "signal of the log, with a number in square brackets for one of its values. "
               "relative_rms: two, with a comma between them");
   default_is(fields, "of", of);
-  text_key("minus", minus, "signal that is subtracted from it; none: nothing");
+  fields.optional_text("minus", minus, "signal that is subtracted from it; none: nothing");
   if (!is_signal) {
     std::vector<std::pair<std::string, std::string>> names;
     std::vector<std::string> with_level;
@@ -149,30 +145,29 @@ void MetricRow::bind(Fields& fields, const std::vector<MetricKind>& kinds) {
   }
   std::vector<std::pair<std::string, Taken>> takings;
   for (const Taking& one : kTakings) takings.emplace_back(one.name, one.take);
-  fields.choice(
+  fields.optional_choice(
       "take", take, takings,
       "value that is taken from the signal, before minus. difference: to the last sample (of a "
       "contact's force the last physics step), divided by the time between; largest, largest_size "
       "(magnitude), norm: of several values");
-  fields.standard("take", {std::string("value")});
   if (!is_signal) {
-    fields.choice(
+    fields.optional_choice(
         "at", at,
         {{"auto", MetricRate::by_signal},
          {"sample", MetricRate::sample},
          {"step", MetricRate::step}},
         "take the values at each sample or at each physics step; auto: a contact's force at each "
         "step");
-    fields.standard("at", {std::string("auto")});
-    text_key("where", where,
-             "conditions without which the metric is absent, with and between them: KEY is VALUE "
-             "or VALUE, SIGNAL is there, TIME is reached");
-    text_key("name", name, "name of the metric, if it is not that of the table");
-    text_key("unit", unit, "unit; without it, that of the signal is added to the name");
+    fields.optional_text(
+        "where", where,
+        "conditions without which the metric is absent, with and between them: KEY is VALUE "
+        "or VALUE, SIGNAL is there, TIME is reached");
+    fields.optional_text("name", name, "name of the metric, if it is not that of the table");
+    fields.optional_text("unit", unit, "unit; without it, that of the signal is added to the name");
   }
   const char* const meaning = is_signal ? "meaning of the signal, for the log"
                                         : "meaning of the metric, one sentence without a full stop";
-  text_key("text", text, meaning);
+  fields.optional_text("text", text, meaning);
   if (!is_signal) {
     fields.optional_count("rank", rank, between(0, 1000),
                           "place among the main metrics, from 1 on; 0: it is none of them");
@@ -337,17 +332,20 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const MetricRow& row = rows_[i];
     const Config own = config.under(row.prefix());
+    const auto read = [&](const char* key, const std::string& text) {
+      return own.blame(key, [&] { return MetricExpression(text, number, events); });
+    };
     const auto parse = [&](const char* key, const std::string& text) {
-      auto read = own.blame(key, [&] { return MetricExpression(text, number, events); });
-      const bool is_number = text.find_first_not_of("+-.0123456789e") == std::string::npos;
-      if (is_number && read.value() < 0.0) own.fail(key, "must be 0 or more, is " + text);
-      return read;
+      auto expression = read(key, text);
+      if (number_in(text) && expression.value() < 0.0) {
+        own.fail(key, "must be 0 or more, is " + text);
+      }
+      return expression;
     };
     const MetricExpression from = parse("from_s", row.from_s), to = parse("to_s", row.to_s);
     const MetricExpression before = parse("before_s", row.before_s);
-    own.blame("level", [&] { MetricExpression(row.level, number, events); });
-    own.blame("lower", [&] { MetricExpression(row.lower, number, events); });
-    if (kind_of(row).name != "time_outside") parse("level", row.level);
+    kind_of(row).name == "time_outside" ? read("level", row.level) : parse("level", row.level);
+    read("lower", row.lower);
     for (const auto& [end, time] : {std::pair(row.to_s, to), std::pair(row.before_s, before)}) {
       if (numbers_.contains(row.from_s) && numbers_.contains(end) && time.value() <= from.value()) {
         config.fail(end, "must be later than " + row.from_s);
@@ -366,8 +364,7 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
     for (const std::string& condition : conditions_of(row)) {
       if (condition.ends_with(kIsThere)) continue;
       if (condition.ends_with(kIsReached)) {
-        own.blame("where",
-                  [&] { MetricExpression(without_end(condition, kIsReached), number, events); });
+        read("where", without_end(condition, kIsReached));
         continue;
       }
       const std::vector<std::string> parts = split(condition, " is ");
