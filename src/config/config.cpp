@@ -37,6 +37,22 @@ ConfigValue convert(const toml::node& node, const std::string& origin) {
   throw std::invalid_argument(origin + ": dates and tables in arrays are not used here");
 }
 
+std::string text_of(const ConfigValue& value, bool is_toml) {
+  if (const auto* yes = std::get_if<bool>(&value.data)) return *yes ? "true" : "false";
+  if (const auto* count = std::get_if<std::int64_t>(&value.data)) return std::to_string(*count);
+  if (const auto* number = std::get_if<double>(&value.data)) {
+    return is_toml ? toml_number(*number) : fmt::format("{}", *number + 0.0);
+  }
+  if (const auto* text = std::get_if<std::string>(&value.data)) {
+    return is_toml ? toml_string(*text) : *text;
+  }
+  std::vector<std::string> all;
+  for (const ConfigValue& one : std::get<ConfigValue::Array>(value.data)) {
+    all.push_back(text_of(one, is_toml));
+  }
+  return fmt::format("[{}]", fmt::join(all, ", "));
+}
+
 // Returns the element that `key` names. `value` is the value of the whole key.
 ConfigValue& element_of(ConfigValue& value, const std::string& key) {
   ConfigValue* found = &value;
@@ -164,6 +180,14 @@ Aliases read_aliases(const TomlEntry& alias) {
 }
 
 }  // namespace
+
+std::string toml_value(const ConfigValue& value) {
+  return text_of(value, true);
+}
+
+std::string short_value(const ConfigValue& value) {
+  return text_of(value, false);
+}
 
 std::string whole_key(const std::string& key) {
   return key.substr(0, key.find('['));

@@ -24,6 +24,11 @@ struct ConfigValue {
   std::variant<bool, std::int64_t, double, std::string, Array> data;
 };
 
+/// The value as TOML.
+std::string toml_value(const ConfigValue& value);
+/// The value as a user writes it: without quotes, and equal numbers alike (1, 1.0; -0, 0).
+std::string short_value(const ConfigValue& value);
+
 inline constexpr const char* kSetOrigin = "--set";
 
 /// A value and where it was written.

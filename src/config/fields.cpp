@@ -78,16 +78,10 @@ std::string table_of(const std::string& key) {
 }
 
 std::string describe(const ConfigValue& value) {
-  struct Visitor {
-    std::string operator()(bool b) const { return b ? "true" : "false"; }
-    std::string operator()(std::int64_t i) const { return std::to_string(i); }
-    std::string operator()(double d) const { return fmt::format("{}", d); }
-    std::string operator()(const std::string& s) const {
-      return s.size() <= kLongestValue ? toml_string(s) : "a long text";
-    }
-    std::string operator()(const ConfigValue::Array&) const { return "an array"; }
-  };
-  return std::visit(Visitor{}, value.data);
+  if (std::holds_alternative<ConfigValue::Array>(value.data)) return "an array";
+  const auto* text = std::get_if<std::string>(&value.data);
+  if (text == nullptr) return short_value(value);
+  return text->size() <= kLongestValue ? toml_string(*text) : "a long text";
 }
 
 Error read_number(const ConfigValue& value, const Range& range, double& target) {

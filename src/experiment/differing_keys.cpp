@@ -17,28 +17,11 @@ namespace {
 constexpr std::size_t kMostKeysInLabel = 3;
 const std::string kAbsent = "–";
 
-// The value as a user writes it. Different numbers have different texts, but 1, 1.0 and -0, 0 the
-// same.
-std::string text_of(const ConfigValue& value) {
-  struct Print {
-    std::string operator()(bool yes) const { return yes ? "true" : "false"; }
-    std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
-    std::string operator()(double number) const { return fmt::format("{}", number + 0.0); }
-    std::string operator()(const std::string& text) const { return text; }
-    std::string operator()(const ConfigValue::Array& values) const {
-      std::vector<std::string> all;
-      for (const ConfigValue& one : values) all.push_back(text_of(one));
-      return fmt::format("[{}]", fmt::join(all, ", "));
-    }
-  };
-  return std::visit(Print{}, value.data);
-}
-
 bool are_same(const ConfigValue& a, const ConfigValue& b) {
   const auto is_text = [](const ConfigValue& value) {
     return std::holds_alternative<std::string>(value.data);
   };
-  return text_of(a) == text_of(b) && is_text(a) == is_text(b);
+  return short_value(a) == short_value(b) && is_text(a) == is_text(b);
 }
 
 Config config_of(const fs::path& folder, const std::string& scenario,
@@ -91,7 +74,7 @@ std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const fs::path&
     for (const auto& [key, entry] : own.entries()) {
       const ConfigEntry* other = shipped.find(key);
       if (other == nullptr || are_same(entry.value, other->value)) continue;
-      changed.push_back({key, text_of(entry.value), text_of(other->value)});
+      changed.push_back({key, short_value(entry.value), short_value(other->value)});
     }
   } catch (const std::invalid_argument&) {
     changed.clear();  // the run may be of another version
@@ -129,7 +112,7 @@ std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs) {
     DifferingKey row{key, {}};
     for (const Config& config : configs) {
       const ConfigEntry* entry = config.find(key);
-      row.values.push_back(entry == nullptr ? kAbsent : text_of(entry->value));
+      row.values.push_back(entry == nullptr ? kAbsent : short_value(entry->value));
     }
     differing.push_back(row);
   }

@@ -36,18 +36,6 @@ struct Arguments {
   bool quiet = false;
 };
 
-std::string toml_value(const ConfigValue& value) {
-  if (const auto* number = std::get_if<double>(&value.data)) return toml_number(*number);
-  if (const auto* count = std::get_if<std::int64_t>(&value.data)) return fmt::format("{}", *count);
-  if (const auto* flag = std::get_if<bool>(&value.data)) return *flag ? "true" : "false";
-  if (const auto* text = std::get_if<std::string>(&value.data)) return toml_string(*text);
-  std::vector<std::string> values;
-  for (const ConfigValue& one : std::get<ConfigValue::Array>(value.data)) {
-    values.push_back(toml_value(one));
-  }
-  return fmt::format("[{}]", fmt::join(values, ", "));
-}
-
 // The file, the case and the sets of the arguments.
 struct Request {
   ScenarioFile file;
@@ -76,7 +64,7 @@ Request request_of(const Catalogue& catalogue, const Arguments& arguments) {
       if (key.starts_with(kObserver)) sets.push_back(key + "=" + toml_value(entry.value));
     }
     const ConfigEntry* const name = config.find("observer.name");
-    if (name != nullptr) called = plain_text(toml_value(name->value));
+    if (name != nullptr) called = short_value(name->value);
   }
   const std::string name = "observer.name=";
   for (const std::string& set : arguments.sets) {
