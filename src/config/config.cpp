@@ -259,7 +259,7 @@ std::size_t ConfigEntry::line() const {
 }
 
 std::vector<std::string> Config::names_in(const std::string& table) const {
-  std::vector<std::pair<std::size_t, std::string>> lines;  // with the first line of each name
+  std::map<std::string, std::size_t> lines;  // the first line of each name
   for (const auto& [key, entry] : *entries_) {
     const std::size_t end = key.find('.', table.size() + 1);
     if (!key.starts_with(table + ".") || end == std::string::npos) continue;
@@ -270,18 +270,14 @@ std::vector<std::string> Config::names_in(const std::string& table) const {
       throw std::invalid_argument(entry.origin + ": " + table + "." + shown(name) +
                                   ": a name here is made of A-Z, a-z, 0-9 and '_'");
     }
-    const auto found = std::find_if(lines.begin(), lines.end(),
-                                    [&](const auto& other) { return other.second == name; });
-    if (found == lines.end()) {
-      lines.emplace_back(entry.line(), name);
-    } else {
-      found->first = std::min(found->first, entry.line());
-    }
+    std::size_t& first = lines.try_emplace(name, entry.line()).first->second;
+    first = std::min(first, entry.line());
   }
-  std::stable_sort(lines.begin(), lines.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::string> names;
-  for (const auto& line : lines) names.push_back(line.second);
+  for (const auto& [name, line] : lines) names.push_back(name);
+  std::stable_sort(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
+    return lines.at(a) < lines.at(b);
+  });
   return names;
 }
 
