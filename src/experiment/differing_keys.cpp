@@ -6,7 +6,6 @@
 #include <map>
 #include <set>
 #include <stdexcept>
-#include <string_view>
 
 #include <breakwater/config/config.h>
 
@@ -42,22 +41,12 @@ std::string parts_in_words(const std::vector<ChangedKey>& changed) {
   return words;
 }
 
-// "axis.mine" of "axis.mine.controller.kp"; empty for the key of no axis.
-std::string axis_of(const std::string& key) {
-  const std::string_view axis = "axis.";
-  return key.starts_with(axis) ? key.substr(0, key.find('.', axis.size())) : "";
-}
-
 // Whether a configuration has an axis that the other, a file with axes, lacks.
 bool has_own_axis(const Config& config, const Config& other) {
-  std::set<std::string> axes;
-  for (const auto& [key, entry] : other.entries()) axes.insert(axis_of(key));
-  axes.erase("");
-  return !axes.empty() &&
-         std::any_of(config.entries().begin(), config.entries().end(), [&](const auto& entry) {
-           const std::string axis = axis_of(entry.first);
-           return !axis.empty() && !axes.contains(axis);
-         });
+  const std::vector<std::string> own = config.names_in("axis"), axes = other.names_in("axis");
+  return !axes.empty() && std::any_of(own.begin(), own.end(), [&](const std::string& name) {
+    return std::find(axes.begin(), axes.end(), name) == axes.end();
+  });
 }
 
 std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const fs::path& folder,
