@@ -24,7 +24,9 @@ class Idob final : public StateObserver {
  public:
   /// `poles` [1/s]: one group per output, n + m stable poles in all. Throws std::invalid_argument
   /// if the extended plant is not observable (with its rank) or the placement fails.
-  Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles, double period_s);
+  Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles, double period_s)
+      : StateObserver(observable(continuous_plant, period_s), poles, period_s),
+        states_(continuous_plant.states()) {}
 
   View state() const override { return {StateObserver::state().data(), states_}; }
   View disturbance() const override {
@@ -32,6 +34,13 @@ class Idob final : public StateObserver {
   }
 
  private:
+  // The extended plant.
+  static StateSpace observable(const StateSpace& continuous_plant, double period_s) {
+    const StateSpace extended = extend_by_input_disturbance(continuous_plant);
+    check_observable("IDOB", zero_order_hold(extended, period_s).A, extended.C);
+    return extended;
+  }
+
   Eigen::Index states_;
 };
 
