@@ -34,15 +34,6 @@ constexpr double kDiverged = 1.5;    // a larger excess() may be divergence
 
 }  // namespace
 
-QpInput::QpInput(Eigen::Index n, Eigen::Index m)
-    : g(Eigen::VectorXd::Zero(n)),
-      lower(Eigen::VectorXd::Constant(m, -kNoBound)),
-      upper(Eigen::VectorXd::Constant(m, kNoBound)),
-      softness(Eigen::VectorXd::Zero(m)) {}
-
-QpSolution::QpSolution(Eigen::Index n, Eigen::Index m)
-    : z(Eigen::VectorXd::Zero(n)), mu(Eigen::VectorXd::Zero(m)) {}
-
 void QpSolution::set_nothing(QpStatus why) {
   status = why;
   iterations = 0;

@@ -35,7 +35,11 @@ struct QpInput {
   Eigen::VectorXd softness;
 
   /// All zeros, without bounds.
-  QpInput(Eigen::Index n, Eigen::Index m);
+  QpInput(Eigen::Index n, Eigen::Index m)
+      : g(Eigen::VectorXd::Zero(n)),
+        lower(Eigen::VectorXd::Constant(m, -kNoBound)),
+        upper(Eigen::VectorXd::Constant(m, kNoBound)),
+        softness(Eigen::VectorXd::Zero(m)) {}
 };
 
 enum class QpStatus {
@@ -57,7 +61,8 @@ struct QpSolution {
   int iterations = 0;
   double kkt_residual = 0.0;  ///< kkt_residual() of z and the multipliers
 
-  QpSolution(Eigen::Index n, Eigen::Index m);
+  QpSolution(Eigen::Index n, Eigen::Index m)
+      : z(Eigen::VectorXd::Zero(n)), mu(Eigen::VectorXd::Zero(m)) {}
 
   /// The result where there are no numbers: an input is not finite, or they are too large.
   void set_nothing(QpStatus why);

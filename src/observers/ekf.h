@@ -45,7 +45,7 @@ class Ekf final : public GaussianEstimate<P::kStates, p> {
   P process_;
   double input_noise_;
   Covariance F_;
-  detail::SparseSquare<N> sparse_F_;
+  SparseSquare<N> sparse_F_;
   Covariance work_;
   Covariance FP_;
 };

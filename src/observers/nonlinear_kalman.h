@@ -10,7 +10,7 @@
 #include <breakwater/linear/riccati.h>
 #include <breakwater/math/refuse_unless.h>
 
-namespace breakwater::detail {
+namespace breakwater {
 
 /// An N×N matrix in compressed rows. Products sum in the order of the columns. They skip the zeros
 /// of the matrix, also when the other factor is not finite. Allocates nothing.
@@ -59,10 +59,6 @@ class SparseSquare {
   std::array<Entry, static_cast<std::size_t>(N* N)> entries_{};
   std::array<std::size_t, N> row_ends_{};
 };
-
-}  // namespace breakwater::detail
-
-namespace breakwater {
 
 /// A sampled process x(k+1) = A x(k) + g(x(k), u(k)) + noise. g fills only the kRows rows from
 /// kFirstRow on, and depends only on the first kArguments states. A process without this structure

@@ -59,7 +59,7 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   void repair();
 
   P process_;
-  detail::SparseSquare<N> A_;  // the process' linear part
+  SparseSquare<N> A_;  // the process' linear part
   Eigen::LLT<Covariance> factor_;
   Covariance transposed_L_;
   Covariance transposed_T_;
