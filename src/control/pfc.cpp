@@ -12,10 +12,8 @@ namespace {
 constexpr double kMostSamples = 1e6;  // upper bound of the last coincidence point
 
 void check(const PfcDesign& design) {
-  const bool times_fit = std::isfinite(design.target_response_time_s) &&
-                         design.target_response_time_s > 0.0 && std::isfinite(design.period_s) &&
-                         design.period_s > 0.0;
-  refuse_unless(times_fit, "PFC: target response time and period must be positive");
+  refuse_unless(is_positive(design.target_response_time_s) && is_positive(design.period_s),
+                "PFC: target response time and period must be positive");
   refuse_unless(design.basis_functions >= 1 && design.basis_functions <= 3 &&
                     design.coincidence_points >= design.basis_functions,
                 "PFC: needs 1 to 3 basis functions and at least as many coincidence points");

@@ -9,10 +9,6 @@
 namespace breakwater {
 namespace {
 
-bool is_probability(double value) {
-  return value >= 0.0 && value <= 1.0;
-}
-
 template <int N>
 class Immkf final : public GuardedKalman<N> {
  public:
@@ -21,10 +17,10 @@ class Immkf final : public GuardedKalman<N> {
         noise_ratio_{1.0, imm.noise_ratio},
         likelihood_(imm.likelihood),
         sensor_(sensor) {
-    refuse_unless(imm.noise_ratio > 0.0 && std::isfinite(imm.noise_ratio),
-                  "IMMKF: the ratio of the noises must be positive");
-    refuse_unless(is_probability(imm.stays_quiet) && is_probability(imm.stays_busy),
-                  "IMMKF: a probability must be within 0 and 1");
+    refuse_unless(is_positive(imm.noise_ratio), "IMMKF: the ratio of the noises must be positive");
+    for (const double stays : {imm.stays_quiet, imm.stays_busy}) {
+      refuse_unless(stays >= 0.0 && stays <= 1.0, "IMMKF: a probability must be within 0 and 1");
+    }
     transition_ << imm.stays_quiet, 1.0 - imm.stays_quiet, 1.0 - imm.stays_busy, imm.stays_busy;
     weights_.setConstant(1.0 / kModels);
     this->signals_.push_back(

@@ -61,8 +61,7 @@ MultipleModelBank<n>::MultipleModelBank(const MultipleModelDesign& design)
   refuse_unless(
       is_axis && (plant.A * at_rest_).norm() <= kAtRest * plant.A.norm(),
       "QBANK: needs a plant of one axis, [position; velocity] first, with measured position");
-  refuse_unless(design.largest_d > 0.0 && std::isfinite(design.largest_d),
-                "QBANK: the largest disturbance must be positive");
+  refuse_unless(is_positive(design.largest_d), "QBANK: the largest disturbance must be positive");
   sample();
   const double quantum = design.sensor.quantum(0);
   const double sigma = design.sensor.noise_std(0);

@@ -24,9 +24,8 @@ std::int64_t steps_in(double time_s, double step_s) {
 Resonance::Resonance(const SensorBody& body, double step_s) : is_on_(body.is_on()) {
   const double omega = body.resonance_rad_s;
   const double zeta = body.damping_ratio;
-  refuse_unless(
-      std::isfinite(omega) && omega >= 0.0 && std::isfinite(zeta) && zeta >= 0.0 && step_s > 0.0,
-      "needs a resonance and a damping ratio >= 0, and a step > 0");
+  refuse_unless(is_not_negative(omega) && is_not_negative(zeta) && step_s > 0.0,
+                "needs a resonance and a damping ratio >= 0, and a step > 0");
   if (!is_on_) return;
   const double sigma = zeta * omega;
   if (zeta >= 1.0) {
@@ -75,9 +74,8 @@ SampledReading::SampledReading(const SensorElectronics& electronics, double step
       steps_per_sample_(std::max<std::int64_t>(steps_in(electronics.period_s, step_s), 1)),
       noise_(seed, name + " drift"),
       delay_(static_cast<int>(steps_in(electronics.delay_s, step_s))) {
-  refuse_unless(std::isfinite(electronics.bias) && electronics.drift_per_sqrt_s >= 0.0 &&
-                    std::isfinite(electronics.drift_per_sqrt_s) && electronics.range >= 0.0 &&
-                    electronics.quantum >= 0.0 && std::isfinite(electronics.quantum),
+  refuse_unless(std::isfinite(electronics.bias) && is_not_negative(electronics.drift_per_sqrt_s) &&
+                    electronics.range >= 0.0 && is_not_negative(electronics.quantum),
                 "sensor: drift, range and quantum must be finite and not negative");
 }
 
