@@ -20,19 +20,16 @@ ObserverPoles::ObserverPoles(const DisturbanceEstimator& estimator, double perio
                                         std::numeric_limits<double>::quiet_NaN())),
       solver_(estimator.poles()),
       discrete_(Eigen::VectorXcd::Zero(estimator.poles())),
-      continuous_(discrete_),
-      discrete_real_(discrete_.real()),
-      discrete_imaginary_(discrete_real_),
-      continuous_real_(discrete_real_),
-      continuous_imaginary_(discrete_real_),
-      signals_(
-          {{"poles_discrete_re", "1", "eigenvalues of A - K C: real part", view(discrete_real_)},
-           {"poles_discrete_im", "1", "their imaginary part", view(discrete_imaginary_)},
-           {"poles_continuous_re_rad_s", "rad/s", "ln(p_d)/T_s: real part", view(continuous_real_)},
-           {"poles_continuous_im_rad_s", "rad/s", "their imaginary part",
-            view(continuous_imaginary_)}}) {
+      parts_(Eigen::MatrixX4d::Zero(estimator.poles(), 4)) {
   refuse_unless(period_s > 0.0, "observer poles: the sampling period must be positive");
-  if (estimator.poles() == 0) signals_.clear();
+  if (estimator.poles() == 0) return;
+  const auto part = [this](Eigen::Index column) -> std::span<const double> {
+    return {parts_.col(column).data(), static_cast<std::size_t>(parts_.rows())};
+  };
+  signals_ = {{"poles_discrete_re", "1", "eigenvalues of A - K C: real part", part(0)},
+              {"poles_discrete_im", "1", "their imaginary part", part(1)},
+              {"poles_continuous_re_rad_s", "rad/s", "ln(p_d)/T_s: real part", part(2)},
+              {"poles_continuous_im_rad_s", "rad/s", "their imaginary part", part(3)}};
 }
 
 void ObserverPoles::update() {
@@ -50,12 +47,9 @@ void ObserverPoles::update() {
     // A pole at 0 has no continuous pole. The smallest positive number replaces it.
     const bool is_zero = std::abs(discrete_(i)) < std::numeric_limits<double>::min();
     const std::complex<double> p = is_zero ? std::numeric_limits<double>::min() : discrete_(i);
-    continuous_(i) = math::log(p) / period_s_;
+    const std::complex<double> continuous = math::log(p) / period_s_;
+    parts_.row(i) << discrete_(i).real(), discrete_(i).imag(), continuous.real(), continuous.imag();
   }
-  discrete_real_ = discrete_.real();
-  discrete_imaginary_ = discrete_.imag();
-  continuous_real_ = continuous_.real();
-  continuous_imaginary_ = continuous_.imag();
 }
 
 }  // namespace breakwater

@@ -21,10 +21,7 @@ class ObserverPoles {
   /// constant. Allocates nothing.
   void update();
 
-  const Eigen::VectorXcd& discrete() const { return discrete_; }
-  const Eigen::VectorXcd& continuous() const { return continuous_; }
-
-  /// Real and imaginary parts of both; empty if the estimator has no poles.
+  /// Real and imaginary parts of p_d, then of p_c; empty if the estimator has no poles.
   std::span<const Signal> signals() const { return signals_; }
 
  private:
@@ -34,11 +31,7 @@ class ObserverPoles {
   Eigen::MatrixXd solved_;  // the matrix of the current poles
   EigenvalueSolver solver_;
   Eigen::VectorXcd discrete_;
-  Eigen::VectorXcd continuous_;
-  Eigen::VectorXd discrete_real_;
-  Eigen::VectorXd discrete_imaginary_;
-  Eigen::VectorXd continuous_real_;
-  Eigen::VectorXd continuous_imaginary_;
+  Eigen::MatrixX4d parts_;  // the signals' values
   std::vector<Signal> signals_;
 };
 

@@ -40,18 +40,18 @@ TEST(ObserverPoles, AreEigenvaluesOfTheMatrixInBothPlanes) {
   ObserverPoles poles(idob, T);
   poles.update();
   const std::vector<std::complex<double>> expected = {{-20.0, -5.0}, {-20.0, 5.0}, {-10.0, 0.0}};
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    EXPECT_LT(std::abs(poles.continuous()(i) - expected[static_cast<std::size_t>(i)]), 1e-6);
-    EXPECT_LT(std::abs(poles.discrete()(i) - std::exp(T * expected[static_cast<std::size_t>(i)])),
-              1e-8);
-    EXPECT_EQ(poles.signals()[0].values[static_cast<std::size_t>(i)], poles.discrete()(i).real());
-    EXPECT_EQ(poles.signals()[3].values[static_cast<std::size_t>(i)], poles.continuous()(i).imag());
+  const auto at = [&poles](std::size_t part, std::size_t i) -> std::complex<double> {
+    return {poles.signals()[part].values[i], poles.signals()[part + 1].values[i]};
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_LT(std::abs(at(2, i) - expected[i]), 1e-6);
+    EXPECT_LT(std::abs(at(0, i) - std::exp(T * expected[i])), 1e-8);
   }
   Mdob mdob({1.0, 100.0, 50.0}, T);
   ObserverPoles of_filters(mdob, T);
   of_filters.update();
-  EXPECT_NEAR(of_filters.discrete()(0).real(), 0.5, 1e-12);        // 1/(1 + g_d T_s)
-  EXPECT_NEAR(of_filters.discrete()(1).real(), 1.0 / 1.5, 1e-12);  // 1/(1 + g_w T_s)
+  EXPECT_NEAR(of_filters.signals()[0].values[0], 0.5, 1e-12);        // 1/(1 + g_d T_s)
+  EXPECT_NEAR(of_filters.signals()[0].values[1], 1.0 / 1.5, 1e-12);  // 1/(1 + g_w T_s)
 }
 
 constexpr double kPeriod = 1e-3;
