@@ -62,7 +62,7 @@ ContactMpc::ContactMpc(const TipChain& chain, const AccelerationControlDesign& a
 void ContactMpc::restart() {
   PathControl::restart();
   lmpc_.reset();
-  samples_to_move_ = 0;
+  sample_ = 0;
   wall_x_m_ = told_wall_x_m_;
   depth_f_m_ = 0.0;
   input_.setZero();
@@ -70,15 +70,13 @@ void ContactMpc::restart() {
 
 double ContactMpc::path_acceleration() {
   correct_wall(X_hat_[0] - wall_x_m_);
-  if (samples_to_move_ == 0) {
-    samples_to_move_ = samples_per_move_;
+  if (sample_++ % samples_per_move_ == 0) {
     state_ << X_hat_[0] - wall_x_m_, velocity_[0];
     // The bounds are on a_x itself, so each optimisation starts from any last input.
     input_ += lmpc_.optimise(state_, input_, trajectory_, reserved_);
     iterations_ = lmpc_.iterations();
     softened_ = lmpc_.softened_bounds();
   }
-  --samples_to_move_;
   return input_(0);
 }
 

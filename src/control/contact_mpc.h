@@ -44,7 +44,7 @@ class ContactMpc final : public PathControl {
 
   ContactMpcDesign design_;
   int samples_per_move_;
-  int samples_to_move_ = 0;
+  std::int64_t sample_ = 0;
   Lmpc lmpc_;
   double forget_;  // memory of the sensor's lag in one sample
   double told_wall_x_m_;

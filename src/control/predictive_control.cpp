@@ -38,15 +38,14 @@ void PredictiveControl::reset(const Sample& first) {
   lmpc_.reset();
   planned_input_.setZero();
   cancelled_ = 0.0;
-  samples_to_move_ = 0;
+  sample_ = 0;
 }
 
 double PredictiveControl::input(const Sample&) {
   const bool cancels = design_.disturbance_use == DisturbanceUse::cancel ||
                        design_.disturbance_use == DisturbanceUse::cancel_within_bounds;
-  const bool decides = samples_to_move_ == 0;
+  const bool decides = sample_++ % design_.samples_per_move == 0;
   if (decides) {
-    samples_to_move_ = design_.samples_per_move;
     predicted_state_.head(state().size()) = state();
     if (design_.disturbance_use == DisturbanceUse::predict) {
       predicted_state_.tail<1>()(0) = disturbance();
@@ -63,7 +62,6 @@ double PredictiveControl::input(const Sample&) {
     status_ = static_cast<double>(lmpc_.solution().status);
     kkt_residual_ = lmpc_.solution().kkt_residual;
   }
-  --samples_to_move_;
   if (cancels && (decides || design_.cancel_at == CancelAt::sample)) cancelled_ = disturbance();
   const double u = cancels ? planned_input_(0) + cancelled_ : planned_input_(0);
   if (design_.disturbance_use != DisturbanceUse::cancel_within_bounds) return u;

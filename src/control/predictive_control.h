@@ -53,7 +53,7 @@ class PredictiveControl final : public EstimatingControl {
 
   PredictiveControlDesign design_;
   Lmpc lmpc_;
-  int samples_to_move_ = 0;
+  std::int64_t sample_ = 0;
   Eigen::VectorXd predicted_state_;  // x̂, or x̄
   Eigen::VectorXd trajectory_;       // T_ref
   Eigen::VectorXd reserved_;

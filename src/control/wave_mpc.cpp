@@ -122,7 +122,7 @@ void WaveMpc::reset(const Sample& first) {
   QuadrotorController::reset(first);
   forecast_->reset(first.time_s);
   for (AxisMpc* axis : {&x_, &y_, &z_}) axis->reset();
-  samples_to_move_ = 0;
+  sample_ = 0;
   held_.setZero();
 }
 
@@ -146,11 +146,7 @@ void WaveMpc::move(double time_s) {
 }
 
 Eigen::Vector4d WaveMpc::wrench(double time_s) {
-  if (samples_to_move_ == 0) {
-    samples_to_move_ = samples_per_move_;
-    move(time_s);
-  }
-  --samples_to_move_;
+  if (sample_++ % samples_per_move_ == 0) move(time_s);
   const AttitudeTrig attitude(motion_.segment<3>(3));
   return law().wrench_of_force(
       motion_, attitude, held_ + law().nominal().weight_and_coriolis(attitude, Vector6d::Zero()));

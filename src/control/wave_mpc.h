@@ -76,7 +76,7 @@ class WaveMpc final : public QuadrotorController {
 
   std::unique_ptr<ForceForecast> forecast_;
   int samples_per_move_;
-  int samples_to_move_ = 0;
+  std::int64_t sample_ = 0;
   AxisMpc x_, y_, z_;
   ForceTable forces_;
   Eigen::VectorXd horizontal_{4};
