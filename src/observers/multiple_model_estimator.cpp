@@ -74,20 +74,12 @@ MultipleModelBank<n>::MultipleModelBank(const MultipleModelDesign& design)
   const double fastest =
       std::min(math::pow(design.largest_d / (J * rho * std::sqrt(period_s_)), 0.4) / 1.5,
                kFastestSamples / period_s_);
-  const auto add = [this](Kind kind, double bandwidth, double step_variance) {
-    Model model;
-    model.kind = kind;
-    model.bandwidth_rad_s = bandwidth;
-    model.step_variance = step_variance;
-    models_.push_back(model);
-  };
-  add(Kind::constant, 0.0, 0.0);
-  add(Kind::inertia, 0.0, 0.0);
+  models_ = {{Kind::constant}, {Kind::inertia}};
   double w = kSlowest_rad_s;
   while (w <= fastest) {
     const double per_sample = w * w * w * rho * period_s_ * J;
-    add(Kind::walk, w, per_sample * per_sample);
-    add(Kind::ramp, w, w * w * per_sample * per_sample);
+    models_.push_back({Kind::walk, w, per_sample * per_sample});
+    models_.push_back({Kind::ramp, w, w * w * per_sample * per_sample});
     w *= kBandwidthRatio;
   }
   shares_.setZero(static_cast<Eigen::Index>(models_.size()));
