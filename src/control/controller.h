@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <breakwater/math/interface.h>
 #include <breakwater/signals/signal.h>
 
 namespace breakwater {
@@ -19,13 +20,8 @@ class ControlFailure : public std::runtime_error {
 
 /// A sampled-data control law. It knows nothing of the simulator: at each sampling instant it gets
 /// a measurement and writes a command. It owns its observer.
-class Controller {
+class Controller : public Interface {
  public:
-  Controller() = default;
-  Controller(const Controller&) = delete;
-  Controller& operator=(const Controller&) = delete;
-  virtual ~Controller() = default;
-
   /// Called once before the first update, with the first sample.
   virtual void reset(const Sample& first) = 0;
 

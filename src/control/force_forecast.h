@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <breakwater/control/quadrotor_estimator.h>
+#include <breakwater/math/interface.h>
 
 namespace breakwater {
 
@@ -56,13 +57,8 @@ class AutoregressiveModel {
 using ForceTable = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// A forecast of the force over a horizon of N steps of the period T.
-class ForceForecast {
+class ForceForecast : public Interface {
  public:
-  ForceForecast() = default;
-  ForceForecast(const ForceForecast&) = delete;
-  ForceForecast& operator=(const ForceForecast&) = delete;
-  virtual ~ForceForecast() = default;
-
   virtual void reset(double time_s) = 0;
   /// Called once in each T, after the estimator's update. Column i of `forces` (3 × N + 1) becomes
   /// the force in the world at the time t + i T [N]. Allocates nothing.

@@ -5,6 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include <breakwater/math/interface.h>
+
 namespace breakwater {
 
 /// The data of a quadratic program over input changes ΔU = [Δu_0; …; Δu_{N_u − 1}]. The plant is
@@ -38,13 +40,8 @@ void check(const Horizon& horizon);
 /// Products with H and Ω by simulation of the plant forwards and of its adjoint backwards. They
 /// take about N_p (n² + n m) multiplications instead of (N_u m)² or more. They differ from the
 /// dense products by rounding. Nothing is allocated after construction.
-class HorizonSweeps {
+class HorizonSweeps : public Interface {
  public:
-  HorizonSweeps() = default;
-  HorizonSweeps(const HorizonSweeps&) = delete;
-  HorizonSweeps& operator=(const HorizonSweeps&) = delete;
-  virtual ~HorizonSweeps() = default;
-
   /// values = Ω ΔU.
   virtual void rows(const Eigen::VectorXd& changes, Eigen::VectorXd& values) = 0;
 

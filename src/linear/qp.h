@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <breakwater/linear/horizon.h>
+#include <breakwater/math/interface.h>
 
 namespace breakwater {
 
@@ -102,13 +103,8 @@ double infeasibility_margin(const QpModel& model, const QpInput& input, const Ei
 inline constexpr double kInfeasibleFrom = 1e5;
 
 /// A solver of quadratic programs. It starts from its last solution.
-class QpSolver {
+class QpSolver : public Interface {
  public:
-  QpSolver() = default;
-  QpSolver(const QpSolver&) = delete;
-  QpSolver& operator=(const QpSolver&) = delete;
-  virtual ~QpSolver() = default;
-
   /// Solves one problem. The vectors must have the model's sizes. Allocates nothing.
   virtual void solve(const QpInput& input, QpSolution& solution) = 0;
 

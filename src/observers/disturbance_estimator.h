@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/math/interface.h>
 #include <breakwater/signals/signal.h>
 
 namespace breakwater {
@@ -23,15 +24,10 @@ struct SampleInterval {
 /// Estimates the state x (n) of a plant and the disturbance d (m) that opposes its inputs,
 ///     x(k+1) = A x(k) + B (u(k) − d(k)),   y(k) = C x(k) + noise   (Eqs. 3.1, 3.2),
 /// from the input and the measurement. Call update() once a sample, then read.
-class DisturbanceEstimator {
+class DisturbanceEstimator : public Interface {
  public:
   using Vector = Eigen::Ref<const Eigen::VectorXd>;
   using View = Eigen::Map<const Eigen::VectorXd>;
-
-  DisturbanceEstimator() = default;
-  DisturbanceEstimator(const DisturbanceEstimator&) = delete;
-  DisturbanceEstimator& operator=(const DisturbanceEstimator&) = delete;
-  virtual ~DisturbanceEstimator() = default;
 
   /// Starts from state `x` (n) and no disturbance.
   virtual void reset(const Vector& x) = 0;

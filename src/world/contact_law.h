@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <breakwater/math/interface.h>
+
 namespace breakwater {
 
 class KelvinVoigt;
@@ -19,13 +21,8 @@ struct ContactState {
 };
 
 /// The normal force of a contact.
-class ContactForceLaw {
+class ContactForceLaw : public Interface {
  public:
-  ContactForceLaw() = default;
-  ContactForceLaw(const ContactForceLaw&) = delete;
-  ContactForceLaw& operator=(const ContactForceLaw&) = delete;
-  virtual ~ContactForceLaw() = default;
-
   /// The force [N] that separates the bodies. `penetration_m` is not negative; `speed_m_s` is its
   /// rate, positive during compression. A negative force counts as 0: a contact never pulls. It is
   /// called at every stage of the integrator, so it must not allocate or throw.

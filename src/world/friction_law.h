@@ -1,6 +1,8 @@
 // Laws of the dry friction of a joint.
 #pragma once
 
+#include <breakwater/math/interface.h>
+
 namespace breakwater {
 
 /// The bristles between two rough bodies, which bend before the bodies slide.
@@ -18,13 +20,8 @@ struct Bristles {
 ///
 /// Source of the bristles: C. Canudas de Wit, H. Olsson, K. J. Åström and P. Lischinsky, IEEE
 /// Trans. Autom. Control 40 (1995) 419–425.
-class FrictionLaw {
+class FrictionLaw : public Interface {
  public:
-  FrictionLaw() = default;
-  FrictionLaw(const FrictionLaw&) = delete;
-  FrictionLaw& operator=(const FrictionLaw&) = delete;
-  virtual ~FrictionLaw() = default;
-
   /// The level [N or N m], which must be positive. `speed` is the joint's velocity and
   /// `transmitted` the force of actuator and transmission. It is called at every stage of the
   /// integrator, so it must not allocate or throw.
