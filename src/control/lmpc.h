@@ -52,8 +52,8 @@ enum class OnInfeasible {
   stop  ///< throws ControlFailure
 };
 
-/// The model and the weights on the errors of states, on Δu and on u. An empty S is no weight on u.
-/// Lmpc derives the rows from the bounds.
+/// The model and the weights on the errors of states, with Q_last at the end (Eq. 2.49), on Δu and
+/// on u. An empty S is no weight on u. Lmpc derives the rows from the bounds.
 struct LmpcDesign : Horizon {
   std::vector<PredictedBound> change_bounds;  ///< on Δu
   std::vector<PredictedBound> input_bounds;   ///< on u
