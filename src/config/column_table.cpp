@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/case_conv.hpp>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <locale>
 #include <numbers>
 #include <stdexcept>
 #include <string_view>
@@ -70,9 +72,7 @@ std::string shown(std::string_view cell) {
 // Whether a cell says that there is no number.
 bool is_missing(std::string_view cell) {
   std::string word(cell);
-  for (char& letter : word) {
-    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-  }
+  boost::algorithm::to_lower(word, std::locale::classic());
   if (word.starts_with('+') || (word.starts_with('-') && word.size() > 2)) word.erase(0, 1);
   static constexpr std::string_view kWords[] = {"",         "nan",     "na",    "n/a", "#n/a",
                                                 "null",     "none",    "inf",   "-",   "--",
@@ -112,17 +112,11 @@ class Reader {
 
   // Splits the next line that is neither empty nor a comment; false at the end.
   bool next_row() {
-    if (is_kept_) {
-      is_kept_ = false;
-      return true;
-    }
     if (!next()) return false;
     split(line_, separator_, cells_);
     return true;
   }
 
-  // The next call of next_row() gives the current row again.
-  void keep_row() { is_kept_ = true; }
   // A row after the first line without a number, with a known unit.
   bool is_row_of_units() const {
     const auto is_word = [](std::string_view cell) {
@@ -173,7 +167,6 @@ class Reader {
   std::string file_;
   std::ifstream stream_;
   std::size_t number_ = 0;
-  bool is_kept_ = false;
   char separator_ = ',';
   std::string line_;
   std::vector<std::string_view> cells_;  // the cells of the current line
@@ -263,16 +256,14 @@ ColumnTable read_columns(const std::string& file, const std::vector<WantedColumn
   const std::vector<std::string> names(reader.cells().begin(), reader.cells().end());
   const std::size_t width = names.size();
   std::vector<HeaderCell> bare;
+  bool has_row = reader.next_row();
   if (!is_exact) {
     for (const std::string& name : names) bare.push_back(header_cell(name));
-    if (reader.next_row()) {
-      if (reader.cells().size() == width && reader.is_row_of_units()) {
-        for (std::size_t i = 0; i < width; ++i) {
-          bare[i].unit = Reader::without_brackets(reader.cells()[i]);
-        }
-      } else {
-        reader.keep_row();
+    if (has_row && reader.cells().size() == width && reader.is_row_of_units()) {
+      for (std::size_t i = 0; i < width; ++i) {
+        bare[i].unit = Reader::without_brackets(reader.cells()[i]);
       }
+      has_row = reader.next_row();
     }
   }
   std::vector<std::size_t> places;
@@ -282,7 +273,7 @@ ColumnTable read_columns(const std::string& file, const std::vector<WantedColumn
     table.units.push_back(is_exact ? "" : bare[places.back()].unit);
   }
   table.columns.resize(wanted.size());
-  while (reader.next_row()) {
+  for (; has_row; has_row = reader.next_row()) {
     const std::size_t length = reader.cells().size();
     const bool has_empty_end = !is_exact && length == width + 1 && reader.cells().back().empty();
     if (length != width && !has_empty_end) {
