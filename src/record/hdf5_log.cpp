@@ -241,10 +241,6 @@ std::string file_image(const std::string& file, const std::vector<Track>& tracks
   }
 }
 
-bool is_time_base(const LogEntry& entry) {
-  return entry.name == kTimeBase;
-}
-
 // HDF5 itself writes the headers of a log without values. It crashes at exit after a full disk, so
 // the disk must have room for them, and take a file of the size.
 void reserve_headers(const std::string& file, const std::vector<LogEntry>& datasets) {
@@ -322,14 +318,6 @@ std::vector<double> read_rows(hid_t data, std::size_t first, const Size& size) {
   const Handle part(H5Screate_simple(rank, size.data(), nullptr), H5Sclose);
   require(H5Dread(data, H5T_NATIVE_DOUBLE, part, all, H5P_DEFAULT, values.data()));
   return values;
-}
-
-LoggedSignal read_signal(const std::string& file, const std::string& dataset,
-                         std::size_t most_rows = SIZE_MAX) {
-  return with_dataset(file, dataset, [&](hid_t data, Size size) {
-    size[0] = std::min<hsize_t>(size[0], most_rows);
-    return LoggedSignal{size[0], size[1], read_rows(data, 0, size)};
-  });
 }
 
 // Reads a dataset by parts.
@@ -438,14 +426,17 @@ std::string LogEntry::unit_of(std::size_t index) const {
 std::vector<LogEntry> list_hdf5_signals(const std::string& file) {
   const std::lock_guard lock(hdf5_in_use);
   std::vector<LogEntry> entries = list_datasets(file);
-  std::erase_if(entries, is_time_base);
+  std::erase_if(entries, [](const LogEntry& entry) { return entry.name == kTimeBase; });
   return entries;
 }
 
 LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset,
                               std::size_t most_rows) {
   const std::lock_guard lock(hdf5_in_use);
-  return read_signal(file, dataset, most_rows);
+  return with_dataset(file, dataset, [&](hid_t data, Size size) {
+    size[0] = std::min<hsize_t>(size[0], most_rows);
+    return LoggedSignal{size[0], size[1], read_rows(data, 0, size)};
+  });
 }
 
 std::string path_of(std::FILE& file) {

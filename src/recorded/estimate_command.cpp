@@ -63,8 +63,7 @@ Request request_of(const Catalogue& catalogue, const Arguments& arguments) {
     for (const auto& [key, entry] : config.entries()) {
       if (key.starts_with(kObserver)) sets.push_back(key + "=" + toml_value(entry.value));
     }
-    const ConfigEntry* const name = config.find("observer.name");
-    if (name != nullptr) called = short_value(name->value);
+    called = config.text("observer.name").value_or(called);
   }
   const std::string name = "observer.name=";
   for (const std::string& set : arguments.sets) {
