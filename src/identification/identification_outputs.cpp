@@ -9,7 +9,6 @@
 #include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -101,39 +100,6 @@ std::string identified_toml(const Catalogue& catalogue, const IdentifiedKeys& sc
 
 std::string unknown_text(const ParameterEstimate& estimate) {
   return estimate.reason + ". This would help: " + estimate.excitation;
-}
-
-IdentifiedNumbers two_inertia_numbers(const Identification& identification, Side measured) {
-  constexpr double kLongestStep = 0.2;      // step of the physics times the resonance
-  constexpr double kLeastVariance = 1e-14;  // rad², for an encoder without counts and noise
-  const AxisData& data = identification.data;
-  const AxisValues& values = identification.fit.values;
-  const TwoInertia linear{.motor_inertia = values[kMotorInertia],
-                          .load_inertia = values[kLoadInertia],
-                          .stiffness = values[kStiffness]};
-  const double period_s = rounded_period(data.period_s), quantum = data.quantum;
-  const double noise_std = identification.fit.noise_std;
-  const double steps = std::ceil(period_s * resonance_rad_s(linear) / kLongestStep);
-  return {{"motor_inertia", linear.motor_inertia},
-          {"load_inertia", linear.load_inertia},
-          {"stiffness", linear.stiffness},
-          {"damping", values[kDamping]},
-          {"motor_friction", values[kMotorViscous]},
-          {"load_friction", values[kLoadViscous]},
-          {"motor_coulomb", values[kMotorCoulomb]},
-          {"load_coulomb", values[kLoadCoulomb]},
-          {"backlash", values[kBacklash]},
-          {"antiresonance_rad_s", antiresonance_rad_s(linear)},
-          {"delay_s", std::max(0.0, values[kDelay])},
-          {"period_s", period_s},
-          {"timestep_s", period_s / std::max(1.0, steps)},
-          {"is_quantised", quantum > 0.0 ? 1.0 : 0.0},
-          {"encoder_gear_ratio", std::numbers::pi / quantum},
-          {"truncates", data.rounding == EncoderRounding::nearest ? 0.0 : 1.0},
-          {"measures_load", measured == Side::load ? 1.0 : 0.0},
-          {"noise_std", noise_std},
-          {"sensor_variance",
-           std::max(kLeastVariance, quantum * quantum / 12.0 + noise_std * noise_std)}};
 }
 
 std::string left_out_of_two_inertia(const Identification& identification) {
@@ -342,8 +308,8 @@ std::string estimate_toml(const Catalogue& catalogue, const Identification& iden
   };
   set("csv.time_std_s", time_step_of(identification.data) / std::sqrt(12.0));
   set("csv.input_scale", format.input_scale * identification.fit.values[kTorqueConstant]);
-  set("plant.inertia", plant.at("inertia"));
-  set("plant.viscous_friction", plant.at("viscous_friction"));
+  set("plant.inertia", plant.at(parameter_key(kInertia)));
+  set("plant.viscous_friction", plant.at(parameter_key(kViscous)));
   set("encoder.quantum", plant.at("quantum"));
   set("noise.std", plant.at("noise_std"));
   RecordedEstimation estimation(catalogue);
@@ -410,14 +376,12 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   const fs::path& out = folder.path();
   write_text_file(out / "identified.json", identified_json(result));
   const IdentifiedKeys scenario = identified_keys(catalogue, arguments.model);
-  if (has_two && !scenario.scenario.empty()) {
-    write_text_file(
-        out / "identified.toml",
-        left_out_of_two_inertia(result) +
-            identified_toml(catalogue, scenario, two_inertia_numbers(result, keys.side)));
-  } else if (!scenario.scenario.empty()) {
+  if (!scenario.scenario.empty()) {
     write_text_file(out / "identified.toml",
-                    identified_toml(catalogue, scenario, identified_plant(result)));
+                    (has_two ? left_out_of_two_inertia(result) : "") +
+                        identified_toml(catalogue, scenario, identified_plant(result)));
+  }
+  if (!has_two && !scenario.scenario.empty()) {
     write_text_file(out / "estimate.toml",
                     estimate_toml(catalogue, result, arguments, keys.format));
     write_text_file(out / "draws.csv", drawn_csv(result, scenario));

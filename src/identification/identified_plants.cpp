@@ -9,6 +9,7 @@
 
 #include <breakwater/identification/axis_intervals.h>
 #include <breakwater/identification/axis_model.h>
+#include <breakwater/identification/two_inertia_axis.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/study/result_row.h>
@@ -20,7 +21,9 @@ namespace {
 constexpr double kLeastShare = 1e-3;      // breakaway by Coulomb friction; less is none
 constexpr double kMostStaticRatio = 1e3;  // the largest that friction.static_ratio may have
 constexpr int kMostBits = 30;
-constexpr double kPrinted = 1e-5;  // error of a number of counts, from printed digits
+constexpr double kLongestPhysicsStep = 0.2;  // step of the physics times the resonance
+constexpr double kLeastVariance = 1e-14;     // rad², for an encoder without counts and noise
+constexpr double kPrinted = 1e-5;            // error of a number of counts, from printed digits
 
 double largest_input(const AxisData& data) {
   double largest = 0.0;
@@ -53,44 +56,61 @@ Eigen::MatrixXd spread_of(const Identification& identification) {
          directions.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
+// Jitter leaves the mean interval a little beside a round period: that one.
+double rounded_period(double period_s) {
+  const double few_digits = std::stod(fmt::format("{:.3g}", period_s));
+  return std::abs(few_digits - period_s) < 1e-4 * period_s ? few_digits : period_s;
+}
+
+// The parameters by their keys, and numbers that follow from them.
 IdentifiedNumbers plant_of(const Identification& identification, const AxisValues& values) {
   const AxisData& data = identification.data;
   const AxisValues& fitted = identification.fit.values;
   // The command is in N m of the fitted torque constant. With another constant the axis moves as
   // one whose inertia and torques are smaller.
   const double share = fitted[kTorqueConstant] / values[kTorqueConstant];
+  IdentifiedNumbers numbers;
+  for (std::size_t i = 0; i < kAxisParameters; ++i) {
+    const KnownParameter& known = known_parameter(static_cast<AxisParameter>(i));
+    numbers[known.key] = (known.is_torque ? share : 1.0) * values[i];
+  }
   const bool has_stribeck = identification.free[kBreakaway] &&
                             fitted[kBreakaway] > kLeastShare * fitted[kCoulomb] &&
                             fitted[kCoulomb] > 0.0;
-  const double coulomb = share * values[kCoulomb];
-  const double counts = data.quantum == 0.0 ? 0.0 : 2.0 * std::numbers::pi / data.quantum;
+  if (!has_stribeck) numbers[parameter_key(kStribeckSpeed)] = 0.0;
+  numbers[parameter_key(kDelay)] = std::max(0.0, values[kDelay]);
+
+  const double quantum = data.quantum, noise_std = identification.fit.noise_std;
+  const double counts = quantum == 0.0 ? 0.0 : 2.0 * std::numbers::pi / quantum;
   int bits = 0;
   // Printed digits leave a power of two a little too small.
   while (bits < kMostBits && std::ldexp(1.0, bits + 1) <= counts * (1.0 + kPrinted)) ++bits;
   const double gear = counts / std::ldexp(1.0, bits);
-  return {{"inertia", share * values[kInertia]},
-          {"viscous_friction", share * values[kViscous]},
-          {"coulomb_friction", coulomb},
-          {"static_ratio", std::min(kMostStaticRatio, 1.0 + share * values[kBreakaway] / coulomb)},
-          {"stribeck_speed", has_stribeck ? values[kStribeckSpeed] : 0.0},
-          {"offset_torque", share * values[kOffset]},
-          {"largest_torque", fitted[kTorqueConstant] * largest_input(data)},
-          {"delay_s", std::max(0.0, values[kDelay])},
-          {"period_s", rounded_period(data.period_s)},
-          {"quantum", data.quantum},
-          {"phase", 0.0},
-          {"encoder_bits", bits},
-          {"encoder_gear_ratio", std::abs(gear - 1.0) < kPrinted ? 1.0 : gear},
-          {"rounds_to_nearest", data.rounding == EncoderRounding::nearest ? 1.0 : 0.0},
-          {"noise_std", identification.fit.noise_std}};
+  const double period_s = rounded_period(data.period_s);
+  const TwoInertia spring{.motor_inertia = values[kMotorInertia],
+                          .load_inertia = values[kLoadInertia],
+                          .stiffness = values[kStiffness]};
+  const double steps = std::ceil(period_s * resonance_rad_s(spring) / kLongestPhysicsStep);
+  numbers.insert(
+      {{"static_ratio", std::min(kMostStaticRatio, 1.0 + values[kBreakaway] / values[kCoulomb])},
+       {"antiresonance_rad_s", antiresonance_rad_s(spring)},
+       {"largest_torque", fitted[kTorqueConstant] * largest_input(data)},
+       {"period_s", period_s},
+       {"timestep_s", period_s / std::max(1.0, steps)},
+       {"quantum", quantum},
+       {"phase", 0.0},
+       {"encoder_bits", bits},
+       {"encoder_gear_ratio", std::abs(gear - 1.0) < kPrinted ? 1.0 : gear},
+       {"rounds_to_nearest", data.rounding == EncoderRounding::nearest ? 1.0 : 0.0},
+       {"truncates", data.rounding == EncoderRounding::nearest ? 0.0 : 1.0},
+       {"measures_load", data.model == &two_inertia_axis(Side::load) ? 1.0 : 0.0},
+       {"noise_std", noise_std},
+       {"sensor_variance",
+        std::max(kLeastVariance, quantum * quantum / 12.0 + noise_std * noise_std)}});
+  return numbers;
 }
 
 }  // namespace
-
-double rounded_period(double period_s) {
-  const double few_digits = std::stod(fmt::format("{:.3g}", period_s));
-  return std::abs(few_digits - period_s) < 1e-4 * period_s ? few_digits : period_s;
-}
 
 IdentifiedNumbers identified_plant(const Identification& identification) {
   return plant_of(identification, identification.fit.values);

@@ -9,10 +9,8 @@
 
 namespace breakwater {
 
-/// Jitter leaves the mean interval a little beside a round period: that one.
-double rounded_period(double period_s);
-
-/// The estimate as the numbers of a plant.
+/// The estimate as the numbers of a plant: parameters by their keys in identified.json, and what
+/// follows from them.
 IdentifiedNumbers identified_plant(const Identification& identification);
 
 /// Plants from the joint distribution of the parameters. It is normal in the scales of the fit. The

@@ -194,7 +194,7 @@ class Identification(unittest.TestCase):
         found = identified(methods.record(AxisBench(), 1))
         plants = methods.drawn_plants(found, 1024)
         viscous, coulomb, phase = ([plant[key] for plant in plants]
-                                   for key in ("viscous_friction", "coulomb_friction", "phase"))
+                                   for key in ("viscous_Nms", "coulomb_Nm", "phase"))
         # The draws have the longer side of an interval.
         for drawn, one in ((viscous, of(found)["viscous"]), (coulomb, of(found)["coulomb"])):
             near(np.std(drawn) / ((one.high - one.low) / 2 / 1.959963984540054), 1, atol=0.1)
