@@ -173,8 +173,7 @@ class Motion {
 }  // namespace
 
 const AxisModel& friction_axis() {
-  static const AxisModel model{.name = "axis",
-                               .parameters = {kInertia, kViscous, kCoulomb, kOffset, kDelay},
+  static const AxisModel model{.parameters = {kInertia, kViscous, kCoulomb, kOffset, kDelay},
                                .known_inertia = kInertia,
                                .start_values = 2,
                                .has_backlash = false,

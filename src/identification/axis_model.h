@@ -73,7 +73,6 @@ struct AxisData;
 
 /// A plant as the fit sees it.
 struct AxisModel {
-  const char* name;                       ///< for the option --model
   std::vector<AxisParameter> parameters;  ///< found by a fit
   AxisParameter known_inertia;            ///< which one a user may know
   std::size_t start_values;               ///< numbers of a start: 2 for each inertia

@@ -253,8 +253,7 @@ std::vector<AxisValues> two_inertia_candidates(const AxisData& data) {
 
 template <Side measured>
 AxisModel model() {
-  return {.name = "two_inertia",
-          .parameters = {kMotorInertia, kLoadInertia, kStiffness, kDamping, kMotorViscous,
+  return {.parameters = {kMotorInertia, kLoadInertia, kStiffness, kDamping, kMotorViscous,
                          kLoadViscous, kMotorCoulomb, kLoadCoulomb, kOffset, kDelay},
           .known_inertia = kMotorInertia,
           .start_values = 4,
