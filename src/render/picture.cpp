@@ -151,27 +151,22 @@ void EdgeSmoother::smooth(std::vector<std::uint8_t>& pixels, int width, int heig
   const auto w = static_cast<std::ptrdiff_t>(width);
   const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   luma_.resize(count);
-  contrast_.assign(static_cast<std::size_t>(width) + 8, 0);
+  contrast_.assign(static_cast<std::size_t>(width), 0);
   smoothed_.clear();
   take_luma(pixels.data(), luma_.data(), count);
 
   for (int y = 1; y + 1 < height; ++y) {
     const std::uint8_t* const row = luma_.data() + y * w;
     find_contrast(row, row - w, row + w, contrast_.data(), static_cast<std::size_t>(width));
-    for (int block = 0; block < width; block += 8) {
-      std::uint64_t any = 0;  // most of a picture is flat: test eight pixels at once
-      std::memcpy(&any, &contrast_[static_cast<std::size_t>(block)], sizeof(any));
-      if (any == 0) continue;
-      for (int x = std::max(block, 1); x < std::min(block + 8, width - 1); ++x) {
-        if (contrast_[static_cast<std::size_t>(x)] == 0) continue;
-        std::ptrdiff_t across = 0;
-        const float part = share(row + x, w, x, y, height, across);
-        if (part <= 0.0F) continue;
-        const std::ptrdiff_t pixel = y * w + x;
-        smoothed_.push_back({static_cast<std::size_t>(pixel),
-                             blend(&pixels[static_cast<std::size_t>(4 * pixel)],
-                                   &pixels[static_cast<std::size_t>(4 * (pixel + across))], part)});
-      }
+    for (int x = 1; x + 1 < width; ++x) {
+      if (contrast_[static_cast<std::size_t>(x)] == 0) continue;
+      std::ptrdiff_t across = 0;
+      const float part = share(row + x, w, x, y, height, across);
+      if (part <= 0.0F) continue;
+      const std::ptrdiff_t pixel = y * w + x;
+      smoothed_.push_back({static_cast<std::size_t>(pixel),
+                           blend(&pixels[static_cast<std::size_t>(4 * pixel)],
+                                 &pixels[static_cast<std::size_t>(4 * (pixel + across))], part)});
     }
   }
   for (const Smoothed& s : smoothed_) std::memcpy(&pixels[4 * s.pixel], &s.colour, 4);
@@ -325,26 +320,16 @@ void Picture::fill_background() {
   for (std::size_t y = 0; y < height; ++y) {
     const double part = static_cast<double>(y) / static_cast<double>(height);
     std::array<double, 3> colour{};
-    std::array<std::uint8_t, 4> bytes = {0, 0, 0, 255};
+    std::array<std::uint8_t, 4> sky = {0, 0, 0, 255};
     for (std::size_t k = 0; k < 3; ++k) {
       colour[k] = kTop[k] + part * (kBottom[k] - kTop[k]);
-      bytes[k] = static_cast<std::uint8_t>(std::lround(colour[k]));
+      sky[k] = static_cast<std::uint8_t>(std::lround(colour[k]));
     }
-    std::uint32_t sky = 0;
-    std::memcpy(&sky, bytes.data(), sizeof(sky));
-    std::uint8_t* const row = pixels.data() + 4 * width * y;
-    std::uint32_t all = ~0U;  // most rows are covered: the compiler vectorises this test
     for (std::size_t x = 0; x < width; ++x) {
-      std::uint32_t pixel = 0;
-      std::memcpy(&pixel, row + 4 * x, sizeof(pixel));
-      all &= pixel;
-    }
-    if ((all >> 24U) == 255) continue;
-    for (std::size_t x = 0; x < width; ++x) {
-      std::uint8_t* const pixel = row + 4 * x;
+      std::uint8_t* const pixel = pixels.data() + 4 * (width * y + x);
       if (pixel[3] == 255) continue;
       if (pixel[3] == 0) {
-        std::memcpy(pixel, &sky, sizeof(sky));
+        std::memcpy(pixel, sky.data(), sky.size());
         continue;
       }
       const double shows = 1.0 - std::sqrt(pixel[3] / 255.0);
