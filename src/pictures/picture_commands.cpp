@@ -76,8 +76,12 @@ Look read_look(const std::string& text, const Look& otherwise) {
 }
 
 PictureStage set_stage(ShownRuns runs, const ShotList& shots, const PictureArguments& arguments,
-                       const Window& window) {
+                       const Window& window, const Look& look) {
   PictureStage stage = stage_pictures(runs, shots, arguments.camera, window);
+  const Size size = read_size(arguments.size, {shots.width, shots.height});
+  stage.style.width = size.width;
+  stage.style.height = size.height;
+  stage.style.look = read_look(arguments.look, look);
   for (const std::string& note : stage.notes) fmt::print(stderr, "pictures: {}\n", note);
   return stage;
 }
@@ -118,16 +122,13 @@ int video(const Catalogue& catalogue, const PictureArguments& arguments) {
   const Window window = choose_window(runs, shots, arguments.wish);
   const int fps = arguments.fps.value_or(shots.fps);
   const std::size_t frames = window.frames(fps);
-  PictureStage stage = set_stage(runs, shots, arguments, window);
-  const Size size = read_size(arguments.size, {shots.width, shots.height});
-  stage.style.width = size.width;
-  stage.style.height = size.height;
-  stage.style.look = read_look(arguments.look, kFullLook);
+  PictureStage stage = set_stage(runs, shots, arguments, window, kFullLook);
+  const int width = stage.style.width, height = stage.style.height;
   stage.style.time_decimals = window.speed / fps < 0.01 ? 3 : 2;
   const fs::path file = picture_file(arguments, runs.front().folder() / "video.mp4");
 
   stop_on_signals();
-  VideoFile output(file, {.width = size.width, .height = size.height, .fps = fps});
+  VideoFile output(file, {.width = width, .height = height, .fps = fps});
   Progress progress("video", {1.0}, arguments.quiet);
   FrameFarm farm;
   farm.frames = frames;
@@ -153,7 +154,7 @@ int video(const Catalogue& catalogue, const PictureArguments& arguments) {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   report(arguments, runs.front(), renderer,
          fmt::format("video, {} frame{} of {}x{} in {:.1f} s by {}", frames, frames == 1 ? "" : "s",
-                     size.width, size.height, wall_s, renderer),
+                     width, height, wall_s, renderer),
          file);
   return kSuccess;
 }
@@ -168,17 +169,13 @@ int still(const Catalogue& catalogue, const PictureArguments& arguments) {
                                             arguments.at_s, all.from_s, all.to_s));
   }
   if (arguments.at_s < window.from_s || arguments.at_s > window.to_s) window = all;
-  PictureStage stage = set_stage(runs, shots, arguments, window);
-  const Size size = read_size(arguments.size, {shots.width, shots.height});
-  stage.style.width = size.width;
-  stage.style.height = size.height;
-  stage.style.look = read_look(arguments.look, kPrintLook);
+  PictureStage stage = set_stage(runs, shots, arguments, window, kPrintLook);
   stage.style.speed = 1.0;  // a still has no speed
   const fs::path file = picture_file(arguments, runs.front().folder() / "still.png");
 
   Picture picture(stage.runs, stage.style);
-  Canvas canvas(size.width, size.height);
-  std::copy_n(picture.draw(arguments.at_s), 4 * size.width * size.height, canvas.pixels());
+  Canvas canvas(stage.style.width, stage.style.height);
+  std::copy_n(picture.draw(arguments.at_s), 4 * canvas.width() * canvas.height(), canvas.pixels());
   replace_file(file, canvas.png());
   report(arguments, runs.front(), picture.offscreen().renderer(), "still", file);
   return kSuccess;

@@ -236,32 +236,26 @@ struct Moment {
   double time_s;
 };
 
-std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots) {
+// The moments that are in the run. `notes` gets the reasons why others are not, one line each.
+std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots,
+                               std::vector<std::string>& notes) {
+  const std::string folder = run.folder().string();
   std::vector<Moment> moments;
   for (const ShotMoment& moment : shots.moments) {
-    if (const auto time_s = time_of(moment, run)) moments.push_back({moment.caption, *time_s});
-  }
-  if (moments.empty()) {
-    throw std::invalid_argument(run.folder().string() +
-                                (shots.moments.empty()
-                                     ? ": its scenario has no shot list with moments (shots.toml)"
-                                     : ": none of the shot list's moments is in this run's log"));
-  }
-  return moments;
-}
-
-// The reasons why moments of the list are not in the strip, one line each.
-std::vector<std::string> notes_of_missing(const FinishedRun& run, const ShotList& shots) {
-  std::vector<std::string> notes;
-  for (const ShotMoment& moment : shots.moments) {
-    if (time_of(moment, run)) continue;
+    if (const auto time_s = time_of(moment, run)) {
+      moments.push_back({moment.caption, *time_s});
+      continue;
+    }
     const std::string& signal = moment.first_positive;
-    notes.push_back(
-        fmt::format("{}: \"{}\" is not in the strip: {}", run.folder().string(), moment.caption,
-                    !signal.empty() && !run.has(signal) ? "its log has no signal " + signal
-                                                        : "it is not within this run"));
+    notes.push_back(fmt::format("{}: \"{}\" is not in the strip: {}", folder, moment.caption,
+                                !signal.empty() && !run.has(signal)
+                                    ? "its log has no signal " + signal
+                                    : "it is not within this run"));
   }
-  return notes;
+  if (!moments.empty()) return moments;
+  throw std::invalid_argument(
+      folder + (shots.moments.empty() ? ": its scenario has no shot list with moments (shots.toml)"
+                                      : ": none of the shot list's moments is in this run's log"));
 }
 
 }  // namespace
@@ -269,11 +263,12 @@ std::vector<std::string> notes_of_missing(const FinishedRun& run, const ShotList
 Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle& style) {
   constexpr Colour kInk{0.10, 0.12, 0.15, 1.0};
   constexpr int kGap = 12;
-  const std::vector<Moment> moments = moments_of(run, shots);
+  std::vector<std::string> missing;
+  const std::vector<Moment> moments = moments_of(run, shots, missing);
   const ShownRuns runs(&run, 1);
   const Window window = choose_window(runs, shots, {});
   PictureStage stage = stage_pictures(runs, shots, style.camera, window);
-  for (std::string& note : notes_of_missing(run, shots)) stage.notes.push_back(std::move(note));
+  stage.notes.insert(stage.notes.end(), missing.begin(), missing.end());
   const std::vector<ChartLine> lines = std::exchange(stage.runs.front().lines, {});
   stage.style.width = style.width;
   stage.style.height = style.height;
