@@ -6,19 +6,14 @@
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <utility>
 
 namespace breakwater {
 
 /// The drawing function of one process, and the name of its renderer. The pixels that draw()
 /// returns are valid until its next call.
 struct Drawer {
-  // NOLINTNEXTLINE(google-explicit-constructor): what has no name is just its function.
-  Drawer(std::function<const std::uint8_t*(std::size_t number)> draw_frame, std::string name = "")
-      : draw(std::move(draw_frame)), renderer(std::move(name)) {}
-
   std::function<const std::uint8_t*(std::size_t number)> draw;
-  std::string renderer;
+  std::string renderer = {};
 };
 
 struct FrameFarm {
