@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <iterator>
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
+#include <breakwater/config/names.h>
 #include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/shell/did_you_mean.h>
@@ -18,14 +18,12 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// One of `words`; empty if the entry is missing.
-std::string word_or_nothing(const TomlEntry& entry, const std::vector<std::string>& words) {
-  std::string word = entry.text_or_nothing();
-  if (!word.empty() && std::find(words.begin(), words.end(), word) == words.end()) {
-    entry.fail(fmt::format("\"{}\" must be {}", word, fmt::join(words, " or ")));
-  }
-  return word;
-}
+// The thesis contradicts itself or its numbers, or a result is about hardware, or a reading, metric
+// or limit of ours is in doubt.
+const Names<std::string> kCauses = {
+    {"thesis", "thesis"}, {"hardware", "hardware"}, {"ours", "ours"}};
+const Names<bool> kAbsences = {{"never", true}};
+const Names<bool> kStatistics = {{"median", false}, {"share", true}};
 
 // The number of repetitions from [full, quick].
 int repetitions(const TomlEntry& entry, Effort effort) {
@@ -35,19 +33,13 @@ int repetitions(const TomlEntry& entry, Effort effort) {
   return static_cast<int>(both[effort == Effort::full ? 0 : 1].whole(1, kMostRepetitions));
 }
 
-std::vector<std::string> texts(const TomlEntry& list) {
-  std::vector<std::string> all;
-  for (const TomlEntry& entry : list.elements()) all.push_back(entry.text());
-  return all;
-}
-
 void read_run(const TomlEntry& row, Effort effort, std::map<std::string, RunSpec>& runs) {
   row.allow({"name", "scenario", "case", "sets", "seeds", "spread"});
   RunSpec run;
   run.name = row["name"].text();
   run.scenario = row["scenario"].text();
   run.case_name = row["case"].text();
-  run.sets = texts(row["sets"]);
+  run.sets = row["sets"].texts();
   run.line = row.line();
   if (const TomlEntry seeds = row["seeds"]) {
     const int count = repetitions(seeds, effort);
@@ -84,13 +76,13 @@ CellSpec read_cell(const TomlEntry& cell, const std::string& reading) {
   spec.divisor = cell["divisor"].number_or_nothing().value_or(1.0);
   if (spec.divisor == 0.0) cell["divisor"].fail("must not be zero");
   spec.if_failed = cell["if_failed"].number_or_nothing().value_or(spec.if_failed);
-  spec.absent_is_never = word_or_nothing(cell["absent"], {"never"}) == "never";
-  spec.is_share = word_or_nothing(cell["statistic"], {"median", "share"}) == "share";
+  cell["absent"].choice(kAbsences, spec.absent_is_never);
+  cell["statistic"].choice(kStatistics, spec.is_share);
   spec.printed = cell["printed"].text_or_nothing();
   spec.says = cell["says"].text_or_nothing();
   spec.shows = cell["shows"].text_or_nothing();
   spec.why = cell["why"].text_or_nothing();
-  spec.cause = word_or_nothing(cell["cause"], {std::begin(kCauses), std::end(kCauses)});
+  cell["cause"].choice(kCauses, spec.cause);
   spec.vacuous = cell["vacuous"].text_or_nothing();
   spec.without = cell["without"].text_or_nothing();
   spec.reading = cell["reading"] ? cell["reading"].text() : reading;
@@ -123,7 +115,7 @@ TableSpec read_table(const TomlEntry& table) {
   spec.title = table["title"].text();
   spec.unit = table["unit"].text_or_nothing();
   spec.note = table["note"].text_or_nothing();
-  spec.columns = texts(table["columns"]);
+  spec.columns = table["columns"].texts();
   if (spec.columns.empty()) table["columns"].fail("is missing");
   for (const TomlEntry& cell : table["cells"].elements()) {
     const std::string row = cell["row"].text();
@@ -151,8 +143,8 @@ std::vector<PanelSpec> read_panels(const TomlEntry& form) {
     panel.allow({"title", "signals", "once", "lines", "from_s", "to_s"});
     PanelSpec& spec = panels.emplace_back();
     spec.title = panel["title"].text();
-    spec.signals = texts(panel["signals"]);
-    spec.once = texts(panel["once"]);
+    spec.signals = panel["signals"].texts();
+    spec.once = panel["once"].texts();
     for (const TomlEntry& line : panel["lines"].elements()) spec.lines.push_back(line.number());
     spec.from_s = panel["from_s"].number_or_nothing();
     spec.to_s = panel["to_s"].number_or_nothing();
@@ -206,7 +198,7 @@ void choose_readings(const TomlEntry& rows, const std::vector<std::string>& name
   std::vector<std::string> known;
   for (const TomlEntry& row : rows.elements()) {
     row.allow({"name", "runs", "sets", "why"});
-    ReadingSpec reading{row["name"].text(), row["runs"].text(), texts(row["sets"]),
+    ReadingSpec reading{row["name"].text(), row["runs"].text(), row["sets"].texts(),
                         row["why"].text_or_nothing()};
     known.push_back(reading.name);
     reading.is_chosen = std::find(names.begin(), names.end(), reading.name) != names.end();

@@ -54,7 +54,7 @@ struct CellSpec {
   std::string says;       ///< a statement of the text; `holds` is its criterion
   std::string shows;      ///< text of a cell that is not judged or counted
   std::string why;        ///< the reason if it is not reproduced
-  std::string cause;      ///< one of `kCauses`; may be empty
+  std::string cause;      ///< thesis, hardware, ours, or empty
   /// The reason if the cell holds by construction. It is then counted apart, not as a success.
   std::string vacuous;
   /// A run without what the statement is about: the cell is vacuous if it holds for this run too.
@@ -136,10 +136,6 @@ struct Experiments {
   std::vector<SectionSpec> sections;
   std::vector<ReadingSpec> readings;
 };
-
-/// The cause if a result is not reproduced. The thesis contradicts itself or its numbers, or it is
-/// about hardware, or a reading, metric or limit of ours is in doubt.
-inline constexpr const char* kCauses[] = {"thesis", "hardware", "ours"};
 
 /// Reads a file of experiments, with the readings of these names. Throws std::invalid_argument
 /// `FILE[:LINE]: reason`.
