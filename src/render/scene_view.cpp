@@ -24,18 +24,9 @@ Eigen::Map<const Eigen::Vector3d> vector(const mjtNum* values) {
   return Eigen::Map<const Eigen::Vector3d>(values);
 }
 
-struct CameraAxes {
-  explicit CameraAxes(const mjvGLCamera& camera)
-      : eye(Eigen::Map<const Eigen::Vector3f>(camera.pos).cast<double>()),
-        forward(Eigen::Map<const Eigen::Vector3f>(camera.forward).cast<double>()),
-        up(Eigen::Map<const Eigen::Vector3f>(camera.up).cast<double>()),
-        right(forward.cross(up)) {}
-
-  Eigen::Vector3d eye;
-  Eigen::Vector3d forward;
-  Eigen::Vector3d up;
-  Eigen::Vector3d right;
-};
+Eigen::Vector3d vector(const float* values) {
+  return Eigen::Map<const Eigen::Vector3f>(values).cast<double>();
+}
 
 // Calls the engine. An error of the engine ends the picture.
 template <typename Body>
@@ -210,15 +201,15 @@ std::optional<SceneView::Ends> SceneView::ends_of(const SceneArrow& arrow) const
 // Projects as OpenGL does, with the camera's frustum.
 std::optional<Point> SceneView::project(const Eigen::Vector3d& point) const {
   const mjvGLCamera camera = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);
-  const CameraAxes axes(camera);
-  const Eigen::Vector3d ray = point - axes.eye;
-  const double depth = ray.dot(axes.forward);
+  const Eigen::Vector3d forward = vector(camera.forward), up = vector(camera.up);
+  const Eigen::Vector3d ray = point - vector(camera.pos);
+  const double depth = ray.dot(forward);
   if (depth <= camera.frustum_near) return std::nullopt;
   const double per_tangent = static_cast<double>(viewport_.height) * camera.frustum_near /
                              (camera.frustum_top - camera.frustum_bottom);
   const double middle = 0.5 * (camera.frustum_top + camera.frustum_bottom);
-  const double x = ray.dot(axes.right) / depth - camera.frustum_center / camera.frustum_near;
-  const double y = ray.dot(axes.up) / depth - middle / camera.frustum_near;
+  const double x = ray.dot(forward.cross(up)) / depth - camera.frustum_center / camera.frustum_near;
+  const double y = ray.dot(up) / depth - middle / camera.frustum_near;
   return Point{0.5 * viewport_.width + per_tangent * x, 0.5 * viewport_.height - per_tangent * y};
 }
 
