@@ -29,29 +29,18 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// Reads the logs of one section at a time, each log once.
-class Logs {
- public:
-  explicit Logs(fs::path out) : out_(std::move(out)) {}
-
-  const SavedRun& of(const std::string& run) {
-    return runs_.try_emplace(run, run_folder(out_, run)).first->second;
-  }
-
- private:
-  fs::path out_;
-  std::map<std::string, SavedRun> runs_;
-};
+// The runs of one section's figures.
+using Logs = std::map<std::string, SavedRun>;
 
 // A panel of a figure. One with its own time window has its own time axis.
-PageChart chart_of(const FigureSpec& figure, const PanelSpec& panel, Logs& logs) {
+PageChart chart_of(const FigureSpec& figure, const PanelSpec& panel, const Logs& logs) {
   PageChart chart;
   chart.title = panel.title;
   chart.lines = panel.lines;
   const double from_s = panel.from_s.value_or(std::numeric_limits<double>::lowest());
   const double to_s = panel.to_s.value_or(std::numeric_limits<double>::max());
   const auto add = [&](const FigureRun& run, const std::string& signal, bool has_name) {
-    const SavedRun& saved = logs.of(run.run);
+    const SavedRun& saved = logs.at(run.run);
     const std::string label =
         has_name && !run.label.empty() ? run.label + ", " + signal : run.label;
     ChartSeries series = series_of(saved, signal, label.empty() ? signal : label);
@@ -154,7 +143,7 @@ void add_table(const SectionSpec& section, const TableSpec& table, const Measure
   blocks.push_back({{"list", list}, {"kind", "notes"}});
 }
 
-PageData figure_data(const FigureSpec& figure, const SectionSpec& section, Logs& logs) {
+PageData figure_data(const FigureSpec& figure, const SectionSpec& section, const Logs& logs) {
   auto charts = PageData::array();
   for (const PanelSpec& panel : figure.panels) {
     PageChart chart = chart_of(figure, panel, logs);
@@ -165,7 +154,7 @@ PageData figure_data(const FigureSpec& figure, const SectionSpec& section, Logs&
   }
   std::string note = figure.note;
   for (const FigureRun& run : figure.runs) {
-    if (const auto& failure = logs.of(run.run).failure()) {
+    if (const auto& failure = logs.at(run.run).failure()) {
       note += fmt::format(" {} fails at {:.4g} s: {}.", run.run, failure->time_s, failure->reason);
     }
   }
@@ -421,7 +410,10 @@ namespace {
 // Charts of a section. `numbers` gets the thesis' figures.
 void add_figures(const Reproduction& reproduction, const SectionSpec& section,
                  std::set<std::string>& numbers, PageData& blocks) {
-  Logs logs(reproduction.out);
+  Logs logs;
+  for (const std::string& run : section.logged_runs()) {
+    logs.try_emplace(run, run_folder(reproduction.out, run));
+  }
   auto figures = PageData::array();
   for (const FigureSpec& figure : section.figures) {
     figures.push_back(figure_data(figure, section, logs));
