@@ -1,10 +1,13 @@
 #include <breakwater/pictures/replay_data.h>
 
 #include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <vector>
+
+#include <breakwater/render/scene_description.h>
 
 namespace breakwater {
 

@@ -1,15 +1,12 @@
 // The data with which a page replays runs in three dimensions.
 #pragma once
 
-#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include <breakwater/pictures/finished_run.h>
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/pictures/staging.h>
-#include <breakwater/render/scene_description.h>
 
 namespace breakwater {
 
