@@ -51,32 +51,18 @@ std::optional<Difference> first_difference(const std::vector<SavedRun>& runs,
                   *found.second, *found.second - *found.first, unit.empty() ? "" : " ", unit)};
 }
 
-// The names of two lists: in the first alone, in the second alone, and in both.
-struct Shared {
-  std::string only[2];
-  std::vector<std::string> both;
-};
+using Words = std::vector<std::string>;
 
-Shared shared(const std::vector<std::string>& a, const std::vector<std::string>& b) {
-  const auto has = [](const std::vector<std::string>& all, const std::string& name) {
-    return std::find(all.begin(), all.end(), name) != all.end();
-  };
-  Shared result;
-  for (const std::string& name : a) {
-    if (has(b, name)) {
-      result.both.push_back(name);
-    } else {
-      result.only[0] += " " + name;
-    }
-  }
-  for (const std::string& name : b) {
-    if (!has(a, name)) result.only[1] += " " + name;
-  }
-  return result;
+// The names of a list that are in another one too, or that are not.
+Words part_of(Words names, const Words& others, bool are_in_both) {
+  std::erase_if(names, [&](const std::string& name) {
+    return (std::find(others.begin(), others.end(), name) != others.end()) != are_in_both;
+  });
+  return names;
 }
 
-std::vector<std::string> datasets(const SavedRun& run) {
-  std::vector<std::string> paths;
+Words datasets(const SavedRun& run) {
+  Words paths;
   std::set<std::string> groups;
   for (const LogEntry& entry : run.signals()) {
     if (groups.insert(entry.group).second) paths.push_back(entry.group + "/time_s");
@@ -120,20 +106,22 @@ class Differences {
     if (a != b) lines_.push_back(what + ": " + a + " and " + b);
   }
 
-  void add_only(const std::string& what, const Shared& names) {
+  void add_only(const std::string& what, const Words (&names)[2]) {
     for (std::size_t i = 0; i < 2; ++i) {
-      if (names.only[i].empty()) continue;
-      lines_.push_back(
-          fmt::format("only {} has the {}:{}", runs_[i].folder().string(), what, names.only[i]));
+      const Words only = part_of(names[i], names[1 - i], false);
+      if (only.empty()) continue;
+      lines_.push_back(fmt::format("only {} has the {}: {}", runs_[i].folder().string(), what,
+                                   fmt::join(only, " ")));
     }
   }
 
   void add_samples() {
-    const Shared paths = shared(datasets(runs_[0]), datasets(runs_[1]));
+    const Words all[] = {datasets(runs_[0]), datasets(runs_[1])};
+    const Words paths = part_of(all[0], all[1], true);
     std::optional<Difference> first;
     std::size_t count = 0;
     std::vector<std::string> sizes;
-    for (const std::string& path : paths.both) {
+    for (const std::string& path : paths) {
       const LoggedSignal& a = runs_[0].dataset(path);
       const LoggedSignal& b = runs_[1].dataset(path);
       if (a.width != b.width) {
@@ -151,25 +139,24 @@ class Differences {
     }
     if (first) {
       lines_.push_back(first->text);
-      lines_.push_back(fmt::format("{} of {} common signals differ", count, paths.both.size()));
+      lines_.push_back(fmt::format("{} of {} common signals differ", count, paths.size()));
     }
     lines_.insert(lines_.end(), sizes.begin(), sizes.end());
-    add_only("signals", paths);
+    add_only("signals", all);
   }
 
   void add_metrics() {
-    std::vector<std::string> names[2];
+    Words names[2];
     for (std::size_t i = 0; i < 2; ++i) {
       for (const Metric& metric : runs_[i].metrics()) names[i].push_back(metric.name);
     }
-    const Shared metrics = shared(names[0], names[1]);
-    for (const std::string& name : metrics.both) {
+    for (const std::string& name : part_of(names[0], names[1], true)) {
       const double a = *runs_[0].metric(name);
       const double b = *runs_[1].metric(name);
       if (!same_bits(a, b)) add_pair(name, fmt::format("{}", a), fmt::format("{}", b));
     }
     // A failed run has none, and its result says so.
-    if (!runs_[0].failure() && !runs_[1].failure()) add_only("metrics", metrics);
+    if (!runs_[0].failure() && !runs_[1].failure()) add_only("metrics", names);
   }
 
   const std::vector<SavedRun>& runs_;
