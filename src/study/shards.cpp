@@ -311,14 +311,7 @@ std::string ShardIndex::line(const Place& place) const {
 
 PointResult ShardIndex::read(std::size_t point) const {
   auto result = read_result(*checked(line(places_[point])));
-  if (!result) {
-    const Place& place = places_[point];
-    std::ifstream stream(names_[place.file], std::ios::binary);
-    std::string before(place.offset, '\0');
-    stream.read(before.data(), std::ssize(before));
-    throw std::invalid_argument(fmt::format("{}:{}: is damaged", names_[place.file],
-                                            1 + std::count(before.begin(), before.end(), '\n')));
-  }
+  if (!result) throw std::invalid_argument(names_[places_[point].file] + ": is damaged");
   result->number = point;
   return *std::move(result);
 }
