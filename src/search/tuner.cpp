@@ -25,27 +25,17 @@ bool has_all(const Tuning& tuning, const PointResult& run) {
                      [&](const Constraint& one) { return metric_of(run, one.metric); });
 }
 
-std::optional<ConfidenceInterval> interval_of(std::vector<double> values, Over over,
-                                              bool large_is_bad) {
-  std::sort(values.begin(), values.end());
-  switch (over) {
-    case Over::median:
-      return quantile_interval(values, 0.5, kLevel);
-    case Over::q90:
-      return quantile_interval(values, large_is_bad ? 0.9 : 0.1, kLevel);
-    case Over::mean:  // no interval covers the mean of every distribution
-    case Over::worst:
-      break;
-  }
-  return std::nullopt;
-}
-
 EstimatedValue gather(const std::vector<PointResult>& runs, const std::string& metric, Over over,
                       bool large_is_bad, bool with_interval) {
   std::vector<double> values;
   for (const PointResult& run : runs) values.push_back(*metric_of(run, metric));
   EstimatedValue result{gathered(values, over, large_is_bad)};
-  if (with_interval) result.interval = interval_of(values, over, large_is_bad);
+  // No interval covers the mean, or the worst value, of every distribution.
+  if (with_interval && (over == Over::median || over == Over::q90)) {
+    std::sort(values.begin(), values.end());
+    const double share = over == Over::median ? 0.5 : large_is_bad ? 0.9 : 0.1;
+    result.interval = quantile_interval(values, share, kLevel);
+  }
   return result;
 }
 
