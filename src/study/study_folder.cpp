@@ -21,13 +21,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The lines of a study's text, except for the working folder, which changes no result.
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) {
+    const bool is_text = !line.empty() && !line.starts_with('#');
+    if (is_text && !line.starts_with("working_folder = ")) lines.push_back(line);
+  }
+  return lines;
+}
+
 // The first line of `now` that `then` lacks, and that is no table's head.
 std::string first_difference(const std::string& now, const std::string& then) {
-  std::istringstream old_lines(then);
-  std::vector<std::string> old;
-  for (std::string line; std::getline(old_lines, line);) old.push_back(line);
-  std::istringstream lines(now);
-  for (std::string line; std::getline(lines, line);) {
+  const std::vector<std::string> old = lines_of(then);
+  for (const std::string& line : lines_of(now)) {
     const bool is_old = std::find(old.begin(), old.end(), line) != old.end();
     if (!is_old && !line.starts_with('[')) return line;
   }
@@ -43,17 +51,6 @@ bool is_begun(const fs::path& folder, const std::string& file) {
                        return name.starts_with("." + file + ".") ||
                               (name == "shards" && fs::is_empty(entry.path()));
                      });
-}
-
-// A study's text without the working folder, which changes no result.
-std::string without_place(const std::string& text) {
-  std::istringstream lines(text);
-  std::string rest;
-  for (std::string line; std::getline(lines, line);) {
-    const bool is_text = !line.empty() && !line.starts_with('#');
-    if (is_text && !line.starts_with("working_folder = ")) rest += line + "\n";
-  }
-  return rest;
 }
 
 std::string made_by(const fs::path& file, const char* key) {
@@ -136,14 +133,14 @@ void StudyFolder::grow(const std::string& text, const ScenarioFile& file) const 
 }
 
 bool StudyFolder::is_same(const std::string& now, const std::string& then) {
-  return without_place(now) == without_place(then);
+  return lines_of(now) == lines_of(then);
 }
 
 void StudyFolder::check_is(const std::string& now, const std::string& then) const {
   if (is_same(now, then)) return;
   throw std::invalid_argument(
       fmt::format("{}: holds another study: here it is `{}`; leave it be with another --out",
-                  folder_.string(), first_difference(without_place(now), without_place(then))));
+                  folder_.string(), first_difference(now, then)));
 }
 
 void StudyFolder::fail_to_go_on(const std::string& what) const {
