@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -400,7 +401,9 @@ class SweepCommand : public StudyCommand {
 
   int go_on(const ShardIndex& before) override {
     if (has_to_stop()) return kRunFailed;
-    std::vector<std::size_t> points = pending(before);
+    std::vector<std::size_t> points(size());
+    std::iota(points.begin(), points.end(), std::size_t{0});
+    std::erase_if(points, [&](std::size_t point) { return before.has(point); });
     if (!options_.quiet && before.done() > 0 && !points.empty()) {
       fmt::print(stderr, "{}: {}\n", name(), counted(before));
     }

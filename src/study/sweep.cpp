@@ -180,12 +180,4 @@ std::vector<std::string> Sweep::check() const {
   return warnings;
 }
 
-std::vector<std::size_t> pending(const ShardIndex& index) {
-  std::vector<std::size_t> points;
-  for (std::size_t point = 0; point < index.points(); ++point) {
-    if (!index.has(point)) points.push_back(point);
-  }
-  return points;
-}
-
 }  // namespace breakwater

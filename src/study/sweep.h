@@ -64,7 +64,4 @@ class Sweep : public PointSource {
   Keep keep_ = Keep::metrics;
 };
 
-/// The points without a result, in order.
-std::vector<std::size_t> pending(const ShardIndex& index);
-
 }  // namespace breakwater
