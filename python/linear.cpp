@@ -104,7 +104,7 @@ void bind_linear(py::module_& module) {
       .def(
           "tip_jacobian",
           [](const PlanarChain& chain, const Vector& q_rad) {
-            TipJacobian J;
+            TaskJacobian J(chain.held(), chain.joints());
             chain.tip_jacobian(q_rad, J);
             return Matrix(J);
           },

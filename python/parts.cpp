@@ -178,7 +178,7 @@ class PythonEstimator final : public Interface {
 
 py::dict setup_of(const ArmSetup& arm) {
   return py::dict(py::arg("period_s") = arm.period_s,
-                  py::arg("chain") = *arm.chain.planar(),  // a plant has another kind
+                  py::arg("chain") = *arm.chain->planar(),  // a plant has another kind
                   py::arg("torque_limit_Nm") = arm.acceleration.torque_limit_Nm,
                   py::arg("nominal_inertia_kgm2") = arm.acceleration.nominal_inertia_kgm2,
                   py::arg("start_angles_rad") = arm.task.start_angles_rad,

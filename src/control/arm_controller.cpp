@@ -20,18 +20,18 @@ ArmController::ArmController(const TipChain& chain, const AccelerationControlDes
       q_hat_(acceleration_control_.q_hat()),
       dq_hat_(acceleration_control_.dq_hat()),
       d_hat_(acceleration_control_.d_hat()),
-      X_hat_(TipVector::Zero(chain.held())),
+      X_hat_(TipVector::Zero(chain->held())),
       X_ref_(X_hat_),
-      J_(chain.held(), chain.joints()),
+      J_(chain->held(), chain->joints()),
       task_(std::move(task)),
       half_period_s_(0.5 * design.period_s),
-      acceleration_ref_(Eigen::VectorXd::Zero(chain.joints())),
+      acceleration_ref_(Eigen::VectorXd::Zero(chain->joints())),
       posture_(acceleration_ref_),
-      J_damped_(Eigen::MatrixXd::Zero(chain.joints(), chain.held())) {
-  refuse_unless(design.nominal_inertia_kgm2.size() == chain.joints() &&
-                    task_.start_angles_rad.size() == chain.joints(),
+      J_damped_(Eigen::MatrixXd::Zero(chain->joints(), chain->held())) {
+  refuse_unless(design.nominal_inertia_kgm2.size() == chain->joints() &&
+                    task_.start_angles_rad.size() == chain->joints(),
                 "arm controller: needs one inertia and start angle per joint");
-  refuse_unless(task_.start_pose.size() == chain.held() && chain.joints() >= chain.held(),
+  refuse_unless(task_.start_pose.size() == chain->held() && chain->joints() >= chain->held(),
                 "arm controller: needs a start pose with the coordinates of the chain, and a joint "
                 "for each");
   refuse_unless(task_.convert_gain_N_m > 0.0,
@@ -41,8 +41,8 @@ ArmController::ArmController(const TipChain& chain, const AccelerationControlDes
   publish({"d_hat_Nm", "N m", "disturbance torques, estimated, opposing motion (Eq. 2.53)",
            view(d_hat_)});
   const auto publish_tip = [&](const char* kind, const char* what, const TipVector& values) {
-    for (Eigen::Index i = 0; i < chain.held(); ++i) {
-      const TipCoordinate& one = chain.coordinates()[static_cast<std::size_t>(i)];
+    for (Eigen::Index i = 0; i < chain->held(); ++i) {
+      const TipCoordinate& one = chain->coordinates[static_cast<std::size_t>(i)];
       publish({one.name + kind + one.unit, one.unit, one.meaning + what, view(values[i])});
     }
   };
@@ -58,13 +58,13 @@ void ArmController::reset(const Sample&) {
 }
 
 void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
-  const Eigen::Index n = chain_.joints();
+  const Eigen::Index n = chain_->joints();
   force_control_ = y.time_s >= task_.force_control_from_s - half_period_s_;
   force_N_ = y.y(n);
   raw_force_N_ = y.y.size() > n + 1 ? y.y(n + 1) : force_N_;
   acceleration_control_.update(y.y.head(n));
-  X_hat_ = chain_.tip_pose(q_hat_);
-  chain_.tip_jacobian(q_hat_, J_);
+  X_hat_ = chain_->tip_pose(q_hat_);
+  chain_->tip_jacobian(q_hat_, J_);
   has_inverse_ = false;
   X_ref_ = task_.start_pose;
   if (force_control_) {
@@ -72,7 +72,7 @@ void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   }
 
   decide(acceleration_ref_);
-  if (n > chain_.held()) hold_posture();
+  if (n > chain_->held()) hold_posture();
   acceleration_control_.command(acceleration_ref_, u);
 }
 

@@ -56,7 +56,7 @@ class ArmController : public Controller {
   const ArmTask& task() const { return task_; }
   AccelerationControl& joints() { return acceleration_control_; }
   const AccelerationControl& joints() const { return acceleration_control_; }
-  const TipChain& chain() const { return chain_; }
+  const TipKinematics& chain() const { return *chain_; }
   /// J⁺ of this sample (n×c), damped near singular postures. Computed when it is first asked for.
   const Eigen::MatrixXd& damped_inverse();
 

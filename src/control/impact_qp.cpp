@@ -84,9 +84,9 @@ ImpactQp::ImpactQp(const TipChain& chain, const AccelerationControlDesign& accel
     : PathControl(chain, acceleration, task, design.path),
       design_(design),
       approach_(design.approach),
-      program_(chain.joints(), design),
+      program_(chain->joints(), design),
       torque_limit_(acceleration.torque_limit_Nm),
-      lower_(Eigen::VectorXd::Zero(chain.joints())),
+      lower_(Eigen::VectorXd::Zero(chain->joints())),
       upper_(lower_) {
   check(design.impact, design.admittance);
   refuse_unless(

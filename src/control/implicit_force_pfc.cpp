@@ -9,10 +9,10 @@ ImplicitForcePfc::ImplicitForcePfc(const TipChain& chain,
                                    const ArmTask& task, const ImplicitForcePfcDesign& design)
     : ArmController(chain, acceleration, task),
       pfc_(design.joints.begin(), design.joints.end()),
-      inverse_kinematics_(design.inverse_kinematics, chain.joints()),
+      inverse_kinematics_(design.inverse_kinematics, chain->joints()),
       positioning_(design.positioning),
       q_ref_(task.start_angles_rad) {
-  refuse_unless(static_cast<Eigen::Index>(pfc_.size()) == chain.joints(),
+  refuse_unless(static_cast<Eigen::Index>(pfc_.size()) == chain->joints(),
                 "implicit force PFC: needs one PFC per joint");
   publish({"q_ref_rad",
            "rad",

@@ -21,10 +21,10 @@ PathControl::PathControl(const TipChain& chain, const AccelerationControlDesign&
     : ArmController(chain, acceleration, task),
       inertia_(acceleration.nominal_inertia_kgm2),
       period_s_(acceleration.period_s),
-      along_(Eigen::VectorXd::Zero(chain.joints())),
+      along_(Eigen::VectorXd::Zero(chain->joints())),
       otherwise_(along_),
       recoil_(along_),
-      wanted_(TipVector::Zero(chain.held())),
+      wanted_(TipVector::Zero(chain->held())),
       velocity_(wanted_),
       positioning_(design.positioning),
       joint_pfc_(design.joints.begin(), design.joints.end()),
@@ -32,7 +32,7 @@ PathControl::PathControl(const TipChain& chain, const AccelerationControlDesign&
       across_(design.across),
       share_(along_),
       rest_(along_) {
-  refuse_unless(static_cast<Eigen::Index>(joint_pfc_.size()) == chain.joints(),
+  refuse_unless(static_cast<Eigen::Index>(joint_pfc_.size()) == chain->joints(),
                 "path control: needs a PFC for each joint");
 }
 

@@ -20,7 +20,7 @@ Hpfc::Hpfc(const TipChain& chain, const AccelerationControlDesign& acceleration,
            const ArmTask& task, const WorkspaceControlDesign& design)
     : ArmController(chain, acceleration, task),
       design_(checked(design)),
-      J_plus_(chain.joints(), chain.held()) {}
+      J_plus_(chain->joints(), chain->held()) {}
 
 void Hpfc::decide(Eigen::Ref<Eigen::VectorXd> a) {
   pseudo_inverse(J_, design_.singular_value_floor, J_plus_);
@@ -38,7 +38,7 @@ Drac::Drac(const TipChain& chain, const AccelerationControlDesign& acceleration,
            const ArmTask& task, const WorkspaceControlDesign& design)
     : ArmController(chain, acceleration, task),
       design_(checked(design)),
-      J_plus_(chain.joints(), chain.held()) {}
+      J_plus_(chain->joints(), chain->held()) {}
 
 void Drac::decide(Eigen::Ref<Eigen::VectorXd> a) {
   pseudo_inverse(J_, design_.singular_value_floor, J_plus_);

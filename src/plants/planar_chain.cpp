@@ -34,21 +34,28 @@ void check(const PlanarJoint& joint) {
 
 }  // namespace
 
+std::string TipKinematics::names() const {
+  std::string names;
+  for (const TipCoordinate& one : coordinates) names += (names.empty() ? "" : ", ") + one.name;
+  return names;
+}
+
 PlanarChain::PlanarChain(std::vector<PlanarJoint> joints, const Eigen::Vector2d& tip_offset_m,
                          double tip_yaw_rad)
     : joints_(std::move(joints)), tip_offset_(tip_offset_m), tip_yaw_(tip_yaw_rad) {
   if (joints_.empty()) throw std::invalid_argument("planar chain: needs at least one joint");
   coordinates = {{"x", "m", "tip x"}, {"y", "m", "tip y"}, {"phi", "rad", "tip angle"}};
-  effort_limits_.resize(this->joints());
-  velocity_limits_.resize(this->joints());
-  for (Eigen::Index i = 0; i < this->joints(); ++i) {
+  const auto n = static_cast<Eigen::Index>(joints_.size());
+  effort_limits_.resize(n);
+  velocity_limits_.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
     check(joint(i));
     effort_limits_(i) = joint(i).effort_limit_Nm;
     velocity_limits_(i) = joint(i).velocity_limit_rad_s;
   }
 }
 
-TipPose PlanarChain::tip_pose(const Angles& q_rad) const {
+TipVector PlanarChain::tip_pose(const Angles& q_rad) const {
   double angle = 0.0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   for (Eigen::Index i = 0; i < joints(); ++i) {
@@ -56,10 +63,10 @@ TipPose PlanarChain::tip_pose(const Angles& q_rad) const {
     angle += joint(i).yaw_rad + joint(i).sense * q_rad(i);
   }
   position += rotate(angle, tip_offset_);
-  return {position.x(), position.y(), angle + tip_yaw_};
+  return TipPose(position.x(), position.y(), angle + tip_yaw_);
 }
 
-void PlanarChain::tip_jacobian(const Angles& q_rad, Eigen::Ref<Eigen::MatrixXd> J) const {
+void PlanarChain::tip_jacobian(const Angles& q_rad, TaskJacobian& J) const {
   // Computes the joints' positions, then each column sense·[z × (tip − joint); 1].
   double angle = 0.0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
@@ -75,7 +82,7 @@ void PlanarChain::tip_jacobian(const Angles& q_rad, Eigen::Ref<Eigen::MatrixXd> 
   }
 }
 
-TipPose PlanarChain::tip_bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const {
+TipVector PlanarChain::tip_bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const {
   // A point fixed in a link with the rate ω has the centripetal acceleration −ω² r.
   double angle = 0.0;
   double rate = 0.0;
@@ -86,7 +93,7 @@ TipPose PlanarChain::tip_bias_acceleration(const Angles& q_rad, const Angles& dq
     rate += joint(i).sense * dq_rad_s(i);
   }
   acceleration -= rate * rate * rotate(angle, tip_offset_);
-  return {acceleration.x(), acceleration.y(), 0.0};
+  return TipPose(acceleration.x(), acceleration.y(), 0.0);
 }
 
 Eigen::MatrixXd PlanarChain::mass_matrix(const Angles& q_rad) const {

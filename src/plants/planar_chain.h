@@ -11,9 +11,6 @@ namespace breakwater {
 /// A task-space pose of the tip, X = [x y φ]ᵀ [m, m, rad] (Eq. 2.51).
 using TipPose = Eigen::Vector3d;
 
-/// The Jacobian of X with respect to q, 3×n (Eq. 2.52).
-using TipJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic>;
-
 /// A value for each held coordinate of the tip, c of them. X = [x y φ]ᵀ of a planar arm (Eq. 2.51).
 using TipVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 
@@ -37,11 +34,16 @@ class TipKinematics {
   virtual ~TipKinematics() = default;
 
   /// X(q) (c). The first coordinate is the one along which the tip presses.
-  virtual TipVector pose(const Angles& q_rad) const = 0;
+  virtual TipVector tip_pose(const Angles& q_rad) const = 0;
   /// J(q) (c×n), which must have its size.
-  virtual void jacobian(const Angles& q_rad, TaskJacobian& J) const = 0;
+  virtual void tip_jacobian(const Angles& q_rad, TaskJacobian& J) const = 0;
   /// J̇(q, q̇) q̇ (c), the tip's acceleration at q̈ = 0.
-  virtual TipVector bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const = 0;
+  virtual TipVector tip_bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const = 0;
+
+  Eigen::Index joints() const { return effort_limits_.size(); }                        ///< n
+  Eigen::Index held() const { return static_cast<Eigen::Index>(coordinates.size()); }  ///< c
+  /// The names of the coordinates: "x, y, phi".
+  std::string names() const;
 
   /// The chain, if this is one.
   virtual const PlanarChain* planar() const { return nullptr; }
@@ -79,28 +81,15 @@ class PlanarChain final : public TipKinematics {
   PlanarChain(std::vector<PlanarJoint> joints, const Eigen::Vector2d& tip_offset_m,
               double tip_yaw_rad);
 
-  Eigen::Index joints() const { return static_cast<Eigen::Index>(joints_.size()); }
   const PlanarJoint& joint(Eigen::Index i) const { return joints_[static_cast<std::size_t>(i)]; }
 
-  TipVector pose(const Angles& q_rad) const override { return tip_pose(q_rad); }
-  void jacobian(const Angles& q_rad, TaskJacobian& J) const override { tip_jacobian(q_rad, J); }
-  TipVector bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const override {
-    return tip_bias_acceleration(q_rad, dq_rad_s);
-  }
+  /// As Eq. 2.51, for any chain.
+  TipVector tip_pose(const Angles& q_rad) const override;
+  /// J_aco(q), Eq. 2.52.
+  void tip_jacobian(const Angles& q_rad, TaskJacobian& J) const override;
+  /// The last term of Eq. 2.93 [m/s², m/s², rad/s²].
+  TipVector tip_bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const override;
   const PlanarChain* planar() const override { return this; }
-
-  /// X(q), as Eq. 2.51, for any chain.
-  TipPose tip_pose(const Angles& q_rad) const;
-
-  /// J_aco(q), Eq. 2.52. J must be 3×n.
-  void tip_jacobian(const Angles& q_rad, Eigen::Ref<Eigen::MatrixXd> J) const;
-  void tip_jacobian(const Angles& q_rad, TipJacobian& J) const {
-    J.resize(3, joints());
-    tip_jacobian(q_rad, Eigen::Ref<Eigen::MatrixXd>(J));
-  }
-
-  /// J̇_aco(q, q̇) q̇, the tip's acceleration at q̈ = 0 [m/s², m/s², rad/s²] (last term of Eq. 2.93).
-  TipPose tip_bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const;
 
   /// J(q) of Eq. 2.50 without the motors' armature [kg m²], n×n, symmetric positive definite.
   Eigen::MatrixXd mass_matrix(const Angles& q_rad) const;

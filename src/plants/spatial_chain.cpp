@@ -46,7 +46,7 @@ SpatialChain::SpatialChain(std::vector<SpatialJoint> joints, const Eigen::Isomet
   // Gram and Schmidt at a posture near the start, which may be singular.
   rows_ = {0, 1, 2, 3, 4, 5};
   TaskJacobian rest(6, n);
-  jacobian(start_angles_rad + Eigen::VectorXd::LinSpaced(n, 0.1, 0.2), rest);
+  tip_jacobian(start_angles_rad + Eigen::VectorXd::LinSpaced(n, 0.1, 0.2), rest);
   rows_.clear();
   const double position = rest.topRows<3>().rowwise().norm().maxCoeff();
   const double turn = rest.bottomRows<3>().rowwise().norm().maxCoeff();
@@ -99,13 +99,13 @@ TipVector SpatialChain::held_of(const Eigen::Vector3d& position,
   return held;
 }
 
-TipVector SpatialChain::pose(const Angles& q_rad) const {
+TipVector SpatialChain::tip_pose(const Angles& q_rad) const {
   const Eigen::Isometry3d tip = walk(q_rad, [](auto&&...) {});
   return held_of(to_contact_ * tip.translation(),
                  to_contact_.linear() * rotation_vector(tip.linear() * start_.transpose()));
 }
 
-void SpatialChain::jacobian(const Angles& q_rad, TaskJacobian& J) const {
+void SpatialChain::tip_jacobian(const Angles& q_rad, TaskJacobian& J) const {
   const Eigen::Vector3d tip = walk(q_rad, [](auto&&...) {}).translation();
   walk(q_rad, [&](std::size_t i, const Eigen::Vector3d& axis, const Eigen::Vector3d& anchor) {
     const bool slides = joints_[i].slides;
@@ -116,7 +116,7 @@ void SpatialChain::jacobian(const Angles& q_rad, TaskJacobian& J) const {
   });
 }
 
-TipVector SpatialChain::bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const {
+TipVector SpatialChain::tip_bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const {
   // The point at which the links meet, its acceleration, and the rate of the link with it.
   Eigen::Vector3d point = Eigen::Vector3d::Zero(), acceleration = point;
   Eigen::Vector3d rate = point, rate_change = point;

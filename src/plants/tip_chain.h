@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <breakwater/plants/planar_chain.h>
@@ -13,41 +12,11 @@
 namespace breakwater {
 
 /// A manipulator as its controllers know it. Copies share the kinematics.
-class TipChain {
- public:
-  using Angles = TipKinematics::Angles;
-
+struct TipChain : std::shared_ptr<const TipKinematics> {
+  using shared_ptr::shared_ptr;
   /// The planar chain with its tip's x, y and φ.
   TipChain(const PlanarChain& chain)  // NOLINT(google-explicit-constructor): it is such a chain
-      : kinematics_(std::make_shared<PlanarChain>(chain)) {}
-  explicit TipChain(std::shared_ptr<const TipKinematics> kinematics)
-      : kinematics_(std::move(kinematics)) {}
-
-  Eigen::Index joints() const { return effort_limits_Nm().size(); }
-  Eigen::Index held() const { return static_cast<Eigen::Index>(coordinates().size()); }
-  const std::vector<TipCoordinate>& coordinates() const { return kinematics_->coordinates; }
-  /// The names of the coordinates: "x, y, phi".
-  std::string names() const {
-    std::string names;
-    for (const TipCoordinate& one : coordinates()) names += (names.empty() ? "" : ", ") + one.name;
-    return names;
-  }
-  const Eigen::VectorXd& effort_limits_Nm() const { return kinematics_->effort_limits_Nm(); }
-  const Eigen::VectorXd& velocity_limits_rad_s() const {
-    return kinematics_->velocity_limits_rad_s();
-  }
-
-  /// The planar chain of which this was made; null: it was not.
-  const PlanarChain* planar() const { return kinematics_->planar(); }
-
-  TipVector tip_pose(const Angles& q_rad) const { return kinematics_->pose(q_rad); }
-  void tip_jacobian(const Angles& q_rad, TaskJacobian& J) const { kinematics_->jacobian(q_rad, J); }
-  TipVector tip_bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const {
-    return kinematics_->bias_acceleration(q_rad, dq_rad_s);
-  }
-
- private:
-  std::shared_ptr<const TipKinematics> kinematics_;
+      : shared_ptr(std::make_shared<PlanarChain>(chain)) {}
 };
 
 /// A hinge or slide and the link that it moves.
@@ -74,9 +43,9 @@ class SpatialChain final : public TipKinematics {
   SpatialChain(std::vector<SpatialJoint> joints, const Eigen::Isometry3d& tip,
                const Eigen::Isometry3d& contact, const Eigen::VectorXd& start_angles_rad);
 
-  TipVector pose(const Angles& q_rad) const override;
-  void jacobian(const Angles& q_rad, TaskJacobian& J) const override;
-  TipVector bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const override;
+  TipVector tip_pose(const Angles& q_rad) const override;
+  void tip_jacobian(const Angles& q_rad, TaskJacobian& J) const override;
+  TipVector tip_bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const override;
 
  private:
   template <typename Visit>

@@ -38,7 +38,7 @@ struct PfcSettings {
   std::vector<PfcDesign> joints(const ArmSetup& arm) const {
     std::vector<PfcDesign> designs;
     for (const double response_time_s :
-         spread("controller.t_ref_s", t_ref_s, arm.chain.joints(), "joint")) {
+         spread("controller.t_ref_s", t_ref_s, arm.chain->joints(), "joint")) {
       designs.push_back(design("controller.t_ref_s", response_time_s, arm));
     }
     return designs;
@@ -72,9 +72,9 @@ struct Proposed {
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     std::vector<PfcDesign> joints = pfc.joints(arm);
     LmDesign kinematics = ik;
-    kinematics.weights = spread("controller.ik_weights", ik_weights, arm.chain.held(),
-                                "of " + arm.chain.names() + ", which the arm can hold");
-    blame("controller.ik_form", [&] { LmInverseKinematics(kinematics, arm.chain.joints()); });
+    kinematics.weights = spread("controller.ik_weights", ik_weights, arm.chain->held(),
+                                "of " + arm.chain->names() + ", which the arm can hold");
+    blame("controller.ik_form", [&] { LmInverseKinematics(kinematics, arm.chain->joints()); });
     return make_law<ImplicitForcePfc>(
         arm, ImplicitForcePfcDesign{std::move(joints), kinematics, pfc.positioning});
   }

@@ -142,8 +142,8 @@ void AxisScenario::check(const Config& config) {
   warnings_ = plant().warnings();
   if (!whole_) return;
   constexpr Eigen::Index kAllCoordinates = 6;
-  if (moves_tip() && !plant_.chain && task.tip().chain.held() < kAllCoordinates) {
-    warnings_.push_back("the tip holds " + task.tip().chain.names() +
+  if (moves_tip() && !plant_.chain && task.tip().chain->held() < kAllCoordinates) {
+    warnings_.push_back("the tip holds " + task.tip().chain->names() +
                         " of the contact's frame: its joints move no other coordinate "
                         "independently");
   }

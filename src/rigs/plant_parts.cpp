@@ -173,7 +173,7 @@ std::vector<SpatialJoint> joints_to(int body, const AxisPlant& plant, const Mode
 // The nominal model of a URDF: its joints are independent, and their coupling is a disturbance.
 ArmSetup planar_setup(const AxisPlant& plant) {
   ArmSetup arm{TipChain(plant.chain), {}, {}, plant.physics.control_period_s};
-  const Eigen::Index n = arm.chain.joints();
+  const Eigen::Index n = arm.chain->joints();
   if (static_cast<Eigen::Index>(plant.axes.size()) != n) {
     throw std::invalid_argument("moves the joints of the URDF alone, and there are other axes");
   }
@@ -227,7 +227,7 @@ class TipPart {
     if (task.axes.front().senses_true_state) {
       throw WrongKey("sensor.true_state", "must be false: it takes positions and force alone");
     }
-    const Eigen::Index n = arm.chain.joints();
+    const Eigen::Index n = arm.chain->joints();
     AccelerationControlDesign& joints = arm.acceleration;
     arm.task.start_angles_rad.resize(n);
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -237,7 +237,7 @@ class TipPart {
     joints.make_observer = [estimator = std::move(estimator)] { return estimator; };
     joints.feed = feed_;
     joints.period_s = task.whole.period_s;
-    arm.task.start_pose = arm.chain.tip_pose(arm.task.start_angles_rad);
+    arm.task.start_pose = arm.chain->tip_pose(arm.task.start_angles_rad);
     arm.task.k_posture = k_posture_;
     const Reference& force = task.force.reference;
     if (std::isinf(force.from_s)) return arm;
@@ -308,11 +308,11 @@ ArmSetup tip_setup(const AxisPlant& plant) {
   arm.acceleration.nominal_mass_matrix_kgm2 = joint_inertia(model, plant.pose(model))(rates, rates);
   if (radius_m > 0.0 && touching->body == tip.body) {
     const SpatialChain ball(joints, body * touching->frame, *contact, start);
-    const double ball_x_m = ball.pose(start)(0);
+    const double ball_x_m = ball.tip_pose(start)(0);
     if (ball_x_m > 0.0) {
       throw std::invalid_argument("the tip starts behind the plane \"" + plane_name + '"');
     }
-    arm.task.wall_x_m = chain->pose(start)(0) - ball_x_m - radius_m;
+    arm.task.wall_x_m = chain->tip_pose(start)(0) - ball_x_m - radius_m;
   }
   return arm;
 }

@@ -70,11 +70,11 @@ void bends_its_elbow_and_approaches() {
   }
   // After 100 M/D the speed is F^ref/D.
   breakwater::TaskJacobian J(3, 3);
-  arm.chain.tip_jacobian(q, J);
+  arm.chain->tip_jacobian(q, J);
   const Eigen::Vector3d velocity = J * dq;
   const double speed_m_s = arm.task.force_reference_N / design.virtual_damping_Ns_m;
   expect_near("the tip's speed in x", velocity[0], speed_m_s, 1e-4);
-  expect_near("the tip's way in y", arm.chain.tip_pose(q)[1], arm.task.start_pose[1], 1e-3);
+  expect_near("the tip's way in y", arm.chain->tip_pose(q)[1], arm.task.start_pose[1], 1e-3);
   if (!(q[1] < 0.0)) {
     std::printf("the elbow is at %.3g rad, bent the other way\n", q[1]);
     ++failures;

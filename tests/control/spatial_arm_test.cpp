@@ -42,7 +42,7 @@ struct Arm {
     acceleration.make_observer = [this] { return known; };
     acceleration.period_s = kPeriod;
     task.start_angles_rad = start;
-    task.start_pose = chain.tip_pose(start);
+    task.start_pose = chain->tip_pose(start);
     task.force_reference_N = 2.0;
     task.convert_gain_N_m = 20.0;
     task.force_control_from_s = 0.0;
@@ -65,7 +65,7 @@ struct Arm {
 };
 
 std::vector<std::unique_ptr<Controller>> controllers(const Arm& arm) {
-  const auto joints = static_cast<std::size_t>(arm.chain.joints());
+  const auto joints = static_cast<std::size_t>(arm.chain->joints());
   LmDesign inverse;
   inverse.form = LmForm::sugihara;
   inverse.damping = 1e-4;
@@ -170,12 +170,12 @@ TEST(SpatialArm, PostureMovesWithoutTheTip) {
     chain->jacobian(q, J);
     const Eigen::MatrixXd pinv = J.completeOrthogonalDecomposition().pseudoInverse();
     const Eigen::VectorXd along = (Eigen::MatrixXd::Identity(7, 7) - pinv * J).col(2);
-    q += (k < 200 ? 2e-3 : 0.0) * along.normalized() - pinv * chain->pose(q);
+    q += (k < 200 ? 2e-3 : 0.0) * along.normalized() - pinv * chain->tip_pose(q);
     q += pinv * arm.task.start_pose;
   }
   const double away = (q - start).norm();
   ASSERT_GT(away, 0.1);
-  ASSERT_LT((chain->pose(q) - arm.task.start_pose).norm(), 1e-12);
+  ASSERT_LT((chain->tip_pose(q) - arm.task.start_pose).norm(), 1e-12);
   arm.task.force_control_from_s = 1e9;
   Drac law(arm.chain, arm.acceleration, arm.task, {});
   Eigen::VectorXd dq = Eigen::VectorXd::Zero(7);
@@ -187,7 +187,7 @@ TEST(SpatialArm, PostureMovesWithoutTheTip) {
     const Eigen::VectorXd half_dq = dq + 0.5 * h * arm.torque(law, q, dq, 0.0, k * h);
     q += h * half_dq;
     dq += h * arm.torque(law, half_q, half_dq, 0.0, (k + 0.5) * h);
-    largest = std::max(largest, (chain->pose(q) - arm.task.start_pose).norm());
+    largest = std::max(largest, (chain->tip_pose(q) - arm.task.start_pose).norm());
   }
   EXPECT_LT((q - start).norm(), 1e-3 * away);
   EXPECT_LT(largest, 1e-6);

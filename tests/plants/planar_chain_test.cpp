@@ -79,7 +79,7 @@ TEST(PlanarChain, AgreesWithKdl) {
     KDL::Jacobian kdl_J(static_cast<unsigned>(n));
     KDL::ChainJntToJacSolver jacobian(chain.kdl);
     ASSERT_EQ(jacobian.JntToJac(to_kdl(q), kdl_J), 0);
-    TipJacobian J;
+    TaskJacobian J(3, n);
     chain.ours.tip_jacobian(q, J);
     EXPECT_LT((J.topRows(2) - kdl_J.data.topRows(2)).cwiseAbs().maxCoeff(), 1e-13);
     EXPECT_LT((J.row(2) - kdl_J.data.row(5)).cwiseAbs().maxCoeff(), 1e-13);

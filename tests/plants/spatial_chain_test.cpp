@@ -47,26 +47,26 @@ TEST(SpatialChain, AgreesWithKdl) {
     ASSERT_EQ(fk.JntToCart(to_kdl(start), at_start), 0);
     ASSERT_EQ(fk.JntToCart(to_kdl(q), now), 0);
     const KDL::Vector turn = KDL::diff(at_start.M, now.M);
-    const TipVector X = ours.pose(q);
+    const TipVector X = ours.tip_pose(q);
     EXPECT_LT(
         (X.head<3>() - contact.inverse() * Eigen::Vector3d(now.p.x(), now.p.y(), now.p.z())).norm(),
         1e-12);
     EXPECT_LT((X.tail<3>() - to_contact * Eigen::Vector3d(turn.x(), turn.y(), turn.z())).norm(),
               1e-12);
-    EXPECT_LT(ours.pose(start).tail<3>().norm(), 1e-14);
+    EXPECT_LT(ours.tip_pose(start).tail<3>().norm(), 1e-14);
 
     KDL::Jacobian kdl_J(static_cast<unsigned>(n));
     KDL::ChainJntToJacSolver jacobian(kdl);
     ASSERT_EQ(jacobian.JntToJac(to_kdl(q), kdl_J), 0);
     TaskJacobian J(6, n);
-    ours.jacobian(q, J);
+    ours.tip_jacobian(q, J);
     EXPECT_LT((J.topRows<3>() - to_contact * kdl_J.data.topRows<3>()).norm(), 1e-12);
     EXPECT_LT((J.bottomRows<3>() - to_contact * kdl_J.data.bottomRows<3>()).norm(), 1e-12);
 
     KDL::Twist bias;
     KDL::ChainJntToJacDotSolver jacobian_rate(kdl);
     ASSERT_EQ(jacobian_rate.JntToJacDot(KDL::JntArrayVel(to_kdl(q), to_kdl(dq)), bias), 0);
-    const TipVector change = ours.bias_acceleration(q, dq);
+    const TipVector change = ours.tip_bias_acceleration(q, dq);
     EXPECT_LT(
         (change.head<3>() - to_contact * Eigen::Vector3d(bias.vel.x(), bias.vel.y(), bias.vel.z()))
             .norm(),
@@ -124,13 +124,14 @@ TEST(SpatialChain, OfParallelHingesIsAPlanarChain) {
     const Eigen::VectorXd q = start + random.vector(3, 0.4), dq = random.vector(3);
     TipPose moved = plane.tip_pose(q);
     moved.z() -= plane.tip_pose(start).z();
-    EXPECT_LT((space.pose(q) - moved).norm(), 1e-13);
-    TipJacobian flat;
+    EXPECT_LT((space.tip_pose(q) - moved).norm(), 1e-13);
+    TaskJacobian flat(3, plane.joints());
     plane.tip_jacobian(q, flat);
     TaskJacobian J(3, 3);
-    space.jacobian(q, J);
+    space.tip_jacobian(q, J);
     EXPECT_LT((J - flat).norm(), 1e-13);
-    EXPECT_LT((space.bias_acceleration(q, dq) - plane.tip_bias_acceleration(q, dq)).norm(), 1e-13);
+    EXPECT_LT((space.tip_bias_acceleration(q, dq) - plane.tip_bias_acceleration(q, dq)).norm(),
+              1e-13);
   }
 }
 

@@ -107,7 +107,7 @@ TEST_P(ArmDynamics, AgreeWithKdl) {
     mj_jacBody(&m, data.get(), theirs.data(), theirs.data() + 3 * n, arm.tip);
     EXPECT_LT((theirs - J.data).norm(), 1e-9 * J.data.norm());
     TaskJacobian own(6, n);
-    ours.jacobian(q, own);
+    ours.tip_jacobian(q, own);
     EXPECT_LT((own - J.data).norm(), 1e-9 * J.data.norm());
   }
 }

@@ -175,7 +175,7 @@ TEST(Models, UrdfAndMjcfOfTheArmAgree) {
 
     double J_position[9], J_rotation[9];
     mj_jacSite(model.get(), data, J_position, J_rotation, tip);
-    TipJacobian J;
+    TaskJacobian J(3, 3);
     chain.tip_jacobian(q, J);
     Eigen::Matrix3d M;
     double dense[9];
