@@ -167,7 +167,7 @@ TEST(SpatialArm, PostureMovesWithoutTheTip) {
   Eigen::VectorXd q = start;
   TaskJacobian J(6, 7);
   for (int k = 0; k < 400; ++k) {
-    chain->jacobian(q, J);
+    chain->tip_jacobian(q, J);
     const Eigen::MatrixXd pinv = J.completeOrthogonalDecomposition().pseudoInverse();
     const Eigen::VectorXd along = (Eigen::MatrixXd::Identity(7, 7) - pinv * J).col(2);
     q += (k < 200 ? 2e-3 : 0.0) * along.normalized() - pinv * chain->tip_pose(q);
