@@ -249,6 +249,13 @@ TransmissionDesign TransmissionSettings::linear_design(NominalFrom from) const {
   return linear;
 }
 
+StateSpace TransmissionSettings::linear(const TwoInertia& numbers) const {
+  if (is_elastic()) return motor_and_load(numbers, measured);
+  StateSpace plant = damped_inertia(numbers.load_inertia, numbers.load_friction);
+  plant.B *= numbers.ratio;
+  return plant;
+}
+
 void TransmissionSettings::describe(NominalAxis& axis, const TwoInertia& numbers,
                                     NominalFrom from) const {
   if (measured == Side::motor && !is_elastic() && design.ratio != 1.0) {

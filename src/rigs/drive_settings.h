@@ -137,6 +137,8 @@ struct TransmissionSettings {
   TwoInertia nominal_numbers() const;
   /// The design without backlash and kinematic error, and from keys with the nominal spring.
   TransmissionDesign linear_design(NominalFrom from) const;
+  /// The linear part of the plant, without backlash and kinematic error.
+  StateSpace linear(const TwoInertia& numbers) const;
 
   /// Sets the plant in an axis' nominal model. Throws a WrongKey if a key is missing or contradicts
   /// another.
