@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include <breakwater/rigs/arm_scenario.h>
+#include <breakwater/rigs/arm_signals.h>
 #include <breakwater/sim/hand_on_link.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/world/hand.h>
@@ -37,10 +37,10 @@ class PostureOvershoot final : public Beyond {
 
 // The arm holds its start pose. A stiff hand pushes the end of one link, turns it, holds it and
 // lets go. The torques saturate; the question is how the arm returns.
-class ArmPush final : public ArmScenario {
+class ArmPush final : public AxisScenario {
  public:
   explicit ArmPush(const Catalogue& catalogue)
-      : ArmScenario(
+      : AxisScenario(
             catalogue,
             {.name = "arm_push",
              .summary = "forced displacement of each link: torque saturation, recovery",
@@ -93,17 +93,18 @@ class ArmPush final : public ArmScenario {
   }
 
   MetricContext complete(const Config& config) override {
-    if (link_ > chain().joints()) {
-      config.fail("push.link", "the arm has only " + std::to_string(chain().joints()) + " links");
+    const Eigen::Index links = plant_.chain->joints();
+    if (link_ > links) {
+      config.fail("push.link", "the arm has only " + std::to_string(links) + " links");
     }
     return {.known = {{"release", hand_.release_s()}}};
   }
 
   void extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const override {
-    ArmScenario::extend(run, rig, loop);
+    log_arm(run, rig, loop, plant_, {hand_.release_s(), plant_.run.duration_s});
     Simulation& sim = rig.simulation();
-    const auto hand =
-        std::make_shared<HandOnLink>(hand_, sim.model(), chain(), start_angles_rad(), link_);
+    const auto hand = std::make_shared<HandOnLink>(hand_, sim.model(), *plant_.chain,
+                                                   plant_.reference_at_start(), link_);
     sim.add(*hand);
     if (has_geom(sim.model(), "wall")) sim.set_collidable(geom_id(sim.model(), "wall"), false);
     run.compute("push_turned_rad", "rad", "angle by which the pushed link is turned",
@@ -112,9 +113,6 @@ class ArmPush final : public ArmScenario {
                 [hand, &sim](double time_s, auto) {
                   return hand->moment_Nm(time_s, sim.qpos(), sim.qvel());
                 });
-  }
-  TimeWindow holds_start_pose() const override {
-    return {hand_.release_s(), plant_.run.duration_s};
   }
 
   void prepare_model(Model& model) const override { show_geoms(model, "wall_", false); }

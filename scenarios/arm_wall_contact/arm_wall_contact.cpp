@@ -1,5 +1,5 @@
 // Scenario arm_wall_contact: position/force control against a wall (thesis 2.4.3.2, 2.4.3.4).
-#include <breakwater/rigs/arm_scenario.h>
+#include <breakwater/rigs/arm_signals.h>
 #include <breakwater/sim/linear_model.h>
 
 namespace breakwater {
@@ -7,13 +7,13 @@ namespace {
 
 // The arm moves to its start pose. At `force.from_s` it begins to approach the wall, and then
 // presses on it with `force.reference_N`. The main metrics are impact force and free-motion time.
-class ArmWallContact final : public ArmScenario {
+class ArmWallContact final : public AxisScenario {
  public:
   explicit ArmWallContact(const Catalogue& catalogue)
-      : ArmScenario(catalogue, {.name = "arm_wall_contact",
-                                .summary = "hybrid position/force control against a wall: impact "
-                                           "force, free-motion time",
-                                .is_arm = true}) {
+      : AxisScenario(catalogue, {.name = "arm_wall_contact",
+                                 .summary = "hybrid position/force control against a wall: impact "
+                                            "force, free-motion time",
+                                 .is_arm = true}) {
     plant_.contacts.emplace_back(catalogue, "tip", "wall");
     plant_.tip->contact = contact().name;
     contact().x_m = [this](const Model&) { return wall_x_m(); };
@@ -42,7 +42,8 @@ class ArmWallContact final : public ArmScenario {
   }
 
   void extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const override {
-    ArmScenario::extend(run, rig, loop);
+    // Later the tip touches the wall and presses.
+    log_arm(run, rig, loop, plant_, {0.0, plant_.tip->reference.from_s});
     const Simulation& sim = rig.simulation();
     const auto impact_mass_kg = std::make_shared<double>(0.0);
     run.after_step =
@@ -56,8 +57,6 @@ class ArmWallContact final : public ArmScenario {
     run.for_metrics.push_back({"impact_mass_kg", "kg", "", view(*impact_mass_kg)});
     run.judged->push_back(rig.judged_force(judged_));
   }
-  // Later the tip touches the wall and presses.
-  TimeWindow holds_start_pose() const override { return {0.0, plant_.tip->reference.from_s}; }
 
   void animate_scene(Model& model, double time_s) const override {
     show_geoms(model, "wall_", time_s >= plant_.contacts.front().solid_from_s);
@@ -65,13 +64,15 @@ class ArmWallContact final : public ArmScenario {
   }
 
   ArmSetup tip() const override {
-    ArmSetup arm = ArmScenario::tip();
+    ArmSetup arm = AxisScenario::tip();
     arm.task.wall_x_m = wall_x_m();
     return arm;
   }
 
   ContactSettings& contact() { return plant_.contacts.front(); }
-  double wall_x_m() const { return start_pose()[0] + wall_distance_m_; }
+  double wall_x_m() const {
+    return plant_.chain->tip_pose(plant_.reference_at_start())[0] + wall_distance_m_;
+  }
 
   double wall_distance_m_ = 0.0;
   TimeWindow judged_;  // window of the force error

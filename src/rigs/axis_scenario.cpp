@@ -1,5 +1,6 @@
 #include <breakwater/rigs/axis_scenario.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -18,6 +19,10 @@ AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design
   if (design_.axis) {
     plant_.axes.emplace_back(*design_.axis, catalogue).disturbance.shape.kind = design_.disturbance;
   }
+  if (design_.is_arm) {
+    plant_.keyframe = "home";
+    plant_.tip = {.touch = "tip_touch", .sensor = "tip_force"};
+  }
   if (design_.has_nameless_axis()) {
     axis_parts_.emplace_back(catalogue, design_.controller);
   } else {
@@ -27,6 +32,9 @@ AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design
 }
 
 void AxisScenario::learn(const Config& config) {
+  if (design_.is_arm && !config.text("model.urdf")) {
+    config.fail("model.urdf", "is missing: the URDF file of the arm");
+  }
   Scenario::learn(config);
   if (!whole_) return;
   plant_.learn(config);
@@ -148,6 +156,14 @@ void AxisScenario::check(const Config& config) {
                         "independently");
   }
   warn_of_missing_signals(config, task);
+  if (!design_.is_arm) return;
+  // A log with the friction of one joint has that of all.
+  plant_.knows_disturbances =
+      std::any_of(plant_.axes.begin(), plant_.axes.end(), [](const AxisSettings& one) {
+        const Disturbance& d = one.disturbance.shape;
+        return d.kind != DisturbanceKind::none || d.offset != 0.0 || one.input_noise() > 0.0 ||
+               one.drive.friction->make(1.0) != nullptr;
+      });
 }
 
 PlantTask AxisScenario::check_whole(const Config& config) {

@@ -32,7 +32,9 @@ struct AxisScenarioDesign {
   std::string summary;
   std::optional<Axis> axis = {};  ///< an axis of every file, the only one if it has no name
   std::string controller = {};    ///< the default one of its only axis; empty: the file names it
-  bool is_arm = false;  ///< its controllers are those of an arm, and it has rows of its own
+  /// Its controllers are those of an arm, and it has rows of its own. Its file has model.urdf, and
+  /// its model the keyframe home and the sensors tip_force, tip_touch and tip_vel.
+  bool is_arm = false;
   /// The default kind of the only axis' disturbance.
   DisturbanceKind disturbance = DisturbanceKind::none;
   /// The totals of its controllers, for a scenario with predictive control. Others do not link it.

@@ -642,6 +642,12 @@ Model AxisPlant::nominal_model() const {
   return model;
 }
 
+Eigen::VectorXd AxisPlant::reference_at_start() const {
+  Eigen::VectorXd start(static_cast<Eigen::Index>(axes.size()));
+  for (Eigen::Index i = 0; const AxisSettings& one : axes) start(i++) = one.reference.at(0.0);
+  return start;
+}
+
 std::vector<double> AxisPlant::pose(const Model& model) const {
   const mjtNum* pose = model->qpos0;
   if (keyframe != Axis::kNone) {

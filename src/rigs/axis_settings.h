@@ -234,6 +234,8 @@ struct AxisPlant {
   Model nominal_model() const;
   /// Coulomb friction of an axis and its motor, as a force of the drive. Throws as load_model().
   double coulomb_friction_at_drive(std::size_t i) const;
+  /// The references of all axes at the start.
+  Eigen::VectorXd reference_at_start() const;
   /// The pose of all joints that the keyframe gives. Throws std::invalid_argument if there is none.
   std::vector<double> pose(const Model& model) const;
   /// The same with the axes' distances of the start.

@@ -177,6 +177,7 @@ ArmSetup planar_setup(const AxisPlant& plant) {
   if (static_cast<Eigen::Index>(plant.axes.size()) != n) {
     throw std::invalid_argument("moves the joints of the URDF alone, and there are other axes");
   }
+  arm.task.start_angles_rad = plant.reference_at_start();
   arm.task.force_lag_s = plant.tip->low_pass_s;
   arm.acceleration.nominal_inertia_kgm2.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -227,12 +228,7 @@ class TipPart {
     if (task.axes.front().senses_true_state) {
       throw WrongKey("sensor.true_state", "must be false: it takes positions and force alone");
     }
-    const Eigen::Index n = arm.chain->joints();
     AccelerationControlDesign& joints = arm.acceleration;
-    arm.task.start_angles_rad.resize(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      arm.task.start_angles_rad(i) = task.axes[static_cast<std::size_t>(i)].reference.at(0.0);
-    }
     joints.torque_limit_Nm = task.limit;
     joints.make_observer = [estimator = std::move(estimator)] { return estimator; };
     joints.feed = feed_;
@@ -263,27 +259,22 @@ ArmSetup tip_setup(const AxisPlant& plant) {
   if (plant.chain) return planar_setup(plant);
   const Model model = plant.nominal_model();
   const TipSettings& settings = *plant.tip;
-  std::optional<Tip> touching;
-  double radius_m = 0.0;
-  std::optional<Eigen::Isometry3d> contact;
-  std::string plane_name;
-  for (const ContactSettings& one : plant.contacts) {
-    if (one.name != settings.contact) continue;
-    const auto [geom, plane] = one.geoms(model);
-    const int ball = geom_id(model, geom), wall = geom_id(model, plane);
-    if (model->geom_type[wall] != mjGEOM_PLANE || model->geom_bodyid[wall] != 0) {
-      throw std::invalid_argument("needs a plane of the world among the geoms of contact \"" +
-                                  one.name + "\": its normal is the direction of the force");
-    }
-    touching = {model->geom_bodyid[ball],
-                frame_of(model->geom_pos + 3 * ball, model->geom_quat + 4 * ball)};
-    plane_name = plane;
-    if (model->geom_type[ball] == mjGEOM_SPHERE) radius_m = model->geom_size[3 * ball];
-    contact = frame_of(model->geom_pos + 3 * wall, model->geom_quat + 4 * wall);
-    contact->linear() = along(-contact->linear().col(2), contact->linear().col(1));
+  const auto of_tip = std::find_if(plant.contacts.begin(), plant.contacts.end(),
+                                   [&](const auto& one) { return one.name == settings.contact; });
+  if (of_tip == plant.contacts.end()) {
+    throw std::invalid_argument("needs tip.contact: a contact with a plane");
   }
-  if (!contact) throw std::invalid_argument("needs tip.contact: a contact with a plane");
-  Tip tip = *touching;
+  const auto [geom, plane] = of_tip->geoms(model);
+  const int ball = geom_id(model, geom), wall = geom_id(model, plane);
+  if (model->geom_type[wall] != mjGEOM_PLANE || model->geom_bodyid[wall] != 0) {
+    throw std::invalid_argument("needs a plane of the world among the geoms of contact \"" +
+                                of_tip->name + "\": its normal is the direction of the force");
+  }
+  const Tip touching = {model->geom_bodyid[ball],
+                        frame_of(model->geom_pos + 3 * ball, model->geom_quat + 4 * ball)};
+  Eigen::Isometry3d contact = frame_of(model->geom_pos + 3 * wall, model->geom_quat + 4 * wall);
+  contact.linear() = along(-contact.linear().col(2), contact.linear().col(1));
+  Tip tip = touching;
   if (settings.sensor != TipSettings::kNone) {
     const int site = model->sensor_objid[model.id(mjOBJ_SENSOR, settings.sensor)];
     tip = {model->site_bodyid[site],
@@ -291,12 +282,10 @@ ArmSetup tip_setup(const AxisPlant& plant) {
   }
   Eigen::Isometry3d body;
   const std::vector<SpatialJoint> joints = joints_to(tip.body, plant, model, body);
-  Eigen::VectorXd start(static_cast<Eigen::Index>(joints.size()));
-  for (Eigen::Index i = 0; i < start.size(); ++i) {
-    start(i) = plant.axes[static_cast<std::size_t>(i)].reference.at(0.0);
-  }
-  const auto chain = std::make_shared<SpatialChain>(joints, body * tip.frame, *contact, start);
+  const Eigen::VectorXd start = plant.reference_at_start();
+  const auto chain = std::make_shared<SpatialChain>(joints, body * tip.frame, contact, start);
   ArmSetup arm{TipChain(chain), {}, {}, plant.physics.control_period_s};
+  arm.task.start_angles_rad = start;
   arm.task.force_lag_s = settings.low_pass_s;
   arm.acceleration.nominal_inertia_kgm2.resize(start.size());
   std::vector<Eigen::Index> rates;
@@ -306,13 +295,13 @@ ArmSetup tip_setup(const AxisPlant& plant) {
         1.0 / plant.nominal(i).plant.B(1);
   }
   arm.acceleration.nominal_mass_matrix_kgm2 = joint_inertia(model, plant.pose(model))(rates, rates);
-  if (radius_m > 0.0 && touching->body == tip.body) {
-    const SpatialChain ball(joints, body * touching->frame, *contact, start);
-    const double ball_x_m = ball.tip_pose(start)(0);
+  if (model->geom_type[ball] == mjGEOM_SPHERE && touching.body == tip.body) {
+    const SpatialChain to_ball(joints, body * touching.frame, contact, start);
+    const double ball_x_m = to_ball.tip_pose(start)(0);
     if (ball_x_m > 0.0) {
-      throw std::invalid_argument("the tip starts behind the plane \"" + plane_name + '"');
+      throw std::invalid_argument("the tip starts behind the plane \"" + plane + '"');
     }
-    arm.task.wall_x_m = chain->tip_pose(start)(0) - ball_x_m - radius_m;
+    arm.task.wall_x_m = chain->tip_pose(start)(0) - ball_x_m - model->geom_size[3 * ball];
   }
   return arm;
 }

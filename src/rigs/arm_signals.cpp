@@ -1,4 +1,4 @@
-#include <breakwater/rigs/arm_scenario.h>
+#include <breakwater/rigs/arm_signals.h>
 
 #include <algorithm>
 #include <memory>
@@ -16,37 +16,8 @@ void show_geoms(Model& model, const std::string& prefix, bool visible) {
   }
 }
 
-ArmScenario::ArmScenario(const Catalogue& catalogue, AxisScenarioDesign design)
-    : AxisScenario(catalogue, std::move(design)) {
-  plant_.keyframe = "home";
-  plant_.tip = {.touch = "tip_touch", .sensor = "tip_force"};
-}
-
-void ArmScenario::learn(const Config& config) {
-  if (!config.text("model.urdf")) config.fail("model.urdf", "is missing: the URDF file of the arm");
-  AxisScenario::learn(config);
-}
-
-void ArmScenario::check(const Config& config) {
-  AxisScenario::check(config);
-  // A log with the friction of one joint has that of all.
-  plant_.knows_disturbances =
-      std::any_of(plant_.axes.begin(), plant_.axes.end(), [](const AxisSettings& one) {
-        const Disturbance& d = one.disturbance.shape;
-        return d.kind != DisturbanceKind::none || d.offset != 0.0 || one.input_noise() > 0.0 ||
-               one.drive.friction->make(1.0) != nullptr;
-      });
-}
-
-Eigen::VectorXd ArmScenario::start_angles_rad() const {
-  Eigen::VectorXd angles(chain().joints());
-  for (Eigen::Index i = 0; i < angles.size(); ++i) {
-    angles(i) = plant_.axes[static_cast<std::size_t>(i)].reference.at(0.0);
-  }
-  return angles;
-}
-
-void ArmScenario::extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const {
+void log_arm(RigRun& run, AxisRig& rig, const AxisLoop& loop, const AxisPlant& plant,
+             const TimeWindow& holds) {
   struct Arm {
     Eigen::VectorXd q_rad;
     TipPose tip = TipPose::Zero();
@@ -54,7 +25,8 @@ void ArmScenario::extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const 
 
     double error_m() const { return (tip - start).head<2>().norm(); }
   };
-  const auto n = plant_.axes.size();
+  const auto n = plant.axes.size();
+  const Eigen::VectorXd start = plant.reference_at_start();
   const std::span<const double> measured = view(rig.simulation().sample().y);
   const auto add = [&](const char* name, const char* unit, const char* text,
                        std::span<const double> values) {
@@ -67,7 +39,7 @@ void ArmScenario::extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const 
         n);
   };
   const auto any = [&](auto&& has) {
-    return std::any_of(plant_.axes.begin(), plant_.axes.end(), has);
+    return std::any_of(plant.axes.begin(), plant.axes.end(), has);
   };
   run.samples_end = false;
   const std::vector<Signal> tip = rig.tip_signals();
@@ -79,13 +51,13 @@ void ArmScenario::extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const 
   gather("q_true_rad", "rad", "true joint angles", &AxisRig::position);
   gather("dq_true_rad_s", "rad/s", "true joint velocities", &AxisRig::velocity);
   const auto arm =
-      std::make_shared<Arm>(Arm{.q_rad = Eigen::VectorXd(chain().joints()), .start = start_pose()});
+      std::make_shared<Arm>(Arm{.q_rad = start, .start = plant.chain->tip_pose(start)});
   // It computes the pose that the signals behind it read.
-  run.compute("x_true_m", "m", "true x of the tip", [this, &rig, arm](double, auto) {
+  run.compute("x_true_m", "m", "true x of the tip", [&rig, arm, chain = plant.chain](double, auto) {
     for (Eigen::Index i = 0; i < arm->q_rad.size(); ++i) {
       arm->q_rad(i) = rig.position(static_cast<std::size_t>(i));
     }
-    arm->tip = chain().tip_pose(arm->q_rad);
+    arm->tip = chain->tip_pose(arm->q_rad);
     return arm->tip[0];
   });
   run.compute("y_true_m", "m", "true y of the tip", [arm](double, auto) { return arm->tip[1]; });
@@ -104,7 +76,7 @@ void ArmScenario::extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const 
     gather("current_A", "A", "currents of the motors", &AxisRig::current_A);
     gather("motor_Nm", "N m", "true torques of the motors", &AxisRig::motor_force);
   }
-  if (plant_.knows_disturbances) {
+  if (plant.knows_disturbances) {
     gather("friction_Nm", "N m", "dry friction of the joints", &AxisRig::friction);
   }
   if (any([](const auto& one) { return one.transmission.is_elastic(); })) {
@@ -125,17 +97,16 @@ void ArmScenario::extend(RigRun& run, AxisRig& rig, const AxisLoop& loop) const 
   }
   run.compute(
       "joint_offset_rad", "rad", kForMetrics,
-      [&rig, start = start_angles_rad()](double, std::size_t i) {
+      [&rig, start](double, std::size_t i) {
         return rig.position(i) - start(static_cast<Eigen::Index>(i));
       },
       n);
   run.compute("tip_error_m", "m", kForMetrics, [arm](double, auto) { return arm->error_m(); });
-  run.judged.emplace().push_back(
-      {HeldReference(holds_start_pose(), "the tip", "m"),
-       [arm, from_s = holds_start_pose().from_s](HeldReference& held, double time_s) {
-         if (time_s <= from_s) held.ask(arm->error_m());
-         held.add(time_s, arm->error_m());
-       }});
+  run.judged.emplace().push_back({HeldReference(holds, "the tip", "m"),
+                                  [arm, from_s = holds.from_s](HeldReference& held, double time_s) {
+                                    if (time_s <= from_s) held.ask(arm->error_m());
+                                    held.add(time_s, arm->error_m());
+                                  }});
 }
 
 }  // namespace breakwater
