@@ -166,14 +166,54 @@ class QuadrotorScenario final : public Scenario {
     if (physics_kind_ == QuadrotorPhysics::thesis || !added_mass_coefficient_) return std::nullopt;
     return 1.0 + *added_mass_coefficient_;
   }
-  QuadrotorModel plant() const;
-  WaveLoadSetup wave_setup() const;
-  QuadrotorTask task() const;
+  QuadrotorModel plant() const {
+    QuadrotorParameters vehicle = parameters_;
+    if (physics_kind_ == QuadrotorPhysics::physical) {
+      vehicle.added_mass_coefficient = added_mass_coefficient_.value_or(0.0);
+    }
+    return {vehicle, physics_kind_};
+  }
+  WaveLoadSetup wave_setup() const {
+    WaveLoadSetup setup = waves_;
+    setup.inertia_coefficient = inertia_coefficient_.value_or(
+        consistent_inertia_coefficient().value_or(setup.inertia_coefficient));
+    setup.sea.seed = run_.seed;
+    setup.sea.gravity_m_s2 = parameters_.gravity_m_s2;
+    setup.current_m_s = vector3(current_m_s_);
+    return setup;
+  }
+  QuadrotorTask task() const {
+    return {.plant = plant(),
+            .period_s = physics_.control_period_s,
+            .reference_m = vector3(reference_m_),
+            .position_std_m = deviation(V_m_),
+            .angle_std_rad = deviation(V_p_),
+            .position_noise = V_m_,
+            .angle_noise = V_p_,
+            .waves = wave_setup()};
+  }
   UnderwaterForce water(const Model& model) const {
     return {model, plant().parameters(), physics_kind_, wave_setup(), vector3(start_m_)};
   }
-  SensingSetup sensing() const;
-  void add_mass_of_water(Model& model) const;
+  SensingSetup sensing() const {
+    SensingSetup setup;
+    for (int i = 0; const char* name : {"x", "y", "z"}) {
+      setup.channels.push_back(
+          {.name = name, .sensor = "position", .component = i++, .noise_std = deviation(V_m_)});
+    }
+    for (const auto& [name, angle] :
+         {std::pair("roll", Reading::roll), {"pitch", Reading::pitch}, {"yaw", Reading::yaw}}) {
+      setup.channels.push_back(
+          {.name = name, .sensor = "attitude", .reading = angle, .noise_std = deviation(V_p_)});
+    }
+    faults_.apply(setup);
+    setup.seed = run_.seed;
+    return setup;
+  }
+  void add_mass_of_water(Model& model) const {
+    const double added_kg = plant().parameters().added_mass_kg();
+    if (added_kg > 0.0) model.add_mass(kVehicle, added_kg);
+  }
 
   std::string name_;
   std::string summary_;
@@ -261,56 +301,6 @@ Fields QuadrotorScenario::fields() {
                 "length of the metrics' window, which ends with the run");
   rows_.bind(fields);
   return fields;
-}
-
-QuadrotorModel QuadrotorScenario::plant() const {
-  QuadrotorParameters vehicle = parameters_;
-  if (physics_kind_ == QuadrotorPhysics::physical) {
-    vehicle.added_mass_coefficient = added_mass_coefficient_.value_or(0.0);
-  }
-  return {vehicle, physics_kind_};
-}
-
-WaveLoadSetup QuadrotorScenario::wave_setup() const {
-  WaveLoadSetup setup = waves_;
-  setup.inertia_coefficient = inertia_coefficient_.value_or(
-      consistent_inertia_coefficient().value_or(setup.inertia_coefficient));
-  setup.sea.seed = run_.seed;
-  setup.sea.gravity_m_s2 = parameters_.gravity_m_s2;
-  setup.current_m_s = vector3(current_m_s_);
-  return setup;
-}
-
-QuadrotorTask QuadrotorScenario::task() const {
-  return {.plant = plant(),
-          .period_s = physics_.control_period_s,
-          .reference_m = vector3(reference_m_),
-          .position_std_m = deviation(V_m_),
-          .angle_std_rad = deviation(V_p_),
-          .position_noise = V_m_,
-          .angle_noise = V_p_,
-          .waves = wave_setup()};
-}
-
-SensingSetup QuadrotorScenario::sensing() const {
-  SensingSetup setup;
-  for (int i = 0; const char* name : {"x", "y", "z"}) {
-    setup.channels.push_back(
-        {.name = name, .sensor = "position", .component = i++, .noise_std = deviation(V_m_)});
-  }
-  for (const auto& [name, angle] :
-       {std::pair("roll", Reading::roll), {"pitch", Reading::pitch}, {"yaw", Reading::yaw}}) {
-    setup.channels.push_back(
-        {.name = name, .sensor = "attitude", .reading = angle, .noise_std = deviation(V_p_)});
-  }
-  faults_.apply(setup);
-  setup.seed = run_.seed;
-  return setup;
-}
-
-void QuadrotorScenario::add_mass_of_water(Model& model) const {
-  const double added_kg = plant().parameters().added_mass_kg();
-  if (added_kg > 0.0) model.add_mass(kVehicle, added_kg);
 }
 
 std::vector<std::string> QuadrotorScenario::warnings() const {
