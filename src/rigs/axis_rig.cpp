@@ -52,6 +52,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
   qpos_units_ = position_units(model, model->njnt - static_cast<int>(rotors));
   std::vector<double> qpos = plant.start_pose(model);
   std::vector<double> qvel(static_cast<std::size_t>(model->nv), 0.0);
+  std::vector<Eigen::Index> driven;
   for (const AxisSettings& one : plant.axes) {
     const int joint = model.id(mjOBJ_JOINT, one.axis.joint);
     const auto at = static_cast<std::size_t>(model->jnt_qposadr[joint]);
@@ -76,6 +77,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     }
     const bool rubs_load = rubs == one.axis.joint;
     const int actuator = one.axis.is_driven() ? actuator_id(model, one.axis) : kNoActuator;
+    if (actuator != kNoActuator) driven.push_back(actuator);
     axes_.push_back(
         {at, rate_at, actuator,
          plant.knows_disturbances ? std::make_unique<JointForce>(model, one.axis.joint) : nullptr,
@@ -107,10 +109,6 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     if (!one.is_of_engine() || plant.tip->touch.empty()) contact_force_ = contacts_.back().force_N;
     // The contact may begin at a later stage of a step.
     touch_ = wall != nullptr ? &wall->impulse_Ns() : contacts_.back().force_N;
-  }
-  std::vector<Eigen::Index> driven;
-  for (const DrivenAxis& axis : axes_) {
-    if (axis.actuator != kNoActuator) driven.push_back(axis.actuator);
   }
   drives_.drive(std::move(driven));
   simulation_ = std::make_unique<Simulation>(std::move(model), drives_,
@@ -318,8 +316,10 @@ Recording AxisRig::run(const RunControl& control, const MetricRows& rows, RigRun
 
 std::vector<Signal> AxisRig::tip_signals() const {
   const std::span<const double> measured = view(simulation_->sample().y).last(2);
+  const Sensing& sensing = simulation_->sensing();
   std::vector<Signal> signals = {
-      {"force_sensor_N", "N", "force sensor, before its low-pass", view(sensor_force_N())},
+      {"force_sensor_N", "N", "force sensor, before its low-pass",
+       view(sensing.filtered(sensing.size() - 1))},
       {"force_filtered_N", "N", "force sensor, behind its low-pass", view(filtered_force_N())},
       {"force_measured_N", "N", "sampled force behind the low-pass", measured.first(1)},
       {"force_raw_measured_N", "N", "sampled force before the low-pass", measured.last(1)},

@@ -123,10 +123,7 @@ class AxisRig {
   /// force.
   std::vector<Signal> tip_signals() const;
 
-  /// The force of the tip's sensor before its low-pass and behind it.
-  const double& sensor_force_N() const {
-    return simulation_->sensing().filtered(simulation_->sensing().size() - 1);
-  }
+  /// The force of the tip's sensor behind its low-pass.
   const double& filtered_force_N() const {
     return simulation_->sensing().filtered(simulation_->sensing().size() - 2);
   }

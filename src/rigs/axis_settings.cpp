@@ -452,7 +452,13 @@ Model AxisPlant::load_model(const Config* config) const {
     try {
       return Model::load_physics(mjcf, named);
     } catch (const std::invalid_argument&) {
-      if (config != nullptr) check_geoms(*config);
+      if (config == nullptr) throw;
+      const Model whole = Model::load(mjcf);
+      for (const ContactSettings& one : contacts) {
+        const Config own = config->under(one.prefix());
+        id_of(own, "geom_1", whole, mjOBJ_GEOM, one.geom_1);
+        id_of(own, "geom_2", whole, mjOBJ_GEOM, one.geom_2);
+      }
       throw;
     }
   }();
@@ -506,15 +512,6 @@ void AxisPlant::check_law_is_chosen(const ContactSettings& contact, const Config
     const std::string own = key.substr(begin.size());
     if (own.starts_with("geom_") || own.starts_with("wall.")) continue;
     config.fail(key, "needs " + begin + "law");
-  }
-}
-
-void AxisPlant::check_geoms(const Config& config) const {
-  const Model whole = Model::load(mjcf);
-  for (const ContactSettings& one : contacts) {
-    const Config own = config.under(one.prefix());
-    id_of(own, "geom_1", whole, mjOBJ_GEOM, one.geom_1);
-    id_of(own, "geom_2", whole, mjOBJ_GEOM, one.geom_2);
   }
 }
 

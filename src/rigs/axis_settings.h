@@ -250,7 +250,6 @@ struct AxisPlant {
   Model model_of_file() const;  // load_model() without the keys plant.… and the tool
   void check_names(const Model& model, const Config& config) const;
   static void check_law_is_chosen(const ContactSettings& contact, const Config& config);
-  void check_geoms(const Config& config) const;
   void check_contacts(const Model& model, const Config& config) const;
   void check_tip(const Model& model, const Config& config) const;
 

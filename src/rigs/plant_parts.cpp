@@ -42,7 +42,12 @@ PlantTask plant_task(const AxisPlant& plant, bool is_linear) {
   std::vector<std::unique_ptr<Transmission>> transmissions;
   std::vector<SpringOnJoint> springs;
   std::vector<double> limits;
-  task.pose.resize(static_cast<Eigen::Index>(plant.axes.size()));
+  NominalAxis& whole = task.whole;
+  whole.period_s = plant.physics.control_period_s;
+  const auto count = static_cast<Eigen::Index>(plant.axes.size());
+  whole.sensor.quantum.resize(count);
+  whole.sensor.noise_std.resize(count);
+  task.pose.resize(count);
   for (std::size_t i = 0; i < plant.axes.size(); ++i) {
     const AxisSettings& one = plant.axes[i];
     task.names.push_back(one.axis.name);
@@ -52,7 +57,10 @@ PlantTask plant_task(const AxisPlant& plant, bool is_linear) {
                                         one.transmission.measured_ratio(),
                          .senses_true_state = plant.senses_true_state,
                          .force = force_behind(1)});
-    task.pose(static_cast<Eigen::Index>(i)) = one.reference.before;
+    const auto row = static_cast<Eigen::Index>(i);
+    whole.sensor.quantum(row) = one.quantum();
+    whole.sensor.noise_std(row) = one.measurement_noise();
+    task.pose(row) = one.reference.before;
     joints.push_back(model.id(mjOBJ_JOINT, one.measured_joint()));
     if (!one.axis.is_driven()) continue;
     task.driven.push_back(i);
@@ -61,16 +69,6 @@ PlantTask plant_task(const AxisPlant& plant, bool is_linear) {
   }
   task.limit =
       Eigen::Map<const Eigen::VectorXd>(limits.data(), static_cast<Eigen::Index>(limits.size()));
-  NominalAxis& whole = task.whole;
-  whole.period_s = plant.physics.control_period_s;
-  const auto count = static_cast<Eigen::Index>(plant.axes.size());
-  whole.sensor.quantum.resize(count);
-  whole.sensor.noise_std.resize(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const SensorError& sensor = task.axes[static_cast<std::size_t>(i)].axis.sensor;
-    whole.sensor.quantum(i) = sensor.quantum(0);
-    whole.sensor.noise_std(i) = sensor.noise_std(0);
-  }
   if (!is_linear) return task;
   try {
     Model nominal = plant.nominal_model();
