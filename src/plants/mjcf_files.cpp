@@ -31,8 +31,9 @@ class MjcfReader {
  public:
   using Visit = std::function<void(const XmlFile& xml, const XMLElement& element)>;
 
-  explicit MjcfReader(fs::path mjcf, Visit visit = {})
-      : mjcf_(std::move(mjcf)), visit_(std::move(visit)) {}
+  // Adds the files that exist to `files`, each once.
+  MjcfReader(fs::path mjcf, std::vector<fs::path>& files, Visit visit = {})
+      : mjcf_(std::move(mjcf)), files_(files), visit_(std::move(visit)) {}
 
   // Calls visit(xml, element) for each element, if it is there. Throws as XmlFile does, and if a
   // file is missing.
@@ -45,18 +46,16 @@ class MjcfReader {
     if (root.name == "mujoco") find_assets(root);
   }
 
-  MjcfElement root;             // with all included elements
-  std::vector<fs::path> files;  // that exist
+  MjcfElement root;              // with all included elements
+  std::vector<fs::path> models;  // files for <attach>
 
  private:
-  // False if the file was added before.
-  bool add(const fs::path& file) {
+  void add(const fs::path& file) {
     const fs::path path = file.lexically_normal();
     std::error_code ignored;
     check_ends(path);
-    if (std::find(files.begin(), files.end(), path) != files.end()) return false;
-    if (fs::is_regular_file(path, ignored)) files.push_back(path);
-    return true;
+    if (std::find(files_.begin(), files_.end(), path) != files_.end()) return;
+    if (fs::is_regular_file(path, ignored)) files_.push_back(path);
   }
 
   // The recursion is safe, because tinyxml2 refuses deeply nested files.
@@ -70,7 +69,8 @@ class MjcfReader {
     }
     if (element.name == "include") {
       const fs::path path = (folder() / element.text("file")).lexically_normal();
-      if (!add(path)) element.fail("includes a file a second time");
+      if (!included_.insert(path).second) element.fail("includes a file a second time");
+      add(path);
       const XmlFile included(path.string());
       if (visit_) visit_(included, *included.root());
       read_children(included, *included.root(), path, out);
@@ -92,12 +92,16 @@ class MjcfReader {
   void find_assets(MjcfElement& parent) {
     for (MjcfElement& asset : parent.children) {
       find_assets(asset);
-      const bool is_texture = asset.name == "texture";
-      if (!is_texture && asset.name != "mesh" && asset.name != "hfield" && asset.name != "skin") {
-        continue;
-      }
-      const std::string own = mjcf_compiler(root, is_texture ? "texturedir" : "meshdir",
-                                            mjcf_compiler(root, "assetdir", ""));
+      static const std::map<std::string_view, const char*> folders = {{"mesh", "meshdir"},
+                                                                      {"hfield", "meshdir"},
+                                                                      {"skin", "meshdir"},
+                                                                      {"texture", "texturedir"},
+                                                                      {"model", ""}};
+      const auto kind = folders.find(asset.name);
+      if (kind == folders.end()) continue;
+      const bool is_model = asset.name == "model";  // its folder is that of the main file
+      const std::string own =
+          is_model ? "" : mjcf_compiler(root, kind->second, mjcf_compiler(root, "assetdir", ""));
       for (auto& [attribute, value] : asset.attributes) {
         if (!attribute.starts_with("file")) continue;
         fs::path name = value;
@@ -106,6 +110,7 @@ class MjcfReader {
         add(path);
         value = fs::absolute(path).lexically_normal().string();
         if (!fs::is_regular_file(path)) asset.fail("there is no file " + value);
+        if (is_model) models.push_back(path.lexically_normal());
       }
     }
   }
@@ -113,24 +118,40 @@ class MjcfReader {
   fs::path folder() const { return mjcf_.parent_path(); }
 
   fs::path mjcf_;
+  std::vector<fs::path>& files_;
   Visit visit_;
+  std::set<fs::path> included_ = {mjcf_.lexically_normal()};
 };
+
+// Reads a model and those that it attaches, each once.
+void read_models(const fs::path& mjcf, std::vector<fs::path>& files,
+                 const MjcfReader::Visit& visit = {}) {
+  std::vector<fs::path> models = {mjcf.lexically_normal()};
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    MjcfReader reader(models[i], files, visit);
+    reader.read();
+    for (const fs::path& model : reader.models) {
+      if (std::find(models.begin(), models.end(), model) == models.end()) models.push_back(model);
+    }
+  }
+}
 
 }  // namespace
 
 MjcfElement read_mjcf(const fs::path& mjcf) {
-  MjcfReader reader(mjcf);
+  std::vector<fs::path> files;
+  MjcfReader reader(mjcf, files);
   reader.read();
   return std::move(reader.root);
 }
 
 std::vector<fs::path> mjcf_files(const fs::path& mjcf) {
-  MjcfReader reader(mjcf);
+  std::vector<fs::path> files;
   try {
-    reader.read();
+    read_models(mjcf, files);
   } catch (const std::invalid_argument&) {  // Model::load() reports it
   }
-  return std::move(reader.files);
+  return files;
 }
 namespace {
 
@@ -258,7 +279,8 @@ double elements_of(const tinyxml2::XMLElement& element) {
 
 void check_mjcf(const std::string& file, std::uint64_t most_elements) {
   double elements = 0.0, bytes = 0.0;  // bytes of all grids
-  MjcfReader model(file, [&](const XmlFile& xml, const XMLElement& element) {
+  std::vector<fs::path> files;
+  read_models(file, files, [&](const XmlFile& xml, const XMLElement& element) {
     const auto refuse = [&](const std::string& complaint) {
       xml.fail(element.GetLineNum(), std::string("<") + element.Name() + ">" + complaint);
     };
@@ -271,9 +293,8 @@ void check_mjcf(const std::string& file, std::uint64_t most_elements) {
     bytes += bytes_of_grid(element);
     if (const std::string complaint = too_large(bytes); !complaint.empty()) refuse(complaint);
   });
-  model.read();
   bytes = 0.0;
-  for (const auto& asset : model.files) {  // meshes and textures must be regular files too
+  for (const auto& asset : files) {  // meshes and textures must be regular files too
     bytes += bytes_of_png(asset);
     if (const std::string complaint = too_large(bytes); !complaint.empty()) {
       throw std::invalid_argument(asset.string() + complaint);

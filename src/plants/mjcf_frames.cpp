@@ -1,4 +1,4 @@
-// Frames and replicates of MJCF, written out.
+// Attached models, frames and replicates of MJCF, written out.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
@@ -78,14 +78,16 @@ MjcfPose pose_of(const Vector3d& p, const Quaterniond& q) {
 // The kind of element whose name this attribute gives; empty: none.
 std::string kind_referred(const MjcfElement& element, const std::string& attribute) {
   static const std::map<std::string_view, const char*> kinds = {
-      {"joint", "joint"},      {"joint1", "joint"},   {"joint2", "joint"},
-      {"body", "body"},        {"body1", "body"},     {"body2", "body"},
-      {"target", "body"},      {"site", "site"},      {"site1", "site"},
-      {"site2", "site"},       {"refsite", "site"},   {"sidesite", "site"},
-      {"slidersite", "site"},  {"cranksite", "site"}, {"geom", "geom"},
-      {"geom1", "geom"},       {"geom2", "geom"},     {"tendon", "tendon"},
-      {"tendon1", "tendon"},   {"tendon2", "tendon"}, {"jointinparent", "joint"},
-      {"actuator", "actuator"}};
+      {"joint", "joint"},       {"joint1", "joint"},      {"joint2", "joint"},
+      {"body", "body"},         {"body1", "body"},        {"body2", "body"},
+      {"target", "body"},       {"site", "site"},         {"site1", "site"},
+      {"site2", "site"},        {"refsite", "site"},      {"sidesite", "site"},
+      {"slidersite", "site"},   {"cranksite", "site"},    {"geom", "geom"},
+      {"geom1", "geom"},        {"geom2", "geom"},        {"tendon", "tendon"},
+      {"tendon1", "tendon"},    {"tendon2", "tendon"},    {"jointinparent", "joint"},
+      {"actuator", "actuator"}, {"class", "class"},       {"childclass", "class"},
+      {"mesh", "mesh"},         {"material", "material"}, {"texture", "texture"},
+      {"hfield", "hfield"}};
   if (attribute == "objname" || attribute == "refname") {
     const std::string type = element.text(attribute == "objname" ? "objtype" : "reftype");
     return type == "xbody" ? "body" : type;
@@ -121,14 +123,29 @@ void collect_names(const std::vector<MjcfElement>& elements, Names& names) {
   }
 }
 
+std::uint64_t size_of(const MjcfElement& element) {
+  std::uint64_t size = 1;
+  for (const MjcfElement& child : element.children) size += size_of(child);
+  return size;
+}
+
 class FlatMjcf {
  public:
-  FlatMjcf(const fs::path& file, std::uint64_t most_elements, MjcfChanges& changes)
-      : root(read_mjcf(file)), changes_(changes), most_(most_elements) {
+  // `above`: the files that attach this one.
+  FlatMjcf(const fs::path& file, std::uint64_t most_elements, MjcfChanges& changes,
+           std::set<fs::path> above = {})
+      : root(read_mjcf(file)), changes_(changes), most_(most_elements), above_(std::move(above)) {
     if (root.name != "mujoco") return;
+    above_.insert(file.lexically_normal());
+    count(size_of(root), root);
     for_each_section(root, "compiler", [&](MjcfElement& section) {
       if (section.has("assetdir")) changes_.add(Loss::none, "compiler assetdir", section.place);
       for (const char* own : {"assetdir", "meshdir", "texturedir", "strippath"}) section.erase(own);
+    });
+    for_each_section(root, "worldbody", [&](MjcfElement& world) { attach_in(world); });
+    for (MjcfElement& section : attached_) root.children.push_back(std::move(section));
+    for_each_section(root, "asset", [](MjcfElement& assets) {
+      std::erase_if(assets.children, [](const MjcfElement& e) { return e.name == "model"; });
     });
     classes_ = MjcfClasses(root);
     for_each_section(root, "worldbody", [&](MjcfElement& world) { expand(world, ""); });
@@ -137,12 +154,125 @@ class FlatMjcf {
   MjcfElement root;
 
  private:
-  static bool refers(const MjcfElement& element, const std::string& section, const Names& names) {
-    bool is_ours = false;
-    for_each_name(element, section, [&](const std::string& kind, const std::string& name, bool) {
-      is_ours |= names.contains({kind, name});
+  void count(std::uint64_t more, const MjcfElement& element) {
+    elements_ += more;
+    if (elements_ > most_) {
+      element.fail("here the model has more than the " + std::to_string(most_) +
+                   " elements that model.most_elements allows");
+    }
+  }
+
+  void attach_in(MjcfElement& parent) {
+    std::vector<MjcfElement> out;
+    for (MjcfElement& child : parent.children) {
+      if (child.name == "attach") {
+        attach(child, out);
+      } else {
+        attach_in(child);
+        out.push_back(std::move(child));
+      }
+    }
+    parent.children = std::move(out);
+  }
+
+  const MjcfElement& model_asset(const MjcfElement& attach) const {
+    const std::string name = attach.text("model");
+    for (const MjcfElement& section : root.children) {
+      for (const MjcfElement& asset : section.children) {
+        if (section.name != "asset" || asset.name != "model") continue;
+        if (asset.text("name", fs::path(asset.text("file")).stem().string()) == name) return asset;
+      }
+    }
+    attach.fail(name.empty() ? "a part of the file itself cannot be attached here"
+                             : "there is no <model> \"" + name + "\"");
+  }
+
+  // Puts a body of another file, or all of its world, in place of an <attach>.
+  void attach(const MjcfElement& attach, std::vector<MjcfElement>& out) {
+    const fs::path file = model_asset(attach).text("file");
+    if (attach.has("frame")) attach.fail("a frame of another model cannot be attached here");
+    if (above_.contains(file)) attach.fail("attaches a file to itself");
+    FlatMjcf other(file, most_ - elements_, changes_, above_);
+    count(other.elements_, attach);
+    for (const auto& [attribute, otherwise] : {std::pair("angle", "degree"),
+                                               {"eulerseq", "xyz"},
+                                               {"inertiafromgeom", "auto"},
+                                               {"autolimits", "true"}}) {
+      if (mjcf_compiler(root, attribute, otherwise) ==
+          mjcf_compiler(other.root, attribute, otherwise)) {
+        continue;
+      }
+      attach.fail(file.string() + " has another compiler " + attribute);
+    }
+    // The default values of the other model become a class. Values of our main class would be its
+    // own too.
+    MjcfElement main{"default", attach.place, {{"class", "main"}}, {}};
+    for_each_section(other.root, "default", [&](MjcfElement& section) {
+      main.set("class", section.text("class", main.text("class")));
+      for (MjcfElement& child : section.children) main.children.push_back(std::move(child));
     });
-    return is_ours;
+    for_each_section(root, "default", [&](const MjcfElement& section) {
+      for (const MjcfElement& own : section.children) {
+        if (own.name != "default") own.fail("values of the main class do not go with <attach>");
+      }
+    });
+    const std::string class_of_all = main.text("class");
+    std::vector<MjcfElement> parts;
+    for_each_section(other.root, "worldbody", [&](MjcfElement& world) {
+      for_each_below(world, class_of_all,
+                     [&](MjcfElement& part, MjcfElement& parent, const std::string& inherited) {
+                       const bool is_wanted =
+                           attach.has("body")
+                               ? part.name == "body" && part.text("name") == attach.text("body")
+                               : &parent == &world;
+                       if (!is_wanted) return;
+                       parts.push_back(part);
+                       give_class(parts.back(), inherited);
+                     });
+    });
+    if (parts.empty()) attach.fail(file.string() + " has no body \"" + attach.text("body") + "\"");
+    const std::string prefix = attach.text("prefix");
+    Names names;
+    collect_names(parts, names);
+    const auto rename = [&](MjcfElement& element, const std::string& section) {
+      for_each_name(element, section,
+                    [&](const std::string&, std::string& value, bool) { value = prefix + value; });
+    };
+    for (const char* kind : kSectionsThatRefer) {
+      MjcfElement section{kind, attach.place, {}, {}};
+      for_each_section(other.root, kind, [&](MjcfElement& from) {
+        for (MjcfElement& one : from.children) {
+          if (!refers(one, kind, names, true)) continue;
+          if (one.has("name")) names.emplace(kind, one.text("name"));
+          if (section.name != "sensor" && section.name != "contact") give_class(one, class_of_all);
+          rename(one, kind);
+          section.children.push_back(std::move(one));
+        }
+      });
+      if (!section.children.empty()) attached_.push_back(std::move(section));
+    }
+    for (MjcfElement& part : parts) rename(part, "");
+    rename(main, "");
+    attached_.push_back({"default", attach.place, {}, {std::move(main)}});
+    for_each_section(other.root, "asset", [&](MjcfElement& assets) {
+      rename(assets, "");
+      attached_.push_back(std::move(assets));
+    });
+    changes_.add(Loss::none, "attach", attach.place);
+    std::move(parts.begin(), parts.end(), std::back_inserter(out));
+  }
+
+  // Whether an element has references to these names; `alone`: and to no other part of a body.
+  static bool refers(const MjcfElement& element, const std::string& section, const Names& names,
+                     bool alone) {
+    bool one = false, other = false;
+    for_each_name(element, section, [&](const std::string& kind, const std::string& name, bool) {
+      const bool is_ours = names.contains({kind, name});
+      one |= is_ours;
+      other |= !is_ours && (kind == "body" || kind == "joint" || kind == "site" || kind == "geom" ||
+                            kind == "tendon" || kind == "camera");
+    });
+    return one && !(alone && other);
   }
 
   static void give_class(MjcfElement& element, const std::string& name) {
@@ -210,10 +340,7 @@ class FlatMjcf {
 
   void add_suffix(MjcfElement& element, const std::string& section, const Names& names,
                   const std::string& suffix) {
-    if (++copied_ > most_) {
-      element.fail("here the model has more than the " + std::to_string(most_) +
-                   " elements that model.most_elements allows");
-    }
+    count(1, element);
     for_each_name(element, section, [&](const std::string& kind, std::string& value, bool) {
       if (names.contains({kind, value})) value += suffix;
     });
@@ -228,7 +355,7 @@ class FlatMjcf {
         last = &section;
         std::vector<MjcfElement> others;
         for (MjcfElement& one : section.children) {
-          const bool is_one = refers(one, kind, names);
+          const bool is_one = refers(one, kind, names, false);
           if (is_one && one.has("name")) names.emplace(kind, one.text("name"));
           (is_one ? originals : others).push_back(std::move(one));
         }
@@ -282,8 +409,10 @@ class FlatMjcf {
 
   MjcfChanges& changes_;
   std::uint64_t most_;
-  std::uint64_t copied_ = 0;  // elements
+  std::uint64_t elements_ = 0;  // with attached and copied ones
+  std::set<fs::path> above_;
   MjcfClasses classes_;
+  std::vector<MjcfElement> attached_;  // sections of attached models
 };
 
 }  // namespace

@@ -109,9 +109,9 @@ std::string mjcf_compiler(const MjcfElement& root, std::string_view attribute,
 /// std::invalid_argument `FILE[:LINE]: reason`, also if a file is missing.
 MjcfElement read_mjcf(const std::filesystem::path& mjcf);
 
-/// The same in the form of MuJoCo 2.2, as far as the places of elements go. Poses of <frame> and
-/// copies of <replicate> are written out. Throws as read_mjcf(), and if more than `most_elements`
-/// are copied.
+/// The same in the form of MuJoCo 2.2, as far as the places of elements go. <attach>ed models,
+/// poses of <frame> and copies of <replicate> are written out. Throws as read_mjcf(), and if there
+/// are more than `most_elements` then.
 MjcfElement flat_mjcf(const std::filesystem::path& file, std::uint64_t most_elements,
                       MjcfChanges& changes);
 
@@ -131,8 +131,8 @@ MjcfPose mjcf_pose(const MjcfElement& root, const MjcfClasses& classes, const Mj
 /// Whether angles of the file are in degrees.
 bool has_degrees(const MjcfElement& root);
 
-/// An MJCF file, its includes, and their meshes, height fields, skins and textures. Each existing
-/// file occurs once, the main file first. A file that cannot be read whole gives those before the
+/// An MJCF file, its includes, the models that it attaches, and the meshes, height fields, skins
+/// and textures of all of them. Each existing file occurs once, the main file first. A file that cannot be read whole gives those before the
 /// error, which Model::load() reports.
 std::vector<std::filesystem::path> mjcf_files(const std::filesystem::path& mjcf);
 

@@ -67,7 +67,6 @@ inline constexpr std::array kRules = {
     Rule{"flexcomp deformable flex flexvert flexstrain", "", refused, "",
          "the engine has no flexible bodies"},
     Rule{"extension plugin", "", refused, "", "the engine has no plugins"},
-    Rule{"model attach", "", refused, "", "MuJoCo 3 writes it out if it saves the model"},
     Rule{"dcmotor", "", refused, "", "use a <motor> and the keys drive.… of the axis"},
     Rule{"pid", "", refused, "", "use a <motor> and a controller of the axis"},
     Rule{"orientation", "", refused},
