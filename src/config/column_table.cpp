@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/algorithm/string/case_conv.hpp>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -72,7 +71,7 @@ std::string shown(std::string_view cell) {
 // Whether a cell says that there is no number.
 bool is_missing(std::string_view cell) {
   std::string word(cell);
-  boost::algorithm::to_lower(word, std::locale::classic());
+  for (char& letter : word) letter = std::tolower(letter, std::locale::classic());
   if (word.starts_with('+') || (word.starts_with('-') && word.size() > 2)) word.erase(0, 1);
   static constexpr std::string_view kWords[] = {"",         "nan",     "na",    "n/a", "#n/a",
                                                 "null",     "none",    "inf",   "-",   "--",

@@ -11,8 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/algorithm/string/finder.hpp>
-#include <boost/algorithm/string/iter_find.hpp>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -20,6 +18,7 @@
 #include <cstring>
 #include <fstream>
 #include <mutex>
+#include <ranges>
 #include <stdexcept>
 
 #include <breakwater/record/text_outputs.h>
@@ -419,7 +418,9 @@ SignalName signal_name(const std::string& text) {
 
 std::string LogEntry::unit_of(std::size_t index) const {
   std::vector<std::string> units;
-  boost::algorithm::iter_split(units, unit, boost::algorithm::first_finder(", "));
+  for (const auto one : std::views::split(unit, std::string_view(", "))) {
+    units.emplace_back(one.begin(), one.end());
+  }
   return units.size() == width && index >= 1 && index <= width ? units[index - 1] : unit;
 }
 
