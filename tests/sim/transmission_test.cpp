@@ -2,7 +2,6 @@
 // motions.
 #include <regex>
 
-#include <breakwater/plants/xml_file.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
 #include <breakwater/sim/transmission.h>
@@ -85,7 +84,7 @@ TEST(Transmission, RefusesATimestepBeyondTheStabilityLimit) {
 
 // models/two_inertia.xml without its motor, and with a rotor added in its place.
 Model drive_with_added_rotor(double ratio) {
-  std::string text = read_text(testing::source_file("models/two_inertia.xml"));
+  std::string text = testing::text_of(testing::source_file("models/two_inertia.xml"));
   const auto erase = [&](const std::string& from, const std::string& to) {
     const std::size_t begin = text.find(from), end = text.find(to, begin);
     text.erase(begin, end + to.size() - begin);
