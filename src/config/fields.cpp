@@ -278,7 +278,6 @@ void Fields::add_choice(const std::string& key, std::vector<std::string> names,
 
 void Fields::add(const std::string& name, Variable variable) {
   const std::string key = prefix_ + name;
-  variable.is_left_out = is_left_out_;
   // The name of a number says its unit, unless the meaning says another one.
   const std::string unit = variable.takes.find("number") == std::string::npos ? "" : unit_of(name);
   if (!unit.empty() && !variable.doc.ends_with(']')) variable.doc += " [" + unit + "]";
@@ -298,6 +297,11 @@ void Fields::add(const std::string& name, Variable variable) {
 const Fields::Field* Fields::find(const std::string& key) const {
   const auto found = numbers_.find(key);
   return found != numbers_.end() ? &fields_[found->second] : nullptr;
+}
+
+bool Fields::is_known(const std::string& key) const {
+  return has(key) || std::any_of(elsewhere_.begin(), elsewhere_.end(),
+                                 [&](const std::string& one) { return key.starts_with(one); });
 }
 
 // The variables that a statement on a key concerns: that of the part being bound, or all outside of
@@ -589,7 +593,7 @@ void Fields::check(std::span<const Config> tables) {
     // The first in the file: a misspelt table may make keys of others unknown.
     std::optional<std::pair<std::size_t, std::string>> unknown;
     for (const auto& [key, entry] : table.entries()) {
-      if (has(key) || (unknown && unknown->first <= entry.line())) continue;
+      if (is_known(key) || (unknown && unknown->first <= entry.line())) continue;
       unknown.emplace(entry.line(), key);
     }
     if (unknown) {
@@ -751,7 +755,6 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
   std::vector<Shown<Line>> lines;
   Choices choices;
   for (const Field& field : fields_) {
-    if (field.is_left_out()) continue;
     const Variable* variable = in_use(field, choices);
     // Keys of parts that are not chosen, and those without a value, are printed only if given.
     if (!field.was_read && (variable == nullptr || variable->clear)) continue;
@@ -807,7 +810,6 @@ std::vector<KeyHelp> Fields::help_of(const Field& field) {
 std::vector<KeyHelp> Fields::help() const {
   std::vector<Shown<std::vector<KeyHelp>>> keys;
   for (const Field& field : fields_) {
-    if (field.is_left_out()) continue;
     std::vector<KeyHelp> meanings = help_of(field);
     if (const std::string axis = axis_in(field.key); !axis.empty()) {
       for (KeyHelp& help : meanings) {

@@ -99,21 +99,6 @@ class Fields {
     std::string outer_;
   };
 
-  /// While `is_left_out` holds, the keys that are bound during its life are neither printed nor in
-  /// help(). They are those of a row that every file of a scenario has.
-  class LeftOut {
-   public:
-    LeftOut(Fields& fields, std::function<bool()> is_left_out) : fields_(fields) {
-      fields_.is_left_out_ = std::move(is_left_out);
-    }
-    LeftOut(const LeftOut&) = delete;
-    LeftOut& operator=(const LeftOut&) = delete;
-    ~LeftOut() { fields_.is_left_out_ = nullptr; }
-
-   private:
-    Fields& fields_;
-  };
-
   void number(const std::string& key, double& target, const Range& range, const std::string& doc);
   /// A number whose default value is the present one of the variable.
   void optional_number(const std::string& key, double& target, const Range& range,
@@ -197,6 +182,9 @@ class Fields {
   /// and the other one takes its default value.
   void either(const std::string& key, const std::string& other);
 
+  /// A file may have keys that begin with `prefix`. They are read elsewhere.
+  void leave(const std::string& prefix) { elsewhere_.push_back(prefix); }
+
   /// Further names of keys, besides those of the file that is read.
   void alias(const Aliases& aliases) { aliases_.insert(aliases.begin(), aliases.end()); }
 
@@ -272,7 +260,6 @@ class Fields {
     std::string rival = {};                  // the key that excludes it, if any
     std::optional<ConfigValue> standard = {};
     std::function<void()> clear = {};  // leaves the variable without a value; null if it needs one
-    std::function<bool()> is_left_out = {};  // null: never
 
     bool is_required() const { return !standard && !clear; }
   };
@@ -286,9 +273,6 @@ class Fields {
     std::string given = {};   // ConfigEntry::given without the number of an element
 
     std::string doc() const;
-    bool is_left_out() const {
-      return variables.front().is_left_out && variables.front().is_left_out();
-    }
   };
 
   // Assigns every key of the config. Returns the missing keys that the chosen parts need.
@@ -311,6 +295,7 @@ class Fields {
   std::optional<UnusedKey> unused(const Field& field, const Variable* variable) const;
   void add(const std::string& name, Variable variable);
   const Field* find(const std::string& key) const;
+  bool is_known(const std::string& key) const;
   std::vector<Variable*> at(const std::string& name);
   void add_condition(const std::vector<std::string>& keys, const Condition& condition);
   // The variable of the scenario or of the chosen part; null if there is none.
@@ -342,7 +327,7 @@ class Fields {
   Aliases aliases_;
   Part part_;           // the part whose keys are being bound
   std::string prefix_;  // the prefix of the keys that are being bound
-  std::function<bool()> is_left_out_;
+  std::vector<std::string> elsewhere_;
 };
 
 }  // namespace breakwater

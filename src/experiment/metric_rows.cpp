@@ -101,6 +101,19 @@ std::vector<MetricRow> rows_in(const Config& config) {
   return rows;
 }
 
+// Whether a run's file gives a row other keys than the scenario's own file. An alias may do so too.
+bool has_other_keys(const Config& config, const Config& own, const std::string& prefix) {
+  const auto is_of_row = [&](const auto& alias) { return alias.second.starts_with(prefix); };
+  const auto is_other = [&](const auto& entry) {
+    if (!entry.first.starts_with(prefix)) return false;
+    const ConfigEntry* known = own.find(entry.first);
+    return known == nullptr || toml_value(entry.second.value) != toml_value(known->value);
+  };
+  return std::ranges::any_of(config.aliases(), is_of_row) ||
+         std::ranges::any_of(own.aliases(), is_of_row) ||
+         std::ranges::any_of(config.entries(), is_other);
+}
+
 // The file may leave out the key if there is a value.
 void default_is(Fields& fields, const char* key, const std::string& present) {
   if (!present.empty()) fields.standard(key, {present});
@@ -209,56 +222,44 @@ MetricRows::MetricRows(const Catalogue& catalogue, const std::string& name,
   kinds_.insert(kinds_.end(), own_kinds.begin(), own_kinds.end());
 }
 
-// Each point of a sweep asks for them: they are bound again only if the file changed.
-std::vector<MetricRow> MetricRows::own_rows() const {
+// Each run asks for them: they are read again only if the file changed.
+MetricRows::OwnRows MetricRows::own_rows() const {
   if (!scenario_) return {};
-  struct ReadRows {
-    std::shared_ptr<const ScenarioFile> file;
-    std::vector<MetricRow> rows;
-  };
   static std::mutex reading;
-  static std::map<std::string, ReadRows> known;
+  static std::map<std::string, OwnRows> known;
   const auto file = scenario_->scenario_file();
   const std::lock_guard lock(reading);
-  ReadRows& read = known[scenario_->name];
-  if (read.file == file) return read.rows;
+  OwnRows& read = known[scenario_->name];
+  if (read.file == file) return read;
 
   const Config all = file->tables().front();
   std::map<std::string, ConfigEntry> entries;
   for (const auto& [key, entry] : all.entries()) {
     if (key.starts_with("metric.") || key.starts_with("signal.")) entries.emplace(key, entry);
   }
-  const Config own(file->file(), std::move(entries));
-  std::vector<MetricRow> rows = rows_in(own);
+  const Config keys(file->file(), std::move(entries), file->aliases());
+  std::vector<MetricRow> rows = rows_in(keys);
   Fields fields;
   for (MetricRow& row : rows) row.bind(fields, kinds_);
-  fields.read(own);
-  read = {file, rows};
-  return rows;
+  fields.read(keys);
+  return read = {file, keys, std::move(rows)};
 }
 
 void MetricRows::learn(const Config& config) {
-  // The keys of the scenario's own file give its rows their values: nothing else has to.
-  const bool is_own = scenario_ && scenario_->scenario_file()->file() == config.file();
-  shipped_ = is_own ? std::vector<MetricRow>() : own_rows();
-  rows_ = shipped_;
-  places_.assign(rows_.size(), {.is_shipped = true});
-  for (MetricRow& one : rows_in(config)) {
-    const std::string prefix = one.prefix();
-    const auto found = std::find_if(rows_.begin(), rows_.end(),
-                                    [&](const MetricRow& row) { return row.prefix() == prefix; });
-    if (found != rows_.end()) {
-      places_[static_cast<std::size_t>(found - rows_.begin())].is_in_file = true;
-      continue;
-    }
-    rows_.push_back(std::move(one));
-    Place& place = places_.emplace_back(Place{true, false, is_own});
-    for (auto entry = config.entries().lower_bound(prefix);
-         is_own && entry != config.entries().end() && entry->first.starts_with(prefix); ++entry) {
-      place.is_shipped |= entry->second.rank() == 0;
-      place.is_unchanged &= entry->second.rank() == 0;
-    }
+  const OwnRows known = own_rows();
+  rows_ = known.rows;
+  own_count_ = rows_.size();
+  is_unchanged_.clear();
+  for (const MetricRow& row : rows_) {
+    is_unchanged_.push_back(!has_other_keys(config, known.keys, row.prefix()));
   }
+  for (MetricRow& one : rows_in(config)) {
+    const bool is_own =
+        std::any_of(known.rows.begin(), known.rows.end(),
+                    [&](const MetricRow& row) { return row.prefix() == one.prefix(); });
+    if (!is_own) rows_.push_back(std::move(one));
+  }
+  is_unchanged_.resize(rows_.size(), false);
   numbers_.clear();
   for (const MetricRow& row : rows_) {
     const Config own = config.under(row.prefix());
@@ -297,11 +298,7 @@ void MetricRows::name_number(const std::string& text, const char* role, const st
 void MetricRows::bind(Fields& fields) {
   if (scenario_) fields.alias(scenario_->scenario_file()->aliases());
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    if (!places_[i].is_in_file) continue;
-    const Fields::LeftOut left_out(fields, [this, i] {
-      return places_[i].is_unchanged || (i < shipped_.size() && rows_[i] == shipped_[i]);
-    });
-    rows_[i].bind(fields, kinds_);
+    is_unchanged_[i] ? fields.leave(rows_[i].prefix()) : rows_[i].bind(fields, kinds_);
   }
   for (auto& [key, number] : numbers_) {
     if (fields.has(key)) continue;
@@ -351,7 +348,7 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
         config.fail(end, "must be later than " + row.from_s);
       }
     }
-    if (!places_[i].is_shipped && row.to_s != kZero && from.is_constant() && to.is_constant() &&
+    if (i >= own_count_ && row.to_s != kZero && from.is_constant() && to.is_constant() &&
         to.value() <= from.value()) {
       own.fail("to_s", "must be later than from_s, or 0 for the end of the run");
     }
@@ -385,14 +382,14 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
 
 std::vector<MetricDefinition> MetricRows::definitions() const {
   std::vector<MetricDefinition> definitions;
-  for (const MetricRow& row : rows_.empty() ? own_rows() : rows_) {
+  for (const MetricRow& row : rows_.empty() ? own_rows().rows : rows_) {
     if (!row.is_signal) definitions.push_back(row.definition(kind_of(row)));
   }
   return definitions;
 }
 
 std::vector<std::string> MetricRows::main() const {
-  std::vector<MetricRow> rows = rows_.empty() ? own_rows() : rows_;
+  std::vector<MetricRow> rows = rows_.empty() ? own_rows().rows : rows_;
   std::erase_if(rows, [](const MetricRow& row) { return row.is_signal; });
   const auto is_ranked = [](const MetricRow& row) { return row.rank > 0; };
   if (std::any_of(rows.begin(), rows.end(), is_ranked)) {

@@ -53,8 +53,6 @@ struct MetricRow {
   std::string text;
   int rank = 0;
 
-  bool operator==(const MetricRow&) const = default;
-
   std::string prefix() const { return (is_signal ? "signal." : "metric.") + table + "."; }
   void bind(Fields& fields, const std::vector<MetricKind>& kinds);
   /// The name, which ends with the unit unless the row has a unit; the unit; the meaning.
@@ -81,9 +79,10 @@ class MetricRows {
 
   /// Finds the tables of a run's file.
   void learn(const Config& config);
-  /// Binds the keys of the run's file, and the aliases of the scenario's own. Rows that are the
-  /// scenario's own, unchanged, are neither printed nor among the keys of a reference. Binds the
-  /// numbers metrics.… that rows name, unless the scenario has bound them.
+  /// Binds the rows of the run's file, and the aliases of the scenario's own. Rows that are the
+  /// scenario's own, unchanged, have their values already: they are neither printed nor among the
+  /// keys of a reference. Binds the numbers metrics.… that rows name, unless the scenario has bound
+  /// them.
   void bind(Fields& fields);
   /// Checks the rows after reading, and takes the numbers of keys. Call it from Scenario::check().
   /// `fields` gives the values of keys that the file leaves out.
@@ -112,21 +111,21 @@ class MetricRows {
     bool is_positive = false;
     std::string help;
   };
-  // Where a row comes from.
-  struct Place {
-    bool is_in_file = false;    // a file of a run has its keys
-    bool is_shipped = false;    // it is the scenario's own
-    bool is_unchanged = false;  // all its keys are those of the scenario's own file
+  // The rows of the scenario's own file, and their keys there.
+  struct OwnRows {
+    std::shared_ptr<const ScenarioFile> file = nullptr;
+    Config keys{"", {}};
+    std::vector<MetricRow> rows = {};
   };
 
-  std::vector<MetricRow> own_rows() const;
+  OwnRows own_rows() const;
   void name_number(const std::string& text, const char* role, const std::string& name);
 
   std::shared_ptr<const ScenarioKind> scenario_;
   std::vector<MetricKind> kinds_ = standard_metric_kinds();
-  std::vector<MetricRow> rows_;
-  std::vector<MetricRow> shipped_;
-  std::vector<Place> places_;  // one for each row
+  std::vector<MetricRow> rows_;  // the scenario's own ones come first
+  std::size_t own_count_ = 0;
+  std::vector<bool> is_unchanged_;  // one for each row
   std::vector<std::string> unmet_;
   std::map<std::string, Number> numbers_;
   std::map<std::string, double> known_;  // the numbers of names
