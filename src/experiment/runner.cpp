@@ -191,10 +191,10 @@ void BoundCases::give_back(const Shape& shape, const std::shared_ptr<Case>& one)
 
 PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioFile& file,
                              const std::string& case_name, const std::vector<std::string>& sets,
-                             Tables tables, const std::string& called) {
+                             const std::string& called) {
   const math::FloatEnvironment floats;
   BoundCases::Case bound(std::move(scenario), file.config(case_name, sets));
-  if (tables == Tables::unchecked) bound.fields.check(file);
+  bound.fields.check(file);
   bound.read();
   PreparedRun run = bound.run(called.empty() ? case_name : called);
   run.ineffective = bound.ineffective();
@@ -228,8 +228,7 @@ bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run, const Sce
 PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
                         const ScenarioFile& file, const std::string& case_name,
                         const std::vector<std::string>& sets) {
-  PreparedRun run = prepare_scenario(make_scenario(catalogue, scenario), file, case_name, sets,
-                                     Tables::unchecked);
+  PreparedRun run = prepare_scenario(make_scenario(catalogue, scenario), file, case_name, sets);
   run.is_as_shipped = is_as_shipped(catalogue, run, file, case_name, sets);
   return run;
 }

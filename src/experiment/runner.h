@@ -49,15 +49,12 @@ struct RunSummary {
   double wall_s = 0.0;
 };
 
-/// Whether the tables of a scenario file were checked with an earlier case.
-enum class Tables { checked, unchecked };
-
 /// Prepares one case of a file for a given scenario, with `sets` (key=value) on top. Whether it is
 /// as shipped stays unknown. The run has the name of its case, or `called`. Throws
 /// std::invalid_argument, one line.
 PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioFile& file,
                              const std::string& case_name, const std::vector<std::string>& sets,
-                             Tables tables, const std::string& called = "");
+                             const std::string& called = "");
 
 /// The same by the scenario's name. It also finds out whether the case is as shipped.
 PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,

@@ -157,8 +157,7 @@ std::string columns(const Catalogue& catalogue, const ScenarioKind& kind, const 
     std::vector<std::string> sets = brief_run;
     // The window with the fine log may begin after the end of a brief run.
     if (file.config(name).find(kFineLog) != nullptr) sets.push_back(std::string(kFineLog) + "=0");
-    const PreparedRun run =
-        prepare_scenario(kind.make(catalogue), file, name, sets, Tables::checked);
+    const PreparedRun run = prepare_scenario(kind.make(catalogue), file, name, sets);
     const Recording recording = run.scenario->run({});
     for (const Track& track : recording.tracks) {
       for (std::size_t i = 0; i < track.signals(); ++i) {

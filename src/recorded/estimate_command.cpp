@@ -96,7 +96,7 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   }
   const PreparedRun run =
       prepare_scenario(std::make_unique<RecordedEstimation>(catalogue), request.file,
-                       request.case_name, request.sets, Tables::unchecked, request.called);
+                       request.case_name, request.sets, request.called);
   const std::string& name = run.case_name;
   RunFolder folder(arguments.out.empty() ? fs::path("runs") / kEstimate / name
                                          : fs::path(arguments.out));
