@@ -48,13 +48,6 @@ void assign_standard(Field& field) {
   }
 }
 
-// Whether the name of a file is among the meanings of a key.
-template <typename Field>
-bool names_file(const Field& field) {
-  return std::any_of(field.variables.begin(), field.variables.end(),
-                     [](const auto& variable) { return variable.file != nullptr; });
-}
-
 // "axis.NAME." of a key of an axis; empty for another key.
 std::string axis_in(const std::string& key) {
   constexpr std::string_view kTable = "axis.";
@@ -617,11 +610,15 @@ void Fields::assign_standards(const Config& config) {
   }
 }
 
+std::string* Fields::file_of(const Field& field) const {
+  for (const Variable& variable : field.variables) {
+    if (variable.file != nullptr && &variable == in_use(field)) return variable.file;
+  }
+  return nullptr;
+}
+
 void Fields::find_file(const Config& config, const Field& field) const {
-  if (!names_file(field)) return;
-  const Variable* variable = in_use(field);
-  if (variable == nullptr || variable->file == nullptr) return;
-  *variable->file = config.find_file_of(field.key, *variable->file);
+  if (std::string* file = file_of(field)) *file = config.find_file_of(field.key, *file);
 }
 
 std::string Fields::missing_in_words(const std::vector<const Field*>& missing) const {
@@ -842,9 +839,7 @@ std::optional<double> Fields::number_of(const std::string& key) const {
 std::vector<std::string> Fields::files() const {
   std::vector<std::string> files;
   for (const Field& field : fields_) {
-    if (!names_file(field)) continue;
-    const Variable* variable = in_use(field);
-    if (variable != nullptr && variable->file != nullptr) files.push_back(*variable->file);
+    if (const std::string* file = file_of(field)) files.push_back(*file);
   }
   return files;
 }

@@ -316,6 +316,8 @@ class Fields {
   // that does not exist are unknown too. Checks the choices of all tables first: they are the
   // cause.
   void check(std::span<const Config> tables);
+  // The name of a file that counts; null if the key has another value.
+  std::string* file_of(const Field& field) const;
   void find_file(const Config& config, const Field& field) const;
   void add_choice(const std::string& key, std::vector<std::string> names,
                   std::function<void(std::size_t)> assign, std::function<std::string()> print,
