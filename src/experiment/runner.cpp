@@ -103,13 +103,6 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
   }
 }
 
-bool differ_in_a_number(const Config& one, const Config& other) {
-  return std::any_of(one.entries().begin(), one.entries().end(), [&](const auto& entry) {
-    const auto number = one.number(entry.first), of_other = other.number(entry.first);
-    return number && of_other && *number != *of_other;
-  });
-}
-
 }  // namespace
 
 // A case of a file, bound to a scenario.
@@ -202,35 +195,23 @@ PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioF
   return run;
 }
 
-namespace {
-
-// Whether the run, of `file` with `sets`, has the configuration of Breakwater's own case with this
-// name. The seed and the record of the log may differ.
-bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run, const ScenarioFile& file,
-                   const std::string& case_name, const std::vector<std::string>& sets) {
-  const auto& kind = catalogue.get<ScenarioKind>(run.scenario->name());
-  const auto own_file = kind.scenario_file();
-  const ScenarioFile& own = *own_file;
-  if (!own.has_case(case_name)) return false;
-  const RunSettings& settings = run.scenario->run_settings();
-  std::vector<std::string> own_sets = {fmt::format("run.seed={}", settings.seed),
-                                       fmt::format("record.compression={}", settings.compression)};
-  if (settings.stream) own_sets.emplace_back("record.stream=true");
-  const Config config = own.config(case_name, own_sets);
-  if (differ_in_a_number(config, file.config(case_name, sets))) return false;  // spares the rest
-  BoundCases::Case shipped(kind.make(catalogue), config);
-  shipped.read();
-  return shipped.fields.print(kind.name, case_name) == run.config_text;
-}
-
-}  // namespace
-
 PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
                         const ScenarioFile& file, const std::string& case_name,
                         const std::vector<std::string>& sets) {
-  PreparedRun run = prepare_scenario(make_scenario(catalogue, scenario), file, case_name, sets);
-  run.is_as_shipped = is_as_shipped(catalogue, run, file, case_name, sets);
-  return run;
+  return prepare_scenario(make_scenario(catalogue, scenario), file, case_name, sets);
+}
+
+bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run) {
+  const auto& kind = catalogue.get<ScenarioKind>(run.scenario->name());
+  const auto file = kind.scenario_file();
+  if (!file->has_case(run.case_name)) return false;
+  const RunSettings& settings = run.scenario->run_settings();
+  std::vector<std::string> sets = {fmt::format("run.seed={}", settings.seed),
+                                   fmt::format("record.compression={}", settings.compression)};
+  if (settings.stream) sets.emplace_back("record.stream=true");
+  BoundCases::Case shipped(kind.make(catalogue), file->config(run.case_name, sets));
+  shipped.read();
+  return shipped.fields.print(kind.name, run.case_name) == run.config_text;
 }
 
 namespace {

@@ -32,7 +32,7 @@ struct PreparedRun {
   std::string case_name;
   std::string config_text;                  ///< the effective configuration, as a scenario file
   std::vector<IneffectiveKey> ineffective;  ///< ineffective keys of the case or --set
-  bool is_as_shipped = false;               ///< the project's own case, except for seed and record
+  bool is_as_shipped = false;               ///< found by is_as_shipped(), if anybody asks
   std::vector<std::string> model_files;     ///< the files that its keys name
 };
 
@@ -49,17 +49,20 @@ struct RunSummary {
   double wall_s = 0.0;
 };
 
-/// Prepares one case of a file for a given scenario, with `sets` (key=value) on top. Whether it is
-/// as shipped stays unknown. The run has the name of its case, or `called`. Throws
-/// std::invalid_argument, one line.
+/// Prepares one case of a file for a given scenario, with `sets` (key=value) on top. The run has
+/// the name of its case, or `called`. Throws std::invalid_argument, one line.
 PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioFile& file,
                              const std::string& case_name, const std::vector<std::string>& sets,
                              const std::string& called = "");
 
-/// The same by the scenario's name. It also finds out whether the case is as shipped.
+/// The same by the scenario's name.
 PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
                         const ScenarioFile& file, const std::string& case_name,
                         const std::vector<std::string>& sets);
+
+/// Whether the run has the configuration of Breakwater's own case with its name. The seed and the
+/// record of the log may differ.
+bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run);
 
 /// Scenarios of one file whose keys are bound. Threads may share it.
 class BoundCases {
@@ -76,9 +79,9 @@ class BoundCases {
   std::multimap<Shape, std::shared_ptr<Case>> free_;
 };
 
-/// The same for one run of many. The file's tables are checked. Whether it is as shipped is
-/// unknown. With `bound` its ineffective keys are unknown too. It then takes the scenario of an
-/// earlier run that has ended and differed in numbers alone, if its kind may be shared.
+/// The same for one run of many. The file's tables are checked. With `bound` its ineffective keys
+/// are unknown. It then takes the scenario of an earlier run that has ended and differed in numbers
+/// alone, if its kind may be shared.
 PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenario,
                           const ScenarioFile& file, const std::string& case_name,
                           const std::vector<std::string>& sets,

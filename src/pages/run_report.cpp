@@ -58,8 +58,8 @@ std::map<std::string, PublishedValue> printed_of(const Catalogue& catalogue, con
   std::map<std::string, PublishedValue> printed;
   try {
     const ScenarioFile file((run.folder() / "config.toml").string(), run.scenario());
-    if (!prepare_run(catalogue, run.scenario(), file, run.case_name(), {}).is_as_shipped)
-      return printed;
+    const PreparedRun again = prepare_run(catalogue, run.scenario(), file, run.case_name(), {});
+    if (!is_as_shipped(catalogue, again)) return printed;
   } catch (const std::invalid_argument&) {
     return printed;  // the case may be from another version
   }
