@@ -375,19 +375,11 @@ bool Fields::has_chosen(const std::string& choice, const std::string& name) cons
 }
 
 const Fields::Variable* Fields::in_use(const Field& field) const {
-  Choices known;
-  return in_use(field, known);
-}
-
-const Fields::Variable* Fields::in_use(const Field& field, Choices& known) const {
   const Variable* of_part = nullptr;
   for (const Variable& variable : field.variables) {
     const auto& [choice, name] = variable.part;
     if (name.empty()) return &variable;
-    if (of_part != nullptr) continue;
-    const auto [value, is_new] = known.try_emplace(choice);
-    if (is_new) value->second = chosen(choice);
-    if (value->second == toml_string(name)) of_part = &variable;
+    if (of_part == nullptr && has_chosen(choice, name)) of_part = &variable;
   }
   return of_part;
 }
@@ -496,10 +488,9 @@ std::vector<UnusedKey> Fields::unused() const {
   std::map<std::string, std::size_t> counts;
   for (const Field& field : fields_) counts[field.given] += field.was_read ? 1 : 0;
   std::vector<UnusedKey> all;
-  Choices choices;
   for (const Field& field : fields_) {
     if (!field.was_read) continue;
-    std::optional<UnusedKey> one = unused(field, in_use(field, choices));
+    std::optional<UnusedKey> one = unused(field, in_use(field));
     if (!one) continue;
     if (!field.given.empty()) {
       if (--counts[field.given] > 0) continue;
@@ -644,9 +635,8 @@ std::vector<const Fields::Field*> Fields::assign_all(const Config& config) {
   assign_standards(config);
   check(std::span(&config, 1));  // the choices are then known
   std::vector<const Field*> missing;
-  Choices choices;
   for (Field& field : fields_) {
-    const Variable* counts = in_use(field, choices);
+    const Variable* counts = in_use(field);
     const ConfigEntry* rival = counts != nullptr ? config.find(counts->rival) : nullptr;
     const ConfigEntry* entry = config.find(field.key);
     if (entry != nullptr && rival != nullptr && entry->rank() < rival->rank()) {
@@ -750,9 +740,8 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
     }
   };
   std::vector<Shown<Line>> lines;
-  Choices choices;
   for (const Field& field : fields_) {
-    const Variable* variable = in_use(field, choices);
+    const Variable* variable = in_use(field);
     // Keys of parts that are not chosen, and those without a value, are printed only if given.
     if (!field.was_read && (variable == nullptr || variable->clear)) continue;
     if (variable == nullptr) variable = &field.variables[field.suited];

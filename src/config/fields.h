@@ -7,7 +7,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -300,9 +299,6 @@ class Fields {
   void add_condition(const std::vector<std::string>& keys, const Condition& condition);
   // The variable of the scenario or of the chosen part; null if there is none.
   const Variable* in_use(const Field& field) const;
-  // The values of choices, in TOML, which do not change during a pass over all keys.
-  using Choices = std::unordered_map<std::string_view, std::string>;
-  const Variable* in_use(const Field& field, Choices& known) const;
   // The present value of a choice, in TOML; empty if there is no such one.
   std::string chosen(const std::string& choice) const;
   // The message on missing keys, with the meaning of the first one and the part that needs it.
