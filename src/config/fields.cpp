@@ -558,16 +558,9 @@ void Fields::check(std::span<const Config> tables) {
     for (const Variable& variable : field.variables) choices.insert(variable.part.choice);
   }
   const auto check_values = [&](const Config& table, const auto& is_wanted) {
-    std::vector<std::pair<std::size_t, const ConfigValue*>> values;
-    for (const auto& [key, entry] : table.entries()) {
-      const auto known = numbers_.find(key);
-      if (known != numbers_.end() && is_wanted(key)) {
-        values.emplace_back(known->second, &entry.value);
-      }
-    }
-    std::sort(values.begin(), values.end());  // the order of the keys here, not in the table
-    for (const auto& [number, value] : values) {
-      fail_if(table, fields_[number], assign(fields_[number], *value, nullptr));
+    for (Field& field : fields_) {
+      const ConfigEntry* entry = is_wanted(field.key) ? table.find(field.key) : nullptr;
+      if (entry != nullptr) fail_if(table, field, assign(field, entry->value, nullptr));
     }
   };
   for (const Config& table : tables) {
