@@ -26,15 +26,13 @@ const KnownModels::Files& KnownModels::noted(const std::string& file) {
   return models_.emplace(file, std::move(files)).first->second;
 }
 
-const ModelHashes& KnownModels::of(const std::vector<std::string>& files) {
+ModelHashes KnownModels::of(const std::vector<std::string>& files) {
   const std::lock_guard lock(mutex_);
-  const auto found = hashes_.find(files);
-  if (found != hashes_.end()) return found->second;
   ModelHashes hashes;
   for (const std::string& model : files) {
     for (const File* file : noted(model)) hashes[portable_path(file->first)] = file->second;
   }
-  return hashes_.emplace(files, std::move(hashes)).first->second;
+  return hashes;
 }
 
 void KnownModels::check(const File& file) {

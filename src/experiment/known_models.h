@@ -21,7 +21,7 @@ class KnownModels {
   /// Reads an MJCF file and all files that it includes, unless they are known.
   void note(const std::string& file);
   /// The model_hashes() of these files when they were first noted. It notes unknown ones now.
-  const ModelHashes& of(const std::vector<std::string>& files);
+  ModelHashes of(const std::vector<std::string>& files);
 
   /// Throws std::invalid_argument `FILE: was changed while it ran: start again` if a file given to
   /// of() has changed.
@@ -39,7 +39,6 @@ class KnownModels {
   // The entries do not change.
   std::map<std::filesystem::path, std::string> files_;
   std::map<std::string, Files> models_;  // an MJCF file, and all files that it includes
-  std::map<std::vector<std::string>, ModelHashes> hashes_;
   mutable std::mutex mutex_;
 };
 
