@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/finder.hpp>
+#include <boost/algorithm/string/iter_find.hpp>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -47,13 +49,7 @@ constexpr Taking kTakings[] = {{"value", Taken::value, "{}"},
 
 std::vector<std::string> split(const std::string& text, const std::string& between) {
   std::vector<std::string> parts;
-  std::size_t from = 0;
-  for (std::size_t at = text.find(between); at != std::string::npos;
-       at = text.find(between, from)) {
-    parts.push_back(text.substr(from, at - from));
-    from = at + between.size();
-  }
-  parts.push_back(text.substr(from));
+  boost::algorithm::iter_split(parts, text, boost::algorithm::first_finder(between));
   return parts;
 }
 
