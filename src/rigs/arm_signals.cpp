@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <tuple>
-#include <utility>
 
 namespace breakwater {
 
@@ -20,13 +18,14 @@ void log_arm(RigRun& run, AxisRig& rig, const AxisLoop& loop, const AxisPlant& p
              const TimeWindow& holds) {
   struct Arm {
     Eigen::VectorXd q_rad;
+    Eigen::VectorXd offset_rad;  // from the start
     TipPose tip = TipPose::Zero();
-    TipPose start;
-
-    double error_m() const { return (tip - start).head<2>().norm(); }
+    TipPose tip_offset = TipPose::Zero();
+    double tip_error_m = 0.0;
   };
   const auto n = plant.axes.size();
   const Eigen::VectorXd start = plant.reference_at_start();
+  const auto arm = std::make_shared<Arm>(Arm{.q_rad = start, .offset_rad = 0.0 * start});
   const std::span<const double> measured = view(rig.simulation().sample().y);
   const auto add = [&](const char* name, const char* unit, const char* text,
                        std::span<const double> values) {
@@ -48,21 +47,23 @@ void log_arm(RigRun& run, AxisRig& rig, const AxisLoop& loop, const AxisPlant& p
               tip[1],
               tip[2]};
   run.signals = {run.fine[0]};
-  gather("q_true_rad", "rad", "true joint angles", &AxisRig::position);
+  add("q_true_rad", "rad", "true joint angles", view(arm->q_rad));
   gather("dq_true_rad_s", "rad/s", "true joint velocities", &AxisRig::velocity);
-  const auto arm =
-      std::make_shared<Arm>(Arm{.q_rad = start, .start = plant.chain->tip_pose(start)});
-  // It computes the pose that the signals behind it read.
-  run.compute("x_true_m", "m", "true x of the tip", [&rig, arm, chain = plant.chain](double, auto) {
-    for (Eigen::Index i = 0; i < arm->q_rad.size(); ++i) {
-      arm->q_rad(i) = rig.position(static_cast<std::size_t>(i));
-    }
-    arm->tip = chain->tip_pose(arm->q_rad);
-    return arm->tip[0];
-  });
-  run.compute("y_true_m", "m", "true y of the tip", [arm](double, auto) { return arm->tip[1]; });
-  run.compute("phi_true_rad", "rad", "true angle of the tip",
-              [arm](double, auto) { return arm->tip[2]; });
+  // It computes all that is known of the arm.
+  run.compute(
+      "x_true_m", "m", "true x of the tip",
+      [&rig, arm, start, chain = plant.chain, pose = plant.chain->tip_pose(start)](double, auto) {
+        for (Eigen::Index i = 0; i < start.size(); ++i) {
+          arm->q_rad(i) = rig.position(static_cast<std::size_t>(i));
+        }
+        arm->offset_rad = arm->q_rad - start;
+        arm->tip = chain->tip_pose(arm->q_rad);
+        arm->tip_offset = arm->tip - pose;
+        arm->tip_error_m = arm->tip_offset.head<2>().norm();
+        return arm->tip[0];
+      });
+  add("y_true_m", "m", "true y of the tip", view(arm->tip[1]));
+  add("phi_true_rad", "rad", "true angle of the tip", view(arm->tip[2]));
   run.signals.push_back(run.fine[1]);
   add("q_measured_rad", "rad", "sampled joint angles", measured.first(n));
   run.signals.insert(run.signals.end(), {tip[3], tip[4]});
@@ -89,23 +90,15 @@ void log_arm(RigRun& run, AxisRig& rig, const AxisLoop& loop, const AxisPlant& p
   const std::span<const Signal> of_controller = loop.controller->signals();
   run.signals.insert(run.signals.end(), of_controller.begin(), of_controller.end());
 
-  constexpr const char* kForMetrics = "";
-  for (const auto& [name, unit, i] :
-       {std::tuple("x_offset_m", "m", 0), {"y_offset_m", "m", 1}, {"phi_offset_rad", "rad", 2}}) {
-    run.compute(name, unit, kForMetrics,
-                [arm, i = i](double, auto) { return arm->tip[i] - arm->start[i]; });
-  }
-  run.compute(
-      "joint_offset_rad", "rad", kForMetrics,
-      [&rig, start](double, std::size_t i) {
-        return rig.position(i) - start(static_cast<Eigen::Index>(i));
-      },
-      n);
-  run.compute("tip_error_m", "m", kForMetrics, [arm](double, auto) { return arm->error_m(); });
+  run.for_metrics = {{"x_offset_m", "m", "", view(arm->tip_offset[0])},
+                     {"y_offset_m", "m", "", view(arm->tip_offset[1])},
+                     {"phi_offset_rad", "rad", "", view(arm->tip_offset[2])},
+                     {"joint_offset_rad", "rad", "", view(arm->offset_rad)},
+                     {"tip_error_m", "m", "", view(arm->tip_error_m)}};
   run.judged.emplace().push_back({HeldReference(holds, "the tip", "m"),
                                   [arm, from_s = holds.from_s](HeldReference& held, double time_s) {
-                                    if (time_s <= from_s) held.ask(arm->error_m());
-                                    held.add(time_s, arm->error_m());
+                                    if (time_s <= from_s) held.ask(arm->tip_error_m);
+                                    held.add(time_s, arm->tip_error_m);
                                   }});
 }
 
