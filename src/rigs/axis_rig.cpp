@@ -42,7 +42,7 @@ bool has_friction(const mjModel& model) {
 AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     : plant_(plant),
       steps_per_sample_(plant.physics.steps_per_sample()),
-      drives_(controller),
+      controller_(controller),
       has_motors_(std::any_of(plant.axes.begin(), plant.axes.end(),
                               [](const auto& one) { return one.drive.electric.is_on(); })) {
   Model model = plant.load_model();
@@ -110,9 +110,9 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     // The contact may begin at a later stage of a step.
     touch_ = wall != nullptr ? &wall->impulse_Ns() : contacts_.back().force_N;
   }
-  drives_.drive(std::move(driven));
-  simulation_ = std::make_unique<Simulation>(std::move(model), drives_,
+  simulation_ = std::make_unique<Simulation>(std::move(model), controller_,
                                              plant.sensing(contact_force_), steps_per_sample_);
+  simulation_->set_commanded(std::move(driven));
   const CommandDelays delays = plant.timing.delays();
   if (delays.is_on()) simulation_->set_timing(delays, plant.run.seed);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
@@ -146,14 +146,6 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
 void AxisRig::set_solid() {
   if (wall() != nullptr) contacts_.front().wall->set_solid(true);
   if (collides_) simulation_->set_collidable(*collides_, true);
-}
-
-void AxisRig::Drives::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
-  controller_.update(y, command_);
-  u.setZero();
-  for (std::size_t i = 0; i < actuators_.size(); ++i) {
-    u(actuators_[i]) = command_(static_cast<Eigen::Index>(i));
-  }
 }
 
 void AxisRig::step() {
@@ -275,7 +267,7 @@ Recording AxisRig::run(const RunControl& control, const MetricRows& rows, RigRun
   std::int64_t samples = 0, saturated = 0;
   std::vector<std::string> warnings;
   const auto whole_step = [&](std::int64_t k) {
-    drives_.set_watched(control.logs || values.watches(simulation_->time_of(k)));
+    controller_.set_watched(control.logs || values.watches(simulation_->time_of(k)));
     step();
     if (k == 0) warnings = overlaps();
     if (run.after_step) run.after_step();
@@ -398,7 +390,7 @@ std::vector<Signal> AxisRig::signals() const {
     for (Signal& signal : tip_signals()) signals.push_back(std::move(signal));
   }
   // A controller may publish the reference too.
-  for (const Signal& signal : drives_.signals()) {
+  for (const Signal& signal : controller_.signals()) {
     const bool is_there = std::any_of(signals.begin(), signals.end(), [&](const Signal& other) {
       return other.name == signal.name && other.name.find("reference_") != other.name.npos;
     });

@@ -169,25 +169,6 @@ class AxisRig {
     WallContact* wall;  // null: the contact is the engine's alone
   };
 
-  // Passes the commands of the driven axes on to the model's actuators.
-  class Drives final : public Controller {
-   public:
-    explicit Drives(Controller& controller) : controller_(controller) {}
-    void drive(std::vector<Eigen::Index> actuators) {
-      actuators_ = std::move(actuators);
-      command_.setZero(static_cast<Eigen::Index>(actuators_.size()));
-    }
-    void reset(const Sample& first) override { controller_.reset(first); }
-    void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
-    void set_watched(bool is_watched) override { controller_.set_watched(is_watched); }
-    std::span<const Signal> signals() const override { return controller_.signals(); }
-
-   private:
-    Controller& controller_;
-    std::vector<Eigen::Index> actuators_;
-    Eigen::VectorXd command_;
-  };
-
   void set_solid();  // the contact that is switched on later
   std::vector<RigRun::Judged> judged() const;
   // After the first step: the contacts that began with a force.
@@ -199,7 +180,7 @@ class AxisRig {
   int steps_per_sample_;
   std::int64_t solid_from_ = -1;  // step at which that contact is switched on ...
   std::optional<int> collides_;   // ... and its wall, if it is the engine's
-  Drives drives_;
+  Controller& controller_;
   std::vector<DrivenAxis> axes_;
   std::vector<Push> pushes_;
   std::vector<Contact> contacts_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -64,6 +65,9 @@ Simulation::Simulation(Model model, Controller& controller, const SensingSetup& 
   sample_.y = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sensing_.size()));
   qpos_.assign(static_cast<std::size_t>(model_->nq), 0.0);
   qvel_.assign(static_cast<std::size_t>(model_->nv), 0.0);
+  commanded_.resize(static_cast<std::size_t>(model_->nu));
+  std::iota(commanded_.begin(), commanded_.end(), Eigen::Index{0});
+  given_.setZero(model_->nu);
   command_.setZero(model_->nu);
   actuation_.setZero(model_->nu);
   drive_force_.setZero(model_->nu);
@@ -73,6 +77,11 @@ Simulation::Simulation(Model model, Controller& controller, const SensingSetup& 
 }
 
 Simulation::~Simulation() = default;
+
+void Simulation::set_commanded(std::vector<Eigen::Index> actuators) {
+  commanded_ = std::move(actuators);
+  given_.setZero(static_cast<Eigen::Index>(commanded_.size()));
+}
 
 void Simulation::set_position(std::span<const double> qpos) {
   if (qpos.size() != static_cast<std::size_t>(model_->nq)) {
@@ -137,9 +146,12 @@ void Simulation::sample(const mjData& data) {
   sensing_.take(steps_ / steps_per_sample_, data, sample_);
   if (steps_ == 0) controller_.reset(sample_);
   try {
-    controller_.update(sample_, command_);
+    controller_.update(sample_, given_);
   } catch (const ControlFailure& failure) {
     fail(failure.what());
+  }
+  for (std::size_t i = 0; i < commanded_.size(); ++i) {
+    command_(commanded_[i]) = given_(static_cast<Eigen::Index>(i));
   }
   saturate();
 }

@@ -36,6 +36,10 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
+  /// The actuators that the controller commands, in the order of its commands. The others get 0.
+  /// Without this call it commands all.
+  void set_commanded(std::vector<Eigen::Index> actuators);
+
   /// Makes an actuator round its command after saturation.
   void set_pwm(int actuator, const Pwm& pwm) { pwm_[static_cast<std::size_t>(actuator)] = pwm; }
 
@@ -132,6 +136,8 @@ class Simulation {
   std::vector<Pwm> pwm_;
   std::optional<CommandTiming> timing_;
   std::vector<std::optional<MotorDrive>> drives_;  // one for each actuator; empty: none has a drive
+  std::vector<Eigen::Index> commanded_;
+  Eigen::VectorXd given_;  // the controller's commands of these actuators
   Eigen::VectorXd command_;
   Eigen::VectorXd actuation_;
   Eigen::VectorXd drive_force_;
