@@ -333,6 +333,13 @@ void Fields::only_where(const std::vector<std::string>& keys, const std::string&
   add_condition(keys, {condition, test});
 }
 
+void Fields::only_with(const std::vector<std::string>& keys, const std::string& number) {
+  const auto test = [key = prefix_ + number](const Fields& all) {
+    return all.number_of(key) != 0.0;
+  };
+  add_condition(keys, {prefix_ + number + " is not 0", test});
+}
+
 void Fields::either(const std::string& key, const std::string& other) {
   for (Variable* variable : at(key)) variable->rival = prefix_ + other;
   for (Variable* variable : at(other)) variable->rival = prefix_ + key;

@@ -176,6 +176,8 @@ class Fields {
   /// The same for the condition `holds`. `condition` is its text.
   void only_where(const std::vector<std::string>& keys, const std::string& condition,
                   std::function<bool()> holds);
+  /// The same for the condition that the number of another key is not 0.
+  void only_with(const std::vector<std::string>& keys, const std::string& number);
 
   /// States that two keys exclude each other. Where both are given, the one of higher rank counts,
   /// and the other one takes its default value.

@@ -156,8 +156,7 @@ Fields RecordedEstimation::fields() {
   fields.number("encoder.pulses_per_revolution", pulses_, not_negative(),
                 "b_reso of Eq. 4.26, or counts per metre; 0: from encoder.quantum");
   bind_encoder_rounding(fields, rounding_);
-  fields.only_where({"encoder.rounding"}, "encoder.quantum is not 0",
-                    [this] { return quantum_ != 0.0; });
+  fields.only_with({"encoder.rounding"}, "encoder.quantum");
   fields.number("noise.std", noise_std_, not_negative(),
                 "standard deviation of the white noise of y [rad or m]");
   estimator_.bind(fields);

@@ -133,22 +133,24 @@ struct Regulator : RegulatorSettings {
 };
 
 struct PredictiveSettings {
+  struct Limits {
+    double lower = 0.0;
+    double upper = 0.0;
+    int steps = 0;  // at so many steps; 0: at none
+
+    Limits of_size() const { return {-upper, upper, steps}; }
+  };
+
   RegulatorSettings weights;
   PredictiveControlDesign given;  // without what depends on the axis
   double q_disturbance = 0.0;
   bool ends_with_riccati = false;
   double last_factor = 1.0;
 
-  double position_lower_m = 0.0;
-  double position_upper_m = 0.0;
-  int position_steps = 0;
-  double velocity_m_s = 0.0;
-  int velocity_steps = 0;
-  double input_lower_N = 0.0;
-  double input_upper_N = 0.0;
-  int input_steps = 0;
-  double change_N = 0.0;
-  int change_steps = 0;
+  Limits position_m;
+  Limits velocity_m_s;
+  Limits input_N;
+  Limits change_N;
   bool softens_velocity_first = false;
 
   void bind(Fields& fields);
@@ -184,22 +186,22 @@ void PredictiveSettings::bind(Fields& fields) {
   fields.number("controller.last_factor", last_factor, not_negative(),
                 "factor on Q at step N_p, for last_weight factor");
 
-  fields.number("constraint.position_lower_m", position_lower_m, any(),
+  fields.number("constraint.position_lower_m", position_m.lower, any(),
                 "lower bound on the position");
-  fields.number("constraint.position_m", position_upper_m, any(), "upper bound on the position");
+  fields.number("constraint.position_m", position_m.upper, any(), "upper bound on the position");
   fields.count(
-      "constraint.position_steps", position_steps, between(0, 1000),
+      "constraint.position_steps", position_m.steps, between(0, 1000),
       "number of predicted steps with a bound on the position, spread evenly up to N_p; 0: none");
-  fields.number("constraint.velocity_m_s", velocity_m_s, positive(), "bound on |v|");
+  fields.number("constraint.velocity_m_s", velocity_m_s.upper, positive(), "bound on |v|");
   fields.count(
-      "constraint.velocity_steps", velocity_steps, between(0, 1000),
+      "constraint.velocity_steps", velocity_m_s.steps, between(0, 1000),
       "number of predicted steps with a bound on the velocity, spread evenly up to N_p; 0: none");
-  fields.number("constraint.input_lower_N", input_lower_N, any(), "lower bound on the input");
-  fields.number("constraint.input_upper_N", input_upper_N, any(), "upper bound on the input");
-  fields.count("constraint.input_steps", input_steps, between(0, 1000),
+  fields.number("constraint.input_lower_N", input_N.lower, any(), "lower bound on the input");
+  fields.number("constraint.input_upper_N", input_N.upper, any(), "upper bound on the input");
+  fields.count("constraint.input_steps", input_N.steps, between(0, 1000),
                "number of planned inputs that are bounded, from the first on; 0: none");
-  fields.number("constraint.input_change_N", change_N, positive(), "bound on |du|");
-  fields.count("constraint.input_change_steps", change_steps, between(0, 1000),
+  fields.number("constraint.input_change_N", change_N.upper, positive(), "bound on |du|");
+  fields.count("constraint.input_change_steps", change_N.steps, between(0, 1000),
                "number of planned inputs whose change is bounded, from the first on; 0: none");
 
   fields.choice("solver.name", lmpc.solver,
@@ -221,13 +223,9 @@ void PredictiveSettings::bind(Fields& fields) {
   fields.only_for({"controller.q_disturbance"}, "controller.disturbance_use", {"predict"});
   fields.only_for({"controller.last_factor"}, "controller.last_weight", {"factor"});
   fields.only_for({"solver.softness"}, "solver.on_infeasible", {"soften"});
-  const auto only_with = [&fields](const std::vector<std::string>& keys, const std::string& steps,
-                                   const int& count) {
-    fields.only_where(keys, "constraint." + steps + " is not 0", [&count] { return count != 0; });
-  };
-  only_with({"constraint.position_lower_m", "constraint.position_m"}, "position_steps",
-            position_steps);
-  only_with({"constraint.input_change_N"}, "input_change_steps", change_steps);
+  fields.only_with({"constraint.position_lower_m", "constraint.position_m"},
+                   "constraint.position_steps");
+  fields.only_with({"constraint.input_change_N"}, "constraint.input_change_steps");
 }
 
 PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
@@ -240,23 +238,30 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
   if (control_steps > prediction_steps) {
     throw WrongKey("controller.control_steps", "must not be more than controller.prediction_steps");
   }
-  const auto at_most = [&](const char* key, int steps, int most) {
-    if (steps > most) throw WrongKey(key, "must not be more than " + std::to_string(most));
+  PredictiveControlDesign design = given;
+  LmpcDesign& lmpc = design.lmpc;
+  const auto limit = [&](std::vector<PredictedBound>& bounds, const char* key, const Limits& limits,
+                         Eigen::Index component = 0) {
+    const bool is_state = &bounds == &lmpc.state_bounds;
+    const int most = is_state ? prediction_steps : control_steps;
+    if (limits.steps > most) throw WrongKey(key, "must not be more than " + std::to_string(most));
+    if (limits.steps == 0) return;
+    bounds.push_back({component, limits.lower, limits.upper,
+                      is_state ? spread_steps(limits.steps, most) : first_steps(limits.steps)});
   };
-  at_most("constraint.position_steps", position_steps, prediction_steps);
-  at_most("constraint.velocity_steps", velocity_steps, prediction_steps);
-  at_most("constraint.input_steps", input_steps, control_steps);
-  at_most("constraint.input_change_steps", change_steps, control_steps);
-  if (position_lower_m > position_upper_m) {
+  limit(lmpc.state_bounds, "constraint.position_steps", position_m, axis.controlled);
+  limit(lmpc.state_bounds, "constraint.velocity_steps", velocity_m_s.of_size(),
+        axis.controlled + 1);
+  limit(lmpc.input_bounds, "constraint.input_steps", input_N);
+  limit(lmpc.change_bounds, "constraint.input_change_steps", change_N.of_size());
+  if (position_m.lower > position_m.upper) {
     throw WrongKey("constraint.position_lower_m", "must not be above constraint.position_m");
   }
-  if (input_lower_N > input_upper_N) {
+  if (input_N.lower > input_N.upper) {
     throw WrongKey("constraint.input_lower_N", "must not be above constraint.input_upper_N");
   }
   const double period_s = weights.period_s;
   const StateSpace sampled = zero_order_hold(axis.plant, period_s);
-  PredictiveControlDesign design = given;
-  LmpcDesign& lmpc = design.lmpc;
   lmpc.A = sampled.A;
   lmpc.B = sampled.B;
   lmpc.Q = weights.state_weight(axis);
@@ -278,20 +283,6 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
     extend(lmpc.Q_last, last * q_disturbance);
   }
 
-  if (change_steps > 0) {
-    lmpc.change_bounds.push_back({0, -change_N, change_N, first_steps(change_steps)});
-  }
-  if (input_steps > 0) {
-    lmpc.input_bounds.push_back({0, input_lower_N, input_upper_N, first_steps(input_steps)});
-  }
-  if (position_steps > 0) {
-    lmpc.state_bounds.push_back({axis.controlled, position_lower_m, position_upper_m,
-                                 spread_steps(position_steps, lmpc.prediction_steps)});
-  }
-  if (velocity_steps > 0) {
-    lmpc.state_bounds.push_back({axis.controlled + 1, -velocity_m_s, velocity_m_s,
-                                 spread_steps(velocity_steps, lmpc.prediction_steps)});
-  }
   if (softens_velocity_first) std::reverse(lmpc.state_bounds.begin(), lmpc.state_bounds.end());
   design.samples_per_move = static_cast<int>(std::lround(period_s / axis.period_s));
   design.loop = task.loop(task.modelled_reference(), false);

@@ -175,8 +175,7 @@ void AxisSettings::bind_parts(Fields& fields) {
                            "number of edges that count in a pulse");
     fields.optional_number("encoder.gear_ratio", counts.gear_ratio, positive(),
                            "turns of the encoder's shaft per turn of the axis");
-    fields.only_where({"encoder.multiplication", "encoder.gear_ratio"}, "encoder.bits is not 0",
-                      [this] { return counts.bits != 0; });
+    fields.only_with({"encoder.multiplication", "encoder.gear_ratio"}, "encoder.bits");
     fields.optional_number("encoder.counts_per_turn", counts_per_turn, between(0.0, 1e12),
                            "counts per turn of the axis; 0: those of encoder.bits");
     fields.only_where({"encoder.bits", "encoder.multiplication", "encoder.gear_ratio"},
@@ -781,8 +780,7 @@ void TipSettings::bind(Fields& fields) {
                          "natural frequency of the sensor's body; 0: rigid");
   fields.optional_number("sensor.force_damping_ratio", raw.body.damping_ratio, between(0.0, 0.99),
                          "damping ratio of the sensor's body");
-  fields.only_where({"sensor.force_damping_ratio"}, "sensor.force_resonance_Hz is not 0",
-                    [this] { return resonance_Hz != 0.0; });
+  fields.only_with({"sensor.force_damping_ratio"}, "sensor.force_resonance_Hz");
   fields.optional_number("sensor.force_bias_N", raw.electronics.bias, any(),
                          "constant error of the sensor");
   fields.optional_number("sensor.force_drift_N_sqrt_s", raw.electronics.drift_per_sqrt_s,

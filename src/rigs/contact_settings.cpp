@@ -30,8 +30,7 @@ void ContactSettings::bind(Fields& fields) {
   fields.optional_number("friction_stick_m_s", friction_.stick_m_s, positive(),
                          "sliding speed below which the friction is a damper: the contact creeps "
                          "where it would stick");
-  fields.only_where({"friction_stick_m_s"}, prefix() + "friction_coefficient is not 0",
-                    [this] { return has_friction(); });
+  fields.only_with({"friction_stick_m_s"}, "friction_coefficient");
 }
 
 void ContactSettings::bind_wall(Fields& fields) {

@@ -17,7 +17,7 @@ void bind_sine(Fields& fields, const std::string& stem, const std::string& ampli
   fields.optional_number(periods, sine.periods, positive(),
                          std::string("periods of that sine in a ") + (turns ? "turn" : "metre"));
   sine.length = turns ? 2.0 * std::numbers::pi : 1.0;
-  fields.only_where({periods}, amplitude + " is not 0", [&sine] { return sine.amplitude != 0.0; });
+  fields.only_with({periods}, amplitude);
 }
 
 void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
@@ -30,8 +30,7 @@ void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
                          "bandwidth of the current loop; 0: the current follows at once");
   fields.optional_number("drive.current_damping_ratio", e.damping_ratio, not_negative(),
                          "damping ratio of the current loop; 0: it is of first order");
-  fields.only_where({"drive.current_damping_ratio"}, "drive.current_bandwidth_rad_s is not 0",
-                    [&e] { return e.bandwidth_rad_s != 0.0; });
+  fields.only_with({"drive.current_damping_ratio"}, "drive.current_bandwidth_rad_s");
   fields.optional_number(
       constant, e.torque_constant, positive(),
       "k: force of one ampere, and back-EMF [" + units.force + "/A, V per " + units.velocity + "]");
@@ -43,8 +42,7 @@ void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
                          "R: resistance of the winding");
   fields.optional_number("drive.inductance_H", e.inductance_H, not_negative(),
                          "L: inductance of the winding [H]");
-  fields.only_where({"drive.resistance_ohm", "drive.inductance_H"},
-                    "drive.voltage_limit_V is not 0", [&e] { return e.voltage_limit_V != 0.0; });
+  fields.only_with({"drive.resistance_ohm", "drive.inductance_H"}, "drive.voltage_limit_V");
   bind_sine(fields, "drive.cogging", units.force_suffix, e.cogging, units,
             "amplitude of the cogging, a sine of the position");
   bind_sine(fields, "drive.ripple", "ratio", e.ripple, units,
@@ -121,11 +119,11 @@ void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u) {
   };
   side("friction.side", friction_side, "dry friction");
   side("encoder.side", measured, "encoder");
-  fields.only_where(
+  fields.only_with(
       {"transmission.damping" + friction, "transmission.backlash" + position,
        "transmission.kinematic_error" + position, "transmission.kinematic_error_per_turn",
        "transmission.motor_viscous_friction" + friction, "friction.side", "encoder.side"},
-      stiffness + " is not 0", [this] { return is_elastic(); });
+      stiffness);
 }
 
 void TransmissionSettings::bind(Fields& fields, const AxisUnits& u) {
@@ -154,14 +152,14 @@ void TransmissionSettings::bind(Fields& fields, const AxisUnits& u) {
   fields.optional_number("nominal.motor_viscous_friction" + friction, nominal.motor_friction,
                          not_negative(), "nominal viscous friction of the motor");
 
-  const std::string elastic = "transmission.stiffness" + stiffness + " is not 0";
+  const std::string spring = "transmission.stiffness" + stiffness;
   // Resonance ratio control and controllers of all axes use them with a rigid nominal model too.
   fields.only_where({"nominal.stiffness" + stiffness, "nominal.damping" + friction},
-                    elastic + ", or nominal.model is motor or spring",
+                    spring + " is not 0, or nominal.model is motor or spring",
                     [this] { return is_elastic() || nominal_model != NominalModel::rigid; });
-  fields.only_where(
+  fields.only_with(
       {"transmission.motor_joint", "transmission.motor_coulomb_friction_" + u.force_suffix},
-      elastic, [this] { return is_elastic(); });
+      spring);
 }
 
 double TransmissionSettings::rotor_inertia(const Model& model, const std::string& load) const {

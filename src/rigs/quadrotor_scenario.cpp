@@ -295,8 +295,7 @@ Fields QuadrotorScenario::fields() {
   fields.only_for({"plant.added_mass_coefficient"}, "plant.model", {"physical"});
   fields.only_for({"wave.current_m_s", "wave.buoyancy_arm_m"}, "wave.mode", {"physical"});
   fields.only_for({"wave.torque_per_angle_Nm_rad"}, "wave.mode", {"thesis"});
-  fields.only_where({"wave.change_to_period_s"}, "wave.change_at_s is not 0",
-                    [this] { return waves_.change_at_s > 0.0; });
+  fields.only_with({"wave.change_to_period_s"}, "wave.change_at_s");
   fields.number("metrics.window_s", window_s_, positive(),
                 "length of the metrics' window, which ends with the run");
   rows_.bind(fields);
