@@ -17,6 +17,11 @@ struct NoEngines : std::invalid_argument {
       : std::invalid_argument("searches need pagmo and NLopt: " + reason) {}
 };
 
+bool dominates(const std::vector<double>& one, const std::vector<double>& other) {
+  return one != other &&
+         std::equal(one.begin(), one.end(), other.begin(), other.end(), std::less_equal<>());
+}
+
 }  // namespace
 
 const Names<SearchAlgorithm>& search_algorithms() {
@@ -85,15 +90,6 @@ void search(const SearchSettings& settings, const EvaluateAll& evaluate) {
   static const LoadedLibrary engines(own_library(BREAKWATER_SEARCH_ENGINES), "breakwater");
   engines.symbol<NoEngines, decltype(search)>("breakwater_search")(settings, evaluate);
 }
-
-namespace {
-
-bool dominates(const std::vector<double>& one, const std::vector<double>& other) {
-  return one != other &&
-         std::equal(one.begin(), one.end(), other.begin(), other.end(), std::less_equal<>());
-}
-
-}  // namespace
 
 std::vector<std::size_t> front_of(const Vectors& points) {
   std::vector<std::size_t> front;

@@ -46,58 +46,6 @@ double beyond(double value, const Constraint& constraint) {
   return std::max({0.0, value - constraint.max, constraint.min - value}) / scale;
 }
 
-}  // namespace
-
-std::optional<double> metric_of(const PointResult& run, const std::string& metric) {
-  const auto found = std::find_if(run.metrics.begin(), run.metrics.end(),
-                                  [&](const auto& entry) { return entry.first == metric; });
-  if (found == run.metrics.end()) return std::nullopt;
-  return found->second;
-}
-
-Evaluation evaluate(const Tuning& tuning, const std::vector<PointResult>& runs,
-                    bool with_intervals) {
-  Evaluation evaluation;
-  evaluation.runs = runs.size();
-  evaluation.failures = static_cast<std::size_t>(std::count_if(
-      runs.begin(), runs.end(), [&](const PointResult& run) { return !has_all(tuning, run); }));
-  if (evaluation.failures > 0) return evaluation;
-  for (const Objective& one : tuning.objectives) {
-    evaluation.objectives.push_back(
-        gather(runs, one.metric, one.over, one.goal == Goal::min, with_intervals));
-  }
-  for (const Constraint& one : tuning.constraints) {
-    evaluation.constraints.push_back(
-        gather(runs, one.metric, one.over, std::isfinite(one.max), with_intervals));
-    evaluation.violation += beyond(evaluation.constraints.back().value, one);
-  }
-  return evaluation;
-}
-
-std::vector<double> minimised(const Tuning& tuning, const Evaluation& evaluation) {
-  std::vector<double> values;
-  for (std::size_t i = 0; i < tuning.objectives.size(); ++i) {
-    const double value = evaluation.objectives[i].value;
-    values.push_back(tuning.objectives[i].goal == Goal::min ? value : -value);
-  }
-  return values;
-}
-
-std::vector<double> fitness(const Tuning& tuning, const Evaluation& evaluation,
-                            std::size_t number) {
-  if (evaluation.is_feasible()) return minimised(tuning, evaluation);
-  const double later = 1.0 + kLater * static_cast<double>(number);
-  double penalty = kInfeasible * (1.0 + evaluation.violation / (1.0 + evaluation.violation));
-  if (evaluation.failures > 0) {
-    penalty = kFailed * (1.0 + static_cast<double>(evaluation.failures) /
-                                   static_cast<double>(evaluation.runs));
-  }
-  std::vector<double> penalties(tuning.objectives.size(), penalty * later);
-  return penalties;
-}
-
-namespace {
-
 // The runs of a tuning: from the shards or made now.
 class Runs {
  public:
@@ -275,6 +223,54 @@ void validate_all(const TuningPlan& plan, Runs& runs, const TunerOptions& option
 }
 
 }  // namespace
+
+std::optional<double> metric_of(const PointResult& run, const std::string& metric) {
+  const auto found = std::find_if(run.metrics.begin(), run.metrics.end(),
+                                  [&](const auto& entry) { return entry.first == metric; });
+  if (found == run.metrics.end()) return std::nullopt;
+  return found->second;
+}
+
+Evaluation evaluate(const Tuning& tuning, const std::vector<PointResult>& runs,
+                    bool with_intervals) {
+  Evaluation evaluation;
+  evaluation.runs = runs.size();
+  evaluation.failures = static_cast<std::size_t>(std::count_if(
+      runs.begin(), runs.end(), [&](const PointResult& run) { return !has_all(tuning, run); }));
+  if (evaluation.failures > 0) return evaluation;
+  for (const Objective& one : tuning.objectives) {
+    evaluation.objectives.push_back(
+        gather(runs, one.metric, one.over, one.goal == Goal::min, with_intervals));
+  }
+  for (const Constraint& one : tuning.constraints) {
+    evaluation.constraints.push_back(
+        gather(runs, one.metric, one.over, std::isfinite(one.max), with_intervals));
+    evaluation.violation += beyond(evaluation.constraints.back().value, one);
+  }
+  return evaluation;
+}
+
+std::vector<double> minimised(const Tuning& tuning, const Evaluation& evaluation) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < tuning.objectives.size(); ++i) {
+    const double value = evaluation.objectives[i].value;
+    values.push_back(tuning.objectives[i].goal == Goal::min ? value : -value);
+  }
+  return values;
+}
+
+std::vector<double> fitness(const Tuning& tuning, const Evaluation& evaluation,
+                            std::size_t number) {
+  if (evaluation.is_feasible()) return minimised(tuning, evaluation);
+  const double later = 1.0 + kLater * static_cast<double>(number);
+  double penalty = kInfeasible * (1.0 + evaluation.violation / (1.0 + evaluation.violation));
+  if (evaluation.failures > 0) {
+    penalty = kFailed * (1.0 + static_cast<double>(evaluation.failures) /
+                                   static_cast<double>(evaluation.runs));
+  }
+  std::vector<double> penalties(tuning.objectives.size(), penalty * later);
+  return penalties;
+}
 
 TuningResult tune(TuningPlan& plan, const StudyFolder& folder, const TunerOptions& options) {
   const Tuning& tuning = plan.tuning();

@@ -17,6 +17,8 @@
 namespace breakwater {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr double kEdge = 0.01;  // share of a range that counts as its bound
 
 // The runs of the best candidates in the validation. Column i is of cases[i].
@@ -101,20 +103,6 @@ std::vector<std::size_t> tuned_order(const Tuning& tuning, const TuningResult& r
   return order;
 }
 
-}  // namespace
-
-std::optional<Ranking> rank_tuned(const TuningPlan& plan, const TuningResult& result) {
-  const Tuning& tuning = plan.tuning();
-  const std::vector<std::size_t> cases = tuned_cases(result);
-  if (tuning.has_front() || !tuning.validation || cases.size() < 2) return std::nullopt;
-  const Objective& objective = tuning.objectives.front();
-  return rank_candidates(fresh_results(plan, result, cases), objective.metric, objective.goal);
-}
-
-namespace {
-
-namespace fs = std::filesystem;
-
 void add_new(const std::vector<VariedKey>& keys, std::vector<std::string>& names) {
   for (const VariedKey& key : keys) {
     if (std::find(names.begin(), names.end(), key.key) == names.end()) names.push_back(key.key);
@@ -158,6 +146,14 @@ std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
 }
 
 }  // namespace
+
+std::optional<Ranking> rank_tuned(const TuningPlan& plan, const TuningResult& result) {
+  const Tuning& tuning = plan.tuning();
+  const std::vector<std::size_t> cases = tuned_cases(result);
+  if (tuning.has_front() || !tuning.validation || cases.size() < 2) return std::nullopt;
+  const Objective& objective = tuning.objectives.front();
+  return rank_candidates(fresh_results(plan, result, cases), objective.metric, objective.goal);
+}
 
 FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
                        const std::optional<Ranking>& ranking) {

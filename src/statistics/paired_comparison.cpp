@@ -24,35 +24,6 @@ std::vector<std::size_t> ascending(const std::vector<double>& p) {
   return order;
 }
 
-}  // namespace
-
-std::vector<double> holm(const std::vector<double>& p) {
-  const std::vector<std::size_t> order = ascending(p);
-  std::vector<double> adjusted(p.size());
-  double largest = 0.0;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const double times = static_cast<double>(p.size() - i);
-    largest = std::max(largest, std::min(1.0, times * p[order[i]]));
-    adjusted[order[i]] = largest;
-  }
-  return adjusted;
-}
-
-std::vector<double> holm_levels(const std::vector<double>& p, double alpha) {
-  const std::vector<std::size_t> order = ascending(p);
-  const std::vector<double> adjusted = holm(p);
-  std::vector<double> levels(p.size());
-  std::size_t first = 0;  // the first of equal p, in `order`
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool is_rejected = i > 0 && adjusted[order[i - 1]] <= alpha;
-    if (is_rejected && p[order[i]] > p[order[first]]) first = i;
-    levels[order[i]] = alpha / static_cast<double>(p.size() - first);
-  }
-  return levels;
-}
-
-namespace {
-
 // Pairs of candidate and reference.
 std::vector<std::pair<std::size_t, std::size_t>> pairs_of(const PairedResults& results) {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
@@ -287,6 +258,31 @@ std::vector<std::size_t> effective_coordinates(const std::vector<Coordinates>& p
 }
 
 }  // namespace
+
+std::vector<double> holm(const std::vector<double>& p) {
+  const std::vector<std::size_t> order = ascending(p);
+  std::vector<double> adjusted(p.size());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const double times = static_cast<double>(p.size() - i);
+    largest = std::max(largest, std::min(1.0, times * p[order[i]]));
+    adjusted[order[i]] = largest;
+  }
+  return adjusted;
+}
+
+std::vector<double> holm_levels(const std::vector<double>& p, double alpha) {
+  const std::vector<std::size_t> order = ascending(p);
+  const std::vector<double> adjusted = holm(p);
+  std::vector<double> levels(p.size());
+  std::size_t first = 0;  // the first of equal p, in `order`
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool is_rejected = i > 0 && adjusted[order[i - 1]] <= alpha;
+    if (is_rejected && p[order[i]] > p[order[first]]) first = i;
+    levels[order[i]] = alpha / static_cast<double>(p.size() - first);
+  }
+  return levels;
+}
 
 void number_failed_runs(const std::vector<Coordinates>& places, PairedResults& results) {
   if (!(results.failed.array() > 0.0).any()) return;

@@ -28,6 +28,54 @@ constexpr std::pair<const char*, const char*> kPrinted[] = {{"metric", "metric"}
                                                             {"better in", "probability_better"},
                                                             {"verdict", "verdict"}};
 
+std::string repeated_text(const CandidateComparison& comparison) {
+  std::vector<std::string> repeated;
+  for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
+    if (comparison.reached[c] == comparison.blocks) continue;
+    repeated.push_back(
+        fmt::format("{} has {} different runs", comparison.candidates[c], comparison.reached[c]));
+  }
+  if (repeated.empty()) return "";
+  return fmt::format(
+      "In {} blocks {}: some varied keys have no effect there. Equal pairs count once",
+      comparison.blocks, fmt::join(repeated, ", "));
+}
+
+std::string few_text(const CandidateComparison& comparison) {
+  const auto is_few = [](const auto& one) {
+    return one.verdict == ComparisonVerdict::too_few_blocks;
+  };
+  const auto metric = std::find_if(comparison.metrics.begin(), comparison.metrics.end(), is_few);
+  if (metric == comparison.metrics.end()) return "";
+  return breakwater::few_text(metric->blocks, metric->pairs, comparison.tests,
+                              metric->least_p_holm);
+}
+
+std::string never_text(const CandidateComparison& comparison) {
+  std::vector<std::string> parts;
+  for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
+    if (comparison.never[c].empty()) continue;
+    parts.push_back(fmt::format("No run of {} has {}", comparison.candidates[c],
+                                fmt::join(comparison.never[c], ", ")));
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+// The goal min of a metric with a sign prefers its most negative value.
+std::string signed_text(const CandidateComparison& comparison) {
+  std::vector<std::string> metrics;
+  for (const MetricComparison& one : comparison.metrics) {
+    const bool is_negative = std::min(one.median.value, one.reference_median.value) < 0.0;
+    if (one.goal != Goal::min || !is_negative) continue;
+    if (metrics.empty() || metrics.back() != one.metric) metrics.push_back(one.metric);
+  }
+  if (metrics.empty()) return "";
+  return fmt::format(
+      "Negative medians of {}: the goal min prefers the most negative value. For a small magnitude "
+      "compare a metric without a sign, such as an rms or a peak",
+      fmt::join(metrics, ", "));
+}
+
 }  // namespace
 
 std::string p_text(double p, const std::string& equals) {
@@ -94,58 +142,6 @@ std::string few_text(std::size_t blocks, std::size_t pairs, std::size_t tests, d
   }
   return text;
 }
-
-namespace {
-
-std::string repeated_text(const CandidateComparison& comparison) {
-  std::vector<std::string> repeated;
-  for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
-    if (comparison.reached[c] == comparison.blocks) continue;
-    repeated.push_back(
-        fmt::format("{} has {} different runs", comparison.candidates[c], comparison.reached[c]));
-  }
-  if (repeated.empty()) return "";
-  return fmt::format(
-      "In {} blocks {}: some varied keys have no effect there. Equal pairs count once",
-      comparison.blocks, fmt::join(repeated, ", "));
-}
-
-std::string few_text(const CandidateComparison& comparison) {
-  const auto is_few = [](const auto& one) {
-    return one.verdict == ComparisonVerdict::too_few_blocks;
-  };
-  const auto metric = std::find_if(comparison.metrics.begin(), comparison.metrics.end(), is_few);
-  if (metric == comparison.metrics.end()) return "";
-  return breakwater::few_text(metric->blocks, metric->pairs, comparison.tests,
-                              metric->least_p_holm);
-}
-
-std::string never_text(const CandidateComparison& comparison) {
-  std::vector<std::string> parts;
-  for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
-    if (comparison.never[c].empty()) continue;
-    parts.push_back(fmt::format("No run of {} has {}", comparison.candidates[c],
-                                fmt::join(comparison.never[c], ", ")));
-  }
-  return fmt::format("{}", fmt::join(parts, "; "));
-}
-
-// The goal min of a metric with a sign prefers its most negative value.
-std::string signed_text(const CandidateComparison& comparison) {
-  std::vector<std::string> metrics;
-  for (const MetricComparison& one : comparison.metrics) {
-    const bool is_negative = std::min(one.median.value, one.reference_median.value) < 0.0;
-    if (one.goal != Goal::min || !is_negative) continue;
-    if (metrics.empty() || metrics.back() != one.metric) metrics.push_back(one.metric);
-  }
-  if (metrics.empty()) return "";
-  return fmt::format(
-      "Negative medians of {}: the goal min prefers the most negative value. For a small magnitude "
-      "compare a metric without a sign, such as an rms or a peak",
-      fmt::join(metrics, ", "));
-}
-
-}  // namespace
 
 std::vector<std::vector<std::string>> comparison_table(const CandidateComparison& comparison,
                                                        const std::string& metric) {

@@ -135,60 +135,6 @@ PointResult execute(std::size_t number, const RunControl& control, Common& commo
   return result;
 }
 
-}  // namespace
-
-void allow_many_files() {
-  static std::once_flag is_allowed;
-  std::call_once(is_allowed, [] {
-    rlimit limit = {};
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-    limit.rlim_cur = limit.rlim_max;
-    setrlimit(RLIMIT_NOFILE, &limit);
-  });
-}
-
-PointResult run_point(std::size_t point, const PointSource& source, const RunControl& control) {
-  KnownModels known;
-  const SharedModels shared([&](const std::string& file) { known.note(file); });
-  Common common{source, known};
-  return execute(point, control, common);
-}
-
-std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
-                       Shard& shard, const ExecutorOptions& options) {
-  allow_many_files();
-  KnownModels own;
-  KnownModels& known = options.models != nullptr ? *options.models : own;
-  const SharedModels shared([&](const std::string& file) { known.note(file); });
-  Common common{source, known, &shard, options.is_task};
-  std::atomic<std::size_t> finished = 0;
-  const auto is_stopped = [&] {
-    return (options.stop != nullptr && *options.stop) || (options.is_over && options.is_over());
-  };
-  try {
-    on_all_cores(
-        points.size(),
-        [&](std::size_t i) {
-          if (is_stopped()) throw Interrupted();
-          RunControl control;
-          if (options.progress) {
-            control.progress = [&, i](double fraction) { options.progress(i, fraction); };
-          }
-          if (!options.is_task) control.stop = options.stop;
-          const PointResult result = execute(points[i], control, common);
-          shard.add(result);
-          ++finished;
-          if (options.progress) options.progress(i, 1.0);
-          if (options.on_result) options.on_result(result);
-        },
-        options.threads);
-  } catch (const Interrupted&) {
-  }
-  return finished;
-}
-
-namespace {
-
 // A large number, so that the start of a process and its look at finished points cost little. A
 // copy of this process has a single point: parts in Python begin each run as they were given.
 std::size_t most_points_of_a_child() {
@@ -306,6 +252,56 @@ class Children {
 };
 
 }  // namespace
+
+void allow_many_files() {
+  static std::once_flag is_allowed;
+  std::call_once(is_allowed, [] {
+    rlimit limit = {};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+  });
+}
+
+PointResult run_point(std::size_t point, const PointSource& source, const RunControl& control) {
+  KnownModels known;
+  const SharedModels shared([&](const std::string& file) { known.note(file); });
+  Common common{source, known};
+  return execute(point, control, common);
+}
+
+std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
+                       Shard& shard, const ExecutorOptions& options) {
+  allow_many_files();
+  KnownModels own;
+  KnownModels& known = options.models != nullptr ? *options.models : own;
+  const SharedModels shared([&](const std::string& file) { known.note(file); });
+  Common common{source, known, &shard, options.is_task};
+  std::atomic<std::size_t> finished = 0;
+  const auto is_stopped = [&] {
+    return (options.stop != nullptr && *options.stop) || (options.is_over && options.is_over());
+  };
+  try {
+    on_all_cores(
+        points.size(),
+        [&](std::size_t i) {
+          if (is_stopped()) throw Interrupted();
+          RunControl control;
+          if (options.progress) {
+            control.progress = [&, i](double fraction) { options.progress(i, fraction); };
+          }
+          if (!options.is_task) control.stop = options.stop;
+          const PointResult result = execute(points[i], control, common);
+          shard.add(result);
+          ++finished;
+          if (options.progress) options.progress(i, 1.0);
+          if (options.on_result) options.on_result(result);
+        },
+        options.threads);
+  } catch (const Interrupted&) {
+  }
+  return finished;
+}
 
 void run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
                   const StudyFolder& folder, Shard& shard, const ExecutorOptions& options) {
