@@ -14,7 +14,6 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/statistics/goal.h>
 #include <breakwater/study/ranking_text.h>
 
 namespace breakwater {

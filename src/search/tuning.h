@@ -12,7 +12,6 @@
 
 #include <breakwater/config/names.h>
 #include <breakwater/search/search.h>
-#include <breakwater/statistics/goal.h>
 #include <breakwater/study/study.h>
 
 namespace breakwater {

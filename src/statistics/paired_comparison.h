@@ -6,12 +6,22 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <breakwater/statistics/distribution.h>
-#include <breakwater/statistics/goal.h>
 
 namespace breakwater {
+
+/// The direction in which a metric is better.
+enum class Goal { none, min, max };
+
+/// Names in files; `none` has no name.
+inline const std::vector<std::pair<std::string, Goal>>& goal_names() {
+  static const std::vector<std::pair<std::string, Goal>> names = {{"min", Goal::min},
+                                                                  {"max", Goal::max}};
+  return names;
+}
 
 /// Holm's adjusted p: with p₍₁₎ ≤ … ≤ p₍ₘ₎,  p'₍ᵢ₎ = max_{j ≤ i} min(1, (m − j + 1) p₍ⱼ₎). A
 /// rejection where p' ≤ α gives any false rejection with probability α at most, for any dependence.

@@ -13,7 +13,6 @@
 
 #include <breakwater/config/names.h>
 #include <breakwater/statistics/distribution.h>
-#include <breakwater/statistics/goal.h>
 #include <breakwater/statistics/ranking.h>
 #include <breakwater/study/sampling.h>
 
