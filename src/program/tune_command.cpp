@@ -24,7 +24,6 @@
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/search/tuning_plan.h>
 #include <breakwater/shell/child_program.h>
-#include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
@@ -186,25 +185,21 @@ void print_count(const TuningPlan& plan) {
 // Warns if all test conditions of a candidate give the same run. Copies contain no information
 // about other conditions, and their intervals are too narrow.
 void warn_of_copies(const TuningPlan& plan, const std::map<std::size_t, PointResult>& runs) {
-  struct Count {
-    std::size_t copies = 0;
-    std::size_t all = 0;
-  };
-  Count search, validation;
   std::map<std::pair<std::size_t, std::size_t>, std::set<std::string>> met;  // by candidate
-  for (const auto& [number, run] : runs) {
-    if (run.status != PointStatus::complete) continue;  // it may have failed in its first step
-    const TuningRun one = plan.run(number);
-    Count& count = one.is_validation ? validation : search;
-    ++count.all;
-    if (!met[{one.tuned, one.evaluation}].insert(run.state_hash).second) ++count.copies;
-  }
-  for (const auto& [use, count] : {std::pair("search", search), {"validation", validation}}) {
-    if (count.copies == 0) continue;
+  for (const bool is_validation : {false, true}) {
+    std::size_t copies = 0, all = 0;
+    for (const auto& [number, run] : runs) {
+      const TuningRun one = plan.run(number);
+      if (one.is_validation != is_validation) continue;
+      if (run.status != PointStatus::complete) continue;  // it may have failed in its first step
+      ++all;
+      copies += !met[{one.tuned, one.evaluation}].insert(run.state_hash).second;
+    }
+    if (copies == 0) continue;
     warn(kTune.command,
          {fmt::format("{}: {} of {} runs are the same as another one of their candidate: what "
                       "differs between their conditions, such as the seed, changes nothing there",
-                      use, count.copies, count.all)});
+                      is_validation ? "validation" : "search", copies, all)});
   }
 }
 
