@@ -30,16 +30,13 @@ std::string plain_number(double value) {
 
 // The name of a key on the command line: "--on-failure", "--vary: wall.distance_m".
 std::string option_of(std::string key) {
-  for (const std::string table :
-       {"compare.case", "compare.baseline", "compare.metrics", "compare.worlds"}) {
-    if (key == table) return "--" + key.substr(8);
-  }
-  if (key.starts_with("compare.goal.")) return "--goal: " + key.substr(13);
-  if (key.starts_with("require.")) return "--require: " + key.substr(8);
-  for (const std::string table : {"vary.", "compare.", "set.", "seeds."}) {
-    if (key.starts_with(table)) {
-      return "--" + table.substr(0, table.size() - 1) + ": " + key.substr(table.size());
-    }
+  for (const auto& [table, option] : {std::pair<std::string, std::string>("vary.", "vary: "),
+                                      {"set.", "set: "},
+                                      {"seeds.", "seeds: "},
+                                      {"require.", "require: "},
+                                      {"compare.goal.", "goal: "},
+                                      {"compare.", ""}}) {
+    if (key.starts_with(table)) return "--" + option + key.substr(table.size());
   }
   std::replace(key.begin(), key.end(), '_', '-');
   return "--" + key;
