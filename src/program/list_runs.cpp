@@ -96,24 +96,6 @@ std::vector<ListedFolder> entries_below(const fs::path& below) {
   return entries;
 }
 
-// The main metrics of the scenarios, read once each.
-class MainMetrics {
- public:
-  explicit MainMetrics(const Catalogue& catalogue) : catalogue_(catalogue) {}
-
-  std::vector<Metric> of(const ListedFolder& entry) {
-    const auto [place, is_new] = names_.try_emplace(entry.scenario);
-    if (is_new && catalogue_.has<ScenarioKind>(entry.scenario)) {
-      place->second = make_scenario(catalogue_, entry.scenario)->main_metrics();
-    }
-    return main_metrics(place->second, entry.metrics);
-  }
-
- private:
-  const Catalogue& catalogue_;
-  std::map<std::string, std::vector<std::string>> names_;
-};
-
 // Scenario and label of a run, if the folder's name does not have them.
 std::string origin_of(const Catalogue& catalogue, const ListedFolder& entry) {
   if (entry.kind != "run" || entry.scenario.empty()) return "";
@@ -132,9 +114,13 @@ void print_lines(const std::string& text, std::size_t width) {
 void print_entries(const Catalogue& catalogue, const std::vector<ListedFolder>& entries,
                    const fs::path& below) {
   const std::size_t width = output_width();
-  MainMetrics main(catalogue);
+  std::map<std::string, std::vector<std::string>> main;  // by scenario
   if (entries.empty()) fmt::print("no run below {}\n", below.string());
   for (const ListedFolder& entry : entries) {
+    const auto [names, is_new] = main.try_emplace(entry.scenario);
+    if (is_new && catalogue.has<ScenarioKind>(entry.scenario)) {
+      names->second = make_scenario(catalogue, entry.scenario)->main_metrics();
+    }
     const std::string when =
         fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(seconds_of(entry.written)));
     const std::string status = fmt::format("{:<9}", entry.status);
@@ -142,7 +128,7 @@ void print_entries(const Catalogue& catalogue, const std::vector<ListedFolder>& 
     const bool fits = when.size() + 2 + status.size() + 1 + folder.size() <= width;
     fmt::print("{}  {}{}{}\n", when, status, fits ? " " : "\n" + std::string(kListIndent), folder);
     print_lines(origin_of(catalogue, entry), width);
-    print_lines(brief(main.of(entry)), width);
+    print_lines(brief(main_metrics(names->second, entry.metrics)), width);
     print_lines(one_line(entry.reason), width);
   }
 }
