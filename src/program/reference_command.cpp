@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -102,13 +101,6 @@ std::string further_names(const Aliases& aliases) {
   return "### Further names of keys\n\n" + table({"Name", "Key"}, rows);
 }
 
-// The values of the keys that the scenario has read, as TOML.
-std::map<std::string, std::string> values(const std::vector<KeyHelp>& all) {
-  std::map<std::string, std::string> found;
-  for (const KeyHelp& key : all) found.try_emplace(key.key, key.value);
-  return found;
-}
-
 std::string cases(const Catalogue& catalogue, const ScenarioKind& kind, const ScenarioFile& file) {
   const std::vector<Config> tables = file.tables();  // first the common table, then one per case
   std::vector<Row> rows;
@@ -118,11 +110,11 @@ std::string cases(const Catalogue& catalogue, const ScenarioKind& kind, const Sc
     scenario->learn(file.config(name));
     Fields fields = scenario->fields();
     fields.read_incomplete(file.config(name));
-    const auto value = values(fields.help());
+    const std::vector<KeyHelp> read = fields.help();
     std::vector<std::string> sets;
     for (const auto& entry : tables[i + 1].entries()) {
-      const auto found = value.find(entry.first);  // an alias is not there
-      sets.push_back(code(entry.first + (found != value.end() ? " = " + found->second : "")));
+      const auto found = std::ranges::find(read, entry.first, &KeyHelp::key);  // not for an alias
+      sets.push_back(code(entry.first + (found != read.end() ? " = " + found->value : "")));
     }
     rows.push_back({code(name), fmt::format("{}", fmt::join(sets, ", "))});
   }
