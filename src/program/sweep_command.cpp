@@ -17,7 +17,6 @@
 #include <vector>
 
 #include <breakwater/config/config.h>
-#include <breakwater/config/toml_file.h>
 #include <breakwater/pages/study_report.h>
 #include <breakwater/program/study_command.h>
 #include <breakwater/record/partial_file.h>
@@ -337,12 +336,7 @@ class SweepCommand : public StudyCommand {
 
   // Runs a point once more and compares it with its result.
   int replay(const ShardIndex& index) override {
-    std::size_t point = 0;
-    try {
-      point = index.find(options_.replay);
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(std::string("--replay: ") + error.what());
-    }
+    const std::size_t point = index.find(options_.replay);
     if (point == index.points()) {
       throw std::invalid_argument(
           fmt::format("--replay: no point of {} that ran is {}: the column `point` of results.csv "

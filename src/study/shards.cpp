@@ -336,7 +336,7 @@ std::size_t ShardIndex::find(const std::string& key) const {
     if (!other.starts_with(key) || other == whole) continue;
     if (!whole.empty()) {
       throw std::invalid_argument(
-          fmt::format("{}: points {} and {} both begin so", key, whole, other));
+          fmt::format("--replay: {}: points {} and {} both begin so", key, whole, other));
     }
     found = point;
     whole = other;
