@@ -7,7 +7,6 @@
 #include <map>
 #include <stdexcept>
 
-#include <breakwater/config/toml_text.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/shell/did_you_mean.h>
