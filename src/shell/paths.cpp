@@ -6,6 +6,7 @@
 #include <mutex>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/signals/environment.h>
 
@@ -31,52 +32,15 @@ bool is_source_tree(const fs::path& folder) {
   return is_folder(folder / "models") && is_folder(folder / "scenarios");
 }
 
-// The search path of this process, made on first use.
-class OwnSearch {
- public:
-  void set(const DataPlaces& places) {
-    const std::lock_guard lock(mutex_);
-    places_ = places;
-    path_.reset();
-  }
+struct OwnSearch {
+  std::mutex mutex;
+  DataPlaces places;
+  std::optional<SearchPath> path;  // made on first use
+  bool has_warned = false;
 
-  SearchPath path() {
-    const std::lock_guard lock(mutex_);
-    if (!path_) {
-      path_ = search_path(environment(kVariable).value_or(""), program(), places_);
-      if (!has_warned_) {
-        for (const std::string& warning : path_->warnings) fmt::print(stderr, "{}\n", warning);
-      }
-      has_warned_ = true;
-    }
-    return *path_;
-  }
-
-  fs::path program_file() {
-    const std::lock_guard lock(mutex_);
-    return places_.program.empty() ? kOwnProgram : places_.program;
-  }
-
-  fs::path own_library(const std::string& name) {
-    const std::lock_guard lock(mutex_);
-    const fs::path file = fs::path("lib") / "breakwater" / name;
-    for (fs::path folder = program(); folder != folder.parent_path();) {
-      folder = folder.parent_path();
-      if (is_there(folder / file)) return folder / file;
-    }
-    const fs::path share = places_.installation.empty() ? program() : places_.installation;
-    return share.parent_path().parent_path() / file;
-  }
-
- private:
   fs::path program() const {
-    return places_.program.empty() ? fs::read_symlink(kOwnProgram) : places_.program;
+    return places.program.empty() ? fs::read_symlink(kOwnProgram) : places.program;
   }
-
-  std::mutex mutex_;
-  DataPlaces places_;
-  std::optional<SearchPath> path_;
-  bool has_warned_ = false;
 };
 
 OwnSearch& own_search() {
@@ -84,14 +48,31 @@ OwnSearch& own_search() {
   return search;
 }
 
+SearchPath own_path() {
+  OwnSearch& own = own_search();
+  const std::lock_guard lock(own.mutex);
+  if (!own.path) {
+    own.path = search_path(environment(kVariable).value_or(""), own.program(), own.places);
+    if (!std::exchange(own.has_warned, true)) {
+      for (const std::string& warning : own.path->warnings) fmt::print(stderr, "{}\n", warning);
+    }
+  }
+  return *own.path;
+}
+
 }  // namespace
 
 void set_data_places(const DataPlaces& places) {
-  own_search().set(places);
+  OwnSearch& own = own_search();
+  const std::lock_guard lock(own.mutex);
+  own.places = places;
+  own.path.reset();
 }
 
 fs::path program_file() {
-  return own_search().program_file();
+  OwnSearch& own = own_search();
+  const std::lock_guard lock(own.mutex);
+  return own.places.program.empty() ? kOwnProgram : own.places.program;
 }
 
 SearchPath search_path(const std::string& variable, const fs::path& program,
@@ -125,7 +106,7 @@ SearchPath search_path(const std::string& variable, const fs::path& program,
 }
 
 std::optional<fs::path> look_for(const std::string& name) {
-  for (const fs::path& folder : own_search().path().folders) {
+  for (const fs::path& folder : own_path().folders) {
     if (is_there(folder / name)) return folder / name;
   }
   return std::nullopt;
@@ -139,12 +120,21 @@ fs::path data_file(const std::string& name) {
 }
 
 fs::path own_library(const std::string& name) {
-  return own_search().own_library(name);
+  OwnSearch& own = own_search();
+  const std::lock_guard lock(own.mutex);
+  const fs::path file = fs::path("lib") / "breakwater" / name;
+  for (fs::path folder = own.program(); folder != folder.parent_path();) {
+    folder = folder.parent_path();
+    if (is_there(folder / file)) return folder / file;
+  }
+  const fs::path& installation = own.places.installation;
+  const fs::path share = installation.empty() ? own.program() : installation;
+  return share.parent_path().parent_path() / file;
 }
 
 std::string searched_places() {
   std::string text;
-  const SearchPath path = own_search().path();
+  const SearchPath path = own_path();
   for (const fs::path& folder : path.folders.empty() ? path.candidates : path.folders) {
     text += (text.empty() ? "" : ", ") + folder.string();
   }
@@ -159,7 +149,7 @@ std::optional<fs::path> find_file(const std::string& name, const fs::path& folde
 }
 
 std::string portable_path(const fs::path& file) {
-  for (const fs::path& folder : own_search().path().folders) {
+  for (const fs::path& folder : own_path().folders) {
     const fs::path relative = file.lexically_relative(folder);
     if (relative.empty() || *relative.begin() == "..") continue;
     if (look_for(relative.string()) == folder / relative) return relative.string();
