@@ -84,29 +84,24 @@ void read_cases(const TomlEntry& root, Tuning& tuning) {
   const TomlEntry one = root["case"];
   if (each && one) one.fail("stands beside for_each: leave one of them out");
   tuning.is_for_each = static_cast<bool>(each);
-  for (const auto& [name, own] : each.entries()) {
-    metric_table(own, "of keys that are searched");
-    TunedCase tuned{name, own.place(), common};
-    for (VariedKey& searched : read_searched(own)) {
+  std::vector<std::pair<std::string, TomlEntry>> named = each.entries();
+  for (const std::string& name : one.texts()) named.emplace_back(name, one);
+  if (each && named.empty()) each.fail("names no case");
+  if (named.empty()) named.emplace_back("", one);
+  for (const auto& [name, entry] : named) {
+    TunedCase tuned{name, entry.place(), common};
+    if (each) metric_table(entry, "of keys that are searched");
+    for (VariedKey& searched : each ? read_searched(entry) : std::vector<VariedKey>()) {
       if (has_key(common, searched)) {
         throw std::invalid_argument(searched.place + ": is given twice");
       }
       tuned.search.push_back(std::move(searched));
     }
-    tuning.cases.push_back(std::move(tuned));
-  }
-  if (!each) {
-    std::vector<std::string> names = one.texts();
-    if (!one) names.emplace_back();
-    for (const std::string& name : names) tuning.cases.push_back({name, one.place(), common});
-  } else if (tuning.cases.empty()) {
-    each.fail("names no case");
-  }
-  for (const TunedCase& tuned : tuning.cases) {
     if (tuned.search.empty()) {
       throw std::invalid_argument(root.file() + ": search: names no key" +
-                                  (tuned.name.empty() ? "" : " for " + tuned.name));
+                                  (name.empty() ? "" : " for " + name));
     }
+    tuning.cases.push_back(std::move(tuned));
   }
 }
 
