@@ -18,11 +18,9 @@ constexpr double kInfeasible = 1e10, kFailed = 1e13;
 constexpr double kLater = 0x1p-40;
 
 bool has_all(const Tuning& tuning, const PointResult& run) {
-  return run.status == PointStatus::complete &&
-         std::all_of(tuning.objectives.begin(), tuning.objectives.end(),
-                     [&](const Objective& one) { return metric_of(run, one.metric); }) &&
-         std::all_of(tuning.constraints.begin(), tuning.constraints.end(),
-                     [&](const Constraint& one) { return metric_of(run, one.metric); });
+  const auto is_there = [&](const auto& one) { return metric_of(run, one.metric).has_value(); };
+  return run.status == PointStatus::complete && std::ranges::all_of(tuning.objectives, is_there) &&
+         std::ranges::all_of(tuning.constraints, is_there);
 }
 
 EstimatedValue gather(const std::vector<PointResult>& runs, const std::string& metric, Over over,

@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,10 +30,7 @@ struct Objective {
   std::string place;  ///< "FILE:LINE: objective.METRIC"
 };
 
-struct Constraint {
-  std::string metric;
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
+struct Constraint : Bound {
   Over over = Over::worst;
   std::string place;
 };
