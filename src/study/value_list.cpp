@@ -8,7 +8,6 @@
 #include <limits>
 #include <regex>
 #include <stdexcept>
-#include <string_view>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/math/functions.h>
@@ -17,7 +16,6 @@ namespace breakwater {
 namespace {
 
 constexpr double kMostValues = 1e7;
-constexpr const char* kBlank = " \t\n\v\f\r";
 constexpr std::size_t kLongest = 200;  // a regular expression overflows the stack for a long text
 
 // The number of 12 digits next to x, if both differ only by rounding (a few units in the last
@@ -31,11 +29,8 @@ double without_rounding(double x) {
 }  // namespace
 
 bool is_value_list(const std::string& text) {
-  const std::size_t first = std::min(text.find_first_not_of(kBlank), text.size());
-  const std::string_view rest = std::string_view(text).substr(first);
-  if (!rest.starts_with("lin") && !rest.starts_with("log")) return false;
-  const std::size_t next = rest.find_first_not_of(kBlank, 3);
-  return next != std::string_view::npos && rest[next] == '(';
+  static const std::regex begin(R"(\s*(lin|log)\s*\()");
+  return std::regex_search(text.substr(0, kLongest), begin, std::regex_constants::match_continuous);
 }
 
 std::vector<double> value_list(const std::string& text) {
