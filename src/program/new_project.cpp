@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <boost/algorithm/string/replace.hpp>
 #include <cctype>
 #include <functional>
 #include <map>
@@ -41,19 +42,12 @@ std::string camel_case(const std::string& name) {
   return result;
 }
 
-std::string replaced(std::string text, const std::string& word, const std::string& by) {
-  for (std::size_t at = text.find(word); at != std::string::npos;
-       at = text.find(word, at + by.size())) {
-    text.replace(at, word.size(), by);
-  }
-  return text;
-}
-
 // A template's folder my_part has the placeholders my_part and MyPart.
 std::string instantiated(std::string text, const fs::path& folder, const std::string& name) {
   const std::string placeholder = "my_" + folder.filename().string();
-  text = replaced(std::move(text), placeholder, name);
-  return replaced(std::move(text), camel_case(placeholder), camel_case(name));
+  boost::replace_all(text, placeholder, name);
+  boost::replace_all(text, camel_case(placeholder), camel_case(name));
+  return text;
 }
 
 // The texts of the files of templates by their new names, relative to the project's folder.
@@ -116,7 +110,7 @@ void add_robot(const fs::path& project, const std::string& name, const std::stri
     axes += fmt::format("[axis.{0}]\njoint = \"{0}\"\n", joint);
   }
   const fs::path settings = project / (name + ".toml");
-  write_text_file(settings.string(), replaced(bytes_of(settings), "AXES\n", axes));
+  write_text_file(settings.string(), boost::replace_all_copy(bytes_of(settings), "AXES\n", axes));
 }
 
 int new_project(const Catalogue& catalogue, const std::string& kind, const std::string& name,
