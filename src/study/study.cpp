@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/trim.hpp>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -105,12 +106,6 @@ void check(const TomlEntry& root, const Study& study) {
   }
   check_keys(study.vary, study.sets, "varied", study.method == Method::list);
   check_keys(study.compare, {}, "compared");
-}
-
-std::string without_blanks(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
 }  // namespace
@@ -255,12 +250,12 @@ std::vector<std::string> option_parts(const std::string& text) {
     }
     parts.back() += c;
   }
-  for (std::string& part : parts) part = without_blanks(part);
+  for (std::string& part : parts) boost::trim(part);
   return parts;
 }
 
 toml::table option_value(const std::string& option, const std::string& given) {
-  const std::string text = without_blanks(given);
+  const std::string text = boost::trim_copy(given);
   if (is_value_list(text)) return toml::table{{"value", text}};
   for (const auto& [name, kind] : distributions()) {
     if (!text.starts_with(name + "(") || !text.ends_with(")")) continue;
