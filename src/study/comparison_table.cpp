@@ -41,16 +41,6 @@ std::string repeated_text(const CandidateComparison& comparison) {
       comparison.blocks, fmt::join(repeated, ", "));
 }
 
-std::string few_text(const CandidateComparison& comparison) {
-  const auto is_few = [](const auto& one) {
-    return one.verdict == ComparisonVerdict::too_few_blocks;
-  };
-  const auto metric = std::find_if(comparison.metrics.begin(), comparison.metrics.end(), is_few);
-  if (metric == comparison.metrics.end()) return "";
-  return breakwater::few_text(metric->blocks, metric->pairs, comparison.tests,
-                              metric->least_p_holm);
-}
-
 std::string never_text(const CandidateComparison& comparison) {
   std::vector<std::string> parts;
   for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
@@ -173,8 +163,13 @@ std::vector<std::string> comparison_notes(const CandidateComparison& comparison)
         "runs equal those of another block",
         comparison.blocks));
   }
-  for (const std::string& note : {few_text(comparison), repeated_text(comparison),
-                                  never_text(comparison), signed_text(comparison)}) {
+  const auto few = std::ranges::find(comparison.metrics, ComparisonVerdict::too_few_blocks,
+                                     &MetricComparison::verdict);
+  if (few != comparison.metrics.end()) {
+    notes.push_back(few_text(few->blocks, few->pairs, comparison.tests, few->least_p_holm));
+  }
+  for (const std::string& note :
+       {repeated_text(comparison), never_text(comparison), signed_text(comparison)}) {
     if (!note.empty()) notes.push_back(note);
   }
   return notes;
