@@ -61,6 +61,8 @@ std::vector<std::size_t> tuned_cases(const TuningResult& result) {
   return cases;
 }
 
+// Whether a value is in the outer hundredths of its range, or is the smallest or largest of its
+// numbers. A better value may lie beyond.
 bool is_at_bound(const VariedKey& key, const std::string& value) {
   const auto number = number_in(value);
   if (!number) return false;
@@ -74,17 +76,6 @@ bool is_at_bound(const VariedKey& key, const std::string& value) {
   }
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   return *number == *least || *number == *most;
-}
-
-// The searched keys of a case whose values are in the outer hundredths of their ranges, or are the
-// smallest or largest of their numbers. A better value may lie beyond.
-std::vector<std::string> keys_at_bound(const TunedCase& tuned,
-                                       const std::vector<std::string>& values) {
-  std::vector<std::string> keys;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (is_at_bound(tuned.search[i], values[i])) keys.push_back(tuned.search[i].key);
-  }
-  return keys;
 }
 
 // The cases with a feasible candidate in the order of the ranking, or of the tuned objective.
@@ -185,7 +176,11 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
       cells.put("case", result.fronts[c].case_name);
       cells.put("front", number);
       if (ranking) cells.put("place", std::to_string(ranking->rows[table.rows.size()].place));
-      const auto at_bound = keys_at_bound(tuning.cases[c], plan.values_of(c, point.evaluation));
+      std::vector<std::string> at_bound;
+      for (std::size_t i = 0; i < tuning.cases[c].search.size(); ++i) {
+        const VariedKey& key = tuning.cases[c].search[i];
+        if (is_at_bound(key, plan.values_of(c, point.evaluation)[i])) at_bound.push_back(key.key);
+      }
       cells.put("at_bound", fmt::format("{}", fmt::join(at_bound, " ")));
       cells.put("evaluation", std::to_string(point.evaluation));
       put_values(plan, c, point.evaluation, cells);
