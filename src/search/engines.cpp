@@ -97,28 +97,27 @@ void evolve(const SearchSettings& settings, const EvaluateAll& evaluate) {
 
 void minimise(const SearchSettings& settings, const EvaluateAll& evaluate) {
   const std::size_t d = settings.dimension;
-  std::exception_ptr thrown;
   nlopt::opt method(nlopt::LN_BOBYQA, static_cast<unsigned>(d));
   method.set_lower_bounds(kFace);
   method.set_upper_bounds(1.0 - kFace);
   method.set_initial_step(0.25);
   method.set_xtol_rel(1e-6);
   method.set_maxeval(static_cast<int>(settings.budget));
+  struct Passed {
+    const EvaluateAll& evaluate;
+    std::exception_ptr thrown = nullptr;
+  } passed = {evaluate};
   const nlopt::vfunc objective = [](const std::vector<double>& u, std::vector<double>&,
                                     void* pass) -> double {
-    const auto& [evaluate_all, optimiser, caught] =
-        *static_cast<std::tuple<const EvaluateAll*, nlopt::opt*, std::exception_ptr*>*>(pass);
+    auto& all = *static_cast<Passed*>(pass);
     try {
-      return (*evaluate_all)({u}).front().front();
+      return all.evaluate({u}).front().front();
     } catch (...) {
-      *caught = std::current_exception();  // an exception of ours cannot pass through NLopt
-      optimiser->force_stop();
-      return 0.0;
+      all.thrown = std::current_exception();  // NLopt knows only some exceptions
+      throw nlopt::forced_stop();
     }
   };
-  std::tuple<const EvaluateAll*, nlopt::opt*, std::exception_ptr*> pass(&evaluate, &method,
-                                                                        &thrown);
-  method.set_min_objective(objective, &pass);
+  method.set_min_objective(objective, &passed);
   std::vector<double> u(d, 0.5);
   double best = 0.0;
   try {
@@ -127,7 +126,7 @@ void minimise(const SearchSettings& settings, const EvaluateAll& evaluate) {
     // The rounding errors stop it at the best point it can reach.
   } catch (const nlopt::forced_stop&) {
   }
-  if (thrown) std::rethrow_exception(thrown);
+  if (passed.thrown) std::rethrow_exception(passed.thrown);
 }
 
 }  // namespace
