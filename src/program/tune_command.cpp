@@ -42,12 +42,6 @@ class RunsMissing : public std::runtime_error {
 
 constexpr int kMostWithoutResult = 3;  // jobs in a row without a result
 
-// The runs that are in no shard.
-std::vector<std::size_t> missing(const ShardIndex& index, std::vector<std::size_t> runs) {
-  std::erase_if(runs, [&](std::size_t run) { return index.has(run); });
-  return runs;
-}
-
 // A text such as "ours, evaluations 17 to 32: 64 runs".
 std::string text_of(const TuningPlan& plan, const std::vector<std::size_t>& runs) {
   const TuningRun first = plan.run(runs.front());
@@ -73,7 +67,8 @@ void run_on_slurm(const TuningPlan& plan, const StudyFolder& folder, const Study
     const ShardIndex index =
         folder.index(plan.size(), [&](std::size_t run) { return plan.asked(run); });
     const std::size_t before = left.size();
-    left = missing(index, runs);
+    left = runs;
+    std::erase_if(left, [&](std::size_t run) { return index.has(run); });
     if (left.empty()) return;
     if (left.size() < before) without_result = 0;
     if (without_result++ == kMostWithoutResult) {
