@@ -106,12 +106,9 @@ std::vector<std::size_t> front_of(const Vectors& points) {
 
 std::vector<std::size_t> evenly_spaced(std::size_t size, std::size_t count) {
   std::vector<std::size_t> numbers;
-  if (size <= count) {
-    for (std::size_t i = 0; i < size; ++i) numbers.push_back(i);
-    return numbers;
-  }
-  if (count == 1) return {size / 2};
-  for (std::size_t i = 0; i < count; ++i) numbers.push_back(i * (size - 1) / (count - 1));
+  const std::size_t all = std::min(size, count);
+  if (all == 1) return {size / 2};
+  for (std::size_t i = 0; i < all; ++i) numbers.push_back(i * (size - 1) / (all - 1));
   return numbers;
 }
 
