@@ -133,11 +133,15 @@ class Runs {
   std::map<std::size_t, PointResult> known_;              // in use by the search
 };
 
+// The runs of some evaluations of a case.
 std::vector<std::size_t> numbers_of(const TuningPlan& plan, std::size_t tuned,
-                                    std::size_t evaluation, bool is_validation) {
+                                    const std::vector<std::size_t>& evaluations,
+                                    bool is_validation) {
   std::vector<std::size_t> numbers;
-  for (std::size_t world = 0; world < plan.worlds(is_validation).size(); ++world) {
-    numbers.push_back(plan.number({tuned, evaluation, is_validation, world}));
+  for (const std::size_t evaluation : evaluations) {
+    for (std::size_t world = 0; world < plan.worlds(is_validation).size(); ++world) {
+      numbers.push_back(plan.number({tuned, evaluation, is_validation, world}));
+    }
   }
   return numbers;
 }
@@ -146,12 +150,7 @@ std::vector<std::size_t> numbers_of(const TuningPlan& plan, std::size_t tuned,
 std::vector<Evaluation> evaluate_all(const TuningPlan& plan, Runs& runs, std::size_t tuned,
                                      const std::vector<std::size_t>& evaluations,
                                      bool is_validation) {
-  std::vector<std::size_t> numbers;
-  for (const std::size_t evaluation : evaluations) {
-    const auto more = numbers_of(plan, tuned, evaluation, is_validation);
-    numbers.insert(numbers.end(), more.begin(), more.end());
-  }
-  const std::vector<PointResult> results = runs.of(numbers);
+  const auto results = runs.of(numbers_of(plan, tuned, evaluations, is_validation));
   const auto each = static_cast<std::ptrdiff_t>(plan.worlds(is_validation).size());
   std::vector<Evaluation> all;
   for (auto first = results.begin(); first != results.end(); first += each) {
@@ -208,9 +207,9 @@ void validate_all(const TuningPlan& plan, Runs& runs, const TunerOptions& option
   for (std::size_t c = 0; c < fronts.size(); ++c) {
     for (const std::size_t i : points_of(fronts[c])) {
       chosen[c].push_back(fronts[c].points[i].evaluation);
-      const auto more = numbers_of(plan, c, chosen[c].back(), true);
-      numbers.insert(numbers.end(), more.begin(), more.end());
     }
+    const auto more = numbers_of(plan, c, chosen[c], true);
+    numbers.insert(numbers.end(), more.begin(), more.end());
   }
   if (options.on_validation) options.on_validation(numbers);
   for (std::size_t c = 0; c < fronts.size(); ++c) {
