@@ -132,26 +132,21 @@ void read_validation(const TomlEntry& table, Tuning& tuning) {
 }
 
 void check_fits(const TomlEntry& root, const Tuning& tuning) {
-  check_seeds(tuning.sets, tuning.worlds.seeds, tuning.places);
-  if (tuning.validation) check_seeds(tuning.sets, tuning.validation->seeds, tuning.places);
+  std::vector<const Worlds*> all = {&tuning.worlds};
+  if (tuning.validation) all.push_back(&*tuning.validation);
+  for (const Worlds* worlds : all) check_seeds(tuning.sets, worlds->seeds, tuning.places);
   for (const TunedCase& tuned : tuning.cases) {
     const std::string reason = objection(tuning.settings(tuned));
-    if (reason.empty()) continue;
     const char* key = reason.find("budget") != std::string::npos       ? "budget"
                       : reason.find("population") != std::string::npos ? "population"
                                                                        : "algorithm";
-    root[key].fail(reason);
-  }
-  for (const TunedCase& tuned : tuning.cases) {
+    if (!reason.empty()) root[key].fail(reason);
     check_keys(tuned.search, tuning.sets, "searched");
-    for (const Worlds* worlds :
-         {&tuning.worlds, tuning.validation ? &*tuning.validation : nullptr}) {
-      if (worlds == nullptr) continue;
+    for (const Worlds* worlds : all) {
       check_keys(worlds->keys, tuning.sets, "varied", worlds->is_list);
-      for (const VariedKey& key : worlds->keys) {
-        if (has_key(tuned.search, key)) {
-          throw std::invalid_argument(key.place + ": is searched too");
-        }
+      for (const VariedKey& varied : worlds->keys) {
+        if (!has_key(tuned.search, varied)) continue;
+        throw std::invalid_argument(varied.place + ": is searched too");
       }
     }
   }
