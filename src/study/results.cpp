@@ -81,24 +81,6 @@ void write_sqlite(const std::filesystem::path& csv, const std::filesystem::path&
   partial.commit();
 }
 
-namespace {
-
-// "12 of 40 complete runs of hpfc-2N" for each candidate of which only some runs have a metric. One
-// that no run of a candidate has does not apply to it.
-std::string missing(const std::vector<std::string>& candidates,
-                    const std::vector<std::size_t>& counts,
-                    const std::vector<std::size_t>& complete) {
-  std::vector<std::string> parts;
-  for (std::size_t c = 0; c < counts.size(); ++c) {
-    if (counts[c] == 0 || counts[c] == complete[c]) continue;
-    parts.push_back(fmt::format("{} of {} complete runs of {}", complete[c] - counts[c],
-                                complete[c], candidates[c]));
-  }
-  return listed(std::move(parts));
-}
-
-}  // namespace
-
 std::vector<std::string> missing_lines(
     const std::vector<std::string>& candidates,
     const std::map<std::string, std::vector<std::size_t>>& counts,
@@ -106,8 +88,15 @@ std::vector<std::string> missing_lines(
   // Metrics that are missing in the same runs share a line.
   std::map<std::string, std::vector<std::string>> metrics;
   for (const auto& [name, of_candidates] : counts) {
-    const std::string where = missing(candidates, of_candidates, complete);
-    if (!where.empty()) metrics[where].push_back(name);
+    std::vector<std::string> parts;
+    for (std::size_t c = 0; c < of_candidates.size(); ++c) {
+      const std::size_t has = of_candidates[c];
+      // It does not apply to a candidate of which no run has it.
+      if (has == 0 || has == complete[c]) continue;
+      parts.push_back(fmt::format("{} of {} complete runs of {}", complete[c] - has, complete[c],
+                                  candidates[c]));
+    }
+    if (!parts.empty()) metrics[listed(std::move(parts))].push_back(name);
   }
   std::vector<std::string> lines;
   for (const auto& [where, names] : metrics) {
