@@ -147,18 +147,15 @@ void check_folder_of_runs(const fs::path& folder) {
   }
 }
 
-void report_failures(const std::string& scenario, const std::vector<RunSummary>& runs) {
+// Says which runs failed, and the warnings of the runs themselves.
+void report(const std::string& scenario, const std::vector<RunSummary>& runs, bool quiet) {
   for (const RunSummary& run : runs) {
-    if (!run.failure) continue;
-    fmt::print(stderr, "{} {}: failed at t = {:.6g} s: {}; its log is in {}\n", scenario,
-               run.case_name, run.failure->time_s, run.failure->reason, run.folder.string());
-  }
-}
-
-// Prints warnings from the runs themselves.
-void print_late_warnings(const std::string& scenario, const std::vector<RunSummary>& runs) {
-  for (const RunSummary& run : runs) {
-    warn(fmt::format("{} {}", scenario, run.case_name), run.warnings);
+    const std::string name = fmt::format("{} {}", scenario, run.case_name);
+    if (run.failure) {
+      fmt::print(stderr, "{}: failed at t = {:.6g} s: {}; its log is in {}\n", name,
+                 run.failure->time_s, run.failure->reason, run.folder.string());
+    }
+    if (!quiet) warn(name, run.warnings);
   }
 }
 
@@ -269,8 +266,7 @@ int run_batch(const Call& call, Batch& batch,
   for (PreparedRun& run : batch.runs) run.is_as_shipped = is_as_shipped(call.catalogue, run);
   const std::vector<RunSummary> summaries = execute_runs(
       batch.runs, folders, {arguments.csv, arguments.quiet, &interrupted(), &call.models});
-  report_failures(call.scenario, summaries);
-  if (!arguments.quiet) print_late_warnings(call.scenario, summaries);
+  report(call.scenario, summaries, arguments.quiet);
   const int video_status = make_videos(summaries, arguments, call.video_program);
   if (!arguments.quiet) fmt::print("{}", table(summaries, out.string()));
   const bool failed = std::any_of(summaries.begin(), summaries.end(),
