@@ -47,13 +47,10 @@ std::string table(const Row& heading, const std::vector<Row>& rows) {
   return text + "\n";
 }
 
-std::string help_of(const std::vector<std::string>& words) {
-  const std::string text = fmt::format("{}", fmt::join(run_beside(words).said, "\n"));
-  return text.substr(0, text.find_last_not_of('\n') + 1);
-}
-
 std::string with_help(const std::string& heading, const std::vector<std::string>& words) {
-  return fmt::format("## {}\n\n```text\n{}\n```\n\n", heading, help_of(words));
+  const std::string text = fmt::format("{}", fmt::join(run_beside(words).said, "\n"));
+  return fmt::format("## {}\n\n```text\n{}\n```\n\n", heading,
+                     text.substr(0, text.find_last_not_of('\n') + 1));
 }
 
 std::string capital(std::string text) {
