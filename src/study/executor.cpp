@@ -236,9 +236,7 @@ class Children {
   }
 
   bool has_to_stop() {
-    if ((options_.stop != nullptr && *options_.stop) || (options_.is_over && options_.is_over())) {
-      is_stopped_ = true;
-    }
+    if (options_.has_to_stop()) is_stopped_ = true;
     return is_stopped_;
   }
 
@@ -278,14 +276,11 @@ std::size_t run_points(const std::vector<std::size_t>& points, const PointSource
   const SharedModels shared([&](const std::string& file) { known.note(file); });
   Common common{source, known, &shard, options.is_task};
   std::atomic<std::size_t> finished = 0;
-  const auto is_stopped = [&] {
-    return (options.stop != nullptr && *options.stop) || (options.is_over && options.is_over());
-  };
   try {
     on_all_cores(
         points.size(),
         [&](std::size_t i) {
-          if (is_stopped()) throw Interrupted();
+          if (options.has_to_stop()) throw Interrupted();
           RunControl control;
           if (options.progress) {
             control.progress = [&, i](double fraction) { options.progress(i, fraction); };

@@ -46,6 +46,9 @@ struct ExecutorOptions {
       {};                                                  ///< index in `points`
   std::function<void(const PointResult&)> on_result = {};  ///< an exception ends the study
   KnownModels* models = nullptr;  ///< the models of the points' keys; null: own ones
+
+  /// Whether no further point is to begin.
+  bool has_to_stop() const { return (stop != nullptr && *stop) || (is_over && is_over()); }
 };
 
 /// Runs `points` of a source in this order. Each result goes into the shard at once. Each model
