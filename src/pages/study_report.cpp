@@ -370,7 +370,8 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
                         const std::optional<Ranking>& ranking) {
   const Study& study = plan.study();
   const auto scenario = make_scenario(catalogue, study.scenario);
-  std::vector<std::string> first = study.named_metrics();
+  std::vector<std::string> first = study.metrics;
+  for (const auto& [metric, goal] : study.goals) first.push_back(metric);
   for (const std::string& metric : scenario->main_metrics()) first.push_back(metric);
   for (const std::string& metric : scenario->matrix().metrics) first.push_back(metric);
   const StudyNumbers numbers = study_numbers(plan, index, first);

@@ -187,14 +187,6 @@ Study read_study(const toml::table& tables, const std::string& file) {
   return study;
 }
 
-std::vector<std::string> Study::named_metrics() const {
-  std::vector<std::string> named = metrics;
-  for (const auto& [metric, goal] : goals) {
-    if (std::find(named.begin(), named.end(), metric) == named.end()) named.push_back(metric);
-  }
-  return named;
-}
-
 std::string Study::print() const {
   std::string text = print_head(*this);
   text += fmt::format("method = {}\n", toml_string(name_of(methods(), method)));

@@ -81,9 +81,6 @@ struct Study : StudyBase {
   /// one, and its seeds repeat it.
   bool are_seeds_worlds = false;
 
-  /// The metrics that the user named, the most important first.
-  std::vector<std::string> named_metrics() const;
-
   /// The study as a file. Equal studies give equal text.
   std::string print() const;
 };
