@@ -30,17 +30,16 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
+// `missing`: an optional part is absent. `broken`: a part does not work, or a necessary one is
+// absent.
+enum class State { ok, missing, broken };
+
 struct HealthCheck {
-  // `missing`: an optional part is absent. `broken`: a part does not work, or a necessary one is
-  // absent.
-  enum class State { ok, missing, broken };
   std::string what;  // one word
   State state = State::ok;
   std::string found;    // one line: a description, or the reason of the fault
   std::string install;  // a command that repairs it, if any
 };
-
-using State = HealthCheck::State;
 
 constexpr int kPictureSide = 64;
 
