@@ -64,10 +64,6 @@ std::string maker() {
 
 }  // namespace
 
-bool StudyFolder::is_there() const {
-  return fs::exists(study_file());
-}
-
 std::string StudyFolder::origin() const {
   return fingerprint({made_by(study_file(), "program"), made_by(study_file(), "scenario_file")});
 }

@@ -37,7 +37,7 @@ class StudyFolder {
   std::filesystem::path shards() const { return folder_ / "shards"; }
   std::filesystem::path run(const std::string& key) const { return folder_ / "runs" / key; }
 
-  bool is_there() const;
+  bool is_there() const { return std::filesystem::exists(study_file()); }
   /// The program and the scenario file that the study was begun with, for the lines of its shards.
   std::string origin() const;
   /// The results of the study's own runs. `asked` is PointSource::asked().

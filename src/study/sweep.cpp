@@ -144,10 +144,6 @@ std::filesystem::path Sweep::folder(std::size_t, const std::string& key, bool fa
   return keeps ? folder_->run(key) : std::filesystem::path();
 }
 
-bool Sweep::logs(std::size_t) const {
-  return keep_ == Keep::all;
-}
-
 std::vector<std::string> Sweep::check() const {
   const SharedModels shared;
   const Study& study = plan_->study();

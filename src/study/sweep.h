@@ -50,7 +50,7 @@ class Sweep : public PointSource {
   std::string unprepared_key(std::size_t number) const override;
   std::filesystem::path folder(std::size_t point, const std::string& key,
                                bool failed) const override;
-  bool logs(std::size_t point) const override;
+  bool logs(std::size_t) const override { return keep_ == Keep::all; }
 
  private:
   PreparedRun prepare(const StudyPoint& point, const std::shared_ptr<BoundCases>& bound) const;
