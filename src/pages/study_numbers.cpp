@@ -8,8 +8,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include <breakwater/config/toml_text.h>
-#include <breakwater/math/functions.h>
 #include <breakwater/statistics/quantile.h>
 
 namespace breakwater {
@@ -17,9 +15,9 @@ namespace {
 
 constexpr Eigen::Index kDraws = 4'000'000;  // drawn rows for the intervals of one output
 
-// The mean of a quantity over the seeds, a row of the design per row; NaN if a seed has no value.
-template <typename Quantity>
-Eigen::MatrixXd design(const StudyNumbers& numbers, std::size_t candidate, Quantity quantity) {
+// The mean of an output over the seeds, a row of the design per row; NaN if a seed has no value.
+Eigen::MatrixXd design(const StudyNumbers& numbers, std::size_t candidate,
+                       const std::vector<double>& output) {
   const auto rows = static_cast<Eigen::Index>(numbers.blocks);
   const auto columns = static_cast<Eigen::Index>(numbers.keys.size()) + 2;
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(rows, columns);
@@ -27,7 +25,7 @@ Eigen::MatrixXd design(const StudyNumbers& numbers, std::size_t candidate, Quant
   for (std::size_t i = 0; i < numbers.runs.size(); ++i) {
     const StudyRun& run = numbers.runs[i];
     if (run.candidate != candidate) continue;
-    sum(run.block, run.in_block) += quantity(i);
+    sum(run.block, run.in_block) += output[i];
     seeds(run.block, run.in_block) += 1.0;
   }
   return sum.cwiseQuotient(seeds);  // 0/0: no runs
@@ -155,20 +153,13 @@ std::vector<ResultRow> study_indices(const StudyNumbers& numbers,
   bootstrap.replicates =
       static_cast<int>(std::clamp<Eigen::Index>(kDraws / rows_of_design, 200, 1000));
   std::vector<ResultRow> rows;
-  for (std::size_t m = 0; m <= numbers.metrics.size(); ++m) {
-    const bool is_failed = m == numbers.metrics.size();
+  const auto add = [&](const std::string& output, const std::vector<double>& values) {
     for (std::size_t c = 0; c < labels.size(); ++c) {
-      const SensitivityIndices indices = sensitivity_indices(
-          design(numbers, c,
-                 [&](std::size_t i) {
-                   return is_failed ? static_cast<double>(numbers.runs[i].failed)
-                                    : numbers.columns[m][i];
-                 }),
-          bootstrap);
+      const SensitivityIndices indices = sensitivity_indices(design(numbers, c, values), bootstrap);
       for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
         ResultRow& row = rows.emplace_back();
         row.put("candidate", labels[c]);
-        row.put("output", is_failed ? kFailedOutput : numbers.metrics[m]);
+        row.put("output", output);
         row.put("key", numbers.keys[k].name);
         const auto put = [&](const char* column, const std::vector<EstimatedValue>& of_keys) {
           row.put(column, k < of_keys.size() ? of_keys[k] : EstimatedValue{std::nan("")});
@@ -179,7 +170,13 @@ std::vector<ResultRow> study_indices(const StudyNumbers& numbers,
         row.put("dropped_rows", std::to_string(indices.dropped_rows));
       }
     }
+  };
+  for (std::size_t m = 0; m < numbers.metrics.size(); ++m) {
+    add(numbers.metrics[m], numbers.columns[m]);
   }
+  std::vector<double> failed;
+  for (const StudyRun& run : numbers.runs) failed.push_back(run.failed ? 1.0 : 0.0);
+  add(kFailedOutput, failed);
   return rows;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -52,43 +53,92 @@ std::string in_words(const QuantileBand& band) {
   return text;
 }
 
-// Makes the sections of one study's metrics.
-class StudySections {
+constexpr std::size_t kMostColumns = 6;       // in the table of all metrics
+constexpr std::size_t kMostListedKinds = 30;  // kinds of failures in their table
+constexpr std::size_t kMostOfReason = 320;    // letters
+
+std::string shortened(const std::string& text) {
+  if (text.size() <= kMostOfReason) return text;
+  std::size_t end = kMostOfReason;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return text.substr(0, end) + " …";
+}
+
+// The page of one study. All references must outlive it.
+class StudyPage {
  public:
-  // `labels` and `looks` are the names of the candidates. All references must outlive the object.
-  StudySections(const Plan& plan, const ShardIndex& index, const StudyNumbers& numbers,
-                const std::vector<ResultRow>& indices, const std::vector<std::string>& labels,
-                const std::vector<LineStyle>& looks)
+  StudyPage(const Catalogue& catalogue, const Plan& plan, const ShardIndex& index,
+            const std::optional<CandidateComparison>& comparison)
       : plan_(plan),
         index_(index),
-        numbers_(numbers),
-        indices_(indices),
-        labels_(labels),
-        looks_(looks),
-        shown_(std::min({numbers.metrics.size(), kMostMetrics,
-                         kRows / std::min(labels.size(), kMostCompared)})) {
-    for (std::size_t c = 0; c < std::min(labels.size(), kMostDrawn); ++c) drawn_.push_back(c);
-    for (std::size_t c = kMostDrawn; c < labels.size(); ++c) {
-      if (plan.candidates()[c].label == plan.study().baseline) drawn_.back() = c;
-    }
-    place_of_.assign(labels.size(), drawn_.size());
-    for (std::size_t i = 0; i < drawn_.size(); ++i) place_of_[drawn_[i]] = i;
+        comparison_(comparison),
+        scenario_(make_scenario(catalogue, plan.study().scenario)) {
+    std::vector<std::string> first = plan.study().metrics;
+    for (const auto& [metric, goal] : plan.study().goals) first.push_back(metric);
+    for (const std::string& metric : scenario_->main_metrics()) first.push_back(metric);
+    for (const std::string& metric : scenario_->matrix().metrics) first.push_back(metric);
+    numbers_ = study_numbers(plan, index, first);
+    for (const Candidate& candidate : plan.candidates()) labels_.push_back(candidate.label);
+    looks_ = candidate_styles(labels_, cases_of(catalogue, plan.study().scenario));
+    if (plan.study().method == Method::saltelli) indices_ = study_indices(numbers_, labels_);
+    shown_ = std::min(
+        {numbers_.metrics.size(), kMostMetrics, kRows / std::min(labels_.size(), kMostCompared)});
+    choose_candidates();
+    group_keys();
+  }
 
-    const std::size_t keys = std::max<std::size_t>(1, numbers.keys.size());
+  // The rows of indices.csv; none unless the design is saltelli's.
+  const std::vector<ResultRow>& indices() const { return indices_; }
+
+  PageData data(const StudyFolder& folder, const std::optional<Ranking>& ranking) const {
+    auto lead = PageData::array(), sections = PageData::array(), set_up = PageData::array();
+    add_block(lead, "about", scenario_->summary());
+    if (ranking) {
+      add_block(lead, "finding", ranking_sentence(*ranking));
+      add_block(lead, "table", text_table("Ranking", ranking_table(*ranking)));
+      add_block(
+          lead, "text",
+          "Behind: how much worse than the first, with the interval of its test, after Holm’s "
+          "correction. Equal places: no difference is shown. “-”: not ranked. ranking.json has "
+          "every pair.");
+    }
+    add_block(lead, "score", score());
+    for (std::size_t m = 0; m < shown_; ++m) add_metric(m, sections);
+    if (!numbers_.failures.empty()) add_failures(sections);
+    if (!numbers_.metrics.empty()) add_overview(sections);
+    add_block(set_up, "machine",
+              this_machine(fmt::format("{} {} {}", own_program_name(), kSweep.command,
+                                       shell_word(folder.path().string()))));
+    add_block(set_up, "code", {{"summary", "Study file"}, {"text", plan_.study().print()}});
+    add_section(sections, "set-up", "Set-up", set_up);
+    return {
+        {"title", "Study of " + plan_.study().scenario}, {"lead", lead}, {"sections", sections}};
+  }
+
+ private:
+  // The first ones have charts, and the baseline.
+  void choose_candidates() {
+    for (std::size_t c = 0; c < std::min(labels_.size(), kMostDrawn); ++c) drawn_.push_back(c);
+    for (std::size_t c = kMostDrawn; c < labels_.size(); ++c) {
+      if (labels_[c] == plan_.study().baseline) drawn_.back() = c;
+    }
+    place_of_.assign(labels_.size(), drawn_.size());
+    for (std::size_t i = 0; i < drawn_.size(); ++i) place_of_[drawn_[i]] = i;
+  }
+
+  void group_keys() {
+    const std::size_t keys = std::max<std::size_t>(1, numbers_.keys.size());
     const std::size_t groups = std::clamp<std::size_t>(
         kMarks / (std::max<std::size_t>(1, shown_) * drawn_.size() * keys), 5, keys > 1 ? 16 : 40);
-    for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
-      const StudyKey& key = numbers.keys[k];
+    for (std::size_t k = 0; k < numbers_.keys.size(); ++k) {
+      const StudyKey& key = numbers_.keys[k];
       const std::size_t enough = std::max<std::size_t>(4, key.values.size() / kOfAGroup);
-      const bool is_drawn = plan.study().vary[k].distribution.has_value();
+      const bool is_drawn = plan_.study().vary[k].distribution.has_value();
       keys_.push_back(group_values(key, is_drawn ? std::min(enough, groups) : groups));
     }
   }
 
-  // The number of metrics with charts.
-  std::size_t shown() const { return shown_; }
-
-  PageData section(std::size_t metric) const {
+  void add_metric(std::size_t metric, PageData& sections) const {
     const std::string& name = numbers_.metrics[metric];
     auto blocks = PageData::array();
     if (labels_.size() > drawn_.size()) {
@@ -96,12 +146,11 @@ class StudySections {
                 first_of(drawn_.size(), labels_.size(), "candidates") + " have charts.");
     }
     add_line_charts(metric, blocks);
-    if (plan_.study().method == Method::saltelli) add_indices(name, blocks);
+    add_indices(name, blocks);
     add_candidates(metric, blocks);
-    return {{"id", fmt::format("metric-{}", metric + 1)},
-            {"heading", name},
-            {"kind", "metric"},
-            {"blocks", blocks}};
+    add_pairs(name, blocks);
+    add_section(sections, fmt::format("metric-{}", metric + 1), name, blocks);
+    sections.back()["kind"] = "metric";
   }
 
   // The metric over all runs of each candidate.
@@ -111,6 +160,7 @@ class StudySections {
   }
 
   void add_indices(const std::string& output, PageData& blocks) const {
+    if (indices_.empty()) return;
     const std::vector<std::string> columns = {"key",   "candidate", "first_order",
                                               "total", "rows",      "dropped_rows"};
     std::vector<std::vector<std::string>> rows = {columns};
@@ -127,7 +177,6 @@ class StudySections {
               "or fewer than two rows of the design have it. indices.csv has all digits.");
   }
 
- private:
   std::string key_of(std::size_t point) const { return index_.read(point).key; }
 
   PageChart line_chart(std::size_t metric, const KeyGroups& key, bool& has_bands,
@@ -233,134 +282,125 @@ class StudySections {
     }
   }
 
+  // The parts of the page that depend on the machine or the folder. They stand in one place.
+  PageData this_machine(const std::string& go_on) const {
+    auto blocks = PageData::array();
+    if (index_.done() > 0) {
+      const double cost_s = index_.cost_s();
+      add_block(blocks, "text",
+                fmt::format("{} of processor time, {} s a run.", duration_text(cost_s),
+                            in_digits(cost_s / static_cast<double>(index_.done()))));
+    }
+    if (index_.done() < index_.points()) {
+      add_block(blocks, "paragraph", "Not all runs are done. This goes on:");
+      add_block(blocks, "command", go_on);
+    }
+    add_block(blocks, "paragraph",
+              "One run again, with its log, in a folder of its own; POINT is what the charts and "
+              "tables name:");
+    add_block(blocks, "command", go_on + " --replay POINT");
+    return {{"blocks", blocks}};
+  }
+
+  PageData score() const {
+    auto tallies = PageData::array();
+    const auto add = [&](const std::string& kind, std::size_t count, const std::string& word) {
+      tallies.push_back({{"kind", kind}, {"count", std::to_string(count)}, {"word", word}});
+    };
+    add("good", index_.count(PointStatus::complete),
+        fmt::format("of {} {}", number_of(index_.points(), "run"), name_of(PointStatus::complete)));
+    for (const auto status : {PointStatus::failed, PointStatus::refused, PointStatus::crashed}) {
+      if (index_.count(status) > 0) add("off", index_.count(status), name_of(status));
+    }
+    if (index_.done() < index_.points())
+      add("unknown", index_.points() - index_.done(), "not yet run");
+    return tallies;
+  }
+
+  // The kinds of failures.
+  void add_failures(PageData& sections) const {
+    auto blocks = PageData::array();
+    std::vector<std::vector<std::string>> rows = {{"runs", "status", "reason", "of", "points"}};
+    for (const FailureKind& kind : numbers_.failures) {
+      if (rows.size() > kMostListedKinds) break;
+      std::vector<std::string> of, points;
+      for (std::size_t c = 0; c < labels_.size() && of.size() < kMostColumns; ++c) {
+        if (kind.of_candidate[c] > 0)
+          of.push_back(fmt::format("{}: {}", labels_[c], kind.of_candidate[c]));
+      }
+      for (const std::size_t point : kind.first) points.push_back(index_.read(point).key);
+      rows.push_back({std::to_string(kind.runs), name_of(kind.status), shortened(kind.reason),
+                      fmt::format("{}", fmt::join(of, "; ")),
+                      fmt::format("{}", fmt::join(points, " "))});
+    }
+    PageData table = text_table("Kinds of failures", rows);
+    table["kind"] = "kinds";
+    add_block(blocks, "table", table);
+    if (numbers_.failures.size() > kMostListedKinds) {
+      add_block(blocks, "text",
+                fmt::format("{} further kinds, of fewer runs, are not listed.",
+                            numbers_.failures.size() - kMostListedKinds));
+    }
+    add_indices(kFailedOutput, blocks);
+    add_pairs(kFailure, blocks);
+    add_section(sections, "failures", "Failed runs", blocks);
+  }
+
+  // The pairs of one metric, or of the failures.
+  void add_pairs(const std::string& metric, PageData& blocks) const {
+    if (!comparison_) return;
+    const auto rows = comparison_table(*comparison_, metric);
+    if (rows.size() == 1) return;
+    add_block(blocks, "subheading", "Paired, in the same worlds");
+    add_block(blocks, "table", text_table("Paired comparison", rows));
+    std::string text =
+        "“No difference shown” is not “equal”. comparison.csv has all digits, and "
+        "docs/how-to/comparing.md says what the columns are. Holm’s correction is over all metrics "
+        "and pairs of this study.";
+    for (const std::string& note : comparison_notes(*comparison_)) text += " " + note + ".";
+    add_block(blocks, "text", text);
+  }
+
+  // The table of all metrics: the median for each of the first candidates.
+  void add_overview(PageData& sections) const {
+    const std::size_t shown = std::min(labels_.size(), kMostColumns);
+    PageData columns = {"metric"};
+    for (std::size_t c = 0; c < shown; ++c) columns.push_back(labels_[c]);
+    auto rows = PageData::array();
+    for (std::size_t m = 0; m < numbers_.metrics.size(); ++m) {
+      const std::vector<QuantileBand> all = by_candidate(m);
+      PageData name = {{"value", numbers_.metrics[m]}};
+      if (m < shown_) name["href"] = fmt::format("metric-{}", m + 1);
+      rows.push_back(PageData::array({name}));
+      for (std::size_t c = 0; c < shown; ++c) rows.back().push_back(all[c].median);
+    }
+    std::string note = "Medians over all runs of a candidate.";
+    if (labels_.size() > shown) {
+      note += " " + first_of(shown, labels_.size(), "candidates; each metric’s table has more.");
+    }
+    if (shown_ < numbers_.metrics.size()) {
+      note += " " + first_of(shown_, numbers_.metrics.size(),
+                             "metrics have charts; results.csv has all.");
+    }
+    auto blocks = PageData::array();
+    add_block(blocks, "text", note);
+    add_block(blocks, "table", {{"label", "All metrics"}, {"columns", columns}, {"rows", rows}});
+    add_section(sections, "metrics", "All metrics", blocks);
+  }
+
   const Plan& plan_;
   const ShardIndex& index_;
-  const StudyNumbers& numbers_;
-  const std::vector<ResultRow>& indices_;
-  const std::vector<std::string>& labels_;
-  const std::vector<LineStyle>& looks_;
-  std::size_t shown_;
+  const std::optional<CandidateComparison>& comparison_;
+  std::unique_ptr<Scenario> scenario_;
+  StudyNumbers numbers_;
+  std::vector<std::string> labels_;  // of the candidates, as their looks
+  std::vector<LineStyle> looks_;
+  std::vector<ResultRow> indices_;
+  std::size_t shown_ = 0;  // the number of metrics with charts
   std::vector<std::size_t> drawn_;
   std::vector<std::size_t> place_of_;  // by candidate in drawn_; drawn_.size(): not drawn
   std::vector<KeyGroups> keys_;        // for line charts
 };
-
-constexpr std::size_t kMostColumns = 6;       // in the table of all metrics
-constexpr std::size_t kMostListedKinds = 30;  // kinds of failures in their table
-constexpr std::size_t kMostOfReason = 320;    // letters
-
-std::string shortened(const std::string& text) {
-  if (text.size() <= kMostOfReason) return text;
-  std::size_t end = kMostOfReason;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
-  return text.substr(0, end) + " …";
-}
-
-// The parts of the page that depend on the machine or the folder. They stand in one place.
-PageData this_machine(const ShardIndex& index, const std::string& go_on) {
-  auto blocks = PageData::array();
-  if (index.done() > 0) {
-    const double cost_s = index.cost_s();
-    add_block(blocks, "text",
-              fmt::format("{} of processor time, {} s a run.", duration_text(cost_s),
-                          in_digits(cost_s / static_cast<double>(index.done()))));
-  }
-  if (index.done() < index.points()) {
-    add_block(blocks, "paragraph", "Not all runs are done. This goes on:");
-    add_block(blocks, "command", go_on);
-  }
-  add_block(blocks, "paragraph",
-            "One run again, with its log, in a folder of its own; POINT is what the charts and "
-            "tables name:");
-  add_block(blocks, "command", go_on + " --replay POINT");
-  return {{"blocks", blocks}};
-}
-
-PageData score(const ShardIndex& index) {
-  auto tallies = PageData::array();
-  const auto add = [&](const std::string& kind, std::size_t count, const std::string& word) {
-    tallies.push_back({{"kind", kind}, {"count", std::to_string(count)}, {"word", word}});
-  };
-  add("good", index.count(PointStatus::complete),
-      fmt::format("of {} {}", number_of(index.points(), "run"), name_of(PointStatus::complete)));
-  for (const auto status : {PointStatus::failed, PointStatus::refused, PointStatus::crashed}) {
-    if (index.count(status) > 0) add("off", index.count(status), name_of(status));
-  }
-  if (index.done() < index.points()) add("unknown", index.points() - index.done(), "not yet run");
-  return tallies;
-}
-
-// The kinds of failures.
-PageData failure_blocks(const StudyNumbers& numbers, const ShardIndex& index,
-                        const std::vector<std::string>& labels) {
-  auto blocks = PageData::array();
-  std::vector<std::vector<std::string>> rows = {{"runs", "status", "reason", "of", "points"}};
-  for (const FailureKind& kind : numbers.failures) {
-    if (rows.size() > kMostListedKinds) break;
-    std::vector<std::string> of, points;
-    for (std::size_t c = 0; c < labels.size() && of.size() < kMostColumns; ++c) {
-      if (kind.of_candidate[c] > 0)
-        of.push_back(fmt::format("{}: {}", labels[c], kind.of_candidate[c]));
-    }
-    for (const std::size_t point : kind.first) points.push_back(index.read(point).key);
-    rows.push_back({std::to_string(kind.runs), name_of(kind.status), shortened(kind.reason),
-                    fmt::format("{}", fmt::join(of, "; ")),
-                    fmt::format("{}", fmt::join(points, " "))});
-  }
-  PageData table = text_table("Kinds of failures", rows);
-  table["kind"] = "kinds";
-  add_block(blocks, "table", table);
-  if (numbers.failures.size() > kMostListedKinds) {
-    add_block(blocks, "text",
-              fmt::format("{} further kinds, of fewer runs, are not listed.",
-                          numbers.failures.size() - kMostListedKinds));
-  }
-  return blocks;
-}
-
-// The pairs of one metric, or of the failures.
-void add_pairs(const std::optional<CandidateComparison>& comparison, const std::string& metric,
-               PageData& blocks) {
-  if (!comparison) return;
-  const auto rows = comparison_table(*comparison, metric);
-  if (rows.size() == 1) return;
-  add_block(blocks, "subheading", "Paired, in the same worlds");
-  add_block(blocks, "table", text_table("Paired comparison", rows));
-  std::string text =
-      "“No difference shown” is not “equal”. comparison.csv has all digits, and "
-      "docs/how-to/comparing.md says what the columns are. Holm’s correction is over all metrics "
-      "and pairs of this study.";
-  for (const std::string& note : comparison_notes(*comparison)) text += " " + note + ".";
-  add_block(blocks, "text", text);
-}
-
-// The table of all metrics: the median for each of the first candidates.
-PageData overview(const StudySections& sections, const StudyNumbers& numbers,
-                  const std::vector<std::string>& labels) {
-  const std::size_t shown = std::min(labels.size(), kMostColumns);
-  PageData columns = {"metric"};
-  for (std::size_t c = 0; c < shown; ++c) columns.push_back(labels[c]);
-  auto rows = PageData::array();
-  for (std::size_t m = 0; m < numbers.metrics.size(); ++m) {
-    const std::vector<QuantileBand> all = sections.by_candidate(m);
-    PageData name = {{"value", numbers.metrics[m]}};
-    if (m < sections.shown()) name["href"] = fmt::format("metric-{}", m + 1);
-    rows.push_back(PageData::array({name}));
-    for (std::size_t c = 0; c < shown; ++c) rows.back().push_back(all[c].median);
-  }
-  std::string note = "Medians over all runs of a candidate.";
-  if (labels.size() > shown) {
-    note += " " + first_of(shown, labels.size(), "candidates; each metric’s table has more.");
-  }
-  if (sections.shown() < numbers.metrics.size()) {
-    note += " " + first_of(sections.shown(), numbers.metrics.size(),
-                           "metrics have charts; results.csv has all.");
-  }
-  auto blocks = PageData::array();
-  add_block(blocks, "text", note);
-  add_block(blocks, "table", {{"label", "All metrics"}, {"columns", columns}, {"rows", rows}});
-  return {{"id", "metrics"}, {"heading", "All metrics"}, {"blocks", blocks}};
-}
 
 }  // namespace
 
@@ -368,58 +408,10 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
                         const StudyFolder& folder,
                         const std::optional<CandidateComparison>& comparison,
                         const std::optional<Ranking>& ranking) {
-  const Study& study = plan.study();
-  const auto scenario = make_scenario(catalogue, study.scenario);
-  std::vector<std::string> first = study.metrics;
-  for (const auto& [metric, goal] : study.goals) first.push_back(metric);
-  for (const std::string& metric : scenario->main_metrics()) first.push_back(metric);
-  for (const std::string& metric : scenario->matrix().metrics) first.push_back(metric);
-  const StudyNumbers numbers = study_numbers(plan, index, first);
-  std::vector<std::string> labels;
-  for (const Candidate& candidate : plan.candidates()) labels.push_back(candidate.label);
-  std::vector<ResultRow> indices;
-  if (study.method == Method::saltelli) {
-    indices = study_indices(numbers, labels);
-    replace_file(folder.path() / "indices.csv", csv_table(indices));
-  }
-  const std::vector<LineStyle> looks =
-      candidate_styles(labels, cases_of(catalogue, study.scenario));
-  const StudySections sections(plan, index, numbers, indices, labels, looks);
-
-  auto lead = PageData::array(), all = PageData::array(), set_up = PageData::array();
-  add_block(lead, "about", scenario->summary());
-  if (ranking) {
-    add_block(lead, "finding", ranking_sentence(*ranking));
-    add_block(lead, "table", text_table("Ranking", ranking_table(*ranking)));
-    add_block(lead, "text",
-              "Behind: how much worse than the first, with the interval of its test, after Holm’s "
-              "correction. Equal places: no difference is shown. “-”: not ranked. ranking.json has "
-              "every pair.");
-  }
-  add_block(lead, "score", score(index));
-
-  for (std::size_t m = 0; m < sections.shown(); ++m) {
-    const std::string& metric = numbers.metrics[m];
-    PageData section = sections.section(m);
-    add_pairs(comparison, metric, section["blocks"]);
-    all.push_back(std::move(section));
-  }
-  if (!numbers.failures.empty()) {
-    PageData blocks = failure_blocks(numbers, index, labels);
-    if (study.method == Method::saltelli) sections.add_indices(kFailedOutput, blocks);
-    add_pairs(comparison, kFailure, blocks);
-    add_section(all, "failures", "Failed runs", blocks);
-  }
-  if (!numbers.metrics.empty()) all.push_back(overview(sections, numbers, labels));
-  add_block(set_up, "machine",
-            this_machine(index, fmt::format("{} {} {}", own_program_name(), kSweep.command,
-                                            shell_word(folder.path().string()))));
-  add_block(set_up, "code", {{"summary", "Study file"}, {"text", study.print()}});
-  add_section(all, "set-up", "Set-up", set_up);
-  replace_file(
-      folder.path() / "report.html",
-      html_page("study",
-                {{"title", "Study of " + study.scenario}, {"lead", lead}, {"sections", all}}));
+  const StudyPage page(catalogue, plan, index, comparison);
+  if (!page.indices().empty())
+    replace_file(folder.path() / "indices.csv", csv_table(page.indices()));
+  replace_file(folder.path() / "report.html", html_page("study", page.data(folder, ranking)));
 }
 
 }  // namespace breakwater
