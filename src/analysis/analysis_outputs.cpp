@@ -14,7 +14,6 @@
 #include <breakwater/config/config.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/runner.h>
-#include <breakwater/pages/html_page.h>
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>

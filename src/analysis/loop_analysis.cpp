@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include <breakwater/control/controller.h>
 #include <breakwater/math/functions.h>

@@ -12,7 +12,6 @@
 
 #include <breakwater/experiment/version.h>
 #include <breakwater/record/input_file.h>
-#include <breakwater/render/line_style.h>
 #include <breakwater/render/scene_description.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/table.h>

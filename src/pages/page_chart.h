@@ -1,7 +1,6 @@
 // The charts of pages.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>

@@ -6,7 +6,6 @@
 
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pictures/replay_data.h>
-#include <breakwater/pictures/staging.h>
 #include <breakwater/render/render_error.h>
 
 namespace breakwater {

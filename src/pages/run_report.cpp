@@ -6,13 +6,11 @@
 #include <stdexcept>
 #include <tuple>
 
-#include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/differing_keys.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/signal_charts.h>
-#include <breakwater/record/recording.h>
 #include <breakwater/shell/child_program.h>
 
 namespace breakwater {

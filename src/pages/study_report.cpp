@@ -6,20 +6,15 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
-#include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include <breakwater/config/toml_text.h>
-#include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/pages/study_numbers.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
-#include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/study/comparison_table.h>
 #include <breakwater/study/ranking_text.h>
@@ -393,7 +388,7 @@ class StudyPage {
   const std::optional<CandidateComparison>& comparison_;
   std::unique_ptr<Scenario> scenario_;
   StudyNumbers numbers_;
-  std::vector<std::string> labels_;  // of the candidates, as their looks
+  std::vector<std::string> labels_;  // names of the candidates
   std::vector<LineStyle> looks_;
   std::vector<ResultRow> indices_;
   std::size_t shown_ = 0;  // the number of metrics with charts

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <breakwater/config/names.h>
-#include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <stdexcept>
-
 #include <breakwater/experiment/provenance.h>
 
 namespace breakwater {

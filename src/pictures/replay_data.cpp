@@ -10,7 +10,6 @@
 #include <breakwater/render/scene_description.h>
 
 namespace breakwater {
-
 namespace {
 
 constexpr double kFramesPerSecond = 30.0;
@@ -25,36 +24,6 @@ double looks_of(const Model& model) {
   }
   return sum;
 }
-
-}  // namespace
-
-std::vector<double> replay_times(const std::vector<double>& log_times_s, const Window& window) {
-  const double begin = log_times_s.front();
-  const double end = log_times_s.back();
-  const double period = (end - begin) / static_cast<double>(log_times_s.size() - 1);
-  const double all = end - begin;
-  const double coarse =
-      std::max({1.0 / kFramesPerSecond, period, 2.0 * all / static_cast<double>(kMostFrames)});
-  const double fine_begin = std::clamp(window.from_s, begin, end);
-  const double fine_end = std::clamp(window.to_s, begin, end);
-  const double fine =
-      std::clamp(std::max(window.speed / kFramesPerSecond,
-                          2.0 * (fine_end - fine_begin) / static_cast<double>(kMostFrames)),
-                 std::min(period, coarse), coarse);
-  std::vector<double> times;
-  // The end of a part belongs to the next one, or is the last frame.
-  const auto add = [&times](double from_s, double to_s, double step_s) {
-    const double count = std::ceil((to_s - from_s) / step_s - 1e-6);
-    for (double i = 0.0; i < count; ++i) times.push_back(from_s + i * (to_s - from_s) / count);
-  };
-  add(begin, fine_begin, coarse);
-  add(fine_begin, fine_end, fine);
-  add(fine_end, end, coarse);
-  times.push_back(end);
-  return times;
-}
-
-namespace {
 
 using Json = nlohmann::ordered_json;
 
@@ -248,6 +217,32 @@ Json run_json(const std::string& folder, PictureRun& staged, const Window& windo
 }
 
 }  // namespace
+
+std::vector<double> replay_times(const std::vector<double>& log_times_s, const Window& window) {
+  const double begin = log_times_s.front();
+  const double end = log_times_s.back();
+  const double period = (end - begin) / static_cast<double>(log_times_s.size() - 1);
+  const double all = end - begin;
+  const double coarse =
+      std::max({1.0 / kFramesPerSecond, period, 2.0 * all / static_cast<double>(kMostFrames)});
+  const double fine_begin = std::clamp(window.from_s, begin, end);
+  const double fine_end = std::clamp(window.to_s, begin, end);
+  const double fine =
+      std::clamp(std::max(window.speed / kFramesPerSecond,
+                          2.0 * (fine_end - fine_begin) / static_cast<double>(kMostFrames)),
+                 std::min(period, coarse), coarse);
+  std::vector<double> times;
+  // The end of a part belongs to the next one, or is the last frame.
+  const auto add = [&times](double from_s, double to_s, double step_s) {
+    const double count = std::ceil((to_s - from_s) / step_s - 1e-6);
+    for (double i = 0.0; i < count; ++i) times.push_back(from_s + i * (to_s - from_s) / count);
+  };
+  add(begin, fine_begin, coarse);
+  add(fine_begin, fine_end, fine);
+  add(fine_end, end, coarse);
+  times.push_back(end);
+  return times;
+}
 
 ReplayData replay_data(ShownRuns runs, const ShotList& shots, const std::string& camera) {
   const Window window = choose_window(runs, shots, {});

@@ -1,6 +1,5 @@
 #include <breakwater/pictures/shot_list.h>
 
-#include <filesystem>
 #include <limits>
 
 #include <breakwater/config/fields.h>

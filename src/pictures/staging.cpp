@@ -1,6 +1,5 @@
 #include <breakwater/pictures/staging.h>
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -52,6 +51,33 @@ ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Mode
   track.unit = shot.unit;
   track.name = shot.signal;
   return track;
+}
+
+struct Moment {
+  std::string caption;
+  double time_s;
+};
+
+// The moments that are in the run. `notes` gets the reasons why others are not, one line each.
+std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots,
+                               std::vector<std::string>& notes) {
+  const std::string folder = run.folder().string();
+  std::vector<Moment> moments;
+  for (const ShotMoment& moment : shots.moments) {
+    if (const auto time_s = time_of(moment, run)) {
+      moments.push_back({moment.caption, *time_s});
+      continue;
+    }
+    const std::string& signal = moment.first_positive;
+    notes.push_back(fmt::format("{}: \"{}\" is not in the strip: {}", folder, moment.caption,
+                                !signal.empty() && !run.has(signal)
+                                    ? "its log has no signal " + signal
+                                    : "it is not within this run"));
+  }
+  if (!moments.empty()) return moments;
+  throw std::invalid_argument(
+      folder + (shots.moments.empty() ? ": its scenario has no shot list with moments (shots.toml)"
+                                      : ": none of the shot list's moments is in this run's log"));
 }
 
 }  // namespace
@@ -228,37 +254,6 @@ std::optional<double> time_of(const ShotMoment& moment, const FinishedRun& run) 
   if (time_s < run.times_s().front() || time_s > run.end_s()) return std::nullopt;
   return time_s;
 }
-
-namespace {
-
-struct Moment {
-  std::string caption;
-  double time_s;
-};
-
-// The moments that are in the run. `notes` gets the reasons why others are not, one line each.
-std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots,
-                               std::vector<std::string>& notes) {
-  const std::string folder = run.folder().string();
-  std::vector<Moment> moments;
-  for (const ShotMoment& moment : shots.moments) {
-    if (const auto time_s = time_of(moment, run)) {
-      moments.push_back({moment.caption, *time_s});
-      continue;
-    }
-    const std::string& signal = moment.first_positive;
-    notes.push_back(fmt::format("{}: \"{}\" is not in the strip: {}", folder, moment.caption,
-                                !signal.empty() && !run.has(signal)
-                                    ? "its log has no signal " + signal
-                                    : "it is not within this run"));
-  }
-  if (!moments.empty()) return moments;
-  throw std::invalid_argument(
-      folder + (shots.moments.empty() ? ": its scenario has no shot list with moments (shots.toml)"
-                                      : ": none of the shot list's moments is in this run's log"));
-}
-
-}  // namespace
 
 Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle& style) {
   constexpr Colour kInk{0.10, 0.12, 0.15, 1.0};

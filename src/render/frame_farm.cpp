@@ -14,7 +14,6 @@
 #include <exception>
 #include <memory>
 #include <new>
-#include <string>
 #include <vector>
 
 #include <breakwater/record/interrupted.h>

@@ -145,35 +145,6 @@ void find_contrast(const std::uint8_t* __restrict row, const std::uint8_t* __res
   }
 }
 
-}  // namespace
-
-void EdgeSmoother::smooth(std::vector<std::uint8_t>& pixels, int width, int height) {
-  const auto w = static_cast<std::ptrdiff_t>(width);
-  const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  luma_.resize(count);
-  contrast_.assign(static_cast<std::size_t>(width), 0);
-  smoothed_.clear();
-  take_luma(pixels.data(), luma_.data(), count);
-
-  for (int y = 1; y + 1 < height; ++y) {
-    const std::uint8_t* const row = luma_.data() + y * w;
-    find_contrast(row, row - w, row + w, contrast_.data(), static_cast<std::size_t>(width));
-    for (int x = 1; x + 1 < width; ++x) {
-      if (contrast_[static_cast<std::size_t>(x)] == 0) continue;
-      std::ptrdiff_t across = 0;
-      const float part = share(row + x, w, x, y, height, across);
-      if (part <= 0.0F) continue;
-      const std::ptrdiff_t pixel = y * w + x;
-      smoothed_.push_back({static_cast<std::size_t>(pixel),
-                           blend(&pixels[static_cast<std::size_t>(4 * pixel)],
-                                 &pixels[static_cast<std::size_t>(4 * (pixel + across))], part)});
-    }
-  }
-  for (const Smoothed& s : smoothed_) std::memcpy(&pixels[4 * s.pixel], &s.colour, 4);
-}
-
-namespace {
-
 constexpr Colour kInk{0.10, 0.12, 0.15, 1.0};
 constexpr Colour kBox{1.0, 1.0, 1.0, 0.82};
 constexpr Colour kGap{0.25, 0.27, 0.30, 1.0};
@@ -204,6 +175,31 @@ Point place_beyond(const Point& from, const Point& to, const Point& half, const 
 }
 
 }  // namespace
+
+void EdgeSmoother::smooth(std::vector<std::uint8_t>& pixels, int width, int height) {
+  const auto w = static_cast<std::ptrdiff_t>(width);
+  const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  luma_.resize(count);
+  contrast_.assign(static_cast<std::size_t>(width), 0);
+  smoothed_.clear();
+  take_luma(pixels.data(), luma_.data(), count);
+
+  for (int y = 1; y + 1 < height; ++y) {
+    const std::uint8_t* const row = luma_.data() + y * w;
+    find_contrast(row, row - w, row + w, contrast_.data(), static_cast<std::size_t>(width));
+    for (int x = 1; x + 1 < width; ++x) {
+      if (contrast_[static_cast<std::size_t>(x)] == 0) continue;
+      std::ptrdiff_t across = 0;
+      const float part = share(row + x, w, x, y, height, across);
+      if (part <= 0.0F) continue;
+      const std::ptrdiff_t pixel = y * w + x;
+      smoothed_.push_back({static_cast<std::size_t>(pixel),
+                           blend(&pixels[static_cast<std::size_t>(4 * pixel)],
+                                 &pixels[static_cast<std::size_t>(4 * (pixel + across))], part)});
+    }
+  }
+  for (const Smoothed& s : smoothed_) std::memcpy(&pixels[4 * s.pixel], &s.colour, 4);
+}
 
 double Picture::unit_px(double width, double height) {
   const double fits = std::min(width / 900.0, height / 720.0);

@@ -109,6 +109,28 @@ Standard read_standard(const TomlEntry& table) {
   return standard;
 }
 
+std::vector<PublishedValue> of_case(const std::string& scenario, const std::string& case_name) {
+  const PrintedResults& results = printed_results();
+  std::vector<PublishedValue> values;
+  for (const auto& [metric, path] : results.of_case(scenario, case_name)) {
+    const auto printed = results.find(path);
+    if (!printed || !printed->number) {
+      throw std::runtime_error("printed-results.toml has no number " + path);
+    }
+    const Standard& standard = results.standard(path);
+    values.push_back({metric, *printed->number, printed->text(),
+                      standard.within.absolute.has_value(), [=](double measured) {
+                        const Verdict verdict = judge(measured, *printed, standard);
+                        return Agreement{
+                            verdict == Verdict::reproduced || verdict == Verdict::within_class,
+                            verdict == Verdict::within_class ? "near" : text(verdict),
+                            fmt::format("{} ({})", text(verdict), rule_text(standard)),
+                            css_class(verdict)};
+                      }});
+  }
+  return values;
+}
+
 }  // namespace
 
 bool Band::contains(double measured, double printed) const {
@@ -215,32 +237,6 @@ const PrintedResults& printed_results() {
   static const PrintedResults results(data_file("data/reproduced.toml").parent_path());
   return results;
 }
-
-namespace {
-
-std::vector<PublishedValue> of_case(const std::string& scenario, const std::string& case_name) {
-  const PrintedResults& results = printed_results();
-  std::vector<PublishedValue> values;
-  for (const auto& [metric, path] : results.of_case(scenario, case_name)) {
-    const auto printed = results.find(path);
-    if (!printed || !printed->number) {
-      throw std::runtime_error("printed-results.toml has no number " + path);
-    }
-    const Standard& standard = results.standard(path);
-    values.push_back({metric, *printed->number, printed->text(),
-                      standard.within.absolute.has_value(), [=](double measured) {
-                        const Verdict verdict = judge(measured, *printed, standard);
-                        return Agreement{
-                            verdict == Verdict::reproduced || verdict == Verdict::within_class,
-                            verdict == Verdict::within_class ? "near" : text(verdict),
-                            fmt::format("{} ({})", text(verdict), rule_text(standard)),
-                            css_class(verdict)};
-                      }});
-  }
-  return values;
-}
-
-}  // namespace
 
 ReferenceKind printed_references() {
   return {"thesis", "* not reproduced: outside of its class (data/reproduced.toml)\n", of_case};

@@ -23,7 +23,6 @@
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/study/result_row.h>
-#include <breakwater/thesis/reproduction.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -215,197 +214,6 @@ std::string verdict_list(const std::vector<JudgedCell>& cells) {
   std::ranges::transform(cells, std::back_inserter(rows), row_of);
   return csv_table(row_of({}).columns(), rows);
 }
-
-}  // namespace
-
-std::string JudgedCell::word() const {
-  if (judged.verdict == Verdict::shown) return text(judged.verdict);
-  const std::string before = cell.reading.empty() ? "" : "other reading: ";
-  // A statement of a user's own list holds; it is not reproduced.
-  const bool is_own_statement = is_own && !cell.says.empty();
-  if (is_own_statement && judged.verdict == Verdict::reproduced) return before + "holds";
-  if (is_own_statement && judged.verdict == Verdict::not_reproduced) {
-    return before + "does not hold";
-  }
-  return before + text(judged.verdict);
-}
-
-std::string reason_of(const Judged& judged, const CellSpec& cell) {
-  if (!cell.reading.empty()) return cell.reading;
-  if (judged.verdict == Verdict::vacuous) return cell.vacuous;
-  if (judged.verdict == Verdict::shown || judged.verdict == Verdict::reproduced) return "";
-  return cell.why;
-}
-
-std::vector<Tally> tallies(const std::vector<JudgedCell>& cells) {
-  std::map<std::string, int> counts;
-  for (const JudgedCell& one : cells) ++counts[one.word()];
-  const bool has_own = counts["holds"] + counts["does not hold"] > 0;
-  const bool has_printed =
-      counts["reproduced"] + counts["within the class"] + counts["not reproduced"] > 0;
-  std::vector<Tally> all;
-  const auto add = [&](bool is_shown, const char* word, const char* in_list, Verdict verdict) {
-    if (is_shown) all.push_back({counts[in_list], word, verdict});
-  };
-  for (const Verdict verdict :
-       {Verdict::reproduced, Verdict::within_class, Verdict::not_reproduced}) {
-    add(has_printed || !has_own, text(verdict).c_str(), text(verdict).c_str(), verdict);
-  }
-  add(has_own, "held", "holds", Verdict::reproduced);
-  add(has_own, "did not hold", "does not hold", Verdict::not_reproduced);
-  add(counts["not measured"] > 0, "not measured", "not measured", Verdict::not_measured);
-  return all;
-}
-
-std::string score_text(const std::vector<JudgedCell>& cells) {
-  std::vector<std::string> parts;
-  for (const Tally& tally : tallies(cells)) {
-    parts.push_back(fmt::format("{} {}", tally.count, tally.word));
-  }
-  const auto vacuous = vacuous_of(cells);
-  return fmt::format("{}{}", fmt::join(parts, ", "),
-                     vacuous > 0 ? fmt::format("; beside them {} vacuous", vacuous) : "");
-}
-
-std::vector<std::string> headline(const std::vector<JudgedCell>& cells) {
-  struct Share {
-    int all = 0, reproduced = 0, within_class = 0, vacuous = 0;
-  };
-  Share printed;
-  std::map<std::string, Share> statements;  // the cells of each statement of each section
-  std::map<std::string, int> causes;
-  int numbers = 0, near = 0, fair = 0;
-  for (const JudgedCell& one : cells) {
-    if (!one.is_counted()) continue;
-    const auto& [cell, judged] = std::tie(one.cell, one.judged);
-    Share& share = cell.printed.empty() ? statements[one.section + ": " + cell.says] : printed;
-    ++share.all;
-    if (judged.deviation) {
-      ++numbers;
-      near += *judged.deviation <= 0.05 ? 1 : 0;
-      fair += *judged.deviation <= 0.25 ? 1 : 0;
-    }
-    if (judged.verdict == Verdict::vacuous) {
-      ++share.vacuous;
-    } else if (judged.verdict == Verdict::not_reproduced) {
-      ++causes[cell.cause.empty() ? "not said" : cell.cause];
-    } else {
-      share.reproduced += judged.verdict == Verdict::reproduced ? 1 : 0;
-      share.within_class += judged.verdict == Verdict::within_class ? 1 : 0;
-    }
-  }
-  std::vector<std::string> lines;
-  if (printed.all > 0) {
-    lines.push_back(fmt::format(
-        "printed results: {} of {} reproduced, {} within their class, {} not, {} vacuous",
-        printed.reproduced, printed.all, printed.within_class,
-        printed.all - printed.reproduced - printed.within_class - printed.vacuous,
-        printed.vacuous));
-  }
-  if (numbers > 0) {
-    lines.push_back(
-        fmt::format("printed numbers: {} of {} within 5 %, {} within 25 %", near, numbers, fair));
-  }
-  int whole = 0, none = 0, judged = 0, all = 0;
-  for (const auto& [statement, share] : statements) {
-    const int counted = share.all - share.vacuous;
-    all += counted;
-    judged += counted > 0 ? 1 : 0;
-    whole += counted > 0 && share.reproduced == counted ? 1 : 0;
-    none += counted > 0 && share.reproduced == 0 ? 1 : 0;
-  }
-  if (judged > 0) {
-    lines.push_back(
-        fmt::format("different statements ({} cells): {} of {} hold in all cells, {} in some, {} "
-                    "in none",
-                    all, whole, judged, judged - whole - none, none));
-  }
-  std::vector<std::string> parts;
-  for (const auto& [cause, number] : causes) parts.push_back(fmt::format("{} {}", cause, number));
-  if (!parts.empty()) {
-    lines.push_back(fmt::format("causes of what is not: {}", fmt::join(parts, ", ")));
-  }
-  return lines;
-}
-
-Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed) {
-  const std::vector<double> values = values_of(cell, measured);
-  Judged judged;
-  judged.values = values.size();
-  judged.median = cell.is_share ? std::accumulate(values.begin(), values.end(), 0.0) /
-                                      static_cast<double>(values.size())
-                                : median(values);
-  std::vector<double> numbers = values;
-  std::erase_if(numbers, [](double value) { return std::isnan(value); });
-  judged.numbers = numbers.size();
-  if (!numbers.empty()) {
-    const auto [smallest, largest] = std::ranges::minmax(numbers);
-    judged.smallest = smallest;
-    judged.largest = largest;
-  }
-  // A failed run counts as a run: its result is not reproduced, unless the cell has a value for
-  // failures.
-  std::size_t failed = 0, runs = 0;
-  std::set<std::string> names;
-  for (const Quantity& quantity : cell.quantities()) names.insert(quantity.run);
-  for (const std::string& name : names) {
-    runs += measured.at(name).size();
-    failed +=
-        static_cast<std::size_t>(std::ranges::count_if(measured.at(name), &Measurement::failed));
-  }
-  const bool has_failed = failed > 0 && std::isnan(cell.if_failed);
-  judged.measured = failed == runs              ? (runs == 1 ? "the run fails" : "the runs fail")
-                    : has_failed                ? fmt::format("{} of {} runs fail", failed, runs)
-                    : std::isnan(judged.median) ? "not measured"
-                    : std::isinf(judged.median) ? "never"
-                                                : in_digits(judged.median);
-  const auto final_verdict = [&](Verdict verdict) {
-    return has_failed ? Verdict::not_reproduced : verdict;
-  };
-  if (!cell.shows.empty()) {
-    judged.printed = cell.shows;
-    judged.verdict = Verdict::shown;
-    return judged;
-  }
-  // Whether a run without what the statement is about does as well.
-  const bool is_trivial = [&] {
-    if (cell.vacuous.empty() || cell.without.empty()) return !cell.vacuous.empty();
-    CellSpec without = cell;
-    without.quantity.run = cell.without;
-    return cell.holds.contains(median(values_of(without, measured)));
-  }();
-  if (!cell.says.empty()) {
-    judged.printed = cell.says;
-    judged.class_text = "holds if " + cell.holds.text();
-    const bool holds = cell.holds.contains(judged.median);
-    judged.verdict = final_verdict(std::isnan(judged.median) ? Verdict::not_measured
-                                   : holds                   ? Verdict::reproduced
-                                                             : Verdict::not_reproduced);
-    if (is_trivial && judged.verdict == Verdict::reproduced) judged.verdict = Verdict::vacuous;
-    return judged;
-  }
-  const PrintedResult result = printed.find(cell.printed).value();
-  const Standard& standard = printed.standard(cell.printed);
-  judged.printed = result.text();
-  if (result.number) {
-    judged.deviation = std::abs((judged.median - *result.number) / *result.number);
-  }
-  judged.verdict = final_verdict(judge(judged.median, result, standard));
-  if (is_trivial && judged.verdict <= Verdict::within_class) judged.verdict = Verdict::vacuous;
-  if (result.number) {
-    judged.class_text = rule_text(standard);
-  } else {
-    for (const auto& [word, band] : standard.words) {
-      const std::string name = PrintedResult{std::nullopt, word}.text();
-      if (!judged.class_text.empty()) judged.class_text += "; ";
-      judged.class_text += name + ": " + band.text();
-      if (band.contains(judged.median)) judged.measured = name + " (" + judged.measured + ")";
-    }
-  }
-  return judged;
-}
-
-namespace {
 
 // Charts of a section. `numbers` gets the thesis' figures.
 void add_figures(const Reproduction& reproduction, const SectionSpec& section,
@@ -642,6 +450,193 @@ int reproduce_main(const Catalogue& catalogue, int argc, const char* const* argv
 }
 
 }  // namespace
+
+std::string JudgedCell::word() const {
+  if (judged.verdict == Verdict::shown) return text(judged.verdict);
+  const std::string before = cell.reading.empty() ? "" : "other reading: ";
+  // A statement of a user's own list holds; it is not reproduced.
+  const bool is_own_statement = is_own && !cell.says.empty();
+  if (is_own_statement && judged.verdict == Verdict::reproduced) return before + "holds";
+  if (is_own_statement && judged.verdict == Verdict::not_reproduced) {
+    return before + "does not hold";
+  }
+  return before + text(judged.verdict);
+}
+
+std::string reason_of(const Judged& judged, const CellSpec& cell) {
+  if (!cell.reading.empty()) return cell.reading;
+  if (judged.verdict == Verdict::vacuous) return cell.vacuous;
+  if (judged.verdict == Verdict::shown || judged.verdict == Verdict::reproduced) return "";
+  return cell.why;
+}
+
+std::vector<Tally> tallies(const std::vector<JudgedCell>& cells) {
+  std::map<std::string, int> counts;
+  for (const JudgedCell& one : cells) ++counts[one.word()];
+  const bool has_own = counts["holds"] + counts["does not hold"] > 0;
+  const bool has_printed =
+      counts["reproduced"] + counts["within the class"] + counts["not reproduced"] > 0;
+  std::vector<Tally> all;
+  const auto add = [&](bool is_shown, const char* word, const char* in_list, Verdict verdict) {
+    if (is_shown) all.push_back({counts[in_list], word, verdict});
+  };
+  for (const Verdict verdict :
+       {Verdict::reproduced, Verdict::within_class, Verdict::not_reproduced}) {
+    add(has_printed || !has_own, text(verdict).c_str(), text(verdict).c_str(), verdict);
+  }
+  add(has_own, "held", "holds", Verdict::reproduced);
+  add(has_own, "did not hold", "does not hold", Verdict::not_reproduced);
+  add(counts["not measured"] > 0, "not measured", "not measured", Verdict::not_measured);
+  return all;
+}
+
+std::string score_text(const std::vector<JudgedCell>& cells) {
+  std::vector<std::string> parts;
+  for (const Tally& tally : tallies(cells)) {
+    parts.push_back(fmt::format("{} {}", tally.count, tally.word));
+  }
+  const auto vacuous = vacuous_of(cells);
+  return fmt::format("{}{}", fmt::join(parts, ", "),
+                     vacuous > 0 ? fmt::format("; beside them {} vacuous", vacuous) : "");
+}
+
+std::vector<std::string> headline(const std::vector<JudgedCell>& cells) {
+  struct Share {
+    int all = 0, reproduced = 0, within_class = 0, vacuous = 0;
+  };
+  Share printed;
+  std::map<std::string, Share> statements;  // the cells of each statement of each section
+  std::map<std::string, int> causes;
+  int numbers = 0, near = 0, fair = 0;
+  for (const JudgedCell& one : cells) {
+    if (!one.is_counted()) continue;
+    const auto& [cell, judged] = std::tie(one.cell, one.judged);
+    Share& share = cell.printed.empty() ? statements[one.section + ": " + cell.says] : printed;
+    ++share.all;
+    if (judged.deviation) {
+      ++numbers;
+      near += *judged.deviation <= 0.05 ? 1 : 0;
+      fair += *judged.deviation <= 0.25 ? 1 : 0;
+    }
+    if (judged.verdict == Verdict::vacuous) {
+      ++share.vacuous;
+    } else if (judged.verdict == Verdict::not_reproduced) {
+      ++causes[cell.cause.empty() ? "not said" : cell.cause];
+    } else {
+      share.reproduced += judged.verdict == Verdict::reproduced ? 1 : 0;
+      share.within_class += judged.verdict == Verdict::within_class ? 1 : 0;
+    }
+  }
+  std::vector<std::string> lines;
+  if (printed.all > 0) {
+    lines.push_back(fmt::format(
+        "printed results: {} of {} reproduced, {} within their class, {} not, {} vacuous",
+        printed.reproduced, printed.all, printed.within_class,
+        printed.all - printed.reproduced - printed.within_class - printed.vacuous,
+        printed.vacuous));
+  }
+  if (numbers > 0) {
+    lines.push_back(
+        fmt::format("printed numbers: {} of {} within 5 %, {} within 25 %", near, numbers, fair));
+  }
+  int whole = 0, none = 0, judged = 0, all = 0;
+  for (const auto& [statement, share] : statements) {
+    const int counted = share.all - share.vacuous;
+    all += counted;
+    judged += counted > 0 ? 1 : 0;
+    whole += counted > 0 && share.reproduced == counted ? 1 : 0;
+    none += counted > 0 && share.reproduced == 0 ? 1 : 0;
+  }
+  if (judged > 0) {
+    lines.push_back(
+        fmt::format("different statements ({} cells): {} of {} hold in all cells, {} in some, {} "
+                    "in none",
+                    all, whole, judged, judged - whole - none, none));
+  }
+  std::vector<std::string> parts;
+  for (const auto& [cause, number] : causes) parts.push_back(fmt::format("{} {}", cause, number));
+  if (!parts.empty()) {
+    lines.push_back(fmt::format("causes of what is not: {}", fmt::join(parts, ", ")));
+  }
+  return lines;
+}
+
+Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed) {
+  const std::vector<double> values = values_of(cell, measured);
+  Judged judged;
+  judged.values = values.size();
+  judged.median = cell.is_share ? std::accumulate(values.begin(), values.end(), 0.0) /
+                                      static_cast<double>(values.size())
+                                : median(values);
+  std::vector<double> numbers = values;
+  std::erase_if(numbers, [](double value) { return std::isnan(value); });
+  judged.numbers = numbers.size();
+  if (!numbers.empty()) {
+    const auto [smallest, largest] = std::ranges::minmax(numbers);
+    judged.smallest = smallest;
+    judged.largest = largest;
+  }
+  // A failed run counts as a run: its result is not reproduced, unless the cell has a value for
+  // failures.
+  std::size_t failed = 0, runs = 0;
+  std::set<std::string> names;
+  for (const Quantity& quantity : cell.quantities()) names.insert(quantity.run);
+  for (const std::string& name : names) {
+    runs += measured.at(name).size();
+    failed +=
+        static_cast<std::size_t>(std::ranges::count_if(measured.at(name), &Measurement::failed));
+  }
+  const bool has_failed = failed > 0 && std::isnan(cell.if_failed);
+  judged.measured = failed == runs              ? (runs == 1 ? "the run fails" : "the runs fail")
+                    : has_failed                ? fmt::format("{} of {} runs fail", failed, runs)
+                    : std::isnan(judged.median) ? "not measured"
+                    : std::isinf(judged.median) ? "never"
+                                                : in_digits(judged.median);
+  const auto final_verdict = [&](Verdict verdict) {
+    return has_failed ? Verdict::not_reproduced : verdict;
+  };
+  if (!cell.shows.empty()) {
+    judged.printed = cell.shows;
+    judged.verdict = Verdict::shown;
+    return judged;
+  }
+  // Whether a run without what the statement is about does as well.
+  const bool is_trivial = [&] {
+    if (cell.vacuous.empty() || cell.without.empty()) return !cell.vacuous.empty();
+    CellSpec without = cell;
+    without.quantity.run = cell.without;
+    return cell.holds.contains(median(values_of(without, measured)));
+  }();
+  if (!cell.says.empty()) {
+    judged.printed = cell.says;
+    judged.class_text = "holds if " + cell.holds.text();
+    const bool holds = cell.holds.contains(judged.median);
+    judged.verdict = final_verdict(std::isnan(judged.median) ? Verdict::not_measured
+                                   : holds                   ? Verdict::reproduced
+                                                             : Verdict::not_reproduced);
+    if (is_trivial && judged.verdict == Verdict::reproduced) judged.verdict = Verdict::vacuous;
+    return judged;
+  }
+  const PrintedResult result = printed.find(cell.printed).value();
+  const Standard& standard = printed.standard(cell.printed);
+  judged.printed = result.text();
+  if (result.number) {
+    judged.deviation = std::abs((judged.median - *result.number) / *result.number);
+  }
+  judged.verdict = final_verdict(judge(judged.median, result, standard));
+  if (is_trivial && judged.verdict <= Verdict::within_class) judged.verdict = Verdict::vacuous;
+  if (result.number) {
+    judged.class_text = rule_text(standard);
+  } else {
+    for (const auto& [word, band] : standard.words) {
+      const std::string name = PrintedResult{std::nullopt, word}.text();
+      if (!judged.class_text.empty()) judged.class_text += "; ";
+      judged.class_text += name + ": " + band.text();
+      if (band.contains(judged.median)) judged.measured = name + " (" + judged.measured + ")";
+    }
+  }
+  return judged;
+}
 
 CommandKind reproduce_command() {
   return {"reproduce", "run every experiment of the thesis, beside the printed results",
