@@ -119,10 +119,9 @@ py::dict facts(const Run& run) {
 }
 
 // A read-only view of rows × width values without a copy. It keeps `owner`, which has them, alive.
-py::array view_of(const double* data, std::size_t rows, std::size_t width, std::size_t row_values,
+py::array view_of(const double* data, std::size_t rows, std::size_t width,
                   const py::object& owner) {
-  py::array view(py::dtype::of<double>(), {rows, width},
-                 {row_values * sizeof(double), sizeof(double)}, data, owner);
+  py::array view(py::dtype::of<double>(), {rows, width}, data, owner);
   py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   return view;
 }
@@ -130,18 +129,11 @@ py::array view_of(const double* data, std::size_t rows, std::size_t width, std::
 // The rows of one signal of a track, in place. Python has checked its name.
 py::array array_of_own(const py::object& self, const std::string& group, const std::string& name) {
   const Track& track = self.cast<const OwnRun&>().recording.track(group);
-  std::size_t column = 0;
-  std::size_t width = 1;
-  if (name != "time_s") {
-    for (const Signal& signal : track.all_signals()) {
-      column += width;
-      width = signal.values.size();
-      if (signal.name == name) break;
-    }
+  for (std::size_t i = 0; i < track.signals(); ++i) {
+    if (track.signal(i).name != name) continue;
+    return view_of(track.values(i).data(), track.rows(), track.signal(i).values.size(), self);
   }
-  if (track.rows() == 0) return py::array_t<double>(std::vector<std::size_t>{0, width});
-  const std::span<const double> first = track.row(0);
-  return view_of(&first[column], track.rows(), width, first.size(), self);
+  return view_of(track.times().data(), track.rows(), 1, self);
 }
 
 py::array array_of_saved(const py::object& self, const std::string& group,
@@ -152,7 +144,7 @@ py::array array_of_saved(const py::object& self, const std::string& group,
     const std::lock_guard lock(run.mutex);
     return run.dataset(group + "/" + name);
   }();
-  return view_of(signal.values.data(), signal.rows, signal.width, signal.width, self);
+  return view_of(signal.values.data(), signal.rows, signal.width, self);
 }
 
 }  // namespace

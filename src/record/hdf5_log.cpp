@@ -19,6 +19,7 @@
 #include <fstream>
 #include <mutex>
 #include <ranges>
+#include <span>
 #include <stdexcept>
 
 #include <breakwater/record/text_outputs.h>
@@ -127,7 +128,7 @@ void write_track(hid_t file, const Track& track, int deflate_level) {
       datasets_of(track.name(), track.all_signals(), track.rows());
   const Handle group = make_group(file, datasets.front());
   for (std::size_t i = 0; i < datasets.size(); ++i) {
-    const std::vector<double> values = i == 0 ? track.times() : track.values(i - 1);
+    const std::span<const double> values = i == 0 ? track.times() : track.values(i - 1);
     write_dataset(group, datasets[i], values.data(), deflate_level);
   }
 }

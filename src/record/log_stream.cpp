@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
-#include <stdexcept>
+#include <span>
 #include <utility>
 
 #include <breakwater/record/partial_file.h>
@@ -19,32 +19,24 @@ using detail::DataFile;
 namespace {
 
 constexpr const char* kLog = "log.h5";
-constexpr std::size_t kBufferBytes = 1 << 20;  // for a track's times, and for its values
 constexpr std::chrono::milliseconds kBetweenWrites(500);
 
 bool same_dataset(const LogEntry& a, const LogEntry& b) {
   return a.group == b.group && a.name == b.name && a.rows == b.rows && a.width == b.width;
 }
 
-// The number of rows, at most `room`, that fit into a buffer.
-std::size_t rows_of_buffer(std::size_t width, std::size_t room) {
-  return std::clamp<std::size_t>(kBufferBytes / (width * sizeof(double)), 1, room);
+using RowsOf = std::size_t (Track::*)() const;
+
+std::vector<LogEntry> datasets_of(const std::vector<Track>& tracks, RowsOf rows) {
+  std::vector<LogEntry> all;
+  for (const Track& track : tracks) {
+    const auto own = breakwater::datasets_of(track.name(), track.all_signals(), (track.*rows)());
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return all;
 }
 
 }  // namespace
-
-struct LogStream::Streamed {
-  std::string name;
-  std::vector<Signal> signals;
-  std::size_t room = 0;             // rows
-  std::size_t first_dataset = 0;    // the time base
-  std::vector<double> times = {};   // for the rows without one in the file
-  std::size_t untimed = 0;          // their number
-  std::vector<double> values = {};  // dataset after dataset, each with `capacity` rows
-  std::size_t capacity = 0;         // rows
-  std::size_t buffered = 0;         // rows
-  std::size_t written = 0;          // rows that have a time in the file
-};
 
 LogStream::LogStream(fs::path folder, const std::string& config_text, std::string manifest)
     : folder_(std::move(folder)), manifest_(std::move(manifest)) {
@@ -58,49 +50,35 @@ LogStream::~LogStream() {
       return;
     } catch (const OutputError&) {
       // On a full disk there is room for the times of the rows whose values are written.
-      for (Streamed& track : tracks_) {
-        track.untimed -= track.buffered;
-        track.buffered = 0;
+      for (const Track& track : tracks_) {
+        track.rows_->untimed -= track.rows_->buffered;
+        track.rows_->buffered = 0;
       }
     }
   }
 }
 
-std::size_t LogStream::add(std::string name, std::vector<Signal> signals, std::size_t rows) {
-  tracks_.push_back({std::move(name), std::move(signals), rows});
-  return tracks_.size() - 1;
-}
-
 void LogStream::begin() {
+  std::erase_if(tracks_, [](const Track& track) { return track.room() == 0; });
   // Like the tracks of a recording: "control" first.
-  std::vector<Streamed*> order;
-  for (Streamed& track : tracks_) {
-    if (track.room > 0) order.push_back(&track);
-  }
-  std::stable_partition(order.begin(), order.end(),
-                        [](const Streamed* track) { return track->name == "control"; });
-  for (Streamed* track : order) {
-    track->first_dataset = datasets_.size();
-    std::size_t width = 0;
-    for (LogEntry& entry : datasets_of(track->name, track->signals, track->room)) {
-      width += entry.width;
-      datasets_.push_back(std::move(entry));
-    }
-    track->times.resize(rows_of_buffer(1, track->room));
-    track->capacity = rows_of_buffer(width, track->room);
-    track->values.resize(track->capacity * (width - 1));
-  }
+  std::stable_partition(tracks_.begin(), tracks_.end(),
+                        [](const Track& track) { return track.name() == "control"; });
+  datasets_ = datasets_of(tracks_, &Track::room);
   // A process that is killed before all times are NaN leaves no log.
   const fs::path unfinished = folder_ / ".log.h5.partial";
   try {
     places_ = lay_out_hdf5_log(unfinished, datasets_);
     DataFile log(unfinished, O_RDWR);
-    for (Streamed* track : order) {
-      std::fill(track->times.begin(), track->times.end(), std::numeric_limits<double>::quiet_NaN());
-      for (std::size_t row = 0; row < track->room; row += track->times.size()) {
-        log.write(track->times.data(),
-                  std::min(track->times.size(), track->room - row) * sizeof(double),
-                  places_[track->first_dataset] + row * sizeof(double));
+    std::size_t dataset = 0;
+    for (const Track& track : tracks_) {
+      Track::Rows& rows = *track.rows_;
+      rows.first_dataset = dataset;
+      dataset += 1 + track.signals();
+      std::fill_n(rows.times.get(), rows.times_capacity, std::numeric_limits<double>::quiet_NaN());
+      for (std::size_t row = 0; row < track.room(); row += rows.times_capacity) {
+        log.write(rows.times.get(),
+                  std::min(rows.times_capacity, track.room() - row) * sizeof(double),
+                  places_[rows.first_dataset] + row * sizeof(double));
       }
     }
     log.sync();
@@ -119,47 +97,34 @@ void LogStream::begin() {
   write_at_ = Clock::now() + kBetweenWrites;
 }
 
-void LogStream::append(std::size_t track, double time_s) {
+void LogStream::make_room(const Track& track) {
   if (!log_) begin();
-  Streamed& to = tracks_[track];
-  if (to.written + to.untimed == to.room) {
-    throw std::logic_error("track " + to.name + " has more rows than expected");
-  }
-  to.times[to.untimed++] = time_s;
-  std::size_t column = 0;
-  for (const Signal& signal : to.signals) {
-    const std::size_t width = signal.values.size();
-    std::copy_n(signal.values.data(), width, &to.values[column + to.buffered * width]);
-    column += to.capacity * width;
-  }
-  ++to.buffered;
-  if (to.buffered == to.capacity) write_values(to);
-  if (to.untimed == to.times.size() || Clock::now() >= write_at_) write_rows();
+  const Track::Rows& rows = *track.rows_;
+  if (rows.untimed == rows.times_capacity || Clock::now() >= write_at_) write_rows();
+  if (rows.buffered == rows.capacity) write_values(track);
 }
 
-void LogStream::write_values(Streamed& track) {
-  const std::size_t first_row = track.written + track.untimed - track.buffered;
-  std::size_t column = 0;
-  for (std::size_t i = 1; i <= track.signals.size() && track.buffered > 0; ++i) {
-    const std::size_t width = datasets_[track.first_dataset + i].width;
-    const std::size_t row_bytes = width * sizeof(double);
-    log_->write(&track.values[column], track.buffered * row_bytes,
-                places_[track.first_dataset + i] + first_row * row_bytes);
-    column += track.capacity * width;
+void LogStream::write_values(const Track& track) {
+  Track::Rows& rows = *track.rows_;
+  for (std::size_t i = 0; i < track.signals() && rows.buffered > 0; ++i) {
+    const std::size_t row_bytes = track.signal(i).values.size() * sizeof(double);
+    log_->write(track.buffer(i, 0), rows.buffered * row_bytes,
+                places_[rows.first_dataset + 1 + i] + (track.rows() - rows.buffered) * row_bytes);
   }
-  track.buffered = 0;
+  rows.buffered = 0;
 }
 
 // A time must not be on the disk before the values of its row.
 void LogStream::write_rows() {
-  for (Streamed& track : tracks_) write_values(track);
+  for (const Track& track : tracks_) write_values(track);
   log_->sync();
-  for (Streamed& track : tracks_) {
-    if (track.untimed == 0) continue;
-    log_->write(track.times.data(), track.untimed * sizeof(double),
-                places_[track.first_dataset] + track.written * sizeof(double));
-    track.written += track.untimed;
-    track.untimed = 0;
+  for (const Track& track : tracks_) {
+    Track::Rows& rows = *track.rows_;
+    if (rows.untimed == 0) continue;
+    log_->write(rows.times.get(), rows.untimed * sizeof(double),
+                places_[rows.first_dataset] + rows.written * sizeof(double));
+    rows.written += rows.untimed;
+    rows.untimed = 0;
   }
   write_at_ = Clock::now() + kBetweenWrites;
 }
@@ -171,12 +136,7 @@ fs::path LogStream::finish(const std::vector<Track>& tracks) {
     return log;
   }
   write_rows();
-  std::vector<LogEntry> whole;
-  for (const Track& track : tracks) {
-    for (LogEntry& entry : datasets_of(track.name(), track.all_signals(), track.rows())) {
-      whole.push_back(std::move(entry));
-    }
-  }
+  const std::vector<LogEntry> whole = datasets_of(tracks, &Track::rows);
   if (std::equal(whole.begin(), whole.end(), datasets_.begin(), datasets_.end(), same_dataset)) {
     return log;
   }
@@ -186,17 +146,14 @@ fs::path LogStream::finish(const std::vector<Track>& tracks) {
   DataFile to(other, O_RDWR);
   auto place = places.begin();
   for (const Track& track : tracks) {
-    const auto streamed = std::find_if(tracks_.begin(), tracks_.end(), [&](const Streamed& s) {
-      return track.is_streamed() && s.name == track.name();
-    });
     for (std::size_t i = 0; i <= track.signals(); ++i, ++place) {
-      if (streamed != tracks_.end()) {
-        const std::size_t from = streamed->first_dataset + i;
+      if (track.is_streamed()) {
+        const std::size_t from = track.rows_->first_dataset + i;
         detail::copy(*log_, places_[from], to, *place,
                      track.rows() * datasets_[from].width * sizeof(double));
       } else {
-        const std::vector<double> values = i == 0 ? track.times() : track.values(i - 1);
-        to.write(values.data(), values.size() * sizeof(double), *place);
+        const std::span<const double> values = i == 0 ? track.times() : track.values(i - 1);
+        to.write(values.data(), values.size_bytes(), *place);
       }
     }
   }

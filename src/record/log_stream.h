@@ -12,7 +12,6 @@
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/output_error.h>
 #include <breakwater/record/track.h>
-#include <breakwater/signals/signal.h>
 
 namespace breakwater {
 namespace detail {
@@ -38,12 +37,11 @@ class LogStream {
   LogStream(const LogStream&) = delete;
   LogStream& operator=(const LogStream&) = delete;
 
-  /// Adds a track with room for `rows` rows, before the first row. Returns its number. The owners
-  /// of the signals must outlive the calls of append().
-  std::size_t add(std::string name, std::vector<Signal> signals, std::size_t rows);
-  /// Copies a row of a track. Throws OutputError if a file cannot be written, and std::logic_error
-  /// if the track is full.
-  void append(std::size_t track, double time_s);
+  /// Each streamed track calls this before the first row of any.
+  void add(const Track& track) { tracks_.push_back(track); }
+  /// Makes room in the memory of a track for its next row. Throws OutputError if a file cannot be
+  /// written.
+  void make_room(const Track& track);
 
   /// Writes the rest of the log. `tracks` are those of the recording, streamed or not. Returns the
   /// complete log: log.h5, or another file of the folder that must get this name. It is another one
@@ -51,16 +49,15 @@ class LogStream {
   std::filesystem::path finish(const std::vector<Track>& tracks);
 
  private:
-  struct Streamed;
   using Clock = std::chrono::steady_clock;
 
   void begin();
-  void write_values(Streamed& track);
+  void write_values(const Track& track);
   void write_rows();
 
   std::filesystem::path folder_;
   std::string manifest_;
-  std::vector<Streamed> tracks_;
+  std::vector<Track> tracks_;
   std::vector<LogEntry> datasets_;  // in the order of the file
   std::vector<std::uint64_t> places_;
   std::unique_ptr<detail::DataFile> log_;  // null before the first row

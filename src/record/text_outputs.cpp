@@ -36,7 +36,13 @@ void write_csv_log(const std::string& file, const Track& track) {
   }
   text += '\n';
   for (std::size_t i = 0; i < track.rows(); ++i) {
-    fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(track.row(i), ","));
+    fmt::format_to(std::back_inserter(text), "{}", track.times()[i]);
+    for (std::size_t k = 0; k < track.signals(); ++k) {
+      const std::size_t width = track.signal(k).values.size();
+      fmt::format_to(std::back_inserter(text), ",{}",
+                     fmt::join(track.values(k).subspan(i * width, width), ","));
+    }
+    text += '\n';
   }
   write_text_file(file, text);
 }

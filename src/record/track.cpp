@@ -12,6 +12,7 @@ namespace breakwater {
 namespace {
 
 constexpr const char* kIndex = "index_";
+constexpr std::size_t kStreamedBytes = 1 << 20;  // for the times in memory, and for the values
 
 // A signal with the name of another part of the log would be lost.
 bool can_be_logged(const std::string& name) {
@@ -50,62 +51,51 @@ bool is_index_name(const std::string& name) {
          name.find_first_not_of(digits, begin) == std::string::npos;
 }
 
-Track::Track(std::string name, std::vector<Signal> signals, std::size_t expected_rows,
-             LogStream* stream)
-    : name_(std::move(name)), signals_(std::move(signals)), stream_(stream) {
+Track::Track(std::string name, std::vector<Signal> signals, std::size_t room, LogStream* stream)
+    : name_(std::move(name)), signals_(std::move(signals)), room_(room), stream_(stream) {
   check_names(name_, signals_);
+  std::size_t width = 0;
   for (const Signal& signal : signals_) {
-    offsets_.push_back(width_);
-    width_ += signal.values.size();
+    offsets_.push_back(width);
+    width += signal.values.size();
   }
-  if (stream_ != nullptr) {
-    place_ = stream_->add(name_, signals_, expected_rows);
-    return;
-  }
+  const auto rows_of_width = [&](std::size_t values) {
+    const std::size_t streamed = kStreamedBytes / (values * sizeof(double));
+    return stream == nullptr ? room : std::min(room, std::max<std::size_t>(1, streamed));
+  };
+  const std::size_t times = rows_of_width(1), capacity = rows_of_width(1 + width);
   try {
-    rows_.reserve(expected_rows * width_);
+    // Without values, so that memory is taken row by row.
+    rows_ = std::make_shared<Rows>(Rows{std::make_unique_for_overwrite<double[]>(times),
+                                        std::make_unique_for_overwrite<double[]>(capacity * width),
+                                        times, capacity});
   } catch (const std::bad_alloc&) {
     throw LogTooLong();
-  } catch (const std::length_error&) {
-    throw LogTooLong();
   }
+  if (stream_ != nullptr) stream_->add(*this);
 }
 
 void Track::append(double time_s) {
-  ++row_count_;
-  if (stream_ != nullptr) {
-    stream_->append(place_, time_s);
-    return;
+  if (rows() == room_) throw std::logic_error("track " + name_ + " has more rows than expected");
+  if (stream_ != nullptr) stream_->make_room(*this);
+  rows_->times[rows_->untimed++] = time_s;
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    const std::span<const double> values = signals_[i].values;
+    std::copy_n(values.data(), values.size(), buffer(i, rows_->buffered));
   }
-  rows_.push_back(time_s);
-  for (const Signal& signal : signals_) {
-    rows_.insert(rows_.end(), signal.values.begin(), signal.values.end());
-  }
+  ++rows_->buffered;
 }
 
-std::vector<double> Track::times() const {
-  return columns(0, 1);
-}
-
-std::vector<double> Track::values(std::size_t signal) const {
-  return columns(offsets_[signal], signals_[signal].values.size());
+std::span<const double> Track::values(std::size_t signal) const {
+  return {buffer(signal, 0), rows() * signals_[signal].values.size()};
 }
 
 std::vector<double> Track::values(const std::string& signal) const {
   const auto found = std::find_if(signals_.begin(), signals_.end(),
                                   [&](const Signal& s) { return s.name == signal; });
   if (found == signals_.end()) throw std::out_of_range("track " + name_ + " has no " + signal);
-  return values(static_cast<std::size_t>(found - signals_.begin()));
-}
-
-std::vector<double> Track::columns(std::size_t first, std::size_t count) const {
-  std::vector<double> values;
-  values.reserve(rows() * count);
-  for (std::size_t i = 0; i < rows(); ++i) {
-    const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(i * width_ + first);
-    values.insert(values.end(), begin, begin + static_cast<std::ptrdiff_t>(count));
-  }
-  return values;
+  const auto all = values(static_cast<std::size_t>(found - signals_.begin()));
+  return {all.begin(), all.end()};
 }
 
 }  // namespace breakwater

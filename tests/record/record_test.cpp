@@ -103,7 +103,9 @@ TEST(Hdf5Log, GivesBackTheSameBits) {
     EXPECT_EQ(q.width, 2U);
     EXPECT_EQ(q.values, recorded.track().values("q_rad"));
     EXPECT_EQ(read_hdf5_signal(file, "control/force_N").values, recorded.track().values("force_N"));
-    EXPECT_EQ(read_hdf5_signal(file, "control/time_s").values, recorded.track().times());
+    const std::span<const double> times = recorded.track().times();
+    EXPECT_EQ(read_hdf5_signal(file, "control/time_s").values,
+              std::vector<double>(times.begin(), times.end()));
   }
   EXPECT_REFUSED(read_hdf5_signal(file, "control/torque_Nm"));
   EXPECT_REFUSED(read_hdf5_signal("/etc/hostname", "control/q_rad"));

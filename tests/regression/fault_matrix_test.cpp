@@ -87,11 +87,11 @@ std::optional<double> first_not_finite(const Recording& run, const Recording& wh
     for (std::size_t i = 0; i < track.signals(); ++i) {
       // The residual of a program that the solver reports as not solved may be infinite.
       if (track.signal(i).name == "qp_kkt_residual") continue;
-      const std::vector<double> values = track.values(i);
-      const std::vector<double> same = other.values(i);
+      const std::span<const double> values = track.values(i);
+      const std::span<const double> same = other.values(i);
       for (std::size_t k = 0; k < std::min(values.size(), same.size()); ++k) {
         if (std::isfinite(values[k]) || !std::isfinite(same[k])) continue;
-        const double time_s = track.row(k * track.rows() / values.size())[0];
+        const double time_s = track.times()[k * track.rows() / values.size()];
         if (!first || time_s < *first) first = time_s;
         break;
       }
@@ -114,8 +114,8 @@ double deviation(const Recording& run, const Recording& whole,
       return name.find(ending) != std::string::npos;
     });
     if (!counts) continue;
-    const std::vector<double> values = a.values(i);
-    const std::vector<double> same = b.values(i);
+    const std::span<const double> values = a.values(i);
+    const std::span<const double> same = b.values(i);
     const std::size_t width = same.size() / b.rows();
     for (std::size_t column = 0; column < width; ++column) {
       double low = std::numeric_limits<double>::infinity();
