@@ -56,14 +56,6 @@ constexpr KnownParameter kKnown[] = {
     {kTorqueConstant, kLogarithmic, true, "torque_constant", "N m", "torque constant", 0.25,
      kAccelerate}};
 
-}  // namespace
-
-const KnownParameter& known_parameter(AxisParameter parameter) {
-  return kKnown[parameter];
-}
-
-namespace {
-
 constexpr double kSmall = 1e-2;         // below which a series replaces expm1
 constexpr double kStribeckEnd = 5.0;    // in v_s: the friction is that of Coulomb beyond
 constexpr double kTruncation = 1e-12;   // error of a step, in v_s
@@ -171,6 +163,10 @@ class Motion {
 };
 
 }  // namespace
+
+const KnownParameter& known_parameter(AxisParameter parameter) {
+  return kKnown[parameter];
+}
 
 const AxisModel& friction_axis() {
   static const AxisModel model{.parameters = {kInertia, kViscous, kCoulomb, kOffset, kDelay},

@@ -20,6 +20,15 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kMark = ".partial-";
+constexpr std::size_t kCopiedAtOnce = 1 << 20;
+
+void write(const PartialFile& partial, const std::string& bytes) {
+  try {
+    write_text_file(partial.path().string(), bytes);
+  } catch (const OutputError& error) {
+    throw with_final_name(error, partial.path(), partial.file());
+  }
+}
 
 }  // namespace
 
@@ -71,18 +80,6 @@ void PartialFile::commit() {
   if (error) fail(error.message());
 }
 
-namespace {
-
-void write(const PartialFile& partial, const std::string& bytes) {
-  try {
-    write_text_file(partial.path().string(), bytes);
-  } catch (const OutputError& error) {
-    throw with_final_name(error, partial.path(), partial.file());
-  }
-}
-
-}  // namespace
-
 OutputError with_final_name(const OutputError& error, const fs::path& partial,
                             const fs::path& file) {
   const std::string what = error.what(), hidden = partial.string();
@@ -123,11 +120,6 @@ bool is_on_disk(const fs::path& path) {
 }  // namespace breakwater
 
 namespace breakwater::detail {
-namespace {
-
-constexpr std::size_t kCopiedAtOnce = 1 << 20;
-
-}  // namespace
 
 DataFile::DataFile(std::filesystem::path file, int flags)
     : file_(std::move(file)), descriptor_(open(file_.c_str(), flags | O_CLOEXEC, 0666)) {

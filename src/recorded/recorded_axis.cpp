@@ -54,32 +54,6 @@ std::vector<double> guesses_of(const std::vector<double>& differences) {
   return guesses;
 }
 
-}  // namespace
-
-double encoder_quantum(std::span<const double> positions) {
-  std::vector<double> differences;
-  double largest = 0.0;
-  for (std::size_t k = 1; k < positions.size(); ++k) {
-    differences.push_back(std::abs(positions[k] - positions[k - 1]));
-    largest = std::max(largest, std::abs(positions[k]));
-  }
-  std::erase_if(differences, [&](double d) { return d <= 1e-12 * largest; });
-  if (differences.empty()) return 0.0;
-  std::sort(differences.begin(), differences.end());
-  for (double quantum : guesses_of(differences)) {
-    if (!explains(differences, quantum)) continue;
-    std::vector<double> counts = {0.0}, moved = {0.0};
-    for (std::size_t k = 1; k < positions.size(); ++k) {
-      counts.push_back(counts.back() + std::round((positions[k] - positions[k - 1]) / quantum));
-      moved.push_back(positions[k] - positions.front());
-    }
-    return boost::math::statistics::simple_ordinary_least_squares(counts, moved).second;
-  }
-  return 0.0;
-}
-
-namespace {
-
 constexpr double kManyRows = 0.2;           // share from which a damage is a property of the record
 constexpr std::size_t kFarthestRows = 100;  // that a row may be out of its place
 constexpr std::size_t kRowsBeforeWraps = 20;  // a shorter table shows no wrapped counter
@@ -446,15 +420,6 @@ class Repair {
   std::vector<std::string> repairs_;
 };
 
-}  // namespace
-
-RecordedAxis repaired(const std::string& file, const ColumnTable& table,
-                      const std::string& time_column) {
-  return Repair(file, table, time_column).result();
-}
-
-namespace {
-
 constexpr double kSlow = 0.1;         // s: an interval from which the times look like milliseconds
 constexpr double kFewCounts = 100.0;  // the least range of positions that look like counts
 
@@ -499,6 +464,33 @@ void check_finite(const std::string& file, const RecordedAxis& axis) {
 }
 
 }  // namespace
+
+double encoder_quantum(std::span<const double> positions) {
+  std::vector<double> differences;
+  double largest = 0.0;
+  for (std::size_t k = 1; k < positions.size(); ++k) {
+    differences.push_back(std::abs(positions[k] - positions[k - 1]));
+    largest = std::max(largest, std::abs(positions[k]));
+  }
+  std::erase_if(differences, [&](double d) { return d <= 1e-12 * largest; });
+  if (differences.empty()) return 0.0;
+  std::sort(differences.begin(), differences.end());
+  for (double quantum : guesses_of(differences)) {
+    if (!explains(differences, quantum)) continue;
+    std::vector<double> counts = {0.0}, moved = {0.0};
+    for (std::size_t k = 1; k < positions.size(); ++k) {
+      counts.push_back(counts.back() + std::round((positions[k] - positions[k - 1]) / quantum));
+      moved.push_back(positions[k] - positions.front());
+    }
+    return boost::math::statistics::simple_ordinary_least_squares(counts, moved).second;
+  }
+  return 0.0;
+}
+
+RecordedAxis repaired(const std::string& file, const ColumnTable& table,
+                      const std::string& time_column) {
+  return Repair(file, table, time_column).result();
+}
 
 std::vector<std::string> RecordedAxis::warnings(const std::string& file) const {
   std::vector<std::string> lines;

@@ -58,6 +58,9 @@ struct InnovationStatistics {
   }
 };
 
+constexpr std::size_t kMostGapsNamed = 3;
+constexpr std::size_t kRowsBetweenReports = 100000;
+
 }  // namespace
 
 std::optional<std::string> doubt_of(const Recording& recording) {
@@ -86,13 +89,6 @@ std::optional<std::string> doubt_of(const Recording& recording) {
             "disturbance"
           : "the times (csv.time_std_s), encoder.quantum, noise.std, scales and signs");
 }
-
-namespace {
-
-constexpr std::size_t kMostGapsNamed = 3;
-constexpr std::size_t kRowsBetweenReports = 100000;
-
-}  // namespace
 
 ScenarioKind recorded_estimation() {
   return {"estimate",
