@@ -42,7 +42,7 @@ struct OwnRun : EndedRun {
   std::vector<LogEntry> signals() const {
     std::vector<LogEntry> all;
     for (const Track& track : recording.tracks) {
-      const auto own = datasets_of(track.name(), track.all_signals(), track.rows());
+      const auto own = datasets_of(track, track.rows());
       all.insert(all.end(), own.begin() + 1, own.end());  // without the time base
     }
     return all;

@@ -124,8 +124,7 @@ Handle make_group(hid_t file, const LogEntry& first) {
 }
 
 void write_track(hid_t file, const Track& track, int deflate_level) {
-  const std::vector<LogEntry> datasets =
-      datasets_of(track.name(), track.all_signals(), track.rows());
+  const std::vector<LogEntry> datasets = datasets_of(track, track.rows());
   const Handle group = make_group(file, datasets.front());
   for (std::size_t i = 0; i < datasets.size(); ++i) {
     const std::span<const double> values = i == 0 ? track.times() : track.values(i - 1);
@@ -363,13 +362,13 @@ void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, i
   write_text_file(file, file_image(file, tracks, deflate_level));
 }
 
-std::vector<LogEntry> datasets_of(const std::string& track, const std::vector<Signal>& signals,
-                                  std::size_t rows) {
+std::vector<LogEntry> datasets_of(const Track& track, std::size_t rows) {
   std::vector<LogEntry> datasets = {
-      {track, kTimeBase, "s", "time of each row of this group", rows, 1}};
-  for (const Signal& signal : signals) {
+      {track.name(), kTimeBase, "s", "time of each row of this group", rows, 1}};
+  for (std::size_t i = 0; i < track.signals(); ++i) {
+    const Signal& signal = track.signal(i);
     datasets.push_back(
-        {track, signal.name, signal.unit, signal.description, rows, signal.values.size()});
+        {track.name(), signal.name, signal.unit, signal.description, rows, signal.values.size()});
   }
   return datasets;
 }

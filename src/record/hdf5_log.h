@@ -53,8 +53,7 @@ struct LogEntry {
 };
 
 /// The datasets of a track with this many rows: the time base, then its signals.
-std::vector<LogEntry> datasets_of(const std::string& track, const std::vector<Signal>& signals,
-                                  std::size_t rows);
+std::vector<LogEntry> datasets_of(const Track& track, std::size_t rows);
 
 /// Writes a log with room for the values of `datasets`, each track's by datasets_of(). Returns the
 /// place of each first value in the file [bytes]; a dataset without rows has place 0. With all

@@ -27,10 +27,10 @@ bool same_dataset(const LogEntry& a, const LogEntry& b) {
 
 using RowsOf = std::size_t (Track::*)() const;
 
-std::vector<LogEntry> datasets_of(const std::vector<Track>& tracks, RowsOf rows) {
+std::vector<LogEntry> all_datasets(const std::vector<Track>& tracks, RowsOf rows) {
   std::vector<LogEntry> all;
   for (const Track& track : tracks) {
-    const auto own = breakwater::datasets_of(track.name(), track.all_signals(), (track.*rows)());
+    const std::vector<LogEntry> own = datasets_of(track, (track.*rows)());
     all.insert(all.end(), own.begin(), own.end());
   }
   return all;
@@ -63,7 +63,7 @@ void LogStream::begin() {
   // Like the tracks of a recording: "control" first.
   std::stable_partition(tracks_.begin(), tracks_.end(),
                         [](const Track& track) { return track.name() == "control"; });
-  datasets_ = datasets_of(tracks_, &Track::room);
+  datasets_ = all_datasets(tracks_, &Track::room);
   // A process that is killed before all times are NaN leaves no log.
   const fs::path unfinished = folder_ / ".log.h5.partial";
   try {
@@ -136,7 +136,7 @@ fs::path LogStream::finish(const std::vector<Track>& tracks) {
     return log;
   }
   write_rows();
-  const std::vector<LogEntry> whole = datasets_of(tracks, &Track::rows);
+  const std::vector<LogEntry> whole = all_datasets(tracks, &Track::rows);
   if (std::equal(whole.begin(), whole.end(), datasets_.begin(), datasets_.end(), same_dataset)) {
     return log;
   }

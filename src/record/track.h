@@ -51,8 +51,6 @@ class Track {
   /// Name, unit, description and width of a signal. Its values are not valid after the run.
   const Signal& signal(std::size_t i) const { return signals_[i]; }
 
-  const std::vector<Signal>& all_signals() const { return signals_; }
-
   // These need the rows in memory, so a streamed track does not have them.
 
   /// The times of all rows [s].
