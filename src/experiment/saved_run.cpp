@@ -77,7 +77,7 @@ void SavedRun::read() {
   config_text_ = config.str();
   check_file(folder_, "config.toml");
   if (!failure()) metrics_ = read_metrics(folder_);
-  const bool is_known = check_log(folder_);
+  const bool is_known = check_file(folder_, "log.h5");
   if (!is_known) {
     const bool is_whole = !manifest_.is_unfinished;
     read_log([&](const std::string& log) { check_foreign_log(log, is_whole); });

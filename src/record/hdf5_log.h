@@ -64,7 +64,7 @@ std::vector<std::uint64_t> lay_out_hdf5_log(const std::string& file,
 
 /// The readers check types, sizes and that the data are in the file. They do not follow links, and
 /// read texts of variable length (version 0.1) as empty. A damaged file may still be misread or
-/// crash HDF5, so call check_log() first. Without a hash, call check_foreign_log().
+/// crash HDF5, so call check_file() first. Without a hash, call check_foreign_log().
 
 /// All signals of a log, by group and name. Throws std::invalid_argument if it is no log.
 /// Thread-safe.

@@ -311,10 +311,6 @@ void check_has_files(const fs::path& folder) {
   }
 }
 
-bool check_log(const fs::path& folder) {
-  return check_file(folder, "log.h5");
-}
-
 RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
     : target_(followed(without_slash(target))) {
   const std::lock_guard lock(in_this_process);

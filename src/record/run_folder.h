@@ -93,7 +93,6 @@ void read_whole(const std::filesystem::path& folder, const std::function<void()>
 /// manifest.json. Returns whether the manifest has one: `config_hash` of config.toml. Versions
 /// before 0.2 wrote none, and 0.2 only `log_hash`.
 bool check_file(const std::filesystem::path& folder, const char* file);
-bool check_log(const std::filesystem::path& folder);
 /// Throws std::invalid_argument, one line, if a run has no config.toml or log.h5, or an empty one.
 void check_has_files(const std::filesystem::path& folder);
 

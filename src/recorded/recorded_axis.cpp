@@ -9,7 +9,6 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -197,18 +196,18 @@ class Repair {
     }
   }
 
-  void fill_inputs() {
-    Lines missing;
-    std::optional<std::size_t> first;
-    for (std::size_t k = 0; k < rows_.size(); ++k) {
-      if (std::isnan(rows_[k].input)) {
-        missing.push_back(rows_[k].line);
-      } else if (!first) {
-        first = k;
-      }
+  Lines lines_without(double Row::*number, const char* name) const {
+    Lines lines;
+    for (const Row& row : rows_) {
+      if (std::isnan(row.*number)) lines.push_back(row.line);
     }
+    if (lines.size() < rows_.size()) return lines;
+    throw std::invalid_argument(file_ + ": no row has " + name);
+  }
+
+  void fill_inputs() {
+    const Lines missing = lines_without(&Row::input, "an input");
     if (missing.empty()) return;
-    if (!first) throw std::invalid_argument(file_ + ": no row has an input");
     const bool is_held = is_many(missing.size());
     std::size_t next = 0;  // the next row with an input
     for (std::size_t k = 0; k < rows_.size(); ++k) {
@@ -216,7 +215,7 @@ class Repair {
       next = std::max(next, k);
       while (next < rows_.size() && std::isnan(rows_[next].input)) ++next;
       if (k == 0) {
-        rows_[k].input = rows_[*first].input;
+        rows_[k].input = rows_[next].input;
       } else if (is_held || next == rows_.size()) {
         rows_[k].input = rows_[k - 1].input;
       } else {
@@ -231,14 +230,8 @@ class Repair {
   }
 
   void take_positions() {
-    Lines missing;
-    for (const Row& row : rows_) {
-      if (std::isnan(row.position)) missing.push_back(row.line);
-    }
+    const Lines missing = lines_without(&Row::position, "a position");
     if (missing.empty()) return;
-    if (missing.size() == rows_.size()) {
-      throw std::invalid_argument(file_ + ": no row has a position");
-    }
     const bool is_rate = is_many(missing.size());
     std::vector<Row> kept;
     for (std::size_t k = 0; k < rows_.size();) {
@@ -487,11 +480,6 @@ double encoder_quantum(std::span<const double> positions) {
   return 0.0;
 }
 
-RecordedAxis repaired(const std::string& file, const ColumnTable& table,
-                      const std::string& time_column) {
-  return Repair(file, table, time_column).result();
-}
-
 std::vector<std::string> RecordedAxis::warnings(const std::string& file) const {
   std::vector<std::string> lines;
   if (!repairs.empty()) {
@@ -502,12 +490,12 @@ std::vector<std::string> RecordedAxis::warnings(const std::string& file) const {
 }
 
 RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& format) {
-  ColumnTable table = read_columns(file,
-                                   {{format.time_column, "csv.time_column"},
-                                    {format.input_column, "csv.input_column"},
-                                    {format.position_column, "csv.position_column"}},
-                                   TableKind::laboratory);
-  RecordedAxis axis = repaired(file, table, format.time_column);
+  const ColumnTable table = read_columns(file,
+                                         {{format.time_column, "csv.time_column"},
+                                          {format.input_column, "csv.input_column"},
+                                          {format.position_column, "csv.position_column"}},
+                                         TableKind::laboratory);
+  RecordedAxis axis = Repair(file, table, format.time_column).result();
   const auto multiply = [](std::vector<double>& values, double scale) {
     for (double& value : values) value *= scale;
   };

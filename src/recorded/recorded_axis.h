@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/config/column_table.h>
-
 namespace breakwater {
 
 /// The largest Δ with which all differences between successive positions are whole counts, within
@@ -46,7 +44,8 @@ struct RecordedAxis {
   std::vector<std::string> warnings(const std::string& file) const;
 };
 
-/// Repairs the columns time, input and position of a table, in the file's units, and counts it:
+/// Reads a table of a laboratory (column_table.h). Repairs its columns time, input and position, in
+/// the file's units, and counts it:
 /// - rows without a time are left out
 /// - rows out of order are sorted, if they are few and close to their place
 /// - repeated rows are left out; stamps of a coarse clock are spread evenly
@@ -56,14 +55,8 @@ struct RecordedAxis {
 /// - a counter that wraps is unwrapped, and one that is reset to 0 goes on; a single position far
 ///   from both neighbours is left out
 ///
-/// Throws std::invalid_argument `FILE[:LINE]: reason` if the times start again, a column has no
-/// number, or fewer than two rows are left. `time_column` is its name in messages.
-RecordedAxis repaired(const std::string& file, const ColumnTable& table,
-                      const std::string& time_column);
-
-/// Reads a table of a laboratory (column_table.h) and repairs it.
-///
-/// Throws std::invalid_argument as read_columns() and repaired() do.
+/// Throws std::invalid_argument as read_columns() does, and `FILE[:LINE]: reason` if the times
+/// start again, a column has no number, or fewer than two rows are left.
 RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& format = {});
 
 /// The regularity of the sampling. Nothing is interpolated: an interval is a period or a gap.

@@ -55,7 +55,7 @@ void read_run_manifest(const std::string& text) {
   const ListedFolder run = list_run(fuzz::folder().path());
   fuzz::require(is_run || run.status == "damaged", "a run has a manifest");
   note_renderer(fuzz::folder().path(), "0", "video.mp4", "egl");
-  check_log(fuzz::folder().path());
+  check_file(fuzz::folder().path(), "log.h5");
 }
 
 void read_run_metrics(const std::string& text) {

@@ -177,26 +177,26 @@ TEST_F(DamagedLog, IsDetectedByTheManifest) {
     write_small_log(log_, deflate_level);
     write_bytes(folder_ / "manifest.json",
                 manifest + R"(, "log_hash": ")" + file_hash(log_) + R"("})");
-    EXPECT_TRUE(check_log(folder_));
+    EXPECT_TRUE(check_file(folder_, "log.h5"));
     const std::string whole = testing::text_of(log_);
     for (unsigned seed = 0; seed < 400; ++seed) {
       const std::string bytes = damaged(whole, seed);
       if (bytes == whole) continue;
       write_bytes(log_, bytes);
-      EXPECT_REFUSED(check_log(folder_)) << seed;
+      EXPECT_REFUSED(check_file(folder_, "log.h5")) << seed;
     }
     write_bytes(log_, whole.substr(0, whole.size() - 1));
-    EXPECT_REFUSED(check_log(folder_));
+    EXPECT_REFUSED(check_file(folder_, "log.h5"));
   }
-  EXPECT_EQ(complaint_of([&] { check_log(folder_); }),
+  EXPECT_EQ(complaint_of([&] { check_file(folder_, "log.h5"); }),
             log_.string() + ": is damaged: it is not what the run wrote; run it again");
   for (const char* hash : {"null", "1", "{}", R"("")"}) {
     write_bytes(folder_ / "manifest.json", manifest + R"(, "log_hash": )" + hash + "}");
-    EXPECT_REFUSED(check_log(folder_)) << hash;
+    EXPECT_REFUSED(check_file(folder_, "log.h5")) << hash;
   }
   // A run of an older version.
   write_bytes(folder_ / "manifest.json", manifest + "}");
-  EXPECT_FALSE(check_log(folder_));
+  EXPECT_FALSE(check_file(folder_, "log.h5"));
 }
 
 TEST_F(DamagedLog, IsRefusedIfItClaimsMoreDataThanItHas) {
