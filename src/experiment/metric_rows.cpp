@@ -242,17 +242,16 @@ MetricRows::OwnRows MetricRows::own_rows() const {
 }
 
 void MetricRows::learn(const Config& config) {
-  const OwnRows known = own_rows();
-  rows_ = known.rows;
-  own_count_ = rows_.size();
+  own_ = own_rows();
+  rows_ = own_.rows;
   is_unchanged_.clear();
   for (const MetricRow& row : rows_) {
-    is_unchanged_.push_back(!has_other_keys(config, known.keys, row.prefix()));
+    is_unchanged_.push_back(!has_other_keys(config, own_.keys, row.prefix()));
   }
   for (MetricRow& one : rows_in(config)) {
-    const bool is_own =
-        std::any_of(known.rows.begin(), known.rows.end(),
-                    [&](const MetricRow& row) { return row.prefix() == one.prefix(); });
+    const bool is_own = std::any_of(own_.rows.begin(), own_.rows.end(), [&](const MetricRow& row) {
+      return row.prefix() == one.prefix();
+    });
     if (!is_own) rows_.push_back(std::move(one));
   }
   is_unchanged_.resize(rows_.size(), false);
@@ -292,7 +291,7 @@ void MetricRows::name_number(const std::string& text, const char* role, const st
 }
 
 void MetricRows::bind(Fields& fields) {
-  if (scenario_) fields.alias(scenario_->scenario_file()->aliases());
+  fields.alias(own_.keys.aliases());
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     is_unchanged_[i] ? fields.leave(rows_[i].prefix()) : rows_[i].bind(fields, kinds_);
   }
@@ -344,7 +343,7 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
         config.fail(end, "must be later than " + row.from_s);
       }
     }
-    if (i >= own_count_ && row.to_s != kZero && from.is_constant() && to.is_constant() &&
+    if (i >= own_.rows.size() && row.to_s != kZero && from.is_constant() && to.is_constant() &&
         to.value() <= from.value()) {
       own.fail("to_s", "must be later than from_s, or 0 for the end of the run");
     }

@@ -124,7 +124,7 @@ class MetricRows {
   std::shared_ptr<const ScenarioKind> scenario_;
   std::vector<MetricKind> kinds_ = standard_metric_kinds();
   std::vector<MetricRow> rows_;  // the scenario's own ones come first
-  std::size_t own_count_ = 0;
+  OwnRows own_;
   std::vector<bool> is_unchanged_;  // one for each row
   std::vector<std::string> unmet_;
   std::map<std::string, Number> numbers_;
