@@ -28,10 +28,6 @@ Config config_of(const fs::path& folder, const std::string& scenario,
   return ScenarioFile((folder / "config.toml").string(), scenario).config(case_name);
 }
 
-Config config_of(const SavedRun& run) {
-  return config_of(run.folder(), run.scenario(), run.case_name());
-}
-
 // " with mine": the label must show that a run does not have its case's own part.
 std::string parts_in_words(const std::vector<ChangedKey>& changed) {
   std::string words;
@@ -86,7 +82,7 @@ std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs) {
   std::vector<Config> configs;
   std::set<std::string> keys;
   for (const SavedRun& run : runs) {
-    configs.push_back(config_of(run));
+    configs.push_back(config_of(run.folder(), run.scenario(), run.case_name()));
     for (const auto& [key, entry] : configs.back().entries()) keys.insert(key);
   }
   std::vector<DifferingKey> differing;

@@ -122,7 +122,6 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   summary.case_name = run.case_name;
   summary.folder = folder.target();
   summary.metrics = recording.metrics;
-  summary.is_as_shipped = false;
   fmt::print("{} {}: {:.6g} s of {}\nresults: {}\n\n{}", kEstimate, name, recording.simulated_s,
              csv, folder.target().string(), metrics_table(kEstimate, summary, catalogue));
   return kSuccess;
