@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <breakwater/config/config.h>
+#include <breakwater/config/names.h>
 
 namespace breakwater {
 
@@ -140,13 +141,10 @@ class Fields {
 
   /// Several options may have the same meaning. The first of them is printed.
   template <typename Enum>
-  void choice(const std::string& key, Enum& target,
-              std::vector<std::pair<std::string, Enum>> options, const std::string& doc) {
-    std::vector<std::string> names;
-    for (const auto& option : options) names.push_back(option.first);
-    const auto all = std::make_shared<const decltype(options)>(std::move(options));
+  void choice(const std::string& key, Enum& target, Names<Enum> options, const std::string& doc) {
+    const auto all = std::make_shared<const Names<Enum>>(std::move(options));
     add_choice(
-        key, std::move(names), [all, &target](std::size_t i) { target = (*all)[i].second; },
+        key, names_of(*all), [all, &target](std::size_t i) { target = (*all)[i].second; },
         [all, &target] {
           for (const auto& [name, value] : *all) {
             if (value == target) return name;
@@ -158,8 +156,8 @@ class Fields {
 
   /// A choice whose default value is the present one of the variable.
   template <typename Enum>
-  void optional_choice(const std::string& key, Enum& target,
-                       std::vector<std::pair<std::string, Enum>> options, const std::string& doc) {
+  void optional_choice(const std::string& key, Enum& target, const Names<Enum>& options,
+                       const std::string& doc) {
     choice(key, target, options, doc);
     for (const auto& [name, value] : options) {
       if (value == target) return standard(key, {name});

@@ -195,12 +195,6 @@ PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioF
   return run;
 }
 
-PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
-                        const ScenarioFile& file, const std::string& case_name,
-                        const std::vector<std::string>& sets) {
-  return prepare_scenario(make_scenario(catalogue, scenario), file, case_name, sets);
-}
-
 bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run) {
   const auto& kind = catalogue.get<ScenarioKind>(run.scenario->name());
   const auto file = kind.scenario_file();

@@ -56,9 +56,11 @@ PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioF
                              const std::string& called = "");
 
 /// The same by the scenario's name.
-PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
-                        const ScenarioFile& file, const std::string& case_name,
-                        const std::vector<std::string>& sets);
+inline PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
+                               const ScenarioFile& file, const std::string& case_name,
+                               const std::vector<std::string>& sets) {
+  return prepare_scenario(make_scenario(catalogue, scenario), file, case_name, sets);
+}
 
 /// Whether the run has the configuration of Breakwater's own case with its name. The seed and the
 /// record of the log may differ.
