@@ -249,7 +249,7 @@ struct Batch {
 };
 
 // `table` returns the text to print about the runs in `out`; an empty text prints nothing.
-int run_batch(const Call& call, Batch& batch,
+int run_batch(const Call& call, const Batch& batch,
               const std::function<std::string(const std::vector<RunSummary>&,
                                               const std::string& out)>& table) {
   const Arguments& arguments = call.arguments;
@@ -263,7 +263,6 @@ int run_batch(const Call& call, Batch& batch,
   for (const std::string& place : batch.places) folders.push_back(below(place));
 
   if (!arguments.quiet) print_warnings(call.scenario, batch.runs);
-  for (PreparedRun& run : batch.runs) run.is_as_shipped = is_as_shipped(call.catalogue, run);
   const std::vector<RunSummary> summaries = execute_runs(
       batch.runs, folders, {arguments.csv, arguments.quiet, &interrupted(), &call.models});
   report(call.scenario, summaries, arguments.quiet);
@@ -304,6 +303,7 @@ int run_cases(const Call& call) {
     fmt::print("{}", batch.runs.front().config_text);
     return kSuccess;
   }
+  for (PreparedRun& run : batch.runs) run.is_as_shipped = is_as_shipped(call.catalogue, run);
   return run_batch(
       call, batch, [&](const std::vector<RunSummary>& runs, const std::string& out) -> std::string {
         if (several) {
