@@ -97,13 +97,15 @@ std::vector<MetricRow> rows_in(const Config& config) {
   return rows;
 }
 
-// Whether a run's file gives a row other keys than the scenario's own file. An alias may do so too.
+// Whether a run gives a row other keys than the scenario's own file. A case, --set and an alias may
+// do so with each value: all points of a study then have the same keys.
 bool has_other_keys(const Config& config, const Config& own, const std::string& prefix) {
   const auto is_of_row = [&](const auto& alias) { return alias.second.starts_with(prefix); };
   const auto is_other = [&](const auto& entry) {
     if (!entry.first.starts_with(prefix)) return false;
     const ConfigEntry* known = own.find(entry.first);
-    return known == nullptr || toml_value(entry.second.value) != toml_value(known->value);
+    return known == nullptr || entry.second.rank() > 0 ||
+           toml_value(entry.second.value) != toml_value(known->value);
   };
   return std::ranges::any_of(config.aliases(), is_of_row) ||
          std::ranges::any_of(own.aliases(), is_of_row) ||
