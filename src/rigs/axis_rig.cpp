@@ -330,36 +330,28 @@ std::vector<Signal> AxisRig::signals() const {
     const AxisUnits& u = axis.units;
     const auto add = [&](const std::string& name, const std::string& unit, const std::string& what,
                          const double& value) {
-      signals.push_back({axis.own(name), unit, what, view(value)});
+      signals.push_back({axis.own(name + unit_suffix(unit)), unit, what, view(value)});
     };
-    add("position_true_" + u.position_suffix, u.position, "position, true", position(i));
-    add("velocity_true_" + u.velocity_suffix, u.velocity, "velocity, true", velocity(i));
-    add("d_true_" + u.force_suffix, u.force,
+    add("position_true", u.position, "position, true", position(i));
+    add("velocity_true", u.velocity, "velocity, true", velocity(i));
+    add("d_true", u.force,
         "true disturbance with the dry friction of the joint, which opposes the drive",
         disturbance(i));
-    add("position_measured_" + u.position_suffix, u.position, "sampled position", measured(i));
-    if (!axis.name.empty()) {
-      add("reference_" + u.position_suffix, u.position, "reference", axes_[i].reference);
-    }
+    add("position_measured", u.position, "sampled position", measured(i));
+    if (!axis.name.empty()) add("reference", u.position, "reference", axes_[i].reference);
     if (axis.is_driven()) {
-      add("command_" + u.force_suffix, u.force, "commanded input", command(i));
-      add("applied_" + u.force_suffix, u.force, "applied input, saturated and rounded",
-          actuation(i));
+      add("command", u.force, "commanded input", command(i));
+      add("applied", u.force, "applied input, saturated and rounded", actuation(i));
     }
     if (axis.is_driven() && plant_.axes[i].drive.electric.is_on()) {
-      add("current_A", "A", "current of the motor", current_A(i));
-      add("motor_" + u.force_suffix, u.force, "true force of the motor", motor_force(i));
+      add("current", "A", "current of the motor", current_A(i));
+      add("motor", u.force, "true force of the motor", motor_force(i));
     }
-    if (axes_[i].friction) {
-      add("friction_" + u.force_suffix, u.force, "dry friction", friction(i));
-    }
+    if (axes_[i].friction) add("friction", u.force, "dry friction", friction(i));
     if (!axes_[i].transmission) continue;
-    add("motor_position_" + u.position_suffix, u.position, "position of the motor, true",
-        motor_position(i));
-    add("motor_velocity_" + u.velocity_suffix, u.velocity, "velocity of the motor, true",
-        motor_velocity(i));
-    add("transmission_" + u.force_suffix, u.force, "the transmission's force on the load",
-        transmitted(i));
+    add("motor_position", u.position, "position of the motor, true", motor_position(i));
+    add("motor_velocity", u.velocity, "velocity of the motor, true", motor_velocity(i));
+    add("transmission", u.force, "the transmission's force on the load", transmitted(i));
   }
   signals.push_back({"saturated", "1", "1 where the drive is at its limit", view(saturated_)});
   for (std::size_t i = 0; i < pushes_.size(); ++i) {
