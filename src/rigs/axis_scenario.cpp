@@ -27,7 +27,6 @@ AxisScenario::AxisScenario(const Catalogue& catalogue, AxisScenarioDesign design
     axis_parts_.emplace_back(catalogue, design_.controller);
   } else {
     whole_.emplace(catalogue_, design_.is_arm ? "" : "axes", design_.is_arm ? "idob" : "none");
-    add_parts();
   }
 }
 
@@ -36,18 +35,13 @@ void AxisScenario::learn(const Config& config) {
     config.fail("model.urdf", "is missing: the URDF file of the arm");
   }
   Scenario::learn(config);
-  if (!whole_) return;
-  plant_.learn(config);
-  add_parts();
-}
-
-void AxisScenario::add_parts() {
-  while (!design_.is_arm && axis_parts_.size() < plant_.axes.size()) {
-    axis_parts_.emplace_back(catalogue_, "none", "none");
-  }
+  if (whole_) plant_.learn(config);
 }
 
 Fields AxisScenario::fields() {
+  while (!design_.is_arm && axis_parts_.size() < plant_.axes.size()) {
+    axis_parts_.emplace_back(catalogue_, "none", "none");
+  }
   Fields fields;
   plant_.bind(fields);
   if (whole_) whole_->bind(fields);

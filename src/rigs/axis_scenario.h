@@ -106,7 +106,6 @@ class AxisScenario : public Scenario {
   PlantTask check_whole(const Config& config);
   void warn_of_missing_signals(const Config& config, const PlantTask& task);
   RigRun make_run(AxisRig& rig, const AxisLoop& loop) const;
-  void add_parts();  // gives named axes the parts that they lack
   /// Whether the axis has a controller of its own.
   bool has_own_loop(std::size_t i) const;
   /// The axes' own controllers, with `other` at the axis `replaced` if it is there.
