@@ -197,30 +197,26 @@ ArmSetup planar_setup(const AxisPlant& plant) {
 }
 
 // An arm's controller and the keys that a plant adds to it.
-class TipPart {
- public:
-  explicit TipPart(ArmControllerKind::Part own) : own_(std::move(own)) {}
+struct TipPart {
+  ArmControllerKind::Part own;
+  double convert_gain_per_m = 10.0;
+  double k_posture = ArmTask().k_posture;
+  ObserverFeed feed = ObserverFeed::clipped;
 
   void bind(Fields& fields) {
-    own_.bind(fields);
-    fields.optional_number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
+    own.bind(fields);
+    fields.optional_number("force.convert_gain_per_m", convert_gain_per_m, positive(),
                            "factor of the force gain: K_f is this value times the reference [1/m]");
-    fields.optional_number("controller.k_posture", k_posture_, not_negative(),
+    fields.optional_number("controller.k_posture", k_posture, not_negative(),
                            "stiffness to the start angles of the motion that the tip does not "
                            "feel; its damping is critical [1/s^2]");
     fields.optional_choice(
-        "observer.feed", feed_,
+        "observer.feed", feed,
         {{"clipped", ObserverFeed::clipped}, {"unclipped", ObserverFeed::unclipped}},
         "torque that the observer gets: after saturation (clipped) or before it (unclipped)");
   }
 
-  std::unique_ptr<Controller> make(const PlantTask& task,
-                                   std::shared_ptr<DisturbanceEstimator> estimator) const {
-    return own_.make(setup(task, std::move(estimator)));
-  }
-
- private:
-  ArmSetup setup(const PlantTask& task, std::shared_ptr<DisturbanceEstimator> estimator) const {
+  std::unique_ptr<Controller> make(const PlantTask& task, SharedEstimator estimator) const {
     ArmSetup arm = task.tip();
     if (!estimator) throw WrongKey("observer.name", "needs an estimator for each joint");
     if (task.axes.front().senses_true_state) {
@@ -229,25 +225,20 @@ class TipPart {
     AccelerationControlDesign& joints = arm.acceleration;
     joints.torque_limit_Nm = task.limit;
     joints.make_observer = [estimator = std::move(estimator)] { return estimator; };
-    joints.feed = feed_;
+    joints.feed = feed;
     joints.period_s = task.whole.period_s;
     arm.task.start_pose = arm.chain->tip_pose(arm.task.start_angles_rad);
-    arm.task.k_posture = k_posture_;
+    arm.task.k_posture = k_posture;
     const Reference& force = task.force.reference;
-    if (std::isinf(force.from_s)) return arm;
+    if (std::isinf(force.from_s)) return own.make(arm);
     if (!(force.value > 0.0)) {
       throw WrongKey("force.reference_N", "must be positive: the tip presses on the wall");
     }
     arm.task.force_control_from_s = force.from_s;
     arm.task.force_reference_N = force.value;
-    arm.task.convert_gain_N_m = convert_gain_per_m_ * force.value;
-    return arm;
+    arm.task.convert_gain_N_m = convert_gain_per_m * force.value;
+    return own.make(arm);
   }
-
-  ArmControllerKind::Part own_;
-  double convert_gain_per_m_ = 10.0;
-  double k_posture_ = ArmTask().k_posture;
-  ObserverFeed feed_ = ObserverFeed::clipped;
 };
 
 }  // namespace
@@ -313,12 +304,11 @@ Catalogue with_none(Catalogue catalogue, bool is_arm) {
     // A controller in Python is of all kinds.
     if (catalogue.has<PlantControllerKind>(kind.name)) continue;
     PlantControllerKind of_plant(kind.name, kind.help, [kind] {
-      const auto part = std::make_shared<TipPart>(kind.settings());
-      return PlantControllerKind::Part{
-          [part](Fields& fields) { part->bind(fields); },
-          [part](const PlantTask& task, std::shared_ptr<DisturbanceEstimator> estimator) {
-            return part->make(task, std::move(estimator));
-          }};
+      const auto part = std::make_shared<TipPart>(TipPart{kind.settings()});
+      return PlantControllerKind::Part{[part](Fields& fields) { part->bind(fields); },
+                                       [part](const PlantTask& task, SharedEstimator estimator) {
+                                         return part->make(task, std::move(estimator));
+                                       }};
     });
     of_plant.moves_tip = true;
     catalogue.add(std::move(of_plant));
