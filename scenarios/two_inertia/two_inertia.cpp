@@ -4,13 +4,6 @@
 namespace breakwater {
 namespace {
 
-// The axis is the load. Its motor has the same actuator as models/motor.xml.
-Axis load_axis() {
-  Axis axis = motor_axis();
-  axis.joint = "load";
-  return axis;
-}
-
 // A motor turns a load through a spring, with an encoder on the motor. The question is how well a
 // controller moves the load, holds it under a torque, and reverses it through a backlash.
 class TwoInertiaDrive final : public AxisScenario {
@@ -19,7 +12,7 @@ class TwoInertiaDrive final : public AxisScenario {
       : AxisScenario(catalogue, {.name = "two_inertia",
                                  .summary = "a motor and a load with a spring between them: "
                                             "vibration, load torque, backlash",
-                                 .axis = load_axis(),
+                                 .axis = named_axis("", "load", "motor", true),
                                  .controller = "pd",
                                  .totals = qp_totals}) {
     plant_.axis().has_disturbance_keys = false;

@@ -32,11 +32,6 @@ std::string position_units(const Model& model, int joints) {
   return is_one ? units.front() : fmt::format("{}", fmt::join(units, ", "));
 }
 
-// Whether the model file leaves the engine's dry friction on.
-bool has_friction(const mjModel& model) {
-  return (model.opt.disableflags & (mjDSBL_FRICTIONLOSS | mjDSBL_CONSTRAINT)) == 0;
-}
-
 }  // namespace
 
 AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
@@ -53,6 +48,8 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
   std::vector<double> qpos = plant.start_pose(model);
   std::vector<double> qvel(static_cast<std::size_t>(model->nv), 0.0);
   std::vector<Eigen::Index> driven;
+  const bool has_friction =
+      (model->opt.disableflags & (mjDSBL_FRICTIONLOSS | mjDSBL_CONSTRAINT)) == 0;
   for (const AxisSettings& one : plant.axes) {
     const int joint = model.id(mjOBJ_JOINT, one.axis.joint);
     const auto at = static_cast<std::size_t>(model->jnt_qposadr[joint]);
@@ -72,7 +69,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     const double coulomb = model->dof_frictionloss[model->jnt_dofadr[model.id(mjOBJ_JOINT, rubs)]];
     std::unique_ptr<FrictionLaw> law = one.drive.friction->make(coulomb);
     // The engine's own friction has the bits of this law, which knows its force.
-    if (!law && plant.knows_disturbances && coulomb > 0.0 && has_friction(*model.get())) {
+    if (!law && plant.knows_disturbances && coulomb > 0.0 && has_friction) {
       law = std::make_unique<LoadDependentFriction>(coulomb, 0.0);
     }
     const bool rubs_load = rubs == one.axis.joint;
@@ -143,15 +140,13 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
   }
 }
 
-void AxisRig::set_solid() {
-  if (wall() != nullptr) contacts_.front().wall->set_solid(true);
-  if (collides_) simulation_->set_collidable(*collides_, true);
-}
-
 void AxisRig::step() {
   const std::int64_t k = simulation_->steps();
   const double time_s = simulation_->time_of(k);
-  if (k == solid_from_) set_solid();
+  if (k == solid_from_) {
+    if (wall() != nullptr) contacts_.front().wall->set_solid(true);
+    if (collides_) simulation_->set_collidable(*collides_, true);
+  }
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     DrivenAxis& axis = axes_[i];
     axis.reference = plant_.axes[i].reference.at(time_s);

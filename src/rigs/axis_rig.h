@@ -169,7 +169,6 @@ class AxisRig {
     WallContact* wall;  // null: the contact is the engine's alone
   };
 
-  void set_solid();  // the contact that is switched on later
   std::vector<RigRun::Judged> judged() const;
   // After the first step: the contacts that began with a force.
   std::vector<std::string> overlaps() const;
@@ -178,7 +177,7 @@ class AxisRig {
 
   AxisPlant plant_;
   int steps_per_sample_;
-  std::int64_t solid_from_ = -1;  // step at which that contact is switched on ...
+  std::int64_t solid_from_ = -1;  // step at which a contact is switched on ...
   std::optional<int> collides_;   // ... and its wall, if it is the engine's
   Controller& controller_;
   std::vector<DrivenAxis> axes_;

@@ -59,21 +59,19 @@ Axis named_axis(const std::string& name, const std::string& joint, const std::st
           .joint = joint,
           .actuator = actuator,
           .position_sensor = Axis::kJoint,
-          .channel = name,
+          .channel = !name.empty() ? name
+                     : is_hinge    ? "angle"
+                                   : "position",
           .counts_pulses = is_hinge,
           .units = is_hinge ? rotation_units() : translation_units()};
 }
 
 Axis motor_axis() {
-  Axis axis = named_axis("", "shaft", "motor", true);
-  axis.channel = "angle";
-  return axis;
+  return named_axis("", "shaft", "motor", true);
 }
 
 Axis cart_axis() {
-  Axis axis = named_axis("", "rail", "drive", false);
-  axis.channel = "position";
-  return axis;
+  return named_axis("", "rail", "drive", false);
 }
 
 void AxisSettings::bind_nominal(Fields& fields) {
@@ -500,18 +498,6 @@ Model AxisPlant::load_model(const Config* config) const {
   return model;
 }
 
-// A file with the keys of a law means to have one.
-void AxisPlant::check_law_is_chosen(const ContactSettings& contact, const Config& config) {
-  const std::string begin = contact.prefix();
-  if (!contact.is_of_file() || config.find(begin + "law") != nullptr) return;
-  for (const auto& [key, entry] : config.entries()) {
-    if (!key.starts_with(begin) || !entry.given.empty()) continue;
-    const std::string own = key.substr(begin.size());
-    if (own.starts_with("geom_") || own.starts_with("wall.")) continue;
-    config.fail(key, "needs " + begin + "law");
-  }
-}
-
 void AxisPlant::check_contacts(const Model& model, const Config& config) const {
   std::map<std::string, std::string> authored;  // the geoms whose parameters a law sets
   std::map<std::pair<std::string, std::string>, std::string> known;
@@ -528,7 +514,14 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
                  fmt::format("contact \"{}\" tilts \"{}\" already", other->second, other->first));
       }
     }
-    check_law_is_chosen(one, config);
+    // A file with the keys of a law means to have one.
+    const bool lacks_law = one.is_of_file() && own.find("law") == nullptr;
+    for (const auto& [key, entry] : config.entries()) {
+      if (!lacks_law || !key.starts_with(one.prefix()) || !entry.given.empty()) continue;
+      const std::string rest = key.substr(one.prefix().size());
+      if (rest.starts_with("geom_") || rest.starts_with("wall.")) continue;
+      config.fail(key, "needs " + one.prefix() + "law");
+    }
     const int first = geom_id(model, one.geom_1), second = geom_id(model, one.geom_2);
     const bool may_touch = (model->geom_contype[first] & model->geom_conaffinity[second]) != 0 ||
                            (model->geom_contype[second] & model->geom_conaffinity[first]) != 0;

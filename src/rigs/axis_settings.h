@@ -59,7 +59,7 @@ int actuator_id(const Model& model, const Axis& axis);
 Axis motor_axis();
 Axis cart_axis();
 
-/// An axis of a plant whose file names its axes.
+/// An axis of a plant whose file names its axes, or the only axis of a plant.
 Axis named_axis(const std::string& name, const std::string& joint, const std::string& actuator,
                 bool is_hinge);
 
@@ -249,7 +249,6 @@ struct AxisPlant {
   Model load_model(const Config* config) const;  // checks the names of the keys, if it is there
   Model model_of_file() const;  // load_model() without the keys plant.… and the tool
   void check_names(const Model& model, const Config& config) const;
-  static void check_law_is_chosen(const ContactSettings& contact, const Config& config);
   void check_contacts(const Model& model, const Config& config) const;
   void check_tip(const Model& model, const Config& config) const;
 

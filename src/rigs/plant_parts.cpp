@@ -113,13 +113,6 @@ Eigen::Isometry3d frame_of(const mjtNum* position, const mjtNum* quaternion) {
   return frame;
 }
 
-// A frame with this x axis.
-Eigen::Matrix3d along(const Eigen::Vector3d& x, const Eigen::Vector3d& across) {
-  Eigen::Matrix3d frame;
-  frame << x, across, x.cross(across);
-  return frame;
-}
-
 // A frame in a body.
 struct Tip {
   int body = 0;
@@ -262,7 +255,8 @@ ArmSetup tip_setup(const AxisPlant& plant) {
   const Tip touching = {model->geom_bodyid[ball],
                         frame_of(model->geom_pos + 3 * ball, model->geom_quat + 4 * ball)};
   Eigen::Isometry3d contact = frame_of(model->geom_pos + 3 * wall, model->geom_quat + 4 * wall);
-  contact.linear() = along(-contact.linear().col(2), contact.linear().col(1));
+  const Eigen::Vector3d x = -contact.linear().col(2), y = contact.linear().col(1);
+  contact.linear() << x, y, x.cross(y);
   Tip tip = touching;
   if (settings.sensor != TipSettings::kNone) {
     const int site = model->sensor_objid[model.id(mjOBJ_SENSOR, settings.sensor)];

@@ -29,10 +29,6 @@ Eigen::Vector3d vector3(const std::vector<double>& values) {
   return {values[0], values[1], values[2]};
 }
 
-double wrapped(double angle_rad) {
-  return std::remainder(angle_rad, 2.0 * std::numbers::pi);
-}
-
 // 1 if the error stays small in the window, else 0.
 class Converged final : public Reduction {
  public:
@@ -97,7 +93,9 @@ struct Flight {
     if (!loop.estimates()) return;
     const QuadrotorEstimator& estimator = *loop.estimator;
     motion_error = estimator.motion() - motion;
-    for (int i = 3; i < 6; ++i) motion_error(i) = wrapped(motion_error(i));
+    for (double& angle : motion_error.segment<3>(3)) {
+      angle = std::remainder(angle, 2.0 * std::numbers::pi);
+    }
     force_error = estimator.force() - wave_load.head<3>();
     nees = motion_error.dot(estimator.motion_covariance().llt().solve(motion_error));
   }
