@@ -37,9 +37,6 @@ void log_arm(RigRun& run, AxisRig& rig, const AxisLoop& loop, const AxisPlant& p
         name, unit, text, [&rig, of_joint](double, std::size_t i) { return (rig.*of_joint)(i); },
         n);
   };
-  const auto any = [&](auto&& has) {
-    return std::any_of(plant.axes.begin(), plant.axes.end(), has);
-  };
   run.samples_end = false;
   const std::vector<Signal> tip = rig.tip_signals();
   run.fine = {{"qpos", "rad", "the engine's generalised positions", rig.positions()},
@@ -73,22 +70,22 @@ void log_arm(RigRun& run, AxisRig& rig, const AxisLoop& loop, const AxisPlant& p
   if (const WallContact* wall = rig.wall()) {
     add("wall_m", "m", "how far the wall has moved", view(wall->wall_m()));
   }
-  if (any([](const auto& one) { return one.drive.electric.is_on(); })) {
+  if (std::ranges::any_of(plant.axes, [](const auto& one) { return one.drive.electric.is_on(); })) {
     gather("current_A", "A", "currents of the motors", &AxisRig::current_A);
     gather("motor_Nm", "N m", "true torques of the motors", &AxisRig::motor_force);
   }
   if (plant.knows_disturbances) {
     gather("friction_Nm", "N m", "dry friction of the joints", &AxisRig::friction);
   }
-  if (any([](const auto& one) { return one.transmission.is_elastic(); })) {
+  if (std::ranges::any_of(plant.axes,
+                          [](const auto& one) { return one.transmission.is_elastic(); })) {
     gather("motor_q_true_rad", "rad",
            "true angles of the motors over the ratios of their transmissions",
            &AxisRig::motor_position);
     gather("transmission_Nm", "N m", "torques of the transmissions on the joints",
            &AxisRig::transmitted);
   }
-  const std::span<const Signal> of_controller = loop.controller->signals();
-  run.signals.insert(run.signals.end(), of_controller.begin(), of_controller.end());
+  for (const Signal& signal : loop.controller->signals()) run.signals.push_back(signal);
 
   run.for_metrics = {{"x_offset_m", "m", "", view(arm->tip_offset[0])},
                      {"y_offset_m", "m", "", view(arm->tip_offset[1])},

@@ -137,7 +137,7 @@ void AxisScenario::check(const Config& config) {
   for (const ContactSettings& one : plant_.contacts) {
     context.fast_signals.push_back(one.signal(""));
   }
-  const bool has_contact = plant_.tip && plant_.tip->contact != TipSettings::kNone;
+  const bool has_contact = plant_.tip && plant_.tip->contact != Axis::kNone;
   if (has_contact) context.events = {"first_contact", "first_separation"};
   rows_.check(
       config, [this] { return fields(); }, plant_.physics, context);

@@ -471,7 +471,7 @@ Model AxisPlant::load_model(const Config* config) const {
     if (!model.is_motor(actuator)) model.make_motor(actuator);
   }
   model.scale_inertia(inertia_ratio);
-  if (tip && tip->sensor != TipSettings::kNone && tip->tool_mass_kg != 0.0) {
+  if (tip && tip->sensor != Axis::kNone && tip->tool_mass_kg != 0.0) {
     const int sensor = model.id(mjOBJ_SENSOR, tip->sensor);
     model.add_mass(model->site_bodyid[model->sensor_objid[sensor]], tip->tool_mass_kg);
   }
@@ -545,7 +545,7 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
 void AxisPlant::check_tip(const Model& model, const Config& config) const {
   const bool is_known = std::any_of(contacts.begin(), contacts.end(),
                                     [this](const auto& one) { return one.name == tip->contact; });
-  if (!is_known && tip->contact != TipSettings::kNone) {
+  if (!is_known && tip->contact != Axis::kNone) {
     config.fail("tip.contact", "there is no table [contact." + tip->contact + "]");
   }
   for (const AxisSettings& one : axes) {
@@ -558,8 +558,8 @@ void AxisPlant::check_tip(const Model& model, const Config& config) const {
         {"sensor.force_delay_s", tip->raw.electronics.delay_s}}) {
     check_multiple(config, key, time_s, physics.timestep_s, "physics.timestep_s");
   }
-  if (tip->sensor == TipSettings::kNone) {
-    if (tip->contact != TipSettings::kNone) return;
+  if (tip->sensor == Axis::kNone) {
+    if (tip->contact != Axis::kNone) return;
     config.fail("tip.contact", "must name a contact, or tip.sensor a sensor");
   }
   const int sensor = id_of(config, "tip.sensor", model, mjOBJ_SENSOR, tip->sensor);
@@ -793,7 +793,7 @@ void TipSettings::bind(Fields& fields) {
       "sensor.force_tare_at_s", raw.tare_at_s, between(SensorChannel::kNever, 1e9),
       "time whose value, before noise, is taken off all samples from then on; -1: none");
   fields.only_where({"tip.component", "sensor.force_tool_mass_kg", "sensor.force_weighed_kg"},
-                    "tip.sensor names a sensor", [this] { return sensor != kNone; });
+                    "tip.sensor names a sensor", [this] { return sensor != Axis::kNone; });
   if (std::isinf(reference.from_s)) return;
   fields.optional_number("force.filter_time_constant_s", low_pass_s, not_negative(),
                          "time constant of the force sensor's low-pass; 0: none");
@@ -879,7 +879,7 @@ std::array<SensorChannel, 2> TipSettings::channels(const double* contact_force_N
   SensorChannel before = raw;
   before.name = "force_raw";
   before.sensor = sensor;
-  before.source = sensor != kNone ? nullptr : contact_force_N;
+  before.source = sensor != Axis::kNone ? nullptr : contact_force_N;
   before.component = component;
   before.body.resonance_rad_s = 2.0 * std::numbers::pi * resonance_Hz;
   SensorChannel behind = before;

@@ -93,11 +93,9 @@ struct PushSettings {
 
 /// The force sensor of the tip and the reference of its force: keys tip.…, sensor.force_…, force.….
 struct TipSettings {
-  static constexpr const char* kNone = "none";
-
-  std::string contact = kNone;  ///< its force is the true one, if no `touch` is
-  std::string touch;            ///< <touch> of the model with the force of the engine's contact
-  std::string sensor = kNone;   ///< kNone: the force of the contact is measured itself
+  std::string contact = Axis::kNone;  ///< its force is the true one, if no `touch` is
+  std::string touch;  ///< <touch> of the model with the force of the engine's contact
+  std::string sensor = Axis::kNone;  ///< kNone: the force of the contact is measured itself
   int component = 0;
   // The chain of the sensor, each part of which is off at 0.
   double low_pass_s = 0.0;    ///< time constant

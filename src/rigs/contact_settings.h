@@ -30,13 +30,13 @@ std::vector<ContactLawKind> contact_laws();
 class ContactSettings {
  public:
   ContactSettings(std::string its_name, const Catalogue& catalogue)
-      : name(std::move(its_name)), law_(choice_of_law(catalogue, kOfModel)) {}
+      : name(std::move(its_name)), law_(std::make_shared<Laws>(catalogue, "law", kOfModel)) {}
   /// The contact of a scenario that names the geoms itself: keys contact.… and wall.…. It begins
   /// off.
   ContactSettings(const Catalogue& catalogue, std::string geom, std::string plane)
       : geom_1(std::move(geom)),
         geom_2(std::move(plane)),
-        law_(choice_of_law(catalogue, "kelvin_voigt")) {}
+        law_(std::make_shared<Laws>(catalogue, "law", "kelvin_voigt")) {}
 
   std::string name;
   std::string geom_1;
@@ -74,9 +74,6 @@ class ContactSettings {
 
  private:
   using Laws = PartChoice<ContactLawKind>;
-  static std::shared_ptr<Laws> choice_of_law(const Catalogue& catalogue, const char* standard) {
-    return std::make_shared<Laws>(catalogue, "law", standard);
-  }
 
   std::string wall() const { return name.empty() ? "" : prefix(); }  // prefix of the keys wall.…
   void bind_wall(Fields& fields);

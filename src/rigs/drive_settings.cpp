@@ -60,7 +60,7 @@ void TimingSettings::bind(Fields& fields) {
   fields.optional_number("control.delay_s", delays_.delay_s, not_negative(),
                          "delay of the command to the drives, any part of a timestep");
   constexpr const char* kJitter = "control.jitter";
-  fields.optional_choice(kJitter, jitter_, {{"uniform", Jitter::uniform}, {"csv", Jitter::csv}},
+  fields.optional_choice(kJitter, has_file_, {{"uniform", false}, {"csv", true}},
                          "further delay of each command: a random one, or that of a file");
   fields.optional_number("control.jitter_s", delays_.jitter_s, not_negative(),
                          "largest further delay, uniform from 0");
@@ -76,7 +76,7 @@ void TimingSettings::bind(Fields& fields) {
 
 CommandDelays TimingSettings::delays() const {
   CommandDelays delays = delays_;
-  if (jitter_ == Jitter::csv) {
+  if (has_file_) {
     delays.jitter_s = 0.0;
     delays.jitters_s = std::move(read_columns(file_, {{"jitter_s"}}).columns[0]);
     if (delays.jitters_s.empty()) throw std::invalid_argument(file_ + ": has no rows");
@@ -85,7 +85,7 @@ CommandDelays TimingSettings::delays() const {
 }
 
 void TimingSettings::check(const Config& config, const PhysicsSettings& physics) const {
-  const char* key = jitter_ == Jitter::csv ? "control.jitter_file" : "control.delay_s";
+  const char* key = has_file_ ? "control.jitter_file" : "control.delay_s";
   config.blame(
       key, [&] { CommandTiming(delays(), 0, physics.timestep_s, physics.steps_per_sample(), 1); });
 }

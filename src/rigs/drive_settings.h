@@ -61,9 +61,7 @@ class TimingSettings {
   CommandDelays delays() const;
 
  private:
-  enum class Jitter { uniform, csv };
-
-  Jitter jitter_ = Jitter::uniform;
+  bool has_file_ = false;
   CommandDelays delays_;  // without the file
   std::string file_;
 };

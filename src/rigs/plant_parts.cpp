@@ -258,7 +258,7 @@ ArmSetup tip_setup(const AxisPlant& plant) {
   const Eigen::Vector3d x = -contact.linear().col(2), y = contact.linear().col(1);
   contact.linear() << x, y, x.cross(y);
   Tip tip = touching;
-  if (settings.sensor != TipSettings::kNone) {
+  if (settings.sensor != Axis::kNone) {
     const int site = model->sensor_objid[model.id(mjOBJ_SENSOR, settings.sensor)];
     tip = {model->site_bodyid[site],
            frame_of(model->site_pos + 3 * site, model->site_quat + 4 * site)};

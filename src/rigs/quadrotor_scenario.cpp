@@ -25,10 +25,6 @@ constexpr const char* kVehicle = "quadrotor";
 constexpr double kConvergedRmse_m = 0.5;
 constexpr double kConvergedPeak_m = 2.0;
 
-Eigen::Vector3d vector3(const std::vector<double>& values) {
-  return {values[0], values[1], values[2]};
-}
-
 // 1 if the error stays small in the window, else 0.
 class Converged final : public Reduction {
  public:
@@ -50,16 +46,6 @@ class Converged final : public Reduction {
   Eigen::Array3d squares_ = Eigen::Array3d::Zero();  // sums, one for each axis
   double count_ = 0.0;
 };
-
-MetricKind converged() {
-  return {.name = "converged",
-          .meaning =
-              "1 if its norm stays below 2 m and the root mean square of each value below "
-              "0.5 m, else 0",
-          .unit = "1",
-          .make = make_reduction<Converged>,
-          .takes_all = true};
-}
 
 // The values of a flight at a sample, for log and metrics.
 struct Flight {
@@ -138,7 +124,14 @@ struct Flight {
 class QuadrotorScenario final : public Scenario {
  public:
   QuadrotorScenario(const Catalogue& catalogue, const std::string& name, std::string summary)
-      : Scenario(MetricRows(catalogue, name, {converged()})),
+      : Scenario(MetricRows(
+            catalogue, name,
+            {{.name = "converged",
+              .meaning = "1 if its norm stays below 2 m and the root mean square of each value "
+                         "below 0.5 m, else 0",
+              .unit = "1",
+              .make = make_reduction<Converged>,
+              .takes_all = true}})),
         name_(name),
         summary_(std::move(summary)),
         parts_(catalogue, "backstepping", "kalman") {}
@@ -177,13 +170,13 @@ class QuadrotorScenario final : public Scenario {
         consistent_inertia_coefficient().value_or(setup.inertia_coefficient));
     setup.sea.seed = run_.seed;
     setup.sea.gravity_m_s2 = parameters_.gravity_m_s2;
-    setup.current_m_s = vector3(current_m_s_);
+    setup.current_m_s = Eigen::Vector3d(current_m_s_.data());
     return setup;
   }
   QuadrotorTask task() const {
     return {.plant = plant(),
             .period_s = physics_.control_period_s,
-            .reference_m = vector3(reference_m_),
+            .reference_m = Eigen::Vector3d(reference_m_.data()),
             .position_std_m = deviation(V_m_),
             .angle_std_rad = deviation(V_p_),
             .position_noise = V_m_,
@@ -191,7 +184,8 @@ class QuadrotorScenario final : public Scenario {
             .waves = wave_setup()};
   }
   UnderwaterForce water(const Model& model) const {
-    return {model, plant().parameters(), physics_kind_, wave_setup(), vector3(start_m_)};
+    return {model, plant().parameters(), physics_kind_, wave_setup(),
+            Eigen::Vector3d(start_m_.data())};
   }
   SensingSetup sensing() const {
     SensingSetup setup;
@@ -363,9 +357,9 @@ Recording QuadrotorScenario::run(const RunControl& control) const {
   const QuadrotorLoop loop = parts_.make(task());
   Simulation sim(std::move(model), *loop.controller, sensing(), physics_.steps_per_sample());
   sim.add(waves);
-  const Eigen::Vector3d start = vector3(start_m_);
+  const Eigen::Vector3d start = Eigen::Vector3d(start_m_.data());
   sim.set_position(std::vector<double>{start.x(), start.y(), start.z(), 1, 0, 0, 0});
-  Flight flight{sim, waves, loop, vector3(reference_m_)};
+  Flight flight{sim, waves, loop, Eigen::Vector3d(reference_m_.data())};
   const double end_s = run_.duration_s;
   std::vector<Signal> of_metrics = flight.signals_of_metrics();
   for (const Signal& signal : flight.signals()) of_metrics.push_back(signal);
