@@ -27,8 +27,7 @@ std::string position_units(const Model& model, int joints) {
     if (type == mjJNT_FREE) units.insert(units.end(), 3, "m");
     if (has_quaternion) units.insert(units.end(), 4, "1");
   }
-  const bool is_one = std::all_of(units.begin(), units.end(),
-                                  [&](const std::string& unit) { return unit == units.front(); });
+  const bool is_one = std::ranges::count(units, units.front()) == std::ssize(units);
   return is_one ? units.front() : fmt::format("{}", fmt::join(units, ", "));
 }
 
@@ -89,8 +88,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
                        std::make_unique<BodyForce>(
                            model, one.body, Eigen::Map<const Eigen::Vector3d>(one.along.data()))});
   }
-  const auto with_friction = std::count_if(plant.contacts.begin(), plant.contacts.end(),
-                                           [](const auto& one) { return one.has_friction(); });
+  const auto with_friction = std::ranges::count_if(plant.contacts, &ContactSettings::has_friction);
   for (const ContactSettings& one : plant.contacts) {
     if (std::unique_ptr<WallContact> wall = one.make(model)) {
       wall->set_contacts_with_friction(static_cast<int>(with_friction));

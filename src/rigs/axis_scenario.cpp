@@ -152,12 +152,11 @@ void AxisScenario::check(const Config& config) {
   warn_of_missing_signals(config, task);
   if (!design_.is_arm) return;
   // A log with the friction of one joint has that of all.
-  plant_.knows_disturbances =
-      std::any_of(plant_.axes.begin(), plant_.axes.end(), [](const AxisSettings& one) {
-        const Disturbance& d = one.disturbance.shape;
-        return d.kind != DisturbanceKind::none || d.offset != 0.0 || one.input_noise() > 0.0 ||
-               one.drive.friction->make(1.0) != nullptr;
-      });
+  plant_.knows_disturbances = std::ranges::any_of(plant_.axes, [](const AxisSettings& one) {
+    const Disturbance& d = one.disturbance.shape;
+    return d.kind != DisturbanceKind::none || d.offset != 0.0 || one.input_noise() > 0.0 ||
+           one.drive.friction->make(1.0) != nullptr;
+  });
 }
 
 PlantTask AxisScenario::check_whole(const Config& config) {

@@ -280,8 +280,7 @@ void AxisPlant::learn(const Config& config) {
     found.emplace_back(joint, named_axis(name, joint_name, actuator, is_hinge));
     found.back().second.is_replaced = is_replaced;
   }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(found, {}, [](const auto& one) { return one.first; });
   for (auto& [joint, axis] : found) {
     AxisSettings& one = axes.emplace_back(std::move(axis), *catalogue_);
     if (of_chain.contains(one.axis.name)) {
@@ -530,8 +529,7 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
                                      "law that is a force, kelvin_voigt_clipped, needs neither",
                                      one.geom_1, one.geom_2));
     }
-    for (const auto& [key, geom] :
-         {std::pair("geom_1", one.geom_1), std::pair("geom_2", one.geom_2)}) {
+    for (const std::string& geom : {one.geom_1, one.geom_2}) {
       if (one.is_of_file() || !one.is_of_engine()) continue;
       const auto [other, is_first] = authored.emplace(geom, one.name);
       if (is_first) continue;
@@ -543,9 +541,8 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
 }
 
 void AxisPlant::check_tip(const Model& model, const Config& config) const {
-  const bool is_known = std::any_of(contacts.begin(), contacts.end(),
-                                    [this](const auto& one) { return one.name == tip->contact; });
-  if (!is_known && tip->contact != Axis::kNone) {
+  const auto known = std::ranges::find(contacts, tip->contact, &ContactSettings::name);
+  if (known == contacts.end() && tip->contact != Axis::kNone) {
     config.fail("tip.contact", "there is no table [contact." + tip->contact + "]");
   }
   for (const AxisSettings& one : axes) {
@@ -704,8 +701,7 @@ void AxisPlant::check(const Config& config) {
   for (PushSettings& one : pushes) {
     const Config own = config.under(one.prefix());
     id_of(own, "body", of_file, mjOBJ_BODY, one.body);
-    if (one.along.size() != 3 ||
-        (one.along[0] == 0.0 && one.along[1] == 0.0 && one.along[2] == 0.0)) {
+    if (one.along.size() != 3 || one.along == std::vector{0.0, 0.0, 0.0}) {
       own.fail("along", "must be three numbers that are not all 0");
     }
     one.disturbance.load(own);

@@ -48,8 +48,7 @@ struct PlantLqr {
     design.K = blame("controller.q_position",
                      [&] { return dlqr(sampled.A, sampled.B, q.asDiagonal(), R.asDiagonal()).K; });
     for (std::size_t i = 0; i < task.axes.size(); ++i) {
-      const bool is_driven =
-          std::find(task.driven.begin(), task.driven.end(), i) != task.driven.end();
+      const bool is_driven = std::ranges::find(task.driven, i) != task.driven.end();
       design.axes.push_back(
           {task.names[i], task.axes[i].axis.units, task.axes[i].measured_reference(), is_driven});
     }

@@ -241,8 +241,7 @@ ArmSetup tip_setup(const AxisPlant& plant) {
   if (plant.chain) return planar_setup(plant);
   const Model model = plant.nominal_model();
   const TipSettings& settings = *plant.tip;
-  const auto of_tip = std::find_if(plant.contacts.begin(), plant.contacts.end(),
-                                   [&](const auto& one) { return one.name == settings.contact; });
+  const auto of_tip = std::ranges::find(plant.contacts, settings.contact, &ContactSettings::name);
   if (of_tip == plant.contacts.end()) {
     throw std::invalid_argument("needs tip.contact: a contact with a plane");
   }

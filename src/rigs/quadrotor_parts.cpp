@@ -21,6 +21,7 @@ struct KalmanSettings {
   double assumed_period_s = 0.0;
   double torque_arm_m = 0.0;
 
+  bool is_spectrum() const { return design.order == DisturbanceOrder::spectrum; }
   void bind(Fields& fields);
   std::unique_ptr<QuadrotorEstimator> make(const QuadrotorTask& task) const;
 };
@@ -119,14 +120,12 @@ void KalmanSettings::bind(Fields& fields) {
   fields.only_for({"estimator.resonator_damping"}, "estimator.disturbance", {"resonator"});
   fields.only_for({"estimator.wave_force", "estimator.wave_torque_arm_m"}, "estimator.disturbance",
                   {"spectrum"});
-  const auto is_spectrum = [this] { return design.order == DisturbanceOrder::spectrum; };
   fields.only_where({"estimator.resonator_force_std_N"},
                     "estimator.disturbance is resonator, or estimator.wave_force is given",
-                    [this, is_spectrum] { return !is_spectrum() || !estimates_force; });
-  fields.only_where(
-      {"estimator.assumed_period_s"},
-      "estimator.disturbance is resonator, or estimator.wave_frequency is given",
-      [this, is_spectrum] { return !is_spectrum() || !design.estimates_wave_frequency; });
+                    [this] { return !is_spectrum() || !estimates_force; });
+  fields.only_where({"estimator.assumed_period_s"},
+                    "estimator.disturbance is resonator, or estimator.wave_frequency is given",
+                    [this] { return !is_spectrum() || !design.estimates_wave_frequency; });
 }
 
 // The vertical force's spectrum in this sea, scaled to the standard deviation `strength_N`.
@@ -151,7 +150,6 @@ ForceSpectrum force_spectrum(const SeaState& sea, double depth_m, double strengt
 }
 
 ForceSpectrum with_noise_of(const AxisNoise& axis, ForceSpectrum spectrum) {
-  spectrum.noise.clear();
   for (const double omega : spectrum.omega_rad_s) {
     spectrum.noise.push_back(force_noise_density(axis, omega));
   }
@@ -210,7 +208,7 @@ std::unique_ptr<QuadrotorEstimator> KalmanSettings::make(const QuadrotorTask& ta
   SeaState assumed = task.waves.sea;
   if (assumed_period_s > 0.0) assumed.peak_period_s = assumed_period_s;
   made.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -task.reference_m.z());
-  if (made.order == DisturbanceOrder::spectrum) {
+  if (is_spectrum()) {
     blame("estimator.assumed_period_s", [&] { describe_waves(made, *this, assumed, task); });
   }
   return blame("estimator.filter", [&] { return make_quadrotor_estimator(made, task.plant); });
