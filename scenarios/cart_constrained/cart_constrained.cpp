@@ -61,8 +61,7 @@ class CartConstrained final : public AxisScenario {
   }
 
   MetricContext complete(const Config& /*config*/) override {
-    const bool is_pushed = condition_.force_N > 0.0;
-    return {.known = {{"push_s", is_pushed ? plant_.axis().force.start_s : 0.0}}};
+    return {.known = {{"push_s", condition_.force_N > 0.0 ? plant_.axis().force.start_s : 0.0}}};
   }
 
   Condition condition_;

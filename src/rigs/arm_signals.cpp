@@ -26,7 +26,6 @@ void log_arm(RigRun& run, AxisRig& rig, const AxisLoop& loop, const AxisPlant& p
   const auto n = plant.axes.size();
   const Eigen::VectorXd start = plant.reference_at_start();
   const auto arm = std::make_shared<Arm>(Arm{.q_rad = start, .offset_rad = 0.0 * start});
-  const std::span<const double> measured = view(rig.simulation().sample().y);
   const auto add = [&](const char* name, const char* unit, const char* text,
                        std::span<const double> values) {
     run.signals.push_back({name, unit, text, values});
@@ -62,7 +61,7 @@ void log_arm(RigRun& run, AxisRig& rig, const AxisLoop& loop, const AxisPlant& p
   add("y_true_m", "m", "true y of the tip", view(arm->tip[1]));
   add("phi_true_rad", "rad", "true angle of the tip", view(arm->tip[2]));
   run.signals.push_back(run.fine[1]);
-  add("q_measured_rad", "rad", "sampled joint angles", measured.first(n));
+  add("q_measured_rad", "rad", "sampled joint angles", view(rig.simulation().sample().y).first(n));
   run.signals.insert(run.signals.end(), {tip[3], tip[4]});
   gather("torque_command_Nm", "N m", "commanded joint torques", &AxisRig::command);
   gather("torque_applied_Nm", "N m", "joint torques after saturation", &AxisRig::actuation);

@@ -11,10 +11,9 @@ namespace {
 
 constexpr int kNoActuator = -1;
 
-// An axis this far from its pose at the end does not hold it. The far move is a part of the model's
+// An axis this far from its pose at the end does not hold it: in rad, or a part of the model's
 // size.
-constexpr double kFarTurned = 0.5;
-constexpr double kFarMoved = 0.5;
+constexpr double kFar = 0.5;
 
 // "rad", or a list if the positions of the first `joints` have several units.
 std::string position_units(const Model& model, int joints) {
@@ -205,8 +204,7 @@ std::vector<RigRun::Judged> AxisRig::judged() const {
       held.ask(one.reference.value - one.reference.before);
     } else if (one.reference.kind == ReferenceShape::hold && one.is_controlled) {
       held.ask(one.start_position);
-      held.stay_within(one.axis.counts_pulses ? kFarTurned
-                                              : kFarMoved * simulation_->model()->stat.extent);
+      held.stay_within(kFar * (one.axis.counts_pulses ? 1.0 : simulation_->model()->stat.extent));
     }
     judged.push_back({std::move(held), [this, &one, i](HeldReference& position, double time_s) {
                         position.add(time_s, one.reference.at(time_s) -

@@ -273,9 +273,7 @@ void AxisPlant::learn(const Config& config) {
         is_replaced = !m.is_motor(i);
       }
       const std::string chosen = own.text("actuator").value_or("");
-      if (m.has(mjOBJ_ACTUATOR, chosen)) {
-        is_replaced = !m.is_motor(m.id(mjOBJ_ACTUATOR, chosen));
-      }
+      if (m.has(mjOBJ_ACTUATOR, chosen)) is_replaced = !m.is_motor(m.id(mjOBJ_ACTUATOR, chosen));
     }
     found.emplace_back(joint, named_axis(name, joint_name, actuator, is_hinge));
     found.back().second.is_replaced = is_replaced;
@@ -483,9 +481,7 @@ Model AxisPlant::load_model(const Config* config) const {
                     or_file(one.coulomb_friction, model->dof_frictionloss[dof]));
     const bool is_driven = one.axis.is_driven();
     const int actuator = is_driven ? actuator_id(model, one.axis) : -1;
-    if (is_driven && one.drive_limit > 0.0) {
-      model.limit_actuator(actuator, one.force_limit());
-    }
+    if (is_driven && one.drive_limit > 0.0) model.limit_actuator(actuator, one.force_limit());
     if (is_driven || one.transmission.is_elastic()) {
       one.transmission.author(model, one.axis.joint, actuator);
     }
@@ -550,11 +546,10 @@ void AxisPlant::check_tip(const Model& model, const Config& config) const {
       config.under(one.axis.prefix()).fail("joint", "a sensor of the tip has this axis' name");
     }
   }
-  for (const auto& [key, time_s] :
-       {std::pair("sensor.force_period_s", tip->raw.electronics.period_s),
-        {"sensor.force_delay_s", tip->raw.electronics.delay_s}}) {
-    check_multiple(config, key, time_s, physics.timestep_s, "physics.timestep_s");
-  }
+  check_multiple(config, "sensor.force_period_s", tip->raw.electronics.period_s, physics.timestep_s,
+                 "physics.timestep_s");
+  check_multiple(config, "sensor.force_delay_s", tip->raw.electronics.delay_s, physics.timestep_s,
+                 "physics.timestep_s");
   if (tip->sensor == Axis::kNone) {
     if (tip->contact != Axis::kNone) return;
     config.fail("tip.contact", "must name a contact, or tip.sensor a sensor");
@@ -675,9 +670,8 @@ SensingSetup AxisPlant::sensing(const double* contact_force_N) const {
     add_true("true velocity", Reading::joint_velocity);
   }
   if (tip) {
-    for (SensorChannel& channel : tip->channels(contact_force_N)) {
-      setup.channels.push_back(std::move(channel));
-    }
+    const auto force = tip->channels(contact_force_N);
+    setup.channels.insert(setup.channels.end(), force.begin(), force.end());
   }
   faults.apply(setup);
   setup.seed = run.seed;
@@ -840,8 +834,8 @@ void DisturbanceSettings::bind(Fields& fields, const std::string& suffix, const 
   fields.optional_number("disturbance.end_s", end_s, not_negative(),
                          "time at which the disturbance ends; a step between both times is a "
                          "pulse; 0: the end of the run");
-  const std::string offset = "disturbance.offset_" + suffix;
-  fields.optional_number(offset, shape.offset, any(), "constant part, from the start of the run");
+  fields.optional_number("disturbance.offset_" + suffix, shape.offset, any(),
+                         "constant part, from the start of the run");
   {
     const Fields::OfPart noise(fields, kind, "noise");
     fields.number(
