@@ -68,8 +68,8 @@ std::string signed_text(const CandidateComparison& comparison) {
 
 }  // namespace
 
-std::string p_text(double p, const std::string& equals) {
-  return p < 1e-15 ? "< 1e-15" : fmt::format("{}{:.2g}", equals, p);
+std::string p_text(double p) {
+  return p < 1e-15 ? "< 1e-15" : fmt::format("{:.2g}", p);
 }
 
 std::vector<ResultRow> comparison_rows(const CandidateComparison& comparison,

@@ -19,8 +19,8 @@ inline constexpr const char* kFailure = "failure";
 std::vector<ResultRow> comparison_rows(const CandidateComparison& comparison,
                                        const std::string& metric = "");
 
-/// A p value behind `equals`, such as "0.012". Below the rounding error it is "< 1e-15".
-std::string p_text(double p, const std::string& equals = "");
+/// A p value, such as "0.012". Below the rounding error it is "< 1e-15".
+std::string p_text(double p);
 
 /// The smallest number of blocks, from `blocks` on, in which one of so many tests can be
 /// significant.
