@@ -1,7 +1,5 @@
 #include <breakwater/pictures/shot_list.h>
 
-#include <limits>
-
 #include <breakwater/config/fields.h>
 #include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
@@ -9,14 +7,12 @@
 namespace breakwater {
 namespace {
 
-const Names<Corner> kCorners = {{"top-left", Corner::top_left},
-                                {"top-right", Corner::top_right},
-                                {"bottom-left", Corner::bottom_left},
-                                {"bottom-right", Corner::bottom_right}};
-const Names<ShotArrow::Frame> kFrames = {{"world", ShotArrow::Frame::world},
-                                         {"site", ShotArrow::Frame::site}};
-const Names<ShotLine::Style> kStyles = {{"solid", ShotLine::Style::solid},
-                                        {"dashed", ShotLine::Style::dashed}};
+const Names<Corner> kCorners = {{"top-left", {false, false}},
+                                {"top-right", {true, false}},
+                                {"bottom-left", {false, true}},
+                                {"bottom-right", {true, true}}};
+const Names<bool> kFrames = {{"world", false}, {"site", true}};
+const Names<bool> kStyles = {{"solid", false}, {"dashed", true}};
 
 std::vector<double> vector_of_three(const TomlEntry& entry) {
   std::vector<double> values;
@@ -57,7 +53,7 @@ ShotArrow read_arrow(const TomlEntry& arrow) {
           .site = arrow["site"].text(),
           .site_place = arrow["site"].place(),
           .along = vector_of_three(arrow["along"]),
-          .frame = arrow["frame"].choice(kFrames),
+          .in_site_frame = arrow["frame"].choice(kFrames),
           .offset_m = vector_of_three(arrow["offset_m"]),
           .metres_per_unit = arrow["metres_per_unit"].number(positive()),
           .contact_mark_m = arrow["contact_mark_m"].number(not_negative())};
@@ -84,11 +80,12 @@ ShotLine read_line(const TomlEntry& line) {
 
 }  // namespace
 
-ShotList read_shot_list(const std::string& file) {
-  const toml::table tables = parse_toml_file(file);
-  const TomlEntry root(tables, file);
-  root.allow({"title", "camera", "video", "moment", "arrow", "chart", "line", "page"});
+ShotList shot_list(const std::filesystem::path& file) {
   ShotList shots;
+  if (!std::filesystem::exists(file)) return shots;
+  const toml::table tables = parse_toml_file(file.string());
+  const TomlEntry root(tables, file.string());
+  root.allow({"title", "camera", "video", "moment", "arrow", "chart", "line", "page"});
   shots.title = root["title"].text_or_empty();
   shots.camera = root["camera"].text_or_empty();
   shots.camera_place = root["camera"].place();
@@ -102,13 +99,6 @@ ShotList read_shot_list(const std::string& file) {
   root["chart"]["corner"].choice(kCorners, shots.chart_corner);
   for (const TomlEntry& line : root["line"].elements()) shots.lines.push_back(read_line(line));
   shots.page = read_page(root["page"]);
-  return shots;
-}
-
-ShotList shot_list(const std::filesystem::path& file) {
-  if (std::filesystem::exists(file)) return read_shot_list(file.string());
-  ShotList shots;
-  shots.to_s = std::numeric_limits<double>::infinity();
   return shots;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,14 +18,12 @@ struct ShotMoment {
 
 /// An arrow at a site of the model. A signal sets its length; a signal of three values is a vector.
 struct ShotArrow {
-  enum class Frame { world, site };
-
   std::string signal;
   std::string unit;           ///< unit of the number beside it; empty: no number
   std::string site;           ///< {KEY} in it is replaced by this key of the run's configuration
   std::string site_place;     ///< "FILE:LINE: arrow.site"
   std::vector<double> along;  ///< direction of a positive value; for a vector: one factor per value
-  Frame frame = Frame::world;    ///< frame of `along`
+  bool in_site_frame = false;    ///< frame of `along`: the site's, or the world's if false
   std::vector<double> offset_m;  ///< offset of the start from the site, in the world
   double metres_per_unit = 0.0;
   double contact_mark_m = 0.0;  ///< radius of a ball at the site while there is a force; 0: none
@@ -32,11 +31,9 @@ struct ShotArrow {
 
 /// A line of the strip chart: a signal of the log, or a number of the run's configuration.
 struct ShotLine {
-  enum class Style { solid, dashed };
-
   std::string label;
   std::string value;
-  Style style = Style::solid;
+  bool is_dashed = false;
 };
 
 /// The first part of a run's page.
@@ -52,14 +49,17 @@ struct ShotPage {
   std::vector<KeyChart> charts;      ///< empty: the first quantities of the log
 };
 
-enum class Corner { top_left, top_right, bottom_left, bottom_right };
+struct Corner {
+  bool is_right = true;
+  bool is_bottom = true;
+};
 
 struct ShotList {
   std::string title;         ///< in the lower corner without the chart
   std::string camera;        ///< empty: the whole model
   std::string camera_place;  ///< "FILE:LINE: camera"
   double from_s = 0.0;
-  double to_s = 0.0;  ///< limited by the end of the run
+  double to_s = std::numeric_limits<double>::infinity();  ///< limited by the end of the run
   double speed = 1.0;
   int fps = 30;
   int width = 1280;
@@ -67,7 +67,7 @@ struct ShotList {
   std::vector<ShotMoment> moments;
   std::vector<ShotArrow> arrows;
   std::string chart_title;
-  Corner chart_corner = Corner::bottom_right;
+  Corner chart_corner;
   std::vector<ShotLine> lines;
   ShotPage page;
 };
@@ -75,8 +75,5 @@ struct ShotList {
 /// A scenario's shot list. Without a file, it shows the whole run without arrows and chart. Throws
 /// std::invalid_argument `FILE:LINE: KEY: reason`.
 ShotList shot_list(const std::filesystem::path& file);
-
-/// Reads a shot list. Throws as shot_list().
-ShotList read_shot_list(const std::string& file);
 
 }  // namespace breakwater

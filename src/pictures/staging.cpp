@@ -33,7 +33,7 @@ ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Mode
   track.arrow.site =
       of_shot_list(shot.site_place, [&] { return site_id(model, run.fill_in(shot.site)); });
   track.arrow.offset_m = Eigen::Map<const Eigen::Vector3d>(shot.offset_m.data());
-  track.arrow.in_site_frame = shot.frame == ShotArrow::Frame::site;
+  track.arrow.in_site_frame = shot.in_site_frame;
   track.arrow.contact_mark_m = shot.contact_mark_m;
   track.arrow.colour = colour;
   const bool is_indexed = shot.signal.find('[') != std::string::npos;
@@ -111,8 +111,7 @@ PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::strin
     if (is_missing(line.value)) continue;
     staged.lines.push_back({line.label, run.value(line.value)});
     const auto role = role_of_signal(line.value);
-    const bool is_reference = line.style == ShotLine::Style::dashed;
-    roles.push_back(role || !is_reference ? role : kReferenceStyle);
+    roles.push_back(role || !line.is_dashed ? role : kReferenceStyle);
   }
   const std::vector<LineStyle> styles = distinct_styles(roles);
   for (std::size_t i = 0; i < styles.size(); ++i) staged.lines[i].style = styles[i];
@@ -228,10 +227,8 @@ PictureStage stage_pictures(ShownRuns runs, const ShotList& shots, const std::st
   }
   stage.style.title = shots.title;
   stage.style.chart_title = shots.chart_title;
-  stage.style.chart_right =
-      shots.chart_corner == Corner::top_right || shots.chart_corner == Corner::bottom_right;
-  stage.style.chart_bottom =
-      shots.chart_corner == Corner::bottom_left || shots.chart_corner == Corner::bottom_right;
+  stage.style.chart_right = shots.chart_corner.is_right;
+  stage.style.chart_bottom = shots.chart_corner.is_bottom;
   stage.style.chart_range = chart_range(lines, window.from_s, window.to_s);
   stage.style.speed = window.speed;
   return stage;

@@ -94,26 +94,10 @@ Eigen::Map<const Eigen::Vector3d> vector3(const mjtNum* v) {
   return Eigen::Map<const Eigen::Vector3d>(v);
 }
 
-const char* shape_name(int type) {
-  switch (type) {
-    case mjGEOM_PLANE:
-      return "plane";
-    case mjGEOM_HFIELD:
-      return "field";
-    case mjGEOM_SPHERE:
-      return "sphere";
-    case mjGEOM_CAPSULE:
-      return "capsule";
-    case mjGEOM_ELLIPSOID:
-      return "ellipsoid";
-    case mjGEOM_CYLINDER:
-      return "cylinder";
-    case mjGEOM_BOX:
-      return "box";
-    default:
-      return "mesh";
-  }
-}
+// In the order of mjtGeom.
+constexpr std::array kShapes = {"plane",     "field",    "sphere", "capsule",
+                                "ellipsoid", "cylinder", "box",    "mesh"};
+static_assert(kShapes.size() == mjGEOM_MESH + 1);
 
 // Faces have three vertices each, counter-clockwise from outside. Their indices have 16 or 32 bits.
 Json mesh_json(const mjModel& m, int id) {
@@ -233,7 +217,7 @@ Json geom_json(const Model& model, int id, const std::vector<WavingSurface>& sur
   Json geom = {{"id", id},
                {"name", name},
                {"body", m.geom_bodyid[id]},
-               {"shape", shape_name(m.geom_type[id])},
+               {"shape", kShapes[static_cast<std::size_t>(m.geom_type[id])]},
                {"size", row(m.geom_size, id)},
                {"pose", pose_json(pose)},
                {"rgba", rounded_list(rgba)},
@@ -252,7 +236,7 @@ Json geom_json(const Model& model, int id, const std::vector<WavingSurface>& sur
         std::any_of(surfaces.begin(), surfaces.end(),
                     [&](const WavingSurface& surface) { return surface.geom == name; });
     geom["asset"] = assets.of("field", data, [&] { return field_json(m, data, is_waving); });
-  } else if (geom["shape"] == "mesh" && data >= 0) {
+  } else if (m.geom_type[id] == mjGEOM_MESH && data >= 0) {
     geom["asset"] = assets.of("mesh", data, [&] { return mesh_json(m, data); });
   }
   return geom;

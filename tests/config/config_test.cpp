@@ -285,7 +285,7 @@ TEST_F(ConfigTest, RefusesTomlThatWouldCrashTheParser) {
 
 TEST_F(ConfigTest, ShotListsHaveTheSameGuard) {
   std::ofstream(path_) << repeated("a.", 100000) << "a = 1\n";
-  EXPECT_REFUSED(read_shot_list(path_.string()));
+  EXPECT_REFUSED(shot_list(path_.string()));
 }
 
 TEST_F(ConfigTest, SaysWhichKeysHaveNoEffect) {

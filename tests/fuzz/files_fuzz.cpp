@@ -200,7 +200,7 @@ constexpr fuzz::Parser kParsers[] = {
     {'e', "experiments",
      [](const std::string& text) { read_experiments(fuzz::file_with(text), Effort::full); }},
     {'r', "printed_results", read_printed_results},
-    {'p', "shots", [](const std::string& text) { read_shot_list(fuzz::file_with(text)); }},
+    {'p', "shots", [](const std::string& text) { shot_list(fuzz::file_with(text)); }},
     {'v', "value_list",
      [](const std::string& text) {
        if (is_value_list(text)) value_list(text);

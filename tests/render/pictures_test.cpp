@@ -241,7 +241,7 @@ TEST_F(Pictures, ShotListsAreCheckedLikeScenarioFiles) {
   const std::string file = folder_ / "shots.toml";
   for (const auto& row : testing::rows_of("ShotLists")) {
     write("shots.toml", testing::replaced(text, row.at(0), row.at(1)));
-    EXPECT_EQ(testing::complaint_of([&] { read_shot_list(file); }),
+    EXPECT_EQ(testing::complaint_of([&] { shot_list(file); }),
               file + ":" + testing::line_of(text, row.at(0)) + ": " + row.at(2));
   }
 }
