@@ -157,10 +157,6 @@ double between(double a, double b, double share) {
   return a + (b - a) * share;
 }
 
-void take_less(double& least, double value) {
-  if (std::isnan(least) || value < least) least = value;
-}
-
 constexpr double kSame = 1e-6;     // two responses are equal up to this share of the largest value
 constexpr double kDecayed = 1e-9;  // a response ends below this share of its largest value
 constexpr std::size_t kPattern = 1000;  // samples of the random binary force
@@ -592,18 +588,19 @@ LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
         double above = std::fmod(at + kPi, 2.0 * kPi);  // from −π, in [0, 2π)
         if (above < 0.0) above += 2.0 * kPi;
         margins.crossover_rad_s = omega;
-        take_less(margins.phase_margin_rad, std::min(above, 2.0 * kPi - above));
-        take_less(margins.delay_margin_s, above / omega);
+        margins.phase_margin_rad =
+            std::fmin(margins.phase_margin_rad, std::min(above, 2.0 * kPi - above));
+        margins.delay_margin_s = std::fmin(margins.delay_margin_s, above / omega);
       }
       // All crossings of −π plus whole turns.
       const double turn =
           2.0 * kPi * std::round((between(last_phase, phase, 0.5) + kPi) / (2.0 * kPi));
       if (crosses(last_phase + kPi - turn, phase + kPi - turn, share)) {
         const double factor = std::exp(-between(gain_a, gain_b, share));
-        if (factor > 1.0 && !(margins.gain_margin <= factor)) {
-          margins.gain_margin = factor;
-        } else if (factor <= 1.0 && !(margins.gain_reduction_margin > factor)) {
-          margins.gain_reduction_margin = factor;
+        if (factor > 1.0) {
+          margins.gain_margin = std::fmin(margins.gain_margin, factor);
+        } else {
+          margins.gain_reduction_margin = std::fmax(margins.gain_reduction_margin, factor);
         }
       }
     }
