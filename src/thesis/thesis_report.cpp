@@ -310,21 +310,6 @@ ThesisPage thesis_page(const Reproduction& reproduction, const Measured& measure
   return page;
 }
 
-// The sections of which a reading changes a run.
-std::vector<std::string> sections_of(const Experiments& experiments, const std::string& name) {
-  std::vector<std::string> sections;
-  for (const SectionSpec& section : experiments.sections) {
-    const std::vector<std::string> runs = section.runs();
-    const auto changes = [&](const ReadingSpec& reading) {
-      return reading.name == name && std::ranges::any_of(runs, [&](const std::string& run) {
-               return matches_pattern(reading.runs, run);
-             });
-    };
-    if (std::ranges::any_of(experiments.readings, changes)) sections.push_back(section.id);
-  }
-  return sections;
-}
-
 constexpr std::size_t kMostFailures = 15;  // in a terminal; the page has all
 
 struct ReproduceArguments {
@@ -363,10 +348,19 @@ std::vector<const SectionSpec*> choose_sections(const Experiments& experiments,
 void check_readings(const ReproduceArguments& arguments, const Experiments& experiments,
                     const std::vector<const SectionSpec*>& chosen) {
   for (const std::string& name : arguments.readings) {
-    const std::vector<std::string> changed = sections_of(experiments, name);
-    const bool is_heeded = std::ranges::any_of(chosen, [&](const SectionSpec* section) {
-      return std::ranges::find(changed, section->id) != changed.end();
-    });
+    std::vector<std::string> changed;
+    bool is_heeded = false;
+    for (const SectionSpec& section : experiments.sections) {
+      const std::vector<std::string> runs = section.runs();
+      const auto changes = [&](const ReadingSpec& reading) {
+        return reading.name == name && std::ranges::any_of(runs, [&](const std::string& run) {
+                 return matches_pattern(reading.runs, run);
+               });
+      };
+      if (!std::ranges::any_of(experiments.readings, changes)) continue;
+      changed.push_back(section.id);
+      is_heeded |= std::ranges::find(chosen, &section) != chosen.end();
+    }
     if (is_heeded) continue;
     throw std::invalid_argument(
         fmt::format("--reading {}: changes no run of --only {}, but runs of the sections {}", name,
