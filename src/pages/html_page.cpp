@@ -242,10 +242,6 @@ std::string anchor(const std::string& text) {
   return clean;
 }
 
-int colour_number(LineStyle style) {
-  return style < 0 ? kStyleColours : style % kStyleColours;
-}
-
 std::string series_class(LineStyle style) {
   return fmt::format("c{} d{}", colour_number(style), dash_number(style));
 }

@@ -55,8 +55,7 @@ std::string printed_table(const PageData& table, std::size_t width);
 /// A text as part of an address: '-' replaces all characters except letters, digits and '-'.
 std::string anchor(const std::string& text);
 
-/// The number of a style's colour, and the classes of its colour and dash.
-int colour_number(LineStyle style);
+/// The classes of a style's colour and dash.
 std::string series_class(LineStyle style);
 
 }  // namespace breakwater

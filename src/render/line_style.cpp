@@ -31,18 +31,14 @@ const std::map<std::string, LineStyle> kRoles = {{"true", 0},
                                                  {"ref", kReferenceStyle},
                                                  {"reference", kReferenceStyle}};
 
-std::size_t place(LineStyle style, int count) {
-  return static_cast<std::size_t>(style < 0 ? count : style % count);
-}
-
 }  // namespace
 
 const char* light_colour(LineStyle style) {
-  return kLight[place(style, kStyleColours)];
+  return kLight[static_cast<std::size_t>(colour_number(style))];
 }
 
 const char* dark_colour(LineStyle style) {
-  return kDark[place(style, kStyleColours)];
+  return kDark[static_cast<std::size_t>(colour_number(style))];
 }
 
 Colour on_paper(LineStyle style) {
@@ -51,6 +47,10 @@ Colour on_paper(LineStyle style) {
     return static_cast<double>(rgb >> shift & 255U) / 255.0;
   };
   return {part(16), part(8), part(0)};
+}
+
+int colour_number(LineStyle style) {
+  return style < 0 ? kStyleColours : style % kStyleColours;
 }
 
 int dash_number(LineStyle style) {

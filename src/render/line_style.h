@@ -22,6 +22,8 @@ inline constexpr int kStyleDashes = 7;
 /// all of them apart (tests/render/drawing_test.cpp); scripts/figures.py has the first again.
 const char* light_colour(LineStyle style);
 const char* dark_colour(LineStyle style);
+/// Which of the colours that is; `kStyleColours` of a reference.
+int colour_number(LineStyle style);
 /// The first as pictures draw it.
 Colour on_paper(LineStyle style);
 
