@@ -37,12 +37,6 @@ struct RunsArguments {
   bool quiet = false;
 };
 
-std::vector<SavedRun> open_all(const std::vector<std::string>& folders) {
-  std::vector<SavedRun> runs;
-  for (const std::string& folder : folders) runs.emplace_back(folder);
-  return runs;
-}
-
 // The replay opens the runs again and repeats their notes. Each note is printed once.
 void say(const std::string& program, std::vector<std::string> notes,
          const std::vector<SavedRun>& runs) {
@@ -68,7 +62,7 @@ fs::path made_place(const std::string& out, const char* name) {
 }
 
 int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
-  const std::vector<SavedRun> runs = open_all(arguments.runs);
+  const std::vector<SavedRun> runs(arguments.runs.begin(), arguments.runs.end());
   const Comparison comparison(catalogue, runs, arguments.choice);
   const bool has_figures = arguments.svg || arguments.pdf;
   if (has_figures && arguments.choice.signals.empty()) {
@@ -110,7 +104,7 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
 }
 
 int report(const Catalogue& catalogue, const RunsArguments& arguments) {
-  const std::vector<SavedRun> runs = open_all(arguments.runs);
+  const std::vector<SavedRun> runs(arguments.runs.begin(), arguments.runs.end());
   const fs::path file = made_place(arguments.out, "report.html");
   std::vector<std::string> notes;
   replace_file(file, run_report(catalogue, runs, arguments.choice.with_replay, notes));
