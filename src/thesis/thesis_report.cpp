@@ -164,17 +164,15 @@ PageData figure_data(const FigureSpec& figure, const SectionSpec& section, const
           {"note", note}};
 }
 
-// "1 ms, 12 bits, KFD: 0.5, 0.48 (reproduced: ±10 %)" of a cell that is not reproduced.
-std::string in_words(const JudgedCell& one) {
-  return fmt::format("{}, {}: {}, {} ({})", one.cell.row, one.cell.column, one.judged.measured,
-                     one.judged.printed, one.judged.class_text);
-}
-
-std::vector<JudgedCell> failures_of(const std::vector<JudgedCell>& cells) {
-  std::vector<JudgedCell> failures;
-  std::ranges::copy_if(cells, std::back_inserter(failures), [](const JudgedCell& one) {
-    return one.is_counted() && one.judged.verdict == Verdict::not_reproduced;
-  });
+// The cells that are not reproduced: "2.4.3, 1 ms, KFD: 0.5, 0.48 (reproduced: ±10 %)".
+std::vector<std::string> failures_in_words(const std::vector<JudgedCell>& cells) {
+  std::vector<std::string> failures;
+  for (const JudgedCell& one : cells) {
+    if (!one.is_counted() || one.judged.verdict != Verdict::not_reproduced) continue;
+    failures.push_back(fmt::format("{}, {}, {}: {}, {} ({})", one.section, one.cell.row,
+                                   one.cell.column, one.judged.measured, one.judged.printed,
+                                   one.judged.class_text));
+  }
   return failures;
 }
 
@@ -403,10 +401,10 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
     fmt::print("other readings: {}; a reason is that of the shipped one unless it names another\n",
                fmt::join(arguments.readings, ", "));
   }
-  const std::vector<JudgedCell> failures = failures_of(cells);
+  const std::vector<std::string> failures = failures_in_words(cells);
   if (!failures.empty() && failures.size() <= kMostFailures) {
-    fmt::print("{}:\n", experiments.is_own ? "did not hold" : "not reproduced");
-    for (const JudgedCell& one : failures) fmt::print("  {}, {}\n", one.section, in_words(one));
+    fmt::print("{}:\n  {}\n", experiments.is_own ? "did not hold" : "not reproduced",
+               fmt::join(failures, "\n  "));
   }
   fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", score_text(cells), figures.size(),
              page.string(), csv.string());
@@ -586,9 +584,6 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
                     : std::isnan(judged.median) ? "not measured"
                     : std::isinf(judged.median) ? "never"
                                                 : in_digits(judged.median);
-  const auto final_verdict = [&](Verdict verdict) {
-    return has_failed ? Verdict::not_reproduced : verdict;
-  };
   if (!cell.shows.empty()) {
     judged.printed = cell.shows;
     judged.verdict = Verdict::shown;
@@ -601,25 +596,19 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
     without.quantity.run = cell.without;
     return cell.holds.contains(median(values_of(without, measured)));
   }();
-  if (!cell.says.empty()) {
-    judged.printed = cell.says;
-    judged.class_text = "holds if " + cell.holds.text();
-    const bool holds = cell.holds.contains(judged.median);
-    judged.verdict = final_verdict(std::isnan(judged.median) ? Verdict::not_measured
-                                   : holds                   ? Verdict::reproduced
-                                                             : Verdict::not_reproduced);
-    if (is_trivial && judged.verdict == Verdict::reproduced) judged.verdict = Verdict::vacuous;
-    return judged;
-  }
-  const PrintedResult result = printed.find(cell.printed).value();
-  const Standard& standard = printed.standard(cell.printed);
+  // A statement is a word that a number in its band gets.
+  const bool is_statement = !cell.says.empty();
+  const PrintedResult result =
+      is_statement ? PrintedResult{std::nullopt, cell.says} : printed.find(cell.printed).value();
+  const Standard standard =
+      is_statement ? Standard{.words = {{cell.says, cell.holds}}} : printed.standard(cell.printed);
   judged.printed = result.text();
-  if (result.number) {
-    judged.deviation = std::abs((judged.median - *result.number) / *result.number);
-  }
-  judged.verdict = final_verdict(judge(judged.median, result, standard));
+  judged.verdict = has_failed ? Verdict::not_reproduced : judge(judged.median, result, standard);
   if (is_trivial && judged.verdict <= Verdict::within_class) judged.verdict = Verdict::vacuous;
-  if (result.number) {
+  if (is_statement) {
+    judged.class_text = "holds if " + cell.holds.text();
+  } else if (result.number) {
+    judged.deviation = std::abs((judged.median - *result.number) / *result.number);
     judged.class_text = rule_text(standard);
   } else {
     for (const auto& [word, band] : standard.words) {
