@@ -83,10 +83,11 @@ std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots,
 }  // namespace
 
 PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera,
-                 std::vector<std::string>* missing) {
+                 std::vector<std::string>* notes) {
   const auto is_missing = [&](const std::string& signal) {
-    if (missing == nullptr || run.has(signal)) return false;
-    missing->push_back(signal);
+    if (notes == nullptr || run.has(signal)) return false;
+    notes->push_back(fmt::format("{}: its log has no signal {}, which the shot list names",
+                                 run.folder().string(), signal));
     return true;
   };
   PictureRun staged{.model = run.load_scene()};
@@ -214,14 +215,9 @@ PictureStage stage_pictures(ShownRuns runs, const ShotList& shots, const std::st
   stage.styles = styles_of(runs.front().catalogue(), saved);
   std::vector<ChartLine> lines;
   for (const FinishedRun& run : runs) {
-    std::vector<std::string> missing;
-    stage.runs.push_back(breakwater::stage(run, shots, camera, &missing));
-    stage.runs.back().caption = labels[stage.runs.size() - 1];
     stage.notes.insert(stage.notes.end(), run.notes().begin(), run.notes().end());
-    for (const std::string& signal : missing) {
-      stage.notes.push_back(fmt::format("{}: its log has no signal {}, which the shot list names",
-                                        run.folder().string(), signal));
-    }
+    stage.runs.push_back(breakwater::stage(run, shots, camera, &stage.notes));
+    stage.runs.back().caption = labels[stage.runs.size() - 1];
     const auto& own = stage.runs.back().lines;
     lines.insert(lines.end(), own.begin(), own.end());
   }

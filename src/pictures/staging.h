@@ -15,10 +15,10 @@ namespace breakwater {
 
 /// Reads the data for a run's pictures. `camera`, if not empty, replaces that of the shot list. The
 /// run must outlive the result. Arrows and lines may use signals that the log does not have, such
-/// as those of another controller. With `missing` they are left out, and `missing` gets their
-/// names. Throws std::invalid_argument, one line.
+/// as those of another controller. With `notes` they are left out, and `notes` gets a line for
+/// each. Throws std::invalid_argument, one line.
 PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera,
-                 std::vector<std::string>* missing = nullptr);
+                 std::vector<std::string>* notes = nullptr);
 
 /// The user's choices, which replace those of the shot list.
 struct Wish {
