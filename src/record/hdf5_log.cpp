@@ -101,7 +101,7 @@ std::uint64_t write_dataset(hid_t group, const LogEntry& entry, const double* va
                                   properties, H5P_DEFAULT),
                        H5Dclose);
   haddr_t place = 0;
-  if (values != nullptr) {
+  if (values != nullptr && size[0] > 0) {
     require(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
   } else if (size[0] > 0) {
     const Size first = {0, 0}, one = {1, 1};
