@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/algorithm/string/finder.hpp>
-#include <boost/algorithm/string/iter_find.hpp>
 #include <cmath>
 #include <limits>
 #include <mutex>
 #include <numeric>
+#include <ranges>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -49,7 +48,10 @@ constexpr Taking kTakings[] = {{"value", Taken::value, "{}"},
 
 std::vector<std::string> split(const std::string& text, const std::string& between) {
   std::vector<std::string> parts;
-  boost::algorithm::iter_split(parts, text, boost::algorithm::first_finder(between));
+  for (const auto part : std::views::split(text, between)) {
+    parts.emplace_back(part.begin(), part.end());
+  }
+  if (parts.empty()) parts.emplace_back();
   return parts;
 }
 

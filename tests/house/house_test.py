@@ -34,7 +34,7 @@ HEADERS = {
     "^hdf5": "record", r"toml\+\+": "config study search pictures thesis",
     "CLI/": "shell recorded study cluster pictures pages thesis analysis identification program",
     "nlohmann": "record experiment render study search pictures pages thesis identification program",
-    "^ceres/": "identification", "mustache": "pages", "^boost/": "recorded study identification"}
+    "^ceres/": "identification", "mustache": "pages", "^boost/": "recorded study identification program"}
 
 
 def files_below(*folders, endings=(".h", ".cpp")):
