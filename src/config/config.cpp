@@ -167,7 +167,7 @@ Aliases read_aliases(const TomlEntry& alias) {
   Aliases aliases;
   for (const auto& [name, entry] : named) {
     const auto* key = std::get_if<std::string>(&entry.value.data);
-    if (key == nullptr || *key == name) {
+    if (name.empty() || key == nullptr || *key == name) {
       throw std::invalid_argument(entry.origin + ": alias." + name + ": must be another key");
     }
     if (named.contains(*key)) {

@@ -12,7 +12,7 @@
 
 namespace breakwater {
 
-/// Hashes of models, each read once. Thread-safe.
+/// Hashes of models. Thread-safe.
 ///
 /// A hash belongs to the compiled model if the file is noted before the compilation (SharedModels)
 /// and is unchanged after the run.

@@ -132,8 +132,8 @@ class GaussianEstimate {
   /// e = y − C x(k|k−1).
   const Output& innovation() const { return innovation_; }
 
-  /// S = C P Cᵀ + R, K = P Cᵀ S⁻¹, x += K e, P −= K S Kᵀ. With S = L_S L_Sᵀ, K S Kᵀ = W Wᵀ, W = P
-  /// Cᵀ L_S⁻ᵀ.
+  /// S = C P Cᵀ + R, K = P Cᵀ S⁻¹, x += K e, P −= K S Kᵀ. With S = L_S L_Sᵀ, K S Kᵀ = W Wᵀ,
+  /// W = P Cᵀ L_S⁻ᵀ.
   void correct(const Output& y);
 
  protected:

@@ -69,6 +69,7 @@ class MjcfReader {
     }
     if (element.name == "include") {
       const fs::path path = (folder() / element.text("file")).lexically_normal();
+      if (element.text("file").empty()) element.fail("needs a file");
       if (!included_.insert(path).second) element.fail("includes a file a second time");
       add(path);
       const XmlFile included(path.string());
@@ -109,7 +110,8 @@ class MjcfReader {
         const fs::path path = folder() / own / name;
         add(path);
         value = fs::absolute(path).lexically_normal().string();
-        if (!fs::is_regular_file(path)) asset.fail("there is no file " + value);
+        std::error_code ignored;
+        if (!fs::is_regular_file(path, ignored)) asset.fail("there is no file " + value);
         if (is_model) models.push_back(path.lexically_normal());
       }
     }

@@ -132,8 +132,8 @@ MjcfPose mjcf_pose(const MjcfElement& root, const MjcfClasses& classes, const Mj
 bool has_degrees(const MjcfElement& root);
 
 /// An MJCF file, its includes, the models that it attaches, and the meshes, height fields, skins
-/// and textures of all of them. Each existing file occurs once, the main file first. A file that cannot be read whole gives those before the
-/// error, which Model::load() reports.
+/// and textures of all of them. Each existing file occurs once, the main file first. A file that
+/// cannot be read whole gives those before the error, which Model::load() reports.
 std::vector<std::filesystem::path> mjcf_files(const std::filesystem::path& mjcf);
 
 /// Throws std::invalid_argument `FILE[:LINE]: reason` if an MJCF file or one of its includes cannot

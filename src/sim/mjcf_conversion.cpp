@@ -168,50 +168,40 @@ class Conversion {
     return mjcf_numbers(*one.element, *text, 2, 2);
   }
 
-  // Each servo gets all numbers itself, since the engine's classes cannot have them.
   void convert_servos() {
-    for_each_actuator([&](MjcfElement& one) {
-      if (one.name != "position" && one.name != "intvelocity" && one.name != "general") return;
+    for_each_element(root, [&](MjcfElement& one, MjcfElement& parent, const std::string& own) {
+      if (one.name != "position" && one.name != "intvelocity") return;
+      const bool is_default = parent.name == "default";
       Servo servo;
-      for (const MjcfElement* above : classes_.defaults(one.name, one.text("class"))) {
+      for (const MjcfElement* above :
+           classes_.defaults(one.name, is_default ? own : one.text("class"))) {
         servo.read(*above);
       }
-      servo.read(one);
-      if (servo.is_new) write_servo(one, servo);
-    });
-    for_each_element(root, [&](MjcfElement& one, MjcfElement& parent, const std::string&) {
-      if (parent.name == "default") erase_servo(one);
+      if (!is_default) servo.read(one);
+      if (servo.is_new) write_servo(one, servo, is_default);
     });
   }
 
-  void erase_servo(MjcfElement& one) {
-    if (one.name != "position" && one.name != "intvelocity") return;
+  void write_servo(MjcfElement& one, const Servo& servo, bool is_default) {
     for (const char* attribute : {"kv", "dampratio", "timeconst", "inheritrange"}) {
       if (one.has(attribute)) changes.add(Loss::none, one.name + " " + attribute, one.place);
       one.erase(attribute);
     }
-  }
-
-  void write_servo(MjcfElement& one, const Servo& servo) {
-    erase_servo(one);
     one.erase("kp");
     const bool integrates = one.name == "intvelocity";
-    if (servo.inherited_range > 0.0) {
+    if (servo.inherited_range > 0.0 && !is_default) {
       one.set(integrates ? "actrange" : "ctrlrange", inherited_range(one, servo.inherited_range));
       if (!integrates) one.set("ctrllimited", "true");
     }
     if (integrates) one.set("actlimited", "true");
     has_damping_ratio_ |= servo.bias[2] > 0.0;
     one.name = "general";
-    const auto give = [&](const char* attribute, const auto& value) {
-      if (!one.has(attribute)) one.set(attribute, value);
-    };
-    give("gaintype", "fixed");
-    give("biastype", "affine");
-    give("gainprm", std::array{servo.gain});
-    give("biasprm", servo.bias);
-    give("dyntype", servo.dynamics);
-    give("dynprm", std::array{servo.time_constant_s});
+    one.set("gaintype", "fixed");
+    one.set("biastype", "affine");
+    one.set("gainprm", std::array{servo.gain});
+    one.set("biasprm", servo.bias);
+    one.set("dyntype", servo.dynamics);
+    one.set("dynprm", std::array{servo.time_constant_s});
   }
 
   std::array<double, 2> inherited_range(const MjcfElement& actuator, double part) {
