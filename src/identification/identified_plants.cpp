@@ -82,7 +82,7 @@ IdentifiedNumbers plant_of(const Identification& identification, const AxisValue
 
   const double quantum = data.quantum, noise_std = identification.fit.noise_std;
   const double counts = quantum == 0.0 ? 0.0 : 2.0 * std::numbers::pi / quantum;
-  int bits = 0;
+  int bits = counts > 0.0 ? 1 : 0;
   // Printed digits leave a power of two a little too small.
   while (bits < kMostBits && std::ldexp(1.0, bits + 1) <= counts * (1.0 + kPrinted)) ++bits;
   const double gear = counts / std::ldexp(1.0, bits);

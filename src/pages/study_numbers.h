@@ -62,7 +62,8 @@ struct QuantileBand {
 };
 
 /// Medians and quantiles (quantile(), with interpolation) of `groups` groups of runs. The first of
-/// equal values counts as the smallest. group_of(run) < groups.
+/// equal values counts as the smallest. `column` has a value, or NaN, for each run; group_of(run) <
+/// groups.
 std::vector<QuantileBand> bands(const StudyNumbers& numbers, const std::vector<double>& column,
                                 std::size_t groups,
                                 const std::function<std::size_t(const StudyRun&)>& group_of);

@@ -200,7 +200,9 @@ Json run_json(const std::string& folder, PictureRun& staged, const Window& windo
   Channels channels;
   Json run;
   run["label"] = staged.caption;
-  run["times"] = rounded_list(times_s);
+  // Frames in slow motion lie near together, also late in a long run.
+  run["times"] = Json::array();
+  for (const double time_s : times_s) run["times"].push_back(std::round(time_s * 1e6) / 1e6);
   run["scene"] = describe_scene(staged.model, motion.geoms, staged.surfaces, assets);
   run["bodies"] = tracks_json(motion.bodies, channels);
   run["cameras"] = tracks_json(motion.cameras, channels);
