@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -294,7 +295,7 @@ const Fields::Field* Fields::find(const std::string& key) const {
 
 bool Fields::is_known(const std::string& key) const {
   return has(key) || std::any_of(elsewhere_.begin(), elsewhere_.end(),
-                                 [&](const std::string& one) { return key.starts_with(one); });
+                                 [&](const auto& one) { return key.starts_with(one.first); });
 }
 
 // The variables that a statement on a key concerns: that of the part being bound, or all outside of
@@ -559,6 +560,21 @@ void Fields::fail_if(const Config& config, const Field& field, const Error& erro
   if (error) config.fail(field.key + error->element, error->reason);
 }
 
+// Checks the keys of a table that are read elsewhere.
+void Fields::check_elsewhere(const Config& table) {
+  for (auto& [prefix, bind] : elsewhere_) {
+    std::map<std::string, ConfigEntry> entries;
+    for (auto entry = table.entries().lower_bound(prefix);
+         entry != table.entries().end() && entry->first.starts_with(prefix); ++entry) {
+      entries.insert(*entry);
+    }
+    if (entries.empty()) continue;
+    Fields fields;
+    bind(fields);
+    fields.check(std::array{Config(table.file(), std::move(entries))});
+  }
+}
+
 void Fields::check(std::span<const Config> tables) {
   std::set<std::string_view> choices;
   for (const Field& field : fields_) {
@@ -703,6 +719,8 @@ void Fields::check(const ScenarioFile& file) {
   std::vector<Config> tables = file.tables();
   for (Config& table : tables) table = spread(table);
   check(tables);
+  // A case that does not run may change what is read elsewhere.
+  for (std::size_t i = 1; i < tables.size(); ++i) check_elsewhere(tables[i]);
 }
 
 std::vector<std::string> Fields::read_finished(const Config& given) {

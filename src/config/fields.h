@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -181,8 +182,11 @@ class Fields {
   /// and the other one takes its default value.
   void either(const std::string& key, const std::string& other);
 
-  /// A file may have keys that begin with `prefix`. They are read elsewhere.
-  void leave(const std::string& prefix) { elsewhere_.push_back(prefix); }
+  /// A file may have keys that begin with `prefix`, which bind() would bind. They are read
+  /// elsewhere, and check() checks them alone.
+  void leave(const std::string& prefix, std::function<void(Fields&)> bind) {
+    elsewhere_.emplace(prefix, std::move(bind));
+  }
 
   /// Further names of keys, besides those of the file that is read.
   void alias(const Aliases& aliases) { aliases_.insert(aliases.begin(), aliases.end()); }
@@ -312,6 +316,7 @@ class Fields {
   // that does not exist are unknown too. Checks the choices of all tables first: they are the
   // cause.
   void check(std::span<const Config> tables);
+  void check_elsewhere(const Config& table);
   // The name of a file that counts; null if the key has another value.
   std::string* file_of(const Field& field) const;
   void find_file(const Config& config, const Field& field) const;
@@ -325,7 +330,7 @@ class Fields {
   Aliases aliases_;
   Part part_;           // the part whose keys are being bound
   std::string prefix_;  // the prefix of the keys that are being bound
-  std::vector<std::string> elsewhere_;
+  std::map<std::string, std::function<void(Fields&)>> elsewhere_;
 };
 
 }  // namespace breakwater

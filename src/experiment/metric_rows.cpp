@@ -297,7 +297,12 @@ void MetricRows::name_number(const std::string& text, const char* role, const st
 void MetricRows::bind(Fields& fields) {
   fields.alias(own_.keys.aliases());
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    is_unchanged_[i] ? fields.leave(rows_[i].prefix()) : rows_[i].bind(fields, kinds_);
+    if (is_unchanged_[i]) {
+      fields.leave(rows_[i].prefix(),
+                   [this, row = rows_[i]](Fields& alone) mutable { row.bind(alone, kinds_); });
+    } else {
+      rows_[i].bind(fields, kinds_);
+    }
   }
   for (auto& [key, number] : numbers_) {
     if (fields.has(key)) continue;

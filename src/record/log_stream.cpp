@@ -59,6 +59,7 @@ LogStream::~LogStream() {
 }
 
 void LogStream::begin() {
+  if (log_) return;
   std::erase_if(tracks_, [](const Track& track) { return track.room() == 0; });
   // Like the tracks of a recording: "control" first.
   std::stable_partition(tracks_.begin(), tracks_.end(),
@@ -97,11 +98,10 @@ void LogStream::begin() {
   write_at_ = Clock::now() + kBetweenWrites;
 }
 
-void LogStream::make_room(const Track& track) {
-  if (!log_) begin();
+void LogStream::write_full(const Track& track) {
   const Track::Rows& rows = *track.rows_;
-  if (rows.untimed == rows.times_capacity || Clock::now() >= write_at_) write_rows();
   if (rows.buffered == rows.capacity) write_values(track);
+  if (rows.untimed == rows.times_capacity || Clock::now() >= write_at_) write_rows();
 }
 
 void LogStream::write_values(const Track& track) {

@@ -38,9 +38,10 @@ class LogStream {
 
   /// Each streamed track calls this before the first row of any.
   void add(const Track& track) { tracks_.push_back(track); }
-  /// Makes room in the memory of a track for its next row. Throws OutputError if a file cannot be
-  /// written.
-  void make_room(const Track& track);
+  /// Lays out the file, before the first row of any track. Throws OutputError.
+  void begin();
+  /// Writes what is full or due, after each row of a track. Throws OutputError.
+  void write_full(const Track& track);
 
   /// Writes the rest of the log. `tracks` are those of the recording, streamed or not. Returns the
   /// complete log: log.h5, or another file of the folder that must get this name. It is another one
@@ -50,7 +51,6 @@ class LogStream {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void begin();
   void write_values(const Track& track);
   void write_rows();
 

@@ -77,13 +77,14 @@ Track::Track(std::string name, std::vector<Signal> signals, std::size_t room, Lo
 
 void Track::append(double time_s) {
   if (rows() == room_) throw std::logic_error("track " + name_ + " has more rows than expected");
-  if (stream_ != nullptr) stream_->make_room(*this);
+  if (stream_ != nullptr) stream_->begin();
   rows_->times[rows_->untimed++] = time_s;
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     const std::span<const double> values = signals_[i].values;
     std::copy_n(values.data(), values.size(), buffer(i, rows_->buffered));
   }
   ++rows_->buffered;
+  if (stream_ != nullptr) stream_->write_full(*this);
 }
 
 std::span<const double> Track::values(std::size_t signal) const {
