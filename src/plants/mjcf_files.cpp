@@ -138,25 +138,6 @@ void read_models(const fs::path& mjcf, std::vector<fs::path>& files,
   }
 }
 
-}  // namespace
-
-MjcfElement read_mjcf(const fs::path& mjcf) {
-  std::vector<fs::path> files;
-  MjcfReader reader(mjcf, files);
-  reader.read();
-  return std::move(reader.root);
-}
-
-std::vector<fs::path> mjcf_files(const fs::path& mjcf) {
-  std::vector<fs::path> files;
-  try {
-    read_models(mjcf, files);
-  } catch (const std::invalid_argument&) {  // Model::load() reports it
-  }
-  return files;
-}
-namespace {
-
 // Attributes with names, which may be "nan".
 bool holds_a_name(const tinyxml2::XMLAttribute& attribute) {
   static const std::set<std::string_view> names = {
@@ -278,6 +259,22 @@ double elements_of(const tinyxml2::XMLElement& element) {
 }
 
 }  // namespace
+
+MjcfElement read_mjcf(const fs::path& mjcf) {
+  std::vector<fs::path> files;
+  MjcfReader reader(mjcf, files);
+  reader.read();
+  return std::move(reader.root);
+}
+
+std::vector<fs::path> mjcf_files(const fs::path& mjcf) {
+  std::vector<fs::path> files;
+  try {
+    read_models(mjcf, files);
+  } catch (const std::invalid_argument&) {  // Model::load() reports it
+  }
+  return files;
+}
 
 void check_mjcf(const std::string& file, std::uint64_t most_elements) {
   double elements = 0.0, bytes = 0.0;  // bytes of all grids

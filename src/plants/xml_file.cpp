@@ -38,6 +38,15 @@ std::size_t find_no_utf8(const std::string& text) {
   return std::string::npos;
 }
 
+std::string read_text(const std::string& file) {
+  check_ends(file);
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw std::invalid_argument(file + ": cannot be read");
+  return text.str();
+}
+
 }  // namespace
 
 void check_ends(const std::filesystem::path& file) {
@@ -52,19 +61,6 @@ void check_ends(const std::filesystem::path& file) {
     throw std::invalid_argument(file.string() + ": is no regular file: it may never end");
   }
 }
-
-namespace {
-
-std::string read_text(const std::string& file) {
-  check_ends(file);
-  std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw std::invalid_argument(file + ": cannot be read");
-  return text.str();
-}
-
-}  // namespace
 
 XmlFile::XmlFile(std::string file) : file_(std::move(file)) {
   const std::string text = read_text(file_);

@@ -29,6 +29,18 @@ std::vector<int> movable_parts(Model& model, const std::string& wall) {
   return parts;
 }
 
+constexpr double kLimit = 4.0;  // h² k/m + 2 h c/m
+constexpr double kFirstOrderLimit = 2.0;
+
+constexpr double kSmallStep = 1e-6;     // step of a difference quotient, relative to a length ...
+constexpr double kSmallDepth_m = 1e-6;  // ... that is at least this
+
+// |R(z)|²
+double growth_squared(double re, double im) {
+  const std::complex<double> z(re, im);
+  return std::norm(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));
+}
+
 }  // namespace
 
 int world_plane(const Model& model, const std::string& wall) {
@@ -129,22 +141,6 @@ double GeomContact::force_N(const mjModel& model, const mjData& data) const {
   }
   return sum;
 }
-
-namespace {
-
-constexpr double kLimit = 4.0;  // h² k/m + 2 h c/m
-constexpr double kFirstOrderLimit = 2.0;
-
-constexpr double kSmallStep = 1e-6;     // step of a difference quotient, relative to a length ...
-constexpr double kSmallDepth_m = 1e-6;  // ... that is at least this
-
-// |R(z)|²
-double growth_squared(double re, double im) {
-  const std::complex<double> z(re, im);
-  return std::norm(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));
-}
-
-}  // namespace
 
 ContactSlopes slopes_of(const ContactForceLaw& law, const ContactState& state, double penetration_m,
                         double speed_m_s, double mass_kg) {

@@ -78,38 +78,6 @@ void prepare_engine() {
   });
 }
 
-}  // namespace
-
-std::string call_engine(void (*body)(void*), void* argument) {
-  prepare_engine();
-  std::jmp_buf here;
-  std::jmp_buf* const outer = state.return_point;
-  state.return_point = &here;
-  state.error[0] = '\0';
-  if (setjmp(here) == 0) {
-    try {
-      body(argument);
-    } catch (const std::bad_alloc&) {
-      std::strcpy(state.error, kNoMemory);
-    } catch (const std::length_error&) {  // larger than any memory
-      std::strcpy(state.error, kNoMemory);
-    }
-  }
-  state.return_point = outer;
-  return state.error;
-}
-
-std::string engine_version() {
-  return mj_versionString();
-}
-
-std::string take_engine_warning() {
-  std::string text = state.warning;
-  state.warning[0] = '\0';
-  return text;
-}
-namespace {
-
 template <typename Function>
 ElfW(Addr) address(Function* function) {
   return reinterpret_cast<ElfW(Addr)>(function);
@@ -181,7 +149,63 @@ void write(ElfW(Addr) & slot, ElfW(Addr) function, const std::string& library) {
   std::atomic_ref(slot).store(function);
 }
 
+constexpr const char* kLibraryKey = "MUJOCO_GL";
+constexpr const char* kDeviceKey = "MUJOCO_EGL_DEVICE_ID";
+
+// The value of MUJOCO_GL in lower case.
+std::string library_asked() {
+  const std::string text = environment(kLibraryKey).value_or("");
+  std::string name = text;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (name.empty() || name == "osmesa" || name == "egl") return name;
+  throw std::invalid_argument(std::string(kLibraryKey) + ": \"" + text +
+                              "\": must be egl or osmesa, which need no screen, or unset");
+}
+
+std::optional<int> device_asked() {
+  const auto text = environment(kDeviceKey);
+  if (!text) return std::nullopt;
+  int number = 0;
+  const char* const end = text->data() + text->size();
+  const auto read = std::from_chars(text->data(), end, number);
+  if (read.ec != std::errc() || read.ptr != end || number < 0) {
+    throw std::invalid_argument(std::string(kDeviceKey) + ": \"" + *text +
+                                "\": must be a whole number: which of EGL's devices, from 0");
+  }
+  return number;
+}
+
 }  // namespace
+
+std::string call_engine(void (*body)(void*), void* argument) {
+  prepare_engine();
+  std::jmp_buf here;
+  std::jmp_buf* const outer = state.return_point;
+  state.return_point = &here;
+  state.error[0] = '\0';
+  if (setjmp(here) == 0) {
+    try {
+      body(argument);
+    } catch (const std::bad_alloc&) {
+      std::strcpy(state.error, kNoMemory);
+    } catch (const std::length_error&) {  // larger than any memory
+      std::strcpy(state.error, kNoMemory);
+    }
+  }
+  state.return_point = outer;
+  return state.error;
+}
+
+std::string engine_version() {
+  return mj_versionString();
+}
+
+std::string take_engine_warning() {
+  std::string text = state.warning;
+  state.warning[0] = '\0';
+  return text;
+}
 
 std::vector<std::string> redirect_elementary_functions(const void* inside) {
   Dl_info place{};
@@ -218,37 +242,6 @@ const std::vector<std::string>& engine_functions() {
       redirect_elementary_functions(mj_versionString());
   return functions;
 }
-
-namespace {
-
-constexpr const char* kLibraryKey = "MUJOCO_GL";
-constexpr const char* kDeviceKey = "MUJOCO_EGL_DEVICE_ID";
-
-// The value of MUJOCO_GL in lower case.
-std::string library_asked() {
-  const std::string text = environment(kLibraryKey).value_or("");
-  std::string name = text;
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (name.empty() || name == "osmesa" || name == "egl") return name;
-  throw std::invalid_argument(std::string(kLibraryKey) + ": \"" + text +
-                              "\": must be egl or osmesa, which need no screen, or unset");
-}
-
-std::optional<int> device_asked() {
-  const auto text = environment(kDeviceKey);
-  if (!text) return std::nullopt;
-  int number = 0;
-  const char* const end = text->data() + text->size();
-  const auto read = std::from_chars(text->data(), end, number);
-  if (read.ec != std::errc() || read.ptr != end || number < 0) {
-    throw std::invalid_argument(std::string(kDeviceKey) + ": \"" + *text +
-                                "\": must be a whole number: which of EGL's devices, from 0");
-  }
-  return number;
-}
-
-}  // namespace
 
 OpenGlAsked opengl_asked() {
   const std::string library = library_asked();

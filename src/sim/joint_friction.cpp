@@ -10,6 +10,16 @@ namespace {
 constexpr double kHardImpedance = 0.9999;     // d, the engine's largest
 constexpr double kStepsOfTimeConstant = 2.0;  // the fewest that the engine accepts
 
+// A displacement in a step, in bends at which the bristles slide, whose tangent is exact enough.
+constexpr double kSmallBend = 0.05;
+
+int row_of(const mjData& data, int dof) {
+  for (int row = data.ne; row < data.ne + data.nf; ++row) {
+    if (data.efc_type[row] == mjCNSTR_FRICTION_DOF && data.efc_id[row] == dof) return row;
+  }
+  throw std::logic_error("the joint has no friction constraint");
+}
+
 }  // namespace
 
 void author_friction(Model& model, int joint, double viscous, double coulomb) {
@@ -40,20 +50,6 @@ void author_friction(Model& model) {
 void set_coulomb_friction(Model& model, int joint, double coulomb) {
   author_friction(model, joint, model->dof_damping[model->jnt_dofadr[joint]], coulomb);
 }
-
-namespace {
-
-// A displacement in a step, in bends at which the bristles slide, whose tangent is exact enough.
-constexpr double kSmallBend = 0.05;
-
-int row_of(const mjData& data, int dof) {
-  for (int row = data.ne; row < data.ne + data.nf; ++row) {
-    if (data.efc_type[row] == mjCNSTR_FRICTION_DOF && data.efc_id[row] == dof) return row;
-  }
-  throw std::logic_error("the joint has no friction constraint");
-}
-
-}  // namespace
 
 JointFriction::JointFriction(Model& model, const std::string& joint,
                              std::unique_ptr<FrictionLaw> law, const Transmission* transmission)

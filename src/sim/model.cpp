@@ -121,37 +121,6 @@ void check_timestep(double timestep_s, const std::string& file) {
   }
 }
 
-}  // namespace
-
-Model Model::compile(const ModelFile& mjcf) {
-  const std::string& mjcf_file = mjcf.path;
-  check_mjcf(mjcf_file, mjcf.most_elements);
-  std::string fatal;
-  std::unique_ptr<mjModel, decltype(&mj_deleteModel)> loaded(load_mjcf(mjcf_file, "", fatal),
-                                                             &mj_deleteModel);
-  bool is_converted = false;
-  if (loaded == nullptr || has_gap_outside(*loaded)) {
-    const ConvertedMjcf converted = convert_mjcf(mjcf_file, mjcf.most_elements);
-    is_converted = !converted.changes.empty();
-    if (is_converted) loaded.reset(load_mjcf(mjcf_file, mjcf_text(converted.root), fatal));
-  }
-  if (loaded == nullptr) {
-    check_memory(mjcf_file, fatal);
-    // The engine counts the lines of the text that it was given.
-    throw std::invalid_argument(
-        located(is_converted ? mjcf_file + " (converted)" : mjcf_file, fatal));
-  }
-  add_missing_forces(*loaded);
-
-  Model model(loaded.release(), mjcf_file);
-  check_timestep(model->opt.timestep, mjcf_file);
-  check_bodies(*model.get(), mjcf_file);
-  check_geoms(*model.get(), mjcf_file);
-  return model;
-}
-
-namespace {
-
 // The data that all SharedModels share. Its models never change: each user gets a copy.
 struct Shared {
   using Geoms = std::optional<std::vector<std::string>>;  // names for load_physics(); none: load()
@@ -187,6 +156,33 @@ std::shared_ptr<const mjModel> share(const Shared::Key& key, mjModel* model) {
 }
 
 }  // namespace
+
+Model Model::compile(const ModelFile& mjcf) {
+  const std::string& mjcf_file = mjcf.path;
+  check_mjcf(mjcf_file, mjcf.most_elements);
+  std::string fatal;
+  std::unique_ptr<mjModel, decltype(&mj_deleteModel)> loaded(load_mjcf(mjcf_file, "", fatal),
+                                                             &mj_deleteModel);
+  bool is_converted = false;
+  if (loaded == nullptr || has_gap_outside(*loaded)) {
+    const ConvertedMjcf converted = convert_mjcf(mjcf_file, mjcf.most_elements);
+    is_converted = !converted.changes.empty();
+    if (is_converted) loaded.reset(load_mjcf(mjcf_file, mjcf_text(converted.root), fatal));
+  }
+  if (loaded == nullptr) {
+    check_memory(mjcf_file, fatal);
+    // The engine counts the lines of the text that it was given.
+    throw std::invalid_argument(
+        located(is_converted ? mjcf_file + " (converted)" : mjcf_file, fatal));
+  }
+  add_missing_forces(*loaded);
+
+  Model model(loaded.release(), mjcf_file);
+  check_timestep(model->opt.timestep, mjcf_file);
+  check_bodies(*model.get(), mjcf_file);
+  check_geoms(*model.get(), mjcf_file);
+  return model;
+}
 
 Model Model::copy(const mjModel& model, const std::string& file) {
   mjModel* copy = nullptr;

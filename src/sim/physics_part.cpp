@@ -188,36 +188,7 @@ void renumber(mjModel& m, const mjModel& full, const Kept& kept) {
   std::fill_n(m.tendon_matid, m.ntendon, -1);
 }
 
-}  // namespace
-
-namespace {
-
 std::atomic<int> whole_models = 0;
-
-}  // namespace
-
-WholeModels::WholeModels() {
-  ++whole_models;
-}
-
-WholeModels::~WholeModels() {
-  --whole_models;
-}
-
-bool WholeModels::are_wanted() {
-  return whole_models > 0;
-}
-
-mjModel* physics_part(const mjModel& full, const std::vector<int>& geoms, std::string& fatal) {
-  const Collisions collisions(full, geoms);
-  const Kept kept = what_stays(full, geoms, collisions);
-  mjModel sizes = full;
-  set_sizes(sizes, kept, collisions.most_contacts());
-  ModelDraft part(full, sizes, kept.geoms);
-  renumber(*part, full, kept);
-  return part.make(fatal);
-}
-namespace {
 
 using Pair = std::pair<int, int>;
 
@@ -273,6 +244,28 @@ void write_pair(mjModel& m, int row, const Pair& pair) {
 }
 
 }  // namespace
+
+WholeModels::WholeModels() {
+  ++whole_models;
+}
+
+WholeModels::~WholeModels() {
+  --whole_models;
+}
+
+bool WholeModels::are_wanted() {
+  return whole_models > 0;
+}
+
+mjModel* physics_part(const mjModel& full, const std::vector<int>& geoms, std::string& fatal) {
+  const Collisions collisions(full, geoms);
+  const Kept kept = what_stays(full, geoms, collisions);
+  mjModel sizes = full;
+  set_sizes(sizes, kept, collisions.most_contacts());
+  ModelDraft part(full, sizes, kept.geoms);
+  renumber(*part, full, kept);
+  return part.make(fatal);
+}
 
 mjModel* with_contact_pairs(const mjModel& model) {
   const bool is_plain = model.npair == 0 && model.nexclude == 0 &&
