@@ -21,6 +21,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <breakwater/math/functions.h>
 #include <breakwater/signals/environment.h>
@@ -95,47 +96,18 @@ const std::map<std::string_view, ElfW(Addr)>& replacements() {
   return table;
 }
 
-// The tables by which the loader joins a library with the functions of others.
-struct Imports {
-  const ElfW(Sym) * symbols = nullptr;
-  const char* names = nullptr;
-  std::span<const ElfW(Rela)> data;
-  std::span<const ElfW(Rela)> calls;
-};
-
-Imports imports_of(const link_map& library) {
-  Imports imports;
-  const ElfW(Rela)* data = nullptr;
-  const ElfW(Rela)* calls = nullptr;
-  std::size_t data_bytes = 0, call_bytes = 0;
+// An entry of the tables by which the loader joins a library with the functions of others: an
+// address, in which the loader has added the library's, or a number of bytes; 0 if there is none.
+ElfW(Addr) entry_of(const link_map& library, ElfW(Sxword) tag) {
   for (const ElfW(Dyn)* entry = library.l_ld; entry->d_tag != DT_NULL; ++entry) {
-    const auto pointer = entry->d_un.d_ptr;  // the loader has added the library's address
-    switch (entry->d_tag) {
-      case DT_SYMTAB:
-        imports.symbols = reinterpret_cast<const ElfW(Sym)*>(pointer);
-        break;
-      case DT_STRTAB:
-        imports.names = reinterpret_cast<const char*>(pointer);
-        break;
-      case DT_RELA:
-        data = reinterpret_cast<const ElfW(Rela)*>(pointer);
-        break;
-      case DT_RELASZ:
-        data_bytes = entry->d_un.d_val;
-        break;
-      case DT_JMPREL:
-        calls = reinterpret_cast<const ElfW(Rela)*>(pointer);
-        break;
-      case DT_PLTRELSZ:
-        call_bytes = entry->d_un.d_val;
-        break;
-      default:
-        break;
-    }
+    if (entry->d_tag == tag) return entry->d_un.d_ptr;
   }
-  imports.data = {data, data_bytes / sizeof(ElfW(Rela))};
-  imports.calls = {calls, call_bytes / sizeof(ElfW(Rela))};
-  return imports;
+  return 0;
+}
+
+template <typename T>
+const T* table_of(const link_map& library, ElfW(Sxword) tag) {
+  return reinterpret_cast<const T*>(entry_of(library, tag));
 }
 
 void write(ElfW(Addr) & slot, ElfW(Addr) function, const std::string& library) {
@@ -213,14 +185,17 @@ std::vector<std::string> redirect_elementary_functions(const void* inside) {
   if (dladdr1(inside, &place, reinterpret_cast<void**>(&library), RTLD_DL_LINKMAP) == 0) {
     throw std::runtime_error("elementary functions: the address is in no shared library");
   }
-  const Imports imports = imports_of(*library);
+  const auto* const symbols = table_of<ElfW(Sym)>(*library, DT_SYMTAB);
+  const auto* const names = table_of<char>(*library, DT_STRTAB);
   std::vector<std::string> redirected;
-  for (const auto relocations : {imports.data, imports.calls}) {
+  for (const auto& [table, bytes] : {std::pair(DT_RELA, DT_RELASZ), {DT_JMPREL, DT_PLTRELSZ}}) {
+    const std::span relocations(table_of<ElfW(Rela)>(*library, table),
+                                entry_of(*library, bytes) / sizeof(ElfW(Rela)));
     for (const ElfW(Rela) & relocation : relocations) {
       const auto type = ELF64_R_TYPE(relocation.r_info);
       if (type != R_X86_64_JUMP_SLOT && type != R_X86_64_GLOB_DAT) continue;
-      const ElfW(Sym)& symbol = imports.symbols[ELF64_R_SYM(relocation.r_info)];
-      const auto found = replacements().find(imports.names + symbol.st_name);
+      const ElfW(Sym)& symbol = symbols[ELF64_R_SYM(relocation.r_info)];
+      const auto found = replacements().find(names + symbol.st_name);
       if (found == replacements().end()) continue;
       write(*reinterpret_cast<ElfW(Addr)*>(library->l_addr + relocation.r_offset), found->second,
             place.dli_fname);
