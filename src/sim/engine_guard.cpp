@@ -96,8 +96,8 @@ const std::map<std::string_view, ElfW(Addr)>& replacements() {
   return table;
 }
 
-// An entry of the tables by which the loader joins a library with the functions of others: an
-// address, in which the loader has added the library's, or a number of bytes; 0 if there is none.
+// An entry of the tables by which the loader joins a library with the functions of others; 0 if
+// there is none. The loader has added the library's address to those that are addresses.
 ElfW(Addr) entry_of(const link_map& library, ElfW(Sxword) tag) {
   for (const ElfW(Dyn)* entry = library.l_ld; entry->d_tag != DT_NULL; ++entry) {
     if (entry->d_tag == tag) return entry->d_un.d_ptr;
