@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 namespace breakwater {
 namespace {
@@ -176,29 +177,28 @@ Point place_beyond(const Point& from, const Point& to, const Point& half, const 
 
 }  // namespace
 
-void EdgeSmoother::smooth(std::vector<std::uint8_t>& pixels, int width, int height) {
+void smooth_edges(std::vector<std::uint8_t>& pixels, int width, int height) {
   const auto w = static_cast<std::ptrdiff_t>(width);
   const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  luma_.resize(count);
-  contrast_.assign(static_cast<std::size_t>(width), 0);
-  smoothed_.clear();
-  take_luma(pixels.data(), luma_.data(), count);
+  std::vector<std::uint8_t> luma(count), contrast(static_cast<std::size_t>(width), 0);
+  std::vector<std::pair<std::size_t, std::uint32_t>> smoothed;  // pixels and their new colours
+  take_luma(pixels.data(), luma.data(), count);
 
   for (int y = 1; y + 1 < height; ++y) {
-    const std::uint8_t* const row = luma_.data() + y * w;
-    find_contrast(row, row - w, row + w, contrast_.data(), static_cast<std::size_t>(width));
+    const std::uint8_t* const row = luma.data() + y * w;
+    find_contrast(row, row - w, row + w, contrast.data(), static_cast<std::size_t>(width));
     for (int x = 1; x + 1 < width; ++x) {
-      if (contrast_[static_cast<std::size_t>(x)] == 0) continue;
+      if (contrast[static_cast<std::size_t>(x)] == 0) continue;
       std::ptrdiff_t across = 0;
       const float part = share(row + x, w, x, y, height, across);
       if (part <= 0.0F) continue;
       const std::ptrdiff_t pixel = y * w + x;
-      smoothed_.push_back({static_cast<std::size_t>(pixel),
-                           blend(&pixels[static_cast<std::size_t>(4 * pixel)],
-                                 &pixels[static_cast<std::size_t>(4 * (pixel + across))], part)});
+      smoothed.emplace_back(static_cast<std::size_t>(pixel),
+                            blend(&pixels[static_cast<std::size_t>(4 * pixel)],
+                                  &pixels[static_cast<std::size_t>(4 * (pixel + across))], part));
     }
   }
-  for (const Smoothed& s : smoothed_) std::memcpy(&pixels[4 * s.pixel], &s.colour, 4);
+  for (const auto& [pixel, colour] : smoothed) std::memcpy(&pixels[4 * pixel], &colour, 4);
 }
 
 double Picture::unit_px(double width, double height) {
@@ -430,7 +430,7 @@ const std::uint8_t* Picture::draw(double time_s) {
     shrink();
     pixels = &pixels_;
   } else {
-    smoother_.smooth(*pixels, style_.width, style_.height);
+    smooth_edges(*pixels, style_.width, style_.height);
   }
 
   Canvas canvas(pixels->data(), style_.width, style_.height);

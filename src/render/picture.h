@@ -23,21 +23,8 @@ namespace breakwater {
 /// the one across the edge, as far as the straight line between the ends covers it. This takes a
 /// few milliseconds. With llvmpipe, 4 samples per pixel would more than double the time.
 ///
-/// `pixels` has 4 bytes per pixel (blue, green, red, any). Keeps its memory between pictures.
-class EdgeSmoother {
- public:
-  void smooth(std::vector<std::uint8_t>& pixels, int width, int height);
-
- private:
-  struct Smoothed {
-    std::size_t pixel;
-    std::uint32_t colour;
-  };
-
-  std::vector<std::uint8_t> luma_;
-  std::vector<std::uint8_t> contrast_;
-  std::vector<Smoothed> smoothed_;
-};
+/// `pixels` has 4 bytes per pixel (blue, green, red, any).
+void smooth_edges(std::vector<std::uint8_t>& pixels, int width, int height);
 
 /// An arrow over time, from the log.
 struct ArrowTrack {
@@ -118,7 +105,6 @@ class Picture {
   std::vector<PictureRun>& runs_;
   PictureStyle style_;
   Offscreen offscreen_;
-  EdgeSmoother smoother_;
   std::vector<std::uint8_t> pixels_;
   std::vector<Panel> panels_;
   std::vector<double> qpos_;
