@@ -1,6 +1,7 @@
 // Attached models, frames and replicates of MJCF, written out.
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <numbers>
 #include <set>
@@ -65,14 +66,6 @@ Quaterniond rotation_of(const MjcfElement& root, const MjcfElement& element,
   const Vector3d axis = Vector3d::UnitZ().cross(z);
   if (axis.norm() < 1e-10) return turn(z.z() > 0.0 ? 0.0 : std::numbers::pi, Vector3d::UnitX());
   return turn(math::atan2(axis.norm(), z.z()), axis);
-}
-
-Quaterniond quaternion(const MjcfPose& pose) {
-  return {pose.rotation[0], pose.rotation[1], pose.rotation[2], pose.rotation[3]};
-}
-
-MjcfPose pose_of(const Vector3d& p, const Quaterniond& q) {
-  return {{p.x(), p.y(), p.z()}, {q.w(), q.x(), q.y(), q.z()}};
 }
 
 // The kind of element whose name this attribute gives; empty: none.
@@ -329,7 +322,7 @@ class FlatMjcf {
       const Quaterniond rotation = euler_rotation(root, {i * euler[0], i * euler[1], i * euler[2]});
       for (MjcfElement copy : element.children) {
         add_suffix(copy, "", names, suffixes.back());
-        place(copy, pose_of(position, rotation), inside);
+        place(copy, {position, rotation}, inside);
         if (element.has("childclass")) give_class(copy, inside);
         out.push_back(std::move(copy));
       }
@@ -372,8 +365,6 @@ class FlatMjcf {
 
   // Gives an element the place in its body that it has in a frame.
   void place(MjcfElement& element, const MjcfPose& frame, const std::string& inherited) const {
-    const Quaterniond rotation = quaternion(frame);
-    const Vector3d origin(frame.position.data());
     const auto vector = [&](std::string_view attribute, const char* otherwise) {
       const std::string* text = classes_.find(element, attribute, inherited);
       const auto v = mjcf_numbers(element, text != nullptr ? *text : otherwise, 3, 3);
@@ -388,20 +379,22 @@ class FlatMjcf {
       auto v = mjcf_numbers(element, *ends, 6, 6);
       for (const std::size_t end : {0U, 3U}) {
         Eigen::Map<Vector3d> point(v.data() + end);
-        point = origin + rotation * point;
+        point = frame.position + frame.rotation * point;
       }
       element.set("fromto", v);
     } else if (may_have_ends || element.name == "body" || element.name == "camera") {
       const MjcfPose pose = frame * mjcf_pose(root, classes_, element, inherited);
       for (const char* attribute : kRotations) element.erase(attribute);
-      element.set("pos", pose.position);
-      element.set("quat", pose.rotation);
+      const Quaterniond& q = pose.rotation;
+      set("pos", pose.position);
+      element.set("quat", std::array{q.w(), q.x(), q.y(), q.z()});
     } else if (element.name == "light" || element.name == "joint") {
       const char* direction = element.name == "light" ? "dir" : "axis";
       const std::string* type = classes_.find(element, "type", inherited);
       if (type != nullptr && *type == "free") return;
-      set("pos", origin + rotation * vector("pos", "0 0 0"));
-      set(direction, rotation * vector(direction, element.name == "light" ? "0 0 -1" : "0 0 1"));
+      set("pos", frame.position + frame.rotation * vector("pos", "0 0 0"));
+      set(direction,
+          frame.rotation * vector(direction, element.name == "light" ? "0 0 -1" : "0 0 1"));
     } else if (element.name == "composite" || element.name == "inertial") {
       element.fail("cannot be in a <frame> or <replicate> here");
     }
@@ -422,14 +415,12 @@ bool has_degrees(const MjcfElement& root) {
 }
 
 MjcfPose operator*(const MjcfPose& first, const MjcfPose& second) {
-  const Quaterniond rotation = quaternion(first);
-  return pose_of(Vector3d(first.position.data()) + rotation * Vector3d(second.position.data()),
-                 rotation * quaternion(second));
+  return {first.position + first.rotation * second.position, first.rotation * second.rotation};
 }
 
 MjcfPose inverse(const MjcfPose& pose) {
-  const Quaterniond back = quaternion(pose).conjugate();
-  return pose_of(-(back * Vector3d(pose.position.data())), back);
+  const Quaterniond back = pose.rotation.conjugate();
+  return {-(back * pose.position), back};
 }
 
 MjcfPose mjcf_pose(const MjcfElement& root, const MjcfClasses& classes, const MjcfElement& element,
@@ -449,7 +440,7 @@ MjcfPose mjcf_pose(const MjcfElement& root, const MjcfClasses& classes, const Mj
   if (!take([&](const char* kind) { return element.find(kind); })) {
     take([&](const char* kind) { return classes.find(element, kind, inherited); });
   }
-  return pose_of({p[0], p[1], p[2]}, rotation);
+  return {Vector3d(p[0], p[1], p[2]), rotation};
 }
 
 MjcfElement flat_mjcf(const fs::path& file, std::uint64_t most_elements, MjcfChanges& changes) {

@@ -1,6 +1,7 @@
 #include <breakwater/plants/mjcf_tree.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <set>
 #include <stdexcept>

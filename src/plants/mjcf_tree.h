@@ -2,7 +2,7 @@
 // numbers.
 #pragma once
 
-#include <array>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -118,10 +118,10 @@ MjcfElement flat_mjcf(const std::filesystem::path& file, std::uint64_t most_elem
 /// The text of an MJCF file.
 std::string mjcf_text(const MjcfElement& root);
 
-/// Position and rotation (w x y z) of an element in its body.
+/// Position and rotation of an element in its body.
 struct MjcfPose {
-  std::array<double, 3> position;
-  std::array<double, 4> rotation;
+  Eigen::Vector3d position;
+  Eigen::Quaterniond rotation;
 };
 /// `first` and then, in its frame, `second`.
 MjcfPose operator*(const MjcfPose& first, const MjcfPose& second);

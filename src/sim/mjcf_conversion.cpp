@@ -1,6 +1,7 @@
 #include <breakwater/sim/mjcf_conversion.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>
@@ -294,11 +295,10 @@ class Conversion {
                   is_weld ? "weld of sites (the engine weighs its rotation otherwise)"
                           : "connect of sites (equal at rest)",
                   one.place);
-      const MjcfPose relative = poses[0] * inverse(poses[1]);
-      std::vector<double> pose(poses[0].position.begin(), poses[0].position.end());
-      pose.insert(pose.end(), relative.rotation.begin(), relative.rotation.end());
-      one.set("relpose", pose);
-      one.set("anchor", poses[1].position);
+      const Eigen::Vector3d& p = poses[0].position;
+      const Eigen::Quaterniond q = (poses[0] * inverse(poses[1])).rotation;
+      one.set("relpose", std::array{p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
+      one.set("anchor", std::span(poses[1].position.data(), 3));
       if (!is_weld) one.set("torquescale", "0");
       one.name = "weld";
     });
