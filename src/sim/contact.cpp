@@ -62,20 +62,16 @@ void author_contact(Model& model, int geom1, int geom2, const KelvinVoigt& law) 
       }
     }
   }
-  if (m.geom_priority[geom1] != m.geom_priority[geom2]) {
-    throw std::invalid_argument(model.file() + ": a contact given by stiffness and damping needs " +
-                                "geoms of the same priority");
-  }
+  const auto need_geoms = [&](bool are_so, const char* words) {
+    if (are_so) return;
+    throw std::invalid_argument(model.file() +
+                                ": a contact given by stiffness and damping needs geoms " + words);
+  };
+  need_geoms(m.geom_priority[geom1] == m.geom_priority[geom2], "of the same priority");
   double invweight = 0.0;
   for (const int geom : {geom1, geom2}) {
-    if (m.geom_condim[geom] != 1) {
-      throw std::invalid_argument(model.file() + ": a contact given by stiffness and damping " +
-                                  "needs geoms with condim=\"1\"");
-    }
-    if (m.geom_margin[geom] != 0.0 || m.geom_gap[geom] != 0.0) {
-      throw std::invalid_argument(model.file() + ": a contact given by stiffness and damping " +
-                                  "needs geoms without margin and gap");
-    }
+    need_geoms(m.geom_condim[geom] == 1, "with condim=\"1\"");
+    need_geoms(m.geom_margin[geom] == 0.0 && m.geom_gap[geom] == 0.0, "without margin and gap");
     invweight += m.body_invweight0[2 * m.geom_bodyid[geom]];
   }
   if (!(invweight > 0.0)) {
