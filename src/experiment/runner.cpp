@@ -103,6 +103,21 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
   }
 }
 
+// The sets of a case without their numbers, which BoundCases::Case can change. Empty if a key is
+// given twice: its last number would count.
+BoundCases::Shape shape_of(const std::string& case_name, const std::vector<std::string>& sets) {
+  BoundCases::Shape shape = {case_name};
+  std::set<std::string> keys;
+  for (const std::string& set : sets) {
+    const std::size_t equals = std::min(set.find('='), set.size() - 1);
+    const std::string key = set.substr(0, equals);
+    if (!keys.insert(key).second) return {};
+    const bool is_number = whole_key(key) == key && number_in(set.substr(equals + 1));
+    shape.push_back(is_number ? key : set);
+  }
+  return shape;
+}
+
 }  // namespace
 
 // A case of a file, bound to a scenario.
@@ -207,25 +222,6 @@ bool is_as_shipped(const Catalogue& catalogue, const PreparedRun& run) {
   shipped.read();
   return shipped.fields.print(kind.name, run.case_name) == run.config_text;
 }
-
-namespace {
-
-// The sets of a case without their numbers, which BoundCases::Case can change. Empty if a key is
-// given twice: its last number would count.
-BoundCases::Shape shape_of(const std::string& case_name, const std::vector<std::string>& sets) {
-  BoundCases::Shape shape = {case_name};
-  std::set<std::string> keys;
-  for (const std::string& set : sets) {
-    const std::size_t equals = std::min(set.find('='), set.size() - 1);
-    const std::string key = set.substr(0, equals);
-    if (!keys.insert(key).second) return {};
-    const bool is_number = whole_key(key) == key && number_in(set.substr(equals + 1));
-    shape.push_back(is_number ? key : set);
-  }
-  return shape;
-}
-
-}  // namespace
 
 PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenario,
                           const ScenarioFile& file, const std::string& case_name,
