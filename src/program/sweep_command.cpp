@@ -36,19 +36,6 @@
 namespace breakwater {
 namespace {
 
-std::vector<std::string> metric_names(const PointResult& run) {
-  std::vector<std::string> names;
-  for (const auto& [name, value] : run.metrics) names.push_back(name);
-  return names;
-}
-
-// Adds the names that are not there.
-void add_names(const std::vector<std::string>& more, std::vector<std::string>& names) {
-  for (const std::string& name : more) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  }
-}
-
 // The number of tests in Holm's correction: of the ranking if there is a goal, else of the
 // comparison. A test is a metric and a pair of candidates that differ in these runs.
 std::size_t tests_shown(const Plan& plan, const std::vector<PointResult>& runs) {
@@ -103,7 +90,7 @@ std::string seed_warning(const Sweep& sweep, const std::vector<PointResult>& run
 
 // Why the runs, of which some failed, lack a metric, behind "no run has it": they failed, are too
 // short, or it is misspelt.
-std::string why_missing(const Sweep& sweep, const UnknownMetric& metric, std::size_t runs,
+std::string why_missing(const Sweep& sweep, const NamedMetric& metric, std::size_t runs,
                         std::size_t failed) {
   if (failed == runs) return ": they failed";
   const std::vector<std::string> defined = sweep.defined_metrics(0);
@@ -114,25 +101,6 @@ std::string why_missing(const Sweep& sweep, const UnknownMetric& metric, std::si
     if (set.starts_with("run.duration_s=")) why += " (" + set + ")";
   }
   return why;
-}
-
-// Looks for misspelt names of metrics: those that no candidate's scenario defines. A user's own
-// scenario may define none. Throws std::invalid_argument.
-void check_names(const Sweep& sweep) {
-  const Study& study = sweep.plan().study();
-  std::vector<std::string> known;
-  const std::size_t candidates = sweep.plan().candidates().size();
-  for (const std::size_t first : {std::size_t{0}, sweep.plan().size() - candidates}) {
-    for (std::size_t c = 0; c < candidates; ++c) {
-      if (unknown_metrics(study, known).empty()) return;
-      add_names(sweep.defined_metrics(first + c), known);
-    }
-  }
-  if (known.empty()) return;
-  for (const UnknownMetric& one : unknown_metrics(study, known)) {
-    if (one.meant.empty()) continue;
-    throw std::invalid_argument(one.place + ": there is no such metric" + one.meant);
-  }
 }
 
 // Warnings from one run of each candidate.
@@ -147,18 +115,19 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
       warnings.push_back(fmt::format("{}: the first run {}: {}", plan.candidates()[c].label,
                                      name_of(runs[c].status), runs[c].reason));
     }
-    add_names(metric_names(runs[c]), all);
+    for (const auto& [name, value] : runs[c].metrics) {
+      if (std::find(all.begin(), all.end(), name) == all.end()) all.push_back(name);
+    }
   }
   for (std::size_t c = 0; c < runs.size(); ++c) {
     if (runs[c].status != PointStatus::complete) continue;
     std::vector<std::string> lacking = all;
-    for (const std::string& name : metric_names(runs[c])) std::erase(lacking, name);
+    for (const auto& [name, value] : runs[c].metrics) std::erase(lacking, name);
     if (lacking.empty()) continue;
     warnings.push_back(fmt::format("{}: the first run lacks {}", plan.candidates()[c].label,
                                    fmt::join(lacking, ", ")));
   }
-  check_names(sweep);
-  for (const UnknownMetric& one : unknown_metrics(plan.study(), all)) {
+  for (const NamedMetric& one : unknown_metrics(plan.study(), all)) {
     warnings.push_back(fmt::format("{}: none of these runs has it{}", one.place,
                                    why_missing(sweep, one, runs.size(), failed)));
   }
@@ -283,7 +252,7 @@ class SweepCommand : public StudyCommand {
     const bool may_grow =
         there.scenario == plan_.study().scenario && keeps_results_of({catalogue_, there});
     if (!may_grow) folder_.check_is(text(), there.print());
-    check_names(sweep_);  // a finished study may get a goal
+    sweep_.check_metrics();  // a finished study may get a goal
   }
 
   void print_dry_run() const override {
@@ -295,16 +264,13 @@ class SweepCommand : public StudyCommand {
     fmt::print("{}: {}\n", folder_.path().string(), counted(index));
   }
 
-  void check() const override {
-    warn(name(), sweep_.check());
-    check_names(sweep_);
-  }
+  void check() const override { warn(name(), sweep_.check()); }
 
   int collect(const ShardIndex& index) const override {
     index.check_models();
     const fs::path csv = folder_.path() / "results.csv";
     const std::vector<std::string> metrics = write_results(plan_, index, csv);
-    for (const UnknownMetric& one : unknown_metrics(plan_.study(), metrics)) {
+    for (const NamedMetric& one : unknown_metrics(plan_.study(), metrics)) {
       fmt::print(stderr, "{}: {}: no run has it{}\n", name(), one.place,
                  why_missing(sweep_, one, index.done(),
                              index.done() - index.count(PointStatus::complete)));

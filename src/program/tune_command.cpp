@@ -318,12 +318,10 @@ class TuneCommand : public StudyCommand {
              {fmt::format("{}: the candidate in the middle fails: {}", tuned.name, run.reason)});
         continue;
       }
-      const auto check = [&](const std::string& place, const std::string& metric) {
-        if (metric_of(run, metric)) return;
-        warn(name(), {fmt::format("{}: a run of {} lacks it", place, tuned.name)});
-      };
-      for (const Objective& one : tuning.objectives) check(one.place, one.metric);
-      for (const Constraint& one : tuning.constraints) check(one.place, one.metric);
+      for (const NamedMetric& one : tuning.named) {
+        if (metric_of(run, one.name)) continue;
+        warn(name(), {fmt::format("{}: a run of {} lacks it", one.place, tuned.name)});
+      }
     }
     return seconds;
   }

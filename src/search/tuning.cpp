@@ -25,38 +25,34 @@ const TomlEntry& metric_table(const TomlEntry& entry, const char* example) {
   return entry;
 }
 
-std::vector<Objective> read_objectives(const TomlEntry& table) {
-  std::vector<Objective> objectives;
+void read_objectives(const TomlEntry& table, Tuning& tuning) {
   for (const auto& [metric, entry] : table.entries()) {
     metric_table(entry, "{ goal = \"min\", over = \"median\" }").allow({"goal", "over"});
     if (!entry["goal"]) entry["goal"].fail("is missing: min or max");
     Objective objective;
     objective.metric = metric;
-    objective.place = entry.place();
+    tuning.named.push_back({entry.place(), metric});
     objective.goal = entry["goal"].choice(goal_names());
     entry["over"].choice(over_names(), objective.over);
-    objectives.push_back(std::move(objective));
+    tuning.objectives.push_back(std::move(objective));
   }
-  if (objectives.empty()) {
+  if (tuning.objectives.empty()) {
     throw std::invalid_argument(table.file() + ": objective: names no metric");
   }
-  return objectives;
 }
 
-std::vector<Constraint> read_constraints(const TomlEntry& table) {
-  std::vector<Constraint> constraints;
+void read_constraints(const TomlEntry& table, Tuning& tuning) {
   for (const auto& [metric, entry] : table.entries()) {
     metric_table(entry, "{ max = 1, over = \"worst\" }").allow({"min", "max", "over"});
     Constraint constraint;
     constraint.metric = metric;
-    constraint.place = entry.place();
+    tuning.named.push_back({entry.place(), metric});
     if (!entry["min"] == !entry["max"]) entry.fail("must have either min or max");
     constraint.min = entry["min"].number_or_nothing().value_or(constraint.min);
     constraint.max = entry["max"].number_or_nothing().value_or(constraint.max);
     entry["over"].choice(over_names(), constraint.over);
-    constraints.push_back(std::move(constraint));
+    tuning.constraints.push_back(std::move(constraint));
   }
-  return constraints;
 }
 
 std::vector<VariedKey> read_searched(const TomlEntry& table) {
@@ -225,8 +221,8 @@ Tuning read_tuning(const toml::table& tables, const std::string& file) {
   tuning.worlds.seeds = read_seeds(root["seeds"]);
   root["worlds"].choice<bool>({{"grid", false}, {"list", true}}, tuning.worlds.is_list);
   tuning.worlds.keys = read_world(root["world"]);
-  tuning.objectives = read_objectives(root["objective"]);
-  tuning.constraints = read_constraints(root["constraint"]);
+  read_objectives(root["objective"], tuning);
+  read_constraints(root["constraint"], tuning);
   read_cases(root, tuning);
   read_validation(root["validate"], tuning);
   check_fits(root, tuning);

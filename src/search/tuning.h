@@ -27,12 +27,10 @@ struct Objective {
   std::string metric;
   Goal goal = Goal::min;
   Over over = Over::median;
-  std::string place;  ///< "FILE:LINE: objective.METRIC"
 };
 
 struct Constraint : Bound {
   Over over = Over::worst;
-  std::string place;
 };
 
 /// A case of a tuning. It has its own budget.

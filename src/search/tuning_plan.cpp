@@ -9,7 +9,6 @@
 
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/input_file.h>
-#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -82,16 +81,6 @@ std::vector<std::string> TuningPlan::check() const {
   for (const TunedCase& tuned : tuning_.cases) {
     check_in(tuned, tuning_.worlds);
     if (tuning_.validation) check_in(tuned, *tuning_.validation);
-    const Sweep sweep(catalogue_,
-                      probed_study(tuning_, tuned, probed_at_once(tuning_.worlds).front()));
-    const std::vector<std::string> known = sweep.defined_metrics(0);
-    const auto check = [&](const std::string& place, const std::string& metric) {
-      if (known.empty() || std::find(known.begin(), known.end(), metric) != known.end()) return;
-      throw std::invalid_argument(fmt::format("{}: a run of {} has no such metric{}", place,
-                                              tuned.name, did_you_mean(metric, known)));
-    };
-    for (const Objective& one : tuning_.objectives) check(one.place, one.metric);
-    for (const Constraint& one : tuning_.constraints) check(one.place, one.metric);
   }
   return warnings;
 }

@@ -13,6 +13,7 @@
 #include <breakwater/config/fields.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/study/study_reader.h>
 #include <breakwater/study/value_list.h>
 
@@ -37,9 +38,12 @@ void read_compare(const TomlEntry& root, Study& study) {
   study.baseline = compare["baseline"].text_or_nothing();
   study.places["compare.baseline"] = compare["baseline"].place();
   study.metrics = compare["metrics"].texts();
+  for (const std::string& metric : study.metrics) {
+    study.named.push_back({"compare.metrics: " + metric, metric, false});
+  }
   for (const auto& [metric, goal] : compare["goal"].entries()) {
     study.goals.emplace_back(metric, goal.choice(goal_names()));
-    study.places["compare.goal." + metric] = goal.place();
+    study.named.push_back({goal.place(), metric});
   }
   compare["worlds"].choice<bool>({{"samples", false}, {"seeds", true}}, study.are_seeds_worlds);
   study.compare = read_varied(compare, {"case", "baseline", "metrics", "goal", "worlds"});
@@ -71,7 +75,7 @@ Requirement read_require(const TomlEntry& root, Study& study) {
     if (bound.min > bound.max) {
       entry.fail(fmt::format("min {} is above max {}", bound.min, bound.max));
     }
-    study.places["require." + key] = entry.place();
+    study.named.push_back({entry.place(), key});
     require.bounds.push_back(std::move(bound));
   }
   if (require.bounds.empty()) table.fail("has no bound of a metric");
@@ -155,6 +159,17 @@ std::string value_at(const VariedKey& key, double u) {
 std::string place_of(const Places& places, const std::string& key) {
   const auto found = places.find(key);
   return found == places.end() ? key : found->second;
+}
+
+std::vector<NamedMetric> unknown_metrics(const StudyBase& study,
+                                         const std::vector<std::string>& known) {
+  std::vector<NamedMetric> unknown;
+  for (NamedMetric one : study.named) {
+    if (std::find(known.begin(), known.end(), one.name) != known.end()) continue;
+    one.meant = (one.is_required ? did_you_mean_or_list : did_you_mean)(one.name, known);
+    unknown.push_back(std::move(one));
+  }
+  return unknown;
 }
 
 Study read_study(const toml::table& tables, const std::string& file) {

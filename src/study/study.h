@@ -52,13 +52,26 @@ std::vector<std::string> combination(const std::vector<VariedKey>& keys, std::si
 /// The value of a key, as TOML, at a number of the unit interval.
 std::string value_at(const VariedKey& key, double u);
 
+/// A metric that a file of a study names.
+struct NamedMetric {
+  std::string place;  ///< "FILE:LINE: compare.goal.pea_N"
+  std::string name;
+  bool is_required = true;  ///< not by compare.metrics
+  std::string meant = {};   ///< by unknown_metrics(): did_you_mean(), or the known names
+};
+
 /// The common part of the files of studies and tunings.
 struct StudyBase {
   std::string scenario;
   std::string config;             ///< a scenario file; empty: that of the scenario
   std::vector<std::string> sets;  ///< key=value, for all runs
   Places places;                  ///< at least for scenario, config and each set.KEY
+  std::vector<NamedMetric> named;
 };
+
+/// The metrics that a study names and `known` lacks.
+std::vector<NamedMetric> unknown_metrics(const StudyBase& study,
+                                         const std::vector<std::string>& known);
 
 /// A study. It has one run, its point, for each sample (combination of varied values), seed and
 /// candidate.

@@ -9,7 +9,6 @@
 
 #include <breakwater/config/config.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/study/plan.h>
 #include <breakwater/study/results.h>
 
@@ -124,21 +123,6 @@ std::size_t most_blocks(const Plan& plan) {
   if (candidates < 2) return 0;
   if (plan.study().baseline.empty() && candidates > kMostWithoutBaseline) return 0;
   return plan.samples() * (counts_seeds(plan.study()) ? plan.seeds() : 1);
-}
-
-std::vector<UnknownMetric> unknown_metrics(const Study& study,
-                                           const std::vector<std::string>& known) {
-  std::vector<UnknownMetric> unknown;
-  const auto add = [&](const std::string& place, const std::string& name, bool is_required) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) return;
-    unknown.push_back({place_of(study.places, place), name,
-                       (is_required ? did_you_mean_or_list : did_you_mean)(name, known)});
-  };
-  for (const std::string& name : study.metrics) add("compare.metrics: " + name, name, false);
-  for (const auto& [name, goal] : study.goals) add("compare.goal." + name, name, true);
-  for (const Bound& bound : study.require.bounds)
-    add("require." + bound.metric, bound.metric, true);
-  return unknown;
 }
 
 }  // namespace breakwater

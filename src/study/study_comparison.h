@@ -31,14 +31,4 @@ std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIn
 /// with more than a hundred.
 std::optional<Ranking> rank_study(const Plan& plan, const ShardIndex& index);
 
-struct UnknownMetric {
-  std::string place;  ///< where it is named: "FILE:LINE: compare.goal.pea_N"
-  std::string name;
-  std::string meant;  ///< did_you_mean(), or for a goal or bound: the known names
-};
-
-/// The metrics that compare.metrics, compare.goal or [require] name and `known` lacks.
-std::vector<UnknownMetric> unknown_metrics(const Study& study,
-                                           const std::vector<std::string>& known);
-
 }  // namespace breakwater

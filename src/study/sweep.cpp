@@ -144,6 +144,26 @@ std::filesystem::path Sweep::folder(std::size_t, const std::string& key, bool fa
   return keeps ? folder_->run(key) : std::filesystem::path();
 }
 
+void Sweep::check_metrics() const {
+  const Study& study = plan_->study();
+  const std::size_t candidates = plan_->candidates().size();
+  std::vector<std::string> known;
+  for (const std::size_t first : {std::size_t{0}, plan_->size() - candidates}) {
+    for (std::size_t c = 0; c < candidates; ++c) {
+      if (unknown_metrics(study, known).empty()) return;
+      for (std::string& name : defined_metrics(first + c)) {
+        const bool is_there = std::find(known.begin(), known.end(), name) != known.end();
+        if (!is_there) known.push_back(std::move(name));
+      }
+    }
+  }
+  if (known.empty()) return;
+  for (const NamedMetric& one : unknown_metrics(study, known)) {
+    if (one.meant.empty()) continue;
+    throw std::invalid_argument(one.place + ": there is no such metric" + one.meant);
+  }
+}
+
 std::vector<std::string> Sweep::check() const {
   const SharedModels shared;
   const Study& study = plan_->study();
@@ -162,6 +182,7 @@ std::vector<std::string> Sweep::check() const {
       }
     }
   });
+  check_metrics();
   std::vector<std::string> warnings;
   for (const auto& [key, place] : places_of_keys(study)) {
     const auto found = ineffective.find(whole_key(key));

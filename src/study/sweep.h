@@ -34,9 +34,12 @@ class Sweep : public PointSource {
   /// The same study with one seed, the one after its first.
   Sweep with_next_seed() const;
 
-  /// Prepares the plan's probes, so that no run begins if a value is wrong. Returns one line per
-  /// ineffective key. Throws std::invalid_argument for the first mistake.
+  /// Prepares the plan's probes, so that no run begins if a value is wrong, and checks the metrics.
+  /// Returns one line per ineffective key. Throws std::invalid_argument for the first mistake.
   std::vector<std::string> check() const;
+  /// Looks for misspelt names of metrics: those that no candidate's scenario defines. A user's own
+  /// scenario may define none. Throws std::invalid_argument.
+  void check_metrics() const;
   /// Keeps the folders of the chosen runs from now on. Before this call none is kept.
   void keep_in(const StudyFolder& folder, Keep keep) {
     folder_ = folder;

@@ -171,7 +171,7 @@ Tuning tuning() {
   Tuning tuning;
   tuning.objectives = {{.metric = "t", .goal = Goal::min, .over = Over::median},
                        {.metric = "g", .goal = Goal::max, .over = Over::worst}};
-  tuning.constraints = {{{.metric = "b", .max = 2.0}, Over::worst, ""}};
+  tuning.constraints = {{{.metric = "b", .max = 2.0}, Over::worst}};
   return tuning;
 }
 
