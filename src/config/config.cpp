@@ -204,8 +204,7 @@ void Config::set(const std::string& assignment) {
   }
   const std::string key = assignment.substr(0, equals);
   const std::string whole = whole_key(key);
-  if (key.size() > kLongestWord || whole.empty() ||
-      !std::all_of(whole.begin(), whole.end(), is_key_character)) {
+  if (key.size() > kLongestWord || whole.empty() || !std::ranges::all_of(whole, is_key_character)) {
     throw std::invalid_argument("--set: " + shown(key) + ": is no key");
   }
   const std::string text = assignment.substr(equals + 1);
@@ -275,9 +274,8 @@ std::vector<std::string> Config::names_in(const std::string& table) const {
   }
   std::vector<std::string> names;
   for (const auto& [name, line] : lines) names.push_back(name);
-  std::stable_sort(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
-    return lines.at(a) < lines.at(b);
-  });
+  std::ranges::stable_sort(
+      names, [&](const std::string& a, const std::string& b) { return lines.at(a) < lines.at(b); });
   return names;
 }
 

@@ -258,8 +258,7 @@ void Fields::add_choice(const std::string& key, std::vector<std::string> names,
          const std::string nan = "nan";
          const auto* string =
              number != nullptr && std::isnan(*number) ? &nan : std::get_if<std::string>(&v.data);
-         const auto found =
-             string != nullptr ? std::find(names.begin(), names.end(), *string) : names.end();
+         const auto found = string != nullptr ? std::ranges::find(names, *string) : names.end();
          if (found == names.end()) {
            return fmt::format("must be one of {}, is {}{}", fmt::join(names, ", "), describe(v),
                               string != nullptr ? did_you_mean(*string, names) : "");
@@ -357,8 +356,8 @@ std::string Fields::Field::doc() const {
   std::vector<std::pair<std::string, std::string>> docs;  // the words, and the parts' names
   for (const Variable& variable : variables) {
     if (variable.part.name.empty()) return variable.doc;
-    const auto same = std::find_if(docs.begin(), docs.end(),
-                                   [&](const auto& other) { return other.first == variable.doc; });
+    const auto same =
+        std::ranges::find(docs, variable.doc, &std::pair<std::string, std::string>::first);
     if (same != docs.end()) {
       same->second += ", " + variable.part.name;
     } else {
@@ -535,9 +534,8 @@ void Fields::unite_axes(std::vector<Shown<What>>& all, ValueOf&& value_of) const
   }
   for (const auto& [key, group] : groups) {
     Shown<What>& first = *group.front();
-    const bool is_one = std::all_of(group.begin(), group.end(), [&](const Shown<What>* one) {
-      return one->what == first.what;
-    });
+    const bool is_one =
+        std::ranges::all_of(group, [&](const Shown<What>* one) { return one->what == first.what; });
     const bool has_names = group.size() > 1 || !first.field->given.empty();
     // An array with an entry for each gave them, by an alias.
     const bool is_split = aliases_.contains(first.field->given) &&
@@ -777,8 +775,7 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
     const std::string& key = is_as_given ? field->given : shown;
     const std::string name = table_of(key);
     if (table->first != name) {
-      table = std::find_if(tables.begin(), tables.end(),
-                           [&](const auto& other) { return other.first == name; });
+      table = std::ranges::find(tables, name, &std::pair<std::string, std::string>::first);
       if (table == tables.end()) table = tables.insert(table, {name, ""});
     }
     std::string& of_table = table->second;

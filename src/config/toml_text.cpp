@@ -33,9 +33,8 @@ std::string toml_strings(const std::vector<std::string>& texts) {
 }
 
 std::string toml_key(const std::string& key) {
-  const bool is_bare = std::all_of(key.begin(), key.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '-' || c == '_';
-  });
+  const bool is_bare = std::ranges::all_of(
+      key, [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; });
   return is_bare ? key : toml_string(key);
 }
 

@@ -27,15 +27,13 @@ std::string unit_suffix(const std::string& unit) {
 }
 
 const Track& Recording::track(const std::string& name) const {
-  const auto found =
-      std::find_if(tracks.begin(), tracks.end(), [&](const Track& t) { return t.name() == name; });
+  const auto found = std::ranges::find(tracks, name, &Track::name);
   if (found == tracks.end()) throw std::out_of_range("recording has no track " + name);
   return *found;
 }
 
 std::optional<double> Recording::metric(const std::string& name) const {
-  const auto found =
-      std::find_if(metrics.begin(), metrics.end(), [&](const Metric& m) { return m.name == name; });
+  const auto found = std::ranges::find(metrics, name, &Metric::name);
   if (found == metrics.end()) return std::nullopt;
   return found->value;
 }
@@ -48,8 +46,7 @@ std::vector<Metric> main_metrics(const std::vector<std::string>& names,
             metrics.begin() + static_cast<std::ptrdiff_t>(std::min(kFew, metrics.size()))};
   std::vector<Metric> found;
   for (const std::string& name : names) {
-    const auto metric = std::find_if(metrics.begin(), metrics.end(),
-                                     [&](const Metric& m) { return m.name == name; });
+    const auto metric = std::ranges::find(metrics, name, &Metric::name);
     if (metric != metrics.end()) found.push_back(*metric);
   }
   return found;

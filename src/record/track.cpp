@@ -92,8 +92,7 @@ std::span<const double> Track::values(std::size_t signal) const {
 }
 
 std::vector<double> Track::values(const std::string& signal) const {
-  const auto found = std::find_if(signals_.begin(), signals_.end(),
-                                  [&](const Signal& s) { return s.name == signal; });
+  const auto found = std::ranges::find(signals_, signal, &Signal::name);
   if (found == signals_.end()) throw std::out_of_range("track " + name_ + " has no " + signal);
   const auto all = values(static_cast<std::size_t>(found - signals_.begin()));
   return {all.begin(), all.end()};
