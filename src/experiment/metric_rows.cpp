@@ -253,9 +253,8 @@ void MetricRows::learn(const Config& config) {
     is_unchanged_.push_back(!has_other_keys(config, own_.keys, row.prefix()));
   }
   for (MetricRow& one : rows_in(config)) {
-    const bool is_own = std::any_of(own_.rows.begin(), own_.rows.end(), [&](const MetricRow& row) {
-      return row.prefix() == one.prefix();
-    });
+    const bool is_own = std::ranges::any_of(
+        own_.rows, [&](const MetricRow& row) { return row.prefix() == one.prefix(); });
     if (!is_own) rows_.push_back(std::move(one));
   }
   is_unchanged_.resize(rows_.size(), false);
@@ -398,8 +397,7 @@ std::vector<std::string> MetricRows::main() const {
   const auto is_ranked = [](const MetricRow& row) { return row.rank > 0; };
   if (std::any_of(rows.begin(), rows.end(), is_ranked)) {
     std::erase_if(rows, std::not_fn(is_ranked));
-    std::stable_sort(rows.begin(), rows.end(),
-                     [](const MetricRow& a, const MetricRow& b) { return a.rank < b.rank; });
+    std::ranges::stable_sort(rows, {}, &MetricRow::rank);
   }
   std::vector<std::string> names;
   for (const MetricRow& row : rows) names.push_back(row.definition(kind_of(row)).name);
@@ -407,8 +405,7 @@ std::vector<std::string> MetricRows::main() const {
 }
 
 const MetricKind& MetricRows::kind_of(const MetricRow& row) const {
-  return *std::find_if(kinds_.begin(), kinds_.end(),
-                       [&](const MetricKind& kind) { return kind.name == row.kind; });
+  return *std::ranges::find(kinds_, row.kind, &MetricKind::name);
 }
 
 bool MetricRows::is_at_step(const MetricRow& row) const {
@@ -654,9 +651,8 @@ std::vector<AbsentMetric> MetricValues::absent() const {
   for (const bool is_unmet : {false, true}) {
     for (const Row& row : rows_) {
       const std::string& name = row.definition.name;
-      if (row.unmet.empty() == is_unmet ||
-          std::any_of(metrics.begin(), metrics.end(), is_called(name)) ||
-          std::any_of(absent.begin(), absent.end(), is_called(name))) {
+      if (row.unmet.empty() == is_unmet || std::ranges::any_of(metrics, is_called(name)) ||
+          std::ranges::any_of(absent, is_called(name))) {
         continue;
       }
       absent.push_back({name, row.definition.unit, row.why_absent(now_s_ + 1e-6 * step_s_)});

@@ -155,9 +155,8 @@ const LoggedSignal& SavedRun::dataset(const std::string& path) const {
 }
 
 const LogEntry* SavedRun::find(const std::string& place) const {
-  const auto found = std::find_if(signals_.begin(), signals_.end(), [&](const LogEntry& entry) {
-    return entry.group + "/" + entry.name == place;
-  });
+  const auto found = std::ranges::find_if(
+      signals_, [&](const LogEntry& entry) { return entry.group + "/" + entry.name == place; });
   return found != signals_.end() ? &*found : nullptr;
 }
 
