@@ -117,8 +117,7 @@ std::string EndedProgram::end() const {
 
 bool EndedProgram::has_crashed() const {
   constexpr std::array kCrashes = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS, SIGTRAP, SIGSYS};
-  return WIFSIGNALED(status) &&
-         std::find(kCrashes.begin(), kCrashes.end(), WTERMSIG(status)) != kCrashes.end();
+  return WIFSIGNALED(status) && std::ranges::find(kCrashes, WTERMSIG(status)) != kCrashes.end();
 }
 
 std::string EndedProgram::take_reason() {

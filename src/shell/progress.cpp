@@ -61,8 +61,7 @@ void Progress::draw() {
   const double elapsed_s = Seconds(drawn_ - start_).count();
   std::string line = fmt::format("{}: {:.0f} %", what_, 100.0 * done);
   if (done_.size() > 1) {
-    line +=
-        fmt::format(", {} of {} runs", std::count(done_.begin(), done_.end(), 1.0), done_.size());
+    line += fmt::format(", {} of {} runs", std::ranges::count(done_, 1.0), done_.size());
   }
   if (elapsed_s > kFirstEstimate.count() && done > 0.0) {
     line += fmt::format(", {:.0f} s left", elapsed_s * (1.0 - done) / done);

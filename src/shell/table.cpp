@@ -13,9 +13,8 @@ using Rows = std::vector<std::vector<std::string>>;
 
 // The number of characters of a UTF-8 text.
 std::size_t shown_width(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-  }));
+  return static_cast<std::size_t>(std::ranges::count_if(
+      text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
 std::string blanks(std::size_t width, const std::string& text) {
@@ -72,9 +71,7 @@ std::string Table::print(std::size_t width) const {
   const std::string upright = in_blocks(rows_, labels_, width);
   if (upright.find("\n\n") == std::string::npos || rows_.size() < 2 || labels_ > 1) return upright;
   const std::string turned = in_blocks(turned_over(rows_), 1, width);
-  const auto lines = [](const std::string& text) {
-    return std::count(text.begin(), text.end(), '\n');
-  };
+  const auto lines = [](const std::string& text) { return std::ranges::count(text, '\n'); };
   return lines(turned) < lines(upright) ? turned : upright;
 }
 
