@@ -222,8 +222,7 @@ void validate_all(const TuningPlan& plan, Runs& runs, const TunerOptions& option
 }  // namespace
 
 std::optional<double> metric_of(const PointResult& run, const std::string& metric) {
-  const auto found = std::find_if(run.metrics.begin(), run.metrics.end(),
-                                  [&](const auto& entry) { return entry.first == metric; });
+  const auto found = std::ranges::find(run.metrics, metric, &std::pair<std::string, double>::first);
   if (found == run.metrics.end()) return std::nullopt;
   return found->second;
 }

@@ -226,8 +226,7 @@ std::vector<VariedKey> read_varied(const TomlEntry& table, const std::set<std::s
   each_value(table, "", but, is_distribution, [&](const std::string& key, const TomlEntry& entry) {
     found.emplace_back(entry.begin(), varied_key(entry, key, but));
   });
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(found, [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<VariedKey> keys;
   for (auto& [place, key] : found) {
     if (has_key(keys, key)) throw std::invalid_argument(key.place + ": is given twice");
@@ -237,8 +236,7 @@ std::vector<VariedKey> read_varied(const TomlEntry& table, const std::set<std::s
 }
 
 bool has_key(const std::vector<VariedKey>& keys, const VariedKey& key) {
-  return std::any_of(keys.begin(), keys.end(),
-                     [&](const VariedKey& other) { return other.key == key.key; });
+  return std::ranges::any_of(keys, [&](const VariedKey& other) { return other.key == key.key; });
 }
 
 void check_keys(const std::vector<VariedKey>& keys, const std::vector<std::string>& sets,
