@@ -397,9 +397,6 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
     if (has_motor) {
       take(own, "transmission.motor_joint", motors, driven_joint,
            "has another axis: each motor may have one load");
-      if (driven_joint == joint) {
-        own.fail("transmission.motor_joint", "must be another joint than that of the axis");
-      }
     }
     if (one.axis.is_driven()) {
       const int actuator = one.axis.actuator == Axis::kJoint
@@ -433,6 +430,11 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
     if (!one.axis.measures_joint()) {
       id_of(own, "position_sensor", model, mjOBJ_SENSOR, one.axis.position_sensor);
     }
+  }
+  for (const AxisSettings& one : axes) {
+    if (!one.transmission.is_elastic() || one.transmission.motor_joint != one.axis.joint) continue;
+    config.under(one.axis.prefix())
+        .fail("transmission.motor_joint", "must be another joint than that of the axis");
   }
 }
 
