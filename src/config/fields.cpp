@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -559,17 +558,14 @@ void Fields::fail_if(const Config& config, const Field& field, const Error& erro
 }
 
 // Checks the keys of a table that are read elsewhere.
-void Fields::check_elsewhere(const Config& table) {
-  for (auto& [prefix, bind] : elsewhere_) {
+void Fields::check_elsewhere(const Config& table) const {
+  for (const auto& [prefix, check_keys] : elsewhere_) {
     std::map<std::string, ConfigEntry> entries;
     for (auto entry = table.entries().lower_bound(prefix);
          entry != table.entries().end() && entry->first.starts_with(prefix); ++entry) {
       entries.insert(*entry);
     }
-    if (entries.empty()) continue;
-    Fields fields;
-    bind(fields);
-    fields.check(std::array{Config(table.file(), std::move(entries))});
+    if (!entries.empty()) check_keys({table.file(), std::move(entries)});
   }
 }
 

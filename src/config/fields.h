@@ -182,10 +182,10 @@ class Fields {
   /// and the other one takes its default value.
   void either(const std::string& key, const std::string& other);
 
-  /// A file may have keys that begin with `prefix`, which bind() would bind. They are read
-  /// elsewhere, and check() checks them alone.
-  void leave(const std::string& prefix, std::function<void(Fields&)> bind) {
-    elsewhere_.emplace(prefix, std::move(bind));
+  /// A file may have keys that begin with `prefix`. They are read elsewhere. `check` checks those
+  /// of a table.
+  void leave(const std::string& prefix, std::function<void(const Config& keys)> check) {
+    elsewhere_.emplace(prefix, std::move(check));
   }
 
   /// Further names of keys, besides those of the file that is read.
@@ -209,6 +209,10 @@ class Fields {
   /// Checks every table of a file, whichever case runs: a wrong value is refused even if another
   /// one overrides it. Throws as read() does, but not for missing keys. Call it before read().
   void check(const ScenarioFile& file);
+  /// The same for tables: each key of a table must exist, and its value must suit one of its
+  /// variables. Keys of a part that does not exist are unknown too. Checks the choices of all
+  /// tables first: they are the cause.
+  void check(std::span<const Config> tables);
 
   /// Reads the config of a finished run. It skips unknown keys, and values that this program does
   /// not know, such as the name of a user's controller. Returns the missing keys.
@@ -312,11 +316,7 @@ class Fields {
   static Error assign(Field& field, const ConfigValue& value, const Variable* counts);
   static void fail_if(const Config& config, const Field& field, const Error& error);
   void assign_standards(const Config& config);
-  // Each key of a table must exist, and its value must suit one of its variables. Keys of a part
-  // that does not exist are unknown too. Checks the choices of all tables first: they are the
-  // cause.
-  void check(std::span<const Config> tables);
-  void check_elsewhere(const Config& table);
+  void check_elsewhere(const Config& table) const;
   // The name of a file that counts; null if the key has another value.
   std::string* file_of(const Field& field) const;
   void find_file(const Config& config, const Field& field) const;
@@ -330,7 +330,7 @@ class Fields {
   Aliases aliases_;
   Part part_;           // the part whose keys are being bound
   std::string prefix_;  // the prefix of the keys that are being bound
-  std::map<std::string, std::function<void(Fields&)>> elsewhere_;
+  std::map<std::string, std::function<void(const Config& keys)>> elsewhere_;
 };
 
 }  // namespace breakwater

@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/math/interface.h>
+
 namespace breakwater {
 
 /// A sum of products of numbers and names, with spaces around + - *: "first_contact + 0.2",
@@ -164,12 +166,9 @@ class SampleStatistics {
 };
 
 /// Reduces values to one number.
-class Reduction {
+class Reduction : public Interface {
  public:
   explicit Reduction(const ReductionSetup& setup) : setup_(setup) {}
-  Reduction(const Reduction&) = delete;
-  Reduction& operator=(const Reduction&) = delete;
-  virtual ~Reduction() = default;
 
   /// Is called for each value of the window, in order. Allocates nothing.
   virtual void add(const AddedValues& added) = 0;

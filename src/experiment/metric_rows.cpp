@@ -223,14 +223,14 @@ MetricRows::MetricRows(const Catalogue& catalogue, const std::string& name,
 }
 
 // Each run asks for them: they are read again only if the file changed.
-MetricRows::OwnRows MetricRows::own_rows() const {
-  if (!scenario_) return {};
+std::shared_ptr<const MetricRows::OwnRows> MetricRows::own_rows() const {
+  if (!scenario_) return own_;
   static std::mutex reading;
-  static std::map<std::string, OwnRows> known;
+  static std::map<std::string, std::shared_ptr<const OwnRows>> known;
   const auto file = scenario_->scenario_file();
   const std::lock_guard lock(reading);
-  OwnRows& read = known[scenario_->name];
-  if (read.file == file) return read;
+  std::shared_ptr<const OwnRows>& read = known[scenario_->name];
+  if (read && read->file == file) return read;
 
   const Config all = file->tables().front();
   std::map<std::string, ConfigEntry> entries;
@@ -242,19 +242,19 @@ MetricRows::OwnRows MetricRows::own_rows() const {
   Fields fields;
   for (MetricRow& row : rows) row.bind(fields, kinds_);
   fields.read(keys);
-  return read = {file, keys, std::move(rows)};
+  return read = std::make_shared<OwnRows>(OwnRows{file, keys, std::move(rows)});
 }
 
 void MetricRows::learn(const Config& config) {
   own_ = own_rows();
-  rows_ = own_.rows;
+  rows_ = own_->rows;
   is_unchanged_.clear();
   for (const MetricRow& row : rows_) {
-    is_unchanged_.push_back(!has_other_keys(config, own_.keys, row.prefix()));
+    is_unchanged_.push_back(!has_other_keys(config, own_->keys, row.prefix()));
   }
   for (MetricRow& one : rows_in(config)) {
     const bool is_own = std::ranges::any_of(
-        own_.rows, [&](const MetricRow& row) { return row.prefix() == one.prefix(); });
+        own_->rows, [&](const MetricRow& row) { return row.prefix() == one.prefix(); });
     if (!is_own) rows_.push_back(std::move(one));
   }
   is_unchanged_.resize(rows_.size(), false);
@@ -294,11 +294,15 @@ void MetricRows::name_number(const std::string& text, const char* role, const st
 }
 
 void MetricRows::bind(Fields& fields) {
-  fields.alias(own_.keys.aliases());
+  fields.alias(own_->keys.aliases());
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     if (is_unchanged_[i]) {
-      fields.leave(rows_[i].prefix(),
-                   [this, row = rows_[i]](Fields& alone) mutable { row.bind(alone, kinds_); });
+      fields.leave(rows_[i].prefix(), [this, i](const Config& keys) {
+        MetricRow row = rows_[i];
+        Fields alone;
+        row.bind(alone, kinds_);
+        alone.check(std::span(&keys, 1));
+      });
     } else {
       rows_[i].bind(fields, kinds_);
     }
@@ -351,7 +355,7 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
         config.fail(end, "must be later than " + row.from_s);
       }
     }
-    if (i >= own_.rows.size() && row.to_s != kZero && from.is_constant() && to.is_constant() &&
+    if (i >= own_->rows.size() && row.to_s != kZero && from.is_constant() && to.is_constant() &&
         to.value() <= from.value()) {
       own.fail("to_s", "must be later than from_s, or 0 for the end of the run");
     }
@@ -385,14 +389,15 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
 
 std::vector<MetricDefinition> MetricRows::definitions() const {
   std::vector<MetricDefinition> definitions;
-  for (const MetricRow& row : rows_.empty() ? own_rows().rows : rows_) {
+  const std::shared_ptr<const OwnRows> own = rows_.empty() ? own_rows() : own_;
+  for (const MetricRow& row : rows_.empty() ? own->rows : rows_) {
     if (!row.is_signal) definitions.push_back(row.definition(kind_of(row)));
   }
   return definitions;
 }
 
 std::vector<std::string> MetricRows::main() const {
-  std::vector<MetricRow> rows = rows_.empty() ? own_rows().rows : rows_;
+  std::vector<MetricRow> rows = rows_.empty() ? own_rows()->rows : rows_;
   std::erase_if(rows, [](const MetricRow& row) { return row.is_signal; });
   const auto is_ranked = [](const MetricRow& row) { return row.rank > 0; };
   if (std::any_of(rows.begin(), rows.end(), is_ranked)) {

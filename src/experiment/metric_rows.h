@@ -118,13 +118,13 @@ class MetricRows {
     std::vector<MetricRow> rows = {};
   };
 
-  OwnRows own_rows() const;
+  std::shared_ptr<const OwnRows> own_rows() const;
   void name_number(const std::string& text, const char* role, const std::string& name);
 
   std::shared_ptr<const ScenarioKind> scenario_;
   std::vector<MetricKind> kinds_ = standard_metric_kinds();
   std::vector<MetricRow> rows_;  // the scenario's own ones come first
-  OwnRows own_;
+  std::shared_ptr<const OwnRows> own_ = std::make_shared<OwnRows>();
   std::vector<bool> is_unchanged_;  // one for each row
   std::vector<std::string> unmet_;
   std::map<std::string, Number> numbers_;

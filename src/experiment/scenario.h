@@ -9,6 +9,7 @@
 
 #include <breakwater/experiment/metric_rows.h>
 #include <breakwater/experiment/settings.h>
+#include <breakwater/math/interface.h>
 #include <breakwater/record/interrupted.h>
 #include <breakwater/record/log_stream.h>
 #include <breakwater/record/recording.h>
@@ -35,12 +36,9 @@ struct Matrix {
 };
 
 /// A scenario: settings, and the run that they define. run() depends on nothing else.
-class Scenario {
+class Scenario : public Interface {
  public:
   Scenario() = default;
-  Scenario(const Scenario&) = delete;
-  Scenario& operator=(const Scenario&) = delete;
-  virtual ~Scenario() = default;
 
   virtual std::string name() const = 0;
   /// One line: the subject of the study.

@@ -12,6 +12,7 @@
 #include <breakwater/cluster/slurm.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/experiment/catalogue.h>
+#include <breakwater/math/interface.h>
 #include <breakwater/program/command_line.h>
 #include <breakwater/study/executor.h>
 #include <breakwater/study/study_folder.h>
@@ -69,13 +70,10 @@ StudyFolder new_folder(const StudyOptions& options, const std::string& name, con
 std::string time_needed(double processor_time_s, std::size_t jobs);
 
 /// One call of a command.
-class StudyCommand {
+class StudyCommand : public Interface {
  public:
   /// From now on signals stop the command.
   StudyCommand(StudyFolder folder, StudyOptions options);
-  virtual ~StudyCommand() = default;
-  StudyCommand(const StudyCommand&) = delete;
-  StudyCommand& operator=(const StudyCommand&) = delete;
 
   /// Executes the options. Returns the exit status.
   int run();

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <string>
 
+#include <breakwater/math/interface.h>
 #include <breakwater/sim/model.h>
 
 namespace breakwater {
@@ -16,25 +17,15 @@ namespace breakwater {
 /// to data.xfrc_applied (force and torque in the world frame, at the body's centre of mass) or to
 /// data.qfrc_applied (force along a joint). Both are zero at first. It must not throw, allocate or
 /// keep state.
-class ExternalForce {
+class ExternalForce : public Interface {
  public:
-  ExternalForce() = default;
-  ExternalForce(const ExternalForce&) = delete;
-  ExternalForce& operator=(const ExternalForce&) = delete;
-  virtual ~ExternalForce() = default;
-
   virtual void apply(double time_s, const mjModel& model, mjData& data) const = 0;
 };
 
 /// A force with a state of its own, which it integrates by the stages of the engine's integrator.
 /// Must not allocate.
-class StagedForce {
+class StagedForce : public Interface {
  public:
-  StagedForce() = default;
-  StagedForce(const StagedForce&) = delete;
-  StagedForce& operator=(const StagedForce&) = delete;
-  virtual ~StagedForce() = default;
-
   /// Called before the first stage of a physics step.
   virtual void begin_step() = 0;
   /// Called at each stage, like ExternalForce::apply(). May throw RunFailure.
