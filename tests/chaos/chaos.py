@@ -479,8 +479,10 @@ class Chaos:
 
 
 def messages(ended, known):
-    """Lines that are neither warnings nor said without faults."""
-    return [line for line in ended.stderr.splitlines() if line not in known.stderr and ": warning: " not in line]
+    """Lines that are neither warnings nor said without faults, nor the progress of a busy machine every 30 s."""
+    progress = re.compile(r".*: \d+ %(, \d+ of \d+ runs)?(, \d+ s left)?$")
+    return [line for line in ended.stderr.splitlines()
+            if line not in known.stderr and ": warning: " not in line and not progress.match(line)]
 
 
 def is_beginning(part, whole):
