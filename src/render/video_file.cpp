@@ -19,10 +19,11 @@ namespace breakwater {
 namespace {
 
 constexpr const char* kProgram = "ffmpeg";
+constexpr int kFile = 3;  // the file's descriptor in ffmpeg
 
 // The preset is fast enough to keep up with drawing. On x264's quality scale, 18 looks like the
 // original. More than one thread would change the bits of the file, and the other cores draw.
-std::vector<std::string> words(const std::filesystem::path& file, const VideoFormat& format) {
+std::vector<std::string> words(const VideoFormat& format) {
   const std::string input =
       fmt::format("{} -v error -xerror -nostdin -y -f rawvideo -pix_fmt bgr0 -s {}x{} -r {} -i - ",
                   kProgram, format.width, format.height, format.fps);
@@ -34,15 +35,13 @@ std::vector<std::string> words(const std::filesystem::path& file, const VideoFor
       input + colours +
       fmt::format(
           "-c:v libx264 -preset superfast -crf 19 -g {} -threads 1 -movflags +faststart "
-          "-f mp4",
-          2 * format.fps);
+          "-f mp4 file:/proc/self/fd/{}",
+          2 * format.fps, kFile);
   std::vector<std::string> all;
   for (std::size_t from = 0, end = 0; end != std::string::npos; from = end + 1) {
     end = options.find(' ', from);
     all.push_back(options.substr(from, end - from));
   }
-  // Without "file:" a name such as "2N:5N.mp4" would be the address of a protocol.
-  all.push_back("file:" + std::filesystem::absolute(file).string());
   return all;
 }
 
@@ -54,7 +53,7 @@ VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& forma
                    static_cast<std::size_t>(format.height)),
       said_(std::tmpfile(), std::fclose) {
   std::signal(SIGPIPE, SIG_IGN);  // append() then gets an error if ffmpeg ends
-  std::vector<std::string> all = words(partial_.path(), format);
+  std::vector<std::string> all = words(format);
   std::vector<char*> argv;
   for (std::string& word : all) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -69,6 +68,8 @@ VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& forma
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, fileno(said_.get()), STDERR_FILENO);
+  // If this process is killed, ffmpeg must not make a file that is already removed.
+  posix_spawn_file_actions_addopen(&actions, kFile, partial_.path().c_str(), O_RDWR, 0);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   // A group of its own: a terminal's Ctrl-C reaches this process alone, which then ends ffmpeg.
