@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 
@@ -22,13 +23,11 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 struct Job {
-  const RunSpec* spec = nullptr;
-  std::size_t repetition = 0;
-  std::string config_text;
-  ModelHashes models;
-  bool is_logged = false;
+  const RunSpec* spec;
+  std::size_t repetition;
   std::string key;
-  double cost = 0.0;  // number of physics steps
+  double cost;  // number of physics steps
+  bool is_logged;
 
   // Names its result by this program.
   std::string asked() const { return asked_of(program_hash(), key); }
@@ -56,10 +55,12 @@ class Jobs : public PointSource {
   bool logs(std::size_t point) const override { return jobs_[point].is_logged; }
 
  private:
-  Job make_job(const RunSpec& spec, std::size_t repetition);
+  void add(const RunSpec& spec, std::size_t repetition, bool is_logged);
+  void check_metrics() const;
 
   const Reproduction& reproduction_;
   std::map<std::string, std::shared_ptr<const ScenarioFile>> files_;
+  std::map<std::string, std::set<std::string>> metrics_;  // that the runs of a scenario may have
   KnownModels models_;
   std::vector<Job> jobs_;  // the longest first
 };
@@ -76,41 +77,54 @@ Jobs::Jobs(const Reproduction& reproduction) : reproduction_(reproduction) {
     const RunSpec& spec = experiments.runs.at(name);
     for (std::size_t i = 0; i < spec.repetitions.size(); ++i) {
       try {
-        jobs_.push_back(make_job(spec, i));
+        add(spec, i, i == 0 && logged.contains(name));
       } catch (const std::invalid_argument& error) {
         fail(experiments, spec.line, fmt::format("run {}: {}", name, error.what()));
       }
-      jobs_.back().is_logged = i == 0 && logged.contains(name);
     }
   }
-  std::stable_sort(jobs_.begin(), jobs_.end(),
-                   [](const Job& a, const Job& b) { return a.cost > b.cost; });
+  std::ranges::stable_sort(jobs_, std::greater<>(), &Job::cost);
+  check_metrics();
 }
 
-Job Jobs::make_job(const RunSpec& spec, std::size_t repetition) {
+void Jobs::add(const RunSpec& spec, std::size_t repetition, bool is_logged) {
   const Catalogue& catalogue = reproduction_.catalogue;
-  auto found = files_.find(spec.scenario);
-  const bool is_first = found == files_.end();
-  if (is_first) {
-    const auto file = catalogue.get<ScenarioKind>(spec.scenario).scenario_file();
-    found = files_.emplace(spec.scenario, file).first;
-  }
+  std::shared_ptr<const ScenarioFile>& file = files_[spec.scenario];
+  const bool is_first = file == nullptr;
+  if (is_first) file = catalogue.get<ScenarioKind>(spec.scenario).scenario_file();
   const std::vector<std::string> sets = spec.sets_of(repetition);
   // The first one also checks every table of the file.
-  const ScenarioFile& file = *found->second;
-  const PreparedRun run = is_first
-                              ? prepare_run(catalogue, spec.scenario, file, spec.case_name, sets)
-                              : prepare_point(catalogue, spec.scenario, file, spec.case_name, sets);
-  const Config config = file.config(spec.case_name, sets);
-  Job job;
-  job.spec = &spec;
-  job.repetition = repetition;
-  job.config_text = run.config_text;
-  job.models = models_.of(run.model_files);
-  job.key = point_key(job.config_text, job.models);
-  job.cost = config.number("run.duration_s").value_or(1.0) /
-             config.number("physics.timestep_s").value_or(1e-3);
-  return job;
+  const PreparedRun run =
+      is_first ? prepare_run(catalogue, spec.scenario, *file, spec.case_name, sets)
+               : prepare_point(catalogue, spec.scenario, *file, spec.case_name, sets);
+  const Config config = file->config(spec.case_name, sets);
+  jobs_.push_back({&spec, repetition, point_key(run.config_text, models_.of(run.model_files)),
+                   config.number("run.duration_s").value_or(1.0) /
+                       config.number("physics.timestep_s").value_or(1e-3),
+                   is_logged});
+  if (repetition > 0) return;
+  for (const MetricDefinition& one : run.scenario->metric_definitions()) {
+    metrics_[spec.scenario].insert(one.name);
+  }
+}
+
+// Refuses a metric that no run of the scenario can have.
+void Jobs::check_metrics() const {
+  const Experiments& experiments = reproduction_.experiments;
+  const auto check = [&](const CellSpec& cell) {
+    for (const Quantity& quantity : cell.quantities()) {
+      const std::string& scenario = experiments.runs.at(quantity.run).scenario;
+      const std::set<std::string>& names = metrics_.at(scenario);
+      const std::string name = quantity.name();
+      if (names.contains(name)) continue;
+      fail(experiments, cell.line,
+           fmt::format("metric: no run of {} has {}{}", scenario, name,
+                       did_you_mean(name, {names.begin(), names.end()})));
+    }
+  };
+  for (const SectionSpec* section : reproduction_.sections) {
+    for (const TableSpec& table : section->tables) std::ranges::for_each(table.cells, check);
+  }
 }
 
 PreparedRun Jobs::prepare(std::size_t point) const {
@@ -124,8 +138,7 @@ bool is_kept(const fs::path& folder, const Job& job) {
   if (!fs::exists(folder)) return false;
   try {
     const SavedRun run(folder);
-    return run.config_text() == job.config_text && run.models() == job.models &&
-           run.program() == program_hash();
+    return point_key(run.config_text(), run.models()) == job.key && run.program() == program_hash();
   } catch (const std::invalid_argument&) {
     return false;
   }
@@ -159,40 +172,6 @@ void run_pending(Jobs& jobs, const std::vector<std::size_t>& points,
   if (finished < points.size()) throw Interrupted();
 }
 
-// The metrics that any run of a scenario has. A failed run has none.
-std::map<std::string, std::set<std::string>> known_metrics(const Experiments& experiments,
-                                                           const Measured& measured) {
-  std::map<std::string, std::set<std::string>> known;
-  for (const auto& [name, repetitions] : measured) {
-    std::set<std::string>& names = known[experiments.runs.at(name).scenario];
-    for (const Measurement& measurement : repetitions) {
-      for (const auto& [metric, value] : measurement.values) names.insert(metric);
-    }
-  }
-  return known;
-}
-
-// Refuses a metric that no run of the scenario has, unless the cell allows it. If all runs failed,
-// the metrics are unknown and nothing is refused.
-void check_metrics(const Reproduction& reproduction,
-                   const std::map<std::string, std::set<std::string>>& known) {
-  const Experiments& experiments = reproduction.experiments;
-  const auto check = [&](const CellSpec& cell) {
-    for (const Quantity& quantity : cell.quantities()) {
-      const std::string& scenario = experiments.runs.at(quantity.run).scenario;
-      const std::set<std::string>& names = known.at(scenario);
-      const std::string name = quantity.name();
-      if (names.empty() || names.contains(name) || cell.absent_is_never) continue;
-      fail(experiments, cell.line,
-           fmt::format("metric: no run of {} has {}{}", scenario, name,
-                       did_you_mean(name, {names.begin(), names.end()})));
-    }
-  };
-  for (const SectionSpec* section : reproduction.sections) {
-    for (const TableSpec& table : section->tables) std::ranges::for_each(table.cells, check);
-  }
-}
-
 }  // namespace
 
 fs::path run_folder(const fs::path& out, const std::string& run) {
@@ -201,15 +180,6 @@ fs::path run_folder(const fs::path& out, const std::string& run) {
 
 fs::path shards_folder(const fs::path& out) {
   return out / "shards";
-}
-
-Measurement measurement_of(const PointResult& result) {
-  Measurement measurement;
-  measurement.failed = result.status == PointStatus::failed;
-  for (const auto& [name, value] : result.metrics) {
-    measurement.values[name] = std::isfinite(value) ? value : kNaN;
-  }
-  return measurement;
 }
 
 Measured measure(const Reproduction& reproduction) {
@@ -237,35 +207,25 @@ Measured measure(const Reproduction& reproduction) {
 
   Measured measured;
   for (const Job& job : jobs.all()) {
-    std::vector<Measurement>& repetitions = measured[job.spec->name];
-    repetitions.resize(std::max(repetitions.size(), job.repetition + 1));
-    repetitions[job.repetition] = measurement_of(results.at(job.asked()));
-  }
-  const auto metrics = known_metrics(reproduction.experiments, measured);
-  check_metrics(reproduction, metrics);
-  for (auto& [name, repetitions] : measured) {
-    for (Measurement& measurement : repetitions) {
-      for (const std::string& metric :
-           metrics.at(reproduction.experiments.runs.at(name).scenario)) {
-        measurement.values.emplace(metric, kNever);
-      }
-    }
+    std::vector<PointResult>& repetitions = measured[job.spec->name];
+    repetitions.resize(job.spec->repetitions.size());
+    repetitions[job.repetition] = results.at(job.asked());
   }
   return measured;
 }
 
 std::vector<double> values_of(const CellSpec& cell, const Measured& measured) {
-  const auto value_of = [&](const Measurement& measurement, const std::string& name) {
-    if (measurement.failed) return cell.if_failed;
-    const auto found = measurement.values.find(name);
-    const double value = found == measurement.values.end() ? kNaN : found->second;
-    return value == kNever && !cell.absent_is_never ? kNaN : value;
+  const auto value_of = [&](const PointResult& run, const std::string& name) {
+    if (run.status == PointStatus::failed) return cell.if_failed;
+    for (const auto& [metric, value] : run.metrics) {
+      if (metric == name) return std::isfinite(value) ? value : kNaN;
+    }
+    return cell.absent_is_never ? kNever : kNaN;
   };
   const auto all_of = [&](const Quantity& quantity) {
-    const std::string name = quantity.name();
     std::vector<double> values;
-    for (const Measurement& measurement : measured.at(quantity.run)) {
-      const double value = value_of(measurement, name);
+    for (const PointResult& run : measured.at(quantity.run)) {
+      const double value = value_of(run, quantity.name());
       values.push_back(quantity.is_magnitude() ? std::abs(value) : value);
     }
     return values;

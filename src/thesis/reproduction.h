@@ -13,18 +13,8 @@
 
 namespace breakwater {
 
-/// The metrics of a run.
-struct Measurement {
-  bool failed = false;
-  /// NaN: the metric is not finite. Infinite: other runs of the scenario have it, this one not.
-  std::map<std::string, double> values;
-};
-
-/// The metrics of a run that was complete or failed. It may lack some.
-Measurement measurement_of(const PointResult& result);
-
-/// Measurements by the name of the run, one per repetition.
-using Measured = std::map<std::string, std::vector<Measurement>>;
+/// Results by the name of the run, one per repetition.
+using Measured = std::map<std::string, std::vector<PointResult>>;
 
 struct Reproduction {
   const Catalogue& catalogue;
@@ -45,11 +35,11 @@ std::filesystem::path run_folder(const std::filesystem::path& out, const std::st
 /// OUT/shards. Runs for figures also go to OUT/runs/NAME. Existing results of the same
 /// configuration, models and program are kept, so an interrupted process continues. A failed run is
 /// a result. Throws OutputError, Interrupted, and std::invalid_argument: `FILE:LINE: reason` if no
-/// run of the scenario has a cell's metric, or `FILE: …` if a model file changed meanwhile.
+/// run of the scenario can have a cell's metric, or `FILE: …` if a model file changed meanwhile.
 Measured measure(const Reproduction& reproduction);
 
 /// The value of a cell for each repetition; NaN if not measured. If `absent_is_never` is set, a
-/// metric that only other runs of the scenario have is infinite.
+/// metric that a run does not have is infinite.
 std::vector<double> values_of(const CellSpec& cell, const Measured& measured);
 
 /// sample_median(); NaN if a value is NaN.

@@ -575,8 +575,8 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
   for (const Quantity& quantity : cell.quantities()) names.insert(quantity.run);
   for (const std::string& name : names) {
     runs += measured.at(name).size();
-    failed +=
-        static_cast<std::size_t>(std::ranges::count_if(measured.at(name), &Measurement::failed));
+    failed += static_cast<std::size_t>(
+        std::ranges::count(measured.at(name), PointStatus::failed, &PointResult::status));
   }
   const bool has_failed = failed > 0 && std::isnan(cell.if_failed);
   judged.measured = failed == runs              ? (runs == 1 ? "the run fails" : "the runs fail")

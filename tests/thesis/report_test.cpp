@@ -84,13 +84,13 @@ CellSpec cell_of(const std::vector<std::string>& words) {
 }
 
 // Runs with these values of the metric.
-std::vector<Measurement> runs_of(const std::vector<std::string>& words) {
-  std::vector<Measurement> runs;
+std::vector<PointResult> runs_of(const std::vector<std::string>& words) {
+  std::vector<PointResult> runs;
   for (const std::string& word : words) {
-    Measurement& run = runs.emplace_back();
-    run.failed = word == "failed";
-    if (word == "failed" || word == "none") continue;
-    run.values["m"] = word == "absent" ? kInfinity : std::stod(word);
+    PointResult& run = runs.emplace_back();
+    if (word == "failed") run.status = PointStatus::failed;
+    if (word == "failed" || word == "absent") continue;
+    run.metrics = {{"m", std::stod(word)}};
   }
   return runs;
 }
@@ -122,7 +122,7 @@ TEST(Verdict, ARatioOfMetricsOfOneRunIsComputedPerRun) {
   cell.divisor = 2.0;
   Measured measured;
   for (const auto& [error_N, of_zero_N] : {std::pair(-6.0, 1.0), {8.0, 2.0}, {10.0, 10.0}}) {
-    measured["any"].emplace_back().values = {{"error_N", error_N}, {"error_of_zero_N", of_zero_N}};
+    measured["any"].emplace_back().metrics = {{"error_N", error_N}, {"error_of_zero_N", of_zero_N}};
   }
   EXPECT_EQ(values_of(cell, measured), (std::vector<double>{3.0, 2.0, 0.5}));
   EXPECT_EQ(judge_cell(cell, measured, printed_results()).median, 2.0);
@@ -136,33 +136,6 @@ TEST(Median, IsTheMiddleValue) {
   EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
   EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
   EXPECT_EQ(median({1.0, kInfinity, kInfinity}), kInfinity);
-}
-
-TEST(Measurement, EqualsTheResultInTheShard) {
-  const testing::TemporaryPath folder{"shards"};
-  std::filesystem::create_directories(folder);
-  {
-    Shard shard(folder);
-    PointResult result;
-    result.key = "complete";
-    result.metrics = {{"max d_hat_Nm", NAN}, {"a_m", kInfinity}, {"b_m", 1.0}};
-    shard.add(result);
-    result.key = "failed";
-    result.status = PointStatus::failed;
-    result.reason = "at 3 s: diverged";
-    result.metrics.clear();
-    shard.add(result);
-  }
-  const auto results = results_by_key(folder);
-  const Measurement complete = measurement_of(results.at("complete"));
-  EXPECT_FALSE(complete.failed);
-  // The run has the metrics, but they are not finite: not measured, and not absent.
-  EXPECT_TRUE(std::isnan(complete.values.at("max d_hat_Nm")));
-  EXPECT_TRUE(std::isnan(complete.values.at("a_m")));
-  EXPECT_EQ(complete.values.at("b_m"), 1.0);
-  const Measurement failed = measurement_of(results.at("failed"));
-  EXPECT_TRUE(failed.failed);
-  EXPECT_TRUE(failed.values.empty());
 }
 
 TEST(Experiments, OnlyTheShippedListIsThatOfTheThesis) {
