@@ -91,11 +91,10 @@ std::string identified_json(const Identification& identification) {
 
 std::string identified_toml(const Catalogue& catalogue, const IdentifiedKeys& scenario,
                             const IdentifiedNumbers& numbers) {
-  std::vector<std::string> sets = scenario.sets(true, numbers);
-  const std::vector<std::string> others = scenario.sets(false, numbers);
-  sets.insert(sets.end(), others.begin(), others.end());
   const auto file = catalogue.get<ScenarioKind>(scenario.scenario).scenario_file();
-  return prepare_run(catalogue, scenario.scenario, *file, scenario.case_name, sets).config_text;
+  return prepare_run(catalogue, scenario.scenario, *file, scenario.case_name,
+                     scenario.sets(numbers))
+      .config_text;
 }
 
 std::string unknown_text(const ParameterEstimate& estimate) {
