@@ -264,16 +264,12 @@ struct Keys {
   Fields fields() {
     Fields fields;
     bind_record_format(fields, format);
-    fields.number("encoder.quantum", quantum, any(),
-                  "encoder resolution, one count; 0: not quantised; negative: found [rad]");
+    fields.optional_number(
+        "encoder.quantum", quantum, any(),
+        "encoder resolution, one count; 0: not quantised; negative: found [rad]");
     bind_encoder_rounding(fields, rounding);
-    fields.choice("encoder.side", side, {{"motor", Side::motor}, {"load", Side::load}},
-                  "side with the encoder, for --model two_inertia");
-    fields.standard("encoder.side", {std::string("motor")});
-    fields.standard("csv.input_scale", {1.0});
-    fields.standard("csv.position_scale", {1.0});
-    fields.standard("csv.input_acts", {std::string("after")});
-    fields.standard("encoder.quantum", {-1.0});
+    fields.optional_choice("encoder.side", side, {{"motor", Side::motor}, {"load", Side::load}},
+                           "side with the encoder, for --model two_inertia");
     return fields;
   }
 };

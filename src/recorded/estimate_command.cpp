@@ -11,7 +11,6 @@
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/run_tables.h>
 #include <breakwater/experiment/runner.h>
-#include <breakwater/record/file_hash.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
@@ -97,9 +96,6 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   const PreparedRun run =
       prepare_scenario(std::make_unique<RecordedEstimation>(catalogue), request.file,
                        request.case_name, request.sets, request.called);
-  const std::string& name = run.case_name;
-  RunFolder folder(arguments.out.empty() ? fs::path("runs") / kEstimate / name
-                                         : fs::path(arguments.out));
   if (!arguments.quiet) {
     for (const IneffectiveKey& ineffective : run.ineffective) {
       // A tuned file has the keys of all observers.
@@ -111,19 +107,18 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   }
   const auto& estimation = static_cast<const RecordedEstimation&>(*run.scenario);
   const std::string& csv = estimation.file();
-  const ModelHashes made_of = {{portable_path(csv), file_hash(csv)}};
-  const Recording recording =
-      run_to_end(run, made_of, {.stop = &interrupted()}, &folder, true).recording;
+  const fs::path folder = arguments.out.empty() ? fs::path("runs") / kEstimate / run.case_name
+                                                : fs::path(arguments.out);
+  const RunSummary summary =
+      execute_runs({run}, {folder}, {.csv = true, .quiet = arguments.quiet, .stop = &interrupted()})
+          .front();
   if (arguments.quiet) return kSuccess;
   // A forgotten scale is one cause. Its consequence would hide it.
-  const auto doubt = estimation.is_doubtful() ? std::nullopt : doubt_of(recording);
+  const auto doubt = estimation.is_doubtful() ? std::nullopt : doubt_of(summary.metrics);
   if (doubt) warn(kEstimate, {csv + ": " + *doubt});
-  RunSummary summary;
-  summary.case_name = run.case_name;
-  summary.folder = folder.target();
-  summary.metrics = recording.metrics;
-  fmt::print("{} {}: {:.6g} s of {}\nresults: {}\n\n{}", kEstimate, name, recording.simulated_s,
-             csv, folder.target().string(), metrics_table(kEstimate, summary, catalogue));
+  fmt::print("{} {}: {:.6g} s of {}\nresults: {}\n\n{}", kEstimate, run.case_name,
+             summary.simulated_s, csv, summary.folder.string(),
+             metrics_table(kEstimate, summary, catalogue));
   return kSuccess;
 }
 

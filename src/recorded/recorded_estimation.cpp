@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -19,15 +20,6 @@ namespace breakwater {
 namespace {
 
 constexpr double kExplained = 15.1;  // 99.99 % quantile of chi-square with one degree of freedom
-constexpr double kQuantile = 3.09;   // 99.9 % quantile of the standard normal distribution
-
-// The 99.9 % quantile of the mean of n independent normalised squares, by Wilson and Hilferty's
-// approximation of chi-square.
-double largest_mean(double n) {
-  const double share = 2.0 / (9.0 * n);
-  const double root = 1.0 - share + kQuantile * std::sqrt(share);
-  return root * root * root;
-}
 
 // Compares innovations e with R = Δ²/12 + σ², the variance of the sensor's error, plus that of the
 // error of the instant. An encoder that truncates has Δ²/3. Estimators' variances have no common
@@ -63,21 +55,26 @@ constexpr std::size_t kRowsBetweenReports = 100000;
 
 }  // namespace
 
-std::optional<std::string> doubt_of(const Recording& recording) {
+std::optional<std::string> doubt_of(const std::vector<Metric>& metrics) {
   // A prediction with an error as large as that of the code doubles the mean from 1 to 2.
   // Transients of a correct estimator may be 7 % of the rows, which add 1 at 15.1 each.
   constexpr double kPrediction = 2.0;
   constexpr double kTransients = 1.0;
   constexpr double kCorrelated = 0.5;
-  const auto count = recording.metric("sample_count");
-  const auto square = recording.metric("normalised_innovation_squared");
-  const auto beyond = recording.metric("unexplained_share");
-  const auto correlation = recording.metric("innovation_correlation_1");
+  const auto metric = [&](const char* name) {
+    const auto found = std::ranges::find(metrics, name, &Metric::name);
+    return found == metrics.end() ? std::nullopt : std::optional(found->value);
+  };
+  const auto count = metric("sample_count");
+  const auto square = metric("normalised_innovation_squared");
+  const auto beyond = metric("unexplained_share");
+  const auto correlation = metric("innovation_correlation_1");
   if (!count || !square || !beyond || !correlation) return std::nullopt;
   // The number of independent squares for a geometric correlation; at least one in 200.
   const double memory = std::min(*correlation * *correlation, 0.99);
   const double n = *count * (1.0 - memory) / (1.0 + memory);
-  const double largest = kPrediction * largest_mean(n) + kTransients;
+  const boost::math::chi_squared squares(n);
+  const double largest = kPrediction * boost::math::quantile(squares, 0.999) / n + kTransients;
   if (*square <= largest) return std::nullopt;
   return fmt::format(
       "the model does not explain the data: the squared innovations are {:.3g} times the variance "
@@ -127,16 +124,14 @@ Fields RecordedEstimation::fields() {
   Fields fields;
   fields.file("csv.file", file_, "table of times, inputs and positions (--csv FILE)");
   bind_record_format(fields, format_);
-  fields.number("csv.time_std_s", time_std_s_, not_negative(),
-                "standard deviation of the error of the times [s]");
-  fields.standard("csv.time_std_s", {0.0});
+  fields.optional_number("csv.time_std_s", time_std_s_, not_negative(),
+                         "standard deviation of the error of the times [s]");
   fields.number("csv.period_s", period_s_, not_negative(),
                 "T_s; 0: the mean interval without gaps [s]");
   fields.number("csv.gap_periods", gap_periods_, between(1, 1e9),
                 "longest normal interval: a longer one is a gap [T_s]");
-  fields.number("csv.longest_gap_s", longest_gap_s_, not_negative(),
-                "after a longer gap the estimator starts again [s]");
-  fields.standard("csv.longest_gap_s", {1.0});
+  fields.optional_number("csv.longest_gap_s", longest_gap_s_, not_negative(),
+                         "after a longer gap the estimator starts again [s]");
   fields.number("csv.jitter_share", jitter_share_, not_negative(),
                 "deviation of an interval from T_s above which a warning is printed [T_s]");
   fields.choice("plant.motion", motion_,
@@ -329,22 +324,20 @@ Recording RecordedEstimation::run(const RunControl& control) const {
 }
 
 void bind_record_format(Fields& fields, RecordFormat& format) {
-  fields.text("csv.time_column", format.time_column, "name of the column of times");
-  fields.text("csv.input_column", format.input_column, "name of the column of inputs u");
-  fields.text("csv.position_column", format.position_column, "name of the column of positions y");
-  fields.standard("csv.time_column", {std::string("time_s")});
-  fields.standard("csv.input_column", {std::string("u")});
-  fields.standard("csv.position_column", {std::string("y")});
-  fields.number("csv.time_scale", format.time_scale, positive(),
-                "unit of the column of times in s: 1e-3 for milliseconds");
-  fields.standard("csv.time_scale", {1.0});
-  fields.number("csv.input_scale", format.input_scale, any(),
-                "unit of the column u in N m or N, with sign: a torque constant, for example");
-  fields.number("csv.position_scale", format.position_scale, any(),
-                "unit of the column y in rad or m, with sign");
-  fields.choice("csv.input_acts", format.input_acts,
-                {{"after", InputActs::after}, {"before", InputActs::before}},
-                "interval in which u of a row acts: after the row, or before it");
+  fields.optional_text("csv.time_column", format.time_column, "name of the column of times");
+  fields.optional_text("csv.input_column", format.input_column, "name of the column of inputs u");
+  fields.optional_text("csv.position_column", format.position_column,
+                       "name of the column of positions y");
+  fields.optional_number("csv.time_scale", format.time_scale, positive(),
+                         "unit of the column of times in s: 1e-3 for milliseconds");
+  fields.optional_number("csv.input_scale", format.input_scale, any(),
+                         "unit of the column u in N m or N, with sign: a torque constant, for "
+                         "example");
+  fields.optional_number("csv.position_scale", format.position_scale, any(),
+                         "unit of the column y in rad or m, with sign");
+  fields.optional_choice("csv.input_acts", format.input_acts,
+                         {{"after", InputActs::after}, {"before", InputActs::before}},
+                         "interval in which u of a row acts: after the row, or before it");
 }
 
 void check_record_format(const Config& config) {

@@ -21,9 +21,9 @@ void bind_record_format(Fields& fields, RecordFormat& format);
 /// Refuses scales of 0.
 void check_record_format(const Config& config);
 
-/// "the model does not explain the data: ..." if a finished estimation shows this; nothing if the
+/// "the model does not explain the data: ..." if an estimation's metrics show this; nothing if the
 /// model explains them or the sensor's error is unknown.
-std::optional<std::string> doubt_of(const Recording& recording);
+std::optional<std::string> doubt_of(const std::vector<Metric>& metrics);
 
 /// It has settings and a run as every scenario, but no plant. Its hash is of the estimates.
 class RecordedEstimation final : public Scenario {
@@ -58,7 +58,7 @@ class RecordedEstimation final : public Scenario {
   double time_std_s_ = 0.0;
   double period_s_ = 0.0;
   double gap_periods_ = 0.0;
-  double longest_gap_s_ = 0.0;
+  double longest_gap_s_ = 1.0;
   double jitter_share_ = 0.0;
   Motion motion_ = Motion::rotation;
   double inertia_ = 0.0;
