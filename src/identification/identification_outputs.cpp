@@ -386,10 +386,6 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   folder.commit();
   std::vector<std::string> notes = result.notes;
   for (const ParameterEstimate& estimate : result.parameters) {
-    if (has_two && estimate.parameter == kOffset && estimate.low * estimate.high > 0.0) {
-      notes.push_back(fmt::format("identified.toml leaves out {}: its scenario has none",
-                                  parameter_key(kOffset)));
-    }
     if (estimate.is_identifiable) continue;
     notes.push_back(fmt::format("{} is not identifiable: {}", parameter_key(estimate.parameter),
                                 unknown_text(estimate)));

@@ -9,6 +9,7 @@
 #include <exception>
 #include <limits>
 #include <optional>
+#include <ranges>
 #include <stdexcept>
 
 #include <breakwater/identification/axis_intervals.h>
@@ -49,10 +50,7 @@ double rms_error(const AxisData& data, const AxisFit& fit) {
   double squares = 0.0;
   std::size_t k = 0;
   for (const AxisStretch& stretch : data.stretches) {
-    for (const double y : stretch.positions) {
-      squares += (y - positions[k]) * (y - positions[k]);
-      ++k;
-    }
+    for (const double y : stretch.positions) squares += std::pow(y - positions[k++], 2.0);
   }
   return std::sqrt(squares / static_cast<double>(k));
 }
@@ -62,10 +60,7 @@ double rms_error(const AxisData& data, const AxisFit& fit) {
 AxisFit best_fit(const AxisData& data, const FreeParameters& free,
                  const std::vector<AxisValues>& candidates,
                  const std::vector<AxisStart>& starts = {}) {
-  struct Trial {
-    AxisFit fit;
-    double rms;
-  };
+  using Trial = std::pair<double, AxisFit>;  // the RMS error first
   std::vector<Trial> trials;
   const double least = std::max(data.quantum, 1e-9 * range_of(data));
   for (const AxisValues& values : candidates) {
@@ -74,14 +69,12 @@ AxisFit best_fit(const AxisData& data, const FreeParameters& free,
     fit.noise_std = std::max(least, 0.1 * rms_error(data, fit));
     fit = fit_axis(data, free, fit, kTrialIterations);
     const double rms = rms_error(data, fit);
-    if (std::isfinite(rms)) trials.push_back({fit, rms});
+    if (std::isfinite(rms)) trials.emplace_back(rms, fit);
   }
-  std::sort(trials.begin(), trials.end(),
-            [](const Trial& a, const Trial& b) { return a.rms < b.rms; });
-  if (trials.size() > kFinalists) trials.resize(kFinalists);
+  std::ranges::sort(trials, {}, &Trial::first);
   AxisFit best;
-  for (const Trial& trial : trials) {
-    const AxisFit fit = fit_axis_and_noise(data, free, trial.fit);
+  for (const Trial& trial : trials | std::views::take(kFinalists)) {
+    const AxisFit fit = fit_axis_and_noise(data, free, trial.second);
     if (fit.deviance < best.deviance) best = fit;
   }
   return best;
@@ -170,7 +163,8 @@ std::vector<std::vector<double>> scores_of(const AxisData& data, const AxisFit& 
   return scores;
 }
 
-Whiteness whiteness_of(const std::vector<std::vector<double>>& scores) {
+Whiteness whiteness_of(const AxisData& data, const AxisFit& fit) {
+  const std::vector<std::vector<double>> scores = scores_of(data, fit);
   Whiteness whiteness;
   whiteness.limit = kWhite99;
   double rows = 0.0, squares = 0.0;
@@ -232,23 +226,24 @@ double error_variance(const AxisData& data, const AxisFit& fit) {
                   std::max(variance_of_differences(data), rounding));
 }
 
-FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const FreeParameters& free,
-                          const Eigen::MatrixXd& covariance, const AxisValues& scales) {
+FitErrors held_out_errors(const AxisData& held, const Identification& found) {
+  const AxisFit& fit = found.fit;
+  const AxisValues scales = parameter_scales(found.data);
   AxisFit model = fit;
   model.starts.clear();
   model = fit_starts(held, model);
   FitErrors errors{rms_error(held, model), 0.0};
   // The parameters' uncertainty adds to the variance: the mean square of each scaled direction.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(covariance);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(found.covariance);
   const std::vector<double> positions = fitted_positions(held, model);
   double variance = error_variance(held, fit);
-  for (Eigen::Index n = 0; n < covariance.rows(); ++n) {
+  for (Eigen::Index n = 0; n < found.covariance.rows(); ++n) {
     AxisFit moved = model;
     const double std = std::sqrt(std::max(0.0, directions.eigenvalues()(n)));
     // A direction that the records did not show must not hide an error.
     const double size = std::min(std, 0.5);
     Eigen::Index i = 0;
-    for (const AxisParameter p : listed(free)) {
+    for (const AxisParameter p : listed(found.free)) {
       const double change = size * directions.eigenvectors()(i++, n);
       moved.values[p] = is_logarithmic(p) ? moved_parameter(held, p, moved.values[p], change)
                                           : moved.values[p] + change * scales[p];
@@ -256,9 +251,8 @@ FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const FreePa
     moved = fit_starts(held, moved);
     const std::vector<double> other = fitted_positions(held, moved);
     double squares = 0.0;
-    for (std::size_t k = 0; k < other.size(); ++k) {
-      squares += (other[k] - positions[k]) * (other[k] - positions[k]);
-    }
+    for (std::size_t k = 0; k < other.size(); ++k)
+      squares += std::pow(other[k] - positions[k], 2.0);
     variance += squares / static_cast<double>(other.size());
   }
   errors.normalised = errors.rms / std::sqrt(variance);
@@ -282,14 +276,14 @@ ParameterEstimate no_backlash(const AxisData& data, const FreeParameters& free, 
 
 // Values, intervals and identifiability of the fit. Returns a better fit instead, if a profile
 // meets one. `done` gets the share of the parameters.
-std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& covariance,
-                                      bool is_last, const std::function<void(double)>& done) {
+std::optional<AxisFit> add_parameters(Identification& result, bool is_last,
+                                      const std::function<void(double)>& done) {
   const AxisData& data = result.data;
   const AxisFit& fit = result.fit;
   const FreeParameters& free = result.free;
   result.parameters.clear();
   result.notes.clear();
-  covariance = covariance_of(data, free, fit);
+  result.covariance = covariance_of(data, free, fit);
   // A prior must not make a parameter look known.
   const Eigen::MatrixXd shown = covariance_of(data, free, fit, kHardlyAnyPrior);
   const std::vector<AxisParameter> order = listed(free);
@@ -306,29 +300,19 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
   for (std::size_t n = 0; n < order.size(); ++n) {
     const auto i = static_cast<Eigen::Index>(n);
     ParameterEstimate estimate{.parameter = order[n], .value = fit.values[order[n]]};
-    const double std = std::sqrt(covariance(i, i));
+    const double std = std::sqrt(result.covariance(i, i)), shown_std = std::sqrt(shown(i, i));
     const bool is_of_spring = order[n] == kDamping || order[n] == kBacklash;
-    const double shown_std = std::sqrt(shown(i, i));
     estimate.is_identifiable =
         shown_std <= known_parameter(order[n]).largest_std && (shows_spring || !is_of_spring);
-    const auto explain_it = [&] {
-      std::vector<std::string> tied;
-      for (std::size_t m = 0; m < order.size(); ++m) {
-        const auto j = static_cast<Eigen::Index>(m);
-        if (m != n && std::abs(shown(i, j)) > kTied * shown_std * std::sqrt(shown(j, j))) {
-          tied.emplace_back(known_parameter(order[m]).name);
-        }
-      }
-      explain(estimate, tied);
-    };
-    const auto set_interval = [&](double its_std) {
-      estimate.low = moved_parameter(data, order[n], estimate.value, -kRoot95 * its_std);
-      estimate.high = moved_parameter(data, order[n], estimate.value, kRoot95 * its_std);
-    };
-    if (!estimate.is_identifiable) explain_it();
-    if (estimate.is_identifiable && !result.is_bootstrapped) {
-      ParameterInterval interval =
-          profile_interval(data, free, fit, order[n], std, covariance.col(i) / covariance(i, i));
+    std::optional<double> interval_std;  // nothing: the profile has the interval
+    if (!estimate.is_identifiable) {
+      // The far end of the set that fits is not seen from the fit.
+      interval_std = is_logarithmic(order[n]) ? std::max(std, kPriorStd) : std;
+    } else if (result.is_bootstrapped) {
+      interval_std = boots[n];
+    } else {
+      const ParameterInterval interval = profile_interval(
+          data, free, fit, order[n], std, result.covariance.col(i) / result.covariance(i, i));
       if (interval.better.deviance < fit.deviance - kBetter) {
         if (!is_last) return interval.better;
         result.is_converged = false;
@@ -341,15 +325,23 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
       }
       estimate.low = interval.low;
       estimate.high = interval.high;
-      if (!interval.is_known) {
-        estimate.is_identifiable = false;
-        explain_it();
-        set_interval(kPriorStd);
+      estimate.is_identifiable = interval.is_known;
+      if (!interval.is_known) interval_std = kPriorStd;
+    }
+    if (interval_std) {
+      const double reach = kRoot95 * *interval_std;
+      estimate.low = moved_parameter(data, order[n], estimate.value, -reach);
+      estimate.high = moved_parameter(data, order[n], estimate.value, reach);
+    }
+    if (!estimate.is_identifiable) {
+      std::vector<std::string> tied;
+      for (std::size_t m = 0; m < order.size(); ++m) {
+        const auto j = static_cast<Eigen::Index>(m);
+        if (m != n && std::abs(shown(i, j)) > kTied * shown_std * std::sqrt(shown(j, j))) {
+          tied.emplace_back(known_parameter(order[m]).name);
+        }
       }
-    } else {
-      // The far end of the set that fits is not seen from the fit.
-      const double unknown = is_logarithmic(order[n]) ? std::max(std, kPriorStd) : std;
-      set_interval(estimate.is_identifiable ? boots[n] : unknown);
+      explain(estimate, tied);
     }
     result.parameters.push_back(std::move(estimate));
     done(static_cast<double>(n + 1) / static_cast<double>(order.size()));
@@ -366,7 +358,7 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
 constexpr double kPeriod = 5e-3;  // s, of the rows that the search uses
 constexpr double kLargest = 2.0;  // s
 constexpr double kLeast = 0.01;   // s: a fitted delay covers a smaller one
-constexpr std::size_t kLeastVotes = 3;
+constexpr std::ptrdiff_t kLeastVotes = 3;
 
 // The time by which the input acts later than its rows say; 0 if no offset is clear.
 double clock_offset(const RecordedAxis& record, const IdentificationSettings& settings) {
@@ -388,18 +380,13 @@ double clock_offset(const RecordedAxis& record, const IdentificationSettings& se
       std::min(kLargest, 0.25 * (record.times_s.back() - record.times_s.front()));
   data.least_delay_s = -data.largest_delay_s;
   const std::vector<AxisValues> candidates = start_candidates(data);
-  double best = 0.0;
-  std::size_t most = kLeastVotes - 1;
-  for (const AxisValues& one : candidates) {
-    const auto votes = static_cast<std::size_t>(
-        std::count_if(candidates.begin(), candidates.end(), [&](const AxisValues& other) {
-          return std::abs(other[kDelay] - one[kDelay]) <= data.period_s;
-        }));
-    if (votes <= most) continue;
-    most = votes;
-    best = one[kDelay];
-  }
-  return best;
+  const auto votes = [&](const AxisValues& one) {
+    return std::ranges::count_if(candidates, [&](const AxisValues& other) {
+      return std::abs(other[kDelay] - one[kDelay]) <= data.period_s;
+    });
+  };
+  const auto best = std::ranges::max_element(candidates, {}, votes);
+  return best != candidates.end() && votes(*best) >= kLeastVotes ? (*best)[kDelay] : 0.0;
 }
 
 // Moves the inputs of each record by its offset. Returns the offsets.
@@ -556,8 +543,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
     const AxisFit beside = best_beside(data, free, fit);
     if (beside.deviance < fit.deviance) result.fit = fit_axis_and_noise(data, free, beside);
     // A wrong minimum leaves errors that are not white.
-    for (int turn = 0; turn < kMostRestarts && !whiteness_of(scores_of(data, fit)).is_white();
-         ++turn) {
+    for (int turn = 0; turn < kMostRestarts && !whiteness_of(data, fit).is_white(); ++turn) {
       const AxisFit around = best_around(data, free, fit);
       if (!(around.deviance < fit.deviance)) break;
       result.fit = fit_axis_and_noise(data, free, around);
@@ -568,11 +554,10 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   done(kBest);
 
   // A better fit may have a play, or none.
-  Eigen::MatrixXd covariance;
   for (int turn = 0; turn <= kMostRestarts; ++turn) {
     free[kBacklash] = fit.values[kBacklash] > 0.0;
     const std::optional<AxisFit> better =
-        add_parameters(result, covariance, turn == kMostRestarts,
+        add_parameters(result, turn == kMostRestarts,
                        [&](double share) { done(kBest + (kBounded - kBest) * share); });
     if (!better) break;
     free[kBacklash] = better->values[kBacklash] > 0.0;
@@ -582,7 +567,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
 
   result.errors.rms = rms_error(data, fit);
   result.errors.normalised = result.errors.rms / std::sqrt(error_variance(data, fit));
-  result.whiteness = whiteness_of(scores_of(data, fit));
+  result.whiteness = whiteness_of(data, fit);
   if (!result.whiteness.is_white()) {
     result.notes.emplace_back(
         "the residuals are not white: the model lacks something, or times or repaired rows of the "
@@ -599,7 +584,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
     AxisFit at_held = fit;
     at_held.starts.clear();
     allow_rounded_times(held, fit_starts(held, at_held));
-    result.held_out = held_out_errors(held, fit, free, covariance, scales);
+    result.held_out = held_out_errors(held, result);
   }
   return result;
 }
@@ -607,31 +592,30 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
 Identification identify_despite_clocks(std::vector<RecordedAxis> records,
                                        std::vector<RecordedAxis> held_out,
                                        const IdentificationSettings& settings) {
-  std::optional<Identification> plain;
-  std::exception_ptr refusal;
-  try {
-    plain = identify_axis(records, held_out, settings);
-    if (!plain->parameters.empty() && plain->whiteness.is_white()) return *plain;
-  } catch (const std::invalid_argument&) {
-    refusal = std::current_exception();
-  }
+  std::exception_ptr refusal;  // the first one
+  const auto attempt = [&]() -> std::optional<Identification> {
+    try {
+      return identify_axis(records, held_out, settings);
+    } catch (const std::invalid_argument&) {
+      if (!refusal) refusal = std::current_exception();
+      return std::nullopt;
+    }
+  };
+  const auto has_fit = [](const auto& one) { return one && !one->parameters.empty(); };
+  const std::optional<Identification> plain = attempt();
+  if (has_fit(plain) && plain->whiteness.is_white()) return *plain;
   const std::vector<double> offsets = corrected(records, settings);
-  if (std::all_of(offsets.begin(), offsets.end(), [](double offset) { return offset == 0.0; })) {
-    if (!plain) std::rethrow_exception(refusal);
-    return *plain;
+  std::optional<Identification> moved;
+  if (std::ranges::any_of(offsets, [](double offset) { return offset != 0.0; })) {
+    corrected(held_out, settings);
+    moved = attempt();
+    const bool is_worse =
+        has_fit(plain) && (!has_fit(moved) || moved->errors.rms > 0.5 * plain->errors.rms);
+    if (is_worse) moved.reset();
   }
-  corrected(held_out, settings);
-  Identification found;
-  try {
-    found = identify_axis(records, held_out, settings);
-  } catch (const std::invalid_argument&) {
-    if (!plain) std::rethrow_exception(refusal);
-    return *plain;
-  }
-  if (plain && !plain->parameters.empty() &&
-      (found.parameters.empty() || found.errors.rms > 0.5 * plain->errors.rms)) {
-    return *plain;
-  }
+  if (!moved && !plain) std::rethrow_exception(refusal);
+  if (!moved) return *plain;
+  Identification& found = *moved;
   found.notes.push_back(fmt::format(
       "the clocks of u and y differ: u acts later by {:.3g} s. The delay is what remains",
       fmt::join(offsets, " s, ")));

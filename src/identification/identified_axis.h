@@ -54,6 +54,7 @@ struct Identification {
   AxisFit fit;
   FreeParameters free{};
   std::vector<ParameterEstimate> parameters;
+  Eigen::MatrixXd covariance;  ///< covariance_of() the fit
   bool is_quantum_found = false;
   bool is_bootstrapped = false;  ///< intervals by parametric bootstrap
   bool is_converged = false;

@@ -42,7 +42,7 @@ double largest_input(const AxisData& data) {
 Eigen::MatrixXd spread_of(const Identification& identification) {
   const AxisData& data = identification.data;
   const AxisValues scales = parameter_scales(data);
-  Eigen::MatrixXd covariance = covariance_of(data, identification.free, identification.fit);
+  Eigen::MatrixXd covariance = identification.covariance;
   Eigen::VectorXd deviations(covariance.rows());
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
     const ParameterEstimate& estimate = identification.parameters[static_cast<std::size_t>(i)];
