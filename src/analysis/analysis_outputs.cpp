@@ -23,7 +23,6 @@
 #include <breakwater/shell/table.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/study/result_row.h>
-#include <breakwater/study/study.h>
 
 namespace breakwater {
 
@@ -233,7 +232,8 @@ void describe(CLI::App& app, Arguments& arguments) {
       ->required();
   app.add_option("--case", arguments.cases,
                  "cases to compare in one chart, or all (default: the file's)")
-      ->type_name("NAME[,NAME...]");
+      ->type_name("NAME[,NAME...]")
+      ->delimiter(',');
   app.add_option("--axis", arguments.axis,
                  "axis of a plant, under its own controller (default: all driven axes,\n"
                  "each as a loop while the others hold the pose)")
@@ -279,13 +279,8 @@ void describe(CLI::App& app, Arguments& arguments) {
 }
 
 std::vector<std::string> cases_of(const Arguments& arguments, const ScenarioFile& file) {
-  std::vector<std::string> names;
-  for (const std::string& option : arguments.cases) {
-    for (const std::string& name : option_parts(option)) names.push_back(name);
-  }
-  if (names.empty()) return {file.default_case()};
-  if (names == std::vector<std::string>{"all"}) return file.cases();
-  return names;
+  if (arguments.cases.empty()) return {file.default_case()};
+  return arguments.cases == std::vector<std::string>{"all"} ? file.cases() : arguments.cases;
 }
 
 // The loops of a case. A plant with several gives each the name of its axis.

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -17,10 +17,12 @@
 #include <breakwater/shell/progress.h>
 #include <breakwater/sim/linear_model.h>
 #include <breakwater/world/delay_line.h>
+#include <breakwater/world/noise.h>
 
 namespace breakwater {
 namespace {
 
+constexpr double kPi = std::numbers::pi, kTurn = 2.0 * kPi;
 constexpr double kAgree = 1e-3;
 constexpr std::size_t kMostWindows = 8;
 constexpr double kLeastSamples = 200;  // smallest length of a window
@@ -86,11 +88,11 @@ SineResponse measure_sine(const AxisOfPlant& axis, Probe kind, double omega_rad_
   const AxisTask& task = axis.task;
   const double period_s = task.axis.period_s;
   // A window of whole periods in whole samples.
-  const double per_period = 2.0 * std::numbers::pi / (omega_rad_s * period_s);
+  const double per_period = kTurn / (omega_rad_s * period_s);
   const double periods = std::max(1.0, std::ceil(kLeastSamples / per_period));
   const double samples = std::round(periods * per_period);
   const auto window = static_cast<std::size_t>(samples);
-  const double omega_per_sample = 2.0 * std::numbers::pi * periods / samples;
+  const double omega_per_sample = kTurn * periods / samples;
 
   AxisLoop loop = axis.parts->make(task);
   auto own = std::make_unique<Probed>(loop, kind, amplitude, omega_per_sample);
@@ -144,17 +146,10 @@ SineResponse measure_sine(const AxisOfPlant& axis, Probe kind, double omega_rad_
   return response;
 }
 
-constexpr double kPi = std::numbers::pi;
-
-// Finds the zero of a straight line from a to b, as a share of its length, if there is one.
-bool crosses(double a, double b, double& share) {
-  if (!((a <= 0.0 && b > 0.0) || (a >= 0.0 && b < 0.0))) return false;
-  share = a / (a - b);
-  return true;
-}
-
-double between(double a, double b, double share) {
-  return a + (b - a) * share;
+// The zero of a straight line from a to b, as a share of its length, if there is one.
+std::optional<double> crossing(double a, double b) {
+  if (!((a <= 0.0 && b > 0.0) || (a >= 0.0 && b < 0.0))) return std::nullopt;
+  return a / (a - b);
 }
 
 constexpr double kSame = 1e-6;     // two responses are equal up to this share of the largest value
@@ -247,16 +242,11 @@ bool has_decayed(const Values& values) {
   return largest(values.tail(values.size() - from)) <= kDecayed * largest(values);
 }
 
-// A random binary sequence (Marsaglia's xorshift).
+// A random binary sequence.
 std::vector<double> binary_pattern(double amplitude) {
+  const Noise random(1, "pattern");
   std::vector<double> values(kPattern);
-  std::uint32_t state = 2463534242U;
-  for (double& value : values) {
-    state ^= state << 13U;
-    state ^= state >> 17U;
-    state ^= state << 5U;
-    value = (state >> 31U) != 0 ? amplitude : -amplitude;
-  }
+  for (std::size_t k = 0; k < kPattern; ++k) values[k] = random(k) < 0.0 ? -amplitude : amplitude;
   return values;
 }
 
@@ -416,14 +406,10 @@ constexpr double kShareOfNyquist = 0.9;
 constexpr double kStillHalfThePower = std::numbers::sqrt2 / 2.0;
 constexpr double kNoiseCounts = 3.0, kSmallNoise = 1e-3;
 
-// From low to high, equally spaced on a logarithmic scale.
-std::vector<double> frequencies(double low, double high, std::size_t count) {
-  std::vector<double> result(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const double share = count == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(count - 1);
-    result[i] = low * std::pow(high / low, share);
-  }
-  return result;
+// Number i of `count` frequencies from low to high, equally spaced on a logarithmic scale.
+double frequency(const AnalysisOptions& options, std::size_t i, std::size_t count) {
+  const double share = count == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(count - 1);
+  return options.from_rad_s * std::pow(options.to_rad_s / options.from_rad_s, share);
 }
 
 LoopPoint point(double omega_rad_s, const Phasors& of_force, const Phasors& of_noise) {
@@ -487,7 +473,8 @@ LoopCurve designed_curve(const AxisOfPlant& axis, const AnalysisOptions& options
   const auto to_noise = whole_response(design, Probe::noise, noise, *from);
   if (!to_force || !to_noise) return none("the loop does not settle");
   const double period_s = axis.task.axis.period_s;
-  for (const double omega : frequencies(options.from_rad_s, options.to_rad_s, kDesignPoints)) {
+  for (std::size_t i = 0; i < kDesignPoints; ++i) {
+    const double omega = frequency(options, i, kDesignPoints);
     curve.points.push_back(point(omega, frequency_response(*to_force, omega, period_s),
                                  frequency_response(*to_noise, omega, period_s)));
   }
@@ -570,41 +557,33 @@ LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
     throw std::invalid_argument("margins need a loop gain at two frequencies or more");
   }
   LoopMargins margins;
-  double last_phase = 0.0;
+  double phase = 0.0;
   for (std::size_t i = 0; i < omega_rad_s.size(); ++i) {
     const std::complex<double> L = loop_gain[i];
     margins.sensitivity_peak = std::fmax(margins.sensitivity_peak, std::abs(1.0 / (1.0 + L)));
     margins.complementary_peak = std::fmax(margins.complementary_peak, std::abs(L / (1.0 + L)));
+    const double before = std::exchange(phase, std::arg(L));
+    if (i == 0) continue;
     // Unwraps the phase: nearest to the last one.
-    double phase = std::arg(L);
-    if (i > 0) phase += 2.0 * kPi * std::round((last_phase - phase) / (2.0 * kPi));
-    if (i > 0) {
-      const double gain_a = std::log(std::abs(loop_gain[i - 1])), gain_b = std::log(std::abs(L));
-      const double omega_a = std::log(omega_rad_s[i - 1]), omega_b = std::log(omega_rad_s[i]);
-      double share = 0.0;
-      if (crosses(gain_a, gain_b, share)) {
-        const double omega = std::exp(between(omega_a, omega_b, share));
-        const double at = between(last_phase, phase, share);
-        double above = std::fmod(at + kPi, 2.0 * kPi);  // from −π, in [0, 2π)
-        if (above < 0.0) above += 2.0 * kPi;
-        margins.crossover_rad_s = omega;
-        margins.phase_margin_rad =
-            std::fmin(margins.phase_margin_rad, std::min(above, 2.0 * kPi - above));
-        margins.delay_margin_s = std::fmin(margins.delay_margin_s, above / omega);
-      }
-      // All crossings of −π plus whole turns.
-      const double turn =
-          2.0 * kPi * std::round((between(last_phase, phase, 0.5) + kPi) / (2.0 * kPi));
-      if (crosses(last_phase + kPi - turn, phase + kPi - turn, share)) {
-        const double factor = std::exp(-between(gain_a, gain_b, share));
-        if (factor > 1.0) {
-          margins.gain_margin = std::fmin(margins.gain_margin, factor);
-        } else {
-          margins.gain_reduction_margin = std::fmax(margins.gain_reduction_margin, factor);
-        }
-      }
+    phase += kTurn * std::round((before - phase) / kTurn);
+    const double gain_a = std::log(std::abs(loop_gain[i - 1])), gain_b = std::log(std::abs(L));
+    if (const auto share = crossing(gain_a, gain_b)) {
+      margins.crossover_rad_s =
+          std::exp(std::lerp(std::log(omega_rad_s[i - 1]), std::log(omega_rad_s[i]), *share));
+      double above =
+          std::fmod(std::lerp(before, phase, *share) + kPi, kTurn);  // from −π, in [0, 2π)
+      if (above < 0.0) above += kTurn;
+      margins.phase_margin_rad =
+          std::fmin(margins.phase_margin_rad, std::min(above, kTurn - above));
+      margins.delay_margin_s = std::fmin(margins.delay_margin_s, above / margins.crossover_rad_s);
     }
-    last_phase = phase;
+    // All crossings of −π plus whole turns.
+    const double turn = kTurn * std::round((std::midpoint(before, phase) + kPi) / kTurn) - kPi;
+    if (const auto share = crossing(before - turn, phase - turn)) {
+      const double factor = std::exp(-std::lerp(gain_a, gain_b, *share));
+      double& margin = factor > 1.0 ? margins.gain_margin : margins.gain_reduction_margin;
+      margin = factor > 1.0 ? std::fmin(margin, factor) : std::fmax(margin, factor);
+    }
   }
   return margins;
 }
@@ -629,38 +608,44 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
       },
       options.jobs);
 
+  // A sine in a loop, with the force or with the noise.
+  struct Task {
+    std::size_t loop;
+    double omega_rad_s;
+    Probe probe;
+    SineResponse response = {};
+  };
   // The lowest frequencies of all loops come first, because they take the longest.
   const auto points = static_cast<std::size_t>(options.points);
-  std::vector<std::vector<double>> omegas;
-  for (const AnalysisOptions& of : own) {
-    omegas.push_back(frequencies(of.from_rad_s, of.to_rad_s, points));
-  }
-  std::vector<double> times_s(2 * points * loops.size());
-  std::vector<SineResponse> measured(times_s.size());  // with the force, then with the noise
-  for (std::size_t task = 0; task < times_s.size(); ++task) {
-    constexpr double kPeriods = 4.0;
-    times_s[task] = options.settle_s + kPeriods * 2.0 * std::numbers::pi /
-                                           omegas[task / 2 % loops.size()][task / 2 / loops.size()];
+  std::vector<Task> tasks;
+  std::vector<double> times_s;
+  for (std::size_t i = 0; i < points; ++i) {
+    for (std::size_t loop = 0; loop < loops.size(); ++loop) {
+      if (results[loop].designed.is_unstable) continue;
+      const double omega = frequency(own[loop], i, points);
+      for (const Probe probe : {Probe::force, Probe::noise}) {
+        constexpr double kPeriods = 4.0;
+        tasks.push_back({loop, omega, probe});
+        times_s.push_back(options.settle_s + kPeriods * kTurn / omega);
+      }
+    }
   }
   Progress progress("analyze", times_s, options.quiet);
   on_all_cores(
-      times_s.size(),
-      [&](std::size_t task) {
-        const std::size_t loop = task / 2 % loops.size(), i = task / 2 / loops.size();
-        if (!results[loop].designed.is_unstable) {
-          measured[task] =
-              measure_sine(loops[loop].axis, task % 2 == 0 ? Probe::force : Probe::noise,
-                           omegas[loop][i], own[loop]);
-        }
-        progress.finish(task);
+      tasks.size(),
+      [&](std::size_t i) {
+        Task& one = tasks[i];
+        one.response =
+            measure_sine(loops[one.loop].axis, one.probe, one.omega_rad_s, own[one.loop]);
+        progress.finish(i);
       },
       options.jobs);
+  for (std::size_t i = 0; i < tasks.size(); i += 2) {
+    results[tasks[i].loop].measured.points.push_back(
+        measured_point(tasks[i].response, tasks[i + 1].response));
+  }
   for (std::size_t loop = 0; loop < loops.size(); ++loop) {
     LoopAnalysis& result = results[loop];
-    for (std::size_t i = 0; i < points && !result.designed.is_unstable; ++i) {
-      const std::size_t task = 2 * (i * loops.size() + loop);
-      result.measured.points.push_back(measured_point(measured[task], measured[task + 1]));
-    }
     judge(result.designed, result.estimates, false);
     judge(result.measured, result.estimates, true);
     result.hints = hints(loops[loop].axis, own[loop], result.measured);
