@@ -109,28 +109,6 @@ Standard read_standard(const TomlEntry& table) {
   return standard;
 }
 
-std::vector<PublishedValue> of_case(const std::string& scenario, const std::string& case_name) {
-  const PrintedResults& results = printed_results();
-  std::vector<PublishedValue> values;
-  for (const auto& [metric, path] : results.of_case(scenario, case_name)) {
-    const auto printed = results.find(path);
-    if (!printed || !printed->number) {
-      throw std::runtime_error("printed-results.toml has no number " + path);
-    }
-    const Standard& standard = results.standard(path);
-    values.push_back({metric, *printed->number, printed->text(),
-                      standard.within.absolute.has_value(), [=](double measured) {
-                        const Verdict verdict = judge(measured, *printed, standard);
-                        return Agreement{
-                            verdict == Verdict::reproduced || verdict == Verdict::within_class,
-                            verdict == Verdict::within_class ? "near" : text(verdict),
-                            fmt::format("{} ({})", text(verdict), rule_text(standard)),
-                            css_class(verdict)};
-                      }});
-  }
-  return values;
-}
-
 }  // namespace
 
 bool Band::contains(double measured, double printed) const {
@@ -222,11 +200,27 @@ const Standard& PrintedResults::standard(const std::string& path) const {
   throw std::runtime_error("reproduced.toml has no class for " + path);
 }
 
-std::map<std::string, std::string> PrintedResults::of_case(const std::string& scenario,
-                                                           const std::string& case_name) const {
-  const auto found = cases_.find(scenario + "/" + case_name);
-  if (found == cases_.end()) return {};
-  return found->second;
+std::vector<PublishedValue> PrintedResults::of_case(const std::string& scenario,
+                                                    const std::string& case_name) const {
+  std::vector<PublishedValue> values;
+  const auto metrics = cases_.find(scenario + "/" + case_name);
+  if (metrics == cases_.end()) return values;
+  for (const auto& [metric, path] : metrics->second) {
+    const auto printed = find(path);
+    if (!printed || !printed->number) {
+      throw std::runtime_error("printed-results.toml has no number " + path);
+    }
+    const Standard& its = standard(path);
+    values.push_back({metric, *printed->number, printed->text(), its.within.absolute.has_value(),
+                      [=](double measured) {
+                        const Verdict verdict = judge(measured, *printed, its);
+                        return Agreement{verdict <= Verdict::within_class,
+                                         verdict == Verdict::within_class ? "near" : text(verdict),
+                                         fmt::format("{} ({})", text(verdict), rule_text(its)),
+                                         css_class(verdict)};
+                      }});
+  }
+  return values;
 }
 
 bool matches_pattern(const std::string& pattern, const std::string& text) {
@@ -239,7 +233,10 @@ const PrintedResults& printed_results() {
 }
 
 ReferenceKind printed_references() {
-  return {"thesis", "* not reproduced: outside of its class (data/reproduced.toml)\n", of_case};
+  return {"thesis", "* not reproduced: outside of its class (data/reproduced.toml)\n",
+          [](const std::string& scenario, const std::string& case_name) {
+            return printed_results().of_case(scenario, case_name);
+          }};
 }
 
 }  // namespace breakwater

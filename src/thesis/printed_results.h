@@ -72,9 +72,10 @@ class PrintedResults {
   /// The criteria of the first matching pattern. Throws std::runtime_error if none matches.
   const Standard& standard(const std::string& path) const;
 
-  /// The paths of a case's printed numbers by our metric; none if the thesis prints none.
-  std::map<std::string, std::string> of_case(const std::string& scenario,
-                                             const std::string& case_name) const;
+  /// The printed numbers of a case, by our metric; none if the thesis prints none. Throws
+  /// std::runtime_error if the files are damaged.
+  std::vector<PublishedValue> of_case(const std::string& scenario,
+                                      const std::string& case_name) const;
 
  private:
   std::map<std::string, PrintedResult> results_;
@@ -89,7 +90,7 @@ bool matches_pattern(const std::string& pattern, const std::string& text);
 const PrintedResults& printed_results();
 
 /// The printed numbers of cases, for the catalogue: tables and pages show them beside the numbers
-/// of a run. Throws std::runtime_error if the files are damaged.
+/// of a run.
 ReferenceKind printed_references();
 
 }  // namespace breakwater

@@ -493,51 +493,50 @@ std::string score_text(const std::vector<JudgedCell>& cells) {
 }
 
 std::vector<std::string> headline(const std::vector<JudgedCell>& cells) {
-  struct Share {
-    int all = 0, reproduced = 0, within_class = 0, vacuous = 0;
-  };
-  Share printed;
-  std::map<std::string, Share> statements;  // the cells of each statement of each section
+  using Counts = std::map<Verdict, int>;
+  Counts printed;
+  std::map<std::string, Counts> statements;  // the cells of each statement of each section
   std::map<std::string, int> causes;
   int numbers = 0, near = 0, fair = 0;
   for (const JudgedCell& one : cells) {
     if (!one.is_counted()) continue;
     const auto& [cell, judged] = std::tie(one.cell, one.judged);
-    Share& share = cell.printed.empty() ? statements[one.section + ": " + cell.says] : printed;
-    ++share.all;
+    ++(cell.printed.empty() ? statements[one.section + ": " + cell.says] : printed)[judged.verdict];
     if (judged.deviation) {
       ++numbers;
       near += *judged.deviation <= 0.05 ? 1 : 0;
       fair += *judged.deviation <= 0.25 ? 1 : 0;
     }
-    if (judged.verdict == Verdict::vacuous) {
-      ++share.vacuous;
-    } else if (judged.verdict == Verdict::not_reproduced) {
+    if (judged.verdict == Verdict::not_reproduced) {
       ++causes[cell.cause.empty() ? "not said" : cell.cause];
-    } else {
-      share.reproduced += judged.verdict == Verdict::reproduced ? 1 : 0;
-      share.within_class += judged.verdict == Verdict::within_class ? 1 : 0;
     }
   }
+  // All but the vacuous ones.
+  const auto counted = [](const Counts& counts) {
+    int sum = 0;
+    for (const auto& [verdict, count] : counts) sum += verdict == Verdict::vacuous ? 0 : count;
+    return sum;
+  };
   std::vector<std::string> lines;
-  if (printed.all > 0) {
+  if (!printed.empty()) {
+    const int judged = counted(printed), vacuous = printed[Verdict::vacuous];
+    const int reproduced = printed[Verdict::reproduced], within = printed[Verdict::within_class];
     lines.push_back(fmt::format(
         "printed results: {} of {} reproduced, {} within their class, {} not, {} vacuous",
-        printed.reproduced, printed.all, printed.within_class,
-        printed.all - printed.reproduced - printed.within_class - printed.vacuous,
-        printed.vacuous));
+        reproduced, judged + vacuous, within, judged - reproduced - within, vacuous));
   }
   if (numbers > 0) {
     lines.push_back(
         fmt::format("printed numbers: {} of {} within 5 %, {} within 25 %", near, numbers, fair));
   }
   int whole = 0, none = 0, judged = 0, all = 0;
-  for (const auto& [statement, share] : statements) {
-    const int counted = share.all - share.vacuous;
-    all += counted;
-    judged += counted > 0 ? 1 : 0;
-    whole += counted > 0 && share.reproduced == counted ? 1 : 0;
-    none += counted > 0 && share.reproduced == 0 ? 1 : 0;
+  for (auto& [statement, counts] : statements) {
+    const int of_it = counted(counts), reproduced = counts[Verdict::reproduced];
+    if (of_it == 0) continue;
+    all += of_it;
+    ++judged;
+    whole += reproduced == of_it ? 1 : 0;
+    none += reproduced == 0 ? 1 : 0;
   }
   if (judged > 0) {
     lines.push_back(
