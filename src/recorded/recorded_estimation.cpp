@@ -30,7 +30,7 @@ constexpr double kExplained = 15.1;  // 99.99 % quantile of chi-square with one 
 // of the disturbance does not dominate a record. Rounding alone gives no such value: the
 // prediction and the code then differ by at most a count, so e² ≤ 12 R.
 struct InnovationStatistics {
-  double variance;  // that of SensorError; 0: unknown
+  double variance = 0.0;  // that of SensorError; 0: unknown
   double count = 0.0;
   double unexplained = 0.0;
   double squares = 0.0;
@@ -49,6 +49,40 @@ struct InnovationStatistics {
     last = innovation;
   }
 };
+
+// The metrics of a record. A value that is not finite is not there.
+std::vector<std::pair<MetricDefinition, std::optional<double>>> metrics_of(
+    const AxisUnits& units, std::size_t rows, const RecordedTiming& timing,
+    const SampleStatistics& d, const InnovationStatistics& e) {
+  // Without innovations these are NaN.
+  const double known = e.variance > 0.0 ? e.count : std::nan("");
+  return {
+      {{"sample_count", "1", "rows of the record"}, static_cast<double>(rows)},
+      {{"period_s", "s", "csv.period_s, or the mean interval without gaps"}, timing.period_s},
+      {{"jitter_rms_s", "s", "root mean square of interval minus period, without gaps"},
+       timing.jitter_rms_s},
+      {{"jitter_max_s", "s", "largest difference of interval and period, without gaps"},
+       timing.jitter_max_s},
+      {{"gap_count", "1", "intervals longer than csv.gap_periods"},
+       static_cast<double>(timing.gaps.size())},
+      {{"mean_disturbance_" + units.force_suffix, units.force,
+        "mean of the estimated disturbance over all rows"},
+       d.mean()},
+      {{"std_disturbance_" + units.force_suffix, units.force,
+        "standard deviation of the estimated disturbance over all rows"},
+       d.standard_deviation()},
+      {{"rms_innovation_" + units.position_suffix, units.position,
+        "root mean square of the innovation e, the measured position minus the predicted one"},
+       std::sqrt(e.squares / e.count)},
+      {{"innovation_correlation_1", "1",
+        "correlation of the innovation with that of the next row, about zero"},
+       e.products / e.squares},
+      {{"normalised_innovation_squared", "1",
+        "mean of e^2/R with each term limited to 15.1, where R is the variance of the sensor's "
+        "error"},
+       e.normalised / known},
+      {{"unexplained_share", "1", "share of rows with e^2/R above 15.1"}, e.unexplained / known}};
+}
 
 constexpr std::size_t kMostGapsNamed = 3;
 constexpr std::size_t kRowsBetweenReports = 100000;
@@ -96,27 +130,14 @@ ScenarioKind recorded_estimation() {
 }
 
 std::vector<MetricDefinition> RecordedEstimation::metric_definitions() const {
-  std::vector<MetricDefinition> definitions = {
-      {"sample_count", "1", "rows of the record"},
-      {"period_s", "s", "csv.period_s, or the mean interval without gaps"},
-      {"jitter_rms_s", "s", "root mean square of interval minus period, without gaps"},
-      {"jitter_max_s", "s", "largest difference of interval and period, without gaps"},
-      {"gap_count", "1", "intervals longer than csv.gap_periods"}};
+  std::vector<MetricDefinition> definitions;
   for (const AxisUnits& units : {rotation_units(), translation_units()}) {
-    definitions.push_back({"mean_disturbance_" + units.force_suffix, units.force,
-                           "mean of the estimated disturbance over all rows"});
-    definitions.push_back({"std_disturbance_" + units.force_suffix, units.force,
-                           "standard deviation of the estimated disturbance over all rows"});
-    definitions.push_back({"rms_innovation_" + units.position_suffix, units.position,
-                           "root mean square of the innovation e, the measured position minus the "
-                           "predicted one"});
+    for (const auto& [definition, value] : metrics_of(units, 0, {}, {}, {})) {
+      const bool is_there =
+          std::ranges::count(definitions, definition.name, &MetricDefinition::name) > 0;
+      if (!is_there) definitions.push_back(definition);
+    }
   }
-  definitions.push_back({"innovation_correlation_1", "1",
-                         "correlation of the innovation with that of the next row, about zero"});
-  definitions.push_back({"normalised_innovation_squared", "1",
-                         "mean of e^2/R with each term limited to 15.1, where R is the variance of "
-                         "the sensor's error"});
-  definitions.push_back({"unexplained_share", "1", "share of rows with e^2/R above 15.1"});
   return definitions;
 }
 
@@ -175,16 +196,6 @@ void RecordedEstimation::check(const Config& config) {
   const auto [least, most] = std::minmax_element(record_.inputs.begin(), record_.inputs.end());
   largest_input_ = std::max(std::abs(*least), std::abs(*most));
   follows_ = estimator_.check(config, axis())->follow({});
-}
-
-double RecordedEstimation::sensor_std() const {
-  return std::sqrt(axis().sensor.variance()(0));
-}
-
-// Whether the estimator starts again at row k > 0.
-bool RecordedEstimation::starts_again(std::size_t k) const {
-  const double interval_s = record_.times_s[k] - record_.times_s[k - 1];
-  return interval_s > gap_periods_ * timing_.period_s && (!follows_ || interval_s > longest_gap_s_);
 }
 
 std::vector<std::string> RecordedEstimation::warnings() const {
@@ -252,14 +263,15 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   Track log("control", std::move(signals), rows);
   StateHash hash;
   SampleStatistics d;
-  InnovationStatistics innovations{sensor_std() * sensor_std()};
+  const double sensor_std = std::sqrt(axis.sensor.variance()(0));
+  InnovationStatistics innovations{sensor_std * sensor_std};
   RecordIntervals intervals({.times_s = record_.times_s,
                              .inputs = record_.inputs,
                              .inputs_act_before = format_.input_acts == InputActs::before,
                              .period_s = timing_.period_s,
                              .gap_periods = gap_periods_,
                              .instant_std_s = time_std_s_,
-                             .output_std = sensor_std()});
+                             .output_std = sensor_std});
   const bool is_followed = follows_ && !intervals.is_regular();
   const Eigen::VectorXd no_input = Eigen::VectorXd::Zero(1);
   Eigen::VectorXd y = no_input;
@@ -270,11 +282,13 @@ Recording RecordedEstimation::run(const RunControl& control) const {
       if (control.progress) control.progress(static_cast<double>(k) / static_cast<double>(rows));
     }
     const double time_s = record_.times_s[k];
-    const bool starts = k == 0 || starts_again(k);
+    const double interval_s = k == 0 ? 0.0 : time_s - record_.times_s[k - 1];
+    const bool is_gap = interval_s > gap_periods_ * timing_.period_s;
+    const bool starts = k == 0 || (is_gap && (!follows_ || interval_s > longest_gap_s_));
     y(0) = record_.positions[k];
     if (k > 0) intervals.move_to(k);
     // The log views it. NOLINTNEXTLINE(clang-analyzer-deadcode.DeadStores)
-    raw_velocity = starts ? 0.0 : (y(0) - position) / (time_s - record_.times_s[k - 1]);
+    raw_velocity = starts ? 0.0 : (y(0) - position) / interval_s;
     if (starts) {
       stretch += 1.0;
       innovations.last = 0.0;
@@ -300,25 +314,8 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   recording.state_hash = hash.digest();
   recording.simulated_s = record_.times_s.back() - record_.times_s.front();
   recording.tracks.push_back(std::move(log));
-  std::vector<Metric>& metrics = recording.metrics;
-  const auto with = [](const char* stem, const std::string& suffix) {
-    return std::string(stem) + "_" + suffix;
-  };
-  add(metrics, "sample_count", "1", static_cast<double>(rows));
-  add(metrics, "period_s", "s", timing_.period_s);
-  add(metrics, "jitter_rms_s", "s", timing_.jitter_rms_s);
-  add(metrics, "jitter_max_s", "s", timing_.jitter_max_s);
-  add(metrics, "gap_count", "1", static_cast<double>(timing_.gaps.size()));
-  add(metrics, with("mean_disturbance", units.force_suffix), units.force, d.mean());
-  add(metrics, with("std_disturbance", units.force_suffix), units.force, d.standard_deviation());
-  // Without innovations these are NaN, and are left out.
-  const auto& [variance, count, unexplained, squares, normalised, products, last] = innovations;
-  add(metrics, with("rms_innovation", units.position_suffix), units.position,
-      std::sqrt(squares / count));
-  add(metrics, "innovation_correlation_1", "1", products / squares);
-  if (variance > 0.0) {
-    add(metrics, "normalised_innovation_squared", "1", normalised / count);
-    add(metrics, "unexplained_share", "1", unexplained / count);
+  for (const auto& [definition, value] : metrics_of(units, rows, timing_, d, innovations)) {
+    add(recording.metrics, definition.name, definition.unit, value);
   }
   return recording;
 }

@@ -49,8 +49,6 @@ class RecordedEstimation final : public Scenario {
   enum class Motion { rotation, translation };
 
   NominalAxis axis() const;
-  double sensor_std() const;
-  bool starts_again(std::size_t k) const;
 
   RunSettings run_;
   std::string file_;
