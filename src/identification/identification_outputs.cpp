@@ -239,7 +239,6 @@ struct IdentifyArguments {
   std::string model = "axis";
   std::string friction = "coulomb";
   std::optional<double> inertia;
-  std::string config;
   std::vector<std::string> sets;
   std::string out = "runs/identify";
   bool quiet = false;
@@ -247,11 +246,6 @@ struct IdentifyArguments {
 
 [[noreturn]] void refuse(const std::string& reason) {
   throw std::invalid_argument(fmt::format("{} {}: {}", own_program_name(), kIdentify, reason));
-}
-
-ScenarioFile estimate_file(const IdentifyArguments& arguments) {
-  return {arguments.config.empty() ? recorded_estimation().file().string() : arguments.config,
-          "estimate"};
 }
 
 // The keys of `estimate` that describe the table and the encoder.
@@ -274,19 +268,12 @@ struct Keys {
   }
 };
 
-Keys keys_of(const IdentifyArguments& arguments) {
+Keys keys_of(const std::vector<std::string>& assignments) {
   Keys keys;
-  Config sets(arguments.config.empty() ? "--set" : arguments.config, {});
-  for (const std::string& assignment : arguments.sets) sets.set(assignment);
+  Config sets("--set", {});
+  for (const std::string& assignment : assignments) sets.set(assignment);
   keys.fields().read(sets);
   check_record_format(sets);
-  if (!arguments.config.empty()) {
-    // A file of `estimate` has further keys.
-    const ScenarioFile file = estimate_file(arguments);
-    const Config config = file.config(file.default_case(), arguments.sets);
-    keys.fields().read_finished(config);
-    check_record_format(config);
-  }
   return keys;
 }
 
@@ -294,7 +281,7 @@ Keys keys_of(const IdentifyArguments& arguments) {
 std::string estimate_toml(const Catalogue& catalogue, const Identification& identification,
                           const IdentifyArguments& arguments, const RecordFormat& format) {
   const IdentifiedNumbers plant = identified_plant(identification);
-  const ScenarioFile file = estimate_file(arguments);
+  const auto file = recorded_estimation().scenario_file();
   std::vector<std::string> sets = arguments.sets;
   std::erase_if(sets, [](const std::string& one) { return one.starts_with("encoder.side="); });
   sets.push_back("csv.file=" + toml_string(arguments.files.front()));
@@ -309,8 +296,8 @@ std::string estimate_toml(const Catalogue& catalogue, const Identification& iden
   set("noise.std", plant.at("noise_std"));
   RecordedEstimation estimation(catalogue);
   Fields fields = estimation.fields();
-  fields.read(file.config(file.default_case(), sets));
-  return fields.print("estimate", file.default_case());
+  fields.read(file->config(file->default_case(), sets));
+  return fields.print("estimate", file->default_case());
 }
 
 std::vector<RecordedAxis> records_of(const std::vector<std::string>& files, const Keys& keys,
@@ -339,7 +326,7 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
              const std::string& command) {
   check_different(arguments.files, arguments.held_out);
   RunFolder folder(arguments.out);
-  const Keys keys = keys_of(arguments);
+  const Keys keys = keys_of(arguments.sets);
   const bool has_two = arguments.model == kTwoInertia;
   if (!has_two && keys.side == Side::load) refuse("encoder.side: load needs --model two_inertia");
   std::vector<std::string> warnings;
@@ -427,9 +414,6 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
                    "the torque\n"
                    "constant instead")
         ->check(must_be_positive);
-    app.add_option("--config", arguments.config,
-                   "read the keys of table and encoder from this file of estimate")
-        ->type_name("FILE");
     app.add_option("--set", arguments.sets,
                    "set csv.time_scale, csv.input_scale, encoder.quantum, ... as in estimate")
         ->type_name("KEY=VALUE");
