@@ -54,21 +54,19 @@ Request request_of(const Catalogue& catalogue, const Arguments& arguments) {
   if (!arguments.observer.empty() && !has_settings) {
     sets.push_back("observer.name=" + toml_string(arguments.observer));
   }
-  std::string case_name = has_settings ? arguments.observer : file.default_case();
-  std::string called = arguments.observer.empty() ? case_name : arguments.observer;
   if (!arguments.tuned.empty()) {
     const ScenarioFile tuned(arguments.tuned, scenario_name_in(catalogue, arguments.tuned));
     const Config config = tuned.config(tuned.default_case());
     for (const auto& [key, entry] : config.entries()) {
       if (key.starts_with(kObserver)) sets.push_back(key + "=" + toml_value(entry.value));
     }
-    called = config.text("observer.name").value_or(called);
-  }
-  const std::string name = "observer.name=";
-  for (const std::string& set : arguments.sets) {
-    if (set.starts_with(name)) called = plain_text(set.substr(name.size()));
   }
   sets.insert(sets.end(), arguments.sets.begin(), arguments.sets.end());
+  std::string case_name = has_settings ? arguments.observer : file.default_case();
+  const Config config = file.config(case_name, sets);
+  const ConfigEntry* const name = config.find("observer.name");
+  const bool is_other = name != nullptr && name->is_set();
+  std::string called = is_other ? config.text("observer.name").value_or(case_name) : case_name;
   return {std::move(file), std::move(case_name), std::move(sets), std::move(called)};
 }
 

@@ -1,11 +1,13 @@
 #include <breakwater/recorded/recorded_estimation.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 #include <span>
 
 #include <breakwater/experiment/metric_reductions.h>
@@ -202,21 +204,19 @@ std::vector<std::string> RecordedEstimation::warnings() const {
   std::vector<std::string> lines = record_.warnings(file_);
   const std::vector<double>& t = record_.times_s;
   if (!timing_.gaps.empty()) {
-    std::string places;
-    for (std::size_t i = 0; i < std::min(kMostGapsNamed, timing_.gaps.size()); ++i) {
-      const std::size_t k = timing_.gaps[i];
-      places += fmt::format("{} {:.6g} s for {:.6g} s", i == 0 ? " after" : ",", t[k - 1],
-                            t[k] - t[k - 1]);
+    std::vector<std::string> places;
+    for (const std::size_t k : timing_.gaps | std::views::take(kMostGapsNamed)) {
+      places.push_back(fmt::format("{:.6g} s for {:.6g} s", t[k - 1], t[k] - t[k - 1]));
     }
-    if (timing_.gaps.size() > kMostGapsNamed) places += ", ...";
+    if (timing_.gaps.size() > kMostGapsNamed) places.emplace_back("...");
     const std::string what_is_done =
         follows_ ? fmt::format(
                        "the estimator predicts over a gap, with the inputs of the rows beside it. "
                        "After more than {:.3g} s it starts again",
                        longest_gap_s_)
                  : "the estimator starts again after each gap";
-    lines.push_back(fmt::format("{}: {}{}: {}", file_, number_of(timing_.gaps.size(), "gap"),
-                                places, what_is_done));
+    lines.push_back(fmt::format("{}: {} after {}: {}", file_, number_of(timing_.gaps.size(), "gap"),
+                                fmt::join(places, ", "), what_is_done));
   }
   if (timing_.irregular > 0 && !follows_) {
     lines.push_back(
