@@ -1,4 +1,5 @@
-// data/experiments.toml: the runs, tables and figures for each section of the thesis.
+// data/experiments.toml, which explains its keys: the runs, tables and figures for each section of
+// the thesis.
 #pragma once
 
 #include <limits>
@@ -19,10 +20,9 @@ struct RunSpec {
   std::string name;  ///< also of its folder
   std::string scenario;
   std::string case_name;
-  std::vector<std::string> sets;  ///< key=value
-  std::vector<std::vector<std::string>>
-      repetitions;       ///< further sets of each repetition; at least one
-  std::size_t line = 0;  ///< line of the file, here and below
+  std::vector<std::string> sets;                      ///< key=value
+  std::vector<std::vector<std::string>> repetitions;  ///< further sets of each; at least one
+  std::size_t line = 0;                               ///< line of the file, here and below
 
   /// All sets of a repetition.
   std::vector<std::string> sets_of(std::size_t repetition) const;
@@ -42,26 +42,19 @@ struct Quantity {
 struct CellSpec {
   std::string row, column;  ///< its place in the table
   Quantity quantity;
-  /// Divisor, by repetition for the same run; otherwise its median.
-  std::optional<Quantity> over;
+  std::optional<Quantity> over;  ///< by repetition for the same run; otherwise its median
   double divisor = 1.0;
   /// The value of a failed run; by default none, so that no band holds.
   double if_failed = std::numeric_limits<double>::quiet_NaN();
-  bool absent_is_never =
-      false;              ///< a run without the metric counts as infinite, else as not measured
-  bool is_share = false;  ///< judges the mean of ones and zeros, not their median
-  std::string printed;    ///< a path into printed-results.toml; empty if `says` is set
-  std::string says;       ///< a statement of the text; `holds` is its criterion
-  std::string shows;      ///< text of a cell that is not judged or counted
-  std::string why;        ///< the reason if it is not reproduced
-  std::string cause;      ///< thesis, hardware, ours, or empty
-  /// The reason if the cell holds by construction. It is then counted apart, not as a success.
-  std::string vacuous;
-  /// A run without what the statement is about: the cell is vacuous if it holds for this run too.
-  std::string without;
-  /// An assumption against the printed text or the section's reading. The cell is judged, and not
-  /// counted.
-  std::string reading;
+  bool absent_is_never = false;  ///< a run without the metric is infinite, else not measured
+  bool is_share = false;         ///< judges the mean of ones and zeros, not their median
+  std::string printed;           ///< a path into printed-results.toml; empty if `says` is set
+  std::string says;              ///< a statement of the text; `holds` is its criterion
+  std::string shows;             ///< text of a cell that is not judged or counted
+  std::string why, cause;        ///< the reason if it is not reproduced, and its kind
+  std::string vacuous;           ///< why it holds by construction: then it is no success
+  std::string without;           ///< vacuous only if it holds for this run too
+  std::string reading;           ///< an assumption: the cell is judged, and not counted
   Band holds;
   std::size_t line = 0;
 
@@ -128,10 +121,8 @@ struct ReadingSpec {
 
 struct Experiments {
   std::string file;
-  /// A user's own list. Its statements hold or do not hold; "reproduced" is only for results of the
-  /// thesis.
-  bool is_own = false;
-  std::string title;  ///< title of the page; default: that of the thesis' reproduction
+  bool is_own = false;  ///< a user's own list: its statements hold or do not hold
+  std::string title;    ///< title of the page; default: that of the thesis' reproduction
   std::map<std::string, RunSpec> runs;
   std::vector<SectionSpec> sections;
   std::vector<ReadingSpec> readings;
