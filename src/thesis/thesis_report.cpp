@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
+#include <ranges>
 #include <set>
 #include <stdexcept>
 #include <tuple>
@@ -164,18 +165,6 @@ PageData figure_data(const FigureSpec& figure, const SectionSpec& section, const
           {"note", note}};
 }
 
-// The cells that are not reproduced: "2.4.3, 1 ms, KFD: 0.5, 0.48 (reproduced: ±10 %)".
-std::vector<std::string> failures_in_words(const std::vector<JudgedCell>& cells) {
-  std::vector<std::string> failures;
-  for (const JudgedCell& one : cells) {
-    if (!one.is_counted() || one.judged.verdict != Verdict::not_reproduced) continue;
-    failures.push_back(fmt::format("{}, {}, {}: {}, {} ({})", one.section, one.cell.row,
-                                   one.cell.column, one.judged.measured, one.judged.printed,
-                                   one.judged.class_text));
-  }
-  return failures;
-}
-
 // A line of verdicts.csv. Numbers have all digits.
 ResultRow row_of(const JudgedCell& one) {
   const auto& [section, table, cell, judged, is_own] = one;
@@ -213,9 +202,8 @@ std::string verdict_list(const std::vector<JudgedCell>& cells) {
   return csv_table(row_of({}).columns(), rows);
 }
 
-// Charts of a section. `numbers` gets the thesis' figures.
-void add_figures(const Reproduction& reproduction, const SectionSpec& section,
-                 std::set<std::string>& numbers, PageData& blocks) {
+// Charts of a section, from the logs of its runs.
+void add_figures(const Reproduction& reproduction, const SectionSpec& section, PageData& blocks) {
   Logs logs;
   for (const std::string& run : section.logged_runs()) {
     logs.try_emplace(run, run_folder(reproduction.out, run));
@@ -223,7 +211,6 @@ void add_figures(const Reproduction& reproduction, const SectionSpec& section,
   auto figures = PageData::array();
   for (const FigureSpec& figure : section.figures) {
     figures.push_back(figure_data(figure, section, logs));
-    numbers.insert(figure.number.substr(0, figure.number.find(' ')));
   }
   add_block(blocks, "figures", figures);
 }
@@ -271,17 +258,12 @@ PageData lead_of(const Experiments& experiments, Effort effort,
   return lead;
 }
 
-// The page with all results. Reads logs from OUT/runs.
-struct ThesisPage {
-  std::string html;
-  std::vector<JudgedCell> cells = {};  // in the order of the page's tables
-  std::set<std::string> figures = {};  // their numbers; "4.32 (10 ms)" is a part of Fig. 4.32
-};
-
-ThesisPage thesis_page(const Reproduction& reproduction, const Measured& measured, Effort effort) {
+// The page with all results. Reads logs from OUT/runs. `cells` gets those of its tables, in their
+// order.
+std::string thesis_page(const Reproduction& reproduction, const Measured& measured, Effort effort,
+                        std::vector<JudgedCell>& cells) {
   const Experiments& experiments = reproduction.experiments;
   const bool is_own = experiments.is_own;
-  ThesisPage page;
   auto sections = PageData::array();
   for (const SectionSpec* spec : reproduction.sections) {
     auto blocks = PageData::array();
@@ -292,23 +274,20 @@ ThesisPage thesis_page(const Reproduction& reproduction, const Measured& measure
             "{}This section alone: breakwater reproduce --only {}",
             spec->docs.empty() ? "" : "Method, readings and deviations: docs/" + spec->docs + ". ",
             spec->id));
-    std::vector<JudgedCell> cells;
     for (const TableSpec& table : spec->tables) {
       add_table(*spec, table, measured, is_own, cells, blocks);
     }
-    add_figures(reproduction, *spec, page.figures, blocks);
+    add_figures(reproduction, *spec, blocks);
     add_section(sections, "section-" + anchor(spec->id), spec->title, blocks);
     sections.back()["number"] = spec->id;
-    page.cells.insert(page.cells.end(), cells.begin(), cells.end());
   }
   const std::string title = experiments.title.empty() ? "Experiments" : experiments.title;
-  page.html = html_page("thesis", {{"title", is_own ? title : "The thesis, reproduced"},
-                                   {"lead", lead_of(experiments, effort, page.cells)},
-                                   {"sections", sections}});
-  return page;
+  return html_page("thesis", {{"title", is_own ? title : "The thesis, reproduced"},
+                              {"lead", lead_of(experiments, effort, cells)},
+                              {"sections", sections}});
 }
 
-constexpr std::size_t kMostFailures = 15;  // in a terminal; the page has all
+constexpr std::ptrdiff_t kMostFailures = 15;  // in a terminal; the page has all
 
 struct ReproduceArguments {
   std::string only = "all";
@@ -348,14 +327,13 @@ void check_readings(const ReproduceArguments& arguments, const Experiments& expe
   for (const std::string& name : arguments.readings) {
     std::vector<std::string> changed;
     bool is_heeded = false;
+    const auto changes = [&](const std::string& run) {
+      return std::ranges::any_of(experiments.readings, [&](const ReadingSpec& reading) {
+        return reading.name == name && matches_pattern(reading.runs, run);
+      });
+    };
     for (const SectionSpec& section : experiments.sections) {
-      const std::vector<std::string> runs = section.runs();
-      const auto changes = [&](const ReadingSpec& reading) {
-        return reading.name == name && std::ranges::any_of(runs, [&](const std::string& run) {
-                 return matches_pattern(reading.runs, run);
-               });
-      };
-      if (!std::ranges::any_of(experiments.readings, changes)) continue;
+      if (!std::ranges::any_of(section.runs(), changes)) continue;
       changed.push_back(section.id);
       is_heeded |= std::ranges::find(chosen, &section) != chosen.end();
     }
@@ -390,7 +368,8 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   const Reproduction reproduction{catalogue,     experiments,     sections,
                                   arguments.out, arguments.quiet, &interrupted()};
   const Measured measured = measure(reproduction);
-  const auto [html, cells, figures] = thesis_page(reproduction, measured, effort);
+  std::vector<JudgedCell> cells;
+  const std::string html = thesis_page(reproduction, measured, effort, cells);
   const fs::path page = reproduction.out / "report.html", csv = reproduction.out / "verdicts.csv";
   replace_file(page, html);
   replace_file(csv, verdict_list(cells));
@@ -401,13 +380,18 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
     fmt::print("other readings: {}; a reason is that of the shipped one unless it names another\n",
                fmt::join(arguments.readings, ", "));
   }
-  const std::vector<std::string> failures = failures_in_words(cells);
-  if (!failures.empty() && failures.size() <= kMostFailures) {
-    fmt::print("{}:\n  {}\n", experiments.is_own ? "did not hold" : "not reproduced",
-               fmt::join(failures, "\n  "));
+  const auto has_failed = [](const JudgedCell& one) {
+    return one.is_counted() && one.judged.verdict == Verdict::not_reproduced;
+  };
+  const auto failures = std::ranges::count_if(cells, has_failed);
+  if (failures > 0 && failures <= kMostFailures) {
+    fmt::print("{}:\n", experiments.is_own ? "did not hold" : "not reproduced");
+    for (const JudgedCell& one : cells | std::views::filter(has_failed)) {
+      fmt::print("  {}, {}, {}: {}, {} ({})\n", one.section, one.cell.row, one.cell.column,
+                 one.judged.measured, one.judged.printed, one.judged.class_text);
+    }
   }
-  fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", score_text(cells), figures.size(),
-             page.string(), csv.string());
+  fmt::print("{}\nreport: {}\nverdicts: {}\n", score_text(cells), page.string(), csv.string());
   return kSuccess;
 }
 
