@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <breakwater/control/estimate_signals.h>
 #include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <breakwater/math/interface.h>
+#include <breakwater/signals/axis_units.h>
 #include <breakwater/signals/signal.h>
 
 namespace breakwater {
@@ -72,6 +73,27 @@ inline std::vector<Signal> signals_of(const DisturbanceEstimator& estimator,
   std::vector<Signal> signals(estimator.signals().begin(), estimator.signals().end());
   for (Signal& signal : signals) {
     if (signal.unit.empty()) signal.unit = output_unit;
+  }
+  return signals;
+}
+
+/// The estimates of an axis as signals for a log. The states are [q, v] or, for two inertias,
+/// [q, v, q₂, v₂].
+inline std::vector<Signal> estimate_signals(const DisturbanceEstimator& estimator,
+                                            const AxisUnits& units) {
+  const double* x = estimator.state().data();
+  const bool knows_spring = estimator.state().size() == 4;
+  std::vector<Signal> signals = {
+      {"position_hat_" + units.position_suffix, units.position, "position, estimated", view(x[0])},
+      {"velocity_hat_" + units.velocity_suffix, units.velocity, "velocity, estimated", view(x[1])},
+      {"d_hat_" + units.force_suffix, units.force,
+       knows_spring ? "disturbance at the load, estimated" : "disturbance at the drive, estimated",
+       view(*estimator.disturbance().data())}};
+  if (knows_spring) {
+    signals.push_back({"other_position_hat_" + units.position_suffix, units.position,
+                       "position of the side without the encoder, estimated", view(x[2])});
+    signals.push_back({"other_velocity_hat_" + units.velocity_suffix, units.velocity,
+                       "velocity of the side without the encoder, estimated", view(x[3])});
   }
   return signals;
 }

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include <breakwater/control/axes_control.h>
-#include <breakwater/control/estimate_signals.h>
 #include <breakwater/math/float_environment.h>
 
 namespace breakwater {
