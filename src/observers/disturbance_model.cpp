@@ -28,7 +28,7 @@ ExtendedPlant extend(const StateSpace& sampled_plant, const Eigen::MatrixXd& E, 
   extended.B.topRows(n) = sampled_plant.B;
   extended.C.leftCols(n) = sampled_plant.C;
   check_observable("disturbance model", extended.A, extended.C);
-  return {extended, n, order, period_s};
+  return {extended, n, period_s};
 }
 
 }  // namespace
@@ -39,20 +39,17 @@ ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int o
 }
 
 ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant, int order,
-                                            double period_s) {
-  ExtendedPlant plant =
-      extend_by_disturbance_model(zero_order_hold(continuous_plant, period_s), order, period_s);
-  plant.continuous = continuous_plant;
-  return plant;
-}
-
-ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant,
-                                            const Eigen::MatrixXd& E, int order, double period_s) {
+                                            double period_s, const Eigen::MatrixXd& E) {
+  const StateSpace sampled = zero_order_hold(continuous_plant, period_s);
+  if (E.size() == 0) {
+    ExtendedPlant plant = extend(sampled, sampled.B, order, period_s);
+    plant.continuous = continuous_plant;
+    return plant;
+  }
   refuse_unless(E.rows() == continuous_plant.states() && E.cols() == continuous_plant.inputs(),
                 "disturbance model: E must have the shape of B");
   const StateSpace disturbed{continuous_plant.A, E, continuous_plant.C};
-  return extend(zero_order_hold(continuous_plant, period_s), zero_order_hold(disturbed, period_s).B,
-                order, period_s);
+  return extend(sampled, zero_order_hold(disturbed, period_s).B, order, period_s);
 }
 
 }  // namespace breakwater

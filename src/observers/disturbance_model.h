@@ -12,7 +12,6 @@ namespace breakwater {
 struct ExtendedPlant {
   StateSpace sampled;         ///< A̅, B̅, C̅
   Eigen::Index plant_states;  ///< n, the size of x
-  int order;                  ///< order of the disturbance model: 0 step, 1 ramp, 2 parabola
   double period_s;            ///< T_s
   /// The plant in continuous time, if known, to sample it over other intervals.
   std::optional<StateSpace> continuous = {};
@@ -23,7 +22,8 @@ struct ExtendedPlant {
 };
 
 /// Extends a sampled plant x(k+1) = A_d x + B_d u by a chain of sums for the disturbance of each
-/// input. Order 0: Eqs. 2.46, 2.47, 3.3, 3.4; 1: Eqs. 4.1, 4.2; 2: Eqs. 4.3, 4.4:
+/// input. Order 0 is a step (Eqs. 2.46, 2.47, 3.3, 3.4), 1 a ramp (Eqs. 4.1, 4.2), 2 a parabola
+/// (Eqs. 4.3, 4.4):
 ///     A̅ = [A_d −B_d 0; 0 I T_s·I; 0 0 I],  B̅ = [B_d; 0; 0],  C̅ = [C_d 0 0]      (order 1).
 ///
 /// Throws std::invalid_argument unless the order is 0, 1 or 2, the period is positive and the
@@ -31,13 +31,10 @@ struct ExtendedPlant {
 ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int order,
                                           double period_s);
 
-/// The same for a plant in continuous time, sampled with a zero-order hold.
+/// The same for a plant in continuous time, sampled with a zero-order hold. With E (n×m) the plant
+/// is ẋ = A x + B u − E d. E is for disturbances behind a spring, which do not enter at the inputs.
+/// Then `continuous` is empty.
 ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant, int order,
-                                            double period_s);
-
-/// The same for disturbances that do not enter at the inputs, such as a load behind a spring. The
-/// plant is ẋ = A x + B u − E d with E (n×m). The result has no plant in continuous time.
-ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant,
-                                            const Eigen::MatrixXd& E, int order, double period_s);
+                                            double period_s, const Eigen::MatrixXd& E = {});
 
 }  // namespace breakwater

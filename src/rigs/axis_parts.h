@@ -47,8 +47,7 @@ struct NominalAxis {
   /// The plant over an interval, with a model of the disturbance.
   ExtendedPlant extended(int order, double interval_s) const {
     if (is_sampled) return extend_by_disturbance_model(plant, order, interval_s);
-    if (E.size() == 0) return sample_with_disturbance_model(plant, order, interval_s);
-    return sample_with_disturbance_model(plant, E, order, interval_s);
+    return sample_with_disturbance_model(plant, order, interval_s, E);
   }
 };
 

@@ -28,8 +28,8 @@ SensorError sensor(double quantum) {
 }
 
 ExtendedPlant extended(Side side) {
-  return sample_with_disturbance_model(motor_and_load(kPlant, side),
-                                       load_torque_input(kPlant, side), 0, kPeriod);
+  return sample_with_disturbance_model(motor_and_load(kPlant, side), 0, kPeriod,
+                                       load_torque_input(kPlant, side));
 }
 
 Estimator kfd(Side side) {
