@@ -129,21 +129,16 @@ class ThrusterEstimator final : public FilterEstimator<Filter> {
   }
 };
 
-// A bank on the vertical axis, whose shapes may change.
-WaveForceBankDesign bank_design(const QuadrotorEstimatorDesign& design,
-                                const QuadrotorModel& model) {
+// A bank on the vertical axis, whose shapes may change. For one resonator the shapes are the
+// candidates of its frequency: two equal resonators of half its variance.
+WaveForceBank bank_of(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model) {
   WaveForceBankDesign waves = design.waves;
   waves.mass_kg = model.parameters().moving_mass_kg();
   waves.bias_std_N = design.resonator.bias_std_N;
   waves.velocity_std_m_s = design.resonator.velocity_std_m_s;
   waves.position_std_m = design.position_std_m;
   waves.period_s = design.period_s;
-  return waves;
-}
-
-// The candidates of the frequency of one resonator, which two equal ones of half its variance are.
-WaveForceBank frequency_bank(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model) {
-  WaveForceBankDesign waves = bank_design(design, model);
+  if (design.order == DisturbanceOrder::spectrum) return WaveForceBank(waves);
   waves.shapes.clear();
   for (const double period_s : candidate_periods()) {
     const Resonator half{2.0 * std::numbers::pi / period_s, design.resonator.damping,
@@ -163,20 +158,6 @@ double known_vertical_force(const Eigen::Vector4d& thrusts,
   return thrusts.sum() * up - parameters.net_weight_N();
 }
 
-// The standard deviation and the frequency of the vertical force.
-double std_N(const std::array<Resonator, 1>& one) {
-  return one[0].std;
-}
-double std_N(const ResonatorPair& pair) {
-  return total_std(pair);
-}
-double frequency_rad_s(const std::array<Resonator, 1>& one) {
-  return one[0].omega_rad_s;
-}
-double frequency_rad_s(const ResonatorPair& pair) {
-  return mean_frequency(pair);
-}
-
 // K resonators per axis. A WaveForceBank on the vertical axis, if it is there, adapts a pair to the
 // sea state, or the frequency of one.
 template <int K, int Order>
@@ -188,15 +169,16 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
 
   WaveEstimator(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model,
                 const std::optional<WaveForceBank>& bank,
-                const typename Process::Resonators& resonators, const Process& process,
-                const NonlinearKalmanDesign<Process::kStates, 6>& kalman)
-      : Base(process, kalman),
+                const typename Process::Resonators& resonators, double horizontal_share)
+      : Base(filter_of(design,
+                       Process(model, design.resonator, resonators, horizontal_share,
+                               design.period_s, design.kinematics),
+                       resonators)),
         bank_(bank),
         first_(resonators),
         resonators_(resonators),
         parameters_(model.parameters()),
-        torque_walk_Nm_(design.resonator.torque_std_Nm),
-        torque_walk_per_force_m_(design.torque_walk_per_force_m) {}
+        design_(design) {}
 
   void reset(const Vector& pose) override {
     Base::reset(pose);
@@ -224,12 +206,25 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
     }
     return sum;
   }
-  double wave_frequency_rad_s() const override { return frequency_rad_s(resonators_); }
-  double wave_force_std_N() const override { return std_N(resonators_); }
+  double wave_frequency_rad_s() const override { return mean_frequency(resonators_); }
+  double wave_force_std_N() const override { return total_std(resonators_); }
 
  private:
   using Base::filter_;
 
+  static Ukf<Process, 6> filter_of(const QuadrotorEstimatorDesign& design, const Process& process,
+                                   const typename Process::Resonators& resonators) {
+    Eigen::Matrix<double, Process::kStates, 1> p;
+    p.template head<12>() = first_variances();
+    p.template segment<3>(Process::kBias).setConstant(square(total_std(resonators)));
+    p.template segment<3>(Process::kTorque).setConstant(square(0.05));
+    for (int i = 0; i < K; ++i) {
+      const double variance = square(resonators[static_cast<std::size_t>(i)].std);
+      p.template segment<3>(Process::force_row(i)).setConstant(variance);
+      p.template segment<3>(Process::rate_row(i)).setConstant(variance);
+    }
+    return {process, {process.Q(), measurement_covariance(design), p.asDiagonal()}};
+  }
   Eigen::Vector3d present_force() const override {
     const auto& x = filter_.x();
     Eigen::Vector3d sum = x.template segment<3>(Process::force_row(0));
@@ -245,8 +240,8 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
     }
     filter_.change_process([&](Process& process) {
       process.set_resonators(resonators_);
-      process.set_torque_noise(
-          std::hypot(torque_walk_Nm_, torque_walk_per_force_m_ * wave_force_std_N()));
+      process.set_torque_noise(std::hypot(design_.resonator.torque_std_Nm,
+                                          design_.torque_walk_per_force_m * wave_force_std_N()));
     });
     filter_.set_process_noise(filter_.process().Q());
   }
@@ -255,8 +250,7 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
   typename Process::Resonators first_;
   typename Process::Resonators resonators_;
   QuadrotorParameters parameters_;
-  double torque_walk_Nm_;
-  double torque_walk_per_force_m_;
+  QuadrotorEstimatorDesign design_;
 };
 
 template <int Order>
@@ -270,29 +264,6 @@ std::unique_ptr<QuadrotorEstimator> make_thruster_estimator(const QuadrotorEstim
   }
   return std::make_unique<ThrusterEstimator<Ekf<Process, 6>>>(
       process, kalman, design.noise == ProcessNoiseSource::input ? design.input_noise : 0.0);
-}
-
-template <int K, int Order>
-std::unique_ptr<QuadrotorEstimator> make_wave_estimator(
-    const QuadrotorEstimatorDesign& design, const QuadrotorModel& model,
-    const std::optional<WaveForceBank>& bank,
-    const typename WaveForces<K, Order>::Resonators& resonators, double horizontal_share) {
-  using Process = WaveForces<K, Order>;
-  const Process process(model, design.resonator, resonators, horizontal_share, design.period_s,
-                        design.kinematics);
-  Eigen::Matrix<double, Process::kStates, 1> p;
-  p.template head<12>() = first_variances();
-  p.template segment<3>(Process::kBias).setConstant(square(std_N(resonators)));
-  p.template segment<3>(Process::kTorque).setConstant(square(0.05));
-  for (int i = 0; i < K; ++i) {
-    const double variance = square(resonators[static_cast<std::size_t>(i)].std);
-    p.template segment<3>(Process::force_row(i)).setConstant(variance);
-    p.template segment<3>(Process::rate_row(i)).setConstant(variance);
-  }
-  const NonlinearKalmanDesign<Process::kStates, 6> kalman{
-      process.Q(), measurement_covariance(design), p.asDiagonal()};
-  return std::make_unique<WaveEstimator<K, Order>>(design, model, bank, resonators, process,
-                                                   kalman);
 }
 
 }  // namespace
@@ -316,15 +287,16 @@ std::unique_ptr<QuadrotorEstimator> make_quadrotor_estimator(const QuadrotorEsti
       return make_thruster_estimator<2>(design, model);
     case DisturbanceOrder::resonator: {
       std::optional<WaveForceBank> bank;
-      if (design.estimates_wave_frequency) bank.emplace(frequency_bank(design, model));
+      if (design.estimates_wave_frequency) bank.emplace(bank_of(design, model));
       const ResonatorDesign& one = design.resonator;
-      return make_wave_estimator<1, 1>(
-          design, model, bank, {{{design.wave_frequency_rad_s, one.damping, one.force_std_N}}},
-          1.0);
+      return std::make_unique<WaveEstimator<1, 1>>(
+          design, model, bank,
+          std::array{Resonator{design.wave_frequency_rad_s, one.damping, one.force_std_N}}, 1.0);
     }
     case DisturbanceOrder::spectrum: {
-      const WaveForceBank bank(bank_design(design, model));
-      return make_wave_estimator<2, 2>(design, model, bank, bank.resonators(), kHorizontalShare);
+      const WaveForceBank bank = bank_of(design, model);
+      return std::make_unique<WaveEstimator<2, 2>>(design, model, bank, bank.resonators(),
+                                                   kHorizontalShare);
     }
   }
   throw std::logic_error("unknown disturbance model");

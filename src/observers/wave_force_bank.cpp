@@ -133,13 +133,20 @@ std::vector<double> candidate_periods() {
   return periods_s;
 }
 
-double total_std(const ResonatorPair& pair) {
-  return std::sqrt(pair[0].std * pair[0].std + pair[1].std * pair[1].std);
+double total_std(std::span<const Resonator> resonators) {
+  double variance = 0.0;
+  for (const Resonator& r : resonators) variance += r.std * r.std;
+  return std::sqrt(variance);
 }
 
-double mean_frequency(const ResonatorPair& pair) {
-  const double first = pair[0].std * pair[0].std, second = pair[1].std * pair[1].std;
-  return (first * pair[0].omega_rad_s + second * pair[1].omega_rad_s) / (first + second);
+double mean_frequency(std::span<const Resonator> resonators) {
+  if (resonators.size() == 1) return resonators.front().omega_rad_s;  // without rounding
+  double variance = 0.0, moment = 0.0;
+  for (const Resonator& r : resonators) {
+    variance += r.std * r.std;
+    moment += r.std * r.std * r.omega_rad_s;
+  }
+  return moment / variance;
 }
 
 }  // namespace breakwater

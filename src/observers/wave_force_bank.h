@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include <breakwater/observers/resonator.h>
@@ -75,9 +76,9 @@ class WaveForceBank {
 /// ratios.
 std::vector<double> candidate_periods();
 
-/// The standard deviation of a pair's force [N].
-double total_std(const ResonatorPair& pair);
-/// The mean frequency of a pair's force [rad/s], its resonators weighted by their variances.
-double mean_frequency(const ResonatorPair& pair);
+/// The standard deviation of the force of some resonators [N].
+double total_std(std::span<const Resonator> resonators);
+/// Their mean frequency [rad/s], weighted by their variances.
+double mean_frequency(std::span<const Resonator> resonators);
 
 }  // namespace breakwater

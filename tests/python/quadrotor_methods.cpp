@@ -28,8 +28,8 @@ void bind_wave_forces(py::module_& module) {
   module.def("resonator_noise", resonator_noise);
   module.def("fit_resonators", fit_resonators);
   module.def("fit_walk", fit_walk);
-  module.def("total_std", total_std);
-  module.def("mean_frequency", mean_frequency);
+  module.def("total_std", [](const ResonatorPair& pair) { return total_std(pair); });
+  module.def("mean_frequency", [](const ResonatorPair& pair) { return mean_frequency(pair); });
   module.def("candidate_periods", candidate_periods);
   using B = WaveForceBankDesign;
   record(module,
