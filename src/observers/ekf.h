@@ -22,10 +22,10 @@ class Ekf final : public GaussianEstimate<P::kStates, p> {
   using typename Base::State;
   using Input = typename P::Input;
 
-  /// Throws std::invalid_argument as check(design) does, or if W_s is negative.
+  /// Throws std::invalid_argument as GaussianEstimate does, or if W_s is negative.
   Ekf(const P& process, const Design& design, double input_noise)
       : Base(design), process_(process), input_noise_(input_noise) {
-    if (!(input_noise >= 0.0)) throw std::invalid_argument("EKF: W_s must be 0 or more");
+    refuse_unless(input_noise >= 0.0, "EKF: W_s must be 0 or more");
   }
 
   /// Predicts sample k from sample k − 1 and the held input. Allocates nothing.

@@ -96,15 +96,6 @@ struct NonlinearKalmanDesign {
   Eigen::Matrix<double, N, N> P0;
 };
 
-/// Throws std::invalid_argument unless Q is positive semidefinite, and R and P0 positive definite.
-template <int N, int p>
-void check(const NonlinearKalmanDesign<N, p>& design) {
-  refuse_unless(is_positive_semidefinite(design.Q),
-                "Kalman filter: Q must be symmetric positive semidefinite");
-  refuse_unless(is_positive_definite(design.R) && is_positive_definite(design.P0),
-                "Kalman filter: R and P0 must be symmetric positive definite");
-}
-
 /// State, covariance and correction of a filter that measures the first p states, y = [I 0] x +
 /// noise (Eq. 3.30). All filters share the correction: for a linear measurement, the unscented
 /// transform gives the same result.
@@ -116,9 +107,13 @@ class GaussianEstimate {
   using Output = Eigen::Matrix<double, p, 1>;
   using Design = NonlinearKalmanDesign<N, p>;
 
-  /// Throws std::invalid_argument as check(design) does.
+  /// Throws std::invalid_argument unless Q is positive semidefinite, and R and P0 positive
+  /// definite.
   explicit GaussianEstimate(const Design& design) : design_(design) {
-    check(design);
+    refuse_unless(is_positive_semidefinite(design.Q),
+                  "Kalman filter: Q must be symmetric positive semidefinite");
+    refuse_unless(is_positive_definite(design.R) && is_positive_definite(design.P0),
+                  "Kalman filter: R and P0 must be symmetric positive definite");
     reset(State::Zero());
   }
 
@@ -129,11 +124,8 @@ class GaussianEstimate {
 
   const State& x() const { return x_; }
   const Covariance& P() const { return P_; }
-  /// e = y − C x(k|k−1).
-  const Output& innovation() const { return innovation_; }
-
-  /// S = C P Cᵀ + R, K = P Cᵀ S⁻¹, x += K e, P −= K S Kᵀ. With S = L_S L_Sᵀ, K S Kᵀ = W Wᵀ,
-  /// W = P Cᵀ L_S⁻ᵀ.
+  /// e = y − C x(k|k−1), S = C P Cᵀ + R, K = P Cᵀ S⁻¹, x += K e, P −= K S Kᵀ. With S = L_S L_Sᵀ,
+  /// K S Kᵀ = W Wᵀ, W = P Cᵀ L_S⁻ᵀ.
   void correct(const Output& y);
 
  protected:
@@ -145,7 +137,6 @@ class GaussianEstimate {
   Covariance P_;
 
  private:
-  Output innovation_ = Output::Zero();
   Eigen::Matrix<double, p, p> S_;
   Eigen::LLT<Eigen::Matrix<double, p, p>> factor_;
   Eigen::Matrix<double, N, p> W_;
@@ -155,12 +146,12 @@ class GaussianEstimate {
 // compile them in spite of `extern template`.
 template <int N, int p>
 void GaussianEstimate<N, p>::correct(const Output& y) {
-  innovation_ = y - x_.template head<p>();
+  const Output e = y - x_.template head<p>();
   S_ = P_.template topLeftCorner<p, p>() + design_.R;
   factor_.compute(S_);
   W_ = P_.template leftCols<p>();
   factor_.matrixU().template solveInPlace<Eigen::OnTheRight>(W_);
-  x_.noalias() += W_ * factor_.matrixL().solve(innovation_);
+  x_.noalias() += W_ * factor_.matrixL().solve(e);
   P_.noalias() -= W_.lazyProduct(W_.transpose());
   // For an odd N, Eigen sums the last rows in another order: symmetry is not exact.
   if constexpr (N % 2 != 0) mirror();

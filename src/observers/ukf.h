@@ -31,7 +31,7 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   using typename Base::State;
   using Input = typename P::Input;
 
-  /// Throws std::invalid_argument as check(design) does.
+  /// Throws std::invalid_argument as GaussianEstimate does.
   Ukf(const P& process, const Design& design) : Base(design), process_(process) {
     A_.assign(process_.linear());
   }
