@@ -45,10 +45,8 @@ NonlinearKalmanDesign<N, 6> thruster_design(const QuadrotorEstimatorDesign& desi
           Eigen::Vector3d::Constant(1.0), Eigen::Vector3d::Constant(0.1),
           Eigen::Vector4d::Constant(5e5), Eigen::Vector4d::Constant(1e6 / delta),
           Eigen::Vector4d::Constant(1e6 / square(delta));
-      if (design.noise_mode == ProcessNoiseMode::delta) q *= delta;
-      if (design.noise_mode == ProcessNoiseMode::delta_squared) q *= square(delta);
-      if (design.noise_states == ProcessNoiseStates::highest)
-        q.head<(N > 12 ? N - 4 : 6)>().setZero();
+      if (design.noise_power > 0) q *= design.noise_power == 1 ? delta : square(delta);
+      if (design.only_highest_has_noise) q.head<(N > 12 ? N - 4 : 6)>().setZero();
       break;
     }
     case ProcessNoiseSource::tuned:

@@ -13,15 +13,6 @@ namespace breakwater {
 
 enum class QuadrotorFilter { ukf, ekf };
 enum class DisturbanceOrder { none, zero, second, resonator, spectrum };
-enum class ProcessNoiseMode {
-  per_step,      ///< Q as printed
-  delta,         ///< Q δ
-  delta_squared  ///< Q δ²: the noise enters as δ·w
-};
-enum class ProcessNoiseStates {
-  all,
-  highest  ///< only the model's highest derivative: d̈, d or, without a disturbance, ζ̇
-};
 enum class ProcessNoiseSource {
   printed,  ///< Q_ukf of 3.4.3.1; an EKF takes it too
   input,    ///< W_s G Gᵀ, as in the thesis' EKFs; EKF only
@@ -37,9 +28,11 @@ struct QuadrotorEstimatorDesign {
   QuadrotorFilter filter = QuadrotorFilter::ukf;
   DisturbanceOrder order = DisturbanceOrder::second;
   ProcessNoiseSource noise = ProcessNoiseSource::printed;
-  ProcessNoiseMode noise_mode = ProcessNoiseMode::delta_squared;
-  ProcessNoiseStates noise_states = ProcessNoiseStates::all;  ///< the states with the printed Q
-  double input_noise = 0.1;                                   ///< W_s
+  /// Power of δ by which the printed Q is multiplied: 0 as printed, 2 for noise that enters as δ·w.
+  int noise_power = 2;
+  /// Only the model's highest derivative has the printed Q: d̈, d or, without a disturbance, ζ̇.
+  bool only_highest_has_noise = false;
+  double input_noise = 0.1;  ///< W_s
   /// Tuned: σ of the process noise in each sample, for ẋ ẏ ż, for φ̇ θ̇ ψ̇, and for the highest
   /// derivative of the disturbance.
   double velocity_std_m_s = 0.03;

@@ -51,15 +51,12 @@ void KalmanSettings::bind(Fields& fields) {
        {"tuned", ProcessNoiseSource::tuned}},
       "process noise: printed (Q_ukf), input (W_s through the thrusts, only for the EKF) or tuned");
   fields.choice(
-      "estimator.process_noise_mode", design.noise_mode,
-      {{"per_step", ProcessNoiseMode::per_step},
-       {"delta", ProcessNoiseMode::delta},
-       {"delta_squared", ProcessNoiseMode::delta_squared}},
+      "estimator.process_noise_mode", design.noise_power,
+      {{"per_step", 0}, {"delta", 1}, {"delta_squared", 2}},
       "how the printed Q is added at each sample: as it is, times delta, or times delta^2");
-  fields.optional_choice(
-      "estimator.process_noise_states", design.noise_states,
-      {{"all", ProcessNoiseStates::all}, {"highest", ProcessNoiseStates::highest}},
-      "states with the printed Q: all, or only the model's highest derivative");
+  fields.optional_choice("estimator.process_noise_states", design.only_highest_has_noise,
+                         {{"all", false}, {"highest", true}},
+                         "states with the printed Q: all, or only the model's highest derivative");
   fields.choice(
       "estimator.measurement_covariance", has_printed_covariance,
       {{"printed", true}, {"actual", false}},

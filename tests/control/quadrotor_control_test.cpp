@@ -230,7 +230,7 @@ TEST(QuadrotorEstimators, NoiseOnTheHighestStateMakesItARandomWalk) {
     QuadrotorEstimatorDesign all;
     all.order = order;
     QuadrotorEstimatorDesign highest = all;
-    highest.noise_states = ProcessNoiseStates::highest;
+    highest.only_highest_has_noise = true;
     QuadrotorEstimatorDesign tuned = all;
     tuned.noise = ProcessNoiseSource::tuned;
     tuned.velocity_std_m_s = tuned.rate_std_rad_s = 0.0;
