@@ -148,42 +148,34 @@ void KalmanEstimator::predict(const Vector& held_input, const Vector& y) {
     covariance_ += Q_;
   }
   has_prior_ = false;
-  if (kernel_) {
-    innovation_(0) = y(0) - measure();
-  } else {
-    innovation_ = y;
-    innovation_.noalias() -= C_ * extended_state_;
-    compute_output_covariance();
-  }
-  if (instant_std_s_ > 0.0) correct_for_instant(held_input);
-}
-
-// Adds the effect of the uncertain time to R.
-void KalmanEstimator::correct_for_instant(const Vector& held_input) {
-  if (kernel_) {
-    instant_error_(0) = kernel_->output(output_rate_.data(), extended_state_.data());
-  } else {
-    instant_error_.noalias() = output_rate_ * extended_state_;
-  }
+  output(C_, innovation_);
+  innovation_ = y - innovation_;
+  compute_output_covariance();
+  if (!(instant_std_s_ > 0.0)) return;
+  // Adds the effect of the uncertain time to R.
+  output(output_rate_, instant_error_);
   instant_error_.noalias() += input_rate_ * held_input;
   instant_error_ = instant_error_.cwiseAbs() * instant_std_s_;
   R_ = regular_.R;
   R_.diagonal() += weight_ * instant_error_.cwiseAbs2();
 }
 
+void KalmanEstimator::output(const Eigen::MatrixXd& C, Eigen::VectorXd& result) const {
+  if (kernel_) {
+    result(0) = kernel_->output(C.data(), extended_state_.data());
+  } else {
+    result.noalias() = C * extended_state_;
+  }
+}
+
 void KalmanEstimator::compute_output_covariance() {
   if (kernel_) {
-    measure();
+    output_covariance_(0) =
+        kernel_->measure(covariance_.data(), C_.data(), measures_first_, output_cross_.data());
   } else {
     output_cross_.noalias() = C_ * covariance_;
     output_covariance_.noalias() = output_cross_ * C_.transpose();
   }
-}
-
-// The same with the kernel_. Returns C̅ x̄.
-double KalmanEstimator::measure() {
-  return kernel_->measure(covariance_.data(), extended_state_.data(), C_.data(), measures_first_,
-                          output_cross_.data(), output_covariance_.data());
 }
 
 void KalmanEstimator::correct(const Eigen::MatrixXd& R) {
@@ -281,11 +273,9 @@ void times(const double* __restrict P, const double* c, bool is_first, double* _
 }
 
 template <int N>
-double measure(const double* __restrict P, const double* __restrict x, const double* c,
-               bool is_first, double* __restrict h, double* __restrict variance) {
+double measure(const double* __restrict P, const double* c, bool is_first, double* __restrict h) {
   times<N>(P, c, is_first, h);
-  *variance = is_first ? h[0] : sum<N>([&](int k) { return h[k] * c[k]; });
-  return output<N>(c, x);
+  return is_first ? h[0] : sum<N>([&](int k) { return h[k] * c[k]; });
 }
 
 // Joseph's form is

@@ -42,9 +42,8 @@ struct Kernel {
                   double* P);
   /// cᵀ x.
   double (*output)(const double* c, const double* x);
-  /// h ← P c, variance ← cᵀ P c. Returns cᵀ x. If `is_first`, c = (1, 0, …).
-  double (*measure)(const double* P, const double* x, const double* c, bool is_first, double* h,
-                    double* variance);
+  /// h ← P c. Returns cᵀ P c. If `is_first`, c = (1, 0, …).
+  double (*measure)(const double* P, const double* c, bool is_first, double* h);
   /// K ← h/D, x ← x + K e. Replaces P(k|k−1) by P(k|k), multiplied by `inflation`, for h = P c and
   /// the noise variance R.
   void (*correct)(const double* h, const double* c, bool is_first, double e, double R,
@@ -120,8 +119,8 @@ class KalmanEstimator : public DisturbanceEstimator {
   double interval_s_ = 0.0;
 
  private:
-  void correct_for_instant(const Vector& held_input);
-  double measure();
+  // result = C x̄.
+  void output(const Eigen::MatrixXd& C, Eigen::VectorXd& result) const;
 
   Eigen::Index plant_states() const { return regular_.plant.plant_states; }
 
