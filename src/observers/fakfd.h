@@ -44,7 +44,6 @@ class Fakfd final : public KalmanEstimator {
     const Eigen::VectorXd root = gamma.cwiseSqrt();
     inflation_ = root * root.transpose();
     lambda_ = 1.0 / gamma.maxCoeff();
-    output_cross_.setZero(1, gamma.size());
   }
 
   void update(const Vector& held_input, const Vector& y) override {
@@ -57,7 +56,6 @@ class Fakfd final : public KalmanEstimator {
     gain_.noalias() = covariance_ * C_.transpose();
     gain_ /= output_covariance_(0, 0) + R_(0, 0);
     extended_state_.noalias() += gain_ * innovation_;
-    output_cross_.noalias() = C_ * covariance_;
     if (form_ == CovarianceForm::printed) inflate();
     covariance_.noalias() -= gain_ * output_cross_;
     if (form_ == CovarianceForm::left) inflate();
@@ -68,8 +66,7 @@ class Fakfd final : public KalmanEstimator {
 
   Eigen::VectorXd gamma_;
   CovarianceForm form_;
-  Eigen::MatrixXd inflation_;     // √γ_i √γ_j
-  Eigen::MatrixXd output_cross_;  // C̅ P(k|k−1)
+  Eigen::MatrixXd inflation_;  // √γ_i √γ_j
 };
 
 }  // namespace breakwater

@@ -113,6 +113,7 @@ class KalmanEstimator : public DisturbanceEstimator {
   Eigen::MatrixXd covariance_;
   Eigen::MatrixXd gain_;
   Eigen::VectorXd innovation_;
+  Eigen::MatrixXd output_cross_;  // C̅ P(k|k−1)
   Eigen::MatrixXd output_covariance_;
   double lambda_ = 1.0;
   Eigen::VectorXd instant_error_;  // a standard deviation
@@ -132,7 +133,6 @@ class KalmanEstimator : public DisturbanceEstimator {
   double pieces_ = 1.0;  // number of predictions in an interval
 
   Eigen::VectorXd predicted_;
-  Eigen::MatrixXd output_cross_;  // C̅ P(k|k−1)
   Eigen::MatrixXd solved_;        // D⁻¹ C̅ P(k|k−1) = Kᵀ
   Eigen::MatrixXd slope_;         // K R − M C̅ᵀ
   Eigen::MatrixXd work_;

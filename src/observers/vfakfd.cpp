@@ -32,14 +32,13 @@ Vfakfd::Vfakfd(const KalmanDesign& design, const VfakfdDesign& adaptation)
   weighted_.setZero(outputs);
   solved_ = weighted_;
   one_plus_output_covariance_ = design.R;
-  observation_covariance_ = design.R;
+  observation_covariance_.setZero(outputs, outputs);
 }
 
 void Vfakfd::update(const Vector& held_input, const Vector& y) {
   predict(held_input, y);
   if (kernel_) return correct_and_forget();
   lambda_ = std::clamp(lambda_max_ - nis(), lambda_min_, lambda_max_);
-  observation_covariance_.setZero();
   observation_covariance_.diagonal().setConstant(lambda_);
   correct(observation_covariance_);
   covariance_ *= 1.0 / lambda_;
