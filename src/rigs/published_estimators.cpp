@@ -13,38 +13,29 @@ namespace breakwater {
 namespace {
 
 // The noise of the published estimators: on the disturbance alone, with R from the sensor.
-struct DisturbanceNoise {
+struct KnownSensorNoise {
   DisturbanceModelKeys model;
   double process_noise = 0.0;
+  std::vector<double> initial_covariance = {1.0};
 
   void bind(Fields& fields) {
+    bind_model(fields);
+    bind_initial_covariance(fields, initial_covariance);
+  }
+  void bind_model(Fields& fields) {
     model.bind(fields);
     bind_process_noise(fields, process_noise, positive());
   }
-  ExtendedPlant extend(const NominalAxis& axis, const std::string& observer) const {
+  KalmanDesign design(const NominalAxis& axis, const std::string& observer,
+                      Eigen::Index most_states = kMostAxisStates) const {
     need_one_axis(axis, observer);
-    return model.extend(axis);
-  }
-};
-
-// The same for the published Kalman filters.
-struct KnownSensorNoise {
-  DisturbanceNoise disturbance;
-  std::vector<double> initial_covariance;
-
-  void bind(Fields& fields) {
-    disturbance.bind(fields);
-    bind_initial_covariance(fields, initial_covariance);
-  }
-  KalmanDesign design(const NominalAxis& axis, const std::string& observer) const {
-    const ExtendedPlant plant = disturbance.extend(axis, observer);
-    if (plant.states() > kMostAxisStates) {
+    const ExtendedPlant plant = model.extend(axis);
+    if (plant.states() > most_states) {
       throw WrongKey("observer.disturbance_order",
-                     "must be at most " +
-                         std::to_string(kMostAxisStates - axis.plant.states() - 1) + " for " +
-                         observer + " and this axis");
+                     "must be at most " + std::to_string(most_states - axis.plant.states() - 1) +
+                         " for " + observer + " and this axis");
     }
-    return known_sensor_design(plant, axis.sensor, disturbance.process_noise,
+    return known_sensor_design(plant, axis.sensor, process_noise,
                                diagonal_of(initial_covariance, plant));
   }
 };
@@ -165,22 +156,20 @@ struct GsfSettings {
 };
 
 struct MheSettings {
-  DisturbanceNoise noise;
+  KnownSensorNoise noise;
   int horizon = 10;
   bool has_constraints = true;
 
   void bind(Fields& fields) {
-    noise.bind(fields);
+    noise.bind_model(fields);  // P0 is not used
     fields.optional_count("observer.horizon", horizon, between(1, 50), "samples in the window");
     fields.optional_flag("observer.code_constraints", has_constraints,
                          "whether the codes' intervals are constraints");
   }
   Estimator make(const NominalAxis& axis) const {
-    const ExtendedPlant plant = noise.extend(axis, "mhe");
-    const KalmanDesign design =
-        known_sensor_design(plant, axis.sensor, noise.process_noise,
-                            Eigen::VectorXd::Ones(plant.states()));  // P0 is not used
-    return std::make_unique<Mhe>(design, axis.sensor, horizon, has_constraints);
+    constexpr Eigen::Index kAnySize = 100;
+    return std::make_unique<Mhe>(noise.design(axis, "mhe", kAnySize), axis.sensor, horizon,
+                                 has_constraints);
   }
 };
 
