@@ -1,6 +1,10 @@
 // Strong tracking filter (STF): a large innovation raises the covariance of a Kalman filter.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/observers/kalman_estimator.h>
 #include <breakwater/observers/sensor_error.h>
 
@@ -9,7 +13,18 @@ namespace breakwater {
 /// The Kalman design of the STF: Q = 0, and R = Δ²/12 + σ² (Δ²/3 + σ² for an encoder that
 /// truncates) with a floor. P0 = R/100·diag(1, …, 1, T_s⁻², …), with T_s⁻² for the disturbance and
 /// its derivatives.
-KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error, double period_s);
+inline KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error,
+                               double period_s) {
+  check(error, plant.outputs());
+  refuse_unless(period_s > 0.0, "STF: the sampling period must be positive");
+  const Eigen::VectorXd variance = error.variance().cwiseMax(kSmallestVariance);
+  constexpr double kPriorShare = 0.01;
+  Eigen::VectorXd prior =
+      Eigen::VectorXd::Constant(plant.states(), kPriorShare * variance.maxCoeff());
+  prior.tail(plant.states() - plant.plant_states) /= period_s * period_s;
+  return {plant, Eigen::MatrixXd::Zero(plant.states(), plant.states()), variance.asDiagonal(),
+          prior.asDiagonal()};
+}
 
 /// A KFD without process noise. It inflates the covariance before the gain if the innovation leaves
 /// a gate. The gate covers the sensor's error and the estimate's own uncertainty, for rounding and
@@ -28,12 +43,38 @@ KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error, do
 class Stf final : public KalmanEstimator {
  public:
   /// Throws as stf_design() and check(SensorError) do.
-  Stf(const KalmanDesign& design, const SensorError& error);
+  Stf(const KalmanDesign& design, const SensorError& error) : KalmanEstimator(design) {
+    check(error, design.plant.outputs());
+    gate_ = error.quantum + kNoiseShare * error.noise_std;
+  }
 
-  void update(const Vector& held_input, const Vector& y) override;
+  void update(const Vector& held_input, const Vector& y) override {
+    predict(held_input, y);
+    const double factor = inflation();
+    lambda_ = 1.0 / factor;
+    if (factor > 1.0) {
+      covariance_ *= factor;
+      compute_output_covariance();
+    }
+    correct(R_);
+  }
 
  private:
-  double inflation() const;
+  static constexpr double kNoiseShare = 5.0;
+
+  double inflation() const {
+    constexpr double kUncertaintyShare = 2.0, kInflationGain = 4.0, kLargestInflation = 1e6;
+    double factor = 1.0;
+    for (Eigen::Index i = 0; i < gate_.size(); ++i) {
+      const double e = std::abs(innovation_(i));
+      const double P_ii = output_covariance_(i, i);
+      const double gate = gate_(i) + kNoiseShare * instant_error_(i);
+      if (e > gate + kUncertaintyShare * std::sqrt(P_ii)) {
+        factor = std::max(factor, kInflationGain * e * e / (P_ii + R_(i, i)));
+      }
+    }
+    return std::min(factor, kLargestInflation);
+  }
 
   Eigen::VectorXd gate_;  // Δ + 5σ
 };
