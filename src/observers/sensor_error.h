@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/signals/encoder_rounding.h>
 
 namespace breakwater {
@@ -17,7 +19,10 @@ struct SensorError {
   EncoderRounding rounding = EncoderRounding::nearest;
 
   /// E[(y − q)²] of each output: Δ²/12 + σ², or Δ²/3 + σ² for an encoder that truncates.
-  Eigen::VectorXd variance() const;
+  Eigen::VectorXd variance() const {
+    const double of_a_uniform_error = rounding == EncoderRounding::truncate ? 3.0 : 12.0;
+    return quantum.cwiseAbs2() / of_a_uniform_error + noise_std.cwiseAbs2();
+  }
 };
 
 /// The positions with the code y lie between y + lower and y + upper.
@@ -31,9 +36,20 @@ struct CodeRange {
 
 /// Rounding: y ± Δ/2. Truncation: from y to y + Δ for y > 0, from y − Δ to y for y < 0, and ±Δ for
 /// y = 0. Noise added to the code does not hide the code if it is small compared with Δ.
-CodeRange code_range(double y, double quantum, EncoderRounding rounding);
+inline CodeRange code_range(double y, double quantum, EncoderRounding rounding) {
+  const double half = 0.5 * quantum;
+  if (rounding == EncoderRounding::nearest) return {-half, half};
+  if (std::abs(y) < half) return {-quantum, quantum};
+  return y > 0.0 ? CodeRange{0.0, quantum} : CodeRange{-quantum, 0.0};
+}
 
 /// Throws std::invalid_argument unless quantum and noise_std have one finite entry ≥ 0 per output.
-void check(const SensorError& error, Eigen::Index outputs);
+inline void check(const SensorError& error, Eigen::Index outputs) {
+  const auto fits = [outputs](const Eigen::VectorXd& values) {
+    return values.size() == outputs && values.allFinite() && values.minCoeff() >= 0.0;
+  };
+  refuse_unless(fits(error.quantum) && fits(error.noise_std),
+                "sensor error: needs a quantum and a standard deviation >= 0 for each output");
+}
 
 }  // namespace breakwater
