@@ -32,16 +32,13 @@ struct MultipleModelDesign {
 ///     ramp:     d(k+1) = d(k) + T_s ḋ(k), ḋ(k+1) = ḋ(k) + N(0, w⁸ρ²T_s²J²);
 /// The bandwidths are w = ½·3ⁱ [1/s] up to (D/(J ρ √T_s))^0.4/1.5, and at most 30/T_s.
 ///
-/// The encoder code y corrects each model: q lies within code_range(), which is y ± Δ/2 for an
-/// encoder that rounds. The log-likelihoods add up to the models' log-weights, and the best weight
-/// is 0. A model with a weight below −(L₀ + 6), L₀ = ln(2/T_s), restarts from the best model with
-/// the weight −L₀. Each model thus gets a new chance about every two seconds. x̂ and d̂ are the
-/// weighted means of the models above −3. See multiple_model_estimator.cpp and
+/// Each code y corrects each model (CodeSensor), and the log-likelihoods add up to log-weights, of
+/// which the best is 0. A model below −(L₀ + 6), L₀ = ln(2/T_s), restarts from the best one with
+/// −L₀, so it gets a new chance about every two seconds. x̂ and d̂ are the weighted means of the
+/// models above −3. If y is not finite, the models only predict. Derivation:
 /// docs/explanation/methods/multiple-model-estimator.md.
 ///
-/// If the output is not finite, the models only predict. update() allocates nothing.
-///
-/// `n` is the number of the plant's states, 2 or 4.
+/// `n` is the number of the plant's states, 2 or 4. update() allocates nothing.
 template <int n>
 class MultipleModelBank final : public DisturbanceEstimator {
  public:

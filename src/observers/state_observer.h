@@ -72,12 +72,12 @@ class StateObserver : public DisturbanceEstimator {
     try {
       const Step placed = step_of(sampled, place_observer_poles(sampled.A, sampled.C, poles));
       // For a very short interval the poles are close to 1, and rounding may move them.
-      constexpr double kPlacementError = 1e-6;  // of the sum of the poles
+      constexpr double kLargestError = 1e-6;
       double sum = 0.0;
       for (const PoleGroup& group : poles) {
         for (const std::complex<double>& pole : group) sum += pole.real();
       }
-      if (std::abs(placed.error_dynamics.trace() - sum) < kPlacementError) step_ = placed;
+      if (std::abs(placed.error_dynamics.trace() - sum) < kLargestError) step_ = placed;
     } catch (const std::invalid_argument&) {
       return true;  // a mode has decayed within a long interval, so its poles cannot be placed
     }
