@@ -82,12 +82,9 @@ struct MdobSettings {
 };
 
 // The noise of the Kalman filters. Filters with a variable forgetting factor have no R.
-struct KalmanNoise {
-  DisturbanceModelKeys model;
+struct KalmanNoise : KalmanKeys {
   Eigen::MatrixXd (*Q)(const ExtendedPlant& plant, double process_noise) = input_noise;
-  double process_noise = 0.0;
   double observation_noise = 1.0;
-  std::vector<double> initial_covariance;
 
   void bind(Fields& fields) {
     model.bind(fields);
@@ -96,15 +93,15 @@ struct KalmanNoise {
         {{"input", input_noise}, {"all", uniform_noise}, {"disturbance", disturbance_noise}},
         "place of the process noise: input (B Q B^T, the KFD), all states (Q I) or "
         "disturbance (the DKF)");
-    bind_process_noise(fields, process_noise, not_negative());
-    bind_initial_covariance(fields, initial_covariance);
+    bind_process_noise(fields, not_negative());
+    bind_initial_covariance(fields);
   }
 
   KalmanDesign design(const NominalAxis& axis) const {
     const ExtendedPlant plant = model.extend(axis);
     const Eigen::Index p = plant.outputs();
     return {plant, Q(plant, process_noise), observation_noise * Eigen::MatrixXd::Identity(p, p),
-            diagonal_of(initial_covariance, plant).asDiagonal()};
+            P0(plant).asDiagonal()};
   }
 };
 

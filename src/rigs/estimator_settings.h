@@ -53,18 +53,24 @@ struct DisturbanceModelKeys {
   }
 };
 
-inline void bind_process_noise(Fields& fields, double& process_noise, const Range& range) {
-  fields.number("observer.process_noise", process_noise, range, "Q: process noise");
-}
+// The keys of all Kalman filters.
+struct KalmanKeys {
+  DisturbanceModelKeys model;
+  double process_noise = 0.0;
+  std::vector<double> initial_covariance = {1.0};
 
-inline void bind_initial_covariance(Fields& fields, std::vector<double>& initial_covariance) {
-  fields.numbers("observer.initial_covariance", initial_covariance, positive(),
-                 "diagonal of the initial covariance P0 of position, velocity, d, ...; one number: "
-                 "of all");
-}
-
-inline Eigen::VectorXd diagonal_of(const std::vector<double>& P0, const ExtendedPlant& plant) {
-  return spread("observer.initial_covariance", P0, plant.states(), "extended state");
-}
+  void bind_process_noise(Fields& fields, const Range& range) {
+    fields.number("observer.process_noise", process_noise, range, "Q: process noise");
+  }
+  void bind_initial_covariance(Fields& fields) {
+    fields.numbers("observer.initial_covariance", initial_covariance, positive(),
+                   "diagonal of the initial covariance P0 of position, velocity, d, ...; one "
+                   "number: of all");
+  }
+  Eigen::VectorXd P0(const ExtendedPlant& plant) const {
+    return spread("observer.initial_covariance", initial_covariance, plant.states(),
+                  "extended state");
+  }
+};
 
 }  // namespace breakwater

@@ -13,18 +13,14 @@ namespace breakwater {
 namespace {
 
 // The noise of the published estimators: on the disturbance alone, with R from the sensor.
-struct KnownSensorNoise {
-  DisturbanceModelKeys model;
-  double process_noise = 0.0;
-  std::vector<double> initial_covariance = {1.0};
-
+struct KnownSensorNoise : KalmanKeys {
   void bind(Fields& fields) {
     bind_model(fields);
-    bind_initial_covariance(fields, initial_covariance);
+    bind_initial_covariance(fields);
   }
   void bind_model(Fields& fields) {
     model.bind(fields);
-    bind_process_noise(fields, process_noise, positive());
+    bind_process_noise(fields, positive());
   }
   KalmanDesign design(const NominalAxis& axis, const std::string& observer,
                       Eigen::Index most_states = kMostAxisStates) const {
@@ -35,8 +31,7 @@ struct KnownSensorNoise {
                      "must be at most " + std::to_string(most_states - axis.plant.states() - 1) +
                          " for " + observer + " and this axis");
     }
-    return known_sensor_design(plant, axis.sensor, process_noise,
-                               diagonal_of(initial_covariance, plant));
+    return known_sensor_design(plant, axis.sensor, process_noise, P0(plant));
   }
 };
 
