@@ -33,27 +33,8 @@ Eigen::MatrixXd uniform_noise(const ExtendedPlant& plant, double q);
 /// derivative alone.
 Eigen::MatrixXd disturbance_noise(const ExtendedPlant& plant, double q);
 
-namespace one_output {
-
-/// The operations on matrices that are stored by columns. P is symmetric, before and after.
-struct Kernel {
-  /// x ← A x + b u, P ← A P Aᵀ + Q.
-  void (*predict)(const double* A, const double* b, const double* Q, double u, double* x,
-                  double* P);
-  /// cᵀ x.
-  double (*output)(const double* c, const double* x);
-  /// h ← P c. Returns cᵀ P c. If `is_first`, c = (1, 0, …).
-  double (*measure)(const double* P, const double* c, bool is_first, double* h);
-  /// K ← h/D, x ← x + K e. Replaces P(k|k−1) by P(k|k), multiplied by `inflation`, for h = P c and
-  /// the noise variance R.
-  void (*correct)(const double* h, const double* c, bool is_first, double e, double R,
-                  double D_inverse, double inflation, double* K, double* x, double* P);
-};
-
-/// The operations for `states`; nullptr if there are none for this number.
-const Kernel* kernel(Eigen::Index states);
-
-}  // namespace one_output
+/// The fixed-size operations of a filter with one output.
+struct OneOutputKernel;
 
 /// The Kalman filter of an extended plant (Eqs. 4.11–4.17). An adaptive filter reads the innovation
 /// between predict() and correct(). A filter with one input, one output and up to six extended
@@ -100,8 +81,8 @@ class KalmanEstimator : public DisturbanceEstimator {
   void correct(double R) { correct(R, 1.0 / (output_covariance_(0, 0) + R), 1.0); }
   void correct(double R, double D_inverse, double inflation);
 
-  const one_output::Kernel* kernel_;  // nullptr: matrix products
-  bool has_prior_ = true;             // before the first sample after a reset: P0 is P(k|k−1)
+  const OneOutputKernel* kernel_;  // nullptr: matrix products
+  bool has_prior_ = true;          // before the first sample after a reset: P0 is P(k|k−1)
   Eigen::MatrixXd A_;
   Eigen::MatrixXd B_;
   Eigen::MatrixXd C_;
@@ -133,8 +114,8 @@ class KalmanEstimator : public DisturbanceEstimator {
   double pieces_ = 1.0;  // number of predictions in an interval
 
   Eigen::VectorXd predicted_;
-  Eigen::MatrixXd solved_;        // D⁻¹ C̅ P(k|k−1) = Kᵀ
-  Eigen::MatrixXd slope_;         // K R − M C̅ᵀ
+  Eigen::MatrixXd solved_;  // D⁻¹ C̅ P(k|k−1) = Kᵀ
+  Eigen::MatrixXd slope_;   // K R − M C̅ᵀ
   Eigen::MatrixXd work_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
