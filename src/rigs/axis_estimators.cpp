@@ -38,46 +38,38 @@ struct Poles {
                  [&] { return std::make_unique<Observer>(axis.plant, of(axis), axis.period_s); });
   }
   std::vector<PoleGroup> of(const NominalAxis& axis) const {
-    const std::size_t groups = poles_rad_s.size();
-    if (is_whole(axis)) {
-      if (static_cast<Eigen::Index>(groups) != axis.plant.outputs()) {
-        throw std::invalid_argument("must be a row of poles for each of the " +
-                                    std::to_string(axis.plant.outputs()) + " axes");
-      }
-      std::vector<PoleGroup> rows;
-      for (const auto& row : poles_rad_s) rows.emplace_back(row.begin(), row.end());
-      return rows;
+    const bool has_rows = is_whole(axis);
+    const std::size_t rows = has_rows ? static_cast<std::size_t>(axis.plant.outputs())
+                                      : static_cast<std::size_t>(axis.joints);
+    if (poles_rad_s.size() != rows && (has_rows || poles_rad_s.size() != 1)) {
+      const std::string each = "a row of poles for each of the " + std::to_string(rows);
+      throw std::invalid_argument(has_rows    ? "must be " + each + " axes"
+                                  : rows == 1 ? "must be the poles of one axis"
+                                              : "must be poles, or " + each + " joints");
     }
-    if (groups != 1 && groups != static_cast<std::size_t>(axis.joints)) {
-      throw std::invalid_argument(axis.joints == 1
-                                      ? "must be the poles of one axis"
-                                      : "must be poles, or a row of poles for each of the " +
-                                            std::to_string(axis.joints) + " joints");
-    }
-    const std::vector<double>& own =
-        poles_rad_s[groups == 1 ? 0 : static_cast<std::size_t>(axis.joint)];
-    return {{own.begin(), own.end()}};
+    std::vector<PoleGroup> all;
+    for (const auto& row : poles_rad_s) all.emplace_back(row.begin(), row.end());
+    if (has_rows || all.size() == 1) return all;
+    return {all[static_cast<std::size_t>(axis.joint)]};
   }
 };
 
 struct MdobSettings {
-  double derivative_rad_s = 0.0;  // g_d; 0: the raw difference
-  double observer_rad_s = 0.0;    // g_w
+  MdobDesign given;
 
   void bind(Fields& fields) {
-    fields.number("observer.derivative_cutoff_rad_s", derivative_rad_s, not_negative(),
+    fields.number("observer.derivative_cutoff_rad_s", given.derivative_cutoff_rad_s, not_negative(),
                   "g_d: cut-off of the pseudo-derivative; 0: the raw difference");
-    bind_low_pass(fields, observer_rad_s);
+    bind_low_pass(fields, given.observer_cutoff_rad_s);
   }
   Estimator make(const NominalAxis& axis) const {
     need_one_axis(axis, "mdob");
     need_one_inertia(axis, "mdob");
-    constexpr double kRaw = std::numeric_limits<double>::infinity();
-    return std::make_unique<Mdob>(
-        MdobDesign{.nominal_inertia = 1.0 / axis.plant.B(1, 0),
-                   .derivative_cutoff_rad_s = derivative_rad_s > 0.0 ? derivative_rad_s : kRaw,
-                   .observer_cutoff_rad_s = observer_rad_s},
-        axis.period_s);
+    MdobDesign design = given;
+    design.nominal_inertia = 1.0 / axis.plant.B(1, 0);
+    double& g_d = design.derivative_cutoff_rad_s;
+    if (g_d == 0.0) g_d = std::numeric_limits<double>::infinity();
+    return std::make_unique<Mdob>(design, axis.period_s);
   }
 };
 
