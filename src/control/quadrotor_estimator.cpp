@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
 
 #include <breakwater/control/quadrotor_filters.h>
 #include <breakwater/math/refuse_unless.h>
@@ -39,23 +38,17 @@ NonlinearKalmanDesign<N, 6> thruster_design(const QuadrotorEstimatorDesign& desi
   p << first_variances(), Eigen::Vector4d::Constant(1.0), Eigen::Vector4d::Constant(10.0),
       Eigen::Vector4d::Constant(100.0);
   q.setZero();
-  switch (design.noise) {
-    case ProcessNoiseSource::printed: {
-      q << Eigen::Vector3d::Constant(1e-2), Eigen::Vector3d::Constant(1e-3),
-          Eigen::Vector3d::Constant(1.0), Eigen::Vector3d::Constant(0.1),
-          Eigen::Vector4d::Constant(5e5), Eigen::Vector4d::Constant(1e6 / delta),
-          Eigen::Vector4d::Constant(1e6 / square(delta));
-      if (design.noise_power > 0) q *= design.noise_power == 1 ? delta : square(delta);
-      if (design.only_highest_has_noise) q.head<(N > 12 ? N - 4 : 6)>().setZero();
-      break;
-    }
-    case ProcessNoiseSource::tuned:
-      q.segment<3>(6).setConstant(square(design.velocity_std_m_s));
-      q.segment<3>(9).setConstant(square(design.rate_std_rad_s));
-      if (N > 12) q.segment<4>(N - 4).setConstant(square(design.disturbance_std));
-      break;
-    case ProcessNoiseSource::input:
-      break;
+  if (design.noise == ProcessNoiseSource::printed) {
+    q << Eigen::Vector3d::Constant(1e-2), Eigen::Vector3d::Constant(1e-3),
+        Eigen::Vector3d::Constant(1.0), Eigen::Vector3d::Constant(0.1),
+        Eigen::Vector4d::Constant(5e5), Eigen::Vector4d::Constant(1e6 / delta),
+        Eigen::Vector4d::Constant(1e6 / square(delta));
+    if (design.noise_power > 0) q *= design.noise_power == 1 ? delta : square(delta);
+    if (design.only_highest_has_noise) q.head<(N > 12 ? N - 4 : 6)>().setZero();
+  } else if (design.noise == ProcessNoiseSource::tuned) {
+    q.segment<3>(6).setConstant(square(design.velocity_std_m_s));
+    q.segment<3>(9).setConstant(square(design.rate_std_rad_s));
+    if (N > 12) q.segment<4>(N - 4).setConstant(square(design.disturbance_std));
   }
   NonlinearKalmanDesign<N, 6> kalman;
   kalman.Q = q.head<N>().asDiagonal();
@@ -291,13 +284,12 @@ std::unique_ptr<QuadrotorEstimator> make_quadrotor_estimator(const QuadrotorEsti
           design, model, bank,
           std::array{Resonator{design.wave_frequency_rad_s, one.damping, one.force_std_N}}, 1.0);
     }
-    case DisturbanceOrder::spectrum: {
-      const WaveForceBank bank = bank_of(design, model);
-      return std::make_unique<WaveEstimator<2, 2>>(design, model, bank, bank.resonators(),
-                                                   kHorizontalShare);
-    }
+    case DisturbanceOrder::spectrum:
+      break;
   }
-  throw std::logic_error("unknown disturbance model");
+  const WaveForceBank bank = bank_of(design, model);
+  return std::make_unique<WaveEstimator<2, 2>>(design, model, bank, bank.resonators(),
+                                               kHorizontalShare);
 }
 
 }  // namespace breakwater
