@@ -6,7 +6,6 @@
 
 #include <breakwater/math/functions.h>
 #include <breakwater/math/refuse_unless.h>
-#include <breakwater/observers/guarded_kalman.h>
 
 namespace breakwater {
 namespace {
@@ -73,7 +72,7 @@ class Gsf final : public GuardedKalman<N> {
       reduce();
     }
     const auto weight = [this](long i) { return parts_[static_cast<std::size_t>(i)].weight; };
-    mix(parts_, parts_.size(), weight, this->extended_state_, this->covariance_);
+    mix(parts_, weight, this->extended_state_, this->covariance_);
     this->innovation_(0) = innovation;
   }
 

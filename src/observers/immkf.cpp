@@ -4,7 +4,6 @@
 
 #include <breakwater/math/functions.h>
 #include <breakwater/math/refuse_unless.h>
-#include <breakwater/observers/guarded_kalman.h>
 
 namespace breakwater {
 namespace {
@@ -53,7 +52,7 @@ class Immkf final : public GuardedKalman<N> {
         mixed_[j] = models_[j];
         if (prior(j) > 0.0) {
           const Eigen::Vector2d shares = transition_.col(j).cwiseProduct(before) / prior(j);
-          mix(models_, kModels, shares, mixed_[j].x, mixed_[j].P);
+          mix(models_, shares, mixed_[j].x, mixed_[j].P);
           mixed_[j].outside = shares(0) * models_[0].outside + shares(1) * models_[1].outside;
         }
       }
@@ -90,7 +89,7 @@ class Immkf final : public GuardedKalman<N> {
     } else {
       weights_ = prior;
     }
-    mix(models_, kModels, weights_, this->extended_state_, this->covariance_);
+    mix(models_, weights_, this->extended_state_, this->covariance_);
     for (int j = 0; j < kModels; ++j) gain += weights_(j) * gains[j];
     this->gain_ = gain;
     this->innovation_(0) = innovation;
