@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +23,11 @@ struct SampleInterval {
   double input_std = 0.0;
   double output_std = 0.0;
 };
+
+/// The number of predictions in an interval: one per period, from 1 to 1000.
+inline double pieces_of(double length_s, double period_s) {
+  return std::clamp(std::round(length_s / period_s), 1.0, 1000.0);
+}
 
 /// Estimates the state x (n) of a plant and the disturbance d (m) that opposes its inputs,
 ///     x(k+1) = A x(k) + B (u(k) − d(k)),   y(k) = C x(k) + noise   (Eqs. 3.1, 3.2),

@@ -4,7 +4,6 @@
 #include <string>
 
 #include <breakwater/linear/riccati.h>
-#include <breakwater/observers/record_intervals.h>
 
 namespace breakwater {
 

@@ -6,7 +6,6 @@
 #include <breakwater/linear/eigenvalues.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/math/refuse_unless.h>
-#include <breakwater/observers/record_intervals.h>
 
 namespace breakwater {
 namespace {
