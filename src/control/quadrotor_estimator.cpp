@@ -141,14 +141,6 @@ WaveForceBank bank_of(const QuadrotorEstimatorDesign& design, const QuadrotorMod
   return WaveForceBank(waves);
 }
 
-// The known vertical force on the vehicle at this motion [N].
-double known_vertical_force(const Eigen::Vector4d& thrusts,
-                            const QuadrotorEstimator::Motion& motion,
-                            const QuadrotorParameters& parameters) {
-  const double up = AttitudeTrig(motion.segment<3>(3)).thrust_axis().z();
-  return thrusts.sum() * up - parameters.net_weight_N();
-}
-
 // K resonators per axis. A WaveForceBank on the vertical axis, if it is there, adapts a pair to the
 // sea state, or the frequency of one.
 template <int K, int Order>
@@ -166,7 +158,6 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
                                design.period_s, design.kinematics),
                        resonators)),
         bank_(bank),
-        first_(resonators),
         resonators_(resonators),
         parameters_(model.parameters()),
         design_(design) {}
@@ -180,7 +171,9 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
 
   void update(const Vector& held_thrusts, const Vector& pose) override {
     if (bank_) {
-      bank_->update(known_vertical_force(held_thrusts, this->motion(), parameters_), pose(2));
+      const Eigen::Vector4d thrusts = held_thrusts;
+      const double up = AttitudeTrig(this->motion().template segment<3>(3)).thrust_axis().z();
+      bank_->update(thrusts.sum() * up - parameters_.net_weight_N(), pose(2));
       assume();
     }
     Base::update(held_thrusts, pose);
@@ -226,8 +219,8 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
     if constexpr (K == 2) {
       resonators_ = bank_->resonators();
     } else {
-      resonators_ = first_;
-      if (!bank_->is_settling()) resonators_[0].omega_rad_s = mean_frequency(bank_->resonators());
+      resonators_[0].omega_rad_s =
+          bank_->is_settling() ? design_.wave_frequency_rad_s : mean_frequency(bank_->resonators());
     }
     filter_.change_process([&](Process& process) {
       process.set_resonators(resonators_);
@@ -238,7 +231,6 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
   }
 
   std::optional<WaveForceBank> bank_;
-  typename Process::Resonators first_;
   typename Process::Resonators resonators_;
   QuadrotorParameters parameters_;
   QuadrotorEstimatorDesign design_;
