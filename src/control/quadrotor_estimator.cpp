@@ -227,7 +227,6 @@ class WaveEstimator final : public FilterEstimator<Ukf<WaveForces<K, Order>, 6>>
       process.set_torque_noise(std::hypot(design_.resonator.torque_std_Nm,
                                           design_.torque_walk_per_force_m * wave_force_std_N()));
     });
-    filter_.set_process_noise(filter_.process().Q());
   }
 
   std::optional<WaveForceBank> bank_;

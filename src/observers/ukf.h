@@ -39,15 +39,14 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   /// Predicts sample k from sample k − 1 and the held input. Allocates nothing.
   void predict(const Input& u);
 
-  const P& process() const { return process_; }
-  /// Changes the process between samples: calls `change(process)` and reads linear() again. It does
-  /// not change Q: use set_process_noise().
+  /// Changes the process between samples: calls `change(process)` and reads linear() again, and Q()
+  /// if the process has it.
   template <typename Change>
   void change_process(const Change& change) {
     change(process_);
     A_.assign(process_.linear());
+    if constexpr (requires { process_.Q(); }) design_.Q = process_.Q();
   }
-  void set_process_noise(const Covariance& Q) { design_.Q = Q; }
 
   std::int64_t repairs() const { return repairs_; }
 
