@@ -26,14 +26,14 @@ struct ExtendedPlant {
 /// (Eqs. 4.3, 4.4):
 ///     A̅ = [A_d −B_d 0; 0 I T_s·I; 0 0 I],  B̅ = [B_d; 0; 0],  C̅ = [C_d 0 0]      (order 1).
 ///
-/// Throws std::invalid_argument unless the order is 0, 1 or 2, the period is positive and the
-/// extended plant is observable. The message has the rank.
+/// With E (n×m), −E replaces −B_d, for disturbances that do not enter at the inputs, such as a load
+/// behind a spring. Throws std::invalid_argument unless the order is 0, 1 or 2, the period is
+/// positive and the extended plant is observable. The message has the rank.
 ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int order,
-                                          double period_s);
+                                          double period_s, const Eigen::MatrixXd& E = {});
 
-/// The same for a plant in continuous time, sampled with a zero-order hold. With E (n×m) the plant
-/// is ẋ = A x + B u − E d. E is for disturbances behind a spring, which do not enter at the inputs.
-/// Then `continuous` is empty.
+/// The same for a plant in continuous time, sampled with a zero-order hold. It is
+/// ẋ = A x + B (u − d) or, with E, ẋ = A x + B u − E d. With E, `continuous` is empty.
 ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant, int order,
                                             double period_s, const Eigen::MatrixXd& E = {});
 
