@@ -151,20 +151,6 @@ void check(const KalmanDesign& design) {
   }
 }
 
-Eigen::MatrixXd input_noise(const ExtendedPlant& plant, double q) {
-  return plant.sampled.B * q * plant.sampled.B.transpose();
-}
-
-Eigen::MatrixXd uniform_noise(const ExtendedPlant& plant, double q) {
-  return q * Eigen::MatrixXd::Identity(plant.states(), plant.states());
-}
-
-Eigen::MatrixXd disturbance_noise(const ExtendedPlant& plant, double q) {
-  Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(plant.states(), plant.states());
-  Q.diagonal().tail(plant.inputs()).setConstant(q);
-  return Q;
-}
-
 KalmanEstimator::KalmanEstimator(const KalmanDesign& design, bool is_symmetric)
     : kernel_(nullptr), regular_(design) {
   check(design);

@@ -24,14 +24,22 @@ void check(const KalmanDesign& design);
 
 /// The process noise of the KFD. It enters like the input: Q = B̅ q B̅ᵀ (Eqs. 3.5, 3.8, 4.12). The
 /// disturbance has no process noise, so its gain falls as 1/k.
-Eigen::MatrixXd input_noise(const ExtendedPlant& plant, double q);
+inline Eigen::MatrixXd input_noise(const ExtendedPlant& plant, double q) {
+  return plant.sampled.B * q * plant.sampled.B.transpose();
+}
 
 /// The other process noise of a KFD, Q = q·I on every state.
-Eigen::MatrixXd uniform_noise(const ExtendedPlant& plant, double q);
+inline Eigen::MatrixXd uniform_noise(const ExtendedPlant& plant, double q) {
+  return q * Eigen::MatrixXd::Identity(plant.states(), plant.states());
+}
 
 /// The process noise of the disturbance Kalman filter (DKF): on d (order 0) or its highest
 /// derivative alone.
-Eigen::MatrixXd disturbance_noise(const ExtendedPlant& plant, double q);
+inline Eigen::MatrixXd disturbance_noise(const ExtendedPlant& plant, double q) {
+  Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(plant.states(), plant.states());
+  Q.diagonal().tail(plant.inputs()).setConstant(q);
+  return Q;
+}
 
 /// The fixed-size operations of a filter with one output.
 struct OneOutputKernel;
