@@ -79,8 +79,8 @@ class FilterEstimator : public QuadrotorEstimator {
     estimate();
   }
 
-  View state() const override { return {motion_.data(), 12}; }
-  View disturbance() const override { return {force_.data(), 3}; }
+  View state() const override { return {estimate_.data(), 12}; }
+  View disturbance() const override { return {estimate_.data() + 12, 3}; }
   MotionCovariance motion_covariance() const override {
     return filter_.P().template topLeftCorner<12, 12>();
   }
@@ -92,12 +92,11 @@ class FilterEstimator : public QuadrotorEstimator {
 
  private:
   void estimate() {
-    motion_ = filter_.x().template head<12>();
-    force_ = present_force();
+    estimate_.head<12>() = filter_.x().template head<12>();
+    estimate_.tail<3>() = present_force();
   }
 
-  Motion motion_ = Motion::Zero();
-  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 15, 1> estimate_ = Eigen::Matrix<double, 15, 1>::Zero();
   bool has_prior_ = true;
 };
 
