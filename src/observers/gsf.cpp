@@ -85,10 +85,9 @@ class Gsf final : public GuardedKalman<N> {
     double best = -INFINITY;
     for (const Part& part : parts_) {
       for (std::size_t j = 0; j < nodes; ++j) {
-        const double share = nodes == 1 ? 0.0 : kWeight[j] * length;
+        const double share = kWeight[j] * length;
         const double R = sensor_.noise_variance() + share * share / 12.0;
-        const double z =
-            observed.y + observed.range.middle() + (nodes == 1 ? 0.0 : 0.5 * length * kNode[j]);
+        const double z = observed.y + observed.range.middle() + 0.5 * length * kNode[j];
         const double S = part.P(0, 0) + R;
         const double e = z - part.x(0);
         Part product = part;
