@@ -231,11 +231,6 @@ bool KalmanEstimator::follow(const SampleInterval& interval) {
   return true;
 }
 
-void KalmanEstimator::pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const {
-  F = A_;
-  F.noalias() -= gain_ * C_;
-}
-
 void KalmanEstimator::predict(const Vector& held_input, const Vector& y) {
   // NOLINTNEXTLINE(cert-flp30-c): pieces are whole numbers
   for (double piece = 0.0; !has_prior_ && piece < pieces_; piece += 1.0) {

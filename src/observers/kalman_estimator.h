@@ -60,7 +60,10 @@ class KalmanEstimator : public DisturbanceEstimator {
   View disturbance() const final { return {extended_state_.data() + plant_states(), B_.cols()}; }
 
   Eigen::Index poles() const final { return A_.rows(); }
-  void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const final;
+  void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const final {
+    F = A_;
+    F.noalias() -= gain_ * C_;
+  }
 
   /// x̄(k|k), P(k|k), K(k), ê(k) and the forgetting factor λ(k), which divided P at this sample.
   const Eigen::VectorXd& extended_state() const { return extended_state_; }
