@@ -171,7 +171,7 @@ class WaveForces : public ProcessTypes<18 + 6 * K, 4, 6 * Order> {
     for (int i = 0; i < K; ++i) {
       const Resonator& r = resonators[static_cast<std::size_t>(i)];
       refuse_unless(
-          r.omega_rad_s > 0.0 && r.damping > 0.0 && r.damping < 1.0 && r.std > 0.0,
+          r.is_sound(),
           "resonators: frequency and deviation must be positive, the damping between 0 and 1");
       const int f = force_row(i), h = rate_row(i);
       const Eigen::Matrix2d step = resonator_step(r.omega_rad_s, r.damping, period_s);

@@ -28,6 +28,8 @@ struct Resonator {
   double omega_rad_s = 1.0;
   double damping = 0.1;  ///< ζ, in (0, 1)
   double std = 1.0;      ///< σ, of f
+
+  bool is_sound() const { return omega_rad_s > 0.0 && damping > 0.0 && damping < 1.0 && std > 0.0; }
 };
 /// Two resonators with independent noises; the slower one first. Their sum is the force.
 using ResonatorPair = std::array<Resonator, 2>;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/linear/riccati.h>
 #include <breakwater/math/functions.h>
+#include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
 namespace {
@@ -13,21 +13,19 @@ namespace {
 constexpr double kForgotten = 40.0;  // a log-likelihood this far below the best has no weight
 
 bool fits(const ResonatorPair& pair) {
-  return std::all_of(pair.begin(), pair.end(), [](const Resonator& r) {
-    return r.omega_rad_s > 0.0 && r.damping > 0.0 && r.damping < 1.0 && r.std > 0.0;
-  });
+  return std::ranges::all_of(pair, &Resonator::is_sound);
 }
 
 }  // namespace
 
 WaveForceBank::WaveForceBank(const WaveForceBankDesign& design) : design_(design) {
-  const bool sound =
-      !design.shapes.empty() && std::all_of(design.shapes.begin(), design.shapes.end(), fits) &&
-      design.mass_kg > 0.0 && design.bias_std_N > 0.0 && design.velocity_std_m_s > 0.0 &&
-      design.position_std_m > 0.0 && design.weakest_N > 0.0 && design.strengths > 0 &&
-      (design.strengths == 1 || design.strongest_N > design.weakest_N) && design.memory_s > 0.0 &&
-      design.settling_s >= 0.0 && design.period_s > 0.0;
-  if (!sound) throw std::invalid_argument("wave force bank: every value must be positive");
+  refuse_unless(!design.shapes.empty() && std::ranges::all_of(design.shapes, fits) &&
+                    design.mass_kg > 0.0 && design.bias_std_N > 0.0 &&
+                    design.velocity_std_m_s > 0.0 && design.position_std_m > 0.0 &&
+                    design.weakest_N > 0.0 && design.strengths > 0 &&
+                    (design.strengths == 1 || design.strongest_N > design.weakest_N) &&
+                    design.memory_s > 0.0 && design.settling_s >= 0.0 && design.period_s > 0.0,
+                "wave force bank: every value must be positive");
   const double dt = design.period_s;
   const double lowest = math::log(design.weakest_N);
   const double span = design.strengths > 1 ? math::log(design.strongest_N / design.weakest_N) : 0.0;
