@@ -12,10 +12,9 @@ namespace breakwater {
 
 /// Design parameters of an MDOB.
 struct MdobDesign {
-  double nominal_inertia = 1.0;  ///< J_n [kg m²], or a mass [kg] for a slide
-  double derivative_cutoff_rad_s =
-      0;                             ///< g_d of the pseudo-derivative; infinity: the raw difference
-  double observer_cutoff_rad_s = 0;  ///< g_w of the observer's low-pass, finite
+  double nominal_inertia = 1.0;          ///< J_n [kg m²], or a mass [kg] for a slide
+  double derivative_cutoff_rad_s = 0.0;  ///< g_d; infinity: the raw difference
+  double observer_cutoff_rad_s = 0.0;    ///< g_w of the observer's low-pass, finite
 };
 
 /// The low-pass of Eq. 2.6: d̂ = g_w/(s + g_w)·{τ + g_w J_n v} − g_w J_n v from the held torque τ

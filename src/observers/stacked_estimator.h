@@ -69,21 +69,15 @@ class StackedEstimator final : public DisturbanceEstimator {
   View disturbance() const override { return {estimate_.data() + 2 * size(), size()}; }
 
  private:
-  // Source and destination of a scalar of an axis.
-  struct Copy {
-    const double* from;
-    double* to;
-  };
-
   Eigen::Index size() const { return static_cast<Eigen::Index>(axes_.size()); }
   void gather() {
-    for (const Copy& copy : copies_) *copy.to = *copy.from;
+    for (const auto& [from, to] : copies_) *to = *from;
   }
 
   std::vector<std::unique_ptr<DisturbanceEstimator>> axes_;
-  Eigen::VectorXd estimate_;   // [q; q̇; d]
-  Eigen::MatrixXd published_;  // one column per signal
-  std::vector<Copy> copies_;
+  Eigen::VectorXd estimate_;                               // [q; q̇; d]
+  Eigen::MatrixXd published_;                              // one column per signal
+  std::vector<std::pair<const double*, double*>> copies_;  // of an axis' scalars: from, to
 };
 
 }  // namespace breakwater
