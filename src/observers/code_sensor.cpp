@@ -4,9 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <breakwater/math/error_function.h>
-#include <breakwater/math/functions.h>
-
 namespace breakwater {
 namespace {
 
@@ -145,20 +142,8 @@ CodeInterval::CodeInterval(double alpha, double beta)
   }
 }
 
-double CodeInterval::log_mass() const {
-  const double scale = lower_ >= 0.0 ? -0.5 * lower_ * lower_ - math::kLogRootTwoPi : 0.0;
-  return math::log(mass_) + scale;
-}
-
 double CodeInterval::outside() const {
   return lower_ >= 0.0 ? 1.0 - density(lower_) * mass_ : outside_;
-}
-
-CodeInterval::Moments CodeInterval::moments() const {
-  const double mean = (lower_weight_ - upper_weight_) / mass_;
-  const double variance =
-      1.0 + (lower_ * lower_weight_ - upper_ * upper_weight_) / mass_ - mean * mean;
-  return {sign_ * mean, variance};
 }
 
 }  // namespace breakwater

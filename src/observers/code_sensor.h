@@ -2,6 +2,8 @@
 // are position and velocity.
 #pragma once
 
+#include <breakwater/math/error_function.h>
+#include <breakwater/math/functions.h>
 #include <breakwater/observers/sensor_error.h>
 
 namespace breakwater {
@@ -102,13 +104,19 @@ class CodeInterval {
   CodeInterval(double alpha, double beta);
 
   /// ln P(α < z < β).
-  double log_mass() const;
+  double log_mass() const {
+    return math::log(mass_) + (lower_ >= 0.0 ? -0.5 * lower_ * lower_ - math::kLogRootTwoPi : 0.0);
+  }
   /// P(z < α) + P(z > β).
   double outside() const;
   /// Mean and variance of z in the interval: the moments of the truncated normal distribution,
   ///     E = (φ(α) − φ(β))/P,   Var = 1 + (α φ(α) − β φ(β))/P − E²,
   /// with an error of about 1e-16·(1 + α²)/(β − α)².
-  Moments moments() const;
+  Moments moments() const {
+    const double mean = (lower_weight_ - upper_weight_) / mass_;
+    return {sign_ * mean,
+            1.0 + (lower_ * lower_weight_ - upper_ * upper_weight_) / mass_ - mean * mean};
+  }
 
  private:
   double sign_;   // mirrors z so that most of the interval lies right of 0
