@@ -41,7 +41,6 @@ class HeldThrust {
                             : model_.acceleration(trig_, velocity, U));
   }
 
-  const QuadrotorModel& model() const { return model_; }
   double period_s() const { return period_s_; }
 
  private:

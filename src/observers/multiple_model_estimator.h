@@ -73,7 +73,6 @@ class MultipleModelBank final : public DisturbanceEstimator {
   View disturbance() const override { return {estimate_.data() + n, 1}; }
 
   const std::vector<Model>& models() const { return models_; }
-  const Model& best() const { return models_[best_]; }
 
  private:
   static constexpr int kD = n, kLast = n + 1;  // indices in x̄
