@@ -68,10 +68,9 @@ class DisturbanceEstimator : public Interface {
 /// The values of the signal `name`; empty if the estimator has no such signal.
 inline std::span<const double> published(const DisturbanceEstimator& estimator,
                                          const std::string& name) {
-  for (const Signal& signal : estimator.signals()) {
-    if (signal.name == name) return signal.values;
-  }
-  return {};
+  const auto all = estimator.signals();
+  const auto found = std::ranges::find(all, name, &Signal::name);
+  return found == all.end() ? std::span<const double>() : found->values;
 }
 
 /// An estimator's signals for a log. The output's unit is `output_unit`.

@@ -77,7 +77,7 @@ class StackedEstimator final : public DisturbanceEstimator {
   std::vector<std::unique_ptr<DisturbanceEstimator>> axes_;
   Eigen::VectorXd estimate_;                               // [q; q̇; d]
   Eigen::MatrixXd published_;                              // one column per signal
-  std::vector<std::pair<const double*, double*>> copies_;  // of an axis' scalars: from, to
+  std::vector<std::pair<const double*, double*>> copies_;  // (from, to) of each scalar
 };
 
 }  // namespace breakwater
