@@ -51,10 +51,10 @@ struct Settings {
 };
 
 void bind(Fields& fields, Settings& settings) {
-  fields.number("observer.bandwidth_rad_s", settings.bandwidth_rad_s, breakwater::positive(),
-                "omega_o: bandwidth; all poles are at -omega_o [rad/s]");
   // Files for other observers may leave out this key.
-  fields.standard("observer.bandwidth_rad_s", {settings.bandwidth_rad_s});
+  fields.optional_number("observer.bandwidth_rad_s", settings.bandwidth_rad_s,
+                         breakwater::positive(),
+                         "omega_o: bandwidth; all poles are at -omega_o [rad/s]");
 }
 
 std::unique_ptr<breakwater::DisturbanceEstimator> make(const Settings& settings,
