@@ -26,7 +26,6 @@ struct AccelerationControlDesign {
   /// Makes an estimator of all joints: x̂ = [q; q̇] (2n), d̂ (n), from torques and measured angles.
   std::function<std::shared_ptr<DisturbanceEstimator>()> make_observer;
   ObserverFeed feed = ObserverFeed::clipped;
-  double period_s = 0.0;
 };
 
 /// An IDOB for each of n decoupled joints J_n q̈ = τ − d with measured angles (Eqs. 2.56–2.58).

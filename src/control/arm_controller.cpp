@@ -1,7 +1,6 @@
 #include <breakwater/control/arm_controller.h>
 
 #include <cmath>
-#include <utility>
 
 #include <breakwater/linear/pseudo_inverse.h>
 #include <breakwater/math/refuse_unless.h>
@@ -13,25 +12,24 @@ constexpr double kSingularValueFloor = 0.02;
 
 }  // namespace
 
-ArmController::ArmController(const TipChain& chain, const AccelerationControlDesign& design,
-                             ArmTask task)
-    : chain_(chain),
-      acceleration_control_(design),
+ArmController::ArmController(const ArmSetup& arm)
+    : chain_(arm.chain),
+      acceleration_control_(arm.acceleration),
       q_hat_(acceleration_control_.q_hat()),
       dq_hat_(acceleration_control_.dq_hat()),
       d_hat_(acceleration_control_.d_hat()),
-      X_hat_(TipVector::Zero(chain->held())),
+      X_hat_(TipVector::Zero(chain_->held())),
       X_ref_(X_hat_),
-      J_(chain->held(), chain->joints()),
-      task_(std::move(task)),
-      half_period_s_(0.5 * design.period_s),
-      acceleration_ref_(Eigen::VectorXd::Zero(chain->joints())),
+      J_(chain_->held(), chain_->joints()),
+      task_(arm.task),
+      half_period_s_(0.5 * arm.period_s),
+      acceleration_ref_(Eigen::VectorXd::Zero(chain_->joints())),
       posture_(acceleration_ref_),
-      J_damped_(Eigen::MatrixXd::Zero(chain->joints(), chain->held())) {
-  refuse_unless(design.nominal_inertia_kgm2.size() == chain->joints() &&
-                    task_.start_angles_rad.size() == chain->joints(),
-                "arm controller: needs one inertia and start angle per joint");
-  refuse_unless(task_.start_pose.size() == chain->held() && chain->joints() >= chain->held(),
+      J_damped_(Eigen::MatrixXd::Zero(chain_->joints(), chain_->held())) {
+  refuse_unless(
+      joints().joints() == chain_->joints() && task_.start_angles_rad.size() == chain_->joints(),
+      "arm controller: needs one inertia and start angle per joint");
+  refuse_unless(task_.start_pose.size() == chain_->held() && chain_->joints() >= chain_->held(),
                 "arm controller: needs a start pose with the coordinates of the chain, and a joint "
                 "for each");
   refuse_unless(task_.convert_gain_N_m > 0.0,
@@ -41,8 +39,8 @@ ArmController::ArmController(const TipChain& chain, const AccelerationControlDes
   publish({"d_hat_Nm", "N m", "disturbance torques, estimated, opposing motion (Eq. 2.53)",
            view(d_hat_)});
   const auto publish_tip = [&](const char* kind, const char* what, const TipVector& values) {
-    for (Eigen::Index i = 0; i < chain->held(); ++i) {
-      const TipCoordinate& one = chain->coordinates[static_cast<std::size_t>(i)];
+    for (Eigen::Index i = 0; i < chain_->held(); ++i) {
+      const TipCoordinate& one = chain_->coordinates[static_cast<std::size_t>(i)];
       publish({one.name + kind + one.unit, one.unit, one.meaning + what, view(values[i])});
     }
   };

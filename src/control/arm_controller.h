@@ -25,6 +25,14 @@ struct ArmTask {
   double k_posture = 25.0;
 };
 
+/// The data for a controller of the arm, without the true properties of the arm and the wall.
+struct ArmSetup {
+  TipChain chain;                          ///< the nominal kinematics
+  AccelerationControlDesign acceleration;  ///< for the joints, with their observer
+  ArmTask task;                            ///< the task, and the time at which force control begins
+  double period_s = 0.0;                   ///< sampling period T_s
+};
+
 /// Expects samples y = [q (n) [rad]; F_x [N]; F_x before the sensor's low-pass [N]], where the last
 /// entry is optional. Writes torques u (n) [N m]. A derived class chooses the acceleration of the
 /// joints, and AccelerationControl realises it.
@@ -46,7 +54,7 @@ class ArmController : public Controller {
  protected:
   /// Throws std::invalid_argument if sizes differ, if there are fewer joints than held coordinates,
   /// or if K_f is not positive.
-  ArmController(const TipChain& chain, const AccelerationControlDesign& design, ArmTask task);
+  explicit ArmController(const ArmSetup& arm);
 
   /// Forgets the run before this one. Called by reset().
   virtual void restart() {}

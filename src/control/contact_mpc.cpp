@@ -38,21 +38,20 @@ LmpcDesign contact_problem(const ContactMpcDesign& design, double reference_N) {
   return problem;
 }
 
-ContactMpc::ContactMpc(const TipChain& chain, const AccelerationControlDesign& acceleration,
-                       const ArmTask& task, const ContactMpcDesign& design)
-    : PathControl(chain, acceleration, task, design.path),
+ContactMpc::ContactMpc(const ArmSetup& arm, const ContactMpcDesign& design)
+    : PathControl(arm, design.path),
       design_(design),
-      samples_per_move_(samples_per_move(design.period_s, acceleration.period_s)),
-      lmpc_((check(design.impact, {}), contact_problem(design, task.force_reference_N))),
-      forget_(task.force_lag_s > 0.0 ? math::exp(-acceleration.period_s / task.force_lag_s) : 0.0),
-      told_wall_x_m_(task.wall_x_m + design.wall_error_m),
+      samples_per_move_(samples_per_move(design.period_s, arm.period_s)),
+      lmpc_((check(design.impact, {}), contact_problem(design, arm.task.force_reference_N))),
+      forget_(arm.task.force_lag_s > 0.0 ? math::exp(-arm.period_s / arm.task.force_lag_s) : 0.0),
+      told_wall_x_m_(arm.task.wall_x_m + design.wall_error_m),
       wall_x_m_(told_wall_x_m_),
       input_(Eigen::VectorXd::Zero(1)),
       reserved_(input_),
       trajectory_(Eigen::VectorXd::Zero(2 * design.prediction_steps)) {
   refuse_unless(std::isfinite(wall_x_m_), "contact prediction: needs a wall whose place is known");
   for (Eigen::Index i = 0; i < trajectory_.size(); i += 2) {
-    trajectory_(i) = task.force_reference_N / design.impact.stiffness_N_m;
+    trajectory_(i) = arm.task.force_reference_N / design.impact.stiffness_N_m;
   }
   publish({"wall_hat_m", "m", "x of the wall, told and corrected by the force", view(wall_x_m_)});
   publish({"qp_iterations", "1", "changes of the active set", view(iterations_)});

@@ -34,8 +34,7 @@ class ContactMpc final : public PathControl {
  public:
   /// Throws std::invalid_argument as the parts do. The task needs a wall, the numbers the right
   /// sign, and the period must be a multiple of the sampling period.
-  ContactMpc(const TipChain& chain, const AccelerationControlDesign& acceleration,
-             const ArmTask& task, const ContactMpcDesign& design);
+  ContactMpc(const ArmSetup& arm, const ContactMpcDesign& design);
 
  private:
   void restart() override;

@@ -17,12 +17,8 @@ void check(const ImpactModel& impact, const Admittance& admittance) {
                 "admittance: the mass must be positive, the damping not negative");
 }
 
-EnergyAdmittance::EnergyAdmittance(const TipChain& chain,
-                                   const AccelerationControlDesign& acceleration,
-                                   const ArmTask& task, const EnergyAdmittanceDesign& design)
-    : PathControl(chain, acceleration, task, design.path),
-      design_(design),
-      approach_(design.approach) {
+EnergyAdmittance::EnergyAdmittance(const ArmSetup& arm, const EnergyAdmittanceDesign& design)
+    : PathControl(arm, design.path), design_(design), approach_(design.approach) {
   check(design.impact, design.admittance);
   publish({"effective_mass_kg", "kg", "nominal effective mass of the tip along x", view(mass_kg_)});
   publish({"speed_cap_m_s", "m/s", "allowed impact velocity", view(speed_m_s_)});

@@ -45,8 +45,7 @@ class EnergyAdmittance final : public PathControl {
  public:
   /// Throws std::invalid_argument as the parts do, or if K, the margin or M is not positive or D is
   /// negative.
-  EnergyAdmittance(const TipChain& chain, const AccelerationControlDesign& acceleration,
-                   const ArmTask& task, const EnergyAdmittanceDesign& design);
+  EnergyAdmittance(const ArmSetup& arm, const EnergyAdmittanceDesign& design);
 
  private:
   double path_acceleration() override;

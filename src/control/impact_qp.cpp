@@ -79,14 +79,13 @@ const Eigen::VectorXd& ImpactProgram::solve(const State& state) {
   return solution_.z;
 }
 
-ImpactQp::ImpactQp(const TipChain& chain, const AccelerationControlDesign& acceleration,
-                   const ArmTask& task, const ImpactQpDesign& design)
-    : PathControl(chain, acceleration, task, design.path),
+ImpactQp::ImpactQp(const ArmSetup& arm, const ImpactQpDesign& design)
+    : PathControl(arm, design.path),
       design_(design),
       approach_(design.approach),
-      program_(chain->joints(), design),
-      torque_limit_(acceleration.torque_limit_Nm),
-      lower_(Eigen::VectorXd::Zero(chain->joints())),
+      program_(arm.chain->joints(), design),
+      torque_limit_(arm.acceleration.torque_limit_Nm),
+      lower_(Eigen::VectorXd::Zero(arm.chain->joints())),
       upper_(lower_) {
   check(design.impact, design.admittance);
   refuse_unless(

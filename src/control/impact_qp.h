@@ -83,8 +83,7 @@ class ImpactQp final : public PathControl {
  public:
   /// Throws std::invalid_argument as the parts do, or if the speed, T_p or ε is not positive, or e
   /// is not between 0 and 1.
-  ImpactQp(const TipChain& chain, const AccelerationControlDesign& acceleration,
-           const ArmTask& task, const ImpactQpDesign& design);
+  ImpactQp(const ArmSetup& arm, const ImpactQpDesign& design);
 
  private:
   void decide(Eigen::Ref<Eigen::VectorXd> a) override;

@@ -4,20 +4,15 @@
 
 namespace breakwater {
 
-ImplicitForcePfc::ImplicitForcePfc(const TipChain& chain,
-                                   const AccelerationControlDesign& acceleration,
-                                   const ArmTask& task, const ImplicitForcePfcDesign& design)
-    : ArmController(chain, acceleration, task),
+ImplicitForcePfc::ImplicitForcePfc(const ArmSetup& arm, const ImplicitForcePfcDesign& design)
+    : ArmController(arm),
       pfc_(design.joints.begin(), design.joints.end()),
-      inverse_kinematics_(design.inverse_kinematics, chain->joints()),
+      inverse_kinematics_(design.inverse_kinematics, arm.chain->joints()),
       positioning_(design.positioning),
-      q_ref_(task.start_angles_rad) {
-  refuse_unless(static_cast<Eigen::Index>(pfc_.size()) == chain->joints(),
+      q_ref_(arm.task.start_angles_rad) {
+  refuse_unless(static_cast<Eigen::Index>(pfc_.size()) == arm.chain->joints(),
                 "implicit force PFC: needs one PFC per joint");
-  publish({"q_ref_rad",
-           "rad",
-           "joint angle references (Eq. 2.63)",
-           {q_ref_.data(), static_cast<std::size_t>(q_ref_.size())}});
+  publish({"q_ref_rad", "rad", "joint angle references (Eq. 2.63)", view(q_ref_)});
 }
 
 void ImplicitForcePfc::decide(Eigen::Ref<Eigen::VectorXd> a) {

@@ -27,8 +27,7 @@ struct ImplicitForcePfcDesign {
 class ImplicitForcePfc final : public ArmController {
  public:
   /// Throws std::invalid_argument as the parts do, or if there is not one PFC per joint.
-  ImplicitForcePfc(const TipChain& chain, const AccelerationControlDesign& acceleration,
-                   const ArmTask& task, const ImplicitForcePfcDesign& design);
+  ImplicitForcePfc(const ArmSetup& arm, const ImplicitForcePfcDesign& design);
 
  private:
   void decide(Eigen::Ref<Eigen::VectorXd> a) override;

@@ -16,15 +16,14 @@ constexpr double kLost_s = 0.08;
 
 }  // namespace
 
-PathControl::PathControl(const TipChain& chain, const AccelerationControlDesign& acceleration,
-                         const ArmTask& task, const PathDesign& design)
-    : ArmController(chain, acceleration, task),
-      inertia_(acceleration.nominal_inertia_kgm2),
-      period_s_(acceleration.period_s),
-      along_(Eigen::VectorXd::Zero(chain->joints())),
+PathControl::PathControl(const ArmSetup& arm, const PathDesign& design)
+    : ArmController(arm),
+      inertia_(arm.acceleration.nominal_inertia_kgm2),
+      period_s_(arm.period_s),
+      along_(Eigen::VectorXd::Zero(arm.chain->joints())),
       otherwise_(along_),
       recoil_(along_),
-      wanted_(TipVector::Zero(chain->held())),
+      wanted_(TipVector::Zero(arm.chain->held())),
       velocity_(wanted_),
       positioning_(design.positioning),
       joint_pfc_(design.joints.begin(), design.joints.end()),
@@ -32,7 +31,7 @@ PathControl::PathControl(const TipChain& chain, const AccelerationControlDesign&
       across_(design.across),
       share_(along_),
       rest_(along_) {
-  refuse_unless(static_cast<Eigen::Index>(joint_pfc_.size()) == chain->joints(),
+  refuse_unless(static_cast<Eigen::Index>(joint_pfc_.size()) == arm.chain->joints(),
                 "path control: needs a PFC for each joint");
 }
 

@@ -26,8 +26,7 @@ struct PathDesign {
 class PathControl : public ArmController {
  protected:
   /// Throws std::invalid_argument as the parts do.
-  PathControl(const TipChain& chain, const AccelerationControlDesign& acceleration,
-              const ArmTask& task, const PathDesign& design);
+  PathControl(const ArmSetup& arm, const PathDesign& design);
 
   void restart() override { touches_ = false; }
   void decide(Eigen::Ref<Eigen::VectorXd> a) override;

@@ -100,15 +100,14 @@ double servo_speed(double way_m, double acceleration_m_s2, double lambda) {
   return std::sqrt(2.0 * acceleration_m_s2 * way_m) - acceleration_m_s2 / (2.0 * lambda);
 }
 
-SoftContact::SoftContact(const TipChain& chain, const AccelerationControlDesign& acceleration,
-                         const ArmTask& task, const SoftContactDesign& design)
-    : PathControl(chain, acceleration, task, design.path),
+SoftContact::SoftContact(const ArmSetup& arm, const SoftContactDesign& design)
+    : PathControl(arm, design.path),
       design_(design),
       approach_(design.approach),
       contact_(design.contact),
       elbow_(std::min<Eigen::Index>(1, inertia_.size() - 1)),
       elbow_inertia_(inertia_(elbow_)),
-      stiffness_(task.force_lag_s, acceleration.period_s) {
+      stiffness_(arm.task.force_lag_s, arm.period_s) {
   refuse_unless(design.wall_stiffness_N_m > 0.0 && design.peak_margin_N > 0.0,
                 "TLSC: the wall's stiffness and the margin must be positive");
   publish({"contact_stiffness_hat_N_m", "N/m", "K of the contact, estimated; 0: none yet",

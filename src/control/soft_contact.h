@@ -78,8 +78,7 @@ class SoftContact final : public PathControl {
   enum class Phase { positioning, hold, approach, contact };
 
   /// Throws std::invalid_argument as the parts do, or if K_d or the margin is not positive.
-  SoftContact(const TipChain& chain, const AccelerationControlDesign& acceleration,
-              const ArmTask& task, const SoftContactDesign& design);
+  SoftContact(const ArmSetup& arm, const SoftContactDesign& design);
 
  private:
   void decide(Eigen::Ref<Eigen::VectorXd> a) override;

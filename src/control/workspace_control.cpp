@@ -16,11 +16,10 @@ const WorkspaceControlDesign& checked(const WorkspaceControlDesign& design) {
 
 }  // namespace
 
-Hpfc::Hpfc(const TipChain& chain, const AccelerationControlDesign& acceleration,
-           const ArmTask& task, const WorkspaceControlDesign& design)
-    : ArmController(chain, acceleration, task),
+Hpfc::Hpfc(const ArmSetup& arm, const WorkspaceControlDesign& design)
+    : ArmController(arm),
       design_(checked(design)),
-      J_plus_(chain->joints(), chain->held()) {}
+      J_plus_(arm.chain->joints(), arm.chain->held()) {}
 
 void Hpfc::decide(Eigen::Ref<Eigen::VectorXd> a) {
   pseudo_inverse(J_, design_.singular_value_floor, J_plus_);
@@ -34,11 +33,10 @@ void Hpfc::decide(Eigen::Ref<Eigen::VectorXd> a) {
   }
 }
 
-Drac::Drac(const TipChain& chain, const AccelerationControlDesign& acceleration,
-           const ArmTask& task, const WorkspaceControlDesign& design)
-    : ArmController(chain, acceleration, task),
+Drac::Drac(const ArmSetup& arm, const WorkspaceControlDesign& design)
+    : ArmController(arm),
       design_(checked(design)),
-      J_plus_(chain->joints(), chain->held()) {}
+      J_plus_(arm.chain->joints(), arm.chain->held()) {}
 
 void Drac::decide(Eigen::Ref<Eigen::VectorXd> a) {
   pseudo_inverse(J_, design_.singular_value_floor, J_plus_);

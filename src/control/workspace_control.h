@@ -19,8 +19,7 @@ struct WorkspaceControlDesign {
 class Hpfc final : public ArmController {
  public:
   /// Throws std::invalid_argument if a gain is negative, and as ArmController does.
-  Hpfc(const TipChain& chain, const AccelerationControlDesign& acceleration, const ArmTask& task,
-       const WorkspaceControlDesign& design);
+  Hpfc(const ArmSetup& arm, const WorkspaceControlDesign& design);
 
  private:
   void decide(Eigen::Ref<Eigen::VectorXd> a) override;
@@ -35,8 +34,7 @@ class Hpfc final : public ArmController {
 class Drac final : public ArmController {
  public:
   /// Throws std::invalid_argument if a gain is negative, and as ArmController does.
-  Drac(const TipChain& chain, const AccelerationControlDesign& acceleration, const ArmTask& task,
-       const WorkspaceControlDesign& design);
+  Drac(const ArmSetup& arm, const WorkspaceControlDesign& design);
 
  private:
   void decide(Eigen::Ref<Eigen::VectorXd> a) override;

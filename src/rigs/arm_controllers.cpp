@@ -47,7 +47,7 @@ struct PfcSettings {
 
 template <typename Law, typename Design>
 std::unique_ptr<Controller> make_law(const ArmSetup& arm, const Design& design) {
-  return std::make_unique<Law>(arm.chain, arm.acceleration, arm.task, design);
+  return std::make_unique<Law>(arm, design);
 }
 
 struct Proposed {

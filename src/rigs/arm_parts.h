@@ -8,14 +8,6 @@
 
 namespace breakwater {
 
-/// The data for a controller of the arm, without the true properties of the arm and the wall.
-struct ArmSetup {
-  TipChain chain;                          ///< the nominal kinematics
-  AccelerationControlDesign acceleration;  ///< for the joints, with their observer
-  ArmTask task;                            ///< the task, and the time at which force control begins
-  double period_s = 0.0;                   ///< sampling period T_s
-};
-
 /// A controller of the arm and its name: key controller.name. It gets samples [q (n) [rad]; F_x
 /// [N]; F_x before the sensor's low-pass [N]] and writes n torques [N m]. F_x is positive when the
 /// tip presses towards +x. A class that derives from ArmController gives accelerations instead. It

@@ -218,7 +218,6 @@ struct TipPart {
     joints.torque_limit_Nm = task.limit;
     joints.make_observer = [estimator = std::move(estimator)] { return estimator; };
     joints.feed = feed;
-    joints.period_s = task.whole.period_s;
     arm.task.start_pose = arm.chain->tip_pose(arm.task.start_angles_rad);
     arm.task.k_posture = k_posture;
     const Reference& force = task.force.reference;

@@ -13,9 +13,7 @@ using breakwater::Fields;
 using breakwater::TipVector;
 
 MyController::MyController(const ArmSetup& arm, const MyControllerDesign& design)
-    : ArmController(arm.chain, arm.acceleration, arm.task),
-      design_(design),
-      J_plus_(arm.chain->joints(), 3) {
+    : ArmController(arm), design_(design), J_plus_(arm.chain->joints(), 3) {
   if (!(design.virtual_mass_kg > 0.0) || !(design.virtual_damping_Ns_m > 0.0) ||
       !(design.k_p >= 0.0) || !(design.singular_value_floor >= 0.0)) {
     throw std::invalid_argument(

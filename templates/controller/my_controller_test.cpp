@@ -34,14 +34,13 @@ breakwater::ArmSetup setup() {
   acceleration.make_observer = [J = acceleration.nominal_inertia_kgm2] {
     return breakwater::joint_idobs(J, {{-40, -43, -46}, {-41, -44, -47}, {-42, -45, -48}}, 1e-3);
   };
-  acceleration.period_s = 1e-3;
 
   breakwater::ArmTask task;
   task.start_angles_rad = Eigen::Vector3d(0.9, -1.8, 0.9);
   task.start_pose = chain.tip_pose(task.start_angles_rad);
   task.force_control_from_s = 6.0;
   task.force_reference_N = 2.0;
-  return {chain, acceleration, task, acceleration.period_s};
+  return {chain, acceleration, task, 1e-3};
 }
 
 // The arm goes from the stretched pose to the start angles, and then moves in free space.

@@ -16,7 +16,6 @@ AccelerationControlDesign design() {
   d.make_observer = [J = d.nominal_inertia_kgm2] {
     return joint_idobs(J, {{-40.0, -43.0, -46.0}, {-41.0, -44.0, -47.0}}, 1e-3);
   };
-  d.period_s = 1e-3;
   return d;
 }
 

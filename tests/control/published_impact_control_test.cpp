@@ -44,7 +44,7 @@ class PublishedImpactControl : public ::testing::Test, public testing::WallArm {
 
   template <typename Law, typename Design>
   Course run(const Design& design, double stiffness, double duration_s) const {
-    Law law(chain_, acceleration_, task_, design);
+    Law law(arm(), design);
     return WallArm::run(law, stiffness, duration_s);
   }
 };
@@ -58,7 +58,7 @@ TEST_F(PublishedImpactControl, TheEnergyControllerAsAFreeMassHasTheClosedFormsPe
   EnergyAdmittanceDesign design = energy();
   double mass = 0.0, speed = 0.0;
   {
-    EnergyAdmittance law(chain_, acceleration_, task_, design);
+    EnergyAdmittance law(arm(), design);
     WallArm::run(law, 1000.0, 0.01);
     mass = signal(law, "effective_mass_kg");
     speed = signal(law, "speed_cap_m_s");
@@ -77,7 +77,7 @@ TEST_F(PublishedImpactControl, TheEnergyControllerAsAFreeMassHasTheClosedFormsPe
           }(),
       0.01 * mass);
   design.admittance = {mass, 0.0};
-  EnergyAdmittance law(chain_, acceleration_, task_, design);
+  EnergyAdmittance law(arm(), design);
   const Course course = WallArm::run(law, 1000.0, 6.0);
   const double v = signal(law, "speed_cap_m_s");
   const double expected = 0.05 + std::sqrt(0.05 * 0.05 + 1000.0 * mass * v * v);
@@ -110,7 +110,7 @@ TEST_F(PublishedImpactControl, TheForceCorrectsAWrongPlaceAndAWrongStiffness) {
 // The depth has the lag of the force's filter, so a right wall and stiffness are hardly corrected.
 // The wall of the test has a damper of 10 N s/m: its impulse is that of 20 um.
 TEST_F(PublishedImpactControl, TheForcesLagDoesNotMoveAWallThatIsRight) {
-  ContactMpc law(chain_, acceleration_, task_, mpc());
+  ContactMpc law(arm(), mpc());
   EXPECT_GT(WallArm::run(law, 1000.0, 0.5).peak_N, 1.0);
   EXPECT_NEAR(signal(law, "wall_hat_m"), task_.wall_x_m, 2e-5);
 }
@@ -119,7 +119,7 @@ TEST_F(PublishedImpactControl, TheForcesLagDoesNotMoveAWallThatIsRight) {
 TEST_F(PublishedImpactControl, AResetStartsTheTaskAnew) {
   ContactMpcDesign design = mpc();
   design.wall_error_m = 0.004;
-  ContactMpc law(chain_, acceleration_, task_, design);
+  ContactMpc law(arm(), design);
   const Course first = WallArm::run(law, 1000.0, 1.0);
   const Course second = WallArm::run(law, 1000.0, 1.0);
   EXPECT_GT(first.peak_N, 0.5);
@@ -245,7 +245,7 @@ TEST_F(Program, TheVelocityAfterTheImpactIsThatOfARigidOne) {
 TEST_F(PublishedImpactControl, RefuseInvalidParameters) {
   const auto refuses = [&]<typename Law>(auto design, auto&& spoil) {
     spoil(design);
-    EXPECT_REFUSED(Law(chain_, acceleration_, task_, design));
+    EXPECT_REFUSED(Law(arm(), design));
   };
   const auto energy_refuses = [&](auto&& spoil) {
     refuses.operator()<EnergyAdmittance>(energy(), spoil);
@@ -265,21 +265,21 @@ TEST_F(PublishedImpactControl, RefuseInvalidParameters) {
   mpc_refuses([](auto& d) { d.acceleration_m_s2 = 0.0; });
   mpc_refuses([](auto& d) { d.wall_correction_per_s = -1.0; });
   task_.convert_gain_N_m = 20.0;
-  EXPECT_NO_THROW(Hpfc(chain_, acceleration_, task_, {}));
+  EXPECT_NO_THROW(Hpfc(arm(), {}));
   const auto gains_refuse = [&](auto&& spoil) {
     refuses.operator()<Hpfc>(WorkspaceControlDesign{}, spoil);
   };
   gains_refuse([](auto& d) { d.k_p = -1.0; });
   gains_refuse([](auto& d) { d.k_f = -1.0; });
   gains_refuse([](auto& d) { d.singular_value_floor = -0.02; });
-  EXPECT_REFUSED(ImplicitForcePfc(chain_, acceleration_, task_, {std::vector<PfcDesign>(2)}));
+  EXPECT_REFUSED(ImplicitForcePfc(arm(), {std::vector<PfcDesign>(2)}));
   task_.convert_gain_N_m = 0.0;
-  EXPECT_REFUSED(Drac(chain_, acceleration_, task_, {}));
+  EXPECT_REFUSED(Drac(arm(), {}));
   task_.convert_gain_N_m = 20.0;
   task_.wall_x_m = INFINITY;
   mpc_refuses([](auto&) {});
   task_.start_angles_rad = Eigen::Vector2d(0, 0);
-  EXPECT_REFUSED(Drac(chain_, acceleration_, task_, {}));
+  EXPECT_REFUSED(Drac(arm(), {}));
 }
 
 // Torque-limited soft contact: its formulas against integration, its estimators against true
@@ -429,7 +429,7 @@ class SoftContactLaw : public ::testing::Test, public testing::WallArm {
 
   // The result, and the estimated stiffness.
   std::pair<Course, double> run(double stiffness, double duration_s) {
-    SoftContact law(chain_, acceleration_, task_, design_);
+    SoftContact law(arm(), design_);
     const Course course = WallArm::run(law, stiffness, duration_s);
     EXPECT_EQ(signal(law, "phase"), 3.0);
     return {course, signal(law, "contact_stiffness_hat_N_m")};
@@ -462,7 +462,7 @@ TEST_F(SoftContactLaw, WithAHigherLimitIsFasterAndHitsHarder) {
 
 TEST_F(SoftContactLaw, HoldsItsPoseBeforeForceControl) {
   task_.force_control_from_s = 10.0;
-  SoftContact law(chain_, acceleration_, task_, design_);
+  SoftContact law(arm(), design_);
   Sample sample;
   sample.y.resize(5);
   sample.y << task_.start_angles_rad, 0.0, 0.0;
@@ -475,13 +475,13 @@ TEST_F(SoftContactLaw, HoldsItsPoseBeforeForceControl) {
 
 TEST_F(SoftContactLaw, RefusesInvalidParameters) {
   design_.wall_stiffness_N_m = 0.0;
-  EXPECT_REFUSED(SoftContact(chain_, acceleration_, task_, design_));
+  EXPECT_REFUSED(SoftContact(arm(), design_));
   design_.wall_stiffness_N_m = 1000.0;
   design_.peak_margin_N = 0.0;
-  EXPECT_REFUSED(SoftContact(chain_, acceleration_, task_, design_));
+  EXPECT_REFUSED(SoftContact(arm(), design_));
   design_.peak_margin_N = 2.2;
   design_.path.joints.pop_back();
-  EXPECT_REFUSED(SoftContact(chain_, acceleration_, task_, design_));
+  EXPECT_REFUSED(SoftContact(arm(), design_));
 }
 
 }  // namespace

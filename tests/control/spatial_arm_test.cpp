@@ -29,18 +29,15 @@ class KnownState final : public DisturbanceEstimator {
   Eigen::VectorXd none_;
 };
 
-struct Arm {
-  TipChain chain;
-  AccelerationControlDesign acceleration;
-  ArmTask task;
+struct Arm : ArmSetup {
   std::shared_ptr<KnownState> known;
 
   Arm(TipChain its_chain, const Eigen::VectorXd& start, double limit_Nm)
-      : chain(std::move(its_chain)), known(std::make_shared<KnownState>(start.size())) {
+      : ArmSetup{std::move(its_chain), {}, {}, kPeriod},
+        known(std::make_shared<KnownState>(start.size())) {
     acceleration.nominal_inertia_kgm2 = Eigen::VectorXd::Ones(start.size());
     acceleration.torque_limit_Nm = Eigen::VectorXd::Constant(start.size(), limit_Nm);
     acceleration.make_observer = [this] { return known; };
-    acceleration.period_s = kPeriod;
     task.start_angles_rad = start;
     task.start_pose = chain->tip_pose(start);
     task.force_reference_N = 2.0;
@@ -71,18 +68,15 @@ std::vector<std::unique_ptr<Controller>> controllers(const Arm& arm) {
   inverse.damping = 1e-4;
   const PathDesign path{Positioning::workspace, std::vector<PfcDesign>(joints), {}, {}};
   std::vector<std::unique_ptr<Controller>> all;
-  all.push_back(
-      std::make_unique<Hpfc>(arm.chain, arm.acceleration, arm.task, WorkspaceControlDesign{}));
-  all.push_back(
-      std::make_unique<Drac>(arm.chain, arm.acceleration, arm.task, WorkspaceControlDesign{}));
+  all.push_back(std::make_unique<Hpfc>(arm, WorkspaceControlDesign{}));
+  all.push_back(std::make_unique<Drac>(arm, WorkspaceControlDesign{}));
   all.push_back(std::make_unique<ImplicitForcePfc>(
-      arm.chain, arm.acceleration, arm.task,
+      arm,
       ImplicitForcePfcDesign{std::vector<PfcDesign>(joints), inverse, Positioning::workspace}));
-  all.push_back(std::make_unique<EnergyAdmittance>(arm.chain, arm.acceleration, arm.task,
-                                                   EnergyAdmittanceDesign{path, {}, {}, {}}));
+  all.push_back(std::make_unique<EnergyAdmittance>(arm, EnergyAdmittanceDesign{path, {}, {}, {}}));
   SoftContactDesign soft;
   soft.path = path;
-  all.push_back(std::make_unique<SoftContact>(arm.chain, arm.acceleration, arm.task, soft));
+  all.push_back(std::make_unique<SoftContact>(arm, soft));
   return all;
 }
 
@@ -134,8 +128,7 @@ TEST(SpatialArm, CoupledJointsKeepTheirLimits) {
       root * root.transpose() + 0.1 * Eigen::MatrixXd::Identity(7, 7);
   arm.task.k_posture = 0.0;
   const PathDesign path{Positioning::workspace, std::vector<PfcDesign>(7), {}, {}};
-  EnergyAdmittance law(arm.chain, arm.acceleration, arm.task,
-                       EnergyAdmittanceDesign{path, {}, {}, {}});
+  EnergyAdmittance law(arm, EnergyAdmittanceDesign{path, {}, {}, {}});
   for (int k = 0; k < 200; ++k) {
     const Eigen::VectorXd u =
         arm.torque(law, start + random.vector(7, 0.2), random.vector(7), 0.0, k * kPeriod);
@@ -177,7 +170,7 @@ TEST(SpatialArm, PostureMovesWithoutTheTip) {
   ASSERT_GT(away, 0.1);
   ASSERT_LT((chain->tip_pose(q) - arm.task.start_pose).norm(), 1e-12);
   arm.task.force_control_from_s = 1e9;
-  Drac law(arm.chain, arm.acceleration, arm.task, {});
+  Drac law(arm, {});
   Eigen::VectorXd dq = Eigen::VectorXd::Zero(7);
   constexpr double h = 1e-4;
   double largest = 0.0;

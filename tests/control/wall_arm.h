@@ -16,7 +16,6 @@ class WallArm {
     acceleration_.make_observer = [J = acceleration_.nominal_inertia_kgm2] {
       return joint_idobs(J, std::vector<PoleGroup>(3, {-150.0, -157.5, -165.0}), kPeriod);
     };
-    acceleration_.period_s = kPeriod;
     const double bend = std::acos(0.625);
     task_.start_angles_rad = Eigen::Vector3d(bend, -2 * bend, bend);
     task_.start_pose = chain_.tip_pose(task_.start_angles_rad);
@@ -29,6 +28,8 @@ class WallArm {
     path_.across.target_response_time_s = 0.2;
     approach_.target_response_time_s = 0.1;
   }
+
+  ArmSetup arm() const { return {chain_, acceleration_, task_, kPeriod}; }
 
   static double signal(const Controller& controller, const std::string& name) {
     return testing::signal(controller, name)(0);
