@@ -18,7 +18,7 @@ void check(const ImpactModel& impact, const Admittance& admittance) {
 }
 
 EnergyAdmittance::EnergyAdmittance(const ArmSetup& arm, const EnergyAdmittanceDesign& design)
-    : PathControl(arm, design.path), design_(design), approach_(design.approach) {
+    : PathControl(arm, design.path), design_(design) {
   check(design.impact, design.admittance);
   publish({"effective_mass_kg", "kg", "nominal effective mass of the tip along x", view(mass_kg_)});
   publish({"speed_cap_m_s", "m/s", "allowed impact velocity", view(speed_m_s_)});
@@ -31,7 +31,7 @@ double EnergyAdmittance::path_acceleration() {
   mass_kg_ = effective_mass_kg();
   speed_m_s_ = design_.impact.allowed_N(task().force_reference_N) /
                peak_per_speed_Ns_m(design_.impact.stiffness_N_m, mass_kg_);
-  return approach_.k_d() * (speed_m_s_ - velocity_[0]);
+  return design_.approach.k_d() * (speed_m_s_ - velocity_[0]);
 }
 
 }  // namespace breakwater

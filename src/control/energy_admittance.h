@@ -32,7 +32,7 @@ struct Admittance {
 
 struct EnergyAdmittanceDesign {
   PathDesign path;
-  PfcDesign approach;  ///< speed towards the wall
+  Pfc approach;  ///< speed towards the wall
   ImpactModel impact;
   Admittance admittance;
 };
@@ -51,7 +51,6 @@ class EnergyAdmittance final : public PathControl {
   double path_acceleration() override;
 
   EnergyAdmittanceDesign design_;
-  Pfc approach_;
   double speed_m_s_ = 0.0;
   double mass_kg_ = 0.0;
 };

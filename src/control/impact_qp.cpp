@@ -82,7 +82,6 @@ const Eigen::VectorXd& ImpactProgram::solve(const State& state) {
 ImpactQp::ImpactQp(const ArmSetup& arm, const ImpactQpDesign& design)
     : PathControl(arm, design.path),
       design_(design),
-      approach_(design.approach),
       program_(arm.chain->joints(), design),
       torque_limit_(arm.acceleration.torque_limit_Nm),
       lower_(Eigen::VectorXd::Zero(arm.chain->joints())),
@@ -102,7 +101,7 @@ ImpactQp::ImpactQp(const ArmSetup& arm, const ImpactQpDesign& design)
 double ImpactQp::path_acceleration() {
   along_wanted_ = touches() ? design_.admittance.acceleration_m_s2(
                                   task().force_reference_N - force_N_, velocity_[0])
-                            : approach_.k_d() * (design_.approach_speed_m_s - velocity_[0]);
+                            : design_.approach.k_d() * (design_.approach_speed_m_s - velocity_[0]);
   return along_wanted_;
 }
 

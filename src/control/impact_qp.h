@@ -8,7 +8,7 @@ namespace breakwater {
 
 struct ImpactQpDesign {
   PathDesign path;
-  PfcDesign approach;  ///< speed towards the wall
+  Pfc approach;  ///< speed towards the wall
   ImpactModel impact;
   Admittance admittance;
   double approach_speed_m_s = 0.5;  ///< v^ref of the task, before the constraints
@@ -90,7 +90,6 @@ class ImpactQp final : public PathControl {
   double path_acceleration() override;
 
   ImpactQpDesign design_;
-  Pfc approach_;
   ImpactProgram program_;
   Eigen::VectorXd torque_limit_;
   Eigen::VectorXd lower_, upper_;

@@ -16,7 +16,7 @@ enum class Positioning {
 };
 
 struct ImplicitForcePfcDesign {
-  std::vector<PfcDesign> joints;  ///< one per joint
+  std::vector<Pfc> joints;  ///< one per joint
   LmDesign inverse_kinematics;
   Positioning positioning = Positioning::joint;
 };
@@ -32,9 +32,8 @@ class ImplicitForcePfc final : public ArmController {
  private:
   void decide(Eigen::Ref<Eigen::VectorXd> a) override;
 
-  std::vector<Pfc> pfc_;
+  ImplicitForcePfcDesign design_;
   LmInverseKinematics inverse_kinematics_;
-  Positioning positioning_;
   Eigen::VectorXd q_ref_;
 };
 

@@ -25,13 +25,10 @@ PathControl::PathControl(const ArmSetup& arm, const PathDesign& design)
       recoil_(along_),
       wanted_(TipVector::Zero(arm.chain->held())),
       velocity_(wanted_),
-      positioning_(design.positioning),
-      joint_pfc_(design.joints.begin(), design.joints.end()),
-      hold_(design.hold),
-      across_(design.across),
+      path_(design),
       share_(along_),
       rest_(along_) {
-  refuse_unless(static_cast<Eigen::Index>(joint_pfc_.size()) == arm.chain->joints(),
+  refuse_unless(static_cast<Eigen::Index>(design.joints.size()) == arm.chain->joints(),
                 "path control: needs a PFC for each joint");
 }
 
@@ -43,15 +40,15 @@ void PathControl::decide(Eigen::Ref<Eigen::VectorXd> a) {
     touches_ = false;
   }
   measure_authority();
-  if (!force_control_ && positioning_ == Positioning::joint) {
+  if (!force_control_ && path_.positioning == Positioning::joint) {
     for (Eigen::Index i = 0; i < a.size(); ++i) {
-      a(i) = joint_pfc_[static_cast<std::size_t>(i)].acceleration(task().start_angles_rad(i),
-                                                                  q_hat_(i), dq_hat_(i));
+      a(i) = path_.joints[static_cast<std::size_t>(i)].acceleration(task().start_angles_rad(i),
+                                                                    q_hat_(i), dq_hat_(i));
     }
   } else {
     double along = force_control_
                        ? path_acceleration()
-                       : hold_.acceleration(task().start_pose[0], X_hat_[0], velocity_[0]);
+                       : path_.hold.acceleration(task().start_pose[0], X_hat_[0], velocity_[0]);
     along = is_possible_ ? std::clamp(along, lower_, upper_)
                          : std::clamp(along, -kLargest_m_s2, kLargest_m_s2);
     a = along_ * along + otherwise_;
@@ -66,7 +63,7 @@ void PathControl::look_along_path() {
   const TipVector& start = task().start_pose;
   wanted_ = -chain().tip_bias_acceleration(q_hat_, dq_hat_);
   for (Eigen::Index i = 1; i < start.size(); ++i) {
-    wanted_[i] += across_.acceleration(start[i], X_hat_[i], velocity_[i]);
+    wanted_[i] += path_.across.acceleration(start[i], X_hat_[i], velocity_[i]);
   }
   along_ = J_plus.col(0);
   multiply(J_plus, wanted_, otherwise_);

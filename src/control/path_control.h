@@ -11,9 +11,9 @@ namespace breakwater {
 
 struct PathDesign {
   Positioning positioning = Positioning::joint;  ///< before force control
-  std::vector<PfcDesign> joints;                 ///< positioning by joints
-  PfcDesign hold;                                ///< x at the start pose, along the path
-  PfcDesign across;                              ///< the other coordinates
+  std::vector<Pfc> joints;                       ///< positioning by joints
+  Pfc hold;                                      ///< x at the start pose, along the path
+  Pfc across;                                    ///< the other coordinates
 };
 
 /// The common part of the controllers that reach the wall on a path. A path acceleration a_x needs
@@ -61,9 +61,7 @@ class PathControl : public ArmController {
   void follow_contact();
   void measure_authority();
 
-  Positioning positioning_;
-  std::vector<Pfc> joint_pfc_;
-  Pfc hold_, across_;
+  PathDesign path_;
   Eigen::VectorXd share_, rest_;      // limited_part() of g and r
   double lower_ = 0.0, upper_ = 0.0;  // lo and hi
   bool is_possible_ = false;          // lo ≤ hi

@@ -26,6 +26,7 @@ struct PfcDesign {
 /// controller is u = k_p (s − q) − k_d q̇ (Eqs. 2.85, 2.86).
 class Pfc {
  public:
+  Pfc() : Pfc(PfcDesign()) {}
   /// Throws std::invalid_argument unless T_ref and T_s are positive and finite, 1 ≤ bases ≤ 3 and
   /// bases ≤ n. Each coincidence point must be at least one sample after the last one, and the
   /// first at least 2.

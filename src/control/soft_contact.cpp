@@ -103,8 +103,6 @@ double servo_speed(double way_m, double acceleration_m_s2, double lambda) {
 SoftContact::SoftContact(const ArmSetup& arm, const SoftContactDesign& design)
     : PathControl(arm, design.path),
       design_(design),
-      approach_(design.approach),
-      contact_(design.contact),
       elbow_(std::min<Eigen::Index>(1, inertia_.size() - 1)),
       elbow_inertia_(inertia_(elbow_)),
       stiffness_(arm.task.force_lag_s, arm.period_s) {
@@ -178,7 +176,7 @@ double SoftContact::approach_acceleration() {
                                   kDetection_s, design_.peak_margin_N + task().force_reference_N));
   speed_cap_m_s_ =
       speed_cap_m_s_ > 0.0 ? speed_cap_m_s_ + kSmoothing * (cap - speed_cap_m_s_) : cap;
-  return approach_.k_d() * (speed_cap_m_s_ - velocity_[0]);
+  return design_.approach.k_d() * (speed_cap_m_s_ - velocity_[0]);
 }
 
 void SoftContact::follow_stiffness() {
@@ -204,9 +202,10 @@ double SoftContact::contact_acceleration() const {
   // authority_(0) decelerates a forward motion and accelerates a backward one.
   const bool needs_braking = is_ahead == is_approaching;
   const double a = kAuthorityShare * authority_(needs_braking ? 0 : 1);
-  const double speed = servo_speed(std::abs(way_to_go_m_), a, contact_.k_p() / contact_.k_d());
+  const double speed =
+      servo_speed(std::abs(way_to_go_m_), a, design_.contact.k_p() / design_.contact.k_d());
   const double wanted = std::min(speed, std::max(speed_cap_m_s_, kSlowestInContact_m_s));
-  return contact_.k_d() * (std::copysign(wanted, way_to_go_m_) - velocity_[0]);
+  return design_.contact.k_d() * (std::copysign(wanted, way_to_go_m_) - velocity_[0]);
 }
 
 }  // namespace breakwater

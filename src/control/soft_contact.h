@@ -42,8 +42,8 @@ class ContactStiffness {
 
 struct SoftContactDesign {
   PathDesign path;
-  PfcDesign approach;                  ///< speed towards the wall
-  PfcDesign contact;                   ///< way to go
+  Pfc approach;                        ///< speed towards the wall
+  Pfc contact;                         ///< way to go
   double wall_stiffness_N_m = 1000.0;  ///< design stiffness K_d
   double peak_margin_N = 2.2;          ///< allowed excess of the peak over F^ref
 };
@@ -90,7 +90,6 @@ class SoftContact final : public PathControl {
   double contact_acceleration() const;
 
   SoftContactDesign design_;
-  Pfc approach_, contact_;
   Phase phase_ = Phase::positioning;
 
   // The elbow's inertia, from its momentum since the start of the approach.

@@ -30,25 +30,20 @@ struct PfcSettings {
     fields.count("controller.basis_functions", basis_functions, between(1, 3),
                  "basis functions of the PFC: 1 step; 2 step and ramp; 3 step, ramp and parabola");
   }
-  PfcDesign design(const char* key, double response_time_s, const ArmSetup& arm) const {
-    const PfcDesign design{response_time_s, arm.period_s, coincidence_points, basis_functions};
-    blame(key, [&] { Pfc made(design); });
-    return design;
+  Pfc make(const char* key, double response_time_s, const ArmSetup& arm) const {
+    return blame(key, [&] {
+      return Pfc({response_time_s, arm.period_s, coincidence_points, basis_functions});
+    });
   }
-  std::vector<PfcDesign> joints(const ArmSetup& arm) const {
-    std::vector<PfcDesign> designs;
+  std::vector<Pfc> joints(const ArmSetup& arm) const {
+    std::vector<Pfc> made;
     for (const double response_time_s :
          spread("controller.t_ref_s", t_ref_s, arm.chain->joints(), "joint")) {
-      designs.push_back(design("controller.t_ref_s", response_time_s, arm));
+      made.push_back(make("controller.t_ref_s", response_time_s, arm));
     }
-    return designs;
+    return made;
   }
 };
-
-template <typename Law, typename Design>
-std::unique_ptr<Controller> make_law(const ArmSetup& arm, const Design& design) {
-  return std::make_unique<Law>(arm, design);
-}
 
 struct Proposed {
   PfcSettings pfc;
@@ -70,12 +65,12 @@ struct Proposed {
                   "sugihara_damping (Eq. 2.66 with Sugihara's W_n), or sugihara (any number)");
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
-    std::vector<PfcDesign> joints = pfc.joints(arm);
+    std::vector<Pfc> joints = pfc.joints(arm);
     LmDesign kinematics = ik;
     kinematics.weights = spread("controller.ik_weights", ik_weights, arm.chain->held(),
                                 "of " + arm.chain->names() + ", which the arm can hold");
     blame("controller.ik_form", [&] { LmInverseKinematics(kinematics, arm.chain->joints()); });
-    return make_law<ImplicitForcePfc>(
+    return std::make_unique<ImplicitForcePfc>(
         arm, ImplicitForcePfcDesign{std::move(joints), kinematics, pfc.positioning});
   }
 };
@@ -90,7 +85,7 @@ struct DracSettings {
                   "singular values below this count as 0 in the pseudo-inverse");
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
-    return make_law<Drac>(arm, design);
+    return std::make_unique<Drac>(arm, design);
   }
 };
 
@@ -100,7 +95,7 @@ struct HpfcSettings : DracSettings {
     fields.number("controller.k_force", design.k_f, not_negative(), "K_phf: force gain");
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
-    return make_law<Hpfc>(arm, design);
+    return std::make_unique<Hpfc>(arm, design);
   }
 };
 
@@ -127,12 +122,12 @@ struct PathSettings {
     fields.number("controller.t_approach_s", approach_s, positive(),
                   "target response time of the speed towards the wall");
   }
-  PfcDesign approach(const ArmSetup& arm) const {
-    return pfc.design("controller.t_approach_s", approach_s, arm);
+  Pfc approach(const ArmSetup& arm) const {
+    return pfc.make("controller.t_approach_s", approach_s, arm);
   }
   PathDesign design(const ArmSetup& arm) const {
-    return {pfc.positioning, pfc.joints(arm), pfc.design("controller.t_hold_s", hold_s, arm),
-            pfc.design("controller.t_across_s", across_s, arm)};
+    return {pfc.positioning, pfc.joints(arm), pfc.make("controller.t_hold_s", hold_s, arm),
+            pfc.make("controller.t_across_s", across_s, arm)};
   }
 };
 
@@ -147,9 +142,9 @@ struct TlscSettings {
                   "target response time of the remaining distance in contact");
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
-    return make_law<SoftContact>(
+    return std::make_unique<SoftContact>(
         arm, SoftContactDesign{path.design(arm), path.approach(arm),
-                               path.pfc.design("controller.t_contact_s", contact_s, arm),
+                               path.pfc.make("controller.t_contact_s", contact_s, arm),
                                path.impact.stiffness_N_m, path.impact.peak_margin_N});
   }
 };
@@ -167,7 +162,7 @@ struct EnergySettings {
                            not_negative(), "D: damping of the admittance in contact");
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
-    return make_law<EnergyAdmittance>(
+    return std::make_unique<EnergyAdmittance>(
         arm, EnergyAdmittanceDesign{path.design(arm), path.approach(arm), path.impact, admittance});
   }
 };
@@ -194,7 +189,7 @@ struct ImpactQpSettings : EnergySettings {
     design.approach = path.approach(arm);
     design.impact = path.impact;
     design.admittance = admittance;
-    return make_law<ImpactQp>(arm, design);
+    return std::make_unique<ImpactQp>(arm, design);
   }
 };
 
@@ -227,7 +222,7 @@ struct ContactMpcSettings {
     ContactMpcDesign design = given;
     design.path = path.design(arm);
     design.impact = path.impact;
-    return make_law<ContactMpc>(arm, design);
+    return std::make_unique<ContactMpc>(arm, design);
   }
 };
 

@@ -272,7 +272,7 @@ TEST_F(PublishedImpactControl, RefuseInvalidParameters) {
   gains_refuse([](auto& d) { d.k_p = -1.0; });
   gains_refuse([](auto& d) { d.k_f = -1.0; });
   gains_refuse([](auto& d) { d.singular_value_floor = -0.02; });
-  EXPECT_REFUSED(ImplicitForcePfc(arm(), {std::vector<PfcDesign>(2)}));
+  EXPECT_REFUSED(ImplicitForcePfc(arm(), {std::vector<Pfc>(2)}));
   task_.convert_gain_N_m = 0.0;
   EXPECT_REFUSED(Drac(arm(), {}));
   task_.convert_gain_N_m = 20.0;
@@ -424,7 +424,7 @@ class SoftContactLaw : public ::testing::Test, public testing::WallArm {
   SoftContactLaw() {
     design_.path = path_;
     design_.approach = approach_;
-    design_.contact.target_response_time_s = 0.08;
+    design_.contact = Pfc({.target_response_time_s = 0.08});
   }
 
   // The result, and the estimated stiffness.

@@ -24,9 +24,9 @@ class WallArm {
     task_.force_lag_s = 0.05;
     task_.wall_x_m = task_.start_pose[0] + 0.05;
     path_.positioning = Positioning::workspace;
-    path_.joints.assign(3, PfcDesign{});
-    path_.across.target_response_time_s = 0.2;
-    approach_.target_response_time_s = 0.1;
+    path_.joints.assign(3, Pfc());
+    path_.across = Pfc({.target_response_time_s = 0.2});
+    approach_ = Pfc({.target_response_time_s = 0.1});
   }
 
   ArmSetup arm() const { return {chain_, acceleration_, task_, kPeriod}; }
@@ -88,7 +88,7 @@ class WallArm {
   AccelerationControlDesign acceleration_;
   ArmTask task_;
   PathDesign path_;
-  PfcDesign approach_;
+  Pfc approach_;
 };
 
 }  // namespace breakwater::testing
