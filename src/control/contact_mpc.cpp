@@ -29,7 +29,8 @@ LmpcDesign contact_problem(const ContactMpcDesign& design, double reference_N) {
   problem.R = Eigen::MatrixXd::Zero(1, 1);
   problem.S = r;
   const double bound = design.acceleration_m_s2;
-  const double deepest_m = design.impact.allowed_N(reference_N) / design.impact.stiffness_N_m;
+  const double deepest_m =
+      design.path.impact.allowed_N(reference_N) / design.path.impact.stiffness_N_m;
   problem.input_bounds.push_back({0, -bound, bound, first_steps(design.prediction_steps)});
   problem.state_bounds.push_back(
       {0, -kNoBound, deepest_m, spread_steps(design.prediction_steps, design.prediction_steps)});
@@ -42,7 +43,7 @@ ContactMpc::ContactMpc(const ArmSetup& arm, const ContactMpcDesign& design)
     : PathControl(arm, design.path),
       design_(design),
       samples_per_move_(samples_per_move(design.period_s, arm.period_s)),
-      lmpc_((check(design.impact, {}), contact_problem(design, arm.task.force_reference_N))),
+      lmpc_(contact_problem(design, arm.task.force_reference_N)),
       forget_(arm.task.force_lag_s > 0.0 ? math::exp(-arm.period_s / arm.task.force_lag_s) : 0.0),
       told_wall_x_m_(arm.task.wall_x_m + design.wall_error_m),
       wall_x_m_(told_wall_x_m_),
@@ -51,7 +52,7 @@ ContactMpc::ContactMpc(const ArmSetup& arm, const ContactMpcDesign& design)
       trajectory_(Eigen::VectorXd::Zero(2 * design.prediction_steps)) {
   refuse_unless(std::isfinite(wall_x_m_), "contact prediction: needs a wall whose place is known");
   for (Eigen::Index i = 0; i < trajectory_.size(); i += 2) {
-    trajectory_(i) = arm.task.force_reference_N / design.impact.stiffness_N_m;
+    trajectory_(i) = arm.task.force_reference_N / design.path.impact.stiffness_N_m;
   }
   publish({"wall_hat_m", "m", "x of the wall, told and corrected by the force", view(wall_x_m_)});
   publish({"qp_iterations", "1", "changes of the active set", view(iterations_)});
@@ -86,7 +87,7 @@ void ContactMpc::correct_wall(double depth_m) {
     return;
   }
   depth_f_m_ = forget_ * depth_f_m_ + (1.0 - forget_) * std::max(0.0, depth_m);
-  const double force_depth_m = force_N_ / design_.impact.stiffness_N_m;
+  const double force_depth_m = force_N_ / path().impact.stiffness_N_m;
   wall_x_m_ -= design_.wall_correction_per_s * period_s_ * (force_depth_m - depth_f_m_);
 }
 

@@ -1,14 +1,13 @@
 // Predictive control of a contact: the place and the stiffness of the wall are known.
 #pragma once
 
-#include <breakwater/control/energy_admittance.h>
 #include <breakwater/control/lmpc.h>
+#include <breakwater/control/path_control.h>
 
 namespace breakwater {
 
 struct ContactMpcDesign {
   PathDesign path;
-  ImpactModel impact;
   double period_s = 0.01;              ///< from one optimisation to the next
   int prediction_steps = 40;           ///< N_p = N_u
   double q_position = 1e6;             ///< weight on the depth's error [1/m²]

@@ -10,16 +10,14 @@ double peak_per_speed_Ns_m(double stiffness_N_m, double mass_kg) {
   return std::sqrt(stiffness_N_m * mass_kg);
 }
 
-void check(const ImpactModel& impact, const Admittance& admittance) {
-  refuse_unless(impact.stiffness_N_m > 0.0 && impact.peak_margin_N > 0.0,
-                "impact: the wall's stiffness and the margin must be positive");
+void check(const Admittance& admittance) {
   refuse_unless(admittance.mass_kg > 0.0 && admittance.damping_Ns_m >= 0.0,
                 "admittance: the mass must be positive, the damping not negative");
 }
 
 EnergyAdmittance::EnergyAdmittance(const ArmSetup& arm, const EnergyAdmittanceDesign& design)
     : PathControl(arm, design.path), design_(design) {
-  check(design.impact, design.admittance);
+  check(design.admittance);
   publish({"effective_mass_kg", "kg", "nominal effective mass of the tip along x", view(mass_kg_)});
   publish({"speed_cap_m_s", "m/s", "allowed impact velocity", view(speed_m_s_)});
 }
@@ -29,8 +27,8 @@ double EnergyAdmittance::path_acceleration() {
     return design_.admittance.acceleration_m_s2(task().force_reference_N - force_N_, velocity_[0]);
   }
   mass_kg_ = effective_mass_kg();
-  speed_m_s_ = design_.impact.allowed_N(task().force_reference_N) /
-               peak_per_speed_Ns_m(design_.impact.stiffness_N_m, mass_kg_);
+  speed_m_s_ = path().impact.allowed_N(task().force_reference_N) /
+               peak_per_speed_Ns_m(path().impact.stiffness_N_m, mass_kg_);
   return design_.approach.k_d() * (speed_m_s_ - velocity_[0]);
 }
 

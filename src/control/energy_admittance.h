@@ -5,15 +5,6 @@
 
 namespace breakwater {
 
-/// The numbers by which a controller limits the impact on a spring.
-struct ImpactModel {
-  double stiffness_N_m = 1000.0;  ///< K of the contact, as the controller knows it
-  double peak_margin_N = 2.2;     ///< allowed excess of the peak over F^ref
-
-  /// F_peak, for the reference F^ref [N].
-  double allowed_N(double reference_N) const { return reference_N + peak_margin_N; }
-};
-
 /// The largest force of a mass m that meets a spring of stiffness K at unit speed, without drive:
 /// √(K m) [N s/m]. The kinetic energy becomes that of the spring:
 /// ½ m v² = F²/(2 K).
@@ -33,7 +24,6 @@ struct Admittance {
 struct EnergyAdmittanceDesign {
   PathDesign path;
   Pfc approach;  ///< speed towards the wall
-  ImpactModel impact;
   Admittance admittance;
 };
 
@@ -43,8 +33,7 @@ struct EnergyAdmittanceDesign {
 /// docs/explanation/methods/published-impact-control.md.
 class EnergyAdmittance final : public PathControl {
  public:
-  /// Throws std::invalid_argument as the parts do, or if K, the margin or M is not positive or D is
-  /// negative.
+  /// Throws std::invalid_argument as the parts do, or if M is not positive or D is negative.
   EnergyAdmittance(const ArmSetup& arm, const EnergyAdmittanceDesign& design);
 
  private:
@@ -55,7 +44,7 @@ class EnergyAdmittance final : public PathControl {
   double mass_kg_ = 0.0;
 };
 
-/// Throws std::invalid_argument unless K, the margin and M are positive and D is not negative.
-void check(const ImpactModel& impact, const Admittance& admittance);
+/// Throws std::invalid_argument unless M is positive and D is not negative.
+void check(const Admittance& admittance);
 
 }  // namespace breakwater

@@ -23,7 +23,7 @@ QpModel first_model(Eigen::Index joints) {
 
 ImpactProgram::ImpactProgram(Eigen::Index joints, const ImpactQpDesign& design)
     : preview_s_(design.preview_s),
-      stiffness_N_m_(design.impact.stiffness_N_m),
+      stiffness_N_m_(design.path.impact.stiffness_N_m),
       bounce_(1.0 + design.restitution),
       posture_weight_(design.posture_weight),
       model_(first_model(joints)),
@@ -86,7 +86,7 @@ ImpactQp::ImpactQp(const ArmSetup& arm, const ImpactQpDesign& design)
       torque_limit_(arm.acceleration.torque_limit_Nm),
       lower_(Eigen::VectorXd::Zero(arm.chain->joints())),
       upper_(lower_) {
-  check(design.impact, design.admittance);
+  check(design.admittance);
   refuse_unless(
       design.approach_speed_m_s > 0.0 && design.preview_s > 0.0 && design.posture_weight > 0.0,
       "impact-aware control: the speed, the preview and the weight must be positive");
@@ -128,7 +128,7 @@ void ImpactQp::decide(Eigen::Ref<Eigen::VectorXd> a) {
        .mass_matrix = is_coupled ? &joints().mass_matrix() : nullptr,
        .recoil = is_coupled ? &recoil_ : nullptr,
        .mass_kg = mass_kg,
-       .force_limit_N = design_.impact.allowed_N(task().force_reference_N),
+       .force_limit_N = path().impact.allowed_N(task().force_reference_N),
        .foresees_impact = !touches() && X_hat_[0] >= task().start_pose[0] + design_.expected_from_m,
        .period_s = period_s_});
   foreseen_force_N_ = program_.foreseen_force_N();

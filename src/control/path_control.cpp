@@ -30,6 +30,8 @@ PathControl::PathControl(const ArmSetup& arm, const PathDesign& design)
       rest_(along_) {
   refuse_unless(static_cast<Eigen::Index>(design.joints.size()) == arm.chain->joints(),
                 "path control: needs a PFC for each joint");
+  refuse_unless(design.impact.stiffness_N_m > 0.0 && design.impact.peak_margin_N > 0.0,
+                "impact: the wall's stiffness and the margin must be positive");
 }
 
 void PathControl::decide(Eigen::Ref<Eigen::VectorXd> a) {

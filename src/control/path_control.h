@@ -9,11 +9,21 @@
 
 namespace breakwater {
 
+/// The numbers by which a controller limits the impact on a spring.
+struct ImpactModel {
+  double stiffness_N_m = 1000.0;  ///< K of the contact, as the controller knows it
+  double peak_margin_N = 2.2;     ///< allowed excess of the peak over F^ref
+
+  /// F_peak, for the reference F^ref [N].
+  double allowed_N(double reference_N) const { return reference_N + peak_margin_N; }
+};
+
 struct PathDesign {
   Positioning positioning = Positioning::joint;  ///< before force control
   std::vector<Pfc> joints;                       ///< positioning by joints
   Pfc hold;                                      ///< x at the start pose, along the path
   Pfc across;                                    ///< the other coordinates
+  ImpactModel impact;                            ///< limits the speed
 };
 
 /// The common part of the controllers that reach the wall on a path. A path acceleration a_x needs
@@ -25,7 +35,7 @@ struct PathDesign {
 /// clipped to [lo, hi], so that the others keep their torques. Then each joint is clipped.
 class PathControl : public ArmController {
  protected:
-  /// Throws std::invalid_argument as the parts do.
+  /// Throws std::invalid_argument as the parts do, or if K or the margin is not positive.
   PathControl(const ArmSetup& arm, const PathDesign& design);
 
   void restart() override { touches_ = false; }
@@ -34,6 +44,7 @@ class PathControl : public ArmController {
   /// a_x [m/s²] in force control, before it is clipped. Called once a sample.
   virtual double path_acceleration() = 0;
 
+  const PathDesign& path() const { return path_; }
   /// Whether the tip touches the wall. Contact begins at a raw force of 0.15 N. It ends with force
   /// control, or when raw and filtered force have been below this value for 80 ms.
   bool touches() const { return touches_; }

@@ -106,8 +106,6 @@ SoftContact::SoftContact(const ArmSetup& arm, const SoftContactDesign& design)
       elbow_(std::min<Eigen::Index>(1, inertia_.size() - 1)),
       elbow_inertia_(inertia_(elbow_)),
       stiffness_(arm.task.force_lag_s, arm.period_s) {
-  refuse_unless(design.wall_stiffness_N_m > 0.0 && design.peak_margin_N > 0.0,
-                "TLSC: the wall's stiffness and the margin must be positive");
   publish({"contact_stiffness_hat_N_m", "N/m", "K of the contact, estimated; 0: none yet",
            view(stiffness_N_m_)});
   publish({"way_to_go_m", "m", "epsilon = (F^ref - F)/K, in contact", view(way_to_go_m_)});
@@ -120,7 +118,7 @@ SoftContact::SoftContact(const ArmSetup& arm, const SoftContactDesign& design)
 void SoftContact::decide(Eigen::Ref<Eigen::VectorXd> a) {
   PathControl::decide(a);
   if (!force_control_) {
-    phase_ = design_.path.positioning == Positioning::joint ? Phase::positioning : Phase::hold;
+    phase_ = path().positioning == Positioning::joint ? Phase::positioning : Phase::hold;
   }
   // The impulse of the limited torque on the elbow until the next sample.
   elbow_impulse_ += (inertia_(elbow_) * a(elbow_) + d_hat_(elbow_)) * period_s_;
@@ -172,8 +170,8 @@ double SoftContact::approach_acceleration() {
       !joints().is_coupled() && approach_s_ >= kIdentifyFrom_s && velocity_[0] >= kIdentifyFrom_m_s;
   const double braking = is_identified ? braking_of_elbow(elbow_inertia_) : authority_(0);
   const double cap = std::max(
-      kSlowest_m_s, contact_speed(design_.wall_stiffness_N_m, braking, task().force_lag_s,
-                                  kDetection_s, design_.peak_margin_N + task().force_reference_N));
+      kSlowest_m_s, contact_speed(path().impact.stiffness_N_m, braking, task().force_lag_s,
+                                  kDetection_s, path().impact.allowed_N(task().force_reference_N)));
   speed_cap_m_s_ =
       speed_cap_m_s_ > 0.0 ? speed_cap_m_s_ + kSmoothing * (cap - speed_cap_m_s_) : cap;
   return design_.approach.k_d() * (speed_cap_m_s_ - velocity_[0]);

@@ -42,10 +42,8 @@ class ContactStiffness {
 
 struct SoftContactDesign {
   PathDesign path;
-  Pfc approach;                        ///< speed towards the wall
-  Pfc contact;                         ///< way to go
-  double wall_stiffness_N_m = 1000.0;  ///< design stiffness K_d
-  double peak_margin_N = 2.2;          ///< allowed excess of the peak over F^ref
+  Pfc approach;  ///< speed towards the wall
+  Pfc contact;   ///< way to go
 };
 
 /// The largest impact velocity v at a wall of stiffness K for which the peak behind the sensor's
@@ -77,7 +75,7 @@ class SoftContact final : public PathControl {
  public:
   enum class Phase { positioning, hold, approach, contact };
 
-  /// Throws std::invalid_argument as the parts do, or if K_d or the margin is not positive.
+  /// Throws std::invalid_argument as the parts do.
   SoftContact(const ArmSetup& arm, const SoftContactDesign& design);
 
  private:

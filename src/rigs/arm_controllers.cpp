@@ -127,7 +127,7 @@ struct PathSettings {
   }
   PathDesign design(const ArmSetup& arm) const {
     return {pfc.positioning, pfc.joints(arm), pfc.make("controller.t_hold_s", hold_s, arm),
-            pfc.make("controller.t_across_s", across_s, arm)};
+            pfc.make("controller.t_across_s", across_s, arm), impact};
   }
 };
 
@@ -144,8 +144,7 @@ struct TlscSettings {
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     return std::make_unique<SoftContact>(
         arm, SoftContactDesign{path.design(arm), path.approach(arm),
-                               path.pfc.make("controller.t_contact_s", contact_s, arm),
-                               path.impact.stiffness_N_m, path.impact.peak_margin_N});
+                               path.pfc.make("controller.t_contact_s", contact_s, arm)});
   }
 };
 
@@ -163,7 +162,7 @@ struct EnergySettings {
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     return std::make_unique<EnergyAdmittance>(
-        arm, EnergyAdmittanceDesign{path.design(arm), path.approach(arm), path.impact, admittance});
+        arm, EnergyAdmittanceDesign{path.design(arm), path.approach(arm), admittance});
   }
 };
 
@@ -187,7 +186,6 @@ struct ImpactQpSettings : EnergySettings {
     ImpactQpDesign design = given;
     design.path = path.design(arm);
     design.approach = path.approach(arm);
-    design.impact = path.impact;
     design.admittance = admittance;
     return std::make_unique<ImpactQp>(arm, design);
   }
@@ -221,7 +219,6 @@ struct ContactMpcSettings {
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     ContactMpcDesign design = given;
     design.path = path.design(arm);
-    design.impact = path.impact;
     return std::make_unique<ContactMpc>(arm, design);
   }
 };

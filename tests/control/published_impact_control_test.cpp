@@ -38,7 +38,7 @@ TEST(EnergySpeed, AFreeMassMeetsTheSpringWithTheAllowedPeak) {
 
 class PublishedImpactControl : public ::testing::Test, public testing::WallArm {
  protected:
-  EnergyAdmittanceDesign energy() const { return {path_, approach_, {}, {}}; }
+  EnergyAdmittanceDesign energy() const { return {path_, approach_, {}}; }
   ImpactQpDesign qp() const { return {.path = path_, .approach = approach_}; }
   ContactMpcDesign mpc() const { return {.path = path_}; }
 
@@ -252,8 +252,8 @@ TEST_F(PublishedImpactControl, RefuseInvalidParameters) {
   };
   energy_refuses([](auto& d) { d.admittance.mass_kg = 0.0; });
   energy_refuses([](auto& d) { d.admittance.damping_Ns_m = -1.0; });
-  energy_refuses([](auto& d) { d.impact.stiffness_N_m = 0.0; });
-  energy_refuses([](auto& d) { d.impact.peak_margin_N = 0.0; });
+  energy_refuses([](auto& d) { d.path.impact.stiffness_N_m = 0.0; });
+  energy_refuses([](auto& d) { d.path.impact.peak_margin_N = 0.0; });
   const auto program_refuses = [&](auto&& spoil) { refuses.operator()<ImpactQp>(qp(), spoil); };
   program_refuses([](auto& d) { d.restitution = 1.5; });
   program_refuses([](auto& d) { d.restitution = -0.1; });
@@ -447,14 +447,14 @@ TEST_F(SoftContactLaw, MeetsAWallOnceAndPressesWithTheReference) {
     EXPECT_NEAR(found_N_m, stiffness, 0.1 * stiffness);
     EXPECT_LT(course.across, 5e-4);
     if (stiffness <= 1000.0) {
-      EXPECT_LT(course.peak_N, task_.force_reference_N + design_.peak_margin_N);
+      EXPECT_LT(course.peak_N, task_.force_reference_N + design_.path.impact.peak_margin_N);
     }
   }
 }
 
 TEST_F(SoftContactLaw, WithAHigherLimitIsFasterAndHitsHarder) {
   const Course soft = run(1000.0, 2.0).first;
-  design_.peak_margin_N = 5.0;
+  design_.path.impact.peak_margin_N = 5.0;
   const Course hard = run(1000.0, 2.0).first;
   EXPECT_LT(hard.free_s, 0.9 * soft.free_s);
   EXPECT_GT(hard.peak_N, 1.2 * soft.peak_N);
@@ -474,12 +474,12 @@ TEST_F(SoftContactLaw, HoldsItsPoseBeforeForceControl) {
 }
 
 TEST_F(SoftContactLaw, RefusesInvalidParameters) {
-  design_.wall_stiffness_N_m = 0.0;
+  design_.path.impact.stiffness_N_m = 0.0;
   EXPECT_REFUSED(SoftContact(arm(), design_));
-  design_.wall_stiffness_N_m = 1000.0;
-  design_.peak_margin_N = 0.0;
+  design_.path.impact.stiffness_N_m = 1000.0;
+  design_.path.impact.peak_margin_N = 0.0;
   EXPECT_REFUSED(SoftContact(arm(), design_));
-  design_.peak_margin_N = 2.2;
+  design_.path.impact.peak_margin_N = 2.2;
   design_.path.joints.pop_back();
   EXPECT_REFUSED(SoftContact(arm(), design_));
 }
