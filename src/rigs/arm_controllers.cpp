@@ -75,27 +75,20 @@ struct Proposed {
   }
 };
 
-struct DracSettings {
-  WorkspaceControlDesign design;
+template <WorkspaceLaw law>
+struct WorkspaceSettings {
+  WorkspaceControlDesign design{.law = law};
 
   void bind(Fields& fields) {
     fields.number("controller.k_position", design.k_p, not_negative(),
                   "K_p: position gain K_phx or K_px; the velocity gain is 2 sqrt(K_p) [1/s^2]");
     fields.number("controller.singular_value_floor", design.singular_value_floor, not_negative(),
                   "singular values below this count as 0 in the pseudo-inverse");
-  }
-  std::unique_ptr<Controller> make(const ArmSetup& arm) const {
-    return std::make_unique<Drac>(arm, design);
-  }
-};
-
-struct HpfcSettings : DracSettings {
-  void bind(Fields& fields) {
-    DracSettings::bind(fields);
+    if (law == WorkspaceLaw::drac) return;
     fields.number("controller.k_force", design.k_f, not_negative(), "K_phf: force gain");
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
-    return std::make_unique<Hpfc>(arm, design);
+    return std::make_unique<WorkspaceControl>(arm, design);
   }
 };
 
@@ -229,9 +222,9 @@ std::vector<ArmControllerKind> arm_controllers() {
   return {{"proposed", "implicit force control over torque-limited PFC joints (2.4.2)",
            &Proposed::make},
           {"hpfc", "hybrid position/force control by acceleration control (2.4.3.1)",
-           &HpfcSettings::make},
+           &WorkspaceSettings<WorkspaceLaw::hpfc>::make},
           {"drac", "resolved acceleration control with implicit force control (2.4.3.1)",
-           &DracSettings::make},
+           &WorkspaceSettings<WorkspaceLaw::drac>::make},
           {"tlsc", "torque-limited soft contact: as fast as the torques can still stop the arm",
            &TlscSettings::make},
           {"energy_admittance", "approach with the speed of an allowed impact, then admittance",

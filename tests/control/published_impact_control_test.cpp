@@ -265,21 +265,21 @@ TEST_F(PublishedImpactControl, RefuseInvalidParameters) {
   mpc_refuses([](auto& d) { d.acceleration_m_s2 = 0.0; });
   mpc_refuses([](auto& d) { d.wall_correction_per_s = -1.0; });
   task_.convert_gain_N_m = 20.0;
-  EXPECT_NO_THROW(Hpfc(arm(), {}));
+  EXPECT_NO_THROW(WorkspaceControl(arm(), {}));
   const auto gains_refuse = [&](auto&& spoil) {
-    refuses.operator()<Hpfc>(WorkspaceControlDesign{}, spoil);
+    refuses.operator()<WorkspaceControl>(WorkspaceControlDesign{}, spoil);
   };
   gains_refuse([](auto& d) { d.k_p = -1.0; });
   gains_refuse([](auto& d) { d.k_f = -1.0; });
   gains_refuse([](auto& d) { d.singular_value_floor = -0.02; });
   EXPECT_REFUSED(ImplicitForcePfc(arm(), {std::vector<Pfc>(2)}));
   task_.convert_gain_N_m = 0.0;
-  EXPECT_REFUSED(Drac(arm(), {}));
+  EXPECT_REFUSED(WorkspaceControl(arm(), {}));
   task_.convert_gain_N_m = 20.0;
   task_.wall_x_m = INFINITY;
   mpc_refuses([](auto&) {});
   task_.start_angles_rad = Eigen::Vector2d(0, 0);
-  EXPECT_REFUSED(Drac(arm(), {}));
+  EXPECT_REFUSED(WorkspaceControl(arm(), {}));
 }
 
 // Torque-limited soft contact: its formulas against integration, its estimators against true

@@ -68,8 +68,9 @@ std::vector<std::unique_ptr<Controller>> controllers(const Arm& arm) {
   inverse.damping = 1e-4;
   const PathDesign path{Positioning::workspace, std::vector<Pfc>(joints), {}, {}, {}};
   std::vector<std::unique_ptr<Controller>> all;
-  all.push_back(std::make_unique<Hpfc>(arm, WorkspaceControlDesign{}));
-  all.push_back(std::make_unique<Drac>(arm, WorkspaceControlDesign{}));
+  for (const WorkspaceLaw law : {WorkspaceLaw::hpfc, WorkspaceLaw::drac}) {
+    all.push_back(std::make_unique<WorkspaceControl>(arm, WorkspaceControlDesign{.law = law}));
+  }
   all.push_back(std::make_unique<ImplicitForcePfc>(
       arm, ImplicitForcePfcDesign{std::vector<Pfc>(joints), inverse, Positioning::workspace}));
   all.push_back(std::make_unique<EnergyAdmittance>(arm, EnergyAdmittanceDesign{path, {}, {}}));
@@ -169,7 +170,7 @@ TEST(SpatialArm, PostureMovesWithoutTheTip) {
   ASSERT_GT(away, 0.1);
   ASSERT_LT((chain->tip_pose(q) - arm.task.start_pose).norm(), 1e-12);
   arm.task.force_control_from_s = 1e9;
-  Drac law(arm, {});
+  WorkspaceControl law(arm, {});
   Eigen::VectorXd dq = Eigen::VectorXd::Zero(7);
   constexpr double h = 1e-4;
   double largest = 0.0;
