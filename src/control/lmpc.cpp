@@ -93,9 +93,7 @@ Lmpc::Lmpc(const LmpcDesign& design)
       solution_(solver_->model().H.rows(), solver_->model().Omega.rows()),
       free_(Eigen::VectorXd::Zero(prediction_.Psi.rows())),
       errors_(free_),
-      change_(Eigen::VectorXd::Zero(inputs())),
-      first_change_(first_step(design.change_bounds, inputs())),
-      first_input_(first_step(design.input_bounds, inputs())) {
+      change_(Eigen::VectorXd::Zero(inputs())) {
   refuse_unless(design.on_infeasible != OnInfeasible::soften || design.softness > 0.0,
                 "predictive control: the softness must be positive");
 }
@@ -165,18 +163,6 @@ void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eig
   }
 }
 
-// The intersection of all bounds on the first step.
-Lmpc::Range Lmpc::first_step(const std::vector<PredictedBound>& bounds, Eigen::Index width) {
-  Range range{Eigen::VectorXd::Constant(width, -kNoBound),
-              Eigen::VectorXd::Constant(width, kNoBound)};
-  for (const PredictedBound& bound : bounds) {
-    if (std::find(bound.steps.begin(), bound.steps.end(), 0) == bound.steps.end()) continue;
-    range.lower(bound.component) = std::max(range.lower(bound.component), bound.lower);
-    range.upper(bound.component) = std::min(range.upper(bound.component), bound.upper);
-  }
-  return range;
-}
-
 void Lmpc::reset() {
   solver_->reset();
   softened_bounds_ = 0;
@@ -215,12 +201,21 @@ const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x
     ++statistics_.capped;
     // Keeps the violations of Hildreth's method visible.
     if (design_.solver == QpSolverKind::active_set) {
-      change_ = change_.cwiseMax(first_change_.lower).cwiseMin(first_change_.upper);
-      change_ = change_.cwiseMax(first_input_.lower - last_input - reserved)
-                    .cwiseMin(first_input_.upper - last_input - reserved);
+      clip(RowKind::change);
+      clip(RowKind::input);
     }
   }
   return change_;
+}
+
+// Moves Δu(k) into the rows of this kind at the first step.
+void Lmpc::clip(RowKind kind) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (rows_[i].kind != kind || rows_[i].step != 0) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    double& change = change_(rows_[i].component);
+    change = std::clamp(change, input_.lower(row), input_.upper(row));
+  }
 }
 
 // g = Θᵀ Q̅ (Ψ x + Γ u − T_ref) + C_2ᵀ S̅ C_1 u.

@@ -111,10 +111,6 @@ class Lmpc {
   /// Number of softened state bounds in the last optimisation, plus one if those on Δu were.
   int softened_bounds() const { return softened_bounds_; }
 
-  /// The bounds on component `i` of u(k).
-  double first_input_lower(Eigen::Index i) const { return first_input_.lower(i); }
-  double first_input_upper(Eigen::Index i) const { return first_input_.upper(i); }
-
   /// Whether some ΔU satisfies the bounds on u and Δu, starting from u(k−1).
   bool inputs_are_feasible(const Eigen::Ref<const Eigen::VectorXd>& last_input) const;
 
@@ -137,11 +133,6 @@ class Lmpc {
     std::size_t bound;  // index among the bounds of its kind
   };
 
-  struct Range {
-    Eigen::VectorXd lower;
-    Eigen::VectorXd upper;
-  };
-
   QpModel make_model();
   void add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eigen::Index width);
   void set_slope(const Eigen::Ref<const Eigen::VectorXd>& x,
@@ -152,7 +143,7 @@ class Lmpc {
   void solve();
   void soften();
   void give_way(RowKind kind, std::size_t bound);
-  static Range first_step(const std::vector<PredictedBound>& bounds, Eigen::Index width);
+  void clip(RowKind kind);
 
   LmpcDesign design_;
   Prediction prediction_;
@@ -166,8 +157,6 @@ class Lmpc {
   Eigen::VectorXd free_;    // Ψ x + Γ u
   Eigen::VectorXd errors_;  // free_ − T_ref
   Eigen::VectorXd change_;
-  Range first_change_;  // bounds on Δu(k)
-  Range first_input_;   // bounds on u(k)
   int softened_bounds_ = 0;
   int iterations_ = 0;      // in this optimisation
   double elapsed_s_ = 0.0;  // time of this optimisation's solves

@@ -63,9 +63,13 @@ double PredictiveControl::input(const Sample&) {
     kkt_residual_ = lmpc_.solution().kkt_residual;
   }
   if (cancels && (decides || design_.cancel_at == CancelAt::sample)) cancelled_ = disturbance();
-  const double u = cancels ? planned_input_(0) + cancelled_ : planned_input_(0);
-  if (design_.disturbance_use != DisturbanceUse::cancel_within_bounds) return u;
-  return std::clamp(u, lmpc_.first_input_lower(0), lmpc_.first_input_upper(0));
+  double u = cancels ? planned_input_(0) + cancelled_ : planned_input_(0);
+  if (design_.disturbance_use == DisturbanceUse::cancel_within_bounds) {
+    for (const PredictedBound& bound : design_.lmpc.input_bounds) {
+      u = std::clamp(u, bound.lower, bound.upper);
+    }
+  }
+  return u;
 }
 
 }  // namespace breakwater
