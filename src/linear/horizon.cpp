@@ -30,7 +30,7 @@ void check(const Horizon& horizon) {
 
 namespace {
 
-// Sweeps for n states and one input. Plain arrays keep the compiler's work small.
+// Sweeps for n states and one input.
 template <int n>
 class Sweeps final : public HorizonSweeps {
  public:
@@ -41,15 +41,15 @@ class Sweeps final : public HorizonSweeps {
         A_squared_transposed_(A_squared_.transpose()),
         Q_(horizon.Q),
         Q_last_(horizon.Q_last),
-        B_(State::of(horizon.B.data())),
-        AB_(State::of(Eigen::MatrixXd(horizon.A * horizon.B).data())),
+        B_(horizon.B),
+        AB_(Eigen::MatrixXd(horizon.A * horizon.B)),
         R_(horizon.R(0, 0)),
         S_(horizon.S(0, 0)),
         prediction_steps_(horizon.prediction_steps),
         control_steps_(horizon.control_steps),
         changes_(static_cast<std::size_t>(control_steps_)),
         inputs_(static_cast<std::size_t>(prediction_steps_)),
-        states_(static_cast<std::size_t>(prediction_steps_)),
+        states_(static_cast<std::size_t>(prediction_steps_), State::Zero()),
         change_forces_(changes_),
         input_forces_(inputs_),
         state_forces_(states_) {
@@ -63,7 +63,7 @@ class Sweeps final : public HorizonSweeps {
           add_row(inputs_[step], input_forces_[step]);
           break;
         case Horizon::RowKind::state:
-          add_row(states_[step - 1].x[row.component], state_forces_[step - 1].x[row.component]);
+          add_row(states_[step - 1](row.component), state_forces_[step - 1](row.component));
           break;
       }
     }
@@ -79,7 +79,7 @@ class Sweeps final : public HorizonSweeps {
   void gradient(const Eigen::VectorXd& changes, const Eigen::VectorXd& mu,
                 Eigen::VectorXd& gradient) override {
     roll_out(changes.data());
-    weigh(states_.front().x);
+    weigh(states_.front().data());
     for (std::size_t i = 0; i < changes_.size(); ++i) {
       change_forces_[i] = R_ * changes_[i];
       input_forces_[i] = S_ != 0.0 ? S_ * inputs_[i] : 0.0;
@@ -93,10 +93,10 @@ class Sweeps final : public HorizonSweeps {
   void free_response(const Eigen::Ref<const Eigen::VectorXd>& x,
                      const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::VectorXd& states) override {
     const State push = B_ * u(0);
-    State now = State::of(x.data());
+    State now = x;
     for (int i = 0; i < prediction_steps_; ++i) {
       now = A_ * now + push;
-      std::copy_n(now.x, n, states.data() + n * i);
+      states.segment<n>(n * i) = now;
     }
   }
 
@@ -109,25 +109,7 @@ class Sweeps final : public HorizonSweeps {
   }
 
  private:
-  struct State {
-    double x[n];
-
-    static State of(const double* numbers) {
-      State state;
-      std::copy_n(numbers, n, state.x);
-      return state;
-    }
-    State operator+(const State& other) const {
-      State sum;
-      for (int i = 0; i < n; ++i) sum.x[i] = x[i] + other.x[i];
-      return sum;
-    }
-    State operator*(double factor) const {
-      State product;
-      for (int i = 0; i < n; ++i) product.x[i] = x[i] * factor;
-      return product;
-    }
-  };
+  using State = Eigen::Matrix<double, n, 1>;
 
   struct Square {
     double M[n * n];
@@ -135,7 +117,7 @@ class Sweeps final : public HorizonSweeps {
     explicit Square(const Eigen::MatrixXd& matrix) { std::copy_n(matrix.data(), n * n, M); }
     State operator*(const State& state) const {
       State product;
-      multiply<n>(M, state.x, product.x);
+      multiply<n>(M, state.data(), product.data());
       return product;
     }
     Eigen::MatrixXd transpose() const {
@@ -157,7 +139,7 @@ class Sweeps final : public HorizonSweeps {
       if (i < control_steps_) input += changes[i];
       inputs_[i] = input;
     }
-    State x = {};
+    State x = State::Zero();
     int i = 0;
     for (; i + 2 <= prediction_steps_; i += 2) {
       const State push = AB_ * inputs_[i] + B_ * inputs_[i + 1];
@@ -170,9 +152,9 @@ class Sweeps final : public HorizonSweeps {
   // state_forces_ = Q̅ states.
   void weigh(const double* states) {
     for (int i = 0; i + 1 < prediction_steps_; ++i, states += n) {
-      multiply<n>(Q_.M, states, state_forces_[i].x);
+      multiply<n>(Q_.M, states, state_forces_[i].data());
     }
-    multiply<n>(Q_last_.M, states, state_forces_.back().x);
+    multiply<n>(Q_last_.M, states, state_forces_.back().data());
   }
 
   // The gradient with respect to ΔU, from those with respect to changes, inputs and states (the
@@ -195,7 +177,7 @@ class Sweeps final : public HorizonSweeps {
 
     double sum = 0.0;
     for (i = prediction_steps_ - 1; i >= 0; --i) {
-      sum += dot<n>(B_.x, adjoint[i].x);
+      sum += dot<n>(B_.data(), adjoint[i].data());
       if (i >= control_steps_) continue;
       sum += input_forces_[i];
       gradient[i] = change_forces_[i] + sum;
