@@ -1,7 +1,9 @@
 #include <breakwater/linear/riccati.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -12,7 +14,6 @@
 #include <string>
 
 #include <breakwater/linear/eigenvalues.h>
-#include <breakwater/linear/state_space.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/math/refuse_unless.h>
 

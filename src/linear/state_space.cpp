@@ -70,10 +70,4 @@ void check_observable(const char* design, const Eigen::MatrixXd& A, const Eigen:
                               std::to_string(rank) + " of " + std::to_string(A.rows()) + ")");
 }
 
-double smallest_pivot(const Eigen::MatrixXd& matrix) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(matrix);
-  const auto pivots = qr.matrixQR().diagonal().cwiseAbs();
-  return qr.maxPivot() > 0.0 ? pivots(pivots.size() - 1) / qr.maxPivot() : 0.0;
-}
-
 }  // namespace breakwater

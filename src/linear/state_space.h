@@ -37,7 +37,4 @@ Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd&
 /// has the rank.
 void check_observable(const char* design, const Eigen::MatrixXd& A, const Eigen::MatrixXd& C);
 
-/// The smallest pivot of a matrix with at least as many columns as rows, relative to the largest.
-double smallest_pivot(const Eigen::MatrixXd& matrix);
-
 }  // namespace breakwater
