@@ -183,7 +183,8 @@ double reach(const Matrix& A, const Matrix& B, std::complex<double> mode) {
     real.block(block * n, (1 - block) * width, n, n).diagonal().array() =
         block == 0 ? mode.imag() : -mode.imag();
   }
-  return smallest_pivot(real);
+  const Eigen::ColPivHouseholderQR<Matrix> qr(real);
+  return qr.maxPivot() > 0.0 ? std::abs(qr.matrixQR()(2 * n - 1, 2 * n - 1)) / qr.maxPivot() : 0.0;
 }
 
 // Names the mode that allows no stabilising solution.
@@ -228,25 +229,18 @@ bool is_positive_semidefinite(const Eigen::MatrixXd& matrix) {
   if (matrix.size() == 0 || !is_symmetric(matrix)) return false;
   if (matrix.diagonal().minCoeff() < 0.0) return false;
   const Eigen::VectorXd root = matrix.diagonal().cwiseSqrt();
-  Eigen::MatrixXd rest = matrix;  // with a diagonal of ones
+  Eigen::MatrixXd scaled = matrix;  // with a diagonal of ones
   for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
     for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-      if (rest(i, j) == 0.0) continue;
+      if (scaled(i, j) == 0.0) continue;
       if (root(i) == 0.0) return false;
-      rest(i, j) = rest(i, j) / root(i) / root(j);
+      scaled(i, j) = scaled(i, j) / root(i) / root(j);
     }
   }
-  // Elimination by the largest pivot leaves nothing but rounding.
   const double rounding = kSymmetric * static_cast<double>(matrix.rows());
-  for (;;) {
-    Eigen::Index i = 0;
-    const double pivot = rest.diagonal().maxCoeff(&i);
-    if (!(pivot > rounding)) return rest.cwiseAbs().maxCoeff() <= rounding;
-    const Eigen::VectorXd column = rest.col(i);
-    for (Eigen::Index j = 0; j < rest.cols(); ++j) rest.col(j) -= column(j) / pivot * column;
-    rest.col(i).setZero();
-    rest.row(i).setZero();
-  }
+  if (!(scaled.cwiseAbs().maxCoeff() <= 1.0 + rounding)) return false;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(scaled, Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues().minCoeff() >= -rounding;
 }
 
 Eigen::MatrixXd solve_dare(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
