@@ -114,7 +114,7 @@ struct ActiveSetQp::Small {
 };
 
 ActiveSetQp::ActiveSetQp(const QpModel& model, int max_changes)
-    : factors_(model),
+    : QpSolver(model),
       small_(Small::of(factors_.variables())),
       max_changes_(max_changes),
       factor_(factors_.rows()),
@@ -176,26 +176,19 @@ void ActiveSetQp::reset() {
   factor_.clear();
 }
 
-void ActiveSetQp::solve(const QpInput& input, QpSolution& solution) {
-  solution.iterations = 0;
-  solution.status = QpFactors::examine(input);
-  if (solution.status == QpStatus::not_finite) {
-    reset();
-    return solution.set_nothing(QpStatus::not_finite);
-  }
-  const bool empty = solution.status == QpStatus::infeasible;  // a lower bound above its upper one
-  if (empty) reset();
+void ActiveSetQp::find(const QpInput& input, bool is_empty, QpSolution& solution) {
+  if (is_empty) reset();
   take_over(input);
   const bool warm = active_count() > 0;
   attempt(input, solution);
-  if (empty) solution.status = QpStatus::infeasible;
+  if (is_empty) solution.status = QpStatus::infeasible;
   // The warm start may be the reason for a failure.
   if (warm && solution.status != QpStatus::solved) {
     reset();
     attempt(input, solution);
   }
   if (solution.status == QpStatus::solved) return;
-  if (!empty && !(solution.status == QpStatus::infeasible && is_proven(input))) {
+  if (!is_empty && !(solution.status == QpStatus::infeasible && is_proven(input))) {
     reset();
     is_careful_ = true;
     orthogonal_.clear(softness_);
@@ -203,8 +196,8 @@ void ActiveSetQp::solve(const QpInput& input, QpSolution& solution) {
     is_careful_ = false;
   }
   reset();
-  if (empty) solution.mu.setZero();
-  if (solution.status == QpStatus::infeasible && !empty) solution.mu = proof_;
+  if (is_empty) solution.mu.setZero();
+  if (solution.status == QpStatus::infeasible && !is_empty) solution.mu = proof_;
   if (!(solution.z.allFinite() && solution.mu.allFinite())) {
     solution.set_nothing(solution.status);
   }

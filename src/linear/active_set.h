@@ -42,9 +42,7 @@ class ActiveSetQp final : public QpSolver {
   /// std::invalid_argument as make_qp_solver() does.
   ActiveSetQp(const QpModel& model, int max_changes);
 
-  void solve(const QpInput& input, QpSolution& solution) override;
   void reset() override;
-  const QpModel& model() const override { return factors_.model; }
 
   /// Changes the matrices between two solves. They have the sizes of the first ones; H is symmetric
   /// positive definite, which is not checked. The next solve starts from the last working set.
@@ -84,6 +82,7 @@ class ActiveSetQp final : public QpSolver {
     return factors_.model.Omega.data() + row * factors_.variables();
   }
 
+  void find(const QpInput& input, bool is_empty, QpSolution& solution) override;
   void derive();
   void take_over(const QpInput& input);
   void attempt(const QpInput& input, QpSolution& solution);
@@ -118,7 +117,6 @@ class ActiveSetQp final : public QpSolver {
   void remove(Eigen::Index position);
   void leave(Eigen::Index position);
 
-  QpFactors factors_;
   const Small* small_;        // products for this number of variables; nullptr: it is not small
   double largest_row_ = 0.0;  // ‖Ω‖∞
   int max_changes_;

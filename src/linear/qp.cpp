@@ -163,7 +163,7 @@ void QpFactors::factor() {
   gram.noalias() = half_.transpose() * half_;
 }
 
-QpStatus QpFactors::examine(const QpInput& input) {
+void QpSolver::solve(const QpInput& input, QpSolution& solution) {
   bool is_finite = true;
   bool is_possible = true;
   for (Eigen::Index j = 0; j < input.g.size(); ++j) is_finite &= std::abs(input.g(j)) < kNoBound;
@@ -175,8 +175,10 @@ QpStatus QpFactors::examine(const QpInput& input) {
     is_finite &= input.softness(i) < kNoBound;
     is_possible &= input.lower(i) <= input.upper(i);
   }
-  if (!is_finite) return QpStatus::not_finite;
-  return is_possible ? QpStatus::solved : QpStatus::infeasible;
+  solution.iterations = 0;
+  if (is_finite) return find(input, !is_possible, solution);
+  reset();
+  solution.set_nothing(QpStatus::not_finite);
 }
 
 std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model, int max_sweeps) {
@@ -187,7 +189,7 @@ std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model
 }
 
 HildrethQp::HildrethQp(const QpModel& model, int max_sweeps)
-    : factors_(model),
+    : QpSolver(model),
       max_sweeps_(max_sweeps),
       lambda_upper_(Eigen::VectorXd::Zero(factors_.rows())),
       lambda_lower_(lambda_upper_),
@@ -203,14 +205,7 @@ void HildrethQp::reset() {
   lambda_lower_.setZero();
 }
 
-void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
-  solution.iterations = 0;
-  solution.status = QpFactors::examine(input);
-  if (solution.status == QpStatus::not_finite) {
-    reset();
-    return solution.set_nothing(QpStatus::not_finite);
-  }
-  const bool empty = solution.status == QpStatus::infeasible;
+void HildrethQp::find(const QpInput& input, bool is_empty, QpSolution& solution) {
   Eigen::Index unmet = -1;  // a row of zeros that no z satisfies
   for (Eigen::Index i = 0; i < factors_.rows(); ++i) {
     if (factors_.size(i) > 0.0 || input.softness(i) > 0.0) continue;
@@ -249,15 +244,15 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   }
   if (!(solution.z.allFinite() && solution.mu.allFinite())) {
     reset();
-    return solution.set_nothing(empty ? QpStatus::infeasible : QpStatus::inaccurate);
+    return solution.set_nothing(is_empty ? QpStatus::infeasible : QpStatus::inaccurate);
   }
   if (solution.status == QpStatus::iteration_cap) {
     // The multipliers diverge: the next problem starts without them.
     const double excess = this->excess(input, solution.mu);
     if (!(excess <= kDiverged) && !(excess < halfway)) reset();
   }
-  if (empty || unmet >= 0) solution.status = QpStatus::infeasible;
-  if (empty || unmet < 0) return;
+  if (is_empty || unmet >= 0) solution.status = QpStatus::infeasible;
+  if (is_empty || unmet < 0) return;
   solution.mu.setZero();
   solution.mu(unmet) = input.upper(unmet) < 0.0 ? 1.0 : -1.0;
 }

@@ -102,25 +102,6 @@ double infeasibility_margin(const QpModel& model, const QpInput& input, const Ei
 /// Smallest infeasibility_margin() of a certificate.
 inline constexpr double kInfeasibleFrom = 1e5;
 
-/// A solver of quadratic programs. It starts from its last solution.
-class QpSolver : public Interface {
- public:
-  /// Solves one problem. The vectors must have the model's sizes. Allocates nothing.
-  virtual void solve(const QpInput& input, QpSolution& solution) = 0;
-
-  /// Forgets the last solution: the next solve has no warm start.
-  virtual void reset() = 0;
-
-  virtual const QpModel& model() const = 0;
-};
-
-enum class QpSolverKind { hildreth, active_set };
-
-/// Makes a solver. `max_sweeps` is the limit of Hildreth's method. The active-set solver has its
-/// own limit, which only a defect can reach. Throws std::invalid_argument if H is not symmetric
-/// positive definite, shapes do not fit, or the limit is not positive.
-std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model, int max_sweeps);
-
 /// A model and the constants that all solvers derive from it.
 struct QpFactors {
   QpModel model;
@@ -141,13 +122,37 @@ struct QpFactors {
   Eigen::Index variables() const { return model.H.rows(); }
   Eigen::Index rows() const { return model.Omega.rows(); }
 
-  /// Checks an input. Returns `solved` if it is valid, `not_finite`, or `infeasible` if a lower
-  /// bound is above its upper bound.
-  static QpStatus examine(const QpInput& input);
-
  private:
   Eigen::MatrixXd half_;  // L⁻¹ Ωᵀ, n×m
 };
+
+/// A solver of quadratic programs. It starts from its last solution.
+class QpSolver : public Interface {
+ public:
+  /// Solves one problem. The vectors must have the model's sizes. Allocates nothing.
+  void solve(const QpInput& input, QpSolution& solution);
+
+  /// Forgets the last solution: the next solve has no warm start.
+  virtual void reset() = 0;
+
+  const QpModel& model() const { return factors_.model; }
+
+ protected:
+  /// Throws std::invalid_argument as make_qp_solver() does.
+  explicit QpSolver(const QpModel& model) : factors_(model) {}
+
+  /// Solves a problem of finite numbers. `is_empty`: a lower bound is above its upper bound.
+  virtual void find(const QpInput& input, bool is_empty, QpSolution& solution) = 0;
+
+  QpFactors factors_;
+};
+
+enum class QpSolverKind { hildreth, active_set };
+
+/// Makes a solver. `max_sweeps` is the limit of Hildreth's method. The active-set solver has its
+/// own limit, which only a defect can reach. Throws std::invalid_argument if H is not symmetric
+/// positive definite, shapes do not fit, or the limit is not positive.
+std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model, int max_sweeps);
 
 /// The thesis' solver (2.3.4, 2.3.7). Each sweep sets the multiplier of each row to the value that
 /// satisfies this row alone,
@@ -169,18 +174,16 @@ class HildrethQp final : public QpSolver {
   /// Throws std::invalid_argument as make_qp_solver() does.
   HildrethQp(const QpModel& model, int max_sweeps);
 
-  void solve(const QpInput& input, QpSolution& solution) override;
   void reset() override;
-  const QpModel& model() const override { return factors_.model; }
 
  private:
+  void find(const QpInput& input, bool is_empty, QpSolution& solution) override;
   void place(const QpInput& input, QpSolution& solution);
   double sweep(const QpInput& input);
   double excess(const QpInput& input, const Eigen::VectorXd& mu) const;
   double move(Eigen::Index row, double& multiplier, double sign, double violation,
               const QpInput& input);
 
-  QpFactors factors_;
   int max_sweeps_;
   Eigen::VectorXd lambda_upper_;
   Eigen::VectorXd lambda_lower_;
