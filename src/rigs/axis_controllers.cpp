@@ -47,8 +47,7 @@ struct ResonanceRatioSettings {
     if (!axis.inertias) {
       throw WrongKey(axis.why_no_inertias, "must be positive for resonance ratio control");
     }
-    const ResonanceRatioGains gains = resonance_ratio(*axis.inertias, damping_ratio);
-    PdSettings pd{{.k_p = gains.k_p, .k_d = gains.k_d, .cancelled_share = gains.cancelled_share()}};
+    const PdSettings pd{resonance_ratio(*axis.inertias, damping_ratio)};
     return pd.make(task, std::move(estimator));
   }
 };

@@ -88,12 +88,12 @@ TEST(ResonanceRatio, IdealLoopHasItsPolesAtTheAntiResonance) {
     for (const double zeta : {1.0, 0.7}) {
       TwoInertia plant{.motor_inertia = 0.003, .load_inertia = 0.08, .stiffness = 60.0};
       plant.ratio = ratio;
-      const ResonanceRatioGains gains = resonance_ratio(plant, zeta);
+      const DisturbanceCancellingPdDesign gains = resonance_ratio(plant, zeta);
       // τ̂ is the spring's torque at the motor, T/N.
       const StateSpace open = motor_and_load(plant, Side::motor);
       const Eigen::RowVector4d twist(1.0 / ratio, 0.0, -1.0, 0.0);
       const Eigen::RowVector4d feedback = -Eigen::RowVector4d(gains.k_p, gains.k_d, 0.0, 0.0) +
-                                          gains.cancelled_share() * plant.stiffness / ratio * twist;
+                                          gains.cancelled_share * plant.stiffness / ratio * twist;
       const Eigen::Matrix4d closed = open.A + open.B * feedback;
       const double omega = antiresonance_rad_s(plant);
       for (const Complex s : {Complex(10.0, 0.0), Complex(0.0, 40.0), Complex(-30.0, 20.0)}) {
@@ -109,13 +109,13 @@ TEST(ResonanceRatio, IdealLoopHasItsPolesAtTheAntiResonance) {
 TEST(ResonanceRatio, LoadFollowsTheClosedForm) {
   constexpr double kFast = 1e-4;
   const TwoInertia& p = kPlant;
-  const ResonanceRatioGains gains = resonance_ratio(p, 1.0);
+  const DisturbanceCancellingPdDesign gains = resonance_ratio(p, 1.0);
   DisturbanceCancellingPd controller(
       std::make_shared<Idob>(damped_inertia(p.motor_inertia, p.motor_friction),
                              std::vector<PoleGroup>{{-2000.0, -2200.0, -2400.0}}, kFast),
       {.k_p = gains.k_p,
        .k_d = gains.k_d,
-       .cancelled_share = gains.cancelled_share(),
+       .cancelled_share = gains.cancelled_share,
        .loop = {.reference = {1.0, 0.0}, .period_s = kFast, .units = rotation_units()}});
   double largest = 0.0;
   run_loop(controller, Side::motor, 0.0, 0.0, 0.4, 0.0, kFast,
