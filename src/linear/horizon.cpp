@@ -207,23 +207,19 @@ class Sweeps final : public HorizonSweeps {
   std::vector<double*> forces_;
 };
 
+// For up to n states.
+template <int n>
+std::unique_ptr<HorizonSweeps> sweeps_up_to(const Horizon& horizon) {
+  if (horizon.A.rows() == n) return std::make_unique<Sweeps<n>>(horizon);
+  if constexpr (n > 1) return sweeps_up_to<n - 1>(horizon);
+  return nullptr;
+}
+
 }  // namespace
 
 std::unique_ptr<HorizonSweeps> make_horizon_sweeps(const Horizon& horizon) {
   check(horizon);
-  if (horizon.B.cols() != 1) return nullptr;
-  switch (horizon.A.rows()) {
-    case 1:
-      return std::make_unique<Sweeps<1>>(horizon);
-    case 2:
-      return std::make_unique<Sweeps<2>>(horizon);
-    case 3:
-      return std::make_unique<Sweeps<3>>(horizon);
-    case 4:
-      return std::make_unique<Sweeps<4>>(horizon);
-    default:
-      return nullptr;
-  }
+  return horizon.B.cols() == 1 ? sweeps_up_to<4>(horizon) : nullptr;
 }
 
 }  // namespace breakwater

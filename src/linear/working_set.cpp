@@ -55,25 +55,17 @@ void unit_backward(Eigen::Index k, const double* L, Eigen::Index stride, double*
   }
 }
 
+constexpr int kUnrolled = 6;  // the largest fixed length
+
 // Calls solve(k) with a small k as a constant. A factor of size 1 is only its diagonal.
-template <typename Solve>
+template <int k = 2, typename Solve>
 void of_size(Eigen::Index size, const Solve& solve) {
-  switch (size) {
-    case 0:
-    case 1:
-      return;
-    case 2:
-      return solve(std::integral_constant<int, 2>{});
-    case 3:
-      return solve(std::integral_constant<int, 3>{});
-    case 4:
-      return solve(std::integral_constant<int, 4>{});
-    case 5:
-      return solve(std::integral_constant<int, 5>{});
-    case 6:
-      return solve(std::integral_constant<int, 6>{});
-    default:
-      return solve(size);
+  if constexpr (k > kUnrolled) {
+    solve(size);
+  } else if (size == k) {
+    solve(std::integral_constant<int, k>{});
+  } else if (size > k) {
+    of_size<k + 1>(size, solve);
   }
 }
 
