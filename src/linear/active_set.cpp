@@ -210,12 +210,8 @@ bool ActiveSetQp::is_proven(const QpInput& input) const {
 
 // Solves from the present working set.
 void ActiveSetQp::attempt(const QpInput& input, QpSolution& solution) {
-  if (small_ != nullptr) {
-    room_ = -input.g;
-    small_->multiply(factors_.H_inverse.data(), room_.data(), z_free_.data());
-  } else {
-    z_free_.noalias() = -factors_.H_inverse * input.g;
-  }
+  room_ = -input.g;
+  multiply(factors_.H_inverse, room_, z_free_);
   changes_left_ = max_changes_;
   solution.status = search(input, solution);
   finish(input, solution);
@@ -401,7 +397,7 @@ QpStatus ActiveSetQp::drive_to_bound(const QpInput& input, Violation violation,
       return QpStatus::solved;
     }
     violation.amount -= step * pivot;
-    leave(blocking);
+    remove(blocking);
     if (is_careful_) violation.amount = what_is_left(input, violation, multiplier, solution);
   }
 }
@@ -495,7 +491,7 @@ void ActiveSetQp::settle(const QpInput& input, QpSolution& solution) {
     if (wrong < 0 || changes_left_ == 0) return;
     --changes_left_;
     ++solution.iterations;
-    leave(wrong);
+    remove(wrong);
   }
 }
 
@@ -614,7 +610,9 @@ void ActiveSetQp::add(Eigen::Index row, double side, double pivot) {
   weight_(row) = 0.0;
 }
 
+// Removes a row with its multiplier.
 void ActiveSetQp::remove(Eigen::Index position) {
+  for (Eigen::Index j = position; j + 1 < active_count(); ++j) mu_(j) = mu_(j + 1);
   weight_(active(position).row) = free_weight_(active(position).row);
   active_.erase(active_.begin() + position);
   if (is_careful_) {
@@ -622,12 +620,6 @@ void ActiveSetQp::remove(Eigen::Index position) {
   } else {
     factor_.remove(position);
   }
-}
-
-// Removes a row with its multiplier.
-void ActiveSetQp::leave(Eigen::Index position) {
-  for (Eigen::Index j = position; j + 1 < active_count(); ++j) mu_(j) = mu_(j + 1);
-  remove(position);
 }
 
 }  // namespace breakwater

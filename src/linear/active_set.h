@@ -115,7 +115,6 @@ class ActiveSetQp final : public QpSolver {
   void set_gradient(const QpInput& input, const QpSolution& solution);
   void add(Eigen::Index row, double side, double pivot);
   void remove(Eigen::Index position);
-  void leave(Eigen::Index position);
 
   const Small* small_;        // products for this number of variables; nullptr: it is not small
   double largest_row_ = 0.0;  // ‖Ω‖∞
