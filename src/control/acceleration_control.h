@@ -84,7 +84,6 @@ class AccelerationControl {
                     Eigen::Ref<Eigen::VectorXd> part) const;
 
   bool is_coupled() const { return mass_matrix_.size() > 0; }
-  const Eigen::MatrixXd& mass_matrix() const { return mass_matrix_; }
   /// x becomes M_n⁻¹ x.
   void divide_by_mass(Eigen::Ref<Eigen::VectorXd> x) const { factor_.solveInPlace(x); }
 

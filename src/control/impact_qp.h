@@ -30,25 +30,19 @@ struct ImpactQpDesign {
 class ImpactProgram {
  public:
   /// Throws std::invalid_argument as ActiveSetQp does.
-  ImpactProgram(Eigen::Index joints, const ImpactQpDesign& design);
+  ImpactProgram(const ArmSetup& arm, const ImpactQpDesign& design);
 
   struct State {
     const TaskJacobian& J;
     const Eigen::Ref<const Eigen::VectorXd>& dq;  ///< q̇, n
     const TipVector& wanted;                      ///< b
-    const Eigen::VectorXd& inertia;               ///< diagonal of J_n, n
-    const Eigen::VectorXd& velocity_limit;        ///< q̇_max, n
-    const Eigen::VectorXd& torque_limit;          ///< τ_lim, n
-    const Eigen::VectorXd& lower;                 ///< bound of q̈ by the torque limits, n
+    /// Bounds of q̈ by the torque limits, n. For coupled joints they are those of M_n q̈ [N m], and
+    /// the limits of the velocity must be infinite.
+    const Eigen::VectorXd& lower;
     const Eigen::VectorXd& upper;
-    /// For coupled joints, M_n (n×n). M_n q̈ has the bounds `lower` and `upper` [N m], so the limits
-    /// of the velocity must be infinite. Null: M_n is diag(inertia).
-    const Eigen::MatrixXd* mass_matrix = nullptr;
-    const Eigen::VectorXd* recoil = nullptr;  ///< M_n⁻¹ J_xᵀ (n) then
+    const Eigen::VectorXd& recoil;  ///< M_n⁻¹ J_xᵀ (n) of coupled joints
     double mass_kg = 0.0;
-    double force_limit_N = 0.0;   ///< F_peak
     bool foresees_impact = true;  ///< whether the rows of the impact count
-    double period_s = 0.0;        ///< T_s, for the velocity limits
   };
 
   /// Returns q̈ (n). Allocates nothing. Throws ControlFailure if there is no solution.
@@ -61,10 +55,8 @@ class ImpactProgram {
   double foreseen_force_N() const { return foreseen_force_N_; }
 
  private:
-  double preview_s_;
-  double stiffness_N_m_;
-  double bounce_;  // 1 + e
-  double posture_weight_;
+  ArmSetup arm_;
+  ImpactQpDesign design_;
   QpModel model_;
   ActiveSetQp solver_;
   QpInput input_;
@@ -90,7 +82,6 @@ class ImpactQp final : public PathControl {
 
   ImpactQpDesign design_;
   ImpactProgram program_;
-  Eigen::VectorXd torque_limit_;
   Eigen::VectorXd lower_, upper_;
   double along_wanted_ = 0.0;
 

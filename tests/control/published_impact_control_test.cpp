@@ -137,15 +137,11 @@ class Program : public PublishedImpactControl {
     return {.J = J_,
             .dq = dq_,
             .wanted = wanted_,
-            .inertia = acceleration_.nominal_inertia_kgm2,
-            .velocity_limit = chain_.velocity_limits_rad_s(),
-            .torque_limit = acceleration_.torque_limit_Nm,
             .lower = lower_,
             .upper = upper_,
+            .recoil = none_,
             .mass_kg = mass_,
-            .force_limit_N = 4.2,
-            .foresees_impact = foresees,
-            .period_s = kPeriod};
+            .foresees_impact = foresees};
   }
 
   TaskJacobian J_;
@@ -154,11 +150,12 @@ class Program : public PublishedImpactControl {
   TipVector wanted_ = Eigen::Vector3d(20.0, 1.0, -2.0);
   Eigen::VectorXd lower_ = Eigen::Vector3d::Constant(-1e3);
   Eigen::VectorXd upper_ = Eigen::Vector3d::Constant(1e3);
+  Eigen::VectorXd none_;
   double mass_;
 };
 
 TEST_F(Program, WithoutAForeseenImpactItIsResolvedAcceleration) {
-  ImpactProgram program(3, qp());
+  ImpactProgram program(arm(), qp());
   const Eigen::Vector3d expected = J_.inverse() * wanted_;
   EXPECT_LT((program.solve(state(false)) - expected).norm(), 1e-3 * expected.norm());
   wanted_[0] = -1.0;  // away from the wall: the impact's rows are idle
@@ -167,7 +164,7 @@ TEST_F(Program, WithoutAForeseenImpactItIsResolvedAcceleration) {
 }
 
 TEST_F(Program, SolutionsAreOptimalAndKeepTheForce) {
-  ImpactProgram program(3, qp());
+  ImpactProgram program(arm(), qp());
   testing::Random random(5);
   int limited = 0;
   for (int i = 0; i < 500; ++i) {
@@ -202,7 +199,7 @@ TEST_F(Program, SolutionsAreOptimalAndKeepTheForce) {
 }
 
 TEST_F(Program, YAndPhiKeepTheirAccelerationsWhereTheForceIsLimited) {
-  ImpactProgram program(3, qp());
+  ImpactProgram program(arm(), qp());
   motion_.setZero();
   wanted_[0] = 200.0;
   const TipVector got = J_ * program.solve(state(true));
@@ -221,7 +218,7 @@ TEST_F(Program, TheVelocityAfterTheImpactIsThatOfARigidOne) {
   for (const double restitution : {0.0, 0.4, 1.0}) {
     ImpactQpDesign design = qp();
     design.restitution = restitution;
-    ImpactProgram program(3, design);
+    ImpactProgram program(arm(), design);
     program.solve(state(true));
     const Eigen::Matrix3d rows = program.solver().model().Omega.middleRows(3, 3);
     const Eigen::Matrix3d textbook =
