@@ -258,21 +258,6 @@ void Lmpc::give_way(RowKind kind, std::size_t bound) {
   }
 }
 
-bool Lmpc::inputs_are_feasible(const Eigen::Ref<const Eigen::VectorXd>& last_input) const {
-  LmpcDesign inputs_alone = design_;
-  inputs_alone.state_bounds.clear();
-  inputs_alone.solver = QpSolverKind::active_set;
-  inputs_alone.on_infeasible = OnInfeasible::stop;
-  Lmpc lmpc(inputs_alone);
-  try {
-    lmpc.optimise(Eigen::VectorXd::Zero(states()), last_input, Eigen::VectorXd::Zero(free_.size()),
-                  Eigen::VectorXd::Zero(inputs()));
-  } catch (const ControlFailure&) {
-    return false;
-  }
-  return true;
-}
-
 void Lmpc::set_bounds(const Eigen::Ref<const Eigen::VectorXd>& last_input,
                       const Eigen::Ref<const Eigen::VectorXd>& reserved) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {

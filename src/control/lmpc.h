@@ -111,9 +111,6 @@ class Lmpc {
   /// Number of softened state bounds in the last optimisation, plus one if those on Δu were.
   int softened_bounds() const { return softened_bounds_; }
 
-  /// Whether some ΔU satisfies the bounds on u and Δu, starting from u(k−1).
-  bool inputs_are_feasible(const Eigen::Ref<const Eigen::VectorXd>& last_input) const;
-
   Eigen::Index states() const { return prediction_.Psi.cols(); }
   Eigen::Index inputs() const { return prediction_.Gamma.cols(); }
   int prediction_steps() const { return design_.prediction_steps; }

@@ -287,8 +287,10 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
   design.loop = task.loop(task.modelled_reference(), false);
   design.controlled = axis.controlled;
 
-  const Lmpc trial = blame("controller.prediction_steps", [&] { return Lmpc(lmpc); });
-  if (!trial.inputs_are_feasible(Eigen::VectorXd::Zero(1))) {
+  blame("controller.prediction_steps", [&] { Lmpc trial(lmpc); });
+  // If the first input satisfies both, the later ones may stay there.
+  const bool bounds_first = input_N.steps > 0 && change_N.steps > 0;
+  if (bounds_first && (input_N.lower > change_N.upper || input_N.upper < -change_N.upper)) {
     throw WrongKey("constraint.input_change_N",
                    "no input satisfies the input constraints from rest on");
   }

@@ -44,7 +44,6 @@ void bind_predictive_control(py::module_& module) {
       .def("statistics", &Lmpc::statistics, py::return_value_policy::copy)
       .def("iterations", &Lmpc::iterations)
       .def("softened_bounds", &Lmpc::softened_bounds)
-      .def("inputs_are_feasible", &Lmpc::inputs_are_feasible)
       .def("program", [](const Lmpc& lmpc) {
         const QpInput& input = lmpc.qp_input();
         return std::tuple(lmpc.qp_model().H, Eigen::MatrixXd(lmpc.qp_model().Omega), input.g,

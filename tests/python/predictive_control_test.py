@@ -144,11 +144,6 @@ class LinearPredictiveControl(unittest.TestCase):
             lmpc = Lmpc(impossible_design(solver=solver))
             self.assertRaises(methods.ControlFailure, lmpc.optimise, [np.nan, 0], NOTHING, np.zeros(20), NOTHING)
 
-    def test_an_empty_input_set_is_detected(self):
-        lmpc = Lmpc(design_of(10, 3, change_bounds=bound(-0.1, 0.1, range(3)), input_bounds=bound(1, 2, range(3))))
-        self.assertFalse(lmpc.inputs_are_feasible(NOTHING))
-        self.assertTrue(lmpc.inputs_are_feasible([1]))
-
     def test_it_refuses_nonsense(self):
         for fields in (
             {"prediction_steps": 0}, {"control_steps": 0}, {"control_steps": 11}, {"R": [[-1]]}, {"R": [[np.nan]]},
