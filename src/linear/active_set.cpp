@@ -57,16 +57,10 @@ RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, E
   return scan;
 }
 
-// The largest share_i |bound_i| of the finite bounds.
-double largest_bound(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
-                     const Eigen::VectorXd& share) {
-  double largest = 0.0;
-  for (Eigen::Index i = 0; i < lower.size(); ++i) {
-    for (const double size : {std::abs(lower(i)), std::abs(upper(i))}) {
-      if (size < kNoBound) largest = std::max(largest, size * share(i));
-    }
-  }
-  return largest;
+// The largest |share_i bound_i| of the finite bounds.
+double largest_bound(const Eigen::VectorXd& bounds, const Eigen::VectorXd& share) {
+  const auto is_finite = bounds.array().abs() < kNoBound;
+  return is_finite.select(bounds.cwiseProduct(share), 0.0).lpNorm<Eigen::Infinity>();
 }
 
 }  // namespace
@@ -231,7 +225,7 @@ void ActiveSetQp::take_over(const QpInput& input) {
     refactor();
   }
   slope_ = largest_product(input.g, inverse_root_);
-  bound_ = largest_bound(input.lower, input.upper, share_);
+  bound_ = std::max(largest_bound(input.lower, share_), largest_bound(input.upper, share_));
 }
 
 // Factors the working set anew, and drops the rows that depend on others. Weighs all rows anew.

@@ -164,19 +164,14 @@ void QpFactors::factor() {
 }
 
 void QpSolver::solve(const QpInput& input, QpSolution& solution) {
-  bool is_finite = true;
-  bool is_possible = true;
-  for (Eigen::Index j = 0; j < input.g.size(); ++j) is_finite &= std::abs(input.g(j)) < kNoBound;
-  for (Eigen::Index i = 0; i < input.lower.size(); ++i) {
-    // Comparisons with NaN are false.
-    is_finite &= input.lower(i) < kNoBound;
-    is_finite &= input.upper(i) > -kNoBound;
-    is_finite &= input.softness(i) >= 0.0;
-    is_finite &= input.softness(i) < kNoBound;
-    is_possible &= input.lower(i) <= input.upper(i);
-  }
+  const auto lower = input.lower.array(), upper = input.upper.array();
+  const auto softness = input.softness.array();
+  // Comparisons with NaN are false.
+  const bool is_finite = (input.g.array().abs() < kNoBound).all() && (lower < kNoBound).all() &&
+                         (upper > -kNoBound).all() && (softness >= 0.0).all() &&
+                         (softness < kNoBound).all();
   solution.iterations = 0;
-  if (is_finite) return find(input, !is_possible, solution);
+  if (is_finite) return find(input, !(lower <= upper).all(), solution);
   reset();
   solution.set_nothing(QpStatus::not_finite);
 }
