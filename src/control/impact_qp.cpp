@@ -98,9 +98,10 @@ ImpactQp::ImpactQp(const ArmSetup& arm, const ImpactQpDesign& design)
   refuse_unless(design.restitution >= 0.0 && design.restitution <= 1.0,
                 "impact-aware control: the restitution must be between 0 and 1");
   publish({"foreseen_force_N", "N", "force of an impact at the next sample, as foreseen",
-           view(foreseen_force_N_)});
+           view(program_.foreseen_force_N())});
   publish({"qp_iterations", "1", "changes of the active set", view(iterations_)});
-  publish({"qp_kkt_residual", "1", "KKT residual of the solution", view(kkt_residual_)});
+  publish({"qp_kkt_residual", "1", "KKT residual of the solution",
+           view(program_.solution().kkt_residual)});
 }
 
 double ImpactQp::path_acceleration() {
@@ -129,9 +130,7 @@ void ImpactQp::decide(Eigen::Ref<Eigen::VectorXd> a) {
                       .mass_kg = mass_kg,
                       .foresees_impact = !touches() && X_hat_[0] >= task().start_pose[0] +
                                                                         design_.expected_from_m});
-  foreseen_force_N_ = program_.foreseen_force_N();
   iterations_ = program_.solution().iterations;
-  kkt_residual_ = program_.solution().kkt_residual;
 }
 
 }  // namespace breakwater

@@ -52,7 +52,7 @@ class ImpactProgram {
   const QpInput& input() const { return input_; }
   const QpSolution& solution() const { return solution_; }
   /// The force of a possible impact after the last solution [N].
-  double foreseen_force_N() const { return foreseen_force_N_; }
+  const double& foreseen_force_N() const { return foreseen_force_N_; }
 
  private:
   ArmSetup arm_;
@@ -85,10 +85,7 @@ class ImpactQp final : public PathControl {
   Eigen::VectorXd lower_, upper_;
   double along_wanted_ = 0.0;
 
-  // Signals for the log.
-  double foreseen_force_N_ = 0.0;
-  double iterations_ = 0.0;
-  double kkt_residual_ = 0.0;
+  double iterations_ = 0.0;  // for the log
 };
 
 }  // namespace breakwater

@@ -30,7 +30,8 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
            view(softened_)});
   publish({"qp_status", "1", "status of its last solve: 0 solved, 1 iteration cap, 4 inaccurate",
            view(status_)});
-  publish({"qp_kkt_residual", "1", "residual of its last solve", view(kkt_residual_)});
+  publish(
+      {"qp_kkt_residual", "1", "residual of its last solve", view(lmpc_.solution().kkt_residual)});
 }
 
 void PredictiveControl::reset(const Sample& first) {
@@ -60,7 +61,6 @@ double PredictiveControl::input(const Sample&) {
     iterations_ = lmpc_.iterations();
     softened_ = lmpc_.softened_bounds();
     status_ = static_cast<double>(lmpc_.solution().status);
-    kkt_residual_ = lmpc_.solution().kkt_residual;
   }
   if (cancels && (decides || design_.cancel_at == CancelAt::sample)) cancelled_ = disturbance();
   double u = cancels ? planned_input_(0) + cancelled_ : planned_input_(0);

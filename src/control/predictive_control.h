@@ -62,7 +62,6 @@ class PredictiveControl final : public EstimatingControl {
   double iterations_ = 0.0;
   double softened_ = 0.0;
   double status_ = 0.0;
-  double kkt_residual_ = 0.0;
 };
 
 }  // namespace breakwater
