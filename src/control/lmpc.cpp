@@ -88,7 +88,6 @@ Lmpc::Lmpc(const LmpcDesign& design)
     : design_(design),
       prediction_(predict(design.A, design.B, design.prediction_steps, design.control_steps)),
       solver_(make_qp_solver(design.solver, make_model(), design.max_iterations)),
-      sweeps_(make_horizon_sweeps(*solver_->model().horizon)),
       input_(solver_->model().H.rows(), solver_->model().Omega.rows()),
       solution_(solver_->model().H.rows(), solver_->model().Omega.rows()),
       free_(Eigen::VectorXd::Zero(prediction_.Psi.rows())),
@@ -128,21 +127,15 @@ QpModel Lmpc::make_model() {
   add_rows(RowKind::input, design_.input_bounds, m);
   add_rows(RowKind::state, design_.state_bounds, n);
   design_.rows.assign(rows_.begin(), rows_.end());
-  check(design_);
-  QpModel model{0.5 * (H + H.transpose()), QpModel::RowMajor(rows_.size(), N_u * m), design_};
+  QpModel model{0.5 * (H + H.transpose()), QpModel::RowMajor(rows_.size(), N_u * m),
+                make_horizon_sweeps(design_)};
+  const Eigen::MatrixXd changes = Eigen::MatrixXd::Identity(N_u * m, N_u * m);
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    auto row = model.Omega.row(static_cast<Eigen::Index>(i));
-    switch (rows_[i].kind) {
-      case RowKind::change:
-        row = Eigen::RowVectorXd::Unit(N_u * m, rows_[i].at);
-        break;
-      case RowKind::input:
-        row = C2.row(rows_[i].at);
-        break;
-      case RowKind::state:
-        row = prediction_.Theta.row(rows_[i].at);
-        break;
-    }
+    const RowKind kind = rows_[i].kind;
+    const Eigen::MatrixXd& of_kind = kind == RowKind::change  ? changes
+                                     : kind == RowKind::input ? C2
+                                                              : prediction_.Theta;
+    model.Omega.row(static_cast<Eigen::Index>(i)) = of_kind.row(rows_[i].at);
   }
   return model;
 }
@@ -222,10 +215,10 @@ void Lmpc::clip(RowKind kind) {
 void Lmpc::set_slope(const Eigen::Ref<const Eigen::VectorXd>& x,
                      const Eigen::Ref<const Eigen::VectorXd>& last_input,
                      const Eigen::Ref<const Eigen::VectorXd>& reference) {
-  if (sweeps_) {
-    sweeps_->free_response(x, last_input, free_);
+  if (HorizonSweeps* const sweeps = qp_model().sweeps.get()) {
+    sweeps->free_response(x, last_input, free_);
     errors_ = free_ - reference;
-    sweeps_->slope(errors_, last_input, input_.g);
+    sweeps->slope(errors_, last_input, input_.g);
     return;
   }
   free_.noalias() = prediction_.Psi * x;

@@ -148,7 +148,6 @@ class Lmpc {
   Eigen::MatrixXd weighted_;  // Θᵀ Q̅
   Eigen::MatrixXd sums_;      // C_2ᵀ S̅ C_1
   std::unique_ptr<QpSolver> solver_;
-  std::unique_ptr<HorizonSweeps> sweeps_;  // nullptr: uses the matrices
   QpInput input_;
   QpSolution solution_;
   Eigen::VectorXd free_;    // Ψ x + Γ u

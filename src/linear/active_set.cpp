@@ -122,9 +122,7 @@ ActiveSetQp::ActiveSetQp(const QpModel& model, int max_changes)
   softness_.setZero(m);
   size_ = share_ = free_weight_ = weight_ = softness_;
   weigh_all();
-  if (factors_.model.horizon && n >= kLongHorizon) {
-    sweeps_ = make_horizon_sweeps(*factors_.model.horizon);
-  }
+  if (n >= kLongHorizon) sweeps_ = model.sweeps;
   values_free_.setZero(m);
   mu_ = target_ = half_ = direction_ = correction_ = values_ = scores_ = Eigen::VectorXd::Zero(m);
   z_free_.setZero(n);
@@ -142,7 +140,7 @@ void ActiveSetQp::derive() {
 
 void ActiveSetQp::set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor& Omega) {
   const QpModel& model = factors_.model;
-  refuse_unless(!model.horizon && H.rows() == model.H.rows() && H.cols() == model.H.cols() &&
+  refuse_unless(!model.sweeps && H.rows() == model.H.rows() && H.cols() == model.H.cols() &&
                     Omega.rows() == model.Omega.rows() && Omega.cols() == model.Omega.cols(),
                 "active set: new matrices must have the sizes of the old ones, without a horizon");
   factors_.model.H = H;

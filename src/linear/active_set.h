@@ -46,7 +46,7 @@ class ActiveSetQp final : public QpSolver {
 
   /// Changes the matrices between two solves. They have the sizes of the first ones; H is symmetric
   /// positive definite, which is not checked. The next solve starts from the last working set.
-  /// Throws std::invalid_argument if a size differs or the model has a Horizon. Allocates nothing.
+  /// Throws std::invalid_argument if a size differs or the model has sweeps. Allocates nothing.
   void set_matrices(const Eigen::MatrixXd& H, const QpModel::RowMajor& Omega);
 
  private:
@@ -122,7 +122,7 @@ class ActiveSetQp final : public QpSolver {
   int changes_left_ = 0;  // in this attempt
 
   // nullptr unless the problem has a long Horizon.
-  std::unique_ptr<HorizonSweeps> sweeps_;
+  std::shared_ptr<HorizonSweeps> sweeps_;
 
   LdlFactor factor_;  // factor of S
   // In the last attempt, instead of factor_:

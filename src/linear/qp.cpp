@@ -128,10 +128,6 @@ QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
   const Eigen::Index n = model.H.rows();
   refuse_unless(n != 0 && model.H.cols() == n && model.Omega.cols() == n,
                 "quadratic program: H must be n×n and Omega m×n");
-  refuse_unless(
-      !model.horizon || (static_cast<Eigen::Index>(model.horizon->rows.size()) == rows() &&
-                         model.horizon->control_steps * model.horizon->B.cols() == n),
-      "quadratic program: the horizon must have the rows of Omega and the variables of H");
   refuse_unless(model.Omega.allFinite(), "quadratic program: Omega must be finite");
   refuse_unless(is_positive_definite(model.H),
                 "quadratic program: H must be symmetric positive definite");

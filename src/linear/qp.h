@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
-#include <optional>
 
 #include <breakwater/linear/horizon.h>
 #include <breakwater/math/interface.h>
@@ -22,8 +21,8 @@ struct QpModel {
 
   Eigen::MatrixXd H;  ///< n×n, symmetric positive definite
   RowMajor Omega;     ///< m×n; a row has two bounds, so Ω ΔU ≤ ω of the thesis has 2 m rows
-  /// The horizon that H and Ω come from, for predictive control. A solver may use it.
-  std::optional<Horizon> horizon = std::nullopt;
+  /// Products with H and Ω, for predictive control. A solver may use them.
+  std::shared_ptr<HorizonSweeps> sweeps = nullptr;
 };
 
 /// The part of the problem that changes from solve to solve.

@@ -99,7 +99,7 @@ TEST(ActiveSet, TheSparseHorizonGivesTheSameSolution) {
     const Eigen::Index n = model.H.rows();
     const Eigen::Index m = model.Omega.rows();
     ActiveSetQp dense(model, 10000);
-    model.horizon = horizon;
+    model.sweeps = make_horizon_sweeps(horizon);
     ActiveSetQp structured(model, 10000);
     QpInput input(n, m);
     input.lower.setConstant(-0.5);
