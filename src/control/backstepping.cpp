@@ -141,7 +141,7 @@ void QuadrotorController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u)
   wave_force_std_N_ = estimator_->wave_force_std_N();
 
   Eigen::Vector4d thrusts = to_thrusts_.solve(wrench(y.time_s));
-  if (cancels_thrusts()) thrusts -= thrust_disturbance_;
+  if (compensates_) thrusts -= thrust_disturbance_;
   u = thrusts;
   const double limit = law_.nominal().parameters().thrust_limit_N;
   held_thrusts_ = thrusts.cwiseMax(-limit).cwiseMin(limit);
@@ -150,7 +150,9 @@ void QuadrotorController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u)
 BacksteppingController::BacksteppingController(const Backstepping& law,
                                                std::shared_ptr<QuadrotorEstimator> estimator,
                                                bool compensates, double lead_s)
-    : QuadrotorController(law, std::move(estimator)), compensates_(compensates), lead_s_(lead_s) {}
+    : QuadrotorController(law, std::move(estimator)), lead_s_(lead_s) {
+  compensates_ = compensates;
+}
 
 Eigen::Vector4d BacksteppingController::wrench(double) {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();

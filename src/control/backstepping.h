@@ -88,11 +88,9 @@ class QuadrotorController : public Controller {
  protected:
   /// U from the new estimates.
   virtual Eigen::Vector4d wrench(double time_s) = 0;
-  /// Whether T − d̂ cancels the estimated disturbance of the thrusters.
-  virtual bool cancels_thrusts() const { return false; }
-
   Eigen::Matrix<double, 12, 1> motion_ = Eigen::Matrix<double, 12, 1>::Zero();
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+  bool compensates_ = false;  // T − d̂ cancels the estimated disturbance of the thrusters
 
  private:
   Backstepping law_;
@@ -114,9 +112,7 @@ class BacksteppingController final : public QuadrotorController {
 
  private:
   Eigen::Vector4d wrench(double time_s) override;
-  bool cancels_thrusts() const override { return compensates_; }
 
-  bool compensates_;
   double lead_s_;
 };
 
