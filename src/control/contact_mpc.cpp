@@ -34,7 +34,6 @@ LmpcDesign contact_problem(const ContactMpcDesign& design, double reference_N) {
   problem.input_bounds.push_back({0, -bound, bound, first_steps(design.prediction_steps)});
   problem.state_bounds.push_back(
       {0, -kNoBound, deepest_m, spread_steps(design.prediction_steps, design.prediction_steps)});
-  problem.max_iterations = 1;  // counts for Hildreth's method alone
   problem.softness = kDepthSoftness;
   return problem;
 }

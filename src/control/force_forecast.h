@@ -59,7 +59,7 @@ using ForceTable = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
 /// A forecast of the force over a horizon of N steps of the period T.
 class ForceForecast : public Interface {
  public:
-  virtual void reset(double time_s) = 0;
+  virtual void reset(double /*time_s*/) {}
   /// Called once in each T, after the estimator's update. Column i of `forces` (3 × N + 1) becomes
   /// the force in the world at the time t + i T [N]. Allocates nothing.
   virtual void update(double time_s, const QuadrotorEstimator& estimator, ForceTable& forces) = 0;
@@ -71,7 +71,6 @@ class EstimatorForecast final : public ForceForecast {
  public:
   EstimatorForecast(double period_s, bool foresees) : period_s_(period_s), foresees_(foresees) {}
 
-  void reset(double) override {}
   void update(double time_s, const QuadrotorEstimator& estimator, ForceTable& forces) override;
 
  private:

@@ -60,9 +60,9 @@ struct LmpcDesign : Horizon {
   std::vector<PredictedBound> state_bounds;   ///< on x, in the order of softening
 
   QpSolverKind solver = QpSolverKind::active_set;
-  int max_iterations = 0;
+  int max_iterations = 1;  ///< for Hildreth's method
   OnInfeasible on_infeasible = OnInfeasible::soften;
-  double softness = 0.0;  ///< s: a softened bound moves by s·μ for its multiplier μ
+  double softness = 1.0;  ///< s: a softened bound moves by s·μ for its multiplier μ
 };
 
 /// Counts of the optimisations so far. An optimisation takes several solves if it softens bounds.

@@ -31,8 +31,6 @@ LmpcDesign axis_problem(const StateSpace& sampled, const WaveMpcDesign& design, 
   lmpc.Q_last = dlqr(A, B, Q, change).P.topLeftCorner(n, n);
   lmpc.R = change;
   lmpc.input_bounds.push_back({0, lower, upper, first_steps(design.prediction_steps)});
-  lmpc.max_iterations = 1;  // counts for Hildreth's method alone
-  lmpc.softness = 1.0;      // no bound gives way: those on u alone can always be kept
   return lmpc;
 }
 

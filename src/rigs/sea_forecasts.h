@@ -17,7 +17,6 @@ class ToldForecast final : public ForceForecast {
   /// Throws std::invalid_argument unless the waves are physical.
   ToldForecast(const QuadrotorTask& task, double period_s);
 
-  void reset(double) override {}
   void update(double time_s, const QuadrotorEstimator& estimator, ForceTable& forces) override;
 
  private:

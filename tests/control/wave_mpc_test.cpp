@@ -173,7 +173,6 @@ TEST(WaveMpc, KeepsItsBounds) {
 // Each column has its number.
 class Numbers final : public ForceForecast {
  public:
-  void reset(double) override {}
   void update(double, const QuadrotorEstimator&, ForceTable& forces) override {
     for (Eigen::Index i = 0; i < forces.cols(); ++i) {
       forces.col(i).setConstant(static_cast<double>(i));
