@@ -10,19 +10,6 @@
 #include <breakwater/plants/damped_inertia.h>
 
 namespace breakwater {
-namespace {
-
-const AccelerationControlDesign& checked(const AccelerationControlDesign& design) {
-  const Eigen::Index n = design.nominal_inertia_kgm2.size();
-  refuse_unless(n != 0 && design.torque_limit_Nm.size() == n,
-                "acceleration control: needs one inertia and limit per joint");
-  refuse_unless((design.nominal_inertia_kgm2.array() > 0.0).all() &&
-                    (design.torque_limit_Nm.array() > 0.0).all(),
-                "acceleration control: inertias and limits must be positive");
-  return design;
-}
-
-}  // namespace
 
 std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal_inertia_kgm2,
                                                   const std::vector<PoleGroup>& poles,
@@ -40,7 +27,7 @@ std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal
 }
 
 AccelerationControl::AccelerationControl(const AccelerationControlDesign& design)
-    : nominal_inertia_(checked(design).nominal_inertia_kgm2),
+    : nominal_inertia_(design.nominal_inertia_kgm2),
       torque_limit_(design.torque_limit_Nm),
       mass_matrix_(design.nominal_mass_matrix_kgm2),
       factor_(mass_matrix_),
@@ -51,6 +38,10 @@ AccelerationControl::AccelerationControl(const AccelerationControlDesign& design
       observer_(design.make_observer()),
       fed_torque_(Eigen::VectorXd::Zero(nominal_inertia_.size())),
       start_(Eigen::VectorXd::Zero(2 * nominal_inertia_.size())) {
+  refuse_unless(joints() != 0 && torque_limit_.size() == joints(),
+                "acceleration control: needs one inertia and limit per joint");
+  refuse_unless((nominal_inertia_.array() > 0.0).all() && (torque_limit_.array() > 0.0).all(),
+                "acceleration control: inertias and limits must be positive");
   refuse_unless(
       observer_->state().size() == 2 * joints() && observer_->disturbance().size() == joints(),
       "acceleration control: needs an observer of all joints");

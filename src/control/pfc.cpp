@@ -11,14 +11,6 @@ namespace {
 
 constexpr double kMostSamples = 1e6;  // upper bound of the last coincidence point
 
-void check(const PfcDesign& design) {
-  refuse_unless(is_positive(design.target_response_time_s) && is_positive(design.period_s),
-                "PFC: target response time and period must be positive");
-  refuse_unless(design.basis_functions >= 1 && design.basis_functions <= 3 &&
-                    design.coincidence_points >= design.basis_functions,
-                "PFC: needs 1 to 3 basis functions and at least as many coincidence points");
-}
-
 // Eq. 2.76. The small factor makes 1 s/1 ms give 1000 samples in spite of rounding.
 std::vector<int> coincidence_points(const PfcDesign& design) {
   std::vector<int> points;
@@ -55,7 +47,11 @@ Eigen::MatrixXd basis_responses(const std::vector<int>& points, int bases, doubl
 }  // namespace
 
 Pfc::Pfc(const PfcDesign& design) {
-  check(design);
+  refuse_unless(is_positive(design.target_response_time_s) && is_positive(design.period_s),
+                "PFC: target response time and period must be positive");
+  refuse_unless(design.basis_functions >= 1 && design.basis_functions <= 3 &&
+                    design.coincidence_points >= design.basis_functions,
+                "PFC: needs 1 to 3 basis functions and at least as many coincidence points");
   alpha_ = math::exp(-3.0 * design.period_s / design.target_response_time_s);
   points_ = breakwater::coincidence_points(design);
 
