@@ -29,7 +29,7 @@ double EnergyAdmittance::path_acceleration() {
   mass_kg_ = effective_mass_kg();
   speed_m_s_ = path().impact.allowed_N(task().force_reference_N) /
                peak_per_speed_Ns_m(path().impact.stiffness_N_m, mass_kg_);
-  return design_.approach.k_d() * (speed_m_s_ - velocity_[0]);
+  return path().approach.k_d() * (speed_m_s_ - velocity_[0]);
 }
 
 }  // namespace breakwater

@@ -23,7 +23,6 @@ struct Admittance {
 
 struct EnergyAdmittanceDesign {
   PathDesign path;
-  Pfc approach;  ///< speed towards the wall
   Admittance admittance;
 };
 

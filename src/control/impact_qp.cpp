@@ -107,7 +107,7 @@ ImpactQp::ImpactQp(const ArmSetup& arm, const ImpactQpDesign& design)
 double ImpactQp::path_acceleration() {
   along_wanted_ = touches() ? design_.admittance.acceleration_m_s2(
                                   task().force_reference_N - force_N_, velocity_[0])
-                            : design_.approach.k_d() * (design_.approach_speed_m_s - velocity_[0]);
+                            : path().approach.k_d() * (design_.approach_speed_m_s - velocity_[0]);
   return along_wanted_;
 }
 

@@ -8,7 +8,6 @@ namespace breakwater {
 
 struct ImpactQpDesign {
   PathDesign path;
-  Pfc approach;  ///< speed towards the wall
   Admittance admittance;
   double approach_speed_m_s = 0.5;  ///< v^ref of the task, before the constraints
   double preview_s = 1e-3;          ///< T_p: an impact may happen so long after this sample

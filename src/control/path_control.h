@@ -23,6 +23,7 @@ struct PathDesign {
   std::vector<Pfc> joints;                       ///< positioning by joints
   Pfc hold;                                      ///< x at the start pose, along the path
   Pfc across;                                    ///< the other coordinates
+  Pfc approach;                                  ///< speed towards the wall
   ImpactModel impact;                            ///< limits the speed
 };
 

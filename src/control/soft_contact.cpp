@@ -174,7 +174,7 @@ double SoftContact::approach_acceleration() {
                                   kDetection_s, path().impact.allowed_N(task().force_reference_N)));
   speed_cap_m_s_ =
       speed_cap_m_s_ > 0.0 ? speed_cap_m_s_ + kSmoothing * (cap - speed_cap_m_s_) : cap;
-  return design_.approach.k_d() * (speed_cap_m_s_ - velocity_[0]);
+  return path().approach.k_d() * (speed_cap_m_s_ - velocity_[0]);
 }
 
 void SoftContact::follow_stiffness() {

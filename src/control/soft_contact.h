@@ -42,8 +42,7 @@ class ContactStiffness {
 
 struct SoftContactDesign {
   PathDesign path;
-  Pfc approach;  ///< speed towards the wall
-  Pfc contact;   ///< way to go
+  Pfc contact;  ///< way to go
 };
 
 /// The largest impact velocity v at a wall of stiffness K for which the peak behind the sensor's

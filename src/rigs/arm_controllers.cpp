@@ -97,10 +97,10 @@ struct PathSettings {
   PfcSettings pfc;
   double hold_s = 0.0;
   double across_s = 0.0;
-  double approach_s = 0.0;
+  double approach_s = 0.0;  // 0: the controller has no such key
   ImpactModel impact;
 
-  void bind(Fields& fields) {
+  void bind(Fields& fields, bool approaches = true) {
     pfc.bind(fields);
     fields.number("controller.t_hold_s", hold_s, positive(),
                   "target response time of x at the start pose, for positioning workspace");
@@ -110,17 +110,17 @@ struct PathSettings {
                   "K_d: design stiffness, the contact stiffness for which the speed is limited");
     fields.number("controller.peak_margin_N", impact.peak_margin_N, positive(),
                   "allowed excess of the filtered peak force over the reference at K_d");
-  }
-  void bind_approach(Fields& fields) {
+    if (!approaches) return;
     fields.number("controller.t_approach_s", approach_s, positive(),
                   "target response time of the speed towards the wall");
   }
-  Pfc approach(const ArmSetup& arm) const {
-    return pfc.make("controller.t_approach_s", approach_s, arm);
-  }
   PathDesign design(const ArmSetup& arm) const {
-    return {pfc.positioning, pfc.joints(arm), pfc.make("controller.t_hold_s", hold_s, arm),
-            pfc.make("controller.t_across_s", across_s, arm), impact};
+    return {pfc.positioning,
+            pfc.joints(arm),
+            pfc.make("controller.t_hold_s", hold_s, arm),
+            pfc.make("controller.t_across_s", across_s, arm),
+            approach_s > 0.0 ? pfc.make("controller.t_approach_s", approach_s, arm) : Pfc(),
+            impact};
   }
 };
 
@@ -130,13 +130,12 @@ struct TlscSettings {
 
   void bind(Fields& fields) {
     path.bind(fields);
-    path.bind_approach(fields);
     fields.number("controller.t_contact_s", contact_s, positive(),
                   "target response time of the remaining distance in contact");
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     return std::make_unique<SoftContact>(
-        arm, SoftContactDesign{path.design(arm), path.approach(arm),
+        arm, SoftContactDesign{path.design(arm),
                                path.pfc.make("controller.t_contact_s", contact_s, arm)});
   }
 };
@@ -147,15 +146,14 @@ struct EnergySettings {
 
   void bind(Fields& fields) {
     path.bind(fields);
-    path.bind_approach(fields);
     fields.optional_number("controller.admittance_mass_kg", admittance.mass_kg, positive(),
                            "M: mass of the admittance in contact");
     fields.optional_number("controller.admittance_damping_Ns_m", admittance.damping_Ns_m,
                            not_negative(), "D: damping of the admittance in contact");
   }
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
-    return std::make_unique<EnergyAdmittance>(
-        arm, EnergyAdmittanceDesign{path.design(arm), path.approach(arm), admittance});
+    return std::make_unique<EnergyAdmittance>(arm,
+                                              EnergyAdmittanceDesign{path.design(arm), admittance});
   }
 };
 
@@ -178,7 +176,6 @@ struct ImpactQpSettings : EnergySettings {
   std::unique_ptr<Controller> make(const ArmSetup& arm) const {
     ImpactQpDesign design = given;
     design.path = path.design(arm);
-    design.approach = path.approach(arm);
     design.admittance = admittance;
     return std::make_unique<ImpactQp>(arm, design);
   }
@@ -189,7 +186,7 @@ struct ContactMpcSettings {
   ContactMpcDesign given;
 
   void bind(Fields& fields) {
-    path.bind(fields);
+    path.bind(fields, false);
     fields.optional_number(
         "controller.period_s", given.period_s, positive(),
         "time from one optimisation to the next, a multiple of control.period_s");

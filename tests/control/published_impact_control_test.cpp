@@ -38,8 +38,8 @@ TEST(EnergySpeed, AFreeMassMeetsTheSpringWithTheAllowedPeak) {
 
 class PublishedImpactControl : public ::testing::Test, public testing::WallArm {
  protected:
-  EnergyAdmittanceDesign energy() const { return {path_, approach_, {}}; }
-  ImpactQpDesign qp() const { return {.path = path_, .approach = approach_}; }
+  EnergyAdmittanceDesign energy() const { return {path_, {}}; }
+  ImpactQpDesign qp() const { return {.path = path_}; }
   ContactMpcDesign mpc() const { return {.path = path_}; }
 
   template <typename Law, typename Design>
@@ -420,7 +420,6 @@ class SoftContactLaw : public ::testing::Test, public testing::WallArm {
  protected:
   SoftContactLaw() {
     design_.path = path_;
-    design_.approach = approach_;
     design_.contact = Pfc({.target_response_time_s = 0.08});
   }
 

@@ -66,14 +66,14 @@ std::vector<std::unique_ptr<Controller>> controllers(const Arm& arm) {
   LmDesign inverse;
   inverse.form = LmForm::sugihara;
   inverse.damping = 1e-4;
-  const PathDesign path{Positioning::workspace, std::vector<Pfc>(joints), {}, {}, {}};
+  const PathDesign path{Positioning::workspace, std::vector<Pfc>(joints), {}, {}, {}, {}};
   std::vector<std::unique_ptr<Controller>> all;
   for (const WorkspaceLaw law : {WorkspaceLaw::hpfc, WorkspaceLaw::drac}) {
     all.push_back(std::make_unique<WorkspaceControl>(arm, WorkspaceControlDesign{.law = law}));
   }
   all.push_back(std::make_unique<ImplicitForcePfc>(
       arm, ImplicitForcePfcDesign{std::vector<Pfc>(joints), inverse, Positioning::workspace}));
-  all.push_back(std::make_unique<EnergyAdmittance>(arm, EnergyAdmittanceDesign{path, {}, {}}));
+  all.push_back(std::make_unique<EnergyAdmittance>(arm, EnergyAdmittanceDesign{path, {}}));
   SoftContactDesign soft;
   soft.path = path;
   all.push_back(std::make_unique<SoftContact>(arm, soft));
@@ -127,8 +127,8 @@ TEST(SpatialArm, CoupledJointsKeepTheirLimits) {
   arm.acceleration.nominal_mass_matrix_kgm2 =
       root * root.transpose() + 0.1 * Eigen::MatrixXd::Identity(7, 7);
   arm.task.k_posture = 0.0;
-  const PathDesign path{Positioning::workspace, std::vector<Pfc>(7), {}, {}, {}};
-  EnergyAdmittance law(arm, EnergyAdmittanceDesign{path, {}, {}});
+  const PathDesign path{Positioning::workspace, std::vector<Pfc>(7), {}, {}, {}, {}};
+  EnergyAdmittance law(arm, EnergyAdmittanceDesign{path, {}});
   for (int k = 0; k < 200; ++k) {
     const Eigen::VectorXd u =
         arm.torque(law, start + random.vector(7, 0.2), random.vector(7), 0.0, k * kPeriod);

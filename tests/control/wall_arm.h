@@ -26,7 +26,7 @@ class WallArm {
     path_.positioning = Positioning::workspace;
     path_.joints.assign(3, Pfc());
     path_.across = Pfc({.target_response_time_s = 0.2});
-    approach_ = Pfc({.target_response_time_s = 0.1});
+    path_.approach = Pfc({.target_response_time_s = 0.1});
   }
 
   ArmSetup arm() const { return {chain_, acceleration_, task_, kPeriod}; }
@@ -88,7 +88,6 @@ class WallArm {
   AccelerationControlDesign acceleration_;
   ArmTask task_;
   PathDesign path_;
-  Pfc approach_;
 };
 
 }  // namespace breakwater::testing
