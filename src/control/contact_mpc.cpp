@@ -45,13 +45,10 @@ ContactMpc::ContactMpc(const ArmSetup& arm, const ContactMpcDesign& design)
       lmpc_(contact_problem(design, arm.task.force_reference_N)),
       forget_(arm.task.force_lag_s > 0.0 ? math::exp(-arm.period_s / arm.task.force_lag_s) : 0.0),
       told_wall_x_m_(arm.task.wall_x_m + design.wall_error_m),
-      wall_x_m_(told_wall_x_m_),
-      input_(Eigen::VectorXd::Zero(1)),
-      reserved_(input_),
-      trajectory_(Eigen::VectorXd::Zero(2 * design.prediction_steps)) {
+      wall_x_m_(told_wall_x_m_) {
   refuse_unless(std::isfinite(wall_x_m_), "contact prediction: needs a wall whose place is known");
-  for (Eigen::Index i = 0; i < trajectory_.size(); i += 2) {
-    trajectory_(i) = arm.task.force_reference_N / design.path.impact.stiffness_N_m;
+  for (Eigen::Index i = 0; i < 2 * design.prediction_steps; i += 2) {
+    lmpc_.reference()(i) = arm.task.force_reference_N / design.path.impact.stiffness_N_m;
   }
   publish({"wall_hat_m", "m", "x of the wall, told and corrected by the force", view(wall_x_m_)});
   publish({"qp_iterations", "1", "changes of the active set", view(iterations_)});
@@ -64,7 +61,6 @@ void ContactMpc::restart() {
   sample_ = 0;
   wall_x_m_ = told_wall_x_m_;
   depth_f_m_ = 0.0;
-  input_.setZero();
 }
 
 double ContactMpc::path_acceleration() {
@@ -72,11 +68,11 @@ double ContactMpc::path_acceleration() {
   if (sample_++ % samples_per_move_ == 0) {
     state_ << X_hat_[0] - wall_x_m_, velocity_[0];
     // The bounds are on a_x itself, so each optimisation starts from any last input.
-    input_ += lmpc_.optimise(state_, input_, trajectory_, reserved_);
+    lmpc_.optimise(state_);
     iterations_ = lmpc_.iterations();
     softened_ = lmpc_.softened_bounds();
   }
-  return input_(0);
+  return lmpc_.u()(0);
 }
 
 void ContactMpc::correct_wall(double depth_m) {

@@ -49,9 +49,6 @@ class ContactMpc final : public PathControl {
   double wall_x_m_;
   double depth_f_m_ = 0.0;  // max(0, δ) behind the lag
   Eigen::Vector2d state_{0.0, 0.0};
-  Eigen::VectorXd input_;       // a_x
-  Eigen::VectorXd reserved_;    // nothing
-  Eigen::VectorXd trajectory_;  // the states
 
   // Signals for the log.
   double iterations_ = 0.0;

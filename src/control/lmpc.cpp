@@ -90,9 +90,12 @@ Lmpc::Lmpc(const LmpcDesign& design)
       solver_(make_qp_solver(design.solver, make_model(), design.max_iterations)),
       input_(solver_->model().H.rows(), solver_->model().Omega.rows()),
       solution_(solver_->model().H.rows(), solver_->model().Omega.rows()),
-      free_(Eigen::VectorXd::Zero(prediction_.Psi.rows())),
-      errors_(free_),
-      change_(Eigen::VectorXd::Zero(inputs())) {
+      u_(Eigen::VectorXd::Zero(inputs())),
+      reserved_(u_),
+      reference_(Eigen::VectorXd::Zero(prediction_.Psi.rows())),
+      free_(reference_),
+      errors_(reference_),
+      change_(u_) {
   refuse_unless(design.on_infeasible != OnInfeasible::soften || design.softness > 0.0,
                 "predictive control: the softness must be positive");
 }
@@ -157,17 +160,15 @@ void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eig
 }
 
 void Lmpc::reset() {
+  u_.setZero();
   solver_->reset();
   softened_bounds_ = 0;
   statistics_ = {};
 }
 
-const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x,
-                                      const Eigen::Ref<const Eigen::VectorXd>& last_input,
-                                      const Eigen::Ref<const Eigen::VectorXd>& reference,
-                                      const Eigen::Ref<const Eigen::VectorXd>& reserved) {
-  set_slope(x, last_input, reference);
-  set_bounds(last_input, reserved);
+const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x) {
+  set_slope(x);
+  set_bounds();
   input_.softness.setZero();
   softened_bounds_ = iterations_ = 0;
   elapsed_s_ = 0.0;
@@ -198,6 +199,7 @@ const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x
       clip(RowKind::input);
     }
   }
+  u_ += change_;
   return change_;
 }
 
@@ -212,20 +214,18 @@ void Lmpc::clip(RowKind kind) {
 }
 
 // g = Θᵀ Q̅ (Ψ x + Γ u − T_ref) + C_2ᵀ S̅ C_1 u.
-void Lmpc::set_slope(const Eigen::Ref<const Eigen::VectorXd>& x,
-                     const Eigen::Ref<const Eigen::VectorXd>& last_input,
-                     const Eigen::Ref<const Eigen::VectorXd>& reference) {
+void Lmpc::set_slope(const Eigen::Ref<const Eigen::VectorXd>& x) {
   if (HorizonSweeps* const sweeps = qp_model().sweeps.get()) {
-    sweeps->free_response(x, last_input, free_);
-    errors_ = free_ - reference;
-    sweeps->slope(errors_, last_input, input_.g);
+    sweeps->free_response(x, u_, free_);
+    errors_ = free_ - reference_;
+    sweeps->slope(errors_, u_, input_.g);
     return;
   }
   free_.noalias() = prediction_.Psi * x;
-  free_.noalias() += prediction_.Gamma * last_input;
-  errors_ = free_ - reference;
+  free_.noalias() += prediction_.Gamma * u_;
+  errors_ = free_ - reference_;
   input_.g.noalias() = weighted_ * errors_;
-  input_.g.noalias() += sums_ * last_input;
+  input_.g.noalias() += sums_ * u_;
 }
 
 void Lmpc::soften() {
@@ -251,13 +251,12 @@ void Lmpc::give_way(RowKind kind, std::size_t bound) {
   }
 }
 
-void Lmpc::set_bounds(const Eigen::Ref<const Eigen::VectorXd>& last_input,
-                      const Eigen::Ref<const Eigen::VectorXd>& reserved) {
+void Lmpc::set_bounds() {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
     double already = 0.0;  // value of the bounded quantity at ΔU = 0
     if (row.kind == RowKind::input) {
-      already = last_input(row.component) + reserved(row.component);
+      already = u_(row.component) + reserved_(row.component);
     } else if (row.kind == RowKind::state) {
       already = free_(row.at);
     }

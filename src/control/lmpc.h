@@ -93,17 +93,20 @@ class Lmpc {
   /// weights are positive semidefinite and H is positive definite.
   explicit Lmpc(const LmpcDesign& design);
 
-  /// Clears the last solution and the statistics.
+  /// Clears u, the last solution and the statistics.
   void reset();
 
-  /// Returns Δu(k) (m), from x(k) (n), u(k−1) (m) and the reference trajectory T_ref (N_p n).
-  /// `reserved` (m) is an input added elsewhere: the bounds on u move by −`reserved`. If the exact
-  /// solver only has an approximate solution, Δu(k) is clipped to the bounds on Δu, then to those
-  /// on u. Allocates nothing. Throws ControlFailure if the bounds cannot be satisfied.
-  const Eigen::VectorXd& optimise(const Eigen::Ref<const Eigen::VectorXd>& x,
-                                  const Eigen::Ref<const Eigen::VectorXd>& last_input,
-                                  const Eigen::Ref<const Eigen::VectorXd>& reference,
-                                  const Eigen::Ref<const Eigen::VectorXd>& reserved);
+  /// u(k−1) (m), to which optimise() adds Δu(k).
+  Eigen::VectorXd& u() { return u_; }
+  /// The reference trajectory T_ref (N_p n).
+  Eigen::VectorXd& reference() { return reference_; }
+  /// An input added elsewhere (m): the bounds on u move by its negative.
+  Eigen::VectorXd& reserved() { return reserved_; }
+
+  /// Returns Δu(k) (m) from x(k) (n). If the exact solver only has an approximate solution, Δu(k)
+  /// is clipped to the bounds on Δu, then to those on u. Allocates nothing. Throws ControlFailure
+  /// if the bounds cannot be satisfied.
+  const Eigen::VectorXd& optimise(const Eigen::Ref<const Eigen::VectorXd>& x);
 
   /// Sweeps or changes of the active set in the last optimisation, in all its solves.
   int iterations() const { return iterations_; }
@@ -132,11 +135,8 @@ class Lmpc {
 
   QpModel make_model();
   void add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eigen::Index width);
-  void set_slope(const Eigen::Ref<const Eigen::VectorXd>& x,
-                 const Eigen::Ref<const Eigen::VectorXd>& last_input,
-                 const Eigen::Ref<const Eigen::VectorXd>& reference);
-  void set_bounds(const Eigen::Ref<const Eigen::VectorXd>& last_input,
-                  const Eigen::Ref<const Eigen::VectorXd>& reserved);
+  void set_slope(const Eigen::Ref<const Eigen::VectorXd>& x);
+  void set_bounds();
   void solve();
   void soften();
   void give_way(RowKind kind, std::size_t bound);
@@ -150,6 +150,9 @@ class Lmpc {
   std::unique_ptr<QpSolver> solver_;
   QpInput input_;
   QpSolution solution_;
+  Eigen::VectorXd u_;
+  Eigen::VectorXd reserved_;
+  Eigen::VectorXd reference_;
   Eigen::VectorXd free_;    // Ψ x + Γ u
   Eigen::VectorXd errors_;  // free_ − T_ref
   Eigen::VectorXd change_;

@@ -12,10 +12,7 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
     : EstimatingControl(std::move(estimator), design.loop),
       design_(design),
       lmpc_(design.lmpc),
-      predicted_state_(Eigen::VectorXd::Zero(lmpc_.states())),
-      trajectory_(Eigen::VectorXd::Zero(lmpc_.states() * lmpc_.prediction_steps())),
-      reserved_(Eigen::VectorXd::Zero(1)),
-      planned_input_(Eigen::VectorXd::Zero(1)) {
+      predicted_state_(Eigen::VectorXd::Zero(lmpc_.states())) {
   const Eigen::Index disturbances = design.disturbance_use == DisturbanceUse::predict ? 1 : 0;
   refuse_unless(lmpc_.inputs() == 1 && lmpc_.states() == state().size() + disturbances &&
                     design.controlled >= 0 && design.controlled < state().size(),
@@ -24,7 +21,7 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
                 "predictive control: needs at least one sample per move");
   const AxisUnits& units = design.loop.units;
   publish({"u_mpc_" + units.force_suffix, units.force, "input of the optimisation (Eq. 2.42)",
-           view(planned_input_)});
+           view(lmpc_.u())});
   publish({"qp_iterations", "1", "iterations of the last optimisation", view(iterations_)});
   publish({"qp_softened", "1", "number of softened bounds in it: on states, then on du",
            view(softened_)});
@@ -37,7 +34,6 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
 void PredictiveControl::reset(const Sample& first) {
   EstimatingControl::reset(first);
   lmpc_.reset();
-  planned_input_.setZero();
   cancelled_ = 0.0;
   sample_ = 0;
 }
@@ -52,18 +48,18 @@ double PredictiveControl::input(const Sample&) {
       predicted_state_.tail<1>()(0) = disturbance();
     }
     if (design_.disturbance_use == DisturbanceUse::cancel_within_bounds) {
-      reserved_(0) = disturbance();
+      lmpc_.reserved()(0) = disturbance();
     }
     for (int i = 0; i < lmpc_.prediction_steps(); ++i) {
-      trajectory_(i * lmpc_.states() + design_.controlled) = reference();
+      lmpc_.reference()(i * lmpc_.states() + design_.controlled) = reference();
     }
-    planned_input_ += lmpc_.optimise(predicted_state_, planned_input_, trajectory_, reserved_);
+    lmpc_.optimise(predicted_state_);
     iterations_ = lmpc_.iterations();
     softened_ = lmpc_.softened_bounds();
     status_ = static_cast<double>(lmpc_.solution().status);
   }
   if (cancels && (decides || design_.cancel_at == CancelAt::sample)) cancelled_ = disturbance();
-  double u = cancels ? planned_input_(0) + cancelled_ : planned_input_(0);
+  double u = cancels ? lmpc_.u()(0) + cancelled_ : lmpc_.u()(0);
   if (design_.disturbance_use == DisturbanceUse::cancel_within_bounds) {
     for (const PredictedBound& bound : design_.lmpc.input_bounds) {
       u = std::clamp(u, bound.lower, bound.upper);

@@ -55,10 +55,7 @@ class PredictiveControl final : public EstimatingControl {
   Lmpc lmpc_;
   std::int64_t sample_ = 0;
   Eigen::VectorXd predicted_state_;  // x̂, or x̄
-  Eigen::VectorXd trajectory_;       // T_ref
-  Eigen::VectorXd reserved_;
-  Eigen::VectorXd planned_input_;  // u of the optimisation
-  double cancelled_ = 0.0;         // d̂, which is added to it
+  double cancelled_ = 0.0;           // d̂, which is added to the input
   double iterations_ = 0.0;
   double softened_ = 0.0;
   double status_ = 0.0;

@@ -68,16 +68,8 @@ AxisMpc::AxisMpc(const StateSpace& axis, const WaveMpcDesign& design, double r, 
       lower_(lower),
       upper_(upper),
       lmpc_(axis_problem(sampled_, design, r, lower, upper)),
-      input_(Eigen::VectorXd::Zero(1)),
-      reserved_(input_),
       pushed_(Eigen::VectorXd::Zero(axis.states())),
-      next_(pushed_),
-      trajectory_(Eigen::VectorXd::Zero(axis.states() * design.prediction_steps)) {}
-
-void AxisMpc::reset() {
-  lmpc_.reset();
-  input_.setZero();
-}
+      next_(pushed_) {}
 
 double AxisMpc::input(const Eigen::VectorXd& state,
                       const Eigen::Ref<const Eigen::RowVectorXd>& disturbance) {
@@ -87,11 +79,12 @@ double AxisMpc::input(const Eigen::VectorXd& state,
     next_.noalias() = sampled_.A * pushed_;
     next_ += 0.5 * (disturbance(i) + disturbance(i + 1)) * sampled_.B.col(1);
     pushed_ = next_;
-    trajectory_.segment(n * i, n) = -pushed_;
+    lmpc_.reference().segment(n * i, n) = -pushed_;
   }
-  input_ += lmpc_.optimise(state, input_, trajectory_, reserved_);
-  input_(0) = std::clamp(input_(0), lower_, upper_);
-  return input_(0);
+  lmpc_.optimise(state);
+  double& input = lmpc_.u()(0);
+  input = std::clamp(input, lower_, upper_);
+  return input;
 }
 
 WaveMpc::WaveMpc(const Backstepping& law, std::shared_ptr<QuadrotorEstimator> estimator,

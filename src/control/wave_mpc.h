@@ -35,7 +35,7 @@ class AxisMpc {
   AxisMpc(const StateSpace& axis, const WaveMpcDesign& design, double r, double lower,
           double upper);
 
-  void reset();
+  void reset() { lmpc_.reset(); }
   /// The next input from the state, whose position is relative to the reference, and the forecast
   /// (N_p + 1). Allocates nothing. Throws ControlFailure as Lmpc does.
   double input(const Eigen::VectorXd& state,
@@ -48,11 +48,8 @@ class AxisMpc {
   double lower_;
   double upper_;
   Lmpc lmpc_;
-  Eigen::VectorXd input_;
-  Eigen::VectorXd reserved_;  // nothing
-  Eigen::VectorXd pushed_;    // the disturbance's own response in one step
+  Eigen::VectorXd pushed_;  // the disturbance's own response in one step
   Eigen::VectorXd next_;
-  Eigen::VectorXd trajectory_;
 };
 
 /// Predictive control of the position; the attitude has the gains of Backstepping. The forces of

@@ -98,14 +98,12 @@ struct QpSequence {
 QpSequence record(const Loop& loop) {
   const StateSpace plant = zero_order_hold(damped_inertia(0.625, 0.78), loop.period_s);
   Lmpc lmpc(design_of(loop, plant));
-  Eigen::VectorXd reference = Eigen::VectorXd::Zero(3 * loop.prediction_steps);
-  for (int i = 0; i < loop.prediction_steps; ++i) reference(3 * i) = loop.reference_m;
+  for (int i = 0; i < loop.prediction_steps; ++i) lmpc.reference()(3 * i) = loop.reference_m;
   QpSequence sequence{lmpc.qp_model(), {}};
 
   const Noise noise(1, "position");
   const Noise speed_noise(1, "velocity");
   Eigen::VectorXd x = loop.start;
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
   double d_hat = 0.0;
   for (int k = 0; k < loop.samples; ++k) {
     const double d = k >= loop.samples / 2 ? loop.disturbance_N : 0.0;
@@ -114,13 +112,13 @@ QpSequence record(const Loop& loop) {
     const Eigen::Vector3d estimate(x(0) + loop.noise_m * noise(sample),
                                    x(1) + loop.noise_m * speed_noise(sample), d_hat);
     const std::int64_t unsolved = lmpc.statistics().unsolved;
-    u += lmpc.optimise(estimate, u, reference, Eigen::VectorXd::Zero(1));
+    lmpc.optimise(estimate);
     // Not every solver can soften rows.
     if (lmpc.statistics().unsolved == unsolved) {
       sequence.inputs.push_back(lmpc.qp_input());
       sequence.inputs.back().softness.setZero();
     }
-    x = plant.A * x + plant.B * (u.array() - d).matrix();
+    x = plant.A * x + plant.B * (lmpc.u().array() - d).matrix();
   }
   return sequence;
 }

@@ -39,7 +39,14 @@ void bind_predictive_control(py::module_& module) {
       .def_readonly("status", &QpSolution::status);
   py::class_<Lmpc>(module, "Lmpc")
       .def(py::init<const D&>())
-      .def("optimise", &Lmpc::optimise)
+      .def("optimise",
+           [](Lmpc& lmpc, const Eigen::VectorXd& x, const Eigen::VectorXd& last_input,
+              const Eigen::VectorXd& reference, const Eigen::VectorXd& reserved) {
+             lmpc.u() = last_input;
+             lmpc.reference() = reference;
+             lmpc.reserved() = reserved;
+             return lmpc.optimise(x);
+           })
       .def("solution", &Lmpc::solution, py::return_value_policy::copy)
       .def("statistics", &Lmpc::statistics, py::return_value_policy::copy)
       .def("iterations", &Lmpc::iterations)
