@@ -287,10 +287,8 @@ Eigen::MatrixXd solve_dare(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
 
 LqrDesign dlqr(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& Q,
                const Eigen::MatrixXd& R) {
-  LqrDesign design;
-  design.P = solve_dare(A, B, Q, R);
-  design.K = feedback({A, B, Q, R}, design.P);
-  return design;
+  const Matrix P = solve_dare(A, B, Q, R);
+  return {feedback({A, B, Q, R}, P), P};
 }
 
 }  // namespace breakwater
