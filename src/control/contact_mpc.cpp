@@ -51,8 +51,9 @@ ContactMpc::ContactMpc(const ArmSetup& arm, const ContactMpcDesign& design)
     lmpc_.reference()(i) = arm.task.force_reference_N / design.path.impact.stiffness_N_m;
   }
   publish({"wall_hat_m", "m", "x of the wall, told and corrected by the force", view(wall_x_m_)});
-  publish({"qp_iterations", "1", "changes of the active set", view(iterations_)});
-  publish({"softened_bounds", "1", "1 where the force's bound gave way", view(softened_)});
+  publish({"qp_iterations", "1", "changes of the active set", view(lmpc_.iterations())});
+  publish({"softened_bounds", "1", "1 where the force's bound gave way",
+           view(lmpc_.softened_bounds())});
 }
 
 void ContactMpc::restart() {
@@ -69,8 +70,6 @@ double ContactMpc::path_acceleration() {
     state_ << X_hat_[0] - wall_x_m_, velocity_[0];
     // The bounds are on a_x itself, so each optimisation starts from any last input.
     lmpc_.optimise(state_);
-    iterations_ = lmpc_.iterations();
-    softened_ = lmpc_.softened_bounds();
   }
   return lmpc_.u()(0);
 }

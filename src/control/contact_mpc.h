@@ -49,10 +49,6 @@ class ContactMpc final : public PathControl {
   double wall_x_m_;
   double depth_f_m_ = 0.0;  // max(0, δ) behind the lag
   Eigen::Vector2d state_{0.0, 0.0};
-
-  // Signals for the log.
-  double iterations_ = 0.0;
-  double softened_ = 0.0;
 };
 
 /// The problem of a ContactMpc for a path with this period. Throws std::invalid_argument as dlqr().

@@ -162,7 +162,7 @@ void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eig
 void Lmpc::reset() {
   u_.setZero();
   solver_->reset();
-  softened_bounds_ = 0;
+  softened_bounds_ = 0.0;
   statistics_ = {};
 }
 
@@ -170,8 +170,7 @@ const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x
   set_slope(x);
   set_bounds();
   input_.softness.setZero();
-  softened_bounds_ = iterations_ = 0;
-  elapsed_s_ = 0.0;
+  softened_bounds_ = iterations_ = elapsed_s_ = 0.0;
 
   solve();
   ++statistics_.optimisations;
@@ -180,8 +179,8 @@ const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x
     ++statistics_.softened;
     soften();
   }
-  statistics_.iterations += iterations_;
-  statistics_.most_iterations = std::max(statistics_.most_iterations, iterations_);
+  statistics_.most_iterations =
+      std::max(statistics_.most_iterations, static_cast<int>(iterations_));
   statistics_.time_s += elapsed_s_;
   statistics_.longest_s = std::max(statistics_.longest_s, elapsed_s_);
   if (solution_.status == QpStatus::infeasible) {
@@ -270,6 +269,7 @@ void Lmpc::solve() {
   solver_->solve(input_, solution_);
   elapsed_s_ += thread_time_s() - start_s;
   iterations_ += solution_.iterations;
+  statistics_.iterations += solution_.iterations;
 }
 
 }  // namespace breakwater

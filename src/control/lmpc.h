@@ -108,11 +108,11 @@ class Lmpc {
   /// if the bounds cannot be satisfied.
   const Eigen::VectorXd& optimise(const Eigen::Ref<const Eigen::VectorXd>& x);
 
+  // Signals for a log:
   /// Sweeps or changes of the active set in the last optimisation, in all its solves.
-  int iterations() const { return iterations_; }
-
+  const double& iterations() const { return iterations_; }
   /// Number of softened state bounds in the last optimisation, plus one if those on Δu were.
-  int softened_bounds() const { return softened_bounds_; }
+  const double& softened_bounds() const { return softened_bounds_; }
 
   Eigen::Index states() const { return prediction_.Psi.cols(); }
   Eigen::Index inputs() const { return prediction_.Gamma.cols(); }
@@ -156,9 +156,9 @@ class Lmpc {
   Eigen::VectorXd free_;    // Ψ x + Γ u
   Eigen::VectorXd errors_;  // free_ − T_ref
   Eigen::VectorXd change_;
-  int softened_bounds_ = 0;
-  int iterations_ = 0;      // in this optimisation
-  double elapsed_s_ = 0.0;  // time of this optimisation's solves
+  double softened_bounds_ = 0.0;
+  double iterations_ = 0.0;  // in this optimisation
+  double elapsed_s_ = 0.0;   // time of this optimisation's solves
   QpStatistics statistics_;
 };
 

@@ -22,9 +22,9 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
   const AxisUnits& units = design.loop.units;
   publish({"u_mpc_" + units.force_suffix, units.force, "input of the optimisation (Eq. 2.42)",
            view(lmpc_.u())});
-  publish({"qp_iterations", "1", "iterations of the last optimisation", view(iterations_)});
+  publish({"qp_iterations", "1", "iterations of the last optimisation", view(lmpc_.iterations())});
   publish({"qp_softened", "1", "number of softened bounds in it: on states, then on du",
-           view(softened_)});
+           view(lmpc_.softened_bounds())});
   publish({"qp_status", "1", "status of its last solve: 0 solved, 1 iteration cap, 4 inaccurate",
            view(status_)});
   publish(
@@ -54,8 +54,6 @@ double PredictiveControl::input(const Sample&) {
       lmpc_.reference()(i * lmpc_.states() + design_.controlled) = reference();
     }
     lmpc_.optimise(predicted_state_);
-    iterations_ = lmpc_.iterations();
-    softened_ = lmpc_.softened_bounds();
     status_ = static_cast<double>(lmpc_.solution().status);
   }
   if (cancels && (decides || design_.cancel_at == CancelAt::sample)) cancelled_ = disturbance();

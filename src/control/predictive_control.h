@@ -56,8 +56,6 @@ class PredictiveControl final : public EstimatingControl {
   std::int64_t sample_ = 0;
   Eigen::VectorXd predicted_state_;  // x̂, or x̄
   double cancelled_ = 0.0;           // d̂, which is added to the input
-  double iterations_ = 0.0;
-  double softened_ = 0.0;
   double status_ = 0.0;
 };
 
