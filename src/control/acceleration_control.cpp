@@ -35,7 +35,7 @@ AccelerationControl::AccelerationControl(const AccelerationControlDesign& design
       torque_(held_),
       more_(held_),
       feed_(design.feed),
-      observer_(design.make_observer()),
+      observer_(design.observer),
       fed_torque_(Eigen::VectorXd::Zero(nominal_inertia_.size())),
       start_(Eigen::VectorXd::Zero(2 * nominal_inertia_.size())) {
   refuse_unless(joints() != 0 && torque_limit_.size() == joints(),

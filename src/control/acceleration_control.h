@@ -3,7 +3,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -23,8 +22,8 @@ struct AccelerationControlDesign {
   /// M_n (n×n) of joints that are coupled; empty: they are independent, and M_n = J_n.
   Eigen::MatrixXd nominal_mass_matrix_kgm2 = {};
   Eigen::VectorXd torque_limit_Nm;  ///< τ_limit, n (Eq. 2.81)
-  /// Makes an estimator of all joints: x̂ = [q; q̇] (2n), d̂ (n), from torques and measured angles.
-  std::function<std::shared_ptr<DisturbanceEstimator>()> make_observer;
+  /// An estimator of all joints: x̂ = [q; q̇] (2n), d̂ (n), from torques and measured angles.
+  std::shared_ptr<DisturbanceEstimator> observer;
   ObserverFeed feed = ObserverFeed::clipped;
 };
 
@@ -47,7 +46,7 @@ std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal
 class AccelerationControl {
  public:
   /// Throws std::invalid_argument if the sizes differ or an inertia or a limit is not positive, if
-  /// M_n is not positive definite, and as make_observer() does.
+  /// M_n is not positive definite, or the observer is for other joints.
   explicit AccelerationControl(const AccelerationControlDesign& design);
 
   /// Starts the observer at rest at `q` with no disturbance.

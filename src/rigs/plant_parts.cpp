@@ -216,7 +216,7 @@ struct TipPart {
     }
     AccelerationControlDesign& joints = arm.acceleration;
     joints.torque_limit_Nm = task.limit;
-    joints.make_observer = [estimator = std::move(estimator)] { return estimator; };
+    joints.observer = std::move(estimator);
     joints.feed = feed;
     arm.task.start_pose = arm.chain->tip_pose(arm.task.start_angles_rad);
     arm.task.k_posture = k_posture;

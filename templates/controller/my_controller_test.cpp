@@ -31,9 +31,8 @@ breakwater::ArmSetup setup() {
   breakwater::AccelerationControlDesign acceleration;
   acceleration.nominal_inertia_kgm2 = Eigen::Vector3d(2.0, 1.5, 1.0);
   acceleration.torque_limit_Nm = chain.effort_limits_Nm();
-  acceleration.make_observer = [J = acceleration.nominal_inertia_kgm2] {
-    return breakwater::joint_idobs(J, {{-40, -43, -46}, {-41, -44, -47}, {-42, -45, -48}}, 1e-3);
-  };
+  acceleration.observer = breakwater::joint_idobs(
+      acceleration.nominal_inertia_kgm2, {{-40, -43, -46}, {-41, -44, -47}, {-42, -45, -48}}, 1e-3);
 
   breakwater::ArmTask task;
   task.start_angles_rad = Eigen::Vector3d(0.9, -1.8, 0.9);

@@ -13,9 +13,8 @@ AccelerationControlDesign design() {
   AccelerationControlDesign d;
   d.nominal_inertia_kgm2 = Eigen::Vector2d(2.0, 0.5);
   d.torque_limit_Nm = Eigen::Vector2d(20.0, 10.0);
-  d.make_observer = [J = d.nominal_inertia_kgm2] {
-    return joint_idobs(J, {{-40.0, -43.0, -46.0}, {-41.0, -44.0, -47.0}}, 1e-3);
-  };
+  d.observer =
+      joint_idobs(d.nominal_inertia_kgm2, {{-40.0, -43.0, -46.0}, {-41.0, -44.0, -47.0}}, 1e-3);
   return d;
 }
 
@@ -101,7 +100,7 @@ TEST(AccelerationControl, RefusesNonsense) {
   d.nominal_inertia_kgm2(1) = 0.0;
   EXPECT_THROW(AccelerationControl{d}, std::invalid_argument);
   d = design();
-  d.make_observer = [] { return joint_idobs(Eigen::VectorXd::Ones(1), {{-1, -2, -3}}, 1e-3); };
+  d.observer = joint_idobs(Eigen::VectorXd::Ones(1), {{-1, -2, -3}}, 1e-3);
   EXPECT_THROW(AccelerationControl{d}, std::invalid_argument) << "an observer of one joint";
   EXPECT_THROW(joint_idobs(Eigen::VectorXd::Ones(2), {{-1, -2, -3}}, 1e-3), std::invalid_argument);
 }

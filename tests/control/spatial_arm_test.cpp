@@ -37,7 +37,7 @@ struct Arm : ArmSetup {
         known(std::make_shared<KnownState>(start.size())) {
     acceleration.nominal_inertia_kgm2 = Eigen::VectorXd::Ones(start.size());
     acceleration.torque_limit_Nm = Eigen::VectorXd::Constant(start.size(), limit_Nm);
-    acceleration.make_observer = [this] { return known; };
+    acceleration.observer = known;
     task.start_angles_rad = start;
     task.start_pose = chain->tip_pose(start);
     task.force_reference_N = 2.0;

@@ -13,9 +13,9 @@ class WallArm {
   WallArm() : chain_(load_planar_chain(source_file("models/arm.urdf"))) {
     acceleration_.nominal_inertia_kgm2 = Eigen::Vector3d(1.0, 0.87, 0.82);
     acceleration_.torque_limit_Nm = chain_.effort_limits_Nm();
-    acceleration_.make_observer = [J = acceleration_.nominal_inertia_kgm2] {
-      return joint_idobs(J, std::vector<PoleGroup>(3, {-150.0, -157.5, -165.0}), kPeriod);
-    };
+    acceleration_.observer =
+        joint_idobs(acceleration_.nominal_inertia_kgm2,
+                    std::vector<PoleGroup>(3, {-150.0, -157.5, -165.0}), kPeriod);
     const double bend = std::acos(0.625);
     task_.start_angles_rad = Eigen::Vector3d(bend, -2 * bend, bend);
     task_.start_pose = chain_.tip_pose(task_.start_angles_rad);
