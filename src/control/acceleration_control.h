@@ -45,8 +45,8 @@ std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal
 /// Each sample: update(q), read the estimates, choose a, then command(a).
 class AccelerationControl {
  public:
-  /// Throws std::invalid_argument if the sizes differ or an inertia or a limit is not positive, if
-  /// M_n is not positive definite, or the observer is for other joints.
+  /// Throws std::invalid_argument unless the sizes fit, inertias and limits are positive, and M_n
+  /// is positive definite.
   explicit AccelerationControl(const AccelerationControlDesign& design);
 
   /// Starts the observer at rest at `q` with no disturbance.
