@@ -44,7 +44,7 @@ struct ArmSetup {
 /// Jacobian is singular there, and the workspace controllers would never leave this pose.
 class ArmController : public Controller {
   // Declared before the views of its estimates.
-  TipChain chain_;
+  ArmSetup arm_;
   AccelerationControl acceleration_control_;
 
  public:
@@ -61,10 +61,11 @@ class ArmController : public Controller {
   /// Writes a^ref (n) [rad/s²] from the members below.
   virtual void decide(Eigen::Ref<Eigen::VectorXd> a) = 0;
 
-  const ArmTask& task() const { return task_; }
+  const ArmSetup& arm() const { return arm_; }
+  const ArmTask& task() const { return arm_.task; }
   AccelerationControl& joints() { return acceleration_control_; }
   const AccelerationControl& joints() const { return acceleration_control_; }
-  const TipKinematics& chain() const { return *chain_; }
+  const TipKinematics& chain() const { return *arm_.chain; }
   /// J⁺ of this sample (n×c), damped near singular postures. Computed when it is first asked for.
   const Eigen::MatrixXd& damped_inverse();
 
@@ -82,8 +83,6 @@ class ArmController : public Controller {
  private:
   void hold_posture();
 
-  ArmTask task_;
-  double half_period_s_;
   Eigen::VectorXd acceleration_ref_;
   Eigen::VectorXd posture_;
   Eigen::MatrixXd J_damped_;

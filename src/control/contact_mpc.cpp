@@ -82,7 +82,7 @@ void ContactMpc::correct_wall(double depth_m) {
   }
   depth_f_m_ = forget_ * depth_f_m_ + (1.0 - forget_) * std::max(0.0, depth_m);
   const double force_depth_m = force_N_ / path().impact.stiffness_N_m;
-  wall_x_m_ -= design_.wall_correction_per_s * period_s_ * (force_depth_m - depth_f_m_);
+  wall_x_m_ -= design_.wall_correction_per_s * arm().period_s * (force_depth_m - depth_f_m_);
 }
 
 }  // namespace breakwater

@@ -19,7 +19,6 @@ constexpr double kLost_s = 0.08;
 PathControl::PathControl(const ArmSetup& arm, const PathDesign& design)
     : ArmController(arm),
       inertia_(arm.acceleration.nominal_inertia_kgm2),
-      period_s_(arm.period_s),
       along_(Eigen::VectorXd::Zero(arm.chain->joints())),
       otherwise_(along_),
       recoil_(along_),
@@ -97,7 +96,7 @@ void PathControl::follow_contact() {
     unloaded_s_ = 0.0;
   }
   const bool is_loaded = raw_force_N_ > kContact_N || force_N_ > kContact_N;
-  unloaded_s_ = is_loaded ? 0.0 : unloaded_s_ + period_s_;
+  unloaded_s_ = is_loaded ? 0.0 : unloaded_s_ + arm().period_s;
   if (unloaded_s_ > kLost_s) touches_ = false;
 }
 

@@ -60,7 +60,6 @@ class PathControl : public ArmController {
   static constexpr double kLeastAuthority_m_s2 = 0.3;  ///< lower bound for planning
 
   Eigen::VectorXd inertia_;              // diagonal of J_n
-  double period_s_;                      // T_s
   Eigen::VectorXd along_;                // g
   Eigen::VectorXd otherwise_;            // r
   Eigen::VectorXd recoil_;               // M_n⁻¹ J_xᵀ of coupled joints

@@ -121,7 +121,7 @@ void SoftContact::decide(Eigen::Ref<Eigen::VectorXd> a) {
     phase_ = path().positioning == Positioning::joint ? Phase::positioning : Phase::hold;
   }
   // The impulse of the limited torque on the elbow until the next sample.
-  elbow_impulse_ += (inertia_(elbow_) * a(elbow_) + d_hat_(elbow_)) * period_s_;
+  elbow_impulse_ += (inertia_(elbow_) * a(elbow_) + d_hat_(elbow_)) * arm().period_s;
   if (force_control_) X_ref_[0] = X_hat_[0] + way_to_go_m_;
   phase_number_ = static_cast<double>(phase_);
 }
@@ -155,7 +155,7 @@ void SoftContact::identify_elbow() {
     speed_cap_m_s_ = 0.0;
     return;
   }
-  approach_s_ += period_s_;
+  approach_s_ += arm().period_s;
   elbow_friction_ += kSmoothing * (d_hat_(elbow_) - elbow_friction_);
   if (approach_s_ < kIdentifyFrom_s || velocity_[0] < kIdentifyFrom_m_s) return;
   const double found =
