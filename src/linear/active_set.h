@@ -27,12 +27,10 @@ struct RowScan {
 /// working set occurs twice. If the violated row depends on the working set and no row can leave,
 /// the problem is infeasible. infeasibility_margin() must confirm this.
 ///
-/// S is stored as its factor L D Lᵀ, which rows join and leave. This squares the condition number
-/// of the working set. The true residual therefore refines multipliers if it is above 1e-10. A
-/// solved problem has a KKT residual of at most 1e-8. Otherwise the solver starts again without the
-/// last working set. Its last attempt stores the working set as an OrthogonalFactor, which is
-/// slower. True residuals then correct z and the multipliers after each change, and rows with two
-/// equal bounds never leave. If this fails, the status is `inaccurate`.
+/// S is stored as its factor L D Lᵀ. A solved problem has a KKT residual of at most 1e-8. Otherwise
+/// the solver starts again without the last working set, and at last with an OrthogonalFactor
+/// instead of S. If this fails, the status is `inaccurate`.
+/// docs/explanation/methods/quadratic-programs.md.
 ///
 /// Source: D. Goldfarb, A. Idnani, Math. Program. 27 (1983) 1–33, in the dual's variables as in
 /// D. Arnström, A. Bemporad, D. Axehill, IEEE Trans. Autom. Control 67 (2022) 4362–4369.

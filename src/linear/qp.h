@@ -160,11 +160,8 @@ std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model
 /// z is the approximation so far and violates rows, as the status says. An infeasible problem has
 /// no fixed point and also ends there.
 ///
-/// Differences from the textbook: Ω z is stored and updated with each multiplier that changes,
-/// which is rare. The two sides of a row are neighbours in the sweep. The solver starts from the
-/// last multipliers unless they diverge, as those of an infeasible problem do. Multipliers λ
-/// diverge if the dual objective of c λ is largest at c > 1.5 when the limit is reached. This c
-/// must also not decrease in the second half of the sweeps.
+/// The solver starts from the last multipliers unless they diverge, as those of an infeasible
+/// problem do (docs/explanation/methods/quadratic-programs.md).
 ///
 /// Source: C. Hildreth, Naval Res. Logist. Q. 4 (1957) 79–85; L. Wang, Model Predictive Control
 /// System Design and Implementation Using MATLAB (2009), 2.4.4.
