@@ -8,6 +8,7 @@
 #include <cctype>
 #include <functional>
 #include <map>
+#include <regex>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
@@ -27,7 +28,7 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kLongestName = 64;
+constexpr std::size_t kLongestShown = 128;  // characters of a wrong name
 
 // Camel case: "AnOwnName" for "an_own_name".
 std::string camel_case(const std::string& name) {
@@ -113,6 +114,72 @@ void add_robot(const fs::path& project, const std::string& name, const std::stri
   write_text_file(settings.string(), boost::replace_all_copy(bytes_of(settings), "AXES\n", axes));
 }
 
+// The kinds of projects with the folders of their files: a line of kinds.txt is a kind and its
+// folders. A plant and a scenario are the same project.
+std::map<std::string, std::vector<fs::path>> kinds_of_projects(const fs::path& templates) {
+  std::map<std::string, std::vector<fs::path>> kinds;
+  std::istringstream lines(bytes_of(templates / "kinds.txt"));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string kind, folder;
+    words >> kind;
+    while (words >> folder) kinds[kind].push_back(templates / folder);
+  }
+  return kinds;
+}
+
+// Refuses a name that a scenario or a part has.
+void check_project_name(const Catalogue& catalogue, const std::string& name) {
+  static const std::regex kName("[a-z][a-z0-9_]{0,63}");
+  if (!std::regex_match(name, kName)) {
+    throw std::invalid_argument(fmt::format(
+        "new: NAME must be a letter from a to z, then such letters, digits and _, 64 at most, is "
+        "\"{}\"",
+        name.substr(0, kLongestShown)));
+  }
+  const auto refuse = [&](const std::string& what) {
+    throw std::invalid_argument(
+        fmt::format("new: NAME is taken: there is the {} \"{}\"", what, name));
+  };
+  if (name == "shots") refuse("shot list");
+  if (catalogue.has<ScenarioKind>(name)) refuse(ScenarioKind::kWhat);
+  for (const ListedPart& part : catalogue.parts()) {
+    if (part.name == name) refuse(part.what);
+  }
+}
+
+// Makes the project folder `out` from the files of the folders `from`. `complete` may add files to
+// it. On an error no folder is left.
+void make_project(const std::vector<fs::path>& from, const std::string& name, const fs::path& out,
+                  const std::function<void(const fs::path&)>& complete) {
+  fs::path folder = fs::absolute(out).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  if (fs::symlink_status(folder).type() != fs::file_type::not_found) {
+    throw std::invalid_argument(out.string() + ": is there already");
+  }
+  const std::map<fs::path, std::string> files = files_of(from, name);
+  const fs::path partial =
+      folder.parent_path() / (hidden_name(folder, ".partial-") + unique_name());
+  std::error_code error;
+  if (!fs::create_directories(partial, error)) {
+    throw std::invalid_argument(out.string() + ": cannot be made (" + error.message() + ")");
+  }
+  try {
+    for (const auto& [file, text] : files) {
+      fs::create_directories((partial / file).parent_path());
+      write_text_file((partial / file).string(), text);
+    }
+    complete(partial);
+    fs::rename(partial, folder);
+  } catch (const OutputError& failed) {
+    fs::remove_all(partial, error);
+    throw with_final_name(failed, partial, out);
+  } catch (...) {
+    fs::remove_all(partial, error);
+    throw;
+  }
+}
+
 int new_project(const Catalogue& catalogue, const std::string& kind, const std::string& name,
                 const std::string& folder, const std::string& mjcf, const std::string& tip) {
   const fs::path templates = data_file("templates");
@@ -146,70 +213,6 @@ int new_project(const Catalogue& catalogue, const std::string& kind, const std::
 }
 
 }  // namespace
-
-std::map<std::string, std::vector<fs::path>> kinds_of_projects(const fs::path& templates) {
-  std::map<std::string, std::vector<fs::path>> kinds;
-  std::istringstream lines(bytes_of(templates / "kinds.txt"));
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::string kind, folder;
-    words >> kind;
-    while (words >> folder) kinds[kind].push_back(templates / folder);
-  }
-  return kinds;
-}
-
-void check_project_name(const Catalogue& catalogue, const std::string& name) {
-  const bool is_one = !name.empty() && name.size() <= kLongestName && name[0] >= 'a' &&
-                      name[0] <= 'z' && std::all_of(name.begin(), name.end(), [](char c) {
-                        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-                      });
-  if (!is_one) {
-    throw std::invalid_argument(fmt::format(
-        "new: NAME must be a letter from a to z, then such letters, digits and _, {} at most, is "
-        "\"{}\"",
-        kLongestName, name.substr(0, 2 * kLongestName)));
-  }
-  const auto refuse = [&](const std::string& what) {
-    throw std::invalid_argument(
-        fmt::format("new: NAME is taken: there is the {} \"{}\"", what, name));
-  };
-  if (name == "shots") refuse("shot list");
-  if (catalogue.has<ScenarioKind>(name)) refuse(ScenarioKind::kWhat);
-  for (const ListedPart& part : catalogue.parts()) {
-    if (part.name == name) refuse(part.what);
-  }
-}
-
-void make_project(const std::vector<fs::path>& from, const std::string& name, const fs::path& out,
-                  const std::function<void(const fs::path&)>& complete) {
-  fs::path folder = fs::absolute(out).lexically_normal();
-  if (!folder.has_filename()) folder = folder.parent_path();
-  if (fs::symlink_status(folder).type() != fs::file_type::not_found) {
-    throw std::invalid_argument(out.string() + ": is there already");
-  }
-  const std::map<fs::path, std::string> files = files_of(from, name);
-  const fs::path partial =
-      folder.parent_path() / (hidden_name(folder, ".partial-") + unique_name());
-  std::error_code error;
-  if (!fs::create_directories(partial, error)) {
-    throw std::invalid_argument(out.string() + ": cannot be made (" + error.message() + ")");
-  }
-  try {
-    for (const auto& [file, text] : files) {
-      fs::create_directories((partial / file).parent_path());
-      write_text_file((partial / file).string(), text);
-    }
-    if (complete) complete(partial);
-    fs::rename(partial, folder);
-  } catch (const OutputError& failed) {
-    fs::remove_all(partial, error);
-    throw with_final_name(failed, partial, out);
-  } catch (...) {
-    fs::remove_all(partial, error);
-    throw;
-  }
-}
 
 int new_project_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   const std::string program = own_program_name() + " new";
