@@ -313,21 +313,16 @@ void MetricRows::bind(Fields& fields) {
   }
 }
 
-void MetricRows::check(const Config& config, const std::function<Fields()>& fields,
-                       const PhysicsSettings& physics, const MetricContext& context) {
+void MetricRows::check(const Config& config, const Fields& fields, const PhysicsSettings& physics,
+                       const MetricContext& context) {
   physics_ = physics;
   known_ = context.known;
   fast_signals_ = context.fast_signals;
   unmet_.assign(rows_.size(), "");
-  std::optional<Fields> bound;  // few names need it
-  const auto all = [&]() -> const Fields& {
-    if (!bound) bound = fields();
-    return *bound;
-  };
   const auto number = [&](const std::string& name) -> std::optional<double> {
     if (const auto known = known_.find(name); known != known_.end()) return known->second;
     auto found = config.number(name);
-    if (!found) found = all().number_of(name);
+    if (!found) found = fields.number_of(name);
     if (found) known_[name] = *found;
     return found;
   };
@@ -372,7 +367,7 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
         continue;
       }
       const std::vector<std::string> parts = split(condition, " is ");
-      const bool is_known = config.find(parts.front()) != nullptr || all().has(parts.front());
+      const bool is_known = config.find(parts.front()) != nullptr || fields.has(parts.front());
       if (parts.size() != 2 || !is_known) {
         own.fail("where",
                  "\"" + condition + "\" must be KEY is VALUE, SIGNAL is there or TIME is reached");
@@ -380,7 +375,7 @@ void MetricRows::check(const Config& config, const std::function<Fields()>& fiel
       const auto word = config.text(parts.front());
       const std::vector<std::string> values = split(parts[1], " or ");
       const bool holds = std::any_of(values.begin(), values.end(), [&](const std::string& value) {
-        return word ? *word == value : all().has_chosen(parts.front(), value);
+        return word ? *word == value : fields.has_chosen(parts.front(), value);
       });
       if (!holds) unmet_[i] = "it is defined only where " + condition;
     }

@@ -2,7 +2,6 @@
 // [metric.NAME] and [signal.NAME] of its TOML.
 #pragma once
 
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -85,9 +84,8 @@ class MetricRows {
   /// them.
   void bind(Fields& fields);
   /// Checks the rows after reading, and takes the numbers of keys. Call it from Scenario::check().
-  /// `fields` gives the values of keys that the file leaves out.
-  void check(const Config& config, const std::function<Fields()>& fields,
-             const PhysicsSettings& physics, const MetricContext& context = {});
+  void check(const Config& config, const Fields& fields, const PhysicsSettings& physics,
+             const MetricContext& context = {});
 
   /// Before learn() those of the scenario's own file.
   std::vector<MetricDefinition> definitions() const;

@@ -131,7 +131,7 @@ struct BoundCases::Case {
   // Reads the keys of `given`.
   void read() {
     read_config = fields.read(given);
-    scenario->check(read_config);
+    scenario->check(read_config, fields);
   }
 
   // Reads those of other sets with the same shape. False if they have to be bound anew.
@@ -145,7 +145,7 @@ struct BoundCases::Case {
     }
     sets = others;
     fields.read_again(read_config);
-    scenario->check(read_config);
+    scenario->check(read_config, fields);
     return true;
   }
 

@@ -64,10 +64,10 @@ class Scenario : public Interface {
 
   /// The keys of the scenario, bound to its settings.
   virtual Fields fields() = 0;
-  /// Checks after reading what single keys cannot show, and makes paths absolute. Throws
-  /// std::invalid_argument `ORIGIN: KEY: reason`. A study calls it again after other numbers were
-  /// read: all that it sets must depend on them alone.
-  virtual void check(const Config& config) = 0;
+  /// Checks after `fields` has read `config` what single keys cannot show, and makes paths
+  /// absolute. Throws std::invalid_argument `ORIGIN: KEY: reason`. A study calls it again after
+  /// other numbers were read: all that it sets must depend on them alone.
+  virtual void check(const Config& config, const Fields& fields) = 0;
   /// The settings that all scenarios have; valid after reading.
   virtual const RunSettings& run_settings() const = 0;
 

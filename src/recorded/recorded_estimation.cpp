@@ -191,7 +191,7 @@ NominalAxis RecordedEstimation::axis() const {
           .units = motion_ == Motion::rotation ? rotation_units() : translation_units()};
 }
 
-void RecordedEstimation::check(const Config& config) {
+void RecordedEstimation::check(const Config& config, const Fields& /*fields*/) {
   check_record_format(config);
   record_ = read_recorded_axis(file_, format_);
   timing_ = timing_of(record_.times_s, period_s_, gap_periods_, jitter_share_);

@@ -35,7 +35,7 @@ class RecordedEstimation final : public Scenario {
   std::string summary() const override { return "an estimator on recorded data of one axis"; }
   std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
-  void check(const Config& config) override;
+  void check(const Config& config, const Fields& fields) override;
   const RunSettings& run_settings() const override { return run_; }
   /// Warns of gaps, and of jitter if the estimator takes all intervals as equal.
   std::vector<std::string> warnings() const override;

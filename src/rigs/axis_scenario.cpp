@@ -121,7 +121,7 @@ std::vector<AxisOfPlant> AxisScenario::loops() const {
   return loops;
 }
 
-void AxisScenario::check(const Config& config) {
+void AxisScenario::check(const Config& config, const Fields& fields) {
   plant_.judged_to_s = config.number("metrics.to_s").value_or(0.0);
   plant_.check(config);
   PlantTask task;
@@ -138,8 +138,7 @@ void AxisScenario::check(const Config& config) {
   }
   const bool has_contact = plant_.tip && plant_.tip->contact != Axis::kNone;
   if (has_contact) context.events = {"first_contact", "first_separation"};
-  rows_.check(
-      config, [this] { return fields(); }, plant_.physics, context);
+  rows_.check(config, fields, plant_.physics, context);
   warnings_ = plant().warnings();
   if (!whole_) return;
   constexpr Eigen::Index kAllCoordinates = 6;

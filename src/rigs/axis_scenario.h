@@ -63,7 +63,7 @@ class AxisScenario : public Scenario {
   /// of the metrics.
   Fields fields() override;
   /// Also calls complete().
-  void check(const Config& config) override;
+  void check(const Config& config, const Fields& fields) override;
   const RunSettings& run_settings() const override { return plant_.run; }
   std::vector<MetricDefinition> metric_definitions() const override;
   std::vector<std::string> warnings() const override { return warnings_; }

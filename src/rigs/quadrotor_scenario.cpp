@@ -139,7 +139,7 @@ class QuadrotorScenario final : public Scenario {
   std::string name() const override { return name_; }
   std::string summary() const override { return summary_; }
   Fields fields() override;
-  void check(const Config& config) override;
+  void check(const Config& config, const Fields& fields) override;
   const RunSettings& run_settings() const override { return run_; }
   std::vector<std::string> warnings() const override;
   std::vector<WavingSurface> waving_surfaces(const Model& model) const override {
@@ -313,7 +313,7 @@ std::vector<std::string> QuadrotorScenario::warnings() const {
   return warnings;
 }
 
-void QuadrotorScenario::check(const Config& config) {
+void QuadrotorScenario::check(const Config& config, const Fields& fields) {
   physics_.check(config, run_);
   const auto is_point = [&](const char* key, const std::vector<double>& point) {
     if (point.size() != 3) config.fail(key, "must have 3 numbers: x, y and z");
@@ -344,8 +344,7 @@ void QuadrotorScenario::check(const Config& config) {
   const SensingSetup sensing = this->sensing();
   faults_.check(config, sensing.channels);
   const Sensing check_only(model, sensing);
-  rows_.check(
-      config, [this] { return fields(); }, physics_);
+  rows_.check(config, fields, physics_);
 }
 
 Recording QuadrotorScenario::run(const RunControl& control) const {

@@ -25,7 +25,7 @@ class History {
     fields.read(Config("file", own));
     PhysicsSettings physics;
     physics.timestep_s = physics.control_period_s = 1e-4;
-    rows_.check(config, [] { return Fields(); }, physics, {.events = {"hit"}});
+    rows_.check(config, Fields(), physics, {.events = {"hit"}});
   }
 
   // The value of a signal, to be set.

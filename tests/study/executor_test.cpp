@@ -21,7 +21,7 @@ class Made : public Scenario {
   std::string name() const override { return "made"; }
   std::string summary() const override { return "made up"; }
   Fields fields() override { return {}; }
-  void check(const Config&) override {}
+  void check(const Config&, const Fields&) override {}
   const RunSettings& run_settings() const override { return settings_; }
   Recording run(const RunControl&) const override {
     if (during_) during_();

@@ -33,7 +33,7 @@ class Ishigami : public Scenario {
     fields.number("trouble.takes_s", takes_s_, not_negative(), "of processor time [s]");
     return fields;
   }
-  void check(const Config&) override {}
+  void check(const Config&, const Fields&) override {}
   const RunSettings& run_settings() const override { return run_; }
   std::vector<MetricDefinition> metric_definitions() const override {
     return {{"y_1", "1", "the function"}, {"positive_x_second_1", "1", "x_2, if it is positive"}};
