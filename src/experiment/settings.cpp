@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kMostSteps = 1e11;
 constexpr double kMostStepsPerSample = 1e6;
-constexpr const char* kNoFault = "none";
 
 }  // namespace
 
@@ -85,8 +84,7 @@ void FaultSettings::bind(Fields& fields, const std::string& channels, const doub
   fields.optional_choice(
       "sensor.nan_policy", nan_policy, {{"stop", NanPolicy::stop}, {"drop", NanPolicy::drop}},
       "reaction to a measurement that is not a number: stop the run, or drop the measurement");
-  fields.text("fault.sensor", fault.channel, "none, or the channel to break: " + channels);
-  fields.standard("fault.sensor", {std::string(kNoFault)});
+  fields.optional_text("fault.sensor", fault.channel, "none, or the channel to break: " + channels);
   fields.optional_number("fault.at_s", fault.at_s, not_negative(),
                          "time at which the sensor fails");
   fields.optional_count("fault.samples", fault.samples, between(1, 1e9),
@@ -111,7 +109,7 @@ void FaultSettings::bind(Fields& fields, const std::string& channels, const doub
                         "age of the readings of a delay");
   fields.only_where(
       {"fault.at_s", "fault.samples", "fault.kind", "fault.size", "fault.delay_samples"},
-      "fault.sensor names a channel", [this] { return fault.channel != kNoFault; });
+      "fault.sensor names a channel", [this] { return fault.channel != kNone; });
   fields.only_where({"fault.at_s"}, "it is not after run.duration_s",
                     [this, &duration_s] { return fault.at_s <= duration_s; });
   fields.only_for({"fault.samples"}, "fault.kind",
@@ -121,12 +119,12 @@ void FaultSettings::bind(Fields& fields, const std::string& channels, const doub
 }
 
 void FaultSettings::check(const Config& config, const std::vector<SensorChannel>& channels) const {
-  std::vector<std::string> names = {kNoFault};
+  std::vector<std::string> names = {kNone};
   for (const SensorChannel& channel : channels) names.push_back(channel.name);
   if (std::find(names.begin(), names.end(), fault.channel) == names.end()) {
     config.fail("fault.sensor", must_be_one_of(names, fault.channel));
   }
-  if (fault.channel == kNoFault) return;
+  if (fault.channel == kNone) return;
   const bool has_error = fault.kind == FaultKind::spike || fault.kind == FaultKind::bias;
   const bool is_stuck = fault.kind == FaultKind::stuck;
   const bool is_wrong = is_stuck ? fault.size <= 0.0 : has_error && fault.size == 0.0;
@@ -138,7 +136,7 @@ void FaultSettings::check(const Config& config, const std::vector<SensorChannel>
 
 void FaultSettings::apply(SensingSetup& setup) const {
   setup.nan_policy = nan_policy;
-  if (fault.channel != kNoFault) setup.fault = fault;
+  if (fault.channel != kNone) setup.fault = fault;
 }
 
 void bind_encoder_rounding(Fields& fields, EncoderRounding& rounding) {

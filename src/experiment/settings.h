@@ -45,8 +45,10 @@ struct PhysicsSettings {
 
 /// The reaction to measurements that are not numbers, and a fault that makes some.
 struct FaultSettings {
+  static constexpr const char* kNone = "none";
+
   NanPolicy nan_policy = NanPolicy::stop;
-  SensorFault fault;
+  SensorFault fault = {.channel = kNone};
 
   /// `channels` lists the possible channels: "q1, q2, ..., force". `duration_s` must outlive
   /// `fields`.

@@ -818,19 +818,15 @@ void DisturbanceSettings::bind(Fields& fields, const std::string& suffix, const 
   fields.only_for({amplitude}, kind,
                   {"step", "ramp", "sine", "two_sines", "chirp", "noise", "csv"});
   fields.only_for({"disturbance.frequency_rad_s"}, kind, {"sine", "two_sines", "chirp"});
-  const auto bind_for = [&](const std::string& one, const std::string& key, double& target,
-                            double standard, const Range& range, const std::string& doc) {
-    fields.number(key, target, range, doc);
-    fields.standard(key, {standard});
-    fields.only_for({key}, kind, {one});
-  };
-  bind_for("two_sines", second, shape.second_amplitude, 2.0, any(), "amplitude of the second sine");
-  bind_for("two_sines", "disturbance.second_frequency_rad_s", shape.second_frequency_rad_s, 5.0,
-           any(), "frequency of the second sine");
-  bind_for("chirp", "disturbance.end_frequency_rad_s", shape.end_frequency_rad_s, 5.0, any(),
-           "frequency that a chirp reaches at a constant rate and then keeps");
-  bind_for("chirp", "disturbance.sweep_s", shape.sweep_s, 9.0, positive(),
-           "time that a chirp takes to reach its last frequency");
+  fields.optional_number(second, shape.second_amplitude, any(), "amplitude of the second sine");
+  fields.optional_number("disturbance.second_frequency_rad_s", shape.second_frequency_rad_s, any(),
+                         "frequency of the second sine");
+  fields.only_for({second, "disturbance.second_frequency_rad_s"}, kind, {"two_sines"});
+  fields.optional_number("disturbance.end_frequency_rad_s", shape.end_frequency_rad_s, any(),
+                         "frequency that a chirp reaches at a constant rate and then keeps");
+  fields.optional_number("disturbance.sweep_s", shape.sweep_s, positive(),
+                         "time that a chirp takes to reach its last frequency");
+  fields.only_for({"disturbance.end_frequency_rad_s", "disturbance.sweep_s"}, kind, {"chirp"});
   fields.optional_number("disturbance.start_s", shape.start_s, not_negative(),
                          "time at which the disturbance begins");
   fields.optional_number("disturbance.end_s", end_s, not_negative(),

@@ -65,7 +65,10 @@ Axis named_axis(const std::string& name, const std::string& joint, const std::st
 
 /// A disturbance by the keys disturbance.…
 struct DisturbanceSettings {
-  Disturbance shape;
+  Disturbance shape = {.second_amplitude = 2.0,
+                       .second_frequency_rad_s = 5.0,
+                       .end_frequency_rad_s = 5.0,
+                       .sweep_s = 9.0};
   std::string file;    ///< table of the kind csv
   double end_s = 0.0;  ///< 0: the end of the run
 
