@@ -523,34 +523,33 @@ std::optional<UnusedKey> Fields::unused(const Field& field, const Variable* vari
   return UnusedKey{field.key, "has an effect only where " + fails->text, fails->choice};
 }
 
-template <typename What, typename ValueOf>
-void Fields::unite_axes(std::vector<Shown<What>>& all, ValueOf&& value_of) const {
-  std::map<std::string, std::vector<Shown<What>*>> groups;
-  for (Shown<What>& one : all) {
+void Fields::unite_axes(std::vector<Shown>& all) const {
+  std::map<std::string, std::vector<Shown*>> groups;
+  for (Shown& one : all) {
     if (axis_in(one.key).empty()) continue;
     const std::string key = without_name(one.key);
     if (!key.empty() && find(key) == nullptr) groups[key].push_back(&one);
   }
   for (const auto& [key, group] : groups) {
-    Shown<What>& first = *group.front();
+    Shown& first = *group.front();
     const bool is_one =
-        std::ranges::all_of(group, [&](const Shown<What>* one) { return one->what == first.what; });
+        std::ranges::all_of(group, [&](const Shown* one) { return one->help == first.help; });
     const bool has_names = group.size() > 1 || !first.field->given.empty();
     // An array with an entry for each gave them, by an alias.
     const bool is_split = aliases_.contains(first.field->given) &&
-                          std::all_of(group.begin(), group.end(), [&](const Shown<What>* one) {
+                          std::all_of(group.begin(), group.end(), [&](const Shown* one) {
                             return one->field->given == first.field->given;
                           });
     if (!(is_one || is_split) || !has_names || group.size() != named_.at(key).size()) continue;
     first.key = key;
     if (!is_one) {
       std::vector<std::string> values;
-      for (Shown<What>* one : group) values.push_back(value_of(one->what));
-      value_of(first.what) = fmt::format("[{}]", fmt::join(values, ", "));
+      for (const Shown* one : group) values.push_back(one->help.front().value);
+      first.help.front().value = fmt::format("[{}]", fmt::join(values, ", "));
     }
     for (std::size_t i = 1; i < group.size(); ++i) group[i]->key.clear();
   }
-  std::erase_if(all, [](const Shown<What>& one) { return one.key.empty(); });
+  std::erase_if(all, [](const Shown& one) { return one.key.empty(); });
 }
 
 void Fields::fail_if(const Config& config, const Field& field, const Error& error) {
@@ -741,30 +740,22 @@ std::vector<std::string> Fields::read_finished(const Config& given) {
 std::string Fields::print(const std::string& scenario, const std::string& case_name) const {
   std::string text = fmt::format("scenario = {}\ndefault_case = {}\n", toml_string(scenario),
                                  toml_string(case_name));
-  struct Line {
-    const Field* field;
-    std::string value;
-    bool is_missing;
-
-    bool operator==(const Line& other) const {
-      return value == other.value && is_missing == other.is_missing &&
-             field->doc() == other.field->doc();
-    }
-  };
-  std::vector<Shown<Line>> lines;
+  std::vector<Shown> lines;  // without a value: it is missing
   for (const Field& field : fields_) {
     const Variable* variable = in_use(field);
     // Keys of parts that are not chosen, and those without a value, are printed only if given.
     if (!field.was_read && (variable == nullptr || variable->clear)) continue;
     if (variable == nullptr) variable = &field.variables[field.suited];
-    const bool is_missing = field.is_missing && !variable->standard;
-    lines.push_back({&field, field.key, {&field, is_missing ? "" : variable->print(), is_missing}});
+    lines.push_back({&field, field.key, std::vector<KeyHelp>(1)});
+    KeyHelp& line = lines.back().help.front();
+    line.text = field.doc();
+    if (!field.is_missing || variable->standard) line.value = variable->print();
   }
-  unite_axes(lines, [](Line& line) -> std::string& { return line.value; });
+  unite_axes(lines);
   // Each table with its lines, in the order of their first keys. The root's keys come first.
   std::vector<std::pair<std::string, std::string>> tables = {{"", ""}};
   auto table = tables.begin();
-  for (const auto& [field, shown, line] : lines) {
+  for (const auto& [field, shown, help] : lines) {
     // A key without a name means all axes. The printed file has no aliases of its own.
     const bool is_as_given =
         aliases_.contains(field->given) && (shown != field->key || without_name(shown).empty());
@@ -775,9 +766,10 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
       if (table == tables.end()) table = tables.insert(table, {name, ""});
     }
     std::string& of_table = table->second;
-    of_table.append("# ").append(field->doc()).append(line.is_missing ? "\n# " : "\n");
+    const std::string& value = help.front().value;
+    of_table.append("# ").append(help.front().text).append(value.empty() ? "\n# " : "\n");
     of_table.append(key, name.empty() ? 0 : name.size() + 1).append(" = ");
-    of_table.append(line.is_missing ? "  # required" : line.value).append("\n");
+    of_table.append(value.empty() ? "  # required" : value).append("\n");
   }
   for (const auto& [name, of_table] : tables) {
     text += (name.empty() ? "" : "\n[" + name + "]\n") + of_table;
@@ -805,7 +797,7 @@ std::vector<KeyHelp> Fields::help_of(const Field& field) {
 }
 
 std::vector<KeyHelp> Fields::help() const {
-  std::vector<Shown<std::vector<KeyHelp>>> keys;
+  std::vector<Shown> keys;
   for (const Field& field : fields_) {
     std::vector<KeyHelp> meanings = help_of(field);
     if (const std::string axis = axis_in(field.key); !axis.empty()) {
@@ -817,8 +809,7 @@ std::vector<KeyHelp> Fields::help() const {
     }
     keys.push_back({&field, field.key, std::move(meanings)});
   }
-  unite_axes(keys,
-             [](std::vector<KeyHelp>& meanings) -> std::string& { return meanings.front().value; });
+  unite_axes(keys);
   std::vector<KeyHelp> all;
   for (const auto& [field, key, of_axes] : keys) {
     const std::vector<KeyHelp>& meanings = key == field->key ? help_of(*field) : of_axes;

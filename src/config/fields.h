@@ -289,15 +289,13 @@ class Fields {
   Config spread(const Config& given);
   bool has_one_each(const ConfigValue::Array& array, const std::vector<std::size_t>& named);
   // A key and the texts shown for it.
-  template <typename What>
   struct Shown {
     const Field* field;
     std::string key;
-    What what;
+    std::vector<KeyHelp> help;
   };
-  // Makes one of what is the same at each of several axes, or was given as an array.
-  template <typename What, typename ValueOf>
-  void unite_axes(std::vector<Shown<What>>& all, ValueOf&& value_of) const;
+  // Makes one of those that are the same at each of several axes, or were given as an array.
+  void unite_axes(std::vector<Shown>& all) const;
   static std::vector<KeyHelp> help_of(const Field& field);
   std::optional<UnusedKey> unused(const Field& field, const Variable* variable) const;
   void add(const std::string& name, Variable variable);
