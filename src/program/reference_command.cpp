@@ -8,6 +8,7 @@
 #include <cctype>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <breakwater/experiment/metric_reductions.h>
@@ -73,18 +74,15 @@ std::string table_of(const std::string& key) {
 }
 
 std::string keys(const std::vector<KeyHelp>& all) {
-  std::vector<std::string> tables;
+  std::vector<std::pair<std::string, std::vector<Row>>> tables;  // in the order of their first keys
   for (const KeyHelp& key : all) {
-    const std::string table = table_of(key.key);
-    if (std::find(tables.begin(), tables.end(), table) == tables.end()) tables.push_back(table);
+    const std::string name = table_of(key.key);
+    auto table = std::ranges::find(tables, name, [](const auto& one) { return one.first; });
+    if (table == tables.end()) table = tables.insert(table, {name, {}});
+    table->second.push_back({code(key.key), key.text, code(key.value), key.takes, used_by(key)});
   }
   std::string text;
-  for (const std::string& name : tables) {
-    std::vector<Row> rows;
-    for (const KeyHelp& key : all) {
-      if (table_of(key.key) != name) continue;
-      rows.push_back({code(key.key), key.text, code(key.value), key.takes, used_by(key)});
-    }
+  for (const auto& [name, rows] : tables) {
     text += fmt::format("### {}\n\n", name.empty() ? "No table" : code(name)) +
             table({"Key", "Meaning [unit]", "Default", "Takes", "Used where"}, rows);
   }
@@ -98,22 +96,15 @@ std::string further_names(const Aliases& aliases) {
   return "### Further names of keys\n\n" + table({"Name", "Key"}, rows);
 }
 
-std::string cases(const Catalogue& catalogue, const ScenarioKind& kind, const ScenarioFile& file) {
+std::string cases(const ScenarioFile& file) {
   const std::vector<Config> tables = file.tables();  // first the common table, then one per case
   std::vector<Row> rows;
   for (std::size_t i = 0; i < file.cases().size(); ++i) {
-    const std::string& name = file.cases()[i];
-    const auto scenario = kind.make(catalogue);
-    scenario->learn(file.config(name));
-    Fields fields = scenario->fields();
-    fields.read_incomplete(file.config(name));
-    const std::vector<KeyHelp> read = fields.help();
     std::vector<std::string> sets;
-    for (const auto& entry : tables[i + 1].entries()) {
-      const auto found = std::ranges::find(read, entry.first, &KeyHelp::key);  // not for an alias
-      sets.push_back(code(entry.first + (found != read.end() ? " = " + found->value : "")));
+    for (const auto& [key, entry] : tables[i + 1].entries()) {
+      sets.push_back(code(key + " = " + toml_value(entry.value)));
     }
-    rows.push_back({code(name), fmt::format("{}", fmt::join(sets, ", "))});
+    rows.push_back({code(file.cases()[i]), fmt::format("{}", fmt::join(sets, ", "))});
   }
   return table({"Case", "Its own keys"}, rows);
 }
@@ -205,19 +196,16 @@ std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind,
   const auto scenario = kind.make(catalogue), shipped = kind.make(catalogue);
   const ScenarioFile file(kind.file().string(), kind.name), shown = file_of_keys(kind);
   const bool is_own = shown.file() == file.file();
-  const auto read = [](Scenario& target, const Config& names, const Config& values) {
-    target.learn(names);
-    Fields fields = target.fields();
-    fields.read_incomplete(values);
-    return fields;
-  };
-  const Config own = file.config(file.default_case()), all = shown.config(shown.default_case());
-  read(*shipped, own, own);
+  shipped->learn(file.config(file.default_case()));
+  shipped->fields().read_incomplete(file.config(file.default_case()));
+  const Config all = shown.config(shown.default_case());
+  scenario->learn(all);
+  Fields fields = scenario->fields();
   // The other file is an example, whose values are no defaults.
-  const Fields fields = read(*scenario, all, is_own ? all : Config(shown.file(), {}));
+  fields.read_incomplete(is_own ? all : Config(shown.file(), {}));
   return fmt::format("# {}\n\n{}.\n\n## Cases\n\n", code(kind.name), capital(scenario->summary())) +
-         fmt::format("The default case is `{}`.\n\n", file.default_case()) +
-         cases(catalogue, kind, file) + "## Keys\n\n" +
+         fmt::format("The default case is `{}`.\n\n", file.default_case()) + cases(file) +
+         "## Keys\n\n" +
          (is_own
               ? fmt::format("The default values are those of the case `{}`. ", file.default_case())
               : "A table with `NAME` stands for all tables of its kind, and `NAME_` in the log "
