@@ -204,7 +204,7 @@ std::vector<RigRun::Judged> AxisRig::judged() const {
       held.ask(one.reference.value - one.reference.before);
     } else if (one.reference.kind == ReferenceShape::hold && one.is_controlled) {
       held.ask(one.start_position);
-      held.stay_within(kFar * (one.axis.counts_pulses ? 1.0 : simulation_->model()->stat.extent));
+      held.stay_within(kFar * (one.axis.units.turns() ? 1.0 : simulation_->model()->stat.extent));
     }
     judged.push_back({std::move(held), [this, &one, i](HeldReference& position, double time_s) {
                         position.add(time_s, one.reference.at(time_s) -

@@ -62,7 +62,6 @@ Axis named_axis(const std::string& name, const std::string& joint, const std::st
           .channel = !name.empty() ? name
                      : is_hinge    ? "angle"
                                    : "position",
-          .counts_pulses = is_hinge,
           .units = is_hinge ? rotation_units() : translation_units()};
 }
 
@@ -166,7 +165,7 @@ void AxisSettings::bind_parts(Fields& fields) {
   fields.optional_number("drive.resolution_" + u.force_suffix, drive_resolution, not_negative(),
                          "step of the drive's PWM; 0: not quantised");
   drive.bind(fields, u);
-  if (axis.counts_pulses) {
+  if (axis.units.turns()) {
     fields.optional_count("encoder.bits", counts.bits, between(0, 60),
                           "n: the encoder has 2^n pulses per turn of its shaft; 0: not quantised");
     fields.optional_number("encoder.multiplication", counts.multiplication, positive(),
@@ -209,13 +208,13 @@ void AxisSettings::bind_parts(Fields& fields) {
 }
 
 double AxisSettings::pulses_per_revolution() const {
-  if (!axis.counts_pulses) return encoder.quantum > 0.0 ? 1.0 / encoder.quantum : 0.0;
+  if (!axis.units.turns()) return encoder.quantum > 0.0 ? 1.0 / encoder.quantum : 0.0;
   if (counts_per_turn > 0.0) return counts_per_turn;
   return counts.bits == 0 ? 0.0 : counts.counts_per_revolution();
 }
 
 double AxisSettings::quantum() const {
-  if (!axis.counts_pulses) return encoder.quantum;
+  if (!axis.units.turns()) return encoder.quantum;
   const double pulses = pulses_per_revolution();
   return pulses > 0.0 ? 2.0 * std::numbers::pi / pulses : 0.0;
 }
@@ -249,36 +248,34 @@ void AxisPlant::learn(const Config& config) {
     }
     model = Model::load_physics(wanted);
   }
-  std::vector<std::pair<int, Axis>> found;
+  std::multimap<int, Axis> found;  // by joint
   for (const std::string& name : names) {
     const Config own = config.under("axis." + name + ".");
     const std::string joint_name = own.text("joint").value_or(of_chain.contains(name) ? name : "");
     const std::string motor_name = own.text("transmission.motor_joint").value_or("");
     int joint = -1;
-    bool is_hinge = true;
-    std::string actuator = Axis::kNone;
-    bool is_replaced = false;
+    Axis axis = named_axis(name, joint_name, Axis::kNone, true);
     if (joint_name.empty()) own.fail("joint", "must name a hinge or a slide of the model");
     if (model) {
       const Model& m = *model;
       joint = id_of(own, "joint", m, mjOBJ_JOINT, joint_name);
-      is_hinge = m->jnt_type[joint] != mjJNT_SLIDE;
+      axis = named_axis(name, joint_name, Axis::kNone, m->jnt_type[joint] != mjJNT_SLIDE);
       const int driven = motor_name.empty()
                              ? joint
                              : id_of(own, "transmission.motor_joint", m, mjOBJ_JOINT, motor_name);
       for (int i = m->nu - 1; i >= 0; --i) {
         if (!m.drives(i, driven)) continue;
         const std::string found_name = m.name(mjOBJ_ACTUATOR, i);
-        actuator = found_name.empty() ? Axis::kJoint : found_name;
-        is_replaced = !m.is_motor(i);
+        axis.actuator = found_name.empty() ? Axis::kJoint : found_name;
+        axis.is_replaced = !m.is_motor(i);
       }
       const std::string chosen = own.text("actuator").value_or("");
-      if (m.has(mjOBJ_ACTUATOR, chosen)) is_replaced = !m.is_motor(m.id(mjOBJ_ACTUATOR, chosen));
+      if (m.has(mjOBJ_ACTUATOR, chosen)) {
+        axis.is_replaced = !m.is_motor(m.id(mjOBJ_ACTUATOR, chosen));
+      }
     }
-    found.emplace_back(joint, named_axis(name, joint_name, actuator, is_hinge));
-    found.back().second.is_replaced = is_replaced;
+    found.emplace(joint, std::move(axis));
   }
-  std::ranges::stable_sort(found, {}, [](const auto& one) { return one.first; });
   for (auto& [joint, axis] : found) {
     AxisSettings& one = axes.emplace_back(std::move(axis), *catalogue_);
     if (of_chain.contains(one.axis.name)) {
@@ -430,11 +427,9 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
     if (!one.axis.measures_joint()) {
       id_of(own, "position_sensor", model, mjOBJ_SENSOR, one.axis.position_sensor);
     }
-  }
-  for (const AxisSettings& one : axes) {
-    if (!one.transmission.is_elastic() || one.transmission.motor_joint != one.axis.joint) continue;
-    config.under(one.axis.prefix())
-        .fail("transmission.motor_joint", "must be another joint than that of the axis");
+    if (has_motor && driven_joint == joint) {
+      own.fail("transmission.motor_joint", "must be another joint than that of the axis");
+    }
   }
 }
 
@@ -570,11 +565,10 @@ double AxisPlant::coulomb_friction_at_drive(std::size_t i) const {
   const Model model = load_model();
   const TransmissionSettings& transmission = axes[i].transmission;
   const std::string& load = axes[i].axis.joint;
-  const auto friction = [&](const std::string& joint) {
-    return model->dof_frictionloss[model->jnt_dofadr[model.id(mjOBJ_JOINT, joint)]];
-  };
-  const double of_load = friction(load) / std::abs(transmission.design.ratio);
-  return transmission.is_elastic() ? of_load + friction(transmission.motor(load)) : of_load;
+  const double of_load =
+      model->dof_frictionloss[model.dof(load)] / std::abs(transmission.design.ratio);
+  if (!transmission.is_elastic()) return of_load;
+  return of_load + model->dof_frictionloss[model.dof(transmission.motor(load))];
 }
 
 Model AxisPlant::model_of_file() const {
@@ -590,7 +584,7 @@ Model AxisPlant::nominal_model() const {
   const Eigen::MatrixXd file = joint_inertia(model, pose(model));
   Eigen::MatrixXd M = file;
   const auto set = [&](const std::string& joint, double inertia, double friction) {
-    const int dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, joint)];
+    const int dof = model.dof(joint);
     M(dof, dof) = inertia;
     model.get()->dof_armature[dof] += inertia - file(dof, dof);
     model.get()->dof_damping[dof] = friction;
@@ -728,8 +722,7 @@ void AxisPlant::check(const Config& config) {
   }
   for (const AxisSettings& one : axes) {
     const std::string rubs = one.transmission.friction_joint(one.axis.joint);
-    const int dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, rubs)];
-    one.drive.check(config.under(one.axis.prefix()), model->dof_frictionloss[dof]);
+    one.drive.check(config.under(one.axis.prefix()), model->dof_frictionloss[model.dof(rubs)]);
     if (one.transmission.is_elastic()) one.transmission.make(model, one.axis.joint);
   }
   const Sensing check_only(model, setup);

@@ -38,7 +38,6 @@ struct Axis {
   bool is_replaced = false;  ///< a motor replaces the actuator of the model
   std::string position_sensor;  ///< kJoint: the joint itself
   std::string channel;          ///< name of the position's sensor channel
-  bool counts_pulses;           ///< the key of its encoder is pulses per revolution
   AxisUnits units;
 
   /// The prefix of its keys: "axis.NAME.", or "".

@@ -163,8 +163,7 @@ void TransmissionSettings::bind(Fields& fields, const AxisUnits& u) {
 }
 
 double TransmissionSettings::rotor_inertia(const Model& model, const std::string& load) const {
-  const int dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, load)];
-  return motor_inertia + model->dof_armature[dof] / (design.ratio * design.ratio);
+  return motor_inertia + model->dof_armature[model.dof(load)] / (design.ratio * design.ratio);
 }
 
 void TransmissionSettings::check_motor(const Model& model, const std::string& load) const {
@@ -217,15 +216,13 @@ std::unique_ptr<Transmission> TransmissionSettings::make(const Model& model,
 
 TwoInertia TransmissionSettings::true_numbers(const Model& model, const Eigen::MatrixXd& M,
                                               const std::string& load) const {
-  const auto dof = [&](const std::string& joint) {
-    return model->jnt_dofadr[model.id(mjOBJ_JOINT, joint)];
-  };
-  TwoInertia numbers{.load_inertia = M(dof(load), dof(load)),
-                     .load_friction = model->dof_damping[dof(load)],
-                     .ratio = design.ratio};
+  const int dof = model.dof(load);
+  TwoInertia numbers{
+      .load_inertia = M(dof, dof), .load_friction = model->dof_damping[dof], .ratio = design.ratio};
   if (!is_elastic()) return numbers;
-  numbers.motor_inertia = M(dof(motor(load)), dof(motor(load)));
-  numbers.motor_friction = model->dof_damping[dof(motor(load))];
+  const int motor_dof = model.dof(motor(load));
+  numbers.motor_inertia = M(motor_dof, motor_dof);
+  numbers.motor_friction = model->dof_damping[motor_dof];
   numbers.stiffness = design.stiffness;
   numbers.damping = design.damping;
   return numbers;

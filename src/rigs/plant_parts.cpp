@@ -93,8 +93,7 @@ PlantTask plant_task(const AxisPlant& plant, bool is_linear) {
       const bool is_motor = one.transmission.measured == Side::motor;
       const double ratio = one.transmission.design.ratio;
       const std::string other = is_motor ? one.axis.joint : one.transmission.motor(one.axis.joint);
-      task.to_states(model->jnt_dofadr[model.id(mjOBJ_JOINT, other)], i) =
-          is_motor ? 1.0 / ratio : ratio;
+      task.to_states(model.dof(other), i) = is_motor ? 1.0 / ratio : ratio;
     }
   } catch (const std::invalid_argument& error) {
     task.why_not_linear = error.what();
@@ -270,7 +269,7 @@ ArmSetup tip_setup(const AxisPlant& plant) {
   arm.acceleration.nominal_inertia_kgm2.resize(start.size());
   std::vector<Eigen::Index> rates;
   for (std::size_t i = 0; i < plant.axes.size(); ++i) {
-    rates.push_back(model->jnt_dofadr[model.id(mjOBJ_JOINT, plant.axes[i].axis.joint)]);
+    rates.push_back(model.dof(plant.axes[i].axis.joint));
     arm.acceleration.nominal_inertia_kgm2(static_cast<Eigen::Index>(i)) =
         1.0 / plant.nominal(i).plant.B(1);
   }

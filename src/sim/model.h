@@ -61,6 +61,8 @@ class Model {
 
   /// The id of a named element. Throws std::invalid_argument `FILE: has no KIND named "NAME"`.
   int id(mjtObj kind, const std::string& name) const;
+  /// The index of a joint's first velocity. Throws as id().
+  int dof(const std::string& joint) const { return model_->jnt_dofadr[id(mjOBJ_JOINT, joint)]; }
   bool has(mjtObj kind, const std::string& name) const;
   /// The name of an element; empty: it has none.
   std::string name(mjtObj kind, int id) const;
