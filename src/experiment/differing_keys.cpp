@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/config/config.h>
 
@@ -16,23 +17,35 @@ namespace {
 constexpr std::size_t kMostKeysInLabel = 3;
 const std::string kAbsent = "–";
 
-bool are_same(const ConfigValue& a, const ConfigValue& b) {
-  const auto is_text = [](const ConfigValue& value) {
-    return std::holds_alternative<std::string>(value.data);
-  };
-  return short_value(a) == short_value(b) && is_text(a) == is_text(b);
-}
-
 Config config_of(const fs::path& folder, const std::string& scenario,
                  const std::string& case_name) {
   return ScenarioFile((folder / "config.toml").string(), scenario).config(case_name);
 }
 
+std::vector<DifferingKey> differing_keys(const std::vector<Config>& configs) {
+  std::set<std::string> keys;
+  for (const Config& config : configs) {
+    for (const auto& [key, entry] : config.entries()) keys.insert(key);
+  }
+  std::vector<DifferingKey> differing;
+  for (const std::string& key : keys) {
+    DifferingKey row{key, {}};
+    std::set<std::pair<std::string, bool>> distinct;  // a text may read as a number does
+    for (const Config& config : configs) {
+      const ConfigEntry* entry = config.find(key);
+      row.values.push_back(entry == nullptr ? kAbsent : short_value(entry->value));
+      distinct.emplace(row.values.back(), config.text(key).has_value());
+    }
+    if (distinct.size() > 1) differing.push_back(row);
+  }
+  return differing;
+}
+
 // " with mine": the label must show that a run does not have its case's own part.
-std::string parts_in_words(const std::vector<ChangedKey>& changed) {
+std::string parts_in_words(const std::vector<DifferingKey>& changed) {
   std::string words;
-  for (const ChangedKey& key : changed) {
-    if (key.key.ends_with(".name")) words += (words.empty() ? " with " : " and ") + key.value;
+  for (const DifferingKey& key : changed) {
+    if (key.key.ends_with(".name")) words += (words.empty() ? " with " : " and ") + key.values[0];
   }
   return words;
 }
@@ -45,9 +58,9 @@ bool has_own_axis(const Config& config, const Config& other) {
   });
 }
 
-std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const fs::path& folder,
-                                     const std::string& scenario, const std::string& case_name) {
-  std::vector<ChangedKey> changed;
+std::vector<DifferingKey> changed_keys(const Catalogue& catalogue, const fs::path& folder,
+                                       const std::string& scenario, const std::string& case_name) {
+  std::vector<DifferingKey> changed;
   if (!catalogue.has<ScenarioKind>(scenario)) return changed;
   try {
     const auto& kind = catalogue.get<ScenarioKind>(scenario);
@@ -56,11 +69,10 @@ std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const fs::path&
     const Config shipped = file->config(case_name);
     const Config own = config_of(folder, scenario, case_name);
     if (has_own_axis(own, shipped)) return changed;
-    for (const auto& [key, entry] : own.entries()) {
-      const ConfigEntry* other = shipped.find(key);
-      if (other == nullptr || are_same(entry.value, other->value)) continue;
-      changed.push_back({key, short_value(entry.value), short_value(other->value)});
-    }
+    changed = differing_keys({own, shipped});
+    std::erase_if(changed, [](const DifferingKey& key) {
+      return key.values[0] == kAbsent || key.values[1] == kAbsent;
+    });
   } catch (const std::invalid_argument&) {
     changed.clear();  // the run may be of another version
   }
@@ -69,7 +81,7 @@ std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const fs::path&
 
 }  // namespace
 
-std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun& run) {
+std::vector<DifferingKey> changed_keys(const Catalogue& catalogue, const SavedRun& run) {
   return changed_keys(catalogue, run.folder(), run.scenario(), run.case_name());
 }
 
@@ -80,28 +92,10 @@ std::string label_of(const Catalogue& catalogue, const fs::path& folder,
 
 std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs) {
   std::vector<Config> configs;
-  std::set<std::string> keys;
   for (const SavedRun& run : runs) {
     configs.push_back(config_of(run.folder(), run.scenario(), run.case_name()));
-    for (const auto& [key, entry] : configs.back().entries()) keys.insert(key);
   }
-  std::vector<DifferingKey> differing;
-  for (const std::string& key : keys) {
-    const ConfigEntry* first = configs.front().find(key);
-    const bool is_common = std::all_of(configs.begin(), configs.end(), [&](const Config& config) {
-      const ConfigEntry* entry = config.find(key);
-      return (entry == nullptr) == (first == nullptr) &&
-             (entry == nullptr || are_same(entry->value, first->value));
-    });
-    if (is_common) continue;
-    DifferingKey row{key, {}};
-    for (const Config& config : configs) {
-      const ConfigEntry* entry = config.find(key);
-      row.values.push_back(entry == nullptr ? kAbsent : short_value(entry->value));
-    }
-    differing.push_back(row);
-  }
-  return differing;
+  return differing_keys(configs);
 }
 
 std::vector<std::string> labels_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs) {

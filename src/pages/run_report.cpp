@@ -41,8 +41,8 @@ std::pair<PageData, PageData> metrics_of(const Catalogue& catalogue, const Saved
 // The keys in which a run differs from its case.
 PageData changed_table(const Catalogue& catalogue, const SavedRun& run) {
   auto rows = PageData::array();
-  for (const ChangedKey& key : changed_keys(catalogue, run)) {
-    rows.push_back(PageData::array({key.key, key.value, key.shipped}));
+  for (const DifferingKey& key : changed_keys(catalogue, run)) {
+    rows.push_back(PageData::array({key.key, key.values[0], key.values[1]}));
   }
   return {{"label", "Keys that differ from the case"},
           {"kind", "numbers keys-table"},
