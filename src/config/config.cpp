@@ -7,6 +7,7 @@
 #include <charconv>
 #include <filesystem>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include <breakwater/config/toml_entry.h>
@@ -189,6 +190,11 @@ std::string short_value(const ConfigValue& value) {
   return text_of(value, false);
 }
 
+std::string table_of(const std::string& key) {
+  const std::size_t dot = key.rfind('.');
+  return dot == std::string::npos ? "" : key.substr(0, dot);
+}
+
 std::string whole_key(const std::string& key) {
   return key.substr(0, key.find('['));
 }
@@ -258,7 +264,7 @@ std::size_t ConfigEntry::line() const {
 }
 
 std::vector<std::string> Config::names_in(const std::string& table) const {
-  std::map<std::string, std::size_t> lines;  // the first line of each name
+  std::set<std::pair<std::size_t, std::string>> by_line;
   for (const auto& [key, entry] : *entries_) {
     const std::size_t end = key.find('.', table.size() + 1);
     if (!key.starts_with(table + ".") || end == std::string::npos) continue;
@@ -269,13 +275,12 @@ std::vector<std::string> Config::names_in(const std::string& table) const {
       throw std::invalid_argument(entry.origin + ": " + table + "." + shown(name) +
                                   ": a name here is made of A-Z, a-z, 0-9 and '_'");
     }
-    std::size_t& first = lines.try_emplace(name, entry.line()).first->second;
-    first = std::min(first, entry.line());
+    by_line.emplace(entry.line(), name);
   }
   std::vector<std::string> names;
-  for (const auto& [name, line] : lines) names.push_back(name);
-  std::ranges::stable_sort(
-      names, [&](const std::string& a, const std::string& b) { return lines.at(a) < lines.at(b); });
+  for (const auto& [line, name] : by_line) {
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  }
   return names;
 }
 

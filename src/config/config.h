@@ -139,6 +139,8 @@ class Config {
   std::string prefix_;
 };
 
+/// The name of a key's table; empty for a root key.
+std::string table_of(const std::string& key);
 /// The key without its element: "a.b" for "a.b[2]" and for "a.b[2][1]". They count from 1.
 std::string whole_key(const std::string& key);
 /// Whether `key` names an element of the value of `other`, at any depth.

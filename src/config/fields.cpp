@@ -64,12 +64,6 @@ std::string without(const std::string& part, std::string text) {
   return text;
 }
 
-// "" for a root key.
-std::string table_of(const std::string& key) {
-  const std::size_t dot = key.rfind('.');
-  return dot == std::string::npos ? "" : key.substr(0, dot);
-}
-
 std::string describe(const ConfigValue& value) {
   if (std::holds_alternative<ConfigValue::Array>(value.data)) return "an array";
   const auto* text = std::get_if<std::string>(&value.data);
@@ -611,10 +605,8 @@ void Fields::assign_standards(const Config& config) {
 }
 
 std::string* Fields::file_of(const Field& field) const {
-  for (const Variable& variable : field.variables) {
-    if (variable.file != nullptr && &variable == in_use(field)) return variable.file;
-  }
-  return nullptr;
+  const Variable* variable = in_use(field);
+  return variable != nullptr ? variable->file : nullptr;
 }
 
 void Fields::find_file(const Config& config, const Field& field) const {

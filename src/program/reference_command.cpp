@@ -68,11 +68,6 @@ std::string used_by(const KeyHelp& key) {
   return conditions.empty() ? "always" : fmt::format("{}", fmt::join(conditions, "; "));
 }
 
-std::string table_of(const std::string& key) {
-  const std::size_t dot = key.rfind('.');
-  return dot == std::string::npos ? "" : key.substr(0, dot);
-}
-
 std::string keys(const std::vector<KeyHelp>& all) {
   std::vector<std::pair<std::string, std::vector<Row>>> tables;  // in the order of their first keys
   for (const KeyHelp& key : all) {
