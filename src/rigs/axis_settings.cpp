@@ -437,28 +437,13 @@ Model AxisPlant::load_model(const Config* config) const {
   // Contacts may name what is decoration in the file.
   std::vector<std::string> named;
   for (const ContactSettings& one : contacts) named.insert(named.end(), {one.geom_1, one.geom_2});
-  Model model = [&] {
-    try {
-      return Model::load_physics(mjcf, named);
-    } catch (const std::invalid_argument&) {
-      if (config == nullptr) throw;
-      const Model whole = Model::load(mjcf);
-      for (const ContactSettings& one : contacts) {
-        const Config own = config->under(one.prefix());
-        id_of(own, "geom_1", whole, mjOBJ_GEOM, one.geom_1);
-        id_of(own, "geom_2", whole, mjOBJ_GEOM, one.geom_2);
-      }
-      throw;
-    }
-  }();
+  Model model = Model::load_physics(mjcf, named);
   model.set_physics(physics.timestep_s, physics.integrator);
   if (config != nullptr) {
     check_names(model, *config);
     check_contacts(model, *config);
     if (tip) check_tip(model, *config);
   }
-  std::vector<int> joints;
-  for (const AxisSettings& one : axes) joints.push_back(model.id(mjOBJ_JOINT, one.axis.joint));
   for (const AxisSettings& one : axes) {
     if (!one.axis.is_driven()) continue;
     const int actuator = actuator_id(model, one.axis);
@@ -470,11 +455,10 @@ Model AxisPlant::load_model(const Config* config) const {
     model.add_mass(model->site_bodyid[model->sensor_objid[sensor]], tip->tool_mass_kg);
   }
   author_friction(model);  // also of joints that are no axis
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    const AxisSettings& one = axes[i];
-    const int dof = model->jnt_dofadr[joints[i]];
+  for (const AxisSettings& one : axes) {
+    const int joint = model.id(mjOBJ_JOINT, one.axis.joint), dof = model->jnt_dofadr[joint];
     const auto or_file = [](double key, double file) { return key < 0.0 ? file : key; };
-    author_friction(model, joints[i], or_file(one.viscous_friction, model->dof_damping[dof]),
+    author_friction(model, joint, or_file(one.viscous_friction, model->dof_damping[dof]),
                     or_file(one.coulomb_friction, model->dof_frictionloss[dof]));
     const bool is_driven = one.axis.is_driven();
     const int actuator = is_driven ? actuator_id(model, one.axis) : -1;
@@ -496,6 +480,8 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
   std::map<std::string, std::string> tilted;  // the walls
   for (const ContactSettings& one : contacts) {
     const Config own = config.under(one.prefix());
+    const int first = id_of(own, "geom_1", model, mjOBJ_GEOM, one.geom_1);
+    const int second = id_of(own, "geom_2", model, mjOBJ_GEOM, one.geom_2);
     one.check(config, physics);
     const auto [same, is_new] = known.emplace(std::minmax(one.geom_1, one.geom_2), one.name);
     if (!is_new) own.fail("geom_1", "contact \"" + same->second + "\" has the same two geoms");
@@ -514,7 +500,6 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
       if (rest.starts_with("geom_") || rest.starts_with("wall.")) continue;
       config.fail(key, "needs " + one.prefix() + "law");
     }
-    const int first = geom_id(model, one.geom_1), second = geom_id(model, one.geom_2);
     const bool may_touch = (model->geom_contype[first] & model->geom_conaffinity[second]) != 0 ||
                            (model->geom_contype[second] & model->geom_conaffinity[first]) != 0;
     if (one.begins_solid() && one.is_of_engine() && !may_touch && model->npair == 0) {

@@ -194,7 +194,10 @@ Model Model::copy(const mjModel& model, const std::string& file) {
 Model Model::physics(const mjModel& full, const std::string& file,
                      const std::vector<std::string>& geoms) {
   std::vector<int> ids;
-  for (const std::string& name : geoms) ids.push_back(id_of(full, file, mjOBJ_GEOM, name));
+  for (const std::string& name : geoms) {
+    const int id = mj_name2id(&full, mjOBJ_GEOM, name.c_str());
+    if (id >= 0) ids.push_back(id);
+  }
   std::string fatal;
   mjModel* part = physics_part(full, ids, fatal);
   if (part == nullptr) refuse_for_engine(file, fatal, "cannot be copied");
