@@ -265,17 +265,12 @@ void TransmissionSettings::describe(NominalAxis& axis, const TwoInertia& numbers
     if (number > 0.0) return;
     throw WrongKey(key, std::string("must be positive for nominal.model = \"") + model + '"');
   };
-  const std::string stiffness = (from == NominalFrom::keys ? "nominal" : "transmission") +
-                                (".stiffness_" + axis.units.stiffness_suffix());
-  const std::string motor_inertia_key =
-      (from == NominalFrom::keys ? "nominal." : "transmission.") + motor_inertia_key_;
-  if (!(numbers.stiffness > 0.0)) {
-    axis.why_no_inertias = stiffness;
-  } else if (!(numbers.motor_inertia > 0.0)) {
-    axis.why_no_inertias = motor_inertia_key;
-  } else {
-    axis.inertias = numbers;
-  }
+  const std::string table = from == NominalFrom::keys ? "nominal." : "transmission.";
+  const std::string stiffness = table + "stiffness_" + axis.units.stiffness_suffix();
+  const std::string motor_inertia_key = table + motor_inertia_key_;
+  if (!(numbers.motor_inertia > 0.0)) axis.why_no_inertias = motor_inertia_key;
+  if (!(numbers.stiffness > 0.0)) axis.why_no_inertias = stiffness;
+  if (axis.why_no_inertias.empty()) axis.inertias = numbers;
   switch (nominal_model) {
     case NominalModel::rigid: {
       const double scale = axis.measured_ratio * axis.measured_ratio;
