@@ -10,6 +10,7 @@
 #include <set>
 #include <stdexcept>
 
+#include <breakwater/config/names.h>
 #include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
@@ -54,8 +55,11 @@ std::string text_of(const ConfigValue& value, bool is_toml) {
   return fmt::format("[{}]", fmt::join(all, ", "));
 }
 
-// Returns the element that `key` names. `value` is the value of the whole key.
+// Returns the element that `key` of --set names. `value` is the value of the whole key.
 ConfigValue& element_of(ConfigValue& value, const std::string& key) {
+  const auto refuse = [&](const std::string& reason) {
+    throw std::invalid_argument("--set: " + key + ": " + reason);
+  };
   ConfigValue* found = &value;
   std::size_t at = whole_key(key).size();
   while (at < key.size()) {
@@ -66,13 +70,12 @@ ConfigValue& element_of(ConfigValue& value, const std::string& key) {
       std::from_chars(key.data() + at + 1, key.data() + end, number);
     }
     if (number == 0 || key.substr(at, end + 1 - at) != fmt::format("[{}]", number)) {
-      throw std::invalid_argument("elements are counted from 1: " + of + "[1] is the first");
+      refuse("elements are counted from 1: " + of + "[1] is the first");
     }
     auto* array = std::get_if<ConfigValue::Array>(&found->data);
-    if (array == nullptr) throw std::invalid_argument(of + " is no array");
+    if (array == nullptr) refuse(of + " is no array");
     if (number > array->size()) {
-      throw std::invalid_argument(
-          fmt::format("{} has {} element{}", of, array->size(), array->size() == 1 ? "" : "s"));
+      refuse(fmt::format("{} has {} element{}", of, array->size(), array->size() == 1 ? "" : "s"));
     }
     found = &(*array)[number - 1];
     at = end + 1;
@@ -224,17 +227,11 @@ void Config::set(const std::string& assignment) {
   if (whole != key) {
     const ConfigEntry* array = find(whole);
     if (array == nullptr) {
-      std::vector<std::string> keys;
-      for (const auto& [name, entry] : *entries_) keys.push_back(name);
       throw std::invalid_argument(origin + ": " + file_ + " has no " + shown(whole) +
-                                  did_you_mean(whole, keys));
+                                  did_you_mean(whole, names_of(*entries_)));
     }
     ConfigValue changed = array->value;
-    try {
-      element_of(changed, key) = std::move(value);
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(origin + ": " + error.what());
-    }
+    element_of(changed, key) = std::move(value);
     value = std::move(changed);
   }
   own_entries()[whole] = {std::move(value), kSetOrigin, true};
@@ -408,13 +405,12 @@ Config ScenarioFile::config(const std::string& case_name,
 
 const Entries& ScenarioFile::reading(const Config& config) const {
   if (config.find("reading") == nullptr) config.fail("reading", "is missing");
-  std::vector<std::string> names;
-  for (const auto& [name, keys] : readings_) names.push_back(name);
   const auto name = config.text("reading");
   if (!name) config.fail("reading", "must be a text");
   const auto found = readings_.find(*name);
   if (found == readings_.end()) {
-    config.fail("reading", "there is no [readings." + *name + "]" + did_you_mean(*name, names));
+    config.fail("reading",
+                "there is no [readings." + *name + "]" + did_you_mean(*name, names_of(readings_)));
   }
   return found->second;
 }

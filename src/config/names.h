@@ -11,10 +11,11 @@ namespace breakwater {
 template <typename Enum>
 using Names = std::vector<std::pair<std::string, Enum>>;
 
-template <typename Enum>
-std::vector<std::string> names_of(const Names<Enum>& names) {
+/// The names of such a list, or of a map.
+template <typename Pairs>
+std::vector<std::string> names_of(const Pairs& pairs) {
   std::vector<std::string> all;
-  for (const auto& [name, value] : names) all.push_back(name);
+  for (const auto& [name, value] : pairs) all.push_back(name);
   return all;
 }
 

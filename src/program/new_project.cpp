@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include <breakwater/config/names.h>
 #include <breakwater/record/input_file.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/process_name.h>
@@ -186,9 +187,7 @@ int new_project(const Catalogue& catalogue, const std::string& kind, const std::
   const auto kinds = kinds_of_projects(templates);
   const auto from = kinds.find(kind);
   if (from == kinds.end()) {
-    std::vector<std::string> names;
-    for (const auto& entry : kinds) names.push_back(entry.first);
-    throw std::invalid_argument("new: KIND " + must_be_one_of(names, kind));
+    throw std::invalid_argument("new: KIND " + must_be_one_of(names_of(kinds), kind));
   }
   check_project_name(catalogue, name);
   const bool is_robot = kind == "robot";
