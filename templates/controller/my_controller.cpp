@@ -43,19 +43,16 @@ namespace {
 
 // Keys with the names of Breakwater's own controllers: a file needs each value only once.
 void bind(Fields& fields, MyControllerDesign& design) {
-  fields.number("controller.virtual_mass_kg", design.virtual_mass_kg, breakwater::positive(),
-                "M: mass of the admittance [kg]");
-  fields.number("controller.virtual_damping_Ns_m", design.virtual_damping_Ns_m,
-                breakwater::positive(),
-                "D: damping of the admittance; the speed of free motion is F^ref/D [N s/m]");
+  fields.optional_number("controller.virtual_mass_kg", design.virtual_mass_kg,
+                         breakwater::positive(), "M: mass of the admittance [kg]");
+  fields.optional_number(
+      "controller.virtual_damping_Ns_m", design.virtual_damping_Ns_m, breakwater::positive(),
+      "D: damping of the admittance; the speed of free motion is F^ref/D [N s/m]");
   fields.number("controller.k_position", design.k_p, breakwater::not_negative(),
                 "K_p: position gain; the velocity gain is 2 sqrt(K_p) [1/s^2]");
   fields.number("controller.singular_value_floor", design.singular_value_floor,
                 breakwater::not_negative(),
                 "singular values below this count as 0 in the pseudo-inverse");
-  // Files for other controllers may leave out these keys.
-  fields.standard("controller.virtual_mass_kg", {design.virtual_mass_kg});
-  fields.standard("controller.virtual_damping_Ns_m", {design.virtual_damping_Ns_m});
 }
 
 std::unique_ptr<breakwater::Controller> make(const MyControllerDesign& design,

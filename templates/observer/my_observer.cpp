@@ -51,7 +51,6 @@ struct Settings {
 };
 
 void bind(Fields& fields, Settings& settings) {
-  // Files for other observers may leave out this key.
   fields.optional_number("observer.bandwidth_rad_s", settings.bandwidth_rad_s,
                          breakwater::positive(),
                          "omega_o: bandwidth; all poles are at -omega_o [rad/s]");
