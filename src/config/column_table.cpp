@@ -9,6 +9,7 @@
 #include <limits>
 #include <locale>
 #include <numbers>
+#include <ranges>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -177,15 +178,11 @@ std::size_t place_of(const WantedColumn& column, const std::vector<std::string>&
                      const std::vector<HeaderCell>& bare, const std::string& file,
                      std::size_t line) {
   const auto index = [&](const auto& is_it) {
-    std::size_t found = names.size();
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (!is_it(i)) continue;
-      if (found < names.size()) {
-        fail_at_line(file, line, fmt::format("there are two columns {}", column.name));
-      }
-      found = i;
+    const auto all = std::views::iota(std::size_t{0}, names.size());
+    if (std::ranges::count_if(all, is_it) > 1) {
+      fail_at_line(file, line, fmt::format("there are two columns {}", column.name));
     }
-    return found;
+    return static_cast<std::size_t>(std::ranges::find_if(all, is_it) - all.begin());
   };
   std::size_t place = index([&](std::size_t i) { return names[i] == column.name; });
   if (place == names.size() && !bare.empty()) {

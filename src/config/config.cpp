@@ -26,19 +26,6 @@ constexpr std::size_t kLongestShown = 40;
 
 using Entries = std::map<std::string, ConfigEntry>;
 
-ConfigValue convert(const toml::node& node, const std::string& origin) {
-  if (const auto* value = node.as_boolean()) return {value->get()};
-  if (const auto* value = node.as_integer()) return {value->get()};
-  if (const auto* value = node.as_floating_point()) return {value->get() + 0.0};  // -0 is 0
-  if (const auto* value = node.as_string()) return {value->get()};
-  if (const auto* array = node.as_array()) {
-    ConfigValue::Array values;
-    for (const toml::node& element : *array) values.push_back(convert(element, origin));
-    return {std::move(values)};
-  }
-  throw std::invalid_argument(origin + ": dates and tables in arrays are not used here");
-}
-
 std::string text_of(const ConfigValue& value, bool is_toml) {
   if (const auto* yes = std::get_if<bool>(&value.data)) return *yes ? "true" : "false";
   if (const auto* count = std::get_if<std::int64_t>(&value.data)) return std::to_string(*count);
@@ -142,10 +129,10 @@ void flatten(const toml::table& table, const std::string& file, const std::strin
       }
       flatten(*nested, file, path + ".", entries);
     } else {
-      const std::string origin = at_line(file, node.source());
+      const std::string origin = at_line(file, node.source()), place = origin + ": " + path;
       // "a.b" in quotes and b in [a] are the same key here.
-      if (!entries.emplace(path, ConfigEntry{convert(node, origin), origin}).second) {
-        throw std::invalid_argument(origin + ": " + path + ": is given twice");
+      if (!entries.emplace(path, ConfigEntry{config_value(node, place), origin}).second) {
+        throw std::invalid_argument(place + ": is given twice");
       }
     }
   }
@@ -185,6 +172,18 @@ Aliases read_aliases(const TomlEntry& alias) {
 
 }  // namespace
 
+ConfigValue config_value(const toml::node& node, const std::string& place) {
+  if (const auto* value = node.as_boolean()) return {value->get()};
+  if (const auto* value = node.as_integer()) return {value->get()};
+  if (const auto* value = node.as_floating_point()) return {value->get() + 0.0};  // -0 is 0
+  if (const auto* value = node.as_string()) return {value->get()};
+  const std::string kinds = "a number, a text, true, false or an array of these";
+  if (!node.is_array()) throw std::invalid_argument(place + ": must be " + kinds);
+  ConfigValue::Array values;
+  for (const auto& element : *node.as_array()) values.push_back(config_value(element, place));
+  return {std::move(values)};
+}
+
 std::string toml_value(const ConfigValue& value) {
   return text_of(value, true);
 }
@@ -223,7 +222,7 @@ void Config::set(const std::string& assignment) {
     throw std::invalid_argument(origin + ": " + shown(text) + ": is not UTF-8");
   }
   // Text that is not TOML is a bare word. read() checks later whether the key takes a string.
-  ConfigValue value = parsed ? convert(*parsed->get("value"), origin) : ConfigValue{text};
+  ConfigValue value = parsed ? config_value(*parsed->get("value"), origin) : ConfigValue{text};
   if (whole != key) {
     const ConfigEntry* array = find(whole);
     if (array == nullptr) {

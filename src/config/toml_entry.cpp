@@ -9,7 +9,6 @@
 #include <breakwater/config/config.h>
 #include <breakwater/config/fields.h>
 #include <breakwater/config/toml_file.h>
-#include <breakwater/config/toml_text.h>
 #include <breakwater/shell/did_you_mean.h>
 
 namespace breakwater {
@@ -147,14 +146,7 @@ std::size_t TomlEntry::choice_of(const std::vector<std::string>& names) const {
 }
 
 std::string TomlEntry::written() const {
-  if (const auto* real = node_->as_floating_point()) return toml_number(real->get() + 0.0);
-  if (const auto* string = node_->as_string()) return toml_string(string->get());
-  if (const auto* integer = node_->as_integer()) return fmt::format("{}", integer->get());
-  if (const auto* flag = node_->as_boolean()) return flag->get() ? "true" : "false";
-  if (!node_->is_array()) fail("must be a number, a text, true, false or an array of these");
-  std::vector<std::string> parts;
-  for (const TomlEntry& element : elements()) parts.push_back(element.written());
-  return fmt::format("[{}]", fmt::join(parts, ", "));
+  return toml_value(config_value(*node_, place()));
 }
 
 }  // namespace breakwater

@@ -14,7 +14,12 @@
 
 namespace breakwater {
 
+struct ConfigValue;
 struct Range;
+
+/// The value of a key or of an element. Throws std::invalid_argument `PLACE: reason` for a date,
+/// and for a table, also if an array has one.
+ConfigValue config_value(const toml::node& node, const std::string& place);
 
 /// A place in a TOML file with a table, another value, or nothing. The functions that read throw
 /// std::invalid_argument `FILE:LINE: KEY: reason`, where KEY includes the names of its tables. The
