@@ -130,12 +130,13 @@ struct CommandKind {
   const char* group = "Your own work";  ///< in which PROGRAM --help has it
 };
 
-/// The kind of a scenario with a constructor that takes the catalogue.
-template <typename OneScenario>
-ScenarioKind scenario_kind(const char* name, bool may_be_shared = false) {
+/// The kind of a scenario with a constructor that takes the catalogue and then `arguments`.
+template <typename OneScenario, typename... Arguments>
+ScenarioKind scenario_kind(const std::string& name, bool may_be_shared = false,
+                           const Arguments&... arguments) {
   return {name,
-          [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
-            return std::make_unique<OneScenario>(catalogue);
+          [arguments...](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+            return std::make_unique<OneScenario>(catalogue, arguments...);
           },
           {},
           may_be_shared};

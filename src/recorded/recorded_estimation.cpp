@@ -124,11 +124,9 @@ std::optional<std::string> doubt_of(const std::vector<Metric>& metrics) {
 }
 
 ScenarioKind recorded_estimation() {
-  return {"estimate",
-          [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
-            return std::make_unique<RecordedEstimation>(catalogue);
-          },
-          data_file("data/estimate")};
+  ScenarioKind kind = scenario_kind<RecordedEstimation>("estimate");
+  kind.folder = data_file("data/estimate");
+  return kind;
 }
 
 std::vector<MetricDefinition> RecordedEstimation::metric_definitions() const {

@@ -128,12 +128,7 @@ class AxisScenario : public Scenario {
 
 /// A scenario that is a file alone.
 inline ScenarioKind axis_kind(const AxisScenarioDesign& design) {
-  return {design.name,
-          [design](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
-            return std::make_unique<AxisScenario>(catalogue, design);
-          },
-          {},
-          true};
+  return scenario_kind<AxisScenario>(design.name, true, design);
 }
 
 }  // namespace breakwater

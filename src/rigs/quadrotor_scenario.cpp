@@ -383,12 +383,7 @@ Recording QuadrotorScenario::run(const RunControl& control) const {
 }  // namespace
 
 ScenarioKind quadrotor_kind(const std::string& name, const std::string& summary) {
-  return {name,
-          [name, summary](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
-            return std::make_unique<QuadrotorScenario>(catalogue, name, summary);
-          },
-          {},
-          true};
+  return scenario_kind<QuadrotorScenario>(name, true, name, summary);
 }
 
 }  // namespace breakwater
