@@ -65,7 +65,7 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     }
     const std::string rubs = one.transmission.friction_joint(one.axis.joint);
     const double coulomb = model->dof_frictionloss[model->jnt_dofadr[model.id(mjOBJ_JOINT, rubs)]];
-    std::unique_ptr<FrictionLaw> law = one.drive.friction->make(coulomb);
+    std::unique_ptr<FrictionLaw> law = one.drive.friction.make(coulomb);
     // The engine's own friction has the bits of this law, which knows its force.
     if (!law && plant.knows_disturbances && coulomb > 0.0 && has_friction) {
       law = std::make_unique<LoadDependentFriction>(coulomb, 0.0);

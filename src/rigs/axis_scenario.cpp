@@ -153,7 +153,7 @@ void AxisScenario::check(const Config& config, const Fields& fields) {
   plant_.knows_disturbances = std::ranges::any_of(plant_.axes, [](const AxisSettings& one) {
     const Disturbance& d = one.disturbance.shape;
     return d.kind != DisturbanceKind::none || d.offset != 0.0 || one.input_noise() > 0.0 ||
-           one.drive.friction->make(1.0) != nullptr;
+           one.drive.friction.make(1.0) != nullptr;
   });
 }
 

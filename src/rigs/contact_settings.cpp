@@ -24,7 +24,7 @@ void ContactSettings::bind(Fields& fields) {
   }
   bind_wall(fields);
   const Fields::Under under(fields, prefix());
-  law_->bind(fields);
+  law_.bind(fields);
   fields.optional_number("friction_coefficient", friction_.coefficient, not_negative(),
                          "mu: coefficient of the dry friction across the wall's normal; 0: none");
   fields.optional_number("friction_stick_m_s", friction_.stick_m_s, positive(),
@@ -82,7 +82,7 @@ void ContactSettings::bind_wall(Fields& fields) {
 }
 
 void ContactSettings::check(const Config& config, const PhysicsSettings& physics) const {
-  law_->check(config.under(prefix()));
+  law_.check(config.under(prefix()));
   const Config own = config.under(wall());
   own.blame("wall.file", [&] { motion(); });
   const bool has_law = make_law() != nullptr;
@@ -110,7 +110,7 @@ WallMotion ContactSettings::motion() const {
 }
 
 std::unique_ptr<ContactForceLaw> ContactSettings::make_law() const {
-  std::unique_ptr<ContactForceLaw> law = law_->make();
+  std::unique_ptr<ContactForceLaw> law = law_.make();
   const KelvinVoigt* engine = law ? law->for_engine() : nullptr;
   const bool is_smooth = !has_friction();
   if (engine == nullptr || (is_smooth && motion_.kind == WallMotionKind::fixed)) return law;

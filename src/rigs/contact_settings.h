@@ -30,13 +30,11 @@ std::vector<ContactLawKind> contact_laws();
 class ContactSettings {
  public:
   ContactSettings(std::string its_name, const Catalogue& catalogue)
-      : name(std::move(its_name)), law_(std::make_shared<Laws>(catalogue, "law", kOfModel)) {}
+      : name(std::move(its_name)), law_(catalogue, "law", kOfModel) {}
   /// The contact of a scenario that names the geoms itself: keys contact.… and wall.…. It begins
   /// off.
   ContactSettings(const Catalogue& catalogue, std::string geom, std::string plane)
-      : geom_1(std::move(geom)),
-        geom_2(std::move(plane)),
-        law_(std::make_shared<Laws>(catalogue, "law", "kelvin_voigt")) {}
+      : geom_1(std::move(geom)), geom_2(std::move(plane)), law_(catalogue, "law", "kelvin_voigt") {}
 
   std::string name;
   std::string geom_1;
@@ -52,7 +50,7 @@ class ContactSettings {
   /// Whether the contact is MuJoCo's own: then the wall collides, and stands.
   bool is_of_engine() const;
   /// Whether it is that of the model file.
-  bool is_of_file() const { return law_->chosen() == kOfModel; }
+  bool is_of_file() const { return law_.chosen() == kOfModel; }
   double angle_rad() const { return angle_rad_; }
   bool has_friction() const { return friction_.coefficient > 0.0; }
 
@@ -73,14 +71,12 @@ class ContactSettings {
   static constexpr const char* kOfModel = "model";
 
  private:
-  using Laws = PartChoice<ContactLawKind>;
-
   std::string wall() const { return name.empty() ? "" : prefix(); }  // prefix of the keys wall.…
   void bind_wall(Fields& fields);
   std::unique_ptr<ContactForceLaw> make_law() const;  // null: that of the model file
   WallMotion motion() const;
 
-  std::shared_ptr<Laws> law_;  // shared by copies, which are equal once they are read
+  PartChoice<ContactLawKind> law_;
   double angle_rad_ = 0.0;
   WallMotion motion_;  // without the table
   ContactFriction friction_;

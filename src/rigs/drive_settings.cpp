@@ -21,7 +21,7 @@ void bind_sine(Fields& fields, const std::string& stem, const std::string& ampli
 }
 
 void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
-  friction->bind(fields);
+  friction.bind(fields);
   const std::string constant =
       (units.turns() ? "drive.torque_constant_" : "drive.force_constant_") + units.force_suffix +
       "_A";
@@ -50,7 +50,7 @@ void DriveSettings::bind(Fields& fields, const AxisUnits& units) {
 }
 
 void DriveSettings::check(const Config& config, double coulomb) const {
-  friction->check(config, coulomb);
+  friction.check(config, coulomb);
   if (electric.voltage_limit_V > 0.0 && electric.resistance_ohm == 0.0) {
     config.fail("drive.resistance_ohm", "must be above 0 where drive.voltage_limit_V is not 0");
   }

@@ -33,12 +33,9 @@ std::vector<FrictionKind> friction_laws();
 /// Friction law and motor of a joint: keys friction.… and drive.…
 struct DriveSettings {
   explicit DriveSettings(const Catalogue& catalogue)
-      : friction(std::make_shared<PartChoice<FrictionKind>>(catalogue, "friction.law", "coulomb")) {
-  }
+      : friction(catalogue, "friction.law", "coulomb") {}
 
-  /// Shared by copies of the settings, which are equal once they are read. It makes null for the
-  /// engine's Coulomb friction.
-  std::shared_ptr<PartChoice<FrictionKind>> friction;
+  PartChoice<FrictionKind> friction;  ///< makes null for the engine's Coulomb friction
   ElectricDrive electric;
 
   void bind(Fields& fields, const AxisUnits& units);
