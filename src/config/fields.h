@@ -43,8 +43,7 @@ struct UnusedKey {
 /// One meaning of a key, for a reference of all keys.
 struct KeyHelp {
   std::string key;
-  std::string
-      choice;  ///< the key that chooses between the parts; empty: the scenario itself uses the key
+  std::string choice;  ///< the key that chooses between the parts; empty: all have the key
   std::vector<std::string> parts;  ///< the parts that use the key: {"kfd", "dkf"}
   std::string text;
   std::string takes;  ///< "a number, positive"
@@ -146,13 +145,7 @@ class Fields {
     const auto all = std::make_shared<const Names<Enum>>(std::move(options));
     add_choice(
         key, names_of(*all), [all, &target](std::size_t i) { target = (*all)[i].second; },
-        [all, &target] {
-          for (const auto& [name, value] : *all) {
-            if (value == target) return name;
-          }
-          return std::string();
-        },
-        doc);
+        [all, &target] { return name_of(*all, target); }, doc);
   }
 
   /// A choice whose default value is the present one of the variable.
@@ -160,9 +153,7 @@ class Fields {
   void optional_choice(const std::string& key, Enum& target, const Names<Enum>& options,
                        const std::string& doc) {
     choice(key, target, options, doc);
-    for (const auto& [name, value] : options) {
-      if (value == target) return standard(key, {name});
-    }
+    standard(key, {name_of(options, target)});
   }
 
   /// Sets the default value of a key. The file may then leave out the key.

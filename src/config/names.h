@@ -19,11 +19,11 @@ std::vector<std::string> names_of(const Pairs& pairs) {
   return all;
 }
 
-/// The name of a value that has one.
+/// The first name of a value; empty if it has none.
 template <typename Enum>
-std::string name_of(const Names<Enum>& names, Enum value) {
-  return std::find_if(names.begin(), names.end(), [&](const auto& n) { return n.second == value; })
-      ->first;
+std::string name_of(const Names<Enum>& names, const Enum& value) {
+  const auto found = std::ranges::find(names, value, &std::pair<std::string, Enum>::second);
+  return found != names.end() ? found->first : "";
 }
 
 }  // namespace breakwater

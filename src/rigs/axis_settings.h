@@ -138,8 +138,7 @@ struct AxisSettings {
   Encoder encoder;               ///< its quantum is that of `counts` where the axis counts pulses
   bool has_noise = true;         ///< false: neither of the next two
   double noise_std = 0.0;        ///< noise of the measurement
-  double input_noise_std =
-      0.0;  ///< standard deviation of a random force that is drawn at each control sample
+  double input_noise_std = 0.0;  ///< that of a random force, drawn at each control sample
   int delay_samples = 0;
   TransmissionSettings transmission;
   /// A joint of a URDF: the keys of its transmission, which count for the motor. All else, its
