@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include <breakwater/config/unit_of.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/shell/table.h>

@@ -17,15 +17,6 @@ Metric::Metric(std::string its_name, std::string its_unit, double its_value)
   }
 }
 
-std::string unit_suffix(const std::string& unit) {
-  if (unit == "%") return "_percent";
-  std::string suffix = "_";
-  for (const char c : unit) {
-    if (c != ' ' && c != '^') suffix += c == '/' ? '_' : c;
-  }
-  return suffix;
-}
-
 const Track& Recording::track(const std::string& name) const {
   const auto found = std::ranges::find(tracks, name, &Track::name);
   if (found == tracks.end()) throw std::out_of_range("recording has no track " + name);

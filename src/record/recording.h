@@ -21,9 +21,6 @@ struct Metric {
   double value;
 };
 
-/// The end of a name with this unit: "_rad_s" for "rad/s", "_percent" for "%".
-std::string unit_suffix(const std::string& unit);
-
 /// Appends a metric if it has a finite value.
 inline void add(std::vector<Metric>& metrics, const std::string& name, const std::string& unit,
                 const std::optional<double>& value) {

@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include <breakwater/config/unit_of.h>
+
 namespace breakwater {
 namespace {
 
