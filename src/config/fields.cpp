@@ -364,14 +364,10 @@ std::string Fields::Field::doc() const {
   return text;
 }
 
-std::string Fields::chosen(const std::string& choice) const {
+bool Fields::has_chosen(const std::string& choice, const std::string& name) const {
   const Field* field = find(choice);
   const Variable* variable = field != nullptr ? in_use(*field) : nullptr;
-  return variable != nullptr ? variable->print() : "";
-}
-
-bool Fields::has_chosen(const std::string& choice, const std::string& name) const {
-  return chosen(choice) == toml_string(name);
+  return variable != nullptr && variable->print() == toml_string(name);
 }
 
 const Fields::Variable* Fields::in_use(const Field& field) const {

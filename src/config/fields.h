@@ -296,8 +296,6 @@ class Fields {
   void add_condition(const std::vector<std::string>& keys, const Condition& condition);
   // The variable of the scenario or of the chosen part; null if there is none.
   const Variable* in_use(const Field& field) const;
-  // The present value of a choice, in TOML; empty if there is no such one.
-  std::string chosen(const std::string& choice) const;
   // The message on missing keys, with the meaning of the first one and the part that needs it.
   std::string missing_in_words(const std::vector<const Field*>& missing) const;
   // Assigns to every variable. Returns an error if the value does not suit `counts`, or, if
