@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include <breakwater/plants/mjcf_tree.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/shell/paths.h>
 
@@ -15,7 +16,7 @@ void KnownModels::note(const std::string& file) {
 const KnownModels::Files& KnownModels::noted(const std::string& file) {
   const auto found = models_.find(file);
   if (found != models_.end()) return found->second;
-  const std::vector<std::filesystem::path> paths = model_paths({file});
+  const std::vector<std::filesystem::path> paths = mjcf_files(file);
   if (paths.empty()) throw std::invalid_argument(file + ": cannot be read");
   Files files;
   for (const auto& path : paths) {

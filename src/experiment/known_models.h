@@ -20,7 +20,8 @@ class KnownModels {
  public:
   /// Reads an MJCF file and all files that it includes, unless they are known.
   void note(const std::string& file);
-  /// The model_hashes() of these files when they were first noted. It notes unknown ones now.
+  /// The hashes of these files and of those that they include, as they were when they were first
+  /// noted. It notes unknown ones now. Throws std::invalid_argument `FILE: cannot be read`.
   ModelHashes of(const std::vector<std::string>& files);
 
   /// Throws std::invalid_argument `FILE: was changed while it ran: start again` if a file given to
@@ -41,5 +42,10 @@ class KnownModels {
   std::map<std::string, Files> models_;  // an MJCF file, and all files that it includes
   mutable std::mutex mutex_;
 };
+
+/// The hashes of these files and of those that they include.
+inline ModelHashes model_hashes(const std::vector<std::string>& files) {
+  return KnownModels().of(files);
+}
 
 }  // namespace breakwater

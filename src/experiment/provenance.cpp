@@ -5,8 +5,8 @@
 
 #include <span>
 #include <string_view>
+#include <vector>
 
-#include <breakwater/plants/mjcf_tree.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/shell/paths.h>
 
@@ -33,20 +33,6 @@ std::string_view build_id() {
 }
 
 }  // namespace
-
-std::vector<std::filesystem::path> model_paths(const std::vector<std::string>& files) {
-  std::vector<std::filesystem::path> paths;
-  for (const std::string& file : files) {
-    for (auto& path : mjcf_files(file)) paths.push_back(std::move(path));
-  }
-  return paths;
-}
-
-ModelHashes model_hashes(const std::vector<std::string>& files) {
-  ModelHashes hashes;
-  for (const auto& path : model_paths(files)) hashes[portable_path(path)] = file_hash(path);
-  return hashes;
-}
 
 std::string point_key(const std::string& config_text, const ModelHashes& models) {
   std::vector<std::string> parts(1, config_text);

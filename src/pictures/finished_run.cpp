@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <breakwater/experiment/provenance.h>
+#include <breakwater/experiment/known_models.h>
 
 namespace breakwater {
 
