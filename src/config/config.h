@@ -58,6 +58,18 @@ class WrongKey : public std::invalid_argument {
   std::string key_;
 };
 
+/// Calls `body`. If it throws std::invalid_argument, throws a WrongKey for `key` instead.
+template <typename Body>
+auto blame(const std::string& key, Body&& body) {
+  try {
+    return std::forward<Body>(body)();
+  } catch (const WrongKey&) {
+    throw;
+  } catch (const std::invalid_argument& error) {
+    throw WrongKey(key, error.what());
+  }
+}
+
 /// Further names of keys: {name, key}.
 using Aliases = std::map<std::string, std::string>;
 
@@ -111,16 +123,13 @@ class Config {
   /// there. The key may name an element.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 
-  /// Calls `body`. If it throws std::invalid_argument, fail() reports that for `key`, or for the
-  /// key of a WrongKey.
+  /// The same, but fail() reports the wrong key.
   template <typename Body>
   auto blame(const std::string& key, Body&& body) const {
     try {
-      return std::forward<Body>(body)();
+      return breakwater::blame(key, std::forward<Body>(body));
     } catch (const WrongKey& wrong) {
       fail(wrong.key(), wrong.what());
-    } catch (const std::invalid_argument& error) {
-      fail(key, error.what());
     }
   }
 

@@ -13,18 +13,6 @@
 
 namespace breakwater {
 
-/// Calls `make`. If it throws std::invalid_argument, throws a WrongKey for `key` instead.
-template <typename Make>
-auto blame(const char* key, Make&& make) {
-  try {
-    return std::forward<Make>(make)();
-  } catch (const WrongKey&) {
-    throw;
-  } catch (const std::invalid_argument& error) {
-    throw WrongKey(key, error.what());
-  }
-}
-
 /// One kind of part: its name, one line of help, its keys and a function that makes it. `Product`
 /// is the part and `Context` the data from its place. rigs/ defines the places.
 template <typename Product, typename... Context>

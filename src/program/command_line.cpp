@@ -233,10 +233,6 @@ struct Call {
   const std::string& video_program;
   const Arguments& arguments;
   KnownModels& models;
-
-  PreparedRun prepare(const std::string& case_name, const std::vector<std::string>& sets) const {
-    return prepare_run(catalogue, scenario, file, case_name, sets);
-  }
 };
 
 // The runs of one call, each with its place below a folder. `shared` lists folders with several
@@ -292,7 +288,8 @@ int run_cases(const Call& call) {
     if (std::ranges::count(cases, name) > 1) {
       throw std::invalid_argument("--case: " + name + " is there twice");
     }
-    batch.runs.push_back(call.prepare(name, all_sets(arguments)));
+    batch.runs.push_back(
+        prepare_run(call.catalogue, call.scenario, call.file, name, all_sets(arguments)));
     batch.places.push_back(several ? name : "");
   }
   if (several) batch.shared = {""};
@@ -343,7 +340,7 @@ int run_matrix(const Call& call) {
     std::vector<std::string> sets = all_sets(arguments);
     sets.push_back(matrix.key + "=" + value);
     for (const std::string& name : call.file.cases()) {
-      batch.runs.push_back(call.prepare(name, sets));
+      batch.runs.push_back(prepare_run(call.catalogue, call.scenario, call.file, name, sets));
       batch.places.push_back(value + "/" + name);
     }
     batch.shared.push_back(value);
