@@ -371,12 +371,11 @@ std::vector<std::string> AxisPlant::warnings() const {
 
 // Checks what a named axis asks of the model, and names the wrong key.
 void AxisPlant::check_names(const Model& model, const Config& config) const {
-  std::vector<int> joints, motors, actuators;
+  std::set<int> joints, motors, actuators;
   // Each axis needs its own.
-  const auto take = [](const Config& own, const char* key, std::vector<int>& taken, int id,
+  const auto take = [](const Config& own, const char* key, std::set<int>& taken, int id,
                        const char* reason) {
-    if (std::find(taken.begin(), taken.end(), id) != taken.end()) own.fail(key, reason);
-    taken.push_back(id);
+    if (!taken.insert(id).second) own.fail(key, reason);
   };
   for (const AxisSettings& one : axes) {
     const Config own = config.under(one.axis.prefix());
@@ -401,12 +400,11 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
                                : id_of(own, "actuator", model, mjOBJ_ACTUATOR, one.axis.actuator);
       take(own, "actuator", actuators, actuator,
            "drives another axis: set \"none\" for an axis that is only measured");
-      const bool drives = model.drives(actuator, driven_joint);
-      if (!drives && !has_motor && !one.transmission.motor_joint.empty()) {
-        own.fail("transmission.motor_joint",
-                 "needs a transmission with a stiffness: a rigid motor has no joint of its own");
-      }
-      if (!drives) {
+      if (!model.drives(actuator, driven_joint)) {
+        if (!has_motor && !one.transmission.motor_joint.empty()) {
+          own.fail("transmission.motor_joint",
+                   "needs a transmission with a stiffness: a rigid motor has no joint of its own");
+        }
         own.fail("actuator",
                  fmt::format("\"{}\" must drive joint \"{}\"", one.axis.actuator, driven));
       }
@@ -580,11 +578,10 @@ Model AxisPlant::nominal_model() const {
     const TwoInertia numbers = transmission.nominal_numbers();
     if (transmission.is_elastic()) {
       if (!(numbers.motor_inertia > 0.0 && numbers.stiffness > 0.0)) {
-        const std::string nominal = one.axis.prefix() + "nominal.";
-        throw std::invalid_argument(nominal + "motor_inertia_" + one.axis.units.inertia_suffix +
-                                    " and " + nominal + "stiffness_" +
-                                    one.axis.units.stiffness_suffix() +
-                                    " must be positive for a linear model of the plant");
+        throw std::invalid_argument(fmt::format(
+            "{0}nominal.motor_inertia_{1} and {0}nominal.stiffness_{2} must be positive for a "
+            "linear model of the plant",
+            one.axis.prefix(), one.axis.units.inertia_suffix, one.axis.units.stiffness_suffix()));
       }
       set(one.axis.joint, numbers.load_inertia, numbers.load_friction);
       set(transmission.motor(one.axis.joint), numbers.motor_inertia, numbers.motor_friction);
