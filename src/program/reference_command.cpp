@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -127,7 +128,7 @@ std::string metric_kinds() {
 std::string columns(const Catalogue& catalogue, const ScenarioKind& kind, const ScenarioFile& file,
                     const std::vector<std::string>& brief_run) {
   std::vector<Row> rows = {{code("time_s"), "s", "1", "all", "time of the row", ""}};
-  std::vector<std::vector<std::string>> have = {file.cases()};
+  std::map<Row, std::vector<std::string>> have = {{rows.front(), file.cases()}};
   for (const std::string& name : file.cases()) {
     std::vector<std::string> sets = brief_run;
     // The window with the fine log may begin after the end of a brief run.
@@ -140,19 +141,16 @@ std::string columns(const Catalogue& catalogue, const ScenarioKind& kind, const 
         const Row row = {
             code(signal.name), signal.unit,        std::to_string(signal.values.size()),
             track.name(),      signal.description, ""};
-        const auto found = std::find(rows.begin(), rows.end(), row);
-        const auto index = static_cast<std::size_t>(found - rows.begin());
-        if (found == rows.end()) {
-          rows.push_back(row);
-          have.emplace_back();
-        }
-        have[index].push_back(name);
+        const auto [cases, is_new] = have.try_emplace(row);
+        if (is_new) rows.push_back(row);
+        cases->second.push_back(name);
       }
     }
   }
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const bool in_all = have[i].size() == file.cases().size();
-    rows[i].back() = in_all ? "all" : fmt::format("{}", fmt::join(have[i], ", "));
+  for (Row& row : rows) {
+    const std::vector<std::string>& cases = have.at(row);
+    const bool in_all = cases.size() == file.cases().size();
+    row.back() = in_all ? "all" : fmt::format("{}", fmt::join(cases, ", "));
   }
   std::stable_sort(rows.begin(), rows.end(),
                    [](const Row& a, const Row& b) { return a[kTrack] < b[kTrack]; });
