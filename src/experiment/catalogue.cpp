@@ -6,7 +6,6 @@
 
 #include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
-#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 
 namespace breakwater {
@@ -51,18 +50,4 @@ std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::s
   return catalogue.get<ScenarioKind>(name).make(catalogue);
 }
 
-namespace detail {
-
-void fail_as_there_already(const std::string& what, const std::string& name) {
-  throw std::invalid_argument("the catalogue has \"" + name + "\" (" + what +
-                              ") already: give yours another name");
-}
-
-void fail_as_not_there(const std::string& what, const std::string& name,
-                       const std::vector<std::string>& names) {
-  throw std::invalid_argument("there is no " + what + " \"" + name + "\"" +
-                              did_you_mean(name, names));
-}
-
-}  // namespace detail
 }  // namespace breakwater

@@ -6,12 +6,14 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <typeindex>
 #include <unordered_map>
 #include <vector>
 
 #include <breakwater/experiment/scenario.h>
+#include <breakwater/shell/did_you_mean.h>
 
 namespace breakwater {
 
@@ -44,12 +46,6 @@ struct ListedPart {
   std::string help;
 };
 
-namespace detail {
-[[noreturn]] void fail_as_there_already(const std::string& what, const std::string& name);
-[[noreturn]] void fail_as_not_there(const std::string& what, const std::string& name,
-                                    const std::vector<std::string>& names);
-}  // namespace detail
-
 /// Scenarios, and the parts that they choose by name. main() makes it and passes it on. A kind is
 /// any struct with a `name` and a `kWhat` for messages. Kinds of one type keep their order.
 class Catalogue {
@@ -57,14 +53,14 @@ class Catalogue {
   /// Throws std::invalid_argument if this type and name are already there.
   template <typename Kind>
   void add(Kind kind) {
+    if (has<Kind>(kind.name)) {
+      throw std::invalid_argument("the catalogue has \"" + kind.name + "\" (" + Kind::kWhat +
+                                  ") already: give yours another name");
+    }
     std::any& shelf = shelves_[typeid(Kind)];
     if (!shelf.has_value()) shelf = std::vector<Kind>{};
-    auto& kinds = *std::any_cast<std::vector<Kind>>(&shelf);
-    for (const Kind& other : kinds) {
-      if (other.name == kind.name) detail::fail_as_there_already(Kind::kWhat, kind.name);
-    }
     if constexpr (requires { kind.help; }) parts_.push_back({Kind::kWhat, kind.name, kind.help});
-    kinds.push_back(std::move(kind));
+    std::any_cast<std::vector<Kind>>(&shelf)->push_back(std::move(kind));
   }
 
   /// Removes all kinds of one type.
@@ -90,9 +86,7 @@ class Catalogue {
 
   template <typename Kind>
   bool has(const std::string& name) const {
-    const auto& kinds = all<Kind>();
-    return std::any_of(kinds.begin(), kinds.end(),
-                       [&](const Kind& kind) { return kind.name == name; });
+    return std::ranges::find(all<Kind>(), name, &Kind::name) != all<Kind>().end();
   }
 
   /// All kinds with a line of help, in the order in which they were added.
@@ -104,7 +98,8 @@ class Catalogue {
     for (const Kind& kind : all<Kind>()) {
       if (kind.name == name) return kind;
     }
-    detail::fail_as_not_there(Kind::kWhat, name, names<Kind>());
+    throw std::invalid_argument(std::string("there is no ") + Kind::kWhat + " \"" + name + '"' +
+                                did_you_mean(name, names<Kind>()));
   }
 
  private:
