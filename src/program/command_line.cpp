@@ -115,21 +115,13 @@ std::vector<std::string> all_sets(const Arguments& arguments) {
 
 // --seed and --duration set keys. An error message about such a key names the option that the user
 // typed. all_sets() ensures that no --set has the same key.
-template <typename Body>
-auto naming_options(const Arguments& arguments, Body&& body) {
-  try {
-    return std::forward<Body>(body)();
-  } catch (const std::invalid_argument& error) {
-    const std::string what = error.what();
-    for (const auto& [option, value, key] :
-         {std::tuple("--seed", &arguments.seed, "run.seed"),
-          std::tuple("--duration", &arguments.run.duration, "run.duration_s")}) {
-      const std::string as_set = std::string("--set: ") + key;
-      if (value->empty() || !what.starts_with(as_set + ":")) continue;
-      throw std::invalid_argument(option + what.substr(as_set.size()));
-    }
-    throw;
+std::string naming_options(const Arguments& arguments, const std::string& what) {
+  for (const auto& [option, value, key] :
+       {std::tuple("--seed", &arguments.seed, std::string("--set: run.seed")),
+        {"--duration", &arguments.run.duration, "--set: run.duration_s"}}) {
+    if (!value->empty() && what.starts_with(key + ":")) return option + what.substr(key.size());
   }
+  return what;
 }
 
 // Refuses a folder with other contents as the parent of the runs' folders.
@@ -370,8 +362,11 @@ int scenario_main(const Catalogue& catalogue, const std::string& scenario,
     const SharedModels shared([&](const std::string& model) { models.note(model); });
     stop_on_signals();
     const Call call = {catalogue, scenario, file, video_program, arguments, models};
-    return naming_options(arguments,
-                          [&] { return arguments.matrix ? run_matrix(call) : run_cases(call); });
+    try {
+      return arguments.matrix ? run_matrix(call) : run_cases(call);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(naming_options(arguments, error.what()));
+    }
   });
 }
 
