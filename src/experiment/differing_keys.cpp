@@ -99,14 +99,12 @@ std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs) {
 }
 
 std::vector<std::string> labels_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs) {
-  std::vector<std::string> cases;
-  std::vector<std::string> folders;
-  std::vector<std::string> paths;
+  std::vector<std::string> with_keys, folders, paths;
   std::map<std::string, std::vector<std::size_t>> of_case;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const SavedRun& run = runs[i];
     const fs::path folder = fs::absolute(run.folder()).lexically_normal();
-    cases.push_back(run.case_name());
+    with_keys.push_back(run.case_name());
     folders.push_back((folder.has_filename() ? folder : folder.parent_path()).filename().string());
     paths.push_back(run.folder().string());
     of_case[run.scenario() + "/" + run.case_name()].push_back(i);
@@ -114,7 +112,6 @@ std::vector<std::string> labels_of(const Catalogue& catalogue, const std::vector
   const auto are_distinct = [](const std::vector<std::string>& names) {
     return std::set<std::string>(names.begin(), names.end()).size() == names.size();
   };
-  std::vector<std::string> with_keys = cases;
   for (const auto& [name, numbers] : of_case) {
     if (numbers.size() < 2) {
       with_keys[numbers.front()] += parts_in_words(changed_keys(catalogue, runs[numbers.front()]));
