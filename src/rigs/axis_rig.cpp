@@ -118,10 +118,12 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
       if (has_motors_) simulation_->set_drive(actuator, one.drive.electric);
     }
     if (axes_[i].force) simulation_->add(*axes_[i].force);
-    if (axes_[i].friction) simulation_->add(*axes_[i].friction);
     if (axes_[i].transmission) simulation_->add(*axes_[i].transmission);
   }
   for (const Push& push : pushes_) simulation_->add(*push.force);
+  for (const DrivenAxis& axis : axes_) {
+    if (axis.friction) simulation_->add(*axis.friction);
+  }
   for (const Contact& contact : contacts_) simulation_->add(*contact.part);
   simulation_->set_position(qpos);
   simulation_->set_velocity(qvel);

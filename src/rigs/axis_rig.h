@@ -164,7 +164,7 @@ class AxisRig {
   };
 
   struct Contact {
-    std::unique_ptr<StagedForce> part;
+    std::unique_ptr<ExternalForce> part;
     const double* force_N;
     WallContact* wall;  // null: the contact is the engine's alone
   };

@@ -37,7 +37,7 @@ void place_wall(Model& model, const std::string& wall, double x_m);
 void tilt_wall(Model& model, const std::string& wall, double angle_rad);
 
 /// Two geoms that may touch by the engine's contact, which is measured in each step.
-class GeomContact final : public StagedForce {
+class GeomContact final : public ExternalForce {
  public:
   /// Throws std::invalid_argument if the model lacks one of them.
   GeomContact(const Model& model, const std::string& geom_1, const std::string& geom_2);
@@ -47,14 +47,13 @@ class GeomContact final : public StagedForce {
   /// The same of the last step.
   const double& force_N() const { return force_N_; }
 
-  void begin_step() override {}
-  void apply(double, const mjModel& model, mjData&) override { model_ = &model; }
-  void end_step(const mjData& data) override { force_N_ = force_N(*model_, data); }
+  void end_step(const mjModel& model, const mjData& data) override {
+    force_N_ = force_N(model, data);
+  }
 
  private:
   int geom_1_;
   int geom_2_;
-  const mjModel* model_ = nullptr;
   double force_N_ = 0.0;
 };
 

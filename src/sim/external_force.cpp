@@ -11,7 +11,7 @@ JointForce::JointForce(const Model& model, const std::string& joint)
       is_from_world_(model->body_parentid[body_] == 0 && model->body_jntnum[body_] == 1),
       part_(model->jnt_type[joint_] == mjJNT_HINGE ? 3 : 0) {}
 
-void JointForce::apply(double, const mjModel&, mjData& data) const {
+void JointForce::apply(double, const mjModel&, mjData& data) {
   if (!is_from_world_) {
     data.qfrc_applied[dof_] += force_;
     return;
@@ -27,7 +27,7 @@ BodyForce::BodyForce(const Model& model, const std::string& body, const Eigen::V
   if (!(along.norm() > 0.0)) throw std::invalid_argument("a force needs a direction");
 }
 
-void BodyForce::apply(double, const mjModel&, mjData& data) const {
+void BodyForce::apply(double, const mjModel&, mjData& data) {
   mjtNum* wrench = data.xfrc_applied + static_cast<std::ptrdiff_t>(6) * body_;
   for (int i = 0; i < 3; ++i) wrench[i] += force_N_ * along_(i);
 }

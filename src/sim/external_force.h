@@ -15,23 +15,15 @@ namespace breakwater {
 /// A force on bodies or joints that depends on time and state. The engine's control callback calls
 /// it at every stage of the integrator, with current position and velocity quantities. It adds
 /// to data.xfrc_applied (force and torque in the world frame, at the body's centre of mass) or to
-/// data.qfrc_applied (force along a joint). Both are zero at first. It must not throw, allocate or
-/// keep state.
+/// data.qfrc_applied (force along a joint). Both are zero at first. It must not allocate, and throw
+/// only RunFailure. A force with a state of its own integrates it by these stages.
 class ExternalForce : public Interface {
  public:
-  virtual void apply(double time_s, const mjModel& model, mjData& data) const = 0;
-};
-
-/// A force with a state of its own, which it integrates by the stages of the engine's integrator.
-/// Must not allocate.
-class StagedForce : public Interface {
- public:
   /// Called before the first stage of a physics step.
-  virtual void begin_step() = 0;
-  /// Called at each stage, like ExternalForce::apply(). May throw RunFailure.
-  virtual void apply(double time_s, const mjModel& model, mjData& data) = 0;
+  virtual void begin_step() {}
+  virtual void apply(double /*time_s*/, const mjModel& /*model*/, mjData& /*data*/) {}
   /// Called after the step, with the data of its last stage.
-  virtual void end_step(const mjData& data) = 0;
+  virtual void end_step(const mjModel& /*model*/, const mjData& /*data*/) {}
 };
 
 /// A force or torque along or about a joint's axis, between the joint's body and its parent. It is
@@ -44,7 +36,7 @@ class JointForce final : public ExternalForce {
   /// Sets the force [N], or the torque [N m] of a hinge.
   void hold(double force) { force_ = force; }
 
-  void apply(double time_s, const mjModel& model, mjData& data) const override;
+  void apply(double time_s, const mjModel& model, mjData& data) override;
 
  private:
   int joint_;
@@ -65,7 +57,7 @@ class BodyForce final : public ExternalForce {
   /// Sets the force [N].
   void hold(double force_N) { force_N_ = force_N; }
 
-  void apply(double time_s, const mjModel& model, mjData& data) const override;
+  void apply(double time_s, const mjModel& model, mjData& data) override;
 
  private:
   int body_;

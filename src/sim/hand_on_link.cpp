@@ -19,7 +19,7 @@ HandOnLink::HandOnLink(const Hand& hand, const Model& model, const PlanarChain& 
   }
 }
 
-void HandOnLink::apply(double time_s, const mjModel& model, mjData& data) const {
+void HandOnLink::apply(double time_s, const mjModel& model, mjData& data) {
   const double moment = moment_Nm(time_s, {data.qpos, static_cast<std::size_t>(model.nq)},
                                   {data.qvel, static_cast<std::size_t>(model.nv)});
   if (moment == 0.0) return;

@@ -19,7 +19,7 @@ class HandOnLink final : public ExternalForce {
   HandOnLink(const Hand& hand, const Model& model, const PlanarChain& chain,
              const Eigen::VectorXd& gripped_angles_rad, int link);
 
-  void apply(double time_s, const mjModel& model, mjData& data) const override;
+  void apply(double time_s, const mjModel& model, mjData& data) override;
 
   /// Rotation of the link since the grip [rad].
   double turned_rad(std::span<const double> qpos) const;

@@ -132,7 +132,7 @@ void JointFriction::bend(mjData& data, int row) {
   data.efc_R[row] = 1.0 / inertia;
 }
 
-void JointFriction::end_step(const mjData& data) {
+void JointFriction::end_step(const mjModel&, const mjData& data) {
   if (stage_ == 1) force_ = applied_ + data.efc_force[row_];
   if (!bristles_.is_on()) return;
   const double displacement = data.qpos[position_] - position_then_;

@@ -39,7 +39,7 @@ void set_coulomb_friction(Model& model, int joint, double coulomb);
 /// with z(u) of bend_after(). Where the joint may reverse within a step, a line through z⁺ = z
 /// takes its place, within the range of F. The term with q̈ is a constraint of the engine's solver,
 /// which also knows contacts and other joints. The force is stable for every σ₀ and step.
-class JointFriction final : public StagedForce {
+class JointFriction final : public ExternalForce {
  public:
   /// Gives the joint a friction constraint, as author_friction() does. The transmitted force of the
   /// law is that of the joint's actuators, and of the transmission whose load the
@@ -51,7 +51,7 @@ class JointFriction final : public StagedForce {
 
   void begin_step() override;
   void apply(double time_s, const mjModel& model, mjData& data) override;
-  void end_step(const mjData& data) override;
+  void end_step(const mjModel& model, const mjData& data) override;
 
   /// The force on the joint at the beginning of the last step [N or N m].
   const double& force() const { return force_; }

@@ -26,7 +26,7 @@ struct LinearModel {
 
 /// A force between joints that a model lacks.
 struct SpringOnJoint {
-  const ExternalForce* force;
+  ExternalForce* force;
   int joint;  ///< the joint that moves to load the spring at the pose
 };
 

@@ -133,7 +133,7 @@ void Simulation::control_callback(const mjModel*, mjData* data) {
 void Simulation::begin_step(const mjData& data) {
   std::copy_n(data.qpos, qpos_.size(), qpos_.begin());
   std::copy_n(data.qvel, qvel_.size(), qvel_.begin());
-  for (StagedForce* force : staged_) force->begin_step();
+  for (ExternalForce* force : forces_) force->begin_step();
   sampled_ = steps_ % steps_per_sample_ == 0;
   if (sampled_) sample(data);
   drive(data);
@@ -187,12 +187,11 @@ void Simulation::act(mjData& data) const {
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     if (drives_[i]) data.ctrl[i] = drives_[i]->force(data.actuator_length[i]);
   }
-  if (forces_.empty() && staged_.empty()) return;
+  if (forces_.empty()) return;
   std::fill_n(data.xfrc_applied, static_cast<std::ptrdiff_t>(6) * model_->nbody, 0.0);
   std::fill_n(data.qfrc_applied, model_->nv, 0.0);
   const double stage_time = time_s_ + (data.time - engine_time_at_step_s_);
-  for (const ExternalForce* force : forces_) force->apply(stage_time, *model_.get(), data);
-  for (StagedForce* force : staged_) force->apply(stage_time, *model_.get(), data);
+  for (ExternalForce* force : forces_) force->apply(stage_time, *model_.get(), data);
 }
 
 double Simulation::time_of(std::int64_t k) const {
@@ -222,7 +221,7 @@ void Simulation::step() {
   if (thrown_in_callback_) std::rethrow_exception(std::exchange(thrown_in_callback_, nullptr));
   if (!fatal.empty()) fail(fatal);
   check_engine(engine_time_at_step_s_);
-  for (StagedForce* force : staged_) force->end_step(data);
+  for (ExternalForce* force : forces_) force->end_step(*model_.get(), data);
   sensing_.after_step(data);
   ++steps_;
 }

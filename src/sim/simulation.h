@@ -53,8 +53,7 @@ class Simulation {
   void set_drive(int actuator, const ElectricDrive& drive);
 
   /// Adds an external force. It must outlive the simulation.
-  void add(const ExternalForce& force) { forces_.push_back(&force); }
-  void add(StagedForce& force) { staged_.push_back(&force); }
+  void add(ExternalForce& force) { forces_.push_back(&force); }
 
   /// Sets the plant at rest at `qpos`.
   void set_position(std::span<const double> qpos);
@@ -119,8 +118,7 @@ class Simulation {
   Controller& controller_;
   Sensing sensing_;
   int steps_per_sample_;
-  std::vector<const ExternalForce*> forces_;
-  std::vector<StagedForce*> staged_;
+  std::vector<ExternalForce*> forces_;
 
   std::int64_t steps_ = 0;
   double time_s_ = 0.0;

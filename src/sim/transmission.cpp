@@ -88,7 +88,7 @@ double Transmission::torque(const double* qpos, const double* qvel) const {
   return torque(qpos[motor_], qvel[motor_dof_], qpos[load_], qvel[load_dof_]);
 }
 
-void Transmission::apply(double, const mjModel&, mjData& data) const {
+void Transmission::apply(double, const mjModel&, mjData& data) {
   const double T = torque(data.qpos, data.qvel);
   data.qfrc_applied[load_dof_] += T;
   data.qfrc_applied[motor_dof_] -= T * slope(data.qpos[motor_]);

@@ -35,7 +35,7 @@ class Transmission final : public ExternalForce {
   /// inertias of the model's own pose. The message has the longest stable timestep.
   void check_stability(const Model& model) const;
 
-  void apply(double time_s, const mjModel& model, mjData& data) const override;
+  void apply(double time_s, const mjModel& model, mjData& data) override;
 
   /// φ and T in a state.
   double twist(double motor, double load) const;

@@ -81,7 +81,7 @@ void UnderwaterForce::advance(double time_s, const FreeMotion& motion) {
   angle_[1].update(math::atan2(force.x(), force.z()));
 }
 
-void UnderwaterForce::apply(double time_s, const mjModel&, mjData& data) const {
+void UnderwaterForce::apply(double time_s, const mjModel&, mjData& data) {
   const FreeMotion motion(data.qpos + qpos_, data.qvel + dof_);
   const AttitudeTrig attitude(motion.euler);
   Vector6d velocity;

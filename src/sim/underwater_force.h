@@ -69,7 +69,7 @@ class UnderwaterForce final : public ExternalForce {
                   QuadrotorPhysics physics, const WaveLoadSetup& waves,
                   const Eigen::Vector3d& start);
 
-  void apply(double time_s, const mjModel& model, mjData& data) const override;
+  void apply(double time_s, const mjModel& model, mjData& data) override;
 
   /// Force and torque of the waves and the current, in the world frame [N, N m].
   Vector6d wave_load(double time_s, const FreeMotion& motion) const;

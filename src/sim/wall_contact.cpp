@@ -235,7 +235,7 @@ void WallContact::check_stability(double time_s, const ContactSlopes& found) con
   throw RunFailure(time_s, limit_in_words(integrator_, timestep_s_, found));
 }
 
-void WallContact::end_step(const mjData& data) {
+void WallContact::end_step(const mjModel&, const mjData& data) {
   if (law_->for_engine() != nullptr) {
     impulse_Ns_ += timestep_s_ * weight(stages_, stages_ - 1) * engine_force_N(data);
     return;

@@ -33,7 +33,7 @@ struct ContactFriction {
 /// meets. If it is not stable, it throws RunFailure, which names the longest stable timestep. The
 /// friction is a damper of at most m/(h n). h is the timestep and n the number of contacts with
 /// friction. m is at least half of the smallest mass across the normal, and at most all of it.
-class WallContact final : public StagedForce {
+class WallContact final : public ExternalForce {
  public:
   /// Throws std::invalid_argument if the model has no such sphere, or no such plane of the world.
   WallContact(const Model& model, const std::string& sphere, const std::string& plane,
@@ -47,7 +47,7 @@ class WallContact final : public StagedForce {
 
   void begin_step() override;
   void apply(double time_s, const mjModel& model, mjData& data) override;
-  void end_step(const mjData& data) override;
+  void end_step(const mjModel& model, const mjData& data) override;
 
   /// Values at the beginning of the last step. The force is 0 if the law is the engine's. A
   /// negative penetration is a gap.

@@ -13,7 +13,7 @@ TEST(JointFriction, LoadOfATransmissionRubsByTheTorqueTransmitted) {
   for (const double torque_Nm : {0.0, 2.0}) {
     Model model = Model::load(testing::source_file("models/two_inertia.xml"));
     author_friction(model, model.id(mjOBJ_JOINT, "load"), 0.0, 0.1);
-    const Transmission transmission(model, "motor", "load", {.stiffness = 50.0});
+    Transmission transmission(model, "motor", "load", {.stiffness = 50.0});
     JointForce disturbance(model, "load");
     disturbance.hold(1.0);
     JointFriction friction(model, "load", std::make_unique<LoadDependentFriction>(0.1, 0.5),

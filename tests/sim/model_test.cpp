@@ -352,7 +352,7 @@ TEST_F(LinearModelTest, PendulumBehindASpring) {
       "<body><inertial pos='0 0 0.5' mass='0.3' diaginertia='0.02 0.02 0.02'/>"
       "<joint name='pole' type='hinge' axis='0 1 0'/></body>",
       "<motor joint='motor'/>");
-  const Transmission spring(drive, "motor", "pole", {.ratio = N, .stiffness = K, .damping = D});
+  Transmission spring(drive, "motor", "pole", {.ratio = N, .stiffness = K, .damping = D});
   const LinearModel linear =
       linearise(std::move(drive), std::vector<double>{N * angle, angle}, {1}, {0}, {{&spring, 0}});
   const double torque = -0.3 * 9.81 * 0.5 * std::sin(angle);

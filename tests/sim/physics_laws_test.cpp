@@ -55,7 +55,7 @@ TEST(PhysicsLaws, AFreeArmKeepsItsEnergyAndAngularMomentum) {
 class SpringAndWave final : public ExternalForce {
  public:
   static constexpr double kOmega = 5.0, kNu = 7.0;
-  void apply(double time_s, const mjModel&, mjData& data) const override {
+  void apply(double time_s, const mjModel&, mjData& data) override {
     data.qfrc_applied[0] += std::cos(kNu * time_s) - kOmega * kOmega * data.qpos[0];
   }
 };
@@ -93,7 +93,7 @@ double largest_error(Integrator integrator, int steps_per_sample) {
   FunctionController controller(
       [k = 0](const Sample&, Eigen::Ref<Eigen::VectorXd> u) mutable { u(0) = command(k++); });
   Simulation simulation(std::move(model), controller, {}, steps_per_sample);
-  const SpringAndWave force;
+  SpringAndWave force;
   simulation.add(force);
   ExactMotion exact;
   double largest = 0.0;

@@ -121,7 +121,7 @@ TEST(Simulation, SwitchesTheContactsOfOneGeom) {
 TEST(Simulation, ForcesActInTheSameStep) {
   class Wind final : public ExternalForce {
    public:
-    void apply(double time_s, const mjModel& model, mjData& data) const override {
+    void apply(double time_s, const mjModel& model, mjData& data) override {
       const int cart = mj_name2id(&model, mjOBJ_BODY, "cart");
       data.xfrc_applied[6 * cart] += time_s < 0.5 ? 3.0 : 0.0;
     }
@@ -132,7 +132,7 @@ TEST(Simulation, ForcesActInTheSameStep) {
   Model model = Model::load(testing::source_file("models/cart.xml"));
   model.get()->dof_damping[0] = 0.0;
   Simulation simulation(std::move(model), controller, sensing, 10);
-  const Wind wind;
+  Wind wind;
   simulation.add(wind);
   simulation.step();
   EXPECT_NEAR(simulation.data().qvel[0], 3.0 / 0.625 * 1e-3, 1e-15);

@@ -113,7 +113,7 @@ TEST(AddedRotor, MovesAsTheMotorOfTheModelFile) {
       SensingSetup setup;
       setup.channels = {{.name = "angle", .sensor = "load_pos"}};
       Simulation simulation(std::move(model), controller, setup, 1);
-      const Transmission transmission(simulation.model(), motor, "load", design);
+      Transmission transmission(simulation.model(), motor, "load", design);
       simulation.add(transmission);
       while (simulation.time_s() < 1.0) simulation.step();
       const auto q = simulation.qpos();
