@@ -169,6 +169,12 @@ std::string call_engine(void (*body)(void*), void* argument) {
   return state.error;
 }
 
+void check_engine(const std::string& file, const std::string& fatal) {
+  // All engine messages on a lack of memory contain these words.
+  if (fatal.find("ould not allocate") != std::string::npos) throw OutOfMemory(file + ": " + fatal);
+  if (!fatal.empty()) throw std::invalid_argument(file + ": " + fatal);
+}
+
 std::string engine_version() {
   return mj_versionString();
 }

@@ -42,6 +42,19 @@ std::string call_engine(Body body) {
   return call_engine([](void* argument) { (*static_cast<Body*>(argument))(); }, &body);
 }
 
+/// Throws OutOfMemory or std::invalid_argument `FILE: TEXT` for a text that call_engine() returned;
+/// empty: no error.
+void check_engine(const std::string& file, const std::string& fatal);
+
+/// What a function of the engine makes. Throws as check_engine(), also if it makes nothing.
+template <typename Make>
+auto made_by_engine(const std::string& file, Make make) {
+  decltype(make()) made = nullptr;
+  check_engine(file, call_engine([&] { made = make(); }));
+  if (made != nullptr) return made;
+  throw std::invalid_argument(file + ": the engine has no memory for a simulation");
+}
+
 /// The version of the engine, such as "2.2.2".
 std::string engine_version();
 

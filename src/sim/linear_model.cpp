@@ -16,8 +16,7 @@ Eigen::Map<Eigen::VectorXd> view_of(mjtNum* values, int count) {
 }
 
 void forward(const Model& model, mjData& data) {
-  const std::string fatal = call_engine([&] { mj_forward(model.get(), &data); });
-  if (!fatal.empty()) throw std::invalid_argument(model.file() + ": " + fatal);
+  check_engine(model.file(), call_engine([&] { mj_forward(model.get(), &data); }));
 }
 
 }  // namespace

@@ -520,12 +520,10 @@ class Conversion {
   // kv = 2 ζ √(kp m) with the inertia m at the reference pose, as in MuJoCo 3 (mj_setConst).
   void resolve_damping_ratios() {
     std::string reason;
-    mjModel* model = load_mjcf(file_, mjcf_text(root), reason);
+    const ModelPointer model = load_mjcf(file_, mjcf_text(root), reason);
     if (model == nullptr) return;  // the caller's own call gives the reason
-    const std::unique_ptr<mjModel, decltype(&mj_deleteModel)> owner(model, mj_deleteModel);
-    mjData* data = mj_makeData(model);
-    const std::unique_ptr<mjData, decltype(&mj_deleteData)> data_owner(data, mj_deleteData);
-    call_engine([&] { mj_forward(model, data); });
+    const DataPointer data(mj_makeData(model.get()));
+    call_engine([&] { mj_forward(model.get(), data.get()); });
     int i = 0;
     for_each_actuator([&](MjcfElement& actuator) {
       const double gain = model->actuator_gainprm[mjNGAIN * i];
@@ -613,9 +611,9 @@ std::vector<std::string> conversion_warnings(const std::string& file) {
   return {file + ": converted from MuJoCo 3; " + line};
 }
 
-mjModel* load_mjcf(const std::string& file, const std::string& text, std::string& reason) {
+ModelPointer load_mjcf(const std::string& file, const std::string& text, std::string& reason) {
   char error[1000] = "";
-  mjModel* model = nullptr;
+  ModelPointer model;
   std::unique_ptr<mjVFS> files;  // 2 MB
   if (!text.empty()) {
     files = std::make_unique<mjVFS>();
@@ -627,8 +625,8 @@ mjModel* load_mjcf(const std::string& file, const std::string& text, std::string
     // The engine's XML reader changes the locale of the process, so it must not run twice at once.
     static std::mutex loading;
     const std::lock_guard lock(loading);
-    reason =
-        call_engine([&] { model = mj_loadXML(file.c_str(), files.get(), error, sizeof(error)); });
+    reason = call_engine(
+        [&] { model.reset(mj_loadXML(file.c_str(), files.get(), error, sizeof(error))); });
   }
   if (files) mj_deleteVFS(files.get());
   if (model == nullptr && reason.empty()) reason = error;

@@ -1,13 +1,12 @@
 // Model files of MuJoCo 3 for the engine, which is MuJoCo 2.2.
 #pragma once
 
-#include <mujoco/mujoco.h>
-
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include <breakwater/plants/mjcf_tree.h>
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 
@@ -30,9 +29,9 @@ ConvertedMjcf convert_mjcf(const std::string& file, std::uint64_t most_elements)
 /// One line `FILE: …` that names the changes; none if there are none, or for another kind of file.
 std::vector<std::string> conversion_warnings(const std::string& file);
 
-/// The engine's model of a file, or of a text in place of the file, for mj_deleteModel(). If the
-/// engine cannot make it, returns null and sets `reason`.
-mjModel* load_mjcf(const std::string& file, const std::string& text, std::string& reason);
+/// The engine's model of a file, or of a text in place of the file. If the engine cannot make it,
+/// returns null and sets `reason`.
+ModelPointer load_mjcf(const std::string& file, const std::string& text, std::string& reason);
 
 /// Makes the engine add the forces that a model of convert_mjcf() asks for, in this process.
 void add_missing_forces(const mjModel& model);

@@ -27,8 +27,8 @@ namespace {
 constexpr double kLargestMass_kg = 1e9;
 constexpr double kLargestSize_m = 1e6;
 
-// Rewrites an engine message, which spans lines and ends in "…, line 12, column 3".
-std::string located(const std::string& file, std::string message) {
+// The file with the line of an engine message, which ends in "…, line 12, column 3".
+std::string located(const std::string& file, const std::string& message) {
   std::string line;
   for (const char* words : {"ine ", "ine=", "ine number ", "ine number="}) {
     const std::size_t at = message.find(words);
@@ -38,8 +38,7 @@ std::string located(const std::string& file, std::string message) {
     const std::string number = message.substr(digits, end - digits);
     if (!number.empty() && number != "0") line = ":" + number;
   }
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  return file + line + ": " + message;
+  return file + line;
 }
 
 std::string name_of(const mjModel& m, mjtObj kind, int id) {
@@ -47,20 +46,8 @@ std::string name_of(const mjModel& m, mjtObj kind, int id) {
   return name != nullptr ? "\"" + std::string(name) + "\"" : "number " + std::to_string(id);
 }
 
-// All engine messages on a lack of memory contain these words.
-void check_memory(const std::string& file, const std::string& fatal) {
-  if (fatal.find("ould not allocate") != std::string::npos) throw OutOfMemory(file + ": " + fatal);
-}
-
 [[noreturn]] void refuse(const std::string& file, const std::string& what) {
   throw std::invalid_argument(file + ": " + what);
-}
-
-// Uses the engine's message, if there is one.
-[[noreturn]] void refuse_for_engine(const std::string& file, const std::string& fatal,
-                                    const std::string& otherwise) {
-  check_memory(file, fatal);
-  refuse(file, fatal.empty() ? otherwise : fatal);
 }
 
 int id_of(const mjModel& m, const std::string& file, mjtObj kind, const std::string& name) {
@@ -147,9 +134,8 @@ std::shared_ptr<const mjModel> find_shared(const Shared::Key& key) {
   return found == shared().models.end() ? nullptr : found->second;
 }
 
-std::shared_ptr<const mjModel> share(const Shared::Key& key, mjModel* model) {
-  std::shared_ptr<const mjModel> kept(
-      model, [](const mjModel* m) { mj_deleteModel(const_cast<mjModel*>(m)); });
+std::shared_ptr<const mjModel> share(const Shared::Key& key, ModelPointer model) {
+  std::shared_ptr<const mjModel> kept(std::move(model));
   const std::lock_guard lock(shared().mutex);
   shared().models.emplace(key, kept);
   return kept;
@@ -161,34 +147,25 @@ Model Model::compile(const ModelFile& mjcf) {
   const std::string& mjcf_file = mjcf.path;
   check_mjcf(mjcf_file, mjcf.most_elements);
   std::string fatal;
-  std::unique_ptr<mjModel, decltype(&mj_deleteModel)> loaded(load_mjcf(mjcf_file, "", fatal),
-                                                             &mj_deleteModel);
+  ModelPointer loaded = load_mjcf(mjcf_file, "", fatal);
   bool is_converted = false;
   if (loaded == nullptr || has_gap_outside(*loaded)) {
     const ConvertedMjcf converted = convert_mjcf(mjcf_file, mjcf.most_elements);
     is_converted = !converted.changes.empty();
-    if (is_converted) loaded.reset(load_mjcf(mjcf_file, mjcf_text(converted.root), fatal));
+    if (is_converted) loaded = load_mjcf(mjcf_file, mjcf_text(converted.root), fatal);
   }
   if (loaded == nullptr) {
-    check_memory(mjcf_file, fatal);
+    std::replace(fatal.begin(), fatal.end(), '\n', ' ');
     // The engine counts the lines of the text that it was given.
-    throw std::invalid_argument(
-        located(is_converted ? mjcf_file + " (converted)" : mjcf_file, fatal));
+    check_engine(located(is_converted ? mjcf_file + " (converted)" : mjcf_file, fatal), fatal);
   }
   add_missing_forces(*loaded);
 
-  Model model(loaded.release(), mjcf_file);
+  Model model(std::move(loaded), mjcf_file);
   check_timestep(model->opt.timestep, mjcf_file);
   check_bodies(*model.get(), mjcf_file);
   check_geoms(*model.get(), mjcf_file);
   return model;
-}
-
-Model Model::copy(const mjModel& model, const std::string& file) {
-  mjModel* copy = nullptr;
-  const std::string fatal = call_engine([&] { copy = mj_copyModel(nullptr, &model); });
-  if (copy == nullptr) refuse_for_engine(file, fatal, "cannot be copied");
-  return {copy, file};
 }
 
 Model Model::physics(const mjModel& full, const std::string& file,
@@ -198,27 +175,22 @@ Model Model::physics(const mjModel& full, const std::string& file,
     const int id = mj_name2id(&full, mjOBJ_GEOM, name.c_str());
     if (id >= 0) ids.push_back(id);
   }
-  std::string fatal;
-  mjModel* part = physics_part(full, ids, fatal);
-  if (part == nullptr) refuse_for_engine(file, fatal, "cannot be copied");
-  return {part, file};
+  return {physics_part(full, ids, file), file};
 }
 
 Model Model::load(const ModelFile& mjcf) {
   if (owners().empty()) return compile(mjcf);
-  return copy(*shared_model(mjcf), mjcf.path);
+  return {copy_of(*shared_model(mjcf), mjcf.path), mjcf.path};
 }
 
 Model Model::load_physics(const ModelFile& mjcf, const std::vector<std::string>& geoms) {
   if (WholeModels::are_wanted()) return load(mjcf);
   if (owners().empty()) return physics(*compile(mjcf).get(), mjcf.path, geoms);
   const Shared::Key key(mjcf.path, geoms);
-  if (const auto part = find_shared(key)) return copy(*part, mjcf.path);
+  if (const auto part = find_shared(key)) return {copy_of(*part, mjcf.path), mjcf.path};
   const auto full = shared_model(mjcf);
   Model part = physics(*full, mjcf.path, geoms);
-  Model own = copy(*part.get(), mjcf.path);
-  share(key, part.model_.release());
-  return own;
+  return {copy_of(*share(key, std::move(part.model_)), mjcf.path), mjcf.path};
 }
 
 // The model of the whole file.
@@ -231,7 +203,7 @@ std::shared_ptr<const mjModel> Model::shared_model(const ModelFile& mjcf) {
   for (const SharedModels* owner : owners()) {
     if (owner->before_compiling_) owner->before_compiling_(mjcf.path);
   }
-  return share(key, compile(mjcf).model_.release());
+  return share(key, compile(mjcf).model_);
 }
 
 SharedModels::SharedModels(std::function<void(const std::string&)> before_compiling)
@@ -282,12 +254,7 @@ std::vector<int> Model::geoms_named(const std::string& prefix) const {
 }
 
 DataPointer Model::make_data() const {
-  mjData* data = nullptr;
-  const std::string fatal = call_engine([&] { data = mj_makeData(model_.get()); });
-  if (data == nullptr) {
-    refuse_for_engine(file_, fatal, "the engine has no memory for a simulation");
-  }
-  return DataPointer(data);
+  return DataPointer(made_by_engine(file_, [&] { return mj_makeData(model_.get()); }));
 }
 
 void Model::set_physics(double timestep_s, Integrator integrator) {
@@ -335,26 +302,22 @@ void Model::add_rotor(int actuator, int joint, double ratio, double inertia,
   if (!(std::isfinite(inertia) && inertia > 0.0)) {
     refuse(file_, "the inertia of a rotor must be positive and finite");
   }
-  std::string fatal;
-  mjModel* made = with_rotor(*model_, joint, ratio, inertia, name, fatal);
-  if (made == nullptr) refuse_for_engine(file_, fatal, "cannot be copied");
-  model_.reset(made);
-  made->actuator_trnid[static_cast<std::ptrdiff_t>(2) * actuator] = id(mjOBJ_JOINT, name);
+  model_ = with_rotor(*model_, joint, ratio, inertia, name, file_);
+  model_->actuator_trnid[static_cast<std::ptrdiff_t>(2) * actuator] = id(mjOBJ_JOINT, name);
   derive_constants();
 }
 
 // The constants that the engine derives from mass and inertia.
 void Model::derive_constants() {
   const DataPointer data = make_data();
-  const std::string fatal = call_engine([&] { mj_setConst(model_.get(), data.get()); });
-  if (!fatal.empty()) refuse_for_engine(file_, fatal, "");
+  check_engine(file_, call_engine([&] { mj_setConst(model_.get(), data.get()); }));
 }
 
 void Model::list_contacts() {
   if (lists_contacts_ || WholeModels::are_wanted()) return;
-  mjModel* listed = with_contact_pairs(*model_);
+  ModelPointer listed = with_contact_pairs(*model_, file_);
   if (listed == nullptr) return;
-  model_.reset(listed);
+  model_ = std::move(listed);
   lists_contacts_ = true;
 }
 

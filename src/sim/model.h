@@ -19,6 +19,11 @@ struct DeleteData {
 };
 using DataPointer = std::unique_ptr<mjData, DeleteData>;
 
+struct DeleteModel {
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+};
+using ModelPointer = std::unique_ptr<mjModel, DeleteModel>;
+
 /// An MJCF file and the largest size of its model. The engine's compiler is slow with very many
 /// elements and cannot be stopped.
 struct ModelFile {
@@ -133,21 +138,16 @@ class Model {
   void limit_actuator(int actuator, double limit);
 
  private:
-  struct Delete {
-    void operator()(mjModel* model) const { mj_deleteModel(model); }
-  };
-
   static Model compile(const ModelFile& mjcf);
   static std::shared_ptr<const mjModel> shared_model(const ModelFile& mjcf);
-  static Model copy(const mjModel& model, const std::string& file);
   static Model physics(const mjModel& full, const std::string& file,
                        const std::vector<std::string>& geoms);
 
   void derive_constants();
 
-  Model(mjModel* model, std::string file) : model_(model), file_(std::move(file)) {}
+  Model(ModelPointer model, std::string file) : model_(std::move(model)), file_(std::move(file)) {}
 
-  std::unique_ptr<mjModel, Delete> model_;
+  ModelPointer model_;
   std::string file_;
   bool lists_contacts_ = false;
 };

@@ -86,10 +86,8 @@ ModelDraft::ModelDraft(const mjModel& compiled, const mjModel& sizes, const std:
 #undef X
 }
 
-mjModel* ModelDraft::make(std::string& fatal) const {
-  mjModel* made = nullptr;
-  fatal = call_engine([&] { made = mj_copyModel(nullptr, &model_); });
-  return made;
+ModelPointer copy_of(const mjModel& model, const std::string& file) {
+  return ModelPointer(made_by_engine(file, [&] { return mj_copyModel(nullptr, &model); }));
 }
 
 std::vector<int> all_geoms(const mjModel& model) {
@@ -98,8 +96,8 @@ std::vector<int> all_geoms(const mjModel& model) {
   return geoms;
 }
 
-mjModel* with_rotor(const mjModel& model, int load, double ratio, double inertia,
-                    const std::string& name, std::string& fatal) {
+ModelPointer with_rotor(const mjModel& model, int load, double ratio, double inertia,
+                        const std::string& name, const std::string& file) {
   ModelDraft draft(model, sizes_of(model, name), all_geoms(model));
   mjModel& m = *draft;
   const int body = model.nbody, joint = model.njnt, position = model.nq, dof = model.nv;
@@ -137,7 +135,7 @@ mjModel* with_rotor(const mjModel& model, int load, double ratio, double inertia
 
   copy_keys(model.key_qpos, m.key_qpos, m.nkey, model.nq, load_position, ratio);
   copy_keys(model.key_qvel, m.key_qvel, m.nkey, model.nv, load_dof, ratio);
-  return draft.make(fatal);
+  return draft.make(file);
 }
 
 }  // namespace breakwater

@@ -7,7 +7,12 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/sim/model.h>
+
 namespace breakwater {
+
+/// A copy of a compiled model. Throws as made_by_engine() does.
+ModelPointer copy_of(const mjModel& model, const std::string& file);
 
 /// The engine can compile and copy a model, but not resize it. Its copy function reads a struct of
 /// sizes and arrays, in the order of mjxmacro.h. A draft is such a struct.
@@ -24,9 +29,8 @@ class ModelDraft {
   mjModel* operator->() { return &model_; }
   mjModel& operator*() { return model_; }
 
-  /// The engine's model of the draft, for mj_deleteModel(). If the engine cannot make it, returns
-  /// null and sets `fatal` to the reason.
-  mjModel* make(std::string& fatal) const;
+  /// The engine's model of the draft. Throws as made_by_engine() does.
+  ModelPointer make(const std::string& file) const { return copy_of(model_, file); }
 
  private:
   mjModel model_;
@@ -44,13 +48,12 @@ std::vector<int> all_geoms(const mjModel& model);
 /// A copy of the model with one more body in the world, behind all others, with one joint of the
 /// kind of `load`. Body and joint have the name `name`. The joint has an inertia and no mass, so
 /// that gravity does not act on it. In the pose of the model and in each keyframe it is at `ratio`
-/// times the load's position. For mj_deleteModel().
+/// times the load's position. Throws as made_by_engine() does.
 ///
 /// The rotor does not move with the link that carries its motor. Its motion relative to this link
 /// thus counts as its motion in the world (Spong, ASME J. Dyn. Syst. Meas. Control 109, 1987):
-/// rotor and load are coupled by the transmission alone. The derived constants are not set. If the
-/// engine cannot make the model, returns null and sets `fatal` to the reason.
-mjModel* with_rotor(const mjModel& model, int load, double ratio, double inertia,
-                    const std::string& name, std::string& fatal);
+/// rotor and load are coupled by the transmission alone. The derived constants are not set.
+ModelPointer with_rotor(const mjModel& model, int load, double ratio, double inertia,
+                        const std::string& name, const std::string& file);
 
 }  // namespace breakwater

@@ -257,17 +257,18 @@ bool WholeModels::are_wanted() {
   return whole_models > 0;
 }
 
-mjModel* physics_part(const mjModel& full, const std::vector<int>& geoms, std::string& fatal) {
+ModelPointer physics_part(const mjModel& full, const std::vector<int>& geoms,
+                          const std::string& file) {
   const Collisions collisions(full, geoms);
   const Kept kept = what_stays(full, geoms, collisions);
   mjModel sizes = full;
   set_sizes(sizes, kept, collisions.most_contacts());
   ModelDraft part(full, sizes, kept.geoms);
   renumber(*part, full, kept);
-  return part.make(fatal);
+  return part.make(file);
 }
 
-mjModel* with_contact_pairs(const mjModel& model) {
+ModelPointer with_contact_pairs(const mjModel& model, const std::string& file) {
   const bool is_plain = model.npair == 0 && model.nexclude == 0 &&
                         model.opt.collision == mjCOL_ALL &&
                         (model.opt.enableflags & mjENBL_OVERRIDE) == 0;
@@ -282,8 +283,7 @@ mjModel* with_contact_pairs(const mjModel& model) {
   ModelDraft draft(model, sizes, all_geoms(model));
   for (int i = 0; i < draft->npair; ++i) write_pair(*draft, i, pairs[static_cast<std::size_t>(i)]);
   switch_contact_pairs(*draft);
-  std::string fatal;
-  return draft.make(fatal);  // null if there is not enough memory
+  return draft.make(file);
 }
 
 void switch_contact_pairs(mjModel& m) {

@@ -188,8 +188,8 @@ std::string tumbling(const std::string& ball) {
       </body></worldbody></mujoco>)";
 }
 
-mjModel* listed(const Model& model) {
-  return with_contact_pairs(*model.get());
+ModelPointer listed(const Model& model) {
+  return with_contact_pairs(*model.get(), model.file());
 }
 
 TEST(ContactPairs, EqualTheSearchedContactsToTheBit) {
