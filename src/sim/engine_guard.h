@@ -46,7 +46,7 @@ std::string call_engine(Body body) {
 /// empty: no error.
 void check_engine(const std::string& file, const std::string& fatal);
 
-/// What a function of the engine makes. Throws as check_engine(), also if it makes nothing.
+/// Returns what a function of the engine makes. Throws as check_engine(), also if it is nothing.
 template <typename Make>
 auto made_by_engine(const std::string& file, Make make) {
   decltype(make()) made = nullptr;

@@ -184,7 +184,7 @@ Model Model::load(const ModelFile& mjcf) {
 }
 
 Model Model::load_physics(const ModelFile& mjcf, const std::vector<std::string>& geoms) {
-  if (WholeModels::are_wanted()) return load(mjcf);
+  if (models_stay_whole) return load(mjcf);
   if (owners().empty()) return physics(*compile(mjcf).get(), mjcf.path, geoms);
   const Shared::Key key(mjcf.path, geoms);
   if (const auto part = find_shared(key)) return {copy_of(*part, mjcf.path), mjcf.path};
@@ -314,7 +314,7 @@ void Model::derive_constants() {
 }
 
 void Model::list_contacts() {
-  if (lists_contacts_ || WholeModels::are_wanted()) return;
+  if (lists_contacts_ || models_stay_whole) return;
   ModelPointer listed = with_contact_pairs(*model_, file_);
   if (listed == nullptr) return;
   model_ = std::move(listed);

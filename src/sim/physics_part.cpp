@@ -1,7 +1,6 @@
 #include <breakwater/sim/physics_part.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -188,8 +187,6 @@ void renumber(mjModel& m, const mjModel& full, const Kept& kept) {
   std::fill_n(m.tendon_matid, m.ntendon, -1);
 }
 
-std::atomic<int> whole_models = 0;
-
 using Pair = std::pair<int, int>;
 
 constexpr std::size_t kMostPairs = 4;
@@ -244,18 +241,6 @@ void write_pair(mjModel& m, int row, const Pair& pair) {
 }
 
 }  // namespace
-
-WholeModels::WholeModels() {
-  ++whole_models;
-}
-
-WholeModels::~WholeModels() {
-  --whole_models;
-}
-
-bool WholeModels::are_wanted() {
-  return whole_models > 0;
-}
 
 ModelPointer physics_part(const mjModel& full, const std::vector<int>& geoms,
                           const std::string& file) {

@@ -1,6 +1,7 @@
 // Smaller and faster forms of a model, with the same motion.
 #pragma once
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -17,17 +18,9 @@ namespace breakwater {
 ModelPointer physics_part(const mjModel& full, const std::vector<int>& geoms,
                           const std::string& file);
 
-/// During its lifetime, models in this process stay whole and the engine searches for contacts. A
-/// test uses it to show that neither optimisation changes a bit of a run.
-class WholeModels {
- public:
-  WholeModels();
-  ~WholeModels();
-  WholeModels(const WholeModels&) = delete;
-  WholeModels& operator=(const WholeModels&) = delete;
-
-  static bool are_wanted();
-};
+/// Models in this process stay whole and the engine searches for contacts. A test uses it to show
+/// that neither optimisation changes a bit of a run.
+inline std::atomic<bool> models_stay_whole = false;
 
 /// A copy of the model with a <pair> for each two geoms that can touch, or null. The contacts have
 /// the same bits, without the engine's search among bodies: a tenth of a step in a model with one
