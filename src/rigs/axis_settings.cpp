@@ -498,8 +498,7 @@ void AxisPlant::check_contacts(const Model& model, const Config& config) const {
       if (rest.starts_with("geom_") || rest.starts_with("wall.")) continue;
       config.fail(key, "needs " + one.prefix() + "law");
     }
-    const bool may_touch = (model->geom_contype[first] & model->geom_conaffinity[second]) != 0 ||
-                           (model->geom_contype[second] & model->geom_conaffinity[first]) != 0;
+    const bool may_touch = bits_match(*model.get(), first, second);
     if (one.begins_solid() && one.is_of_engine() && !may_touch && model->npair == 0) {
       own.fail("geom_2", fmt::format("contype and conaffinity let \"{}\" and \"{}\" not touch; a "
                                      "law that is a force, kelvin_voigt_clipped, needs neither",

@@ -342,9 +342,7 @@ void Model::separate(int geom, int plane) {
   // The plane then touches the geoms with this bit alone: all that it could touch but the one.
   const int bit = static_cast<int>(1U << static_cast<unsigned>(std::countr_one(taken)));
   for (int i = 0; i < m.ngeom; ++i) {
-    const bool touches = (m.geom_contype[i] & m.geom_conaffinity[plane]) != 0 ||
-                         (m.geom_contype[plane] & m.geom_conaffinity[i]) != 0;
-    if (touches && i != geom && i != plane) m.geom_contype[i] |= bit;
+    if (bits_match(m, i, plane) && i != geom && i != plane) m.geom_contype[i] |= bit;
   }
   m.geom_contype[plane] = 0;
   m.geom_conaffinity[plane] = bit;

@@ -24,6 +24,12 @@ struct DeleteModel {
 };
 using ModelPointer = std::unique_ptr<mjModel, DeleteModel>;
 
+/// Whether contype and conaffinity let two geoms collide.
+inline bool bits_match(const mjModel& m, int a, int b) {
+  return (m.geom_contype[a] & m.geom_conaffinity[b]) != 0 ||
+         (m.geom_contype[b] & m.geom_conaffinity[a]) != 0;
+}
+
 /// An MJCF file and the largest size of its model. The engine's compiler is slow with very many
 /// elements and cannot be stopped.
 struct ModelFile {

@@ -14,9 +14,7 @@ namespace {
 // The parts of the model that stay.
 struct Kept {
   std::vector<int> geoms;  // in increasing order
-  bool cameras = false;
-  bool lights = false;
-  bool looks = false;  // textures, materials, skins
+  bool looks = false;      // cameras, lights, textures, materials, skins
   bool meshes = false;
   bool height_fields = false;
 };
@@ -38,20 +36,20 @@ void for_each_named(const mjModel& m, Visit visit) {
 // The pairs of geoms that can collide. The kept `geoms` match every geom that can touch something.
 class Collisions {
  public:
-  Collisions(const mjModel& m, const std::vector<int>& geoms) : m_(m) {
-    for (int i = 0; i < m.ngeom; ++i) {
-      contype_.push_back(m.geom_contype[i]);
-      conaffinity_.push_back(m.geom_conaffinity[i]);
-    }
+  Collisions(const mjModel& m, const std::vector<int>& geoms)
+      : m_(m),
+        contype_(m.geom_contype, m.geom_contype + m.ngeom),
+        conaffinity_(m.geom_conaffinity, m.geom_conaffinity + m.ngeom) {
+    m_.geom_contype = contype_.data();
+    m_.geom_conaffinity = conaffinity_.data();
     // All bits are set, because the run may make them collide with anything.
-    for (const int geom : geoms) contype_[at(geom)] = conaffinity_[at(geom)] = ~0;
+    for (const int geom : geoms) m_.geom_contype[geom] = m_.geom_conaffinity[geom] = ~0;
   }
 
   // Geoms that are welded together never touch.
   bool can_touch(int a, int b) const {
-    const bool match = (contype_[at(a)] & conaffinity_[at(b)]) != 0 ||
-                       (contype_[at(b)] & conaffinity_[at(a)]) != 0;
-    return match && m_.body_weldid[m_.geom_bodyid[a]] != m_.body_weldid[m_.geom_bodyid[b]];
+    return bits_match(m_, a, b) &&
+           m_.body_weldid[m_.geom_bodyid[a]] != m_.body_weldid[m_.geom_bodyid[b]];
   }
   bool can_touch_any(int geom) const {
     for (int other = 0; other < m_.ngeom; ++other) {
@@ -74,8 +72,6 @@ class Collisions {
   }
 
  private:
-  static std::size_t at(int geom) { return static_cast<std::size_t>(geom); }
-
   // A sphere touches a plane or a sphere at one point. MuJoCo 2.2.2 may find a pair twice.
   std::size_t most_of_pair(int a, int b) const {
     const auto is_simple = [this](int sphere, int other) {
@@ -86,7 +82,7 @@ class Collisions {
     return 2 * (is_simple(a, b) || is_simple(b, a) ? 1 : mjMAXCONPAIR);
   }
 
-  const mjModel& m_;
+  mjModel m_;
   std::vector<int> contype_;
   std::vector<int> conaffinity_;
 };
@@ -99,9 +95,8 @@ Kept what_stays(const mjModel& m, const std::vector<int>& geoms, const Collision
   for_each_named(m, [&](int type, int id) {
     if (id < 0) return;
     if (type == mjOBJ_GEOM) keep(id);
-    kept.cameras |= type == mjOBJ_CAMERA;
-    kept.lights |= type == mjOBJ_LIGHT;
-    kept.looks |= type == mjOBJ_TEXTURE || type == mjOBJ_MATERIAL || type == mjOBJ_SKIN;
+    kept.looks |= type == mjOBJ_CAMERA || type == mjOBJ_LIGHT || type == mjOBJ_TEXTURE ||
+                  type == mjOBJ_MATERIAL || type == mjOBJ_SKIN;
     kept.meshes |= type == mjOBJ_MESH;
     kept.height_fields |= type == mjOBJ_HFIELD;
   });
@@ -132,11 +127,9 @@ Kept what_stays(const mjModel& m, const std::vector<int>& geoms, const Collision
 void set_sizes(mjModel& m, const Kept& kept, std::size_t most_contacts) {
   m.ngeom = static_cast<int>(kept.geoms.size());
   const auto drop = [](auto&... sizes) { ((sizes = 0), ...); };
-  if (!kept.cameras) drop(m.ncam);
-  if (!kept.lights) drop(m.nlight);
   if (!kept.looks) {
-    drop(m.ntex, m.ntexdata, m.nmat, m.nskin, m.nskinvert, m.nskintexvert, m.nskinface, m.nskinbone,
-         m.nskinbonevert);
+    drop(m.ncam, m.nlight, m.ntex, m.ntexdata, m.nmat, m.nskin, m.nskinvert, m.nskintexvert,
+         m.nskinface, m.nskinbone, m.nskinbonevert);
   }
   if (!kept.meshes) drop(m.nmesh, m.nmeshvert, m.nmeshtexvert, m.nmeshface, m.nmeshgraph);
   if (!kept.height_fields) drop(m.nhfield, m.nhfielddata);
@@ -273,11 +266,7 @@ ModelPointer with_contact_pairs(const mjModel& model, const std::string& file) {
 
 void switch_contact_pairs(mjModel& m) {
   for (int i = 0; i < m.npair; ++i) {
-    const int a = m.pair_geom1[i];
-    const int b = m.pair_geom2[i];
-    const bool match = (m.geom_contype[a] & m.geom_conaffinity[b]) != 0 ||
-                       (m.geom_contype[b] & m.geom_conaffinity[a]) != 0;
-    m.pair_margin[i] = match ? 0.0 : kNever;
+    m.pair_margin[i] = bits_match(m, m.pair_geom1[i], m.pair_geom2[i]) ? 0.0 : kNever;
   }
 }
 
