@@ -1,12 +1,7 @@
 #include <breakwater/plants/mjcf_tree.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <set>
-#include <stdexcept>
-
-#include <breakwater/plants/xml_file.h>
 
 namespace breakwater {
 namespace {
@@ -40,45 +35,6 @@ void append(const MjcfElement& element, int depth, std::string& text) {
 }
 
 }  // namespace
-
-const std::string* MjcfElement::find(std::string_view attribute) const {
-  for (const auto& [own, value] : attributes) {
-    if (own == attribute) return &value;
-  }
-  return nullptr;
-}
-
-std::string MjcfElement::text(std::string_view attribute, const std::string& otherwise) const {
-  const std::string* value = find(attribute);
-  return value != nullptr ? *value : otherwise;
-}
-
-void MjcfElement::set(const std::string& attribute, const std::string& value) {
-  for (auto& [own, old] : attributes) {
-    if (own != attribute) continue;
-    old = value;
-    return;
-  }
-  attributes.emplace_back(attribute, value);
-}
-
-void MjcfElement::set(const std::string& attribute, std::span<const double> numbers) {
-  std::string value;
-  for (const double number : numbers) {
-    std::array<char, 32> digits;
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
-    value.append(value.empty() ? "" : " ").append(digits.data(), end);
-  }
-  set(attribute, value);
-}
-
-void MjcfElement::erase(std::string_view attribute) {
-  std::erase_if(attributes, [&](const auto& own) { return own.first == attribute; });
-}
-
-void MjcfElement::fail(const std::string& what) const {
-  throw std::invalid_argument(place + ": <" + name + ">: " + what);
-}
 
 void MjcfChanges::add(MjcfChange::Loss loss, const std::string& what, const std::string& place) {
   for (MjcfChange& change : all_) {

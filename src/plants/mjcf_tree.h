@@ -6,31 +6,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include <breakwater/plants/xml_file.h>
+
 namespace breakwater {
 
-struct MjcfElement {
-  std::string name;
-  std::string place;  ///< FILE:LINE
-  std::vector<std::pair<std::string, std::string>> attributes;
-  std::vector<MjcfElement> children;
-
-  /// The value of an attribute; null if the element does not have it.
-  const std::string* find(std::string_view attribute) const;
-  bool has(std::string_view attribute) const { return find(attribute) != nullptr; }
-  std::string text(std::string_view attribute, const std::string& otherwise = "") const;
-  void set(const std::string& attribute, const std::string& value);
-  void set(const std::string& attribute, std::span<const double> numbers);
-  void erase(std::string_view attribute);
-
-  /// Throws std::invalid_argument `FILE:LINE: <NAME>: WHAT`.
-  [[noreturn]] void fail(const std::string& what) const;
-};
+using MjcfElement = XmlElement;
 
 /// A change by a conversion, once for all its places.
 struct MjcfChange {

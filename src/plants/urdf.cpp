@@ -1,11 +1,10 @@
 // Reads a planar chain from URDF.
-#include <tinyxml2.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <optional>
+#include <stdexcept>
 #include <tuple>
 
 #include <breakwater/math/functions.h>
@@ -16,40 +15,32 @@ namespace breakwater {
 namespace {
 
 using Eigen::Vector3d;
-using tinyxml2::XMLElement;
 
 constexpr double kAngleTolerance = 1e-9;
 constexpr double kInertiaTolerance = 1e-6;  // numbers of a file are rounded
 
-// The attribute of an element's part, or of the element itself; empty if it is missing.
-std::string text_of(const XMLElement& element, const char* part, const char* attribute) {
-  const XMLElement* e = part[0] != '\0' ? element.FirstChildElement(part) : &element;
-  const char* text = e != nullptr ? e->Attribute(attribute) : nullptr;
-  return text != nullptr ? text : "";
+// The link of a joint's part; empty if it is missing.
+std::string link_of(const XmlElement& joint, std::string_view part) {
+  const XmlElement* e = joint.child(part);
+  return e != nullptr ? e->text("link") : "";
 }
 
-std::string name_of(const XMLElement& element) {
-  return text_of(element, "", "name");
-}
-
-bool turns(const XMLElement& joint) {
-  const std::string type = text_of(joint, "", "type");
+bool turns(const XmlElement& joint) {
+  const std::string type = joint.text("type");
   return type == "revolute" || type == "continuous";
 }
 
 // A joint and the link that it moves or holds.
 struct Step {
-  const XMLElement* joint;
-  const XMLElement* link;
+  const XmlElement* joint;
+  const XmlElement* link;
 };
 
 class UrdfFile {
  public:
-  explicit UrdfFile(const std::string& file) : xml_(file) {
-    if (std::string(xml_.root()->Name()) != "robot") {
-      xml_.fail(1, "is not a valid URDF: its root is no <robot>");
-    }
-    numbers(*xml_.root(), "version", 1);
+  explicit UrdfFile(const std::string& file) : file_(file), root_(read_xml(file)) {
+    if (root_.name != "robot") fail("is not a valid URDF: its root is no <robot>");
+    numbers(root_, "version", 1);
     find_chain();
     const auto first = std::find_if(chain.begin(), chain.end(),
                                     [](const Step& step) { return turns(*step.joint); });
@@ -66,25 +57,27 @@ class UrdfFile {
   }
 
   // `FILE:LINE: joint "name": reason`
-  [[noreturn]] void fail(const XMLElement& element, const std::string& reason) const {
-    const std::string name = name_of(element);
-    fail(element.GetLineNum(),
-         element.Name() + (name.empty() ? "" : " \"" + name + '"') + ": " + reason);
+  [[noreturn]] void fail(const XmlElement& element, const std::string& reason) const {
+    const std::string name = element.text("name");
+    throw std::invalid_argument(element.place + ": " + element.name +
+                                (name.empty() ? "" : " \"" + name + '"') + ": " + reason);
   }
-  [[noreturn]] void fail(int line, const std::string& what) const { xml_.fail(line, what); }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw std::invalid_argument(file_ + ":1: " + what);
+  }
 
   // A part's three numbers; `otherwise` if they are missing.
-  Vector3d vector(const XMLElement& element, const char* part, const char* attribute,
+  Vector3d vector(const XmlElement& element, const char* part, const char* attribute,
                   const Vector3d& otherwise) const {
-    const XMLElement* e = element.FirstChildElement(part);
+    const XmlElement* e = element.child(part);
     const auto found = e != nullptr ? numbers(*e, attribute, 3) : std::nullopt;
     return found ? Vector3d(found->data()) : otherwise;
   }
 
   // A part's number, which must be there unless there is an `otherwise`.
-  double number(const XMLElement& element, const char* part, const char* attribute,
+  double number(const XmlElement& element, const char* part, const char* attribute,
                 std::optional<double> otherwise = std::nullopt) const {
-    const XMLElement* e = element.FirstChildElement(part);
+    const XmlElement* e = element.child(part);
     const auto found = e != nullptr ? numbers(*e, attribute, 1) : std::nullopt;
     if (found) return found->front();
     if (otherwise) return *otherwise;
@@ -93,7 +86,7 @@ class UrdfFile {
 
   // The turn in the plane of the <origin> of a joint or of an <inertial>; nothing if it also leaves
   // the plane.
-  std::optional<double> planar_yaw(const XMLElement& element) const {
+  std::optional<double> planar_yaw(const XmlElement& element) const {
     const Vector3d angles = vector(element, "origin", "rpy", Vector3d::Zero());
     const auto [sin_1, cos_1] = math::sincos(angles[(normal_ + 1) % 3]);
     const auto [sin_2, cos_2] = math::sincos(angles[(normal_ + 2) % 3]);
@@ -108,16 +101,15 @@ class UrdfFile {
 
  private:
   // An attribute with numbers; nothing if it is missing.
-  std::optional<std::vector<double>> numbers(const XMLElement& element, const char* name,
+  std::optional<std::vector<double>> numbers(const XmlElement& element, const char* name,
                                              std::size_t count) const {
-    const tinyxml2::XMLAttribute* attribute = element.FindAttribute(name);
-    if (attribute == nullptr) return std::nullopt;
-    const std::string text = attribute->Value();
+    const std::string* text = element.find(name);
+    if (text == nullptr) return std::nullopt;
     const auto refuse = [&](const std::string& what) {
-      xml_.fail(attribute->GetLineNum(),
-                std::string("<") + element.Name() + "> " + name + "=\"" + text + "\": " + what);
+      throw std::invalid_argument(element.place + ": <" + element.name + "> " + name + "=\"" +
+                                  *text + "\": " + what);
     };
-    const auto found = read_numbers(text);
+    const auto found = read_numbers(*text);
     if (!found || found->size() != count) {
       refuse(count == 1 ? "must be a number" : "must be " + std::to_string(count) + " numbers");
     }
@@ -128,12 +120,12 @@ class UrdfFile {
   }
 
   // The links or joints, by their names.
-  std::map<std::string, const XMLElement*> all(const char* kind) const {
-    std::map<std::string, const XMLElement*> found;
-    for (const XMLElement* e = xml_.root()->FirstChildElement(kind); e != nullptr;
-         e = e->NextSiblingElement(kind)) {
-      if (name_of(*e).empty() || !found.emplace(name_of(*e), e).second) {
-        fail(*e, "needs a name of its own");
+  std::map<std::string, const XmlElement*> all(std::string_view kind) const {
+    std::map<std::string, const XmlElement*> found;
+    for (const XmlElement& e : root_.children) {
+      if (e.name != kind) continue;
+      if (e.text("name").empty() || !found.emplace(e.text("name"), &e).second) {
+        fail(e, "needs a name of its own");
       }
     }
     return found;
@@ -141,39 +133,40 @@ class UrdfFile {
 
   void find_chain() {
     const auto links = all("link");
-    std::map<std::string, const XMLElement*> joint_to;  // by the name of a link
-    std::multimap<std::string, const XMLElement*> joints_from;
+    std::map<std::string, const XmlElement*> joint_to;  // by the name of a link
+    std::multimap<std::string, const XmlElement*> joints_from;
     for (const auto& [name, joint] : all("joint")) {
       for (const char* end : {"parent", "child"}) {
-        if (!links.contains(text_of(*joint, end, "link"))) {
+        if (!links.contains(link_of(*joint, end))) {
           fail(*joint, std::string("its <") + end + "> is no link of the robot");
         }
       }
-      if (!joint_to.emplace(text_of(*joint, "child", "link"), joint).second) {
+      if (!joint_to.emplace(link_of(*joint, "child"), joint).second) {
         fail(*joint, "its <child> is that of another joint too");
       }
-      joints_from.emplace(text_of(*joint, "parent", "link"), joint);
+      joints_from.emplace(link_of(*joint, "parent"), joint);
     }
-    const XMLElement* link = nullptr;
+    const XmlElement* link = nullptr;
     for (const auto& [name, one] : links) {
       if (joint_to.contains(name)) continue;
       if (link != nullptr)
-        fail(*one, "no joint has this link or \"" + name_of(*link) + "\" as <child>");
+        fail(*one, "no joint has this link or \"" + link->text("name") + "\" as <child>");
       link = one;
     }
-    if (link == nullptr) xml_.fail(1, "is not a valid URDF: it has no link, or each is a <child>");
+    if (link == nullptr) fail("is not a valid URDF: it has no link, or each is a <child>");
     // It ends, since no joint leads to the first link, and one alone to each other.
-    for (auto [next, end] = joints_from.equal_range(name_of(*link)); next != end;
-         std::tie(next, end) = joints_from.equal_range(name_of(*link))) {
+    for (auto [next, end] = joints_from.equal_range(link->text("name")); next != end;
+         std::tie(next, end) = joints_from.equal_range(link->text("name"))) {
       if (std::next(next) != end) {
         fail(*link, "has more than one child: only a chain can be used");
       }
-      link = links.at(text_of(*next->second, "child", "link"));
+      link = links.at(link_of(*next->second, "child"));
       chain.push_back({next->second, link});
     }
   }
 
-  XmlFile xml_;
+  std::string file_;
+  XmlElement root_;
   Eigen::Index normal_ = 2;
 };
 
@@ -191,7 +184,7 @@ struct PlanarFrame {
   }
 };
 
-PlanarFrame planar_origin(const UrdfFile& file, const XMLElement& joint) {
+PlanarFrame planar_origin(const UrdfFile& file, const XmlElement& joint) {
   const std::optional<double> yaw = file.planar_yaw(joint);
   if (!yaw) file.fail(joint, "its origin is turned out of the plane of the joints before it");
   return {file.in_plane(file.vector(joint, "origin", "xyz", Vector3d::Zero())), *yaw};
@@ -211,9 +204,9 @@ bool is_of_a_body(const Vector3d& moments, double xy, double xz, double yz) {
 }
 
 // Adds a link's inertia to the moving link. `frame` is the link's frame in that of the moving link.
-void lump(const UrdfFile& file, const XMLElement& link, const PlanarFrame& frame,
+void lump(const UrdfFile& file, const XmlElement& link, const PlanarFrame& frame,
           PlanarJoint& carrier) {
-  const XMLElement* inertial = link.FirstChildElement("inertial");
+  const XmlElement* inertial = link.child("inertial");
   if (inertial == nullptr) return;
   const double own_mass = file.number(*inertial, "mass", "value");
   if (own_mass < 0.0) file.fail(link, "its mass must not be negative");
@@ -240,7 +233,7 @@ void lump(const UrdfFile& file, const XMLElement& link, const PlanarFrame& frame
   carrier.link_com_m = lumped_com;
 }
 
-PlanarJoint revolute_joint(const UrdfFile& file, const XMLElement& joint,
+PlanarJoint revolute_joint(const UrdfFile& file, const XmlElement& joint,
                            const PlanarFrame& frame) {
   const Vector3d axis = file.vector(joint, "axis", "xyz", Vector3d::UnitX());
   const double length = std::hypot(axis.x(), axis.y(), axis.z());
@@ -249,7 +242,7 @@ PlanarJoint revolute_joint(const UrdfFile& file, const XMLElement& joint,
     file.fail(joint,
               "its axis is not along x, y or z, or not that of the first joint: no planar chain");
   }
-  if (joint.FirstChildElement("mimic") != nullptr) {
+  if (joint.child("mimic") != nullptr) {
     file.fail(joint, "has <mimic>, but each joint of a chain moves by itself");
   }
   const double effort = file.number(joint, "limit", "effort");
@@ -260,13 +253,12 @@ PlanarJoint revolute_joint(const UrdfFile& file, const XMLElement& joint,
   // Both are 0 if the file has none.
   const double lower = file.number(joint, "limit", "lower", 0.0);
   const double upper = file.number(joint, "limit", "upper", 0.0);
-  const bool has_limits =
-      text_of(joint, "", "type") == "revolute" && (lower != 0.0 || upper != 0.0);
+  const bool has_limits = joint.text("type") == "revolute" && (lower != 0.0 || upper != 0.0);
   if (has_limits && !(lower < upper)) {
     file.fail(joint, "its lower limit must be below its upper one");
   }
   PlanarJoint result;
-  result.name = name_of(joint);
+  result.name = joint.text("name");
   result.offset_m = frame.position_m;
   result.yaw_rad = frame.yaw_rad;
   result.sense = along > 0.0 ? 1.0 : -1.0;
@@ -290,13 +282,13 @@ PlanarChain load_planar_chain(const std::string& urdf_file) {
       if (joints.back().link_mass_kg <= 0.0) {
         file.fail(*link, "is moved by a joint and needs an <inertial> with a mass");
       }
-    } else if (text_of(*joint, "", "type") == "fixed") {
+    } else if (joint->text("type") == "fixed") {
       if (!joints.empty()) lump(file, *link, frame, joints.back());
     } else {
       file.fail(*joint, "must be revolute, continuous or fixed");
     }
   }
-  if (joints.empty()) file.fail(1, "has no revolute joint");
+  if (joints.empty()) file.fail("has no revolute joint");
   return {std::move(joints), frame.position_m, frame.yaw_rad};
 }
 

@@ -1,13 +1,15 @@
 #include <breakwater/plants/xml_file.h>
 
+#include <tinyxml2.h>
+
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
-#include <utility>
 
 namespace breakwater {
 namespace {
@@ -47,6 +49,19 @@ std::string read_text(const std::string& file) {
   return text.str();
 }
 
+// The recursion is safe, because tinyxml2 refuses deeply nested files.
+XmlElement element_of(const tinyxml2::XMLElement& from, const std::string& file) {
+  XmlElement element{from.Name(), file + ":" + std::to_string(from.GetLineNum()), {}, {}};
+  for (const auto* one = from.FirstAttribute(); one != nullptr; one = one->Next()) {
+    element.attributes.emplace_back(one->Name(), one->Value());
+  }
+  for (const auto* child = from.FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    element.children.push_back(element_of(*child, file));
+  }
+  return element;
+}
+
 }  // namespace
 
 void check_ends(const std::filesystem::path& file) {
@@ -62,33 +77,79 @@ void check_ends(const std::filesystem::path& file) {
   }
 }
 
-XmlFile::XmlFile(std::string file) : file_(std::move(file)) {
-  const std::string text = read_text(file_);
+const std::string* XmlElement::find(std::string_view attribute) const {
+  for (const auto& [own, value] : attributes) {
+    if (own == attribute) return &value;
+  }
+  return nullptr;
+}
+
+std::string XmlElement::text(std::string_view attribute, const std::string& otherwise) const {
+  const std::string* value = find(attribute);
+  return value != nullptr ? *value : otherwise;
+}
+
+void XmlElement::set(const std::string& attribute, const std::string& value) {
+  for (auto& [own, old] : attributes) {
+    if (own != attribute) continue;
+    old = value;
+    return;
+  }
+  attributes.emplace_back(attribute, value);
+}
+
+void XmlElement::set(const std::string& attribute, std::span<const double> numbers) {
+  std::string value;
+  for (const double number : numbers) {
+    std::array<char, 32> digits;
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+    value.append(value.empty() ? "" : " ").append(digits.data(), end);
+  }
+  set(attribute, value);
+}
+
+void XmlElement::erase(std::string_view attribute) {
+  std::erase_if(attributes, [&](const auto& own) { return own.first == attribute; });
+}
+
+void XmlElement::fail(const std::string& what) const {
+  throw std::invalid_argument(place + ": <" + name + ">: " + what);
+}
+
+const XmlElement* XmlElement::child(std::string_view kind) const {
+  const auto found = std::ranges::find(children, kind, &XmlElement::name);
+  return found == children.end() ? nullptr : &*found;
+}
+
+XmlElement read_xml(const std::string& file) {
+  const auto fail = [&](std::ptrdiff_t line, const std::string& what) {
+    const std::string place = file + ":" + std::to_string(std::max<std::ptrdiff_t>(line, 1));
+    throw std::invalid_argument(place + ": " + what);
+  };
+  const std::string text = read_text(file);
   const std::size_t broken = find_no_utf8(text);
   if (broken != std::string::npos) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(broken);
-    fail(1 + static_cast<int>(std::count(text.begin(), end, '\n')), "is not UTF-8");
+    fail(1 + std::count(text.begin(), end, '\n'), "is not UTF-8");
   }
-  if (document_.Parse(text.c_str()) != tinyxml2::XML_SUCCESS) {
-    fail(document_.ErrorLineNum(),
-         std::string("is not well-formed XML (") + document_.ErrorName() + ")");
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.c_str()) != tinyxml2::XML_SUCCESS) {
+    fail(document.ErrorLineNum(),
+         std::string("is not well-formed XML (") + document.ErrorName() + ")");
   }
-  if (root() == nullptr) fail(1, "has no element");
+  if (document.RootElement() == nullptr) fail(1, "has no element");
   // The parser accepts any declaration.
-  const tinyxml2::XMLNode* first = document_.FirstChild();
-  const auto* declaration = first->ToDeclaration();
-  if (declaration == nullptr) return;
-  const std::string begin = std::string(declaration->Value()).substr(0, kLongestShown);
-  char opening[2] = "";
-  char closing[2] = "";
-  const int found =
-      std::sscanf(begin.c_str(), R"(xml%*[^!-~]version = %1["']1.%*[0-9]%1["'])", opening, closing);
-  if (found == 2 && opening[0] == closing[0]) return;
-  fail(declaration->GetLineNum(), "<?" + begin + "?>: must begin with <?xml version=\"1.0\"");
-}
-
-void XmlFile::fail(int line, const std::string& what) const {
-  throw std::invalid_argument(file_ + ":" + std::to_string(std::max(line, 1)) + ": " + what);
+  if (const auto* declaration = document.FirstChild()->ToDeclaration()) {
+    const std::string begin = std::string(declaration->Value()).substr(0, kLongestShown);
+    char opening[2] = "";
+    char closing[2] = "";
+    const int found = std::sscanf(begin.c_str(), R"(xml%*[^!-~]version = %1["']1.%*[0-9]%1["'])",
+                                  opening, closing);
+    if (found != 2 || opening[0] != closing[0]) {
+      fail(declaration->GetLineNum(), "<?" + begin + "?>: must begin with <?xml version=\"1.0\"");
+    }
+  }
+  return element_of(*document.RootElement(), file);
 }
 
 std::vector<std::string> words_of(std::string_view text) {

@@ -1,31 +1,41 @@
 // Model files (MJCF, URDF) as XML, and their numbers, with checks that other libraries omit.
 #pragma once
 
-#include <tinyxml2.h>
-
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace breakwater {
 
-/// A well-formed XML file in UTF-8.
-class XmlFile {
- public:
-  /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or is not such a file.
-  explicit XmlFile(std::string file);
+/// An element of an XML file.
+struct XmlElement {
+  std::string name;
+  std::string place;  ///< FILE:LINE
+  std::vector<std::pair<std::string, std::string>> attributes;
+  std::vector<XmlElement> children;
 
-  const tinyxml2::XMLElement* root() const { return document_.RootElement(); }
+  /// The value of an attribute; null if the element does not have it.
+  const std::string* find(std::string_view attribute) const;
+  bool has(std::string_view attribute) const { return find(attribute) != nullptr; }
+  std::string text(std::string_view attribute, const std::string& otherwise = "") const;
+  void set(const std::string& attribute, const std::string& value);
+  void set(const std::string& attribute, std::span<const double> numbers);
+  void erase(std::string_view attribute);
 
-  /// Throws std::invalid_argument `FILE:LINE: WHAT`.
-  [[noreturn]] void fail(int line, const std::string& what) const;
+  /// The first child of this name; null: there is none.
+  const XmlElement* child(std::string_view kind) const;
 
- private:
-  std::string file_;
-  tinyxml2::XMLDocument document_;
+  /// Throws std::invalid_argument `FILE:LINE: <NAME>: WHAT`.
+  [[noreturn]] void fail(const std::string& what) const;
 };
+
+/// The root of a well-formed XML file in UTF-8. Throws std::invalid_argument `FILE[:LINE]: reason`
+/// if it cannot be read or is not such a file.
+XmlElement read_xml(const std::string& file);
 
 /// Throws std::invalid_argument if a file is a folder, a device, a pipe or a socket.
 void check_ends(const std::filesystem::path& file);
