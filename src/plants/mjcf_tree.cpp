@@ -1,6 +1,7 @@
 #include <breakwater/plants/mjcf_tree.h>
 
-#include <algorithm>
+#include <tinyxml2.h>
+
 #include <set>
 
 namespace breakwater {
@@ -19,19 +20,13 @@ std::string_view kind_in_default(std::string_view name) {
   return actuator_kinds().contains(name) ? "general" : name;
 }
 
-void append(const MjcfElement& element, int depth, std::string& text) {
-  text.append(static_cast<std::size_t>(2 * depth), ' ').append("<" + element.name);
+void print(const MjcfElement& element, tinyxml2::XMLPrinter& printer) {
+  printer.OpenElement(element.name.c_str());
   for (const auto& [name, value] : element.attributes) {
-    text += " " + name + "=\"";
-    for (const char c : value) {
-      text += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
-    }
-    text += '"';
+    printer.PushAttribute(name.c_str(), value.c_str());
   }
-  text += element.children.empty() ? "/>\n" : ">\n";
-  for (const MjcfElement& child : element.children) append(child, depth + 1, text);
-  if (element.children.empty()) return;
-  text.append(static_cast<std::size_t>(2 * depth), ' ').append("</" + element.name + ">\n");
+  for (const MjcfElement& child : element.children) print(child, printer);
+  printer.CloseElement();
 }
 
 }  // namespace
@@ -107,9 +102,9 @@ std::string mjcf_compiler(const MjcfElement& root, std::string_view attribute,
 }
 
 std::string mjcf_text(const MjcfElement& root) {
-  std::string text;
-  append(root, 0, text);
-  return text;
+  tinyxml2::XMLPrinter printer;
+  print(root, printer);
+  return printer.CStr();
 }
 
 }  // namespace breakwater
