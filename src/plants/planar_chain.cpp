@@ -1,7 +1,6 @@
 #include <breakwater/plants/planar_chain.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -18,18 +17,6 @@ Eigen::Vector2d rotate(double angle_rad, const Eigen::Vector2d& v) {
 // z × v
 Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) {
   return {-v.y(), v.x()};
-}
-
-void check(const PlanarJoint& joint) {
-  const bool finite = joint.offset_m.allFinite() && std::isfinite(joint.yaw_rad) &&
-                      std::isfinite(joint.effort_limit_Nm) &&
-                      std::isfinite(joint.velocity_limit_rad_s) &&
-                      std::isfinite(joint.link_mass_kg) && joint.link_com_m.allFinite() &&
-                      std::isfinite(joint.link_inertia_kgm2);
-  if (!finite || std::abs(joint.sense) != 1.0) {
-    throw std::invalid_argument("planar chain: joint \"" + joint.name +
-                                "\" has a number that is not finite");
-  }
 }
 
 }  // namespace
@@ -49,7 +36,6 @@ PlanarChain::PlanarChain(std::vector<PlanarJoint> joints, const Eigen::Vector2d&
   effort_limits_.resize(n);
   velocity_limits_.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    check(joint(i));
     effort_limits_(i) = joint(i).effort_limit_Nm;
     velocity_limits_(i) = joint(i).velocity_limit_rad_s;
   }

@@ -77,7 +77,7 @@ struct PlanarJoint {
 class PlanarChain final : public TipKinematics {
  public:
   /// `tip_offset_m` and `tip_yaw_rad` place the tip in the last link's frame. Throws
-  /// std::invalid_argument if there is no joint or a number is not finite.
+  /// std::invalid_argument if there is no joint.
   PlanarChain(std::vector<PlanarJoint> joints, const Eigen::Vector2d& tip_offset_m,
               double tip_yaw_rad);
 
