@@ -106,7 +106,7 @@ class ArmPush final : public AxisScenario {
     const auto hand = std::make_shared<HandOnLink>(hand_, sim.model(), *plant_.chain,
                                                    plant_.reference_at_start(), link_);
     sim.add(*hand);
-    if (has_geom(sim.model(), "wall")) sim.set_collidable(geom_id(sim.model(), "wall"), false);
+    for (const int geom : sim.model().geoms_named("wall")) sim.set_collidable(geom, false);
     run.compute("push_turned_rad", "rad", "angle by which the pushed link is turned",
                 [hand, &sim](double, auto) { return hand->turned_rad(sim.qpos()); });
     run.compute("push_moment_Nm", "N m", "moment of the hand about the joint",

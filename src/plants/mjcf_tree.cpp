@@ -32,12 +32,12 @@ void print(const MjcfElement& element, tinyxml2::XMLPrinter& printer) {
 }  // namespace
 
 void MjcfChanges::add(MjcfChange::Loss loss, const std::string& what, const std::string& place) {
-  for (MjcfChange& change : all_) {
+  for (MjcfChange& change : *this) {
     if (change.loss != loss || change.what != what) continue;
     ++change.count;
     return;
   }
-  all_.push_back({loss, what, place});
+  push_back({loss, what, place});
 }
 
 std::vector<double> mjcf_numbers(const MjcfElement& element, const std::string& text,

@@ -27,13 +27,8 @@ struct MjcfChange {
   int count = 1;
 };
 
-class MjcfChanges {
- public:
+struct MjcfChanges : std::vector<MjcfChange> {
   void add(MjcfChange::Loss loss, const std::string& what, const std::string& place);
-  const std::vector<MjcfChange>& all() const { return all_; }
-
- private:
-  std::vector<MjcfChange> all_;
 };
 
 /// The numbers of a text. Throws as MjcfElement::fail() if it has others than `least` to `most`.

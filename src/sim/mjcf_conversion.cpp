@@ -587,11 +587,11 @@ void missing_forces(const mjModel* m, mjData* d) {
 
 ConvertedMjcf convert_mjcf(const std::string& file, std::uint64_t most_elements) {
   Conversion conversion(file, most_elements);
-  return {std::move(conversion.root), conversion.changes.all()};
+  return {std::move(conversion.root), std::move(conversion.changes)};
 }
 
 std::vector<std::string> conversion_warnings(const std::string& file) {
-  std::vector<MjcfChange> changes;
+  MjcfChanges changes;
   try {
     changes = convert_mjcf(file, std::numeric_limits<std::uint64_t>::max()).changes;
   } catch (const std::invalid_argument&) {

@@ -11,8 +11,8 @@
 namespace breakwater {
 
 struct ConvertedMjcf {
-  MjcfElement root;                 ///< names its assets by absolute paths
-  std::vector<MjcfChange> changes;  ///< empty: the engine reads the file as it is
+  MjcfElement root;     ///< names its assets by absolute paths
+  MjcfChanges changes;  ///< empty: the engine reads the file as it is
 };
 
 /// The model that MuJoCo 3 reads in an MJCF file, in the words of the engine. Its schema decides

@@ -181,8 +181,4 @@ inline int site_id(const Model& model, const std::string& name) {
   return model.id(mjOBJ_SITE, name);
 }
 
-inline bool has_geom(const Model& model, const std::string& name) {
-  return model.has(mjOBJ_GEOM, name);
-}
-
 }  // namespace breakwater
