@@ -1,5 +1,6 @@
 #include <breakwater/sim/wall_contact.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -10,6 +11,8 @@
 namespace breakwater {
 namespace {
 
+using Eigen::Vector3d;
+
 // MuJoCo's RK4: stage i starts from kFrom[i] times the rate of the stage before.
 constexpr std::array<double, 4> kFrom = {0.0, 0.5, 0.5, 1.0};
 constexpr std::array<double, 4> kWeights = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
@@ -18,8 +21,13 @@ double weight(std::size_t stages, std::size_t stage) {
   return stages == 1 ? 1.0 : kWeights[stage];
 }
 
-double dot(const std::array<double, 3>& a, const mjtNum* b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+Vector3d row_of(const mjtNum* vectors, int row) {
+  return Vector3d(vectors + static_cast<std::ptrdiff_t>(3) * row);
+}
+
+// The sum has a fixed order.
+double dot(const Vector3d& a, const Vector3d& b) {
+  return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
 }
 
 }  // namespace
@@ -72,33 +80,26 @@ ContactState WallContact::state_at_stage() const {
 
 void WallContact::find_normal(const mjData& data) {
   const mjtNum* frame = data.geom_xmat + static_cast<std::ptrdiff_t>(9) * plane_;
-  normal_ = {frame[2], frame[5], frame[8]};
+  normal_ << frame[2], frame[5], frame[8];
 }
 
 void WallContact::find_geometry(double time_s, const mjModel& model, const mjData& data,
                                 Stage& stage) {
   find_normal(data);
-  const mjtNum* center = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * sphere_;
-  const mjtNum* point = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * plane_;
   mjtNum velocity[6];
   mj_objectVelocity(&model, &data, mjOBJ_GEOM, sphere_, velocity, 0);
+  const Vector3d turns(velocity), moves(velocity + 3);
   stage.wall = motion_.kind == WallMotionKind::free ? wall_at_stage() : motion_.at(time_s);
-  stage.penetration_m =
-      radius_m_ - dot(normal_, center) + dot(normal_, point) - stage.wall.position_m;
-  stage.approach_m_s = -dot(normal_, velocity + 3) - stage.wall.speed_m_s;
+  stage.penetration_m = radius_m_ - dot(normal_, row_of(data.geom_xpos, sphere_)) +
+                        dot(normal_, row_of(data.geom_xpos, plane_)) - stage.wall.position_m;
+  const double away_m_s = dot(normal_, moves);
+  stage.approach_m_s = -away_m_s - stage.wall.speed_m_s;
   if (!has_friction()) return;
-  const mjtNum arm[3] = {-radius_m_ * normal_[0], -radius_m_ * normal_[1], -radius_m_ * normal_[2]};
-  mjtNum turning[3];
-  mju_cross(turning, velocity, arm);
-  const double away_m_s = dot(normal_, velocity + 3);
-  for (std::size_t i = 0; i < 3; ++i) {
-    stage.sliding_m_s[i] = velocity[3 + i] - away_m_s * normal_[i] + turning[i];
-  }
+  stage.sliding_m_s = moves - away_m_s * normal_ + turns.cross(-radius_m_ * normal_);
 }
 
 void WallContact::find_friction(const mjModel& model, const mjData& data, Stage& stage) {
-  const std::array<double, 3>& v = stage.sliding_m_s;
-  const double squared = dot(v, v.data());
+  const double squared = dot(stage.sliding_m_s, stage.sliding_m_s);
   if (mass_across_kg_ == 0.0 && stage.force_N > 0.0) find_mass_across(model, data);
   // A larger damping than m/h would turn the velocity around within a step.
   stage.drag_Ns_m = std::min(friction_.coefficient * stage.force_N /
@@ -152,22 +153,12 @@ void WallContact::apply(double time_s, const mjModel& model, mjData& data) {
 }
 
 void WallContact::add_wrench(mjData& data, const Stage& stage) const {
-  const mjtNum* center = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * sphere_;
-  mjtNum force[3], point[3];
-  for (std::size_t i = 0; i < 3; ++i) {
-    force[i] = stage.force_N * normal_[i] - stage.drag_Ns_m * stage.sliding_m_s[i];
-    point[i] = center[i] - radius_m_ * normal_[i];
-  }
+  const Vector3d force = stage.force_N * normal_ - stage.drag_Ns_m * stage.sliding_m_s;
+  const Vector3d arm =
+      row_of(data.geom_xpos, sphere_) - radius_m_ * normal_ - row_of(data.xipos, body_);
   mjtNum* wrench = data.xfrc_applied + static_cast<std::ptrdiff_t>(6) * body_;
-  const mjtNum* mass_center = data.xipos + static_cast<std::ptrdiff_t>(3) * body_;
-  const mjtNum arm[3] = {point[0] - mass_center[0], point[1] - mass_center[1],
-                         point[2] - mass_center[2]};
-  mjtNum torque[3];
-  mju_cross(torque, arm, force);
-  for (int i = 0; i < 3; ++i) {
-    wrench[i] += force[i];
-    wrench[3 + i] += torque[i];
-  }
+  Eigen::Map<Vector3d>(wrench) += force;
+  Eigen::Map<Vector3d>(wrench + 3) += arm.cross(force);
 }
 
 double WallContact::engine_force_N(const mjData& data) const {
@@ -191,7 +182,7 @@ ContactSlopes WallContact::slopes(const mjModel& model, const mjData& data, doub
 
 // Needs the Jacobian.
 double WallContact::mass_along(const mjModel& model, const mjData& data,
-                               const std::array<double, 3>& direction) {
+                               const Vector3d& direction) {
   const std::size_t n = along_.size();
   for (std::size_t i = 0; i < n; ++i) {
     along_[i] = direction[0] * jacobian_[i] + direction[1] * jacobian_[n + i] +
@@ -206,16 +197,12 @@ double WallContact::mass_along(const mjModel& model, const mjData& data,
 
 // At most the mass of any direction across the normal, and at least half of the smallest one.
 void WallContact::find_mass_across(const mjModel& model, const mjData& data) {
-  const mjtNum* center = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * sphere_;
-  mjtNum point[3];
-  for (std::size_t i = 0; i < 3; ++i) point[i] = center[i] - radius_m_ * normal_[i];
-  mj_jac(&model, &data, jacobian_.data(), nullptr, point, body_);
+  const Vector3d point = row_of(data.geom_xpos, sphere_) - radius_m_ * normal_;
+  mj_jac(&model, &data, jacobian_.data(), nullptr, point.data(), body_);
   double inverse_mass = 0.0;
-  for (const std::size_t axis : {0, 1, 2}) {
-    std::array<double, 3> direction{};
-    direction[axis] = 1.0;
-    for (std::size_t i = 0; i < 3; ++i) direction[i] -= normal_[axis] * normal_[i];
-    inverse_mass += 1.0 / mass_along(model, data, direction);
+  for (const int axis : {0, 1, 2}) {
+    const Vector3d across = Vector3d::Unit(axis) - normal_(axis) * normal_;
+    inverse_mass += 1.0 / mass_along(model, data, across);
   }
   mass_across_kg_ = 1.0 / inverse_mass;
 }

@@ -1,6 +1,7 @@
 // The contact of a sphere with a wall that moves, by any contact law.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <memory>
 #include <string>
@@ -81,8 +82,8 @@ class WallContact final : public ExternalForce {
     double penetration_m = 0.0;
     double approach_m_s = 0.0;
     double force_N = 0.0;
-    std::array<double, 3> sliding_m_s{};  // across the normal
-    double drag_Ns_m = 0.0;               // friction over sliding velocity
+    Eigen::Vector3d sliding_m_s = Eigen::Vector3d::Zero();  // across the normal
+    double drag_Ns_m = 0.0;                                 // friction over sliding velocity
     double friction_N = 0.0;
     WallPosition wall;
     double wall_acceleration_m_s2 = 0.0;
@@ -98,8 +99,7 @@ class WallContact final : public ExternalForce {
   double force_of_law(Stage& stage) const;
   double engine_force_N(const mjData& data) const;
   void find_mass_across(const mjModel& model, const mjData& data);
-  double mass_along(const mjModel& model, const mjData& data,
-                    const std::array<double, 3>& direction);
+  double mass_along(const mjModel& model, const mjData& data, const Eigen::Vector3d& direction);
   void find_friction(const mjModel& model, const mjData& data, Stage& stage);
   void add_wrench(mjData& data, const Stage& stage) const;
 
@@ -127,10 +127,10 @@ class WallContact final : public ExternalForce {
   double mass_kg_ = 0.0;
   double mass_across_kg_ = 0.0;
   double transient_N_ = 0.0;
-  std::array<double, 3> normal_{};  // out of the wall
-  std::vector<double> jacobian_;    // 3 × n, of a point of the sphere
-  std::vector<double> along_;       // Jᵀ times a direction
-  std::vector<double> recoil_;      // M⁻¹ times that
+  Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();  // out of the wall
+  std::vector<double> jacobian_;                      // 3 × n, of a point of the sphere
+  std::vector<double> along_;                         // Jᵀ times a direction
+  std::vector<double> recoil_;                        // M⁻¹ times that
 };
 
 }  // namespace breakwater
