@@ -10,7 +10,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -110,12 +109,10 @@ void check_timestep(double timestep_s, const std::string& file) {
 
 // The data that all SharedModels share. Its models never change: each user gets a copy.
 struct Shared {
-  using Geoms = std::optional<std::vector<std::string>>;  // names for load_physics(); none: load()
-  using Key = std::pair<std::string, Geoms>;              // with the file
   std::mutex compiling;
   std::mutex mutex;
   std::vector<const SharedModels*> owners;
-  std::map<Key, std::shared_ptr<const mjModel>> models;
+  std::map<std::string, std::shared_ptr<const mjModel>> models;  // by their files
 };
 
 Shared& shared() {
@@ -128,17 +125,10 @@ std::vector<const SharedModels*> owners() {
   return shared().owners;
 }
 
-std::shared_ptr<const mjModel> find_shared(const Shared::Key& key) {
+std::shared_ptr<const mjModel> find_shared(const std::string& file) {
   const std::lock_guard lock(shared().mutex);
-  const auto found = shared().models.find(key);
+  const auto found = shared().models.find(file);
   return found == shared().models.end() ? nullptr : found->second;
-}
-
-std::shared_ptr<const mjModel> share(const Shared::Key& key, ModelPointer model) {
-  std::shared_ptr<const mjModel> kept(std::move(model));
-  const std::lock_guard lock(shared().mutex);
-  shared().models.emplace(key, kept);
-  return kept;
 }
 
 }  // namespace
@@ -168,42 +158,35 @@ Model Model::compile(const ModelFile& mjcf) {
   return model;
 }
 
-Model Model::physics(const mjModel& full, const std::string& file,
-                     const std::vector<std::string>& geoms) {
-  std::vector<int> ids;
-  for (const std::string& name : geoms) {
-    const int id = mj_name2id(&full, mjOBJ_GEOM, name.c_str());
-    if (id >= 0) ids.push_back(id);
-  }
-  return {physics_part(full, ids, file), file};
-}
-
 Model Model::load(const ModelFile& mjcf) {
   if (owners().empty()) return compile(mjcf);
-  return {copy_of(*shared_model(mjcf), mjcf.path), mjcf.path};
+  return {copy_of(*whole_model(mjcf), mjcf.path), mjcf.path};
 }
 
 Model Model::load_physics(const ModelFile& mjcf, const std::vector<std::string>& geoms) {
   if (models_stay_whole) return load(mjcf);
-  if (owners().empty()) return physics(*compile(mjcf).get(), mjcf.path, geoms);
-  const Shared::Key key(mjcf.path, geoms);
-  if (const auto part = find_shared(key)) return {copy_of(*part, mjcf.path), mjcf.path};
-  const auto full = shared_model(mjcf);
-  Model part = physics(*full, mjcf.path, geoms);
-  return {copy_of(*share(key, std::move(part.model_)), mjcf.path), mjcf.path};
+  const std::shared_ptr<const mjModel> full = whole_model(mjcf);
+  std::vector<int> ids;
+  for (const std::string& name : geoms) {
+    const int id = mj_name2id(full.get(), mjOBJ_GEOM, name.c_str());
+    if (id >= 0) ids.push_back(id);
+  }
+  return {physics_part(*full, ids, mjcf.path), mjcf.path};
 }
 
-// The model of the whole file.
-std::shared_ptr<const mjModel> Model::shared_model(const ModelFile& mjcf) {
-  const Shared::Key key(mjcf.path, std::nullopt);
-  if (auto model = find_shared(key)) return model;
+std::shared_ptr<const mjModel> Model::whole_model(const ModelFile& mjcf) {
+  if (owners().empty()) return compile(mjcf).model_;
+  if (auto model = find_shared(mjcf.path)) return model;
   const std::lock_guard compiling(shared().compiling);
   // Another thread may have compiled it during the wait.
-  if (auto model = find_shared(key)) return model;
+  if (auto model = find_shared(mjcf.path)) return model;
   for (const SharedModels* owner : owners()) {
     if (owner->before_compiling_) owner->before_compiling_(mjcf.path);
   }
-  return share(key, compile(mjcf).model_);
+  std::shared_ptr<const mjModel> model = compile(mjcf).model_;
+  const std::lock_guard lock(shared().mutex);
+  shared().models.emplace(mjcf.path, model);
+  return model;
 }
 
 SharedModels::SharedModels(std::function<void(const std::string&)> before_compiling)

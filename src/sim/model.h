@@ -145,9 +145,7 @@ class Model {
 
  private:
   static Model compile(const ModelFile& mjcf);
-  static std::shared_ptr<const mjModel> shared_model(const ModelFile& mjcf);
-  static Model physics(const mjModel& full, const std::string& file,
-                       const std::vector<std::string>& geoms);
+  static std::shared_ptr<const mjModel> whole_model(const ModelFile& mjcf);
 
   void derive_constants();
 
