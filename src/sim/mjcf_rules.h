@@ -1,8 +1,11 @@
 // Words of MJCF that MuJoCo 3 has beyond MuJoCo 2.2, and their fate.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string_view>
+
+#include <breakwater/plants/xml_file.h>
 
 namespace breakwater::mjcf {
 
@@ -77,15 +80,8 @@ inline constexpr std::array kRules = {
     Rule{"", "input velrange ffrange damping armature", dropped, "0"},
 };
 
-inline constexpr bool has_word(std::string_view list, std::string_view word) {
-  if (word.empty()) return false;
-  for (std::size_t at = list.find(word); at != std::string_view::npos;
-       at = list.find(word, at + 1)) {
-    const std::size_t end = at + word.size();
-    const bool begins = at == 0 || list[at - 1] == ' ';
-    if (begins && (end == list.size() || list[end] == ' ')) return true;
-  }
-  return false;
+inline bool has_word(std::string_view list, std::string_view word) {
+  return std::ranges::count(words_of(list), word) > 0;
 }
 
 // A keyword that the engine does not know. With the fate `refused`, `becomes` has the reason.
