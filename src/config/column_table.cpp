@@ -15,8 +15,8 @@
 #include <utility>
 
 #include <breakwater/config/config.h>
-#include <breakwater/record/input_file.h>
 #include <breakwater/shell/did_you_mean.h>
+#include <breakwater/signals/input_file.h>
 
 namespace breakwater {
 namespace {

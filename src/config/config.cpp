@@ -14,9 +14,9 @@
 #include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
-#include <breakwater/record/input_file.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
+#include <breakwater/signals/input_file.h>
 
 namespace breakwater {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include <breakwater/math/float_environment.h>
-#include <breakwater/record/input_file.h>
+#include <breakwater/signals/input_file.h>
 
 namespace breakwater {
 namespace {

@@ -11,10 +11,10 @@
 #include <stdexcept>
 
 #include <breakwater/config/unit_of.h>
-#include <breakwater/record/input_file.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/signals/input_file.h>
 
 namespace breakwater {
 namespace {

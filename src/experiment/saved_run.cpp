@@ -9,9 +9,9 @@
 
 #include <breakwater/config/config.h>
 #include <breakwater/experiment/run_manifest.h>
-#include <breakwater/record/input_file.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/shell/did_you_mean.h>
+#include <breakwater/signals/input_file.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

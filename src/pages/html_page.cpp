@@ -11,10 +11,10 @@
 #include <stdexcept>
 
 #include <breakwater/experiment/version.h>
-#include <breakwater/record/input_file.h>
 #include <breakwater/render/scene_description.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/table.h>
+#include <breakwater/signals/input_file.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <breakwater/plants/xml_file.h>
+#include <breakwater/signals/input_file.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -43,9 +44,9 @@ class MjcfReader {
   void add(const fs::path& file) {
     const fs::path path = file.lexically_normal();
     std::error_code ignored;
-    check_ends(path);
-    if (std::find(files_.begin(), files_.end(), path) != files_.end()) return;
-    if (fs::is_regular_file(path, ignored)) files_.push_back(path);
+    if (!fs::exists(path, ignored)) return;
+    open_input(path);
+    if (std::find(files_.begin(), files_.end(), path) == files_.end()) files_.push_back(path);
   }
 
   void read(MjcfElement element, std::vector<MjcfElement>& out) {

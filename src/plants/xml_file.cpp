@@ -7,9 +7,10 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
+
+#include <breakwater/signals/input_file.h>
 
 namespace breakwater {
 namespace {
@@ -40,15 +41,6 @@ std::size_t find_no_utf8(const std::string& text) {
   return std::string::npos;
 }
 
-std::string read_text(const std::string& file) {
-  check_ends(file);
-  std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw std::invalid_argument(file + ": cannot be read");
-  return text.str();
-}
-
 // The recursion is safe, because tinyxml2 refuses deeply nested files.
 XmlElement element_of(const tinyxml2::XMLElement& from, const std::string& file) {
   XmlElement element{from.Name(), file + ":" + std::to_string(from.GetLineNum()), {}, {}};
@@ -63,19 +55,6 @@ XmlElement element_of(const tinyxml2::XMLElement& from, const std::string& file)
 }
 
 }  // namespace
-
-void check_ends(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto type = std::filesystem::status(file, error).type();
-  using Type = std::filesystem::file_type;
-  if (type == Type::directory) {
-    throw std::invalid_argument(file.string() + ": cannot be read (it is a folder)");
-  }
-  if (type == Type::fifo || type == Type::character || type == Type::block ||
-      type == Type::socket) {
-    throw std::invalid_argument(file.string() + ": is no regular file: it may never end");
-  }
-}
 
 const std::string* XmlElement::find(std::string_view attribute) const {
   for (const auto& [own, value] : attributes) {
@@ -126,7 +105,9 @@ XmlElement read_xml(const std::string& file) {
     const std::string place = file + ":" + std::to_string(std::max<std::ptrdiff_t>(line, 1));
     throw std::invalid_argument(place + ": " + what);
   };
-  const std::string text = read_text(file);
+  std::stringstream bytes;
+  bytes << open_input(file).rdbuf();
+  const std::string text = bytes.str();
   const std::size_t broken = find_no_utf8(text);
   if (broken != std::string::npos) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(broken);

@@ -1,7 +1,6 @@
 // Model files (MJCF, URDF) as XML, and their numbers, with checks that other libraries omit.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -36,9 +35,6 @@ struct XmlElement {
 /// The root of a well-formed XML file in UTF-8. Throws std::invalid_argument `FILE[:LINE]: reason`
 /// if it cannot be read or is not such a file.
 XmlElement read_xml(const std::string& file);
-
-/// Throws std::invalid_argument if a file is a folder, a device, a pipe or a socket.
-void check_ends(const std::filesystem::path& file);
 
 /// The words of a text, between white space.
 std::vector<std::string> words_of(std::string_view text);

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include <breakwater/config/names.h>
-#include <breakwater/record/input_file.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/text_outputs.h>
@@ -22,6 +21,7 @@
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/signals/input_file.h>
 #include <breakwater/sim/mjcf_conversion.h>
 #include <breakwater/sim/robot_scene.h>
 

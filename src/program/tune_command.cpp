@@ -19,7 +19,6 @@
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/study_report.h>
 #include <breakwater/program/study_command.h>
-#include <breakwater/record/input_file.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/search/tuning_plan.h>
@@ -27,6 +26,7 @@
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
+#include <breakwater/signals/input_file.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/study_folder.h>
 #include <breakwater/study/study_reader.h>

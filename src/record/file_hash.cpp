@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include <breakwater/record/input_file.h>
+#include <breakwater/signals/input_file.h>
 
 namespace breakwater {
 namespace {

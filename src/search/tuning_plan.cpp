@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include <breakwater/record/file_hash.h>
-#include <breakwater/record/input_file.h>
+#include <breakwater/signals/input_file.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {

@@ -11,9 +11,9 @@
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/version.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/record/input_file.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/paths.h>
+#include <breakwater/signals/input_file.h>
 #include <breakwater/study/shards.h>
 
 namespace breakwater {

@@ -9,8 +9,8 @@
 
 #include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
-#include <breakwater/record/input_file.h>
 #include <breakwater/shell/paths.h>
+#include <breakwater/signals/input_file.h>
 
 namespace breakwater {
 namespace {
