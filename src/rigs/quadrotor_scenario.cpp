@@ -204,7 +204,7 @@ class QuadrotorScenario final : public Scenario {
   }
   void add_mass_of_water(Model& model) const {
     const double added_kg = plant().parameters().added_mass_kg();
-    if (added_kg > 0.0) model.add_mass(kVehicle, added_kg);
+    if (added_kg > 0.0) model.add_mass(model.id(mjOBJ_BODY, kVehicle), added_kg);
   }
 
   std::string name_;

@@ -61,7 +61,7 @@ JointFriction::JointFriction(Model& model, const std::string& joint,
   step_s_ = model->opt.timestep;
   inverse_mass_ = model->dof_invweight0[dof_];
   for (int i = 0; i < model->nu; ++i) {
-    if (model->actuator_trntype[i] == mjTRN_JOINT && model->actuator_trnid[2 * i] == id) {
+    if (model.drives(i, id)) {
       actuators_.emplace_back(i, model->actuator_gear[static_cast<std::ptrdiff_t>(6) * i]);
     }
   }

@@ -99,11 +99,7 @@ class Model {
   void scale_inertia(double ratio);
 
   /// Adds a point mass at a body's centre of mass, or removes one. Throws std::invalid_argument if
-  /// there is no such body, the resulting mass is negative, or the engine cannot compute the
-  /// derived constants.
-  void add_mass(const std::string& body, double mass_kg) {
-    add_mass(id(mjOBJ_BODY, body), mass_kg);
-  }
+  /// the resulting mass is negative, or the engine cannot compute the derived constants.
   void add_mass(int body, double mass_kg);
 
   /// Puts a rigid gear between an actuator and its hinge or slide: the actuator's force counts

@@ -12,7 +12,8 @@ const Eigen::Vector3d kStart(0.0, 0.0, -10.0);
 
 Model quadrotor(const QuadrotorParameters& vehicle = {}) {
   Model model = Model::load(testing::source_file("models/quadrotor.xml"));
-  model.add_mass("quadrotor", vehicle.moving_mass_kg() - QuadrotorParameters().mass_kg);
+  model.add_mass(model.id(mjOBJ_BODY, "quadrotor"),
+                 vehicle.moving_mass_kg() - QuadrotorParameters().mass_kg);
   return model;
 }
 
