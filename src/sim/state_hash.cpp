@@ -4,15 +4,11 @@
 
 namespace breakwater {
 
-void StateHash::Delete::operator()(XXH3_state_s* state) const {
-  XXH3_freeState(state);
-}
-
-StateHash::StateHash() : state_(XXH3_createState()) {
+StateHash::StateHash() : state_(XXH3_createState(), XXH3_freeState) {
   XXH3_64bits_reset(state_.get());
 }
 
-StateHash::StateHash(const StateHash& other) : state_(XXH3_createState()) {
+StateHash::StateHash(const StateHash& other) : StateHash() {
   XXH3_copyState(state_.get(), other.state_.get());
 }
 

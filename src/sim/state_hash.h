@@ -15,16 +15,12 @@ class StateHash {
   StateHash();
   StateHash(const StateHash& other);
   StateHash& operator=(const StateHash&) = delete;
-  ~StateHash() = default;
 
   void update(std::span<const double> values);
   std::uint64_t digest() const;
 
  private:
-  struct Delete {
-    void operator()(XXH3_state_s* state) const;
-  };
-  std::unique_ptr<XXH3_state_s, Delete> state_;
+  std::shared_ptr<XXH3_state_s> state_;  // no copy shares it
 };
 
 }  // namespace breakwater
