@@ -14,17 +14,6 @@ namespace {
 
 constexpr int kDropsInARowAllowed = 2;
 
-void check(const SensorChannel& channel) {
-  const bool fits = std::isfinite(channel.low_pass_s) && channel.low_pass_s >= 0.0 &&
-                    std::isfinite(channel.noise_std) && channel.noise_std >= 0.0 &&
-                    std::isfinite(channel.encoder.quantum) && channel.encoder.quantum >= 0.0 &&
-                    std::isfinite(channel.encoder.phase);
-  if (!fits) {
-    throw std::invalid_argument("sensor channel \"" + channel.name +
-                                "\": filter, quantum and noise must be finite and not negative");
-  }
-}
-
 bool is_of_joint(Reading reading) {
   return reading == Reading::joint_position || reading == Reading::joint_velocity;
 }
@@ -59,7 +48,6 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
   const double step_s = model->opt.timestep;
   channels_.reserve(setup.channels.size());
   for (const SensorChannel& channel : setup.channels) {
-    check(channel);
     const auto [address, is_of_acceleration] = place(model, channel);
     const bool is_late = is_of_acceleration || channel.low_pass_s > 0.0 || channel.body.is_on() ||
                          channel.electronics.is_on();

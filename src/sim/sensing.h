@@ -77,7 +77,7 @@ struct SensingSetup {
 /// All sensor channels of a run.
 class Sensing {
  public:
-  /// Throws std::invalid_argument if a sensor or channel does not exist, or a setting is negative.
+  /// Throws std::invalid_argument if a sensor or channel does not exist, or as its parts do.
   Sensing(const Model& model, const SensingSetup& setup);
 
   /// Sets every filter to steady state at the sensors' values in `data`.
