@@ -76,8 +76,6 @@ Simulation::Simulation(Model model, Controller& controller, const SensingSetup& 
   std::call_once(once, [] { mjcb_control = &Simulation::control_callback; });
 }
 
-Simulation::~Simulation() = default;
-
 void Simulation::set_commanded(std::vector<Eigen::Index> actuators) {
   commanded_ = std::move(actuators);
   given_.setZero(static_cast<Eigen::Index>(commanded_.size()));
@@ -109,10 +107,6 @@ void Simulation::set_drive(int actuator, const ElectricDrive& drive) {
   drives_.resize(static_cast<std::size_t>(model_->nu));
   drives_[static_cast<std::size_t>(actuator)].emplace(drive, timestep_s());
   model_.get()->actuator_ctrllimited[actuator] = 0;  // saturate() limits the command
-}
-
-void Simulation::set_collidable(int geom, bool collidable) {
-  model_.set_collidable(geom, collidable);
 }
 
 void Simulation::control_callback(const mjModel*, mjData* data) {

@@ -32,7 +32,6 @@ class Simulation {
   /// fit the model, steps_per_sample is not positive or the engine cannot simulate the model.
   Simulation(Model model, Controller& controller, const SensingSetup& sensing,
              int steps_per_sample);
-  ~Simulation();
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
@@ -62,7 +61,7 @@ class Simulation {
   void set_velocity(std::span<const double> qvel);
 
   /// Lets a geom collide with the geoms whose contype has bit 1, or with nothing.
-  void set_collidable(int geom, bool collidable);
+  void set_collidable(int geom, bool collidable) { model_.set_collidable(geom, collidable); }
 
   /// One physics step. Throws RunFailure if the engine reports a warning or an error or the time
   /// does not advance. Throws it too if a measurement, a command or the state is not finite. The
