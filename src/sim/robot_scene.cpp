@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -128,15 +129,16 @@ void choose_pose(const Model& model, mjData& data, const TipPlace& tip,
 }
 
 // The body's element that is or has the tip.
-MjcfElement* find_body(MjcfElement& world, const Model& model, const TipPlace& tip) {
+MjcfElement* find_body(MjcfElement& root, const Model& model, const TipPlace& tip) {
   const bool is_site = tip.site >= 0;
   const std::string name =
       is_site ? model.name(mjOBJ_SITE, tip.site) : model.name(mjOBJ_BODY, tip.body);
   MjcfElement* found = nullptr;
-  for_each_below(world, "", [&](MjcfElement& element, MjcfElement& parent, const std::string&) {
-    if (element.name == (is_site ? "site" : "body") && element.text("name") == name) {
-      found = is_site ? &parent : &element;
-    }
+  for_each_section(root, "worldbody", [&](MjcfElement& world) {
+    for_each_below(world, "", [&](MjcfElement& element, MjcfElement& parent, const std::string&) {
+      const bool is_it = element.name == (is_site ? "site" : "body");
+      if (is_it && element.text("name") == name) found = is_site ? &parent : &element;
+    });
   });
   return found;
 }
@@ -245,8 +247,7 @@ RobotScene robot_before_wall(const std::string& file, const std::string& tip_nam
   }
   show_robot(scene.root, model);
   MjcfElement ball = geom(RobotScene::kTip, "sphere");
-  const std::vector<double> size = {kRadius_m};
-  ball.set("size", size);
+  ball.set("size", std::array{kRadius_m});
   if (tip.site >= 0) {
     ball.set("pos", std::span<const double>(model->site_pos + 3 * tip.site, 3));
   }
@@ -260,24 +261,13 @@ RobotScene robot_before_wall(const std::string& file, const std::string& tip_nam
   wall.set("pos", std::span<const double>(place.data(), 3));
   wall.set("zaxis", std::span<const double>(normal.data(), 3));
   wall.set("rgba", "0.56 0.60 0.65 0.8");
-  MjcfElement key;
-  key.name = "key";
-  key.set("name", RobotScene::kStart);
+  MjcfElement key{"key", "", {{"name", RobotScene::kStart}}, {}};
   key.set("qpos", std::span<const double>(data->qpos, static_cast<std::size_t>(model->nq)));
-  bool has_body = false;
-  for_each_section(scene.root, "worldbody", [&](MjcfElement& world) {
-    MjcfElement* const body = find_body(world, model, tip);
-    if (body == nullptr) return;
-    has_body = true;
-    body->children.push_back(ball);
-  });
-  if (!has_body) throw std::invalid_argument(file + ": the body of the tip needs a name");
-  for (auto& [section, element] : {std::pair("worldbody", &wall), std::pair("keyframe", &key)}) {
-    MjcfElement added;
-    added.name = section;
-    added.children.push_back(*element);
-    scene.root.children.push_back(std::move(added));
-  }
+  MjcfElement* const body = find_body(scene.root, model, tip);
+  if (body == nullptr) throw std::invalid_argument(file + ": the body of the tip needs a name");
+  body->children.push_back(ball);
+  scene.root.children.push_back({"worldbody", "", {}, {wall}});
+  scene.root.children.push_back({"keyframe", "", {}, {key}});
   return scene;
 }
 
