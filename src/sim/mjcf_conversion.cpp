@@ -479,17 +479,15 @@ class Conversion {
 
   void change_words(MjcfElement& e) {
     for (auto& [attribute, value] : e.attributes) {
-      for (const mjcf::NewName& one : mjcf::kNewNames) {
-        if (one.element != e.name || one.attribute != attribute) continue;
-        note(mjcf::left_out, e.name + " " + attribute, "", e.place);
-        attribute = one.old;
-      }
       for (const mjcf::Keyword& one : mjcf::kKeywords) {
-        if (one.element != e.name || one.attribute != attribute || one.value != value) continue;
-        if (one.fate == mjcf::refused) e.fail(value + ": " + std::string(one.becomes));
-        note(one.fate, e.name + " " + attribute + " " + value, "is " + std::string(one.becomes),
-             e.place);
-        value = one.becomes;
+        const bool is_name = one.value.empty();
+        if (one.element != e.name || one.attribute != attribute) continue;
+        if (!is_name && one.value != value) continue;
+        const std::string becomes(one.becomes);
+        if (one.fate == mjcf::refused) e.fail(value + ": " + becomes);
+        note(one.fate, e.name + " " + attribute + (is_name ? "" : " " + value),
+             is_name ? "" : "is " + becomes, e.place);
+        (is_name ? attribute : value) = becomes;
       }
     }
   }

@@ -84,7 +84,8 @@ inline bool has_word(std::string_view list, std::string_view word) {
   return std::ranges::count(words_of(list), word) > 0;
 }
 
-// A keyword that the engine does not know. With the fate `refused`, `becomes` has the reason.
+// A keyword that the engine does not know; without `value`, an attribute with another name there.
+// With the fate `refused`, `becomes` has the reason.
 struct Keyword {
   std::string_view element;
   std::string_view attribute;
@@ -100,19 +101,9 @@ inline constexpr std::array kKeywords = {
     Keyword{"site", "type", "mesh", "sphere", left_out},
     Keyword{"geom", "type", "sdf", "the engine has no signed distance fields", refused},
     Keyword{"composite", "type", "cable", "the engine has no cables", refused},
-};
-
-// The engine's name of an attribute.
-struct NewName {
-  std::string_view element;
-  std::string_view attribute;
-  std::string_view old;
-};
-
-inline constexpr std::array kNewNames = {
-    NewName{"option", "ccd_tolerance", "mpr_tolerance"},
-    NewName{"option", "ccd_iterations", "mpr_iterations"},
-    NewName{"lengthrange", "interval", "inteval"},
+    Keyword{"option", "ccd_tolerance", "", "mpr_tolerance", left_out},
+    Keyword{"option", "ccd_iterations", "", "mpr_iterations", left_out},
+    Keyword{"lengthrange", "interval", "", "inteval", left_out},
 };
 
 }  // namespace breakwater::mjcf
