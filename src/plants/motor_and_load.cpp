@@ -7,12 +7,11 @@
 namespace breakwater {
 
 void check(const TwoInertia& plant) {
-  const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
-  const auto not_negative = [](double x) { return x >= 0.0 && std::isfinite(x); };
   refuse_unless(
-      positive(plant.motor_inertia) && positive(plant.load_inertia) && positive(plant.stiffness) &&
-          positive(plant.ratio) && not_negative(plant.damping) &&
-          not_negative(plant.motor_friction) && not_negative(plant.load_friction),
+      is_positive(plant.motor_inertia) && is_positive(plant.load_inertia) &&
+          is_positive(plant.stiffness) && is_positive(plant.ratio) &&
+          is_not_negative(plant.damping) && is_not_negative(plant.motor_friction) &&
+          is_not_negative(plant.load_friction),
       "two inertias: need inertias, a stiffness and a ratio > 0, and damping and friction >= 0");
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <breakwater/math/refuse_unless.h>
+
 namespace breakwater {
 namespace {
 
@@ -23,9 +25,8 @@ int row_of(const mjData& data, int dof) {
 }  // namespace
 
 void author_friction(Model& model, int joint, double viscous, double coulomb) {
-  const bool fits =
-      std::isfinite(viscous) && viscous >= 0.0 && std::isfinite(coulomb) && coulomb >= 0.0;
-  if (!fits) throw std::invalid_argument("friction: must be finite and not negative");
+  refuse_unless(is_not_negative(viscous) && is_not_negative(coulomb),
+                "friction: must be finite and not negative");
   mjModel& m = *model.get();
   if (!model.is_axis(joint)) {
     throw std::invalid_argument(model.file() + ": friction needs a slide or a hinge");

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/math/refuse_unless.h>
 #include <breakwater/plants/mjcf_tree.h>
 #include <breakwater/sim/engine_guard.h>
 #include <breakwater/sim/mjcf_conversion.h>
@@ -102,9 +103,7 @@ bool has_gap_outside(const mjModel& m) {
 }
 
 void check_timestep(double timestep_s, const std::string& file) {
-  if (!(std::isfinite(timestep_s) && timestep_s > 0.0)) {
-    refuse(file, "option timestep must be positive and finite");
-  }
+  if (!is_positive(timestep_s)) refuse(file, "option timestep must be positive and finite");
 }
 
 // The data that all SharedModels share. Its models never change: each user gets a copy.
@@ -247,9 +246,7 @@ void Model::set_physics(double timestep_s, Integrator integrator) {
 }
 
 void Model::scale_inertia(double ratio) {
-  if (!(std::isfinite(ratio) && ratio > 0.0)) {
-    throw std::invalid_argument(file_ + ": the ratio of inertias must be positive and finite");
-  }
+  if (!is_positive(ratio)) refuse(file_, "the ratio of inertias must be positive and finite");
   if (ratio == 1.0) return;
   mjModel& m = *model_;
   for (int i = 0; i < m.nbody; ++i) m.body_mass[i] *= ratio;
@@ -282,9 +279,7 @@ void Model::add_rotor(int actuator, int joint, double ratio, double inertia,
   if (has(mjOBJ_JOINT, name) || has(mjOBJ_BODY, name)) {
     refuse(file_, "has a joint or body named \"" + name + "\", the name of a rotor to be added");
   }
-  if (!(std::isfinite(inertia) && inertia > 0.0)) {
-    refuse(file_, "the inertia of a rotor must be positive and finite");
-  }
+  if (!is_positive(inertia)) refuse(file_, "the inertia of a rotor must be positive and finite");
   model_ = with_rotor(*model_, joint, ratio, inertia, name, file_);
   model_->actuator_trnid[static_cast<std::ptrdiff_t>(2) * actuator] = id(mjOBJ_JOINT, name);
   derive_constants();
@@ -378,9 +373,7 @@ void Model::make_motor(int actuator) {
 }
 
 void Model::limit_actuator(int actuator, double limit) {
-  if (!(limit > 0.0)) {
-    throw std::invalid_argument(file_ + ": an actuator's limit must be positive");
-  }
+  if (!(limit > 0.0)) refuse(file_, "an actuator's limit must be positive");
   mjModel& m = *model_;
   m.actuator_ctrllimited[actuator] = std::isfinite(limit) ? 1 : 0;
   if (!std::isfinite(limit)) return;

@@ -15,15 +15,12 @@ namespace breakwater {
 namespace {
 
 void check(const TransmissionDesign& design) {
-  const auto not_negative = [](double x) { return x >= 0.0 && std::isfinite(x); };
-  if (!(design.stiffness > 0.0) || !std::isfinite(design.stiffness) ||
-      !not_negative(design.damping) || !not_negative(design.backlash) ||
-      !std::isfinite(design.ratio) || design.ratio == 0.0 ||
-      !std::isfinite(design.kinematic_error) || !std::isfinite(design.error_per_turn)) {
-    throw std::invalid_argument(
-        "transmission: needs a stiffness > 0, damping and backlash >= 0, and a ratio that is "
-        "not 0, all finite");
-  }
+  refuse_unless(is_positive(design.stiffness) && is_not_negative(design.damping) &&
+                    is_not_negative(design.backlash) && std::isfinite(design.ratio) &&
+                    design.ratio != 0.0 && std::isfinite(design.kinematic_error) &&
+                    std::isfinite(design.error_per_turn),
+                "transmission: needs a stiffness > 0, damping and backlash >= 0, and a ratio that "
+                "is not 0, all finite");
 }
 
 }  // namespace
