@@ -1,8 +1,6 @@
 // A file that a user names, to be read; all its bytes.
 #pragma once
 
-#include <unistd.h>
-
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
@@ -21,8 +19,7 @@ inline std::string why_unreadable(const std::filesystem::path& file) {
   if (error) return error.message();
   if (std::filesystem::is_directory(status)) return "it is a folder";
   if (!std::filesystem::is_regular_file(status)) return "it is not a regular file";
-  if (access(file.c_str(), R_OK) != 0) return std::generic_category().message(errno);
-  return "";
+  return std::ifstream(file) ? "" : std::generic_category().message(errno);
 }
 
 /// Throws std::invalid_argument `FILE: cannot be read (REASON)`.

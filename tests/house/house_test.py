@@ -20,9 +20,9 @@ ROOMS = ("math linear signals plants observers control world sim record render s
          "recorded study cluster search pictures pages thesis analysis identification program").split()
 # Rooms that use only a few of the rooms below them.
 KNOW_LITTLE = {
-    "math": "", "linear": "math", "signals": "", "plants": "math linear", "observers": "math linear signals",
+    "math": "", "linear": "math", "signals": "", "plants": "math linear signals", "observers": "math linear signals",
     "world": "math linear signals", "record": "signals", "render": "math linear signals world sim record",
-    "shell": "signals record", "config": "math record shell",
+    "shell": "signals record", "config": "math signals record shell",
     "experiment": "math linear signals plants sim record shell config", "statistics": "math"}
 # A room for a single feature is not a dependency of other rooms.
 WITHOUT = {
