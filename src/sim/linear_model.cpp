@@ -73,23 +73,21 @@ LinearModel linearise(Model model, std::span<const double> qpos, const std::vect
   // The pose must be held before it is varied: an unbalanced force depends on it too. The drives
   // and the twists of the springs hold it.
   const auto twists = static_cast<Eigen::Index>(springs.size());
-  const auto position = [&](Eigen::Index i) -> mjtNum& {
-    return data->qpos[model->jnt_qposadr[springs[static_cast<std::size_t>(i)].joint]];
+  const auto position = [&](const SpringOnJoint& spring) -> mjtNum& {
+    return data->qpos[model->jnt_qposadr[spring.joint]];
   };
   Eigen::MatrixXd held(n, inputs + twists);
-  for (Eigen::Index i = 0; i < inputs; ++i) {
-    held.col(i) = derivative(data->ctrl[actuators[static_cast<std::size_t>(i)]]);
-  }
-  for (Eigen::Index i = 0; i < twists; ++i) held.col(inputs + i) = derivative(position(i));
+  Eigen::Index next = 0;
+  for (const int actuator : actuators) held.col(next++) = derivative(data->ctrl[actuator]);
+  for (const SpringOnJoint& one : springs) held.col(next++) = derivative(position(one));
   linear.plant.B.bottomRows(n) = held.leftCols(inputs);
   Eigen::VectorXd remaining = acceleration();
   if (held.cols() > 0) {
     const Eigen::VectorXd holds = -least_squares(held, remaining);
     linear.held_input = holds.head(inputs);
-    for (Eigen::Index i = 0; i < inputs; ++i) {
-      data->ctrl[actuators[static_cast<std::size_t>(i)]] = linear.held_input(i);
-    }
-    for (Eigen::Index i = 0; i < twists; ++i) position(i) += holds(inputs + i);
+    next = 0;
+    for (const int actuator : actuators) data->ctrl[actuator] = holds(next++);
+    for (const SpringOnJoint& one : springs) position(one) += holds(next++);
     remaining = acceleration();
   }
   linear.qpos = view_of(data->qpos, n);
@@ -99,9 +97,8 @@ LinearModel linearise(Model model, std::span<const double> qpos, const std::vect
     linear.plant.A.col(i).tail(n) = derivative(data->qpos[i]);
     linear.plant.A.col(n + i).tail(n) = derivative(data->qvel[i]);
   }
-  for (Eigen::Index i = 0; i < outputs; ++i) {
-    linear.plant.C(i, model->jnt_dofadr[joints[static_cast<std::size_t>(i)]]) = 1.0;
-  }
+  next = 0;
+  for (const int joint : joints) linear.plant.C(next++, model->jnt_dofadr[joint]) = 1.0;
   return linear;
 }
 

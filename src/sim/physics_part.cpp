@@ -167,13 +167,9 @@ void renumber(mjModel& m, const mjModel& full, const Kept& kept) {
   for (int i = 0; i < m.nwrap; ++i) {
     if (is_wrapped_around(m.wrap_type[i])) renumber_geom(m.wrap_objid[i]);
   }
-  for (int i = 0; i < m.nsensor; ++i) {
-    if (m.sensor_objtype[i] == mjOBJ_GEOM) renumber_geom(m.sensor_objid[i]);
-    if (m.sensor_reftype[i] == mjOBJ_GEOM) renumber_geom(m.sensor_refid[i]);
-  }
-  for (int i = 0; i < m.ntupledata; ++i) {
-    if (m.tuple_objtype[i] == mjOBJ_GEOM) renumber_geom(m.tuple_objid[i]);
-  }
+  for_each_named(m, [&](int type, int& id) {
+    if (type == mjOBJ_GEOM) renumber_geom(id);
+  });
   if (kept.looks) return;
   std::fill_n(m.geom_matid, m.ngeom, -1);
   std::fill_n(m.site_matid, m.nsite, -1);
