@@ -3,7 +3,6 @@
 #include <mujoco/mjxmacro.h>
 
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 
 #include <breakwater/sim/engine_guard.h>
@@ -66,7 +65,7 @@ void copy_keys(const mjtNum* from, mjtNum* to, int keys, int columns, int load, 
 
 }  // namespace
 
-ModelDraft::ModelDraft(const mjModel& compiled, const mjModel& sizes, const std::vector<int>& geoms)
+ModelDraft::ModelDraft(const mjModel& compiled, const mjModel& sizes, const std::vector<int>* geoms)
     : model_(sizes) {
   mjModel expected = compiled;
   const std::size_t size = lay_out(expected, static_cast<std::byte*>(compiled.buffer));
@@ -77,8 +76,8 @@ ModelDraft::ModelDraft(const mjModel& compiled, const mjModel& sizes, const std:
   model_.nbuffer = static_cast<int>(lay_out(model_, buffer_.data()));
   MJMODEL_POINTERS_PREAMBLE((&compiled))
 #define X(type, name, rows, columns)                                                      \
-  if (&compiled.rows == &compiled.ngeom) {                                                \
-    copy_rows(compiled.name, model_.name, geoms, columns);                                \
+  if (geoms != nullptr && &compiled.rows == &compiled.ngeom) {                            \
+    copy_rows(compiled.name, model_.name, *geoms, columns);                               \
   } else {                                                                                \
     copy_rows(compiled.name, model_.name, std::min(compiled.rows, model_.rows), columns); \
   }
@@ -90,15 +89,9 @@ ModelPointer copy_of(const mjModel& model, const std::string& file) {
   return ModelPointer(made_by_engine(file, [&] { return mj_copyModel(nullptr, &model); }));
 }
 
-std::vector<int> all_geoms(const mjModel& model) {
-  std::vector<int> geoms(static_cast<std::size_t>(model.ngeom));
-  std::iota(geoms.begin(), geoms.end(), 0);
-  return geoms;
-}
-
 ModelPointer with_rotor(const mjModel& model, int load, double ratio, double inertia,
                         const std::string& name, const std::string& file) {
-  ModelDraft draft(model, sizes_of(model, name), all_geoms(model));
+  ModelDraft draft(model, sizes_of(model, name));
   mjModel& m = *draft;
   const int body = model.nbody, joint = model.njnt, position = model.nq, dof = model.nv;
   const int load_position = model.jnt_qposadr[load], load_dof = model.jnt_dofadr[load];

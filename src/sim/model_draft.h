@@ -19,10 +19,11 @@ ModelPointer copy_of(const mjModel& model, const std::string& file);
 class ModelDraft {
  public:
   /// Takes the sizes from `sizes` and the contents from `compiled`. These are the rows `geoms` of
-  /// the geom arrays, and the first rows of all others, filled up with zeros. `compiled` must
-  /// outlive only the constructor. Throws std::logic_error if the engine's memory differs from
-  /// mjxmacro.h.
-  ModelDraft(const mjModel& compiled, const mjModel& sizes, const std::vector<int>& geoms);
+  /// the geom arrays (null: all), and the first rows of all others, filled up with zeros.
+  /// `compiled` must outlive only the constructor. Throws std::logic_error if the engine's memory
+  /// differs from mjxmacro.h.
+  ModelDraft(const mjModel& compiled, const mjModel& sizes,
+             const std::vector<int>* geoms = nullptr);
   ModelDraft(const ModelDraft&) = delete;
   ModelDraft& operator=(const ModelDraft&) = delete;
 
@@ -41,9 +42,6 @@ class ModelDraft {
 inline std::ptrdiff_t at(int row, int columns) {
   return static_cast<std::ptrdiff_t>(row) * columns;
 }
-
-/// The ids of all geoms.
-std::vector<int> all_geoms(const mjModel& model);
 
 /// A copy of the model with one more body in the world, behind all others, with one joint of the
 /// kind of `load`. Body and joint have the name `name`. The joint has an inertia and no mass, so

@@ -237,7 +237,7 @@ ModelPointer physics_part(const mjModel& full, const std::vector<int>& geoms,
   const Kept kept = what_stays(full, geoms, collisions);
   mjModel sizes = full;
   set_sizes(sizes, kept, collisions.most_contacts());
-  ModelDraft part(full, sizes, kept.geoms);
+  ModelDraft part(full, sizes, &kept.geoms);
   renumber(*part, full, kept);
   return part.make(file);
 }
@@ -254,7 +254,7 @@ ModelPointer with_contact_pairs(const mjModel& model, const std::string& file) {
   mjModel sizes = model;
   sizes.npair = static_cast<int>(pairs.size());
   sizes.opt.collision = mjCOL_PAIR;
-  ModelDraft draft(model, sizes, all_geoms(model));
+  ModelDraft draft(model, sizes);
   for (int i = 0; i < draft->npair; ++i) write_pair(*draft, i, pairs[static_cast<std::size_t>(i)]);
   switch_contact_pairs(*draft);
   return draft.make(file);
