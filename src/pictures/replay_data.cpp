@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <numeric>
 
 #include <breakwater/render/scene_description.h>
 
@@ -32,8 +34,7 @@ using PoseTrack = std::vector<Pose>;
 
 struct ReplayMotion {
   std::vector<PoseTrack> bodies, cameras, lights;  // all of the model
-  std::vector<int> geoms;                          // visible in at least one frame
-  Json visibility = Json::array();                 // geoms that are visible only at times
+  std::vector<std::vector<bool>> visible;          // each geom, in each frame
   // Whether something else changed in the pictures: a colour, or the place of a geom on its body.
   bool is_incomplete = false;
 };
@@ -46,14 +47,11 @@ ReplayMotion replay_motion(PictureRun& run, const std::vector<double>& times_s) 
   motion.bodies.resize(static_cast<std::size_t>(model->nbody));
   motion.cameras.resize(static_cast<std::size_t>(model->ncam));
   motion.lights.resize(static_cast<std::size_t>(model->nlight));
-  // Whether a geom is visible at first, and the frames at which this changes.
-  std::vector<bool> at_first(static_cast<std::size_t>(model->ngeom));
-  std::vector<std::vector<std::size_t>> changes(at_first.size());
+  motion.visible.resize(static_cast<std::size_t>(model->ngeom));
   std::vector<double> qpos;
   double looks = 0.0;
-  const auto add = [](std::vector<PoseTrack>& tracks, auto&& pose_of) {
-    for (std::size_t i = 0; i < tracks.size(); ++i)
-      tracks[i].push_back(pose_of(static_cast<int>(i)));
+  const auto add = [](auto& tracks, auto&& now) {
+    for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].push_back(now(static_cast<int>(i)));
   };
   for (std::size_t frame = 0; frame < times_s.size(); ++frame) {
     interpolate_qpos(run, times_s[frame], qpos);
@@ -64,17 +62,7 @@ ReplayMotion replay_motion(PictureRun& run, const std::vector<double>& times_s) 
     add(motion.bodies, [&](int i) { return poser.body(i); });
     add(motion.cameras, [&](int i) { return poser.camera(i); });
     add(motion.lights, [&](int i) { return poser.light(i); });
-    for (std::size_t i = 0; i < at_first.size(); ++i) {
-      const bool now = is_drawn(model, static_cast<int>(i));
-      if (frame == 0) at_first[i] = now;
-      if (now != (at_first[i] == (changes[i].size() % 2 == 0))) changes[i].push_back(frame);
-    }
-  }
-  for (std::size_t i = 0; i < at_first.size(); ++i) {
-    if (at_first[i] || !changes[i].empty()) motion.geoms.push_back(static_cast<int>(i));
-    if (changes[i].empty()) continue;
-    motion.visibility.push_back(
-        {{"geom", i}, {"atFirst", bool{at_first[i]}}, {"changes", changes[i]}});
+    add(motion.visible, [&](int i) { return is_drawn(model, i); });
   }
   return motion;
 }
@@ -84,33 +72,32 @@ class Channels {
  public:
   // A constant track is written as its seven numbers. Any other is written as the index of its
   // first channel.
-  Json track(const PoseTrack& track) {
-    const bool stands = std::all_of(track.begin(), track.end(), [&](const Pose& pose) {
-      return pose.position_m == track.front().position_m && pose.rotation == track.front().rotation;
-    });
-    if (stands) return {{"pose", pose_json(track.front())}};
-    std::array<std::vector<double>, 7> columns;
-    std::array<double, 4> last = track.front().rotation;
-    for (const Pose& pose : track) {
-      for (std::size_t k = 0; k < 3; ++k) columns[k].push_back(pose.position_m[k]);
-      // q and −q are the same rotation: choose the one nearer to the last.
-      double dot = 0.0;
-      for (std::size_t k = 0; k < 4; ++k) dot += pose.rotation[k] * last[k];
-      for (std::size_t k = 0; k < 4; ++k)
-        last[k] = dot < 0.0 ? -pose.rotation[k] : pose.rotation[k];
-      for (std::size_t k = 0; k < 4; ++k) columns[3 + k].push_back(last[k]);
+  Json track(PoseTrack track) {
+    if (std::ranges::count(track, track.front()) == std::ssize(track)) {
+      return {{"pose", rounded_list(track.front())}};
+    }
+    // q and −q are the same rotation: choose the one nearer to the last.
+    for (std::size_t i = 1; i < track.size(); ++i) {
+      const auto q = track[i].begin() + 3;
+      const bool turns = std::inner_product(q, track[i].end(), track[i - 1].begin() + 3, 0.0) < 0.0;
+      if (turns) std::transform(q, track[i].end(), q, std::negate<>());
     }
     Json place = {{"channel", count_}};
-    for (const std::vector<double>& column : columns) add(column);
+    for (std::size_t k = 0; k < 7; ++k) add(track, [k](const Pose& pose) { return pose[k]; });
     return place;
   }
 
-  Json signal(const Series& series, const std::vector<double>& times_s) {
-    std::vector<double> values;
-    for (const double time_s : times_s) values.push_back(series.at(time_s).value);
-    Json place = {{"channel", count_}};
-    add(values);
-    return place;
+  // Appends a channel with a value of each one. A value that is not finite repeats the one before.
+  // Returns its index.
+  template <typename Range, typename ValueOf>
+  int add(const Range& range, const ValueOf& value_of) {
+    float last = 0.0F;
+    for (const auto& one : range) {
+      const auto now = static_cast<float>(value_of(one));
+      if (std::isfinite(now)) last = now;
+      numbers_.push_back(last);
+    }
+    return count_++;
   }
 
   int count() const { return count_; }
@@ -129,17 +116,6 @@ class Channels {
   }
 
  private:
-  // A value that is not finite repeats the value before it.
-  void add(const std::vector<double>& values) {
-    float last = 0.0F;
-    for (const double value : values) {
-      const auto now = static_cast<float>(value);
-      if (std::isfinite(now)) last = now;
-      numbers_.push_back(last);
-    }
-    ++count_;
-  }
-
   int count_ = 0;
   std::vector<float> numbers_;
 };
@@ -147,18 +123,18 @@ class Channels {
 Json arrow_json(const ArrowTrack& track, const Model& model, const std::vector<double>& times_s,
                 Channels& channels) {
   const int site = track.arrow.site;
-  Pose pose;
-  std::copy_n(model->site_pos + std::ptrdiff_t{3} * site, 3, pose.position_m.begin());
-  std::copy_n(model->site_quat + std::ptrdiff_t{4} * site, 4, pose.rotation.begin());
+  const Pose pose = pose_of(model->site_pos + std::ptrdiff_t{3} * site,
+                            model->site_quat + std::ptrdiff_t{4} * site);
   Json components = Json::array();
   for (const Series& series : track.components) {
-    components.push_back(channels.signal(series, times_s));
+    components.push_back(
+        channels.add(times_s, [&](double time_s) { return series.at(time_s).value; }));
   }
   const Colour& colour = track.arrow.colour;
   return {{"name", track.name},
           {"unit", track.unit},
           {"body", model->site_bodyid[site]},
-          {"site", pose_json(pose)},
+          {"site", rounded_list(pose)},
           {"offset", rounded_list(track.arrow.offset_m)},
           {"along", rounded_list(track.along)},
           {"inSite", track.arrow.in_site_frame},
@@ -198,16 +174,25 @@ Json run_json(const std::string& folder, PictureRun& staged, const Window& windo
                     "only the last ones");
   }
   Channels channels;
+  std::vector<int> geoms;  // visible in at least one frame
+  Json visibility = Json::array();
+  for (const std::vector<bool>& visible : motion.visible) {
+    const auto id = static_cast<int>(&visible - motion.visible.data());
+    const auto seen = std::count(visible.begin(), visible.end(), true);
+    if (seen > 0) geoms.push_back(id);
+    if (seen == 0 || seen == std::ssize(visible)) continue;
+    visibility.push_back({{"geom", id}, {"channel", channels.add(visible, std::identity())}});
+  }
   Json run;
   run["label"] = staged.caption;
   // Frames in slow motion lie near together, also late in a long run.
   run["times"] = Json::array();
   for (const double time_s : times_s) run["times"].push_back(std::round(time_s * 1e6) / 1e6);
-  run["scene"] = describe_scene(staged.model, motion.geoms, staged.surfaces, assets);
+  run["scene"] = describe_scene(staged.model, geoms, staged.surfaces, assets);
   run["bodies"] = tracks_json(motion.bodies, channels);
   run["cameras"] = tracks_json(motion.cameras, channels);
   run["lights"] = tracks_json(motion.lights, channels);
-  run["visibility"] = motion.visibility;
+  run["visibility"] = visibility;
   run["surfaces"] = surfaces_json(staged.surfaces);
   run["arrows"] = Json::array();
   for (const ArrowTrack& arrow : staged.arrows) {

@@ -1,10 +1,12 @@
 #include <breakwater/render/scene_description.h>
 
+#include <fmt/format.h>
 #include <zlib.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <numbers>
 #include <stdexcept>
 
 #include <breakwater/render/render_error.h>
@@ -40,21 +42,13 @@ std::string packed_bytes(std::span<const std::uint8_t> bytes) {
 
 double rounded(double value) {
   if (!std::isfinite(value) || value == 0.0) return 0.0;
-  const double unit = std::pow(10.0, 7.0 - std::floor(std::log10(std::abs(value))));
-  const double near = std::round(value * unit) / unit;
-  return std::isfinite(near) ? near : value;
+  return std::strtod(fmt::format("{:.8g}", value).c_str(), nullptr);
 }
 
-nlohmann::ordered_json pose_json(const Pose& pose) {
-  nlohmann::ordered_json all = rounded_list(pose.position_m);
-  for (const double value : pose.rotation) all.push_back(rounded(value));
-  return all;
-}
-
-int SceneAssets::of(const nlohmann::ordered_json& asset) {
-  const auto [place, is_new] = numbers_.emplace(asset.dump(), static_cast<int>(all_.size()));
-  if (is_new) all_.push_back(asset);
-  return place->second;
+Pose pose_of(const mjtNum* position_m, const mjtNum* quaternion) {
+  Pose pose{};
+  std::copy_n(quaternion, 4, std::copy_n(position_m, 3, pose.begin()));
+  return pose;
 }
 
 namespace {
@@ -63,13 +57,6 @@ using Json = nlohmann::ordered_json;
 
 std::ptrdiff_t row_at(int width, int i) {
   return static_cast<std::ptrdiff_t>(width) * i;
-}
-
-template <std::size_t N, typename Number>
-std::array<double, N> numbers(const Number* from) {
-  std::array<double, N> all{};
-  std::copy_n(from, N, all.begin());
-  return all;
 }
 
 // Row `id` of an array with rows of `width` numbers.
@@ -84,10 +71,8 @@ std::string packed(const Number* from, std::ptrdiff_t count) {
                        static_cast<std::size_t>(count) * sizeof(Number)});
 }
 
-Pose pose_of(const mjtNum* position, const mjtNum* matrix) {
-  using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  const Eigen::Quaterniond q{Eigen::Matrix3d(Eigen::Map<const RowMajor>(matrix))};
-  return {numbers<3>(position), {q.w(), q.x(), q.y(), q.z()}};
+Pose pose_with(const mjtNum* position_m, const Eigen::Quaterniond& q) {
+  return {position_m[0], position_m[1], position_m[2], q.w(), q.x(), q.y(), q.z()};
 }
 
 Eigen::Map<const Eigen::Vector3d> vector3(const mjtNum* v) {
@@ -140,93 +125,63 @@ Json texture_json(const mjModel& m, int id) {
 
 constexpr float kUnlit[3] = {};
 
-Json light_json(bool is_directional, bool casts_shadow, const float* ambient, const float* diffuse,
-                const float* specular, double cutoff_deg, double exponent) {
-  return {{"directional", is_directional}, {"shadow", casts_shadow},
-          {"ambient", row(ambient, 0)},    {"diffuse", row(diffuse, 0)},
-          {"specular", row(specular, 0)},  {"cutoff", rounded(cutoff_deg)},
-          {"exponent", rounded(exponent)}};
-}
-
-// The light at the camera.
-Json headlight_json(const mjModel& m) {
-  const auto& light = m.vis.headlight;
-  const bool is_on = light.active != 0;
-  return light_json(false, true, is_on ? light.ambient : kUnlit, is_on ? light.diffuse : kUnlit,
-                    is_on ? light.specular : kUnlit, 45.0, 10.0);
+// The colours of a light.
+Json colours_json(bool is_on, const float* ambient, const float* diffuse, const float* specular) {
+  return {{"ambient", row(is_on ? ambient : kUnlit, 0)},
+          {"diffuse", row(is_on ? diffuse : kUnlit, 0)},
+          {"specular", row(is_on ? specular : kUnlit, 0)}};
 }
 
 Json light_json(const mjModel& m, int id) {
-  const auto colour = [&](const float* of_all) {
-    return m.light_active[id] != 0 ? of_all + row_at(3, id) : kUnlit;
-  };
-  return light_json(m.light_directional[id] != 0, m.light_castshadow[id] != 0,
-                    colour(m.light_ambient), colour(m.light_diffuse), colour(m.light_specular),
-                    m.light_cutoff[id], m.light_exponent[id]);
+  const std::ptrdiff_t at = row_at(3, id);
+  Json light = colours_json(m.light_active[id] != 0, m.light_ambient + at, m.light_diffuse + at,
+                            m.light_specular + at);
+  light.update({{"directional", m.light_directional[id] != 0},
+                {"shadow", m.light_castshadow[id] != 0},
+                {"cutoff", rounded(m.light_cutoff[id])},
+                {"exponent", rounded(m.light_exponent[id])}});
+  return light;
 }
 
 // Shows the whole model.
 Json free_camera_json(const Model& model) {
   mjvCamera camera;
   mjv_defaultFreeCamera(model.get(), &camera);
-  constexpr double kDegree = 3.14159265358979323846 / 180.0;
-  const double azimuth = camera.azimuth * kDegree;
-  const double elevation = camera.elevation * kDegree;
-  const Eigen::Vector3d forward(std::cos(elevation) * std::cos(azimuth),
-                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-  const Eigen::Vector3d right(std::sin(azimuth), -std::cos(azimuth), 0.0);
-  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> axes;
-  axes.col(0) = right;
-  axes.col(1) = right.cross(forward);
-  axes.col(2) = -forward;
-  const Eigen::Vector3d position = vector3(camera.lookat) - camera.distance * forward;
-  return {{"pose", pose_json(pose_of(position.data(), axes.data()))},
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  // A camera looks along −z, with y up.
+  const Eigen::Quaterniond q =
+      Eigen::AngleAxisd((camera.azimuth - 90.0) * kDegree, Eigen::Vector3d::UnitZ()) *
+      Eigen::AngleAxisd((camera.elevation + 90.0) * kDegree, Eigen::Vector3d::UnitX());
+  const Eigen::Vector3d position =
+      vector3(camera.lookat) + camera.distance * (q * Eigen::Vector3d::UnitZ());
+  return {{"pose", rounded_list(pose_with(position.data(), q))},
           {"fovy", rounded(model->vis.global.fovy)}};
 }
-
-// The assets of one model, which are packed once.
-class ModelAssets {
- public:
-  explicit ModelAssets(SceneAssets& assets) : assets_(assets) {}
-  template <typename Make>
-  int of(const char* kind, int id, Make make) {
-    const auto [place, is_new] = numbers_.try_emplace({kind, id}, 0);
-    if (is_new) place->second = assets_.of(make());
-    return place->second;
-  }
-
- private:
-  SceneAssets& assets_;
-  std::map<std::pair<std::string, int>, int> numbers_;
-};
 
 // A visible shape, rigid on a body, with its assets. The shininess is OpenGL's exponent divided by
 // 128. Repeats of a uniform texture are per metre, not per geom.
 Json geom_json(const Model& model, int id, const std::vector<WavingSurface>& surfaces,
-               ModelAssets& assets) {
+               SceneAssets& assets) {
   const mjModel& m = *model.get();
   const int material = m.geom_matid[id];
-  std::array<double, 4> rgba = numbers<4>(m.geom_rgba + row_at(4, id));
+  const float* const own = m.geom_rgba + row_at(4, id);
   // As the engine does it: the compiler's grey means that the geom has no colour.
-  if (material >= 0 && rgba == std::array<double, 4>{0.5, 0.5, 0.5, 1.0}) {
-    rgba = numbers<4>(m.mat_rgba + row_at(4, material));
-  }
+  const bool is_grey = std::equal(own, own + 4, std::array{0.5F, 0.5F, 0.5F, 1.0F}.begin());
   const std::string name = model.name(mjOBJ_GEOM, id);
-  const Pose pose = {numbers<3>(m.geom_pos + row_at(3, id)),
-                     numbers<4>(m.geom_quat + row_at(4, id))};
+  const Pose pose = pose_of(m.geom_pos + row_at(3, id), m.geom_quat + row_at(4, id));
   Json geom = {{"id", id},
                {"name", name},
                {"body", m.geom_bodyid[id]},
                {"shape", kShapes[static_cast<std::size_t>(m.geom_type[id])]},
                {"size", row(m.geom_size, id)},
-               {"pose", pose_json(pose)},
-               {"rgba", rounded_list(rgba)},
+               {"pose", rounded_list(pose)},
+               {"rgba", material >= 0 && is_grey ? row(m.mat_rgba, material, 4) : row(own, 0, 4)},
                {"emission", rounded(material < 0 ? 0.0 : m.mat_emission[material])},
                {"specular", rounded(material < 0 ? 0.5 : m.mat_specular[material])},
                {"shininess", rounded(material < 0 ? 0.5 : m.mat_shininess[material])}};
   if (material >= 0 && m.mat_texid[material] >= 0) {
     const int texture = m.mat_texid[material];
-    geom["texture"] = assets.of("texture", texture, [&] { return texture_json(m, texture); });
+    geom["texture"] = assets.of(m, "texture", texture, [&] { return texture_json(m, texture); });
     geom["repeat"] = row(m.mat_texrepeat, material, 2);
     geom["uniform"] = m.mat_texuniform[material] != 0;
   }
@@ -235,9 +190,9 @@ Json geom_json(const Model& model, int id, const std::vector<WavingSurface>& sur
     const bool is_waving =
         std::any_of(surfaces.begin(), surfaces.end(),
                     [&](const WavingSurface& surface) { return surface.geom == name; });
-    geom["asset"] = assets.of("field", data, [&] { return field_json(m, data, is_waving); });
+    geom["asset"] = assets.of(m, "field", data, [&] { return field_json(m, data, is_waving); });
   } else if (m.geom_type[id] == mjGEOM_MESH && data >= 0) {
-    geom["asset"] = assets.of("mesh", data, [&] { return mesh_json(m, data); });
+    geom["asset"] = assets.of(m, "mesh", data, [&] { return mesh_json(m, data); });
   }
   return geom;
 }
@@ -254,9 +209,8 @@ bool is_drawn(const Model& model, int geom) {
 
 nlohmann::ordered_json describe_scene(const Model& model, const std::vector<int>& geoms,
                                       const std::vector<WavingSurface>& surfaces,
-                                      SceneAssets& all_assets) {
+                                      SceneAssets& assets) {
   const mjModel& m = *model.get();
-  ModelAssets assets(all_assets);
   const auto each = [](int count, auto make) {
     Json all = Json::array();
     for (int i = 0; i < count; ++i) all.push_back(make(i));
@@ -269,13 +223,16 @@ nlohmann::ordered_json describe_scene(const Model& model, const std::vector<int>
   });
   const int* const sky = std::find(m.tex_type, m.tex_type + m.ntex, int{mjTEXTURE_SKYBOX});
   const auto sky_id = static_cast<int>(sky - m.tex_type);
-  scene["sky"] =
-      sky_id < m.ntex ? assets.of("texture", sky_id, [&] { return texture_json(m, sky_id); }) : -1;
+  scene["sky"] = sky_id < m.ntex
+                     ? assets.of(m, "texture", sky_id, [&] { return texture_json(m, sky_id); })
+                     : -1;
   scene["cameras"] = each(m.ncam, [&](int i) {
     return Json{{"name", model.name(mjOBJ_CAMERA, i)}, {"fovy", rounded(m.cam_fovy[i])}};
   });
   scene["lights"] = each(m.nlight, [&](int i) { return light_json(m, i); });
-  scene["headlight"] = headlight_json(m);
+  const auto& headlight = m.vis.headlight;
+  scene["headlight"] =
+      colours_json(headlight.active != 0, headlight.ambient, headlight.diffuse, headlight.specular);
   scene["centre"] = row(m.stat.center, 0);
   scene["extent"] = rounded(m.stat.extent);
   scene["near"] = rounded(m.vis.map.znear * m.stat.extent);
@@ -304,17 +261,19 @@ void ScenePoser::pose(std::span<const double> qpos) {
 }
 
 Pose ScenePoser::body(int id) const {
-  return {numbers<3>(data_->xpos + row_at(3, id)), numbers<4>(data_->xquat + row_at(4, id))};
+  return pose_of(data_->xpos + row_at(3, id), data_->xquat + row_at(4, id));
 }
 
 Pose ScenePoser::camera(int id) const {
-  return pose_of(data_->cam_xpos + row_at(3, id), data_->cam_xmat + row_at(9, id));
+  using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const Eigen::Matrix3d axes = Eigen::Map<const RowMajor>(data_->cam_xmat + row_at(9, id));
+  return pose_with(data_->cam_xpos + row_at(3, id), Eigen::Quaterniond(axes));
 }
 
 Pose ScenePoser::light(int id) const {
-  const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(
-      -Eigen::Vector3d::UnitZ(), Eigen::Vector3d(vector3(data_->light_xdir + row_at(3, id))));
-  return {numbers<3>(data_->light_xpos + row_at(3, id)), {q.w(), q.x(), q.y(), q.z()}};
+  return pose_with(data_->light_xpos + row_at(3, id),
+                   Eigen::Quaterniond::FromTwoVectors(-Eigen::Vector3d::UnitZ(),
+                                                      vector3(data_->light_xdir + row_at(3, id))));
 }
 
 }  // namespace breakwater

@@ -4,12 +4,14 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <breakwater/sim/model.h>
@@ -21,10 +23,8 @@ namespace breakwater {
 inline constexpr int kDrawnGroups = 3;
 
 /// The pose of a body, camera or light in the world: position [m] and unit quaternion (w, x, y, z).
-struct Pose {
-  std::array<double, 3> position_m{};
-  std::array<double, 4> rotation{1.0, 0.0, 0.0, 0.0};
-};
+using Pose = std::array<double, 7>;
+Pose pose_of(const mjtNum* position_m, const mjtNum* quaternion);
 
 /// Base64 by RFC 4648, padded.
 std::string base64(const void* bytes, std::size_t size);
@@ -40,18 +40,26 @@ nlohmann::ordered_json rounded_list(const Numbers& numbers) {
   for (const auto value : numbers) all.push_back(rounded(static_cast<double>(value)));
   return all;
 }
-/// The seven numbers of a pose.
-nlohmann::ordered_json pose_json(const Pose& pose);
 
 /// Meshes, height fields and textures. Runs that share one have it only once.
 class SceneAssets {
  public:
-  /// The index of an asset.
-  int of(const nlohmann::ordered_json& asset);
+  /// The index of an asset, which `pack` makes once for a model. The model must outlive this.
+  template <typename Pack>
+  int of(const mjModel& model, const std::string& kind, int id, const Pack& pack) {
+    const auto [place, is_new] = numbers_.try_emplace({&model, kind, id});
+    if (is_new) {
+      const nlohmann::ordered_json asset = pack();
+      const auto equal = std::find(all_.begin(), all_.end(), asset);
+      place->second = static_cast<int>(equal - all_.begin());
+      if (equal == all_.end()) all_.push_back(asset);
+    }
+    return place->second;
+  }
   const nlohmann::ordered_json& all() const { return all_; }
 
  private:
-  std::map<std::string, int> numbers_;
+  std::map<std::tuple<const mjModel*, std::string, int>, int> numbers_;
   nlohmann::ordered_json all_ = nlohmann::ordered_json::array();
 };
 

@@ -373,14 +373,14 @@ TEST(ScenePoser, TurnsTheArmAboutItsJoint) {
   const double angle = 0.7;
   poser.pose(std::array{angle});
   const Pose arm = poser.body(model.id(mjOBJ_BODY, "arm"));
-  EXPECT_NEAR(arm.position_m[0], 1.0, 1e-12);  // the joint is above the body's origin
-  EXPECT_NEAR(arm.rotation[0], std::cos(0.5 * angle), 1e-12);
-  EXPECT_NEAR(arm.rotation[3], std::sin(0.5 * angle), 1e-12);
+  EXPECT_NEAR(arm[0], 1.0, 1e-12);  // the joint is above the body's origin
+  EXPECT_NEAR(arm[3], std::cos(0.5 * angle), 1e-12);
+  EXPECT_NEAR(arm[6], std::sin(0.5 * angle), 1e-12);
   const Pose eye = poser.camera(0);
-  EXPECT_NEAR(eye.position_m[1], -3.0, 1e-12);
+  EXPECT_NEAR(eye[1], -3.0, 1e-12);
   // The camera looks along +y, which is its −z axis: a quarter turn about x.
-  EXPECT_NEAR(std::abs(eye.rotation[0]), std::sqrt(0.5), 1e-12);
-  EXPECT_NEAR(std::abs(eye.rotation[1]), std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(std::abs(eye[3]), std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(std::abs(eye[4]), std::sqrt(0.5), 1e-12);
 }
 
 }  // namespace breakwater::scene_view_test

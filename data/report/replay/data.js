@@ -73,15 +73,6 @@ const Replay = {};
     }
   }
 
-  // A number over time.
-  class Signal {
-    constructor(json, channels) {
-      this.column = channels[json.channel];
-    }
-
-    at(place) { return between(this.column, place); }
-  }
-
   async function assetOf(json) {
     if (json.kind === "mesh") {
       const [vertices, normals, texcoords, faces] = await Promise.all(
@@ -104,9 +95,10 @@ const Replay = {};
     const channels = channelsOf(await unpacked(json.motion), json.channels, times.frames);
     const tracks = (list) => list.map((one) => new Track(one, channels));
     return {
-      label: json.label, colour: json.colour, times, scene: json.scene, visibility: json.visibility, surfaces: json.surfaces,
+      label: json.label, colour: json.colour, times, scene: json.scene, surfaces: json.surfaces,
+      visibility: json.visibility.map((one) => ({...one, column: channels[one.channel]})),
       bodies: tracks(json.bodies), cameras: tracks(json.cameras), lights: tracks(json.lights),
-      arrows: json.arrows.map((arrow) => ({...arrow, signals: arrow.values.map((one) => new Signal(one, channels))})),
+      arrows: json.arrows.map((arrow) => ({...arrow, signals: arrow.values.map((one) => (place) => between(channels[one], place))})),
     };
   }
 

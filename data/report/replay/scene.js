@@ -143,7 +143,7 @@
       const body = bodies[json.body];
       const [x, y, z, w, a, b, c] = json.site;
       this.site.set(x, y, z).applyQuaternion(body.quaternion).add(body.position);
-      const values = json.signals.map((signal) => signal.at(frame));
+      const values = json.signals.map((at) => at(frame));
       const force = vector(json.along.map((factor, k) => factor * (values.length === 3 ? values[k] : values[0])));
       this.value = force.length();
       const reach = force.clone().multiplyScalar(json.scale);
@@ -177,7 +177,7 @@
       this.meshes = [];
       this.waters = [];
       for (const geom of run.scene.geoms) this.addGeom(geom, data, stage);
-      this.visibility = run.visibility.map((one) => ({...one, mesh: this.meshes.find((m) => m.geom.id === one.geom)}));
+      this.visibility = run.visibility.map((one) => ({...one, shape: this.meshes.find((m) => m.geom.id === one.geom)}));
       this.arrows = run.arrows.map((json) => new Arrow(json, stage.shared));
       for (const arrow of this.arrows) this.root.add(arrow.object, arrow.mark);
     }
@@ -219,9 +219,7 @@
       const {run} = this;
       const frame = this.frame = run.times.place(time);
       run.bodies.forEach((track, i) => track.write(frame, this.bodies[i].position, this.bodies[i].quaternion));
-      for (const {mesh, atFirst, changes} of this.visibility) {
-        if (mesh) mesh.hidden = atFirst === (changes.filter((at) => at <= frame.frame).length % 2 === 1);
-      }
+      for (const one of this.visibility) one.shape.hidden = one.column[frame.frame] === 0;
       for (const water of this.waters) water.pose(Math.min(Math.max(time, run.times.begin), run.times.end));
       for (const arrow of this.arrows) arrow.pose(run, frame, this.bodies, showsForces);
     }
