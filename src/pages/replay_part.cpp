@@ -45,7 +45,7 @@ PageChart chart_of(const ShotList& shots, const PictureStage& stage, const Repla
   PageChart chart;
   chart.id = options.id + "-shots";
   chart.group = options.group;
-  chart.title = shots.chart_title;
+  chart.title = shots.style.chart_title;
   const bool is_one = stage.runs.size() == 1;
   for (std::size_t i = 0; i < stage.runs.size(); ++i) {
     const PictureRun& run = stage.runs[i];
@@ -96,9 +96,9 @@ ReplayPart replay_part(ShownRuns runs, const ReplayOptions& options,
     part.chart->to_s = part.window.to_s;
     if (part.chart->series.empty()) part.chart.reset();
   }
-  const std::string about =
-      fmt::format("{} in three dimensions: {}", part.labels,
-                  shots.title.empty() ? runs.front().scenario().summary() : shots.title);
+  const std::string about = fmt::format(
+      "{} in three dimensions: {}", part.labels,
+      shots.style.title.empty() ? runs.front().scenario().summary() : shots.style.title);
   auto strips = PageData::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const std::string strip = strip_address(runs[i], shots, options.camera, notes);

@@ -180,7 +180,7 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
     for (const std::string& name : chart.signals) shown.push_back(bare(name));
   }
   for (const ShotLine& line : shots.lines) shown.push_back(bare(line.value));
-  for (const ShotArrow& arrow : shots.arrows) shown.push_back(bare(arrow.signal));
+  for (const ShotArrow& arrow : shots.arrows) shown.push_back(bare(arrow.track.signal));
   std::vector<LoggedQuantity> all;
   for (const LogEntry& entry : signals) {
     if (entry.name == "qpos" || entry.rows == 0) continue;

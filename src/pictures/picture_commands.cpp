@@ -78,7 +78,7 @@ Look read_look(const std::string& text, const Look& otherwise) {
 PictureStage set_stage(ShownRuns runs, const ShotList& shots, const PictureArguments& arguments,
                        const Window& window, const Look& look) {
   PictureStage stage = stage_pictures(runs, shots, arguments.camera, window);
-  const Size size = read_size(arguments.size, {shots.width, shots.height});
+  const Size size = read_size(arguments.size, {shots.style.width, shots.style.height});
   stage.style.width = size.width;
   stage.style.height = size.height;
   stage.style.look = read_look(arguments.look, look);

@@ -131,8 +131,7 @@ Json arrow_json(const ArrowTrack& track, const Model& model, const std::vector<d
         channels.add(times_s, [&](double time_s) { return series.at(time_s).value; }));
   }
   const Colour& colour = track.arrow.colour;
-  return {{"name", track.name},
-          {"unit", track.unit},
+  return {{"unit", track.unit},
           {"body", model->site_bodyid[site]},
           {"site", rounded_list(pose)},
           {"offset", rounded_list(track.arrow.offset_m)},
@@ -248,7 +247,7 @@ ReplayData replay_data(ShownRuns runs, const ShotList& shots, const std::string&
       moments.push_back({{"caption", moment.caption}, {"time", *time_s}});
     }
   }
-  data.json = {{"title", shots.title},
+  data.json = {{"title", shots.style.title},
                {"begin", whole.from_s},
                {"end", whole.to_s},
                {"window", {{"from", window.from_s}, {"to", window.to_s}, {"speed", window.speed}}},

@@ -14,11 +14,11 @@ const Names<Corner> kCorners = {{"top-left", {false, false}},
 const Names<bool> kFrames = {{"world", false}, {"site", true}};
 const Names<bool> kStyles = {{"solid", false}, {"dashed", true}};
 
-std::vector<double> vector_of_three(const TomlEntry& entry) {
+Eigen::Vector3d vector_of_three(const TomlEntry& entry) {
   std::vector<double> values;
   for (const TomlEntry& element : entry.elements()) values.push_back(element.number());
   if (values.size() != 3) entry.fail("must have 3 numbers");
-  return values;
+  return {values[0], values[1], values[2]};
 }
 
 int even(const TomlEntry& pixels, std::int64_t most) {
@@ -32,10 +32,10 @@ void read_video(const TomlEntry& video, ShotList& shots) {
   shots.from_s = video["from_s"].number(not_negative());
   shots.to_s = video["to_s"].number(positive());
   if (shots.to_s <= shots.from_s) video["to_s"].fail("must be after video.from_s");
-  shots.speed = video["speed"].number(positive());
+  shots.style.speed = video["speed"].number(positive());
   shots.fps = static_cast<int>(video["fps"].whole(1, 240));
-  shots.width = even(video["width"], 7680);
-  shots.height = even(video["height"], 4320);
+  shots.style.width = even(video["width"], 7680);
+  shots.style.height = even(video["height"], 4320);
 }
 
 ShotMoment read_moment(const TomlEntry& moment) {
@@ -48,15 +48,17 @@ ShotMoment read_moment(const TomlEntry& moment) {
 ShotArrow read_arrow(const TomlEntry& arrow) {
   arrow.allow({"signal", "unit", "site", "along", "frame", "offset_m", "metres_per_unit",
                "contact_mark_m"});
-  return {.signal = arrow["signal"].text(),
-          .unit = arrow["unit"].text_or_empty(),
-          .site = arrow["site"].text(),
-          .site_place = arrow["site"].place(),
-          .along = vector_of_three(arrow["along"]),
-          .in_site_frame = arrow["frame"].choice(kFrames),
-          .offset_m = vector_of_three(arrow["offset_m"]),
-          .metres_per_unit = arrow["metres_per_unit"].number(positive()),
-          .contact_mark_m = arrow["contact_mark_m"].number(not_negative())};
+  ShotArrow shot;
+  shot.track.signal = arrow["signal"].text();
+  shot.track.unit = arrow["unit"].text_or_empty();
+  shot.site = arrow["site"].text();
+  shot.site_place = arrow["site"].place();
+  shot.track.along = vector_of_three(arrow["along"]);
+  shot.track.arrow.in_site_frame = arrow["frame"].choice(kFrames);
+  shot.track.arrow.offset_m = vector_of_three(arrow["offset_m"]);
+  shot.track.metres_per_unit = arrow["metres_per_unit"].number(positive());
+  shot.track.arrow.contact_mark_m = arrow["contact_mark_m"].number(not_negative());
+  return shot;
 }
 
 ShotPage read_page(const TomlEntry& page) {
@@ -86,7 +88,7 @@ ShotList shot_list(const std::filesystem::path& file) {
   const toml::table tables = parse_toml_file(file.string());
   const TomlEntry root(tables, file.string());
   root.allow({"title", "camera", "video", "moment", "arrow", "chart", "line", "page"});
-  shots.title = root["title"].text_or_empty();
+  shots.style.title = root["title"].text_or_empty();
   shots.camera = root["camera"].text_or_empty();
   shots.camera_place = root["camera"].place();
   read_video(root["video"], shots);
@@ -95,8 +97,8 @@ ShotList shot_list(const std::filesystem::path& file) {
   }
   for (const TomlEntry& arrow : root["arrow"].elements()) shots.arrows.push_back(read_arrow(arrow));
   root["chart"].allow({"title", "corner"});
-  shots.chart_title = root["chart"]["title"].text_or_empty();
-  root["chart"]["corner"].choice(kCorners, shots.chart_corner);
+  shots.style.chart_title = root["chart"]["title"].text_or_empty();
+  root["chart"]["corner"].choice(kCorners, shots.style.chart_corner);
   for (const TomlEntry& line : root["line"].elements()) shots.lines.push_back(read_line(line));
   shots.page = read_page(root["page"]);
   return shots;

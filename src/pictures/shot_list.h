@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/render/picture.h>
+
 namespace breakwater {
 
 /// One picture of a strip: an instant, or the first one from then on with a positive signal.
@@ -18,15 +20,9 @@ struct ShotMoment {
 
 /// An arrow at a site of the model. A signal sets its length; a signal of three values is a vector.
 struct ShotArrow {
-  std::string signal;
-  std::string unit;           ///< unit of the number beside it; empty: no number
-  std::string site;           ///< {KEY} in it is replaced by this key of the run's configuration
-  std::string site_place;     ///< "FILE:LINE: arrow.site"
-  std::vector<double> along;  ///< direction of a positive value; for a vector: one factor per value
-  bool in_site_frame = false;    ///< frame of `along`: the site's, or the world's if false
-  std::vector<double> offset_m;  ///< offset of the start from the site, in the world
-  double metres_per_unit = 0.0;
-  double contact_mark_m = 0.0;  ///< radius of a ball at the site while there is a force; 0: none
+  ArrowTrack track;        ///< without the site, colour and values of a run
+  std::string site;        ///< {KEY} in it is replaced by this key of the run's configuration
+  std::string site_place;  ///< "FILE:LINE: arrow.site"
 };
 
 /// A line of the strip chart: a signal of the log, or a number of the run's configuration.
@@ -49,25 +45,15 @@ struct ShotPage {
   std::vector<KeyChart> charts;      ///< empty: the first quantities of the log
 };
 
-struct Corner {
-  bool is_right = true;
-  bool is_bottom = true;
-};
-
 struct ShotList {
-  std::string title;         ///< in the lower corner without the chart
+  PictureStyle style;        ///< size, texts and speed of a video
   std::string camera;        ///< empty: the whole model
   std::string camera_place;  ///< "FILE:LINE: camera"
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();  ///< limited by the end of the run
-  double speed = 1.0;
   int fps = 30;
-  int width = 1280;
-  int height = 720;
   std::vector<ShotMoment> moments;
   std::vector<ShotArrow> arrows;
-  std::string chart_title;
-  Corner chart_corner;
   std::vector<ShotLine> lines;
   ShotPage page;
 };

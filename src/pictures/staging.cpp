@@ -29,27 +29,20 @@ int of_shot_list(const std::string& place, Find&& find) {
 
 ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Model& model,
                        const Colour& colour) {
-  ArrowTrack track;
+  ArrowTrack track = shot.track;
   track.arrow.site =
       of_shot_list(shot.site_place, [&] { return site_id(model, run.fill_in(shot.site)); });
-  track.arrow.offset_m = Eigen::Map<const Eigen::Vector3d>(shot.offset_m.data());
-  track.arrow.in_site_frame = shot.in_site_frame;
-  track.arrow.contact_mark_m = shot.contact_mark_m;
   track.arrow.colour = colour;
-  const bool is_indexed = shot.signal.find('[') != std::string::npos;
-  const std::size_t width = is_indexed ? 1 : run.saved().entry(shot.signal).width;
+  const bool is_indexed = track.signal.find('[') != std::string::npos;
+  const std::size_t width = is_indexed ? 1 : run.saved().entry(track.signal).width;
   for (std::size_t i = 1; i <= width; ++i) {
     track.components.push_back(
-        run.saved().signal(is_indexed ? shot.signal : fmt::format("{}[{}]", shot.signal, i)));
+        run.saved().signal(is_indexed ? track.signal : fmt::format("{}[{}]", track.signal, i)));
   }
-  if (track.components.size() != 1 && track.components.size() != 3) {
-    throw std::invalid_argument("arrow: signal " + shot.signal + " has " +
-                                std::to_string(track.components.size()) + " values, not 1 or 3");
+  if (width != 1 && width != 3) {
+    throw std::invalid_argument(
+        fmt::format("arrow: signal {} has {} values, not 1 or 3", track.signal, width));
   }
-  track.along = Eigen::Map<const Eigen::Vector3d>(shot.along.data());
-  track.metres_per_unit = shot.metres_per_unit;
-  track.unit = shot.unit;
-  track.name = shot.signal;
   return track;
 }
 
@@ -103,7 +96,7 @@ PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::strin
   staged.times_s = run.times_s();
   staged.qpos = run.qpos();
   for (const ShotArrow& shot : shots.arrows) {
-    if (is_missing(shot.signal)) continue;
+    if (is_missing(shot.track.signal)) continue;
     const Colour& colour = staged.arrows.empty() ? kForce : kOtherForce;
     staged.arrows.push_back(stage_arrow(run, shot, staged.model, colour));
   }
@@ -185,7 +178,7 @@ Window choose_window(ShownRuns runs, const ShotList& shots, const Wish& wish) {
   const double end_s = all.to_s;
   const double slack_s = 1e-9 * std::max(1.0, end_s);
 
-  Window window{std::max(shots.from_s, begin_s), std::min(shots.to_s, end_s), shots.speed};
+  Window window{std::max(shots.from_s, begin_s), std::min(shots.to_s, end_s), shots.style.speed};
   if (window.from_s >= window.to_s) window = all;
   if (wish.from_s) window.from_s = *wish.from_s;
   if (wish.to_s) window.to_s = *wish.to_s;
@@ -221,10 +214,7 @@ PictureStage stage_pictures(ShownRuns runs, const ShotList& shots, const std::st
     const auto& own = stage.runs.back().lines;
     lines.insert(lines.end(), own.begin(), own.end());
   }
-  stage.style.title = shots.title;
-  stage.style.chart_title = shots.chart_title;
-  stage.style.chart_right = shots.chart_corner.is_right;
-  stage.style.chart_bottom = shots.chart_corner.is_bottom;
+  stage.style = shots.style;
   stage.style.chart_range = chart_range(lines, window.from_s, window.to_s);
   stage.style.speed = window.speed;
   return stage;
@@ -285,7 +275,7 @@ Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle
               fmt::format("t = {:.3f} s", moment.time_s), text, kInk, Align::center);
   }
   if (!lines.empty()) {
-    Chart chart(shots.chart_title + "   " + stage.runs.front().caption, lines,
+    Chart chart(shots.style.chart_title + "   " + stage.runs.front().caption, lines,
                 stage.style.chart_range, width, chart_height, unit);
     for (int i = 0; i < count; ++i) {
       const double time_s = moments[static_cast<std::size_t>(i)].time_s;

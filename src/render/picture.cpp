@@ -281,10 +281,10 @@ void Picture::lay_out() {
       const double margin = std::round(kMargin * unit);
       chart.width = std::round(std::min(460.0 * unit, 0.52 * panel.area.width));
       chart.height = std::round(std::min(220.0 * unit, 0.36 * panel.area.height));
-      chart.left =
-          style_.chart_right ? panel.area.right() - chart.width - margin : panel.area.left + margin;
-      chart.top = style_.chart_bottom ? panel.area.bottom() - chart.height - margin
-                                      : panel.area.top + margin;
+      chart.left = style_.chart_corner.is_right ? panel.area.right() - chart.width - margin
+                                                : panel.area.left + margin;
+      chart.top = style_.chart_corner.is_bottom ? panel.area.bottom() - chart.height - margin
+                                                : panel.area.top + margin;
     }
   }
 }
@@ -394,7 +394,7 @@ void Picture::draw_caption(Canvas& canvas, const PictureRun& run, const Panel& p
   double right = panel.area.right() - margin;
   const Rectangle& chart = panel.chart_area;
   if (chart.width > 0.0 && chart.top < panel.area.top + margin + 3.1 * size) {
-    if (style_.chart_right)
+    if (style_.chart_corner.is_right)
       right = chart.left - margin;
     else
       left = chart.right() + margin;
@@ -453,7 +453,7 @@ const std::uint8_t* Picture::draw(double time_s) {
   }
   if (!style_.title.empty() && runs_.size() == 1) {
     const double unit = unit_px(style_.width, style_.height);
-    const bool is_left = style_.chart_right || !style_.chart_bottom;
+    const bool is_left = style_.chart_corner.is_right || !style_.chart_corner.is_bottom;
     const double margin = kMargin * unit;
     canvas.text({is_left ? margin : style_.width - margin, panels_.front().area.bottom() - margin},
                 style_.title, 17.0 * unit, kInk, is_left ? Align::left : Align::right, false, true);

@@ -30,10 +30,11 @@ void smooth_edges(std::vector<std::uint8_t>& pixels, int width, int height);
 struct ArrowTrack {
   SceneArrow arrow;                ///< its vector and number are set from the other members
   std::vector<Series> components;  ///< one or three
+  /// Direction of a positive value; for a vector: one factor per value.
   Eigen::Vector3d along = Eigen::Vector3d::UnitX();
   double metres_per_unit = 1.0;
   std::string unit;  ///< unit of the number beside it; empty: no number
-  std::string name;  ///< name of the signal
+  std::string signal;
 };
 
 SceneArrow arrow_at(const ArrowTrack& track, double time_s);
@@ -54,14 +55,18 @@ struct PictureRun {
 /// The run's positions at a time, from its log. Before and after the log they are constant.
 void interpolate_qpos(const PictureRun& run, double time_s, std::vector<double>& qpos);
 
+struct Corner {
+  bool is_right = true;
+  bool is_bottom = true;
+};
+
 struct PictureStyle {
   int width = 1280;
   int height = 720;
   Look look;
   std::string title;        ///< in the lower corner without the chart
   std::string chart_title;  ///< a chart is drawn if the run has lines
-  bool chart_right = true;  ///< corner of a wide picture
-  bool chart_bottom = true;
+  Corner chart_corner;      ///< a wide picture has it there
   ChartRange chart_range;
   double speed = 1.0;  ///< 0.1: "10 × slower"
   int time_decimals = 3;

@@ -107,7 +107,7 @@ void render(const std::string& folder, const std::string& look, const std::strin
   const long frames = std::stol(count);
   PictureRun run = stage(runs.front(), shots, "");
 
-  Offscreen offscreen(shots.width, shots.height);
+  Offscreen offscreen(shots.style.width, shots.style.height);
   SceneView view(offscreen, run.model, run.camera, look == "fast" ? kFastLook : kFullLook);
   const auto rows = static_cast<double>(run.qpos.rows - 1);
   const double per_s = rows / (run.times_s.back() - run.times_s.front());
@@ -119,7 +119,7 @@ void render(const std::string& folder, const std::string& look, const std::strin
     view.pose({run.qpos.row(row), run.qpos.width});
     std::vector<SceneArrow> arrows;
     for (const ArrowTrack& track : run.arrows) arrows.push_back(arrow_at(track, time_s));
-    view.draw({0, 0, shots.width, shots.height}, arrows);
+    view.draw({0, 0, shots.style.width, shots.style.height}, arrows);
     offscreen.finish();
   }
   std::printf("frames %ld, %s\n", frames, offscreen.renderer().c_str());

@@ -60,7 +60,7 @@ void expect_arrows_inside(const FinishedRun& run, const ShotList& shots) {
     view.draw({0, 0, kWidth, kHeight}, {});
     for (std::size_t i = 0; i < staged.arrows.size(); ++i) {
       const auto ends = view.ends_of(arrow_at(staged.arrows[i], time_s));
-      const std::string which = shots.arrows[i].signal + ", " + moment.caption;
+      const std::string which = shots.arrows[i].track.signal + ", " + moment.caption;
       ASSERT_TRUE(ends) << which;
       for (const Point& end : {ends->from, ends->to}) {
         EXPECT_GE(end.x, 0.0) << which;
@@ -88,7 +88,7 @@ TEST_P(ShotLists, FitARunOfTheirScenario) {
   EXPECT_EQ(ran("breakwater video run --look fast --size 640x480 --fps " + std::to_string(kFps) +
                 " 2>&1 > said"),
             "");
-  const auto frames = std::llround((shots.to_s - shots.from_s) / shots.speed * kFps);
+  const auto frames = std::llround((shots.to_s - shots.from_s) / shots.style.speed * kFps);
   EXPECT_EQ(testing::probe(folder_ / "run/video.mp4", "nb_read_frames"), std::to_string(frames));
 
   ran("breakwater strip run --look fast --size 320x240");
