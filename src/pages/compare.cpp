@@ -287,9 +287,7 @@ PageChart Comparison::chart_of(const std::string& signal) const {
 std::string Comparison::html(std::vector<std::string>& notes) const {
   std::optional<ReplayPart> replay;
   if (choice_.with_replay && runs_.size() <= kMostRuns) {
-    std::vector<std::filesystem::path> folders;
-    for (const SavedRun& run : runs_) folders.push_back(run.folder());
-    replay = replay_of(catalogue_, folders, {"replay", "compare", ""}, notes);
+    replay = replay_of(catalogue_, runs_, "compare", notes);
   }
   std::optional<Window> window;
   if (choice_.from_s || choice_.to_s) {

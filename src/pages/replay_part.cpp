@@ -12,28 +12,19 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// The shot list with moments inside the run: its own ones, or the beginning, middle and end.
-ShotList with_moments(const FinishedRun& run, ShotList shots, const Window& window) {
-  const bool has_one =
-      std::any_of(shots.moments.begin(), shots.moments.end(),
-                  [&](const ShotMoment& moment) { return time_of(moment, run).has_value(); });
-  if (has_one) return shots;
-  const double last_s = std::min(window.to_s, run.times_s().back());
-  shots.moments = {{"begin", window.from_s, "", 0.0},
-                   {"middle", 0.5 * (window.from_s + last_s), "", 0.0},
-                   {"end", last_s, "", 0.0}};
-  return shots;
-}
-
 // The pictures for paper and for browsers without WebGL.
 std::string strip_address(const FinishedRun& run, const ShotList& shots, const std::string& camera,
                           std::vector<std::string>& notes) {
   const fs::path made = run.folder() / "strip.png";
   if (fs::exists(made)) return data_address(made, "image/png");
   try {
-    const Window window = choose_window({&run, 1}, shots, {});
-    const Strip strip =
-        draw_strip(run, with_moments(run, shots, window), {camera, 420, 240, kFullLook});
+    std::vector<Moment> moments = moments_of(run, shots);
+    if (moments.empty()) {
+      const Window window = choose_window({&run, 1}, shots, {});
+      const double to_s = std::min(window.to_s, run.times_s().back());
+      moments = {{"begin", window.from_s}, {"middle", 0.5 * (window.from_s + to_s)}, {"end", to_s}};
+    }
+    const Strip strip = draw_strip(run, shots, moments, camera, {420, 240}, kFullLook);
     return "data:image/png;base64," + base64(strip.png.data(), strip.png.size());
   } catch (const RenderError& error) {
     notes.push_back(fmt::format("no strip for browsers without WebGL: {}", error.what()));
@@ -41,11 +32,11 @@ std::string strip_address(const FinishedRun& run, const ShotList& shots, const s
   }
 }
 
-PageChart chart_of(const ShotList& shots, const PictureStage& stage, const ReplayOptions& options) {
+PageChart chart_of(const PictureStage& stage, const std::string& group) {
   PageChart chart;
-  chart.id = options.id + "-shots";
-  chart.group = options.group;
-  chart.title = shots.style.chart_title;
+  chart.id = group + "-shots";
+  chart.group = group;
+  chart.title = stage.style.chart_title;
   const bool is_one = stage.runs.size() == 1;
   for (std::size_t i = 0; i < stage.runs.size(); ++i) {
     const PictureRun& run = stage.runs[i];
@@ -69,29 +60,30 @@ PageChart chart_of(const ShotList& shots, const PictureStage& stage, const Repla
 // When the page begins: a little before the moment that it is about.
 double begin_of(const ShotList& shots, const FinishedRun& run, const Window& window) {
   constexpr double kShare = 0.02;
-  const auto moment =
-      std::find_if(shots.moments.begin(), shots.moments.end(),
-                   [&](const ShotMoment& one) { return one.caption == shots.page.opens_before; });
-  const auto time_s = moment == shots.moments.end() ? std::nullopt : time_of(*moment, run);
-  if (!time_s) return window.from_s;
-  return std::max(run.times_s().front(), *time_s - kShare * (window.to_s - window.from_s));
+  for (const Moment& moment : moments_of(run, shots)) {
+    if (moment.caption != shots.page.opens_before) continue;
+    return std::max(run.times_s().front(), moment.time_s - kShare * (window.to_s - window.from_s));
+  }
+  return window.from_s;
 }
 
-ReplayPart replay_part(ShownRuns runs, const ReplayOptions& options,
+// `camera`, if not empty, replaces that of the shot list.
+ReplayPart replay_part(ShownRuns runs, const std::string& group, const std::string& camera,
                        std::vector<std::string>& notes) {
   ReplayPart part;
   const ShotList shots = shot_list(runs.front().shots_file());
-  const ReplayData data =
-      replay_data(runs, shots, options.camera.empty() ? shots.page.camera : options.camera);
-  part.window = data.window;
+  part.window = choose_window(runs, shots, {});
+  PictureStage stage =
+      stage_pictures(runs, shots, camera.empty() ? shots.page.camera : camera, part.window);
+  PageData data = replay_data(runs, shots, part.window, stage);
   const Window whole = whole_window(runs);
-  part.is_whole = data.window.to_s - data.window.from_s > 0.98 * (whole.to_s - whole.from_s);
-  notes.insert(notes.end(), data.stage.notes.begin(), data.stage.notes.end());
-  for (const PictureRun& run : data.stage.runs) {
+  part.is_whole = part.window.to_s - part.window.from_s > 0.98 * (whole.to_s - whole.from_s);
+  notes.insert(notes.end(), stage.notes.begin(), stage.notes.end());
+  for (const PictureRun& run : stage.runs) {
     part.labels += (part.labels.empty() ? "" : ", ") + run.caption;
   }
   if (!shots.lines.empty()) {
-    part.chart = chart_of(shots, data.stage, options);
+    part.chart = chart_of(stage, group);
     part.chart->from_s = part.window.from_s;
     part.chart->to_s = part.window.to_s;
     if (part.chart->series.empty()) part.chart.reset();
@@ -101,31 +93,30 @@ ReplayPart replay_part(ShownRuns runs, const ReplayOptions& options,
       shots.style.title.empty() ? runs.front().scenario().summary() : shots.style.title);
   auto strips = PageData::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const std::string strip = strip_address(runs[i], shots, options.camera, notes);
+    const std::string strip = strip_address(runs[i], shots, camera, notes);
     if (strip.empty()) break;  // the others have none either
-    const std::string& label = data.stage.runs[i].caption;
+    const std::string& label = stage.runs[i].caption;
     strips.push_back({{"address", strip},
                       {"alt", "Pictures of the run " + label + " in a row"},
                       {"label", runs.size() > 1 ? PageData(label) : PageData()}});
   }
-  part.box = {{"id", options.id},
-              {"group", options.group},
+  part.box = {{"id", group + "-replay"},
+              {"group", group},
               {"time", fmt::format("{:.6g}", begin_of(shots, runs.front(), part.window))},
               {"alt", about},
-              {"data", data.json},
+              {"data", std::move(data)},
               {"strip", strips}};
   return part;
 }
 
 }  // namespace
 
-std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
-                                    const std::vector<fs::path>& folders,
-                                    const ReplayOptions& options, std::vector<std::string>& notes) {
+std::optional<ReplayPart> replay_of(const Catalogue& catalogue, std::span<const SavedRun> saved,
+                                    const std::string& group, std::vector<std::string>& notes) {
   try {
     std::vector<FinishedRun> runs;
-    for (const fs::path& folder : folders) runs.emplace_back(catalogue, folder);
-    return replay_part(runs, options, notes);
+    for (const SavedRun& run : saved) runs.emplace_back(catalogue, run);
+    return replay_part(runs, group, "", notes);
   } catch (const NothingMoved&) {
     // The scenario has nothing to show in three dimensions, so no note is needed.
   } catch (const std::invalid_argument& error) {
@@ -144,7 +135,7 @@ PageData window_data(const Window& window, const std::string& axis) {
 
 std::string replay_page(ShownRuns runs, const std::string& camera,
                         std::vector<std::string>& notes) {
-  const ReplayPart part = replay_part(runs, {"replay", "replay", camera}, notes);
+  const ReplayPart part = replay_part(runs, "replay", camera, notes);
   auto blocks = PageData::array();
   add_block(blocks, "replay", part.box);
   if (part.chart) add_block(blocks, "figures", PageData::array({figure_of(*part.chart)}));

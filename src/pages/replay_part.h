@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,19 +22,12 @@ struct ReplayPart {
   bool is_whole = false;           ///< the window covers nearly the whole run
 };
 
-struct ReplayOptions {
-  std::string id;      ///< id of the HTML element
-  std::string group;   ///< charts of this group show the same moment
-  std::string camera;  ///< replaces the camera of the shot list if not empty
-};
-
-/// The replay of one to four runs of one scenario from their folders, for a page that also works
-/// without it. A browser without WebGL shows a strip of pictures of each run; it is drawn if the
-/// run's folder has none. `notes` gets a line for each missing part, or why there is no replay:
-/// this program lacks the scenario, or the log is too short.
-std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
-                                    const std::vector<std::filesystem::path>& folders,
-                                    const ReplayOptions& options, std::vector<std::string>& notes);
+/// The replay of one to four runs of one scenario, for a page that also works without it. Charts
+/// of its `group` show the same moment. A browser without WebGL shows a strip of pictures of each
+/// run; it is drawn if the run's folder has none. `notes` gets a line for each missing part, or why
+/// there is no replay: this program lacks the scenario, or the log is too short.
+std::optional<ReplayPart> replay_of(const Catalogue& catalogue, std::span<const SavedRun> saved,
+                                    const std::string& group, std::vector<std::string>& notes);
 
 /// Data of the button that switches between the whole time axis and the window.
 PageData window_data(const Window& window, const std::string& axis);

@@ -100,9 +100,7 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     const PageData changed = changed_table(catalogue, run);
     if (!changed["rows"].empty()) add_block(blocks, "table", changed);
     std::optional<ReplayPart> replay;
-    if (with_replay) {
-      replay = replay_of(catalogue, {run.folder()}, {id + "-replay", id, ""}, notes);
-    }
+    if (with_replay) replay = replay_of(catalogue, {&run, 1}, id, notes);
     std::optional<Window> window;
     if (replay) {
       add_block(blocks, "replay", replay->box);

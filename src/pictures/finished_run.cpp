@@ -19,20 +19,21 @@ std::filesystem::path shots_file(const ScenarioKind& kind, const Config& config)
   }
 }
 
-FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder)
-    : catalogue_(&catalogue), saved_(folder), notes_(saved_.notes()) {
+FinishedRun::FinishedRun(const Catalogue& catalogue, SavedRun saved)
+    : catalogue_(&catalogue), saved_(std::move(saved)), notes_(saved_.notes()) {
   if (!catalogue.has<ScenarioKind>(saved_.scenario())) {
     if (!saved_.has_signal("qpos")) {
-      throw NothingMoved(folder.string() + ": is a run of \"" + saved_.scenario() +
+      throw NothingMoved(folder().string() + ": is a run of \"" + saved_.scenario() +
                          "\", whose log has no qpos: there is no motion to draw");
     }
-    throw std::invalid_argument(folder.string() + ": is a run of scenario \"" + saved_.scenario() +
+    throw std::invalid_argument(folder().string() + ": is a run of scenario \"" +
+                                saved_.scenario() +
                                 "\", which this program does not have: draw it with the program "
                                 "that made it");
   }
   const auto& kind = catalogue.get<ScenarioKind>(saved_.scenario());
   scenario_ = kind.make(catalogue);
-  const ScenarioFile file((folder / "config.toml").string(), kind.name);
+  const ScenarioFile file((folder() / "config.toml").string(), kind.name);
   config_ = std::make_unique<Config>(file.config(case_name()));
   shots_file_ = breakwater::shots_file(kind, *config_);
   read_settings(kind);

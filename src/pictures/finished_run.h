@@ -25,10 +25,9 @@ class NothingMoved : public std::invalid_argument {
 /// The results of a finished run, its scenario with the run's settings, and its log.
 class FinishedRun {
  public:
-  /// The catalogue must outlive it. Throws std::invalid_argument, one line, if the folder is not
-  /// that of a run or lacks a file, or the catalogue lacks its scenario. If the log also has no
-  /// positions, it throws NothingMoved.
-  FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder);
+  /// The catalogue must outlive it. Throws std::invalid_argument, one line, if it lacks the run's
+  /// scenario. If the log also has no positions, it throws NothingMoved.
+  FinishedRun(const Catalogue& catalogue, SavedRun saved);
 
   const std::filesystem::path& folder() const { return saved_.folder(); }
   const std::string& case_name() const { return saved_.case_name(); }

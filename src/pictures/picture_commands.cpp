@@ -42,11 +42,6 @@ struct PictureArguments {
   bool quiet = false;
 };
 
-struct Size {
-  int width;
-  int height;
-};
-
 // Reads "1280x720".
 Size read_size(const std::string& text, const Size& otherwise) {
   if (text.empty()) return otherwise;
@@ -184,14 +179,24 @@ int still(const Catalogue& catalogue, const PictureArguments& arguments) {
 int strip(const Catalogue& catalogue, const PictureArguments& arguments) {
   const std::vector<FinishedRun> runs = open_runs(catalogue, arguments.runs);
   const FinishedRun& run = runs.front();
-  const Size size = read_size(arguments.size, {StripStyle{}.width, StripStyle{}.height});
+  const Size size = read_size(arguments.size, {560, 320});
   const fs::path file = picture_file(arguments, run.folder() / "strip.png");
-  const Strip strip = draw_strip(
-      run, shot_list(run.shots_file()),
-      {arguments.camera, size.width, size.height, read_look(arguments.look, kPrintLook)});
-  for (const std::string& note : strip.notes) fmt::print(stderr, "pictures: {}\n", note);
+  const Look look = read_look(arguments.look, kPrintLook);
+  const ShotList shots = shot_list(run.shots_file());
+  std::vector<std::string> missing;
+  const std::vector<Moment> moments = moments_of(run, shots, &missing);
+  if (moments.empty()) {
+    throw std::invalid_argument(run.folder().string() +
+                                (shots.moments.empty()
+                                     ? ": its scenario has no shot list with moments (shots.toml)"
+                                     : ": none of the shot list's moments is in this run's log"));
+  }
+  const Strip strip = draw_strip(run, shots, moments, arguments.camera, size, look);
+  for (const auto& notes : {strip.notes, missing}) {
+    for (const std::string& note : notes) fmt::print(stderr, "pictures: {}\n", note);
+  }
   replace_file(file, strip.png);
-  report(arguments, run, strip.renderer, fmt::format("strip of {}", strip.pictures), file);
+  report(arguments, run, strip.renderer, fmt::format("strip of {}", moments.size()), file);
   return kSuccess;
 }
 

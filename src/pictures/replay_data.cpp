@@ -230,32 +230,23 @@ std::vector<double> replay_times(const std::vector<double>& log_times_s, const W
   return times;
 }
 
-ReplayData replay_data(ShownRuns runs, const ShotList& shots, const std::string& camera) {
-  const Window window = choose_window(runs, shots, {});
-  const Window whole = whole_window(runs);
-  ReplayData data{Json(), stage_pictures(runs, shots, camera, window), window};
-  std::vector<PictureRun>& staged = data.stage.runs;
+Json replay_data(ShownRuns runs, const ShotList& shots, const Window& window, PictureStage& stage) {
   SceneAssets assets;
   Json all = Json::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    all.push_back(run_json(runs[i].folder().string(), staged[i], window, assets, data.stage.notes));
-    all.back()["colour"] = data.stage.styles[i] % kStyleColours;
+    all.push_back(run_json(runs[i].folder().string(), stage.runs[i], window, assets, stage.notes));
+    all.back()["colour"] = stage.styles[i] % kStyleColours;
   }
   Json moments = Json::array();
-  for (const ShotMoment& moment : shots.moments) {
-    if (const auto time_s = time_of(moment, runs.front())) {
-      moments.push_back({{"caption", moment.caption}, {"time", *time_s}});
-    }
+  for (const Moment& moment : moments_of(runs.front(), shots)) {
+    moments.push_back({{"caption", moment.caption}, {"time", moment.time_s}});
   }
-  data.json = {{"title", shots.style.title},
-               {"begin", whole.from_s},
-               {"end", whole.to_s},
-               {"window", {{"from", window.from_s}, {"to", window.to_s}, {"speed", window.speed}}},
-               {"camera", staged.front().camera},
-               {"moments", moments},
-               {"assets", assets.all()},
-               {"runs", all}};
-  return data;
+  return {{"begin", whole_window(runs).from_s},
+          {"window", {{"from", window.from_s}, {"to", window.to_s}, {"speed", window.speed}}},
+          {"camera", stage.runs.front().camera},
+          {"moments", moments},
+          {"assets", assets.all()},
+          {"runs", all}};
 }
 
 }  // namespace breakwater

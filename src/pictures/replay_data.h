@@ -14,15 +14,10 @@ namespace breakwater {
 /// watching, as far as the log has them. There are fewer if a page could not hold so many.
 std::vector<double> replay_times(const std::vector<double>& log_times_s, const Window& window);
 
-struct ReplayData {
-  nlohmann::ordered_json json;  ///< for data/report/replay
-  PictureStage stage;           ///< the runs prepared for pictures; notes on what the page lacks
-  Window window;                ///< the shot list's window for these runs
-};
-
-/// The scenes and motions of up to kMostRuns runs. Looks come from the compiled models, poses and
-/// arrows from the logs, and waves from their components. `camera`, if not empty, replaces that of
-/// the shot list. Throws std::invalid_argument, one line, or RenderError.
-ReplayData replay_data(ShownRuns runs, const ShotList& shots, const std::string& camera = "");
+/// The scenes and motions of runs that are staged for this window, for data/report/replay. Looks
+/// come from the compiled models, poses and arrows from the logs, and waves from their components.
+/// `stage` gets notes on what the page lacks. Throws RenderError.
+nlohmann::ordered_json replay_data(ShownRuns runs, const ShotList& shots, const Window& window,
+                                   PictureStage& stage);
 
 }  // namespace breakwater

@@ -46,33 +46,6 @@ ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Mode
   return track;
 }
 
-struct Moment {
-  std::string caption;
-  double time_s;
-};
-
-// The moments that are in the run. `notes` gets the reasons why others are not, one line each.
-std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots,
-                               std::vector<std::string>& notes) {
-  const std::string folder = run.folder().string();
-  std::vector<Moment> moments;
-  for (const ShotMoment& moment : shots.moments) {
-    if (const auto time_s = time_of(moment, run)) {
-      moments.push_back({moment.caption, *time_s});
-      continue;
-    }
-    const std::string& signal = moment.first_positive;
-    notes.push_back(fmt::format("{}: \"{}\" is not in the strip: {}", folder, moment.caption,
-                                !signal.empty() && !run.has(signal)
-                                    ? "its log has no signal " + signal
-                                    : "it is not within this run"));
-  }
-  if (!moments.empty()) return moments;
-  throw std::invalid_argument(
-      folder + (shots.moments.empty() ? ": its scenario has no shot list with moments (shots.toml)"
-                                      : ": none of the shot list's moments is in this run's log"));
-}
-
 }  // namespace
 
 PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera,
@@ -137,7 +110,7 @@ std::vector<FinishedRun> open_runs(const Catalogue& catalogue,
   }
   std::vector<FinishedRun> runs;
   for (const std::string& folder : folders) {
-    runs.emplace_back(catalogue, folder);
+    runs.emplace_back(catalogue, SavedRun(folder));
     const std::string& first = runs.front().scenario().name();
     if (runs.back().scenario().name() != first) {
       throw std::invalid_argument(fmt::format("{}: is a run of {}, but another one is of {}: {}",
@@ -238,54 +211,67 @@ std::optional<double> time_of(const ShotMoment& moment, const FinishedRun& run) 
   return time_s;
 }
 
-Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle& style) {
+std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots,
+                               std::vector<std::string>* missing) {
+  std::vector<Moment> moments;
+  for (const ShotMoment& moment : shots.moments) {
+    const std::string& signal = moment.first_positive;
+    if (const auto time_s = time_of(moment, run)) {
+      moments.push_back({moment.caption, *time_s});
+    } else if (missing != nullptr) {
+      missing->push_back(
+          fmt::format("{}: \"{}\" is not in the strip: {}", run.folder().string(), moment.caption,
+                      !signal.empty() && !run.has(signal) ? "its log has no signal " + signal
+                                                          : "it is not within this run"));
+    }
+  }
+  return moments;
+}
+
+Strip draw_strip(const FinishedRun& run, const ShotList& shots, const std::vector<Moment>& moments,
+                 const std::string& camera, const Size& size, const Look& look) {
   constexpr Colour kInk{0.10, 0.12, 0.15, 1.0};
   constexpr int kGap = 12;
-  std::vector<std::string> missing;
-  const std::vector<Moment> moments = moments_of(run, shots, missing);
   const ShownRuns runs(&run, 1);
   const Window window = choose_window(runs, shots, {});
-  PictureStage stage = stage_pictures(runs, shots, style.camera, window);
-  stage.notes.insert(stage.notes.end(), missing.begin(), missing.end());
+  PictureStage stage = stage_pictures(runs, shots, camera, window);
   const std::vector<ChartLine> lines = std::exchange(stage.runs.front().lines, {});
-  stage.style.width = style.width;
-  stage.style.height = style.height;
-  stage.style.look = style.look;
+  stage.style.width = size.width;
+  stage.style.height = size.height;
+  stage.style.look = look;
   stage.style.title.clear();
   stage.style.captions = false;
 
   const auto count = static_cast<int>(moments.size());
-  const double unit = Picture::unit_px(style.width, style.height);
+  const double unit = Picture::unit_px(size.width, size.height);
   const double text = 19.0 * unit;
   const int caption = static_cast<int>(std::lround(3.0 * text));
   const int chart_height = lines.empty() ? 0 : static_cast<int>(std::lround(240.0 * unit));
-  const int width = count * style.width + (count - 1) * kGap;
-  Canvas page(width, style.height + caption + chart_height);
+  const int width = count * size.width + (count - 1) * kGap;
+  Canvas page(width, size.height + caption + chart_height);
   Picture picture(stage.runs, stage.style);
-  Canvas panel(style.width, style.height);
+  Canvas panel(size.width, size.height);
+  std::optional<Chart> chart;
+  if (!lines.empty()) {
+    chart.emplace(shots.style.chart_title + "   " + stage.runs.front().caption, lines,
+                  stage.style.chart_range, width, chart_height, unit);
+  }
   for (int i = 0; i < count; ++i) {
     const Moment& moment = moments[static_cast<std::size_t>(i)];
-    std::copy_n(picture.draw(moment.time_s), 4 * style.width * style.height, panel.pixels());
-    const int left = i * (style.width + kGap);
+    std::copy_n(picture.draw(moment.time_s), 4 * size.width * size.height, panel.pixels());
+    const int left = i * (size.width + kGap);
     page.paste(panel, left, 0);
     const std::string letter(1, static_cast<char>('a' + i));
-    page.text({left + 0.5 * style.width, style.height + 1.3 * text},
+    page.text({left + 0.5 * size.width, size.height + 1.3 * text},
               fmt::format("({}) {}", letter, moment.caption), text, kInk, Align::center, true);
-    page.text({left + 0.5 * style.width, style.height + 2.5 * text},
+    page.text({left + 0.5 * size.width, size.height + 2.5 * text},
               fmt::format("t = {:.3f} s", moment.time_s), text, kInk, Align::center);
-  }
-  if (!lines.empty()) {
-    Chart chart(shots.style.chart_title + "   " + stage.runs.front().caption, lines,
-                stage.style.chart_range, width, chart_height, unit);
-    for (int i = 0; i < count; ++i) {
-      const double time_s = moments[static_cast<std::size_t>(i)].time_s;
-      if (time_s >= window.from_s && time_s <= window.to_s) {
-        chart.mark(time_s, std::string(1, static_cast<char>('a' + i)));
-      }
+    if (chart && moment.time_s >= window.from_s && moment.time_s <= window.to_s) {
+      chart->mark(moment.time_s, letter);
     }
-    chart.draw(page, 0, style.height + caption, window.to_s);
   }
-  return {page.png(), count, picture.offscreen().renderer(), stage.notes};
+  if (chart) chart->draw(page, 0, size.height + caption, window.to_s);
+  return {page.png(), picture.offscreen().renderer(), stage.notes};
 }
 
 }  // namespace breakwater

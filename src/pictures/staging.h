@@ -27,6 +27,11 @@ struct Wish {
   std::optional<double> speed;
 };
 
+struct Size {
+  int width;
+  int height;
+};
+
 struct Window {
   double from_s = 0.0;
   double to_s = 0.0;
@@ -78,23 +83,24 @@ PictureStage stage_pictures(ShownRuns runs, const ShotList& shots, const std::st
 /// The time of a moment of the shot list in a run; nothing if the run does not have it.
 std::optional<double> time_of(const ShotMoment& moment, const FinishedRun& run);
 
-struct StripStyle {
-  std::string camera;  ///< replaces that of the shot list, unless empty
-  int width = 560;     ///< width of each picture
-  int height = 320;
-  Look look = kPrintLook;
+struct Moment {
+  std::string caption;
+  double time_s;
 };
+/// The shot list's moments that are in the run. `missing` gets the reasons why others are not.
+std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots,
+                               std::vector<std::string>* missing = nullptr);
 
 struct Strip {
   std::string png;
-  int pictures = 0;
   std::string renderer;
   std::vector<std::string> notes;
 };
 
 /// Draws pictures in a row, each with a letter, its caption and its time below. A chart of the
-/// whole width has marks at the moments. Throws std::invalid_argument if none of the moments is in
-/// the run's log, or RenderError.
-Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle& style);
+/// whole width has marks at the moments. `size` and `look` are those of each picture, `camera` as
+/// in stage(). Throws RenderError.
+Strip draw_strip(const FinishedRun& run, const ShotList& shots, const std::vector<Moment>& moments,
+                 const std::string& camera, const Size& size, const Look& look);
 
 }  // namespace breakwater

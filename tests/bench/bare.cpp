@@ -101,7 +101,7 @@ void replay(const std::string& run, bool is_whole) {
 void render(const std::string& folder, const std::string& look, const std::string& count) {
   setenv("LP_NUM_THREADS", "0", 1);
   std::vector<FinishedRun> runs;
-  runs.emplace_back(standard_catalogue(), folder);
+  runs.emplace_back(standard_catalogue(), SavedRun(folder));
   const ShotList shots = shot_list(runs.front().shots_file());
   const Window window = choose_window(runs, shots, {});
   const long frames = std::stol(count);

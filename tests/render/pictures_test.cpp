@@ -104,7 +104,7 @@ Columns red_columns(const std::uint8_t* pixels, int width, int height) {
 // A long caption fits beside the chart in a small picture too.
 TEST_F(Pictures, ALongCaptionStandsBesideTheChart) {
   ran(kShortWall + "controller.name=hpfc --out run");
-  const FinishedRun finished(testing::catalogue(), folder_ / "run");
+  const FinishedRun finished(testing::catalogue(), SavedRun(folder_ / "run"));
   PictureStage stage =
       stage_pictures({&finished, 1}, shot_list(finished.shots_file()), "", {5.0, 6.0, 0.1});
   EXPECT_EQ(stage.runs.front().caption, "proposed-2N with hpfc") << "the controller is said";
@@ -136,7 +136,7 @@ TEST_F(Pictures, ALongCaptionStandsBesideTheChart) {
 
 TEST_F(Pictures, TheTipTouchesTheWallInTheImpactStill) {
   wall("run");
-  const FinishedRun run(testing::catalogue(), folder_ / "run");
+  const FinishedRun run(testing::catalogue(), SavedRun(folder_ / "run"));
   ShotList shots = shot_list(run.shots_file());
   const auto impact = std::find_if(shots.moments.begin(), shots.moments.end(),
                                    [](const ShotMoment& m) { return m.caption == "impact"; });
@@ -173,7 +173,7 @@ TEST_F(Pictures, AWallOfATableStandsWhereItsTableSays) {
   write("wall.csv", "time_s,position_m\n5,0\n6,0.04\n");
   ran(kShortWall + "wall.motion=csv wall.file=wall.csv --out run");
   ran("breakwater still run --at 5.5 --size 320x180 --out still.png");
-  const FinishedRun run(testing::catalogue(), folder_ / "run");
+  const FinishedRun run(testing::catalogue(), SavedRun(folder_ / "run"));
   PictureRun staged = stage(run, shot_list(run.shots_file()), "top");
   const int wall = geom_id(staged.model, "wall");
   for (const auto& [time_s, moved_m] : {std::pair(4.0, 0.0), {5.25, 0.01}, {6.0, 0.04}}) {
@@ -184,7 +184,7 @@ TEST_F(Pictures, AWallOfATableStandsWhereItsTableSays) {
 
 TEST_F(Pictures, TheChartEndsWhereTheLogSays) {
   wall("run");
-  const FinishedRun run(testing::catalogue(), folder_ / "run");
+  const FinishedRun run(testing::catalogue(), SavedRun(folder_ / "run"));
   const ShotList shots = shot_list(run.shots_file());
   std::vector<PictureRun> runs;
   runs.push_back(stage(run, shots, ""));
@@ -217,7 +217,7 @@ TEST_F(Pictures, AScenarioWithoutAShotListIsDrawnToo) {
   push("run");
   const ShotList shots = shot_list("no_such_file.toml");
   std::vector<FinishedRun> finished;
-  finished.emplace_back(testing::catalogue(), folder_ / "run");
+  finished.emplace_back(testing::catalogue(), SavedRun(folder_ / "run"));
   const Window window = choose_window(finished, shots, {});
   EXPECT_DOUBLE_EQ(window.from_s, 0.0);
   EXPECT_NEAR(window.to_s, 0.5, 1e-9);

@@ -99,7 +99,7 @@ TEST_P(ShotLists, FitARunOfTheirScenario) {
   EXPECT_GE(png.width, 320 * count);
   EXPECT_LT(png.width, 320 * count + 20 * count);
 
-  const FinishedRun finished(testing::catalogue(), folder_ / "run");
+  const FinishedRun finished(testing::catalogue(), SavedRun(folder_ / "run"));
   const double seen = smallest_share_of_the_plant(finished, shots);
   EXPECT_GT(seen, 0.002) << "in one of the moments the plant is hardly in the picture";
   EXPECT_LT(seen, 0.5);
