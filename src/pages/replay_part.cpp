@@ -24,7 +24,8 @@ std::string strip_address(const FinishedRun& run, const ShotList& shots, const s
       const double to_s = std::min(window.to_s, run.times_s().back());
       moments = {{"begin", window.from_s}, {"middle", 0.5 * (window.from_s + to_s)}, {"end", to_s}};
     }
-    const Strip strip = draw_strip(run, shots, moments, camera, {420, 240}, kFullLook);
+    const Strip strip =
+        draw_strip(run, shots, moments, camera, {.width = 420, .height = 240, .look = kFullLook});
     return "data:image/png;base64," + base64(strip.png.data(), strip.png.size());
   } catch (const RenderError& error) {
     notes.push_back(fmt::format("no strip for browsers without WebGL: {}", error.what()));

@@ -4,10 +4,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <regex>
 #include <thread>
 
 #include <breakwater/config/toml_text.h>
@@ -42,41 +43,36 @@ struct PictureArguments {
   bool quiet = false;
 };
 
-// Reads "1280x720".
-Size read_size(const std::string& text, const Size& otherwise) {
-  if (text.empty()) return otherwise;
-  Size size{};
-  const char* const end = text.data() + text.size();
-  const auto [middle, first] = std::from_chars(text.data(), end, size.width);
-  const bool has_x = first != std::errc::invalid_argument && middle != end && *middle == 'x';
-  const auto [last, second] = std::from_chars(has_x ? middle + 1 : end, end, size.height);
-  if (!has_x || second == std::errc::invalid_argument || last != end) {
-    throw std::invalid_argument("--size " + text + ": must be of the form 1280x720");
+// The size and the look of a picture as the user asks.
+void set_look(const PictureArguments& arguments, PictureStyle& style) {
+  const std::string& size = arguments.size;
+  static const std::regex form("(\\d{1,9})x(\\d{1,9})");
+  std::smatch sides;
+  if (!size.empty() && !std::regex_match(size, sides, form)) {
+    throw std::invalid_argument("--size " + size + ": must be of the form 1280x720");
   }
-  for (const int side : {size.width, size.height}) {
+  for (std::size_t i = 1; i < sides.size(); ++i) {
+    const int side = std::stoi(sides[i]);
     if (side < kSmallestSide || side > kLargestSide || side % 2 != 0) {
-      throw std::invalid_argument(fmt::format("--size {}: sides must be even, from {} to {}", text,
+      throw std::invalid_argument(fmt::format("--size {}: sides must be even, from {} to {}", size,
                                               kSmallestSide, kLargestSide));
     }
+    (i == 1 ? style.width : style.height) = side;
   }
-  return size;
-}
-
-Look read_look(const std::string& text, const Look& otherwise) {
-  if (text.empty()) return otherwise;
-  if (text == "fast") return kFastLook;
-  if (text == "full") return kFullLook;
-  if (text == "print") return kPrintLook;
-  throw std::invalid_argument("--look " + text + ": must be fast, full or print");
+  const std::map<std::string, Look> looks = {
+      {"", style.look}, {"fast", kFastLook}, {"full", kFullLook}, {"print", kPrintLook}};
+  const auto look = looks.find(arguments.look);
+  if (look == looks.end()) {
+    throw std::invalid_argument("--look " + arguments.look + ": must be fast, full or print");
+  }
+  style.look = look->second;
 }
 
 PictureStage set_stage(ShownRuns runs, const ShotList& shots, const PictureArguments& arguments,
                        const Window& window, const Look& look) {
   PictureStage stage = stage_pictures(runs, shots, arguments.camera, window);
-  const Size size = read_size(arguments.size, {shots.style.width, shots.style.height});
-  stage.style.width = size.width;
-  stage.style.height = size.height;
-  stage.style.look = read_look(arguments.look, look);
+  stage.style.look = look;
+  set_look(arguments, stage.style);
   for (const std::string& note : stage.notes) fmt::print(stderr, "pictures: {}\n", note);
   return stage;
 }
@@ -179,9 +175,9 @@ int still(const Catalogue& catalogue, const PictureArguments& arguments) {
 int strip(const Catalogue& catalogue, const PictureArguments& arguments) {
   const std::vector<FinishedRun> runs = open_runs(catalogue, arguments.runs);
   const FinishedRun& run = runs.front();
-  const Size size = read_size(arguments.size, {560, 320});
+  PictureStyle style{.width = 560, .height = 320, .look = kPrintLook};
+  set_look(arguments, style);
   const fs::path file = picture_file(arguments, run.folder() / "strip.png");
-  const Look look = read_look(arguments.look, kPrintLook);
   const ShotList shots = shot_list(run.shots_file());
   std::vector<std::string> missing;
   const std::vector<Moment> moments = moments_of(run, shots, &missing);
@@ -191,7 +187,7 @@ int strip(const Catalogue& catalogue, const PictureArguments& arguments) {
                                      ? ": its scenario has no shot list with moments (shots.toml)"
                                      : ": none of the shot list's moments is in this run's log"));
   }
-  const Strip strip = draw_strip(run, shots, moments, arguments.camera, size, look);
+  const Strip strip = draw_strip(run, shots, moments, arguments.camera, style);
   for (const auto& notes : {strip.notes, missing}) {
     for (const std::string& note : notes) fmt::print(stderr, "pictures: {}\n", note);
   }
@@ -200,72 +196,59 @@ int strip(const Catalogue& catalogue, const PictureArguments& arguments) {
   return kSuccess;
 }
 
-void describe_common(CLI::App& app, PictureArguments& arguments, const char* size,
-                     const char* look) {
-  app.add_option("--camera", arguments.camera,
-                 "use this camera of the model (default: the shot list's)")
-      ->type_name("NAME");
-  app.add_option("--size", arguments.size, size)->type_name("WxH");
-  app.add_option("--look", arguments.look, look)->type_name("LOOK");
-  app.add_flag("--quiet", arguments.quiet, "print errors only");
-}
-
-void describe_video(CLI::App& app, PictureArguments& arguments) {
-  app.add_option("RUN", arguments.runs, "show these finished runs, up to 4, side by side")
-      ->required();
-  describe_common(app, arguments, "set the size of the whole picture (default: the shot list's)",
-                  "choose fast (without shadows), full (default) or print (smoothest)");
-  app.add_option("--fps", arguments.fps, "set the frames per second (default: the shot list's)")
-      ->type_name("N")
-      ->check(CLI::Range(1, 240));
-  app.add_option("--speed", arguments.wish.speed,
-                 "set the speed: 0.1 is ten times slower than real time")
-      ->type_name("X")
-      ->check(must_be_positive);
-  app.add_option("--from", arguments.wish.from_s, "begin at this simulated time")->type_name("S");
-  app.add_option("--to", arguments.wish.to_s, "end at this simulated time")->type_name("S");
-  app.add_option("--out", arguments.out, "write this file (default: RUN/video.mp4)")
-      ->type_name("FILE");
-}
-
-void describe_still(CLI::App& app, PictureArguments& arguments) {
-  app.add_option("RUN", arguments.runs, "show these finished runs, up to 4, side by side")
-      ->required();
-  app.add_option("--at", arguments.at_s, "draw this simulated time")->type_name("S")->required();
-  describe_common(app, arguments, "set the size of the picture (default: the shot list's)",
-                  "choose fast, full or print (default)");
-  app.add_option("--out", arguments.out, "write this file (default: RUN/still.png)")
-      ->type_name("FILE");
-}
-
-void describe_strip(CLI::App& app, PictureArguments& arguments) {
-  app.add_option("RUN", arguments.runs, "draw the run of this folder")->required()->expected(1);
-  describe_common(app, arguments, "set the size of each of its pictures (default: 560x320)",
-                  "choose fast, full or print (default)");
-  app.add_option("--out", arguments.out, "write this file (default: RUN/strip.png)")
-      ->type_name("FILE");
-}
-
 struct Command {
   const char* name;
   const char* summary;
-  void (*describe)(CLI::App&, PictureArguments&);
+  const char* size;
+  const char* look;
   int (*execute)(const Catalogue&, const PictureArguments&);
 };
 
+constexpr const char* kPrintLooks = "choose fast, full or print (default)";
 constexpr Command kCommands[] = {
-    {"video", "make a video of a finished run, or of up to four side by side", describe_video,
-     video},
-    {"still", "make a picture of a finished run at one time", describe_still, still},
-    {"strip", "make the shot list's pictures of a finished run, in a row", describe_strip, strip}};
+    {"video", "make a video of a finished run, or of up to four side by side",
+     "set the size of the whole picture (default: the shot list's)",
+     "choose fast (without shadows), full (default) or print (smoothest)", video},
+    {"still", "make a picture of a finished run at one time",
+     "set the size of the picture (default: the shot list's)", kPrintLooks, still},
+    {"strip", "make the shot list's pictures of a finished run, in a row",
+     "set the size of each of its pictures (default: 560x320)", kPrintLooks, strip}};
 
-const Command& find_command(const std::string& name) {
-  return *std::find_if(std::begin(kCommands), std::end(kCommands),
-                       [&](const Command& c) { return c.name == name; });
+void describe(const Command& command, CLI::App& app, PictureArguments& arguments) {
+  const bool is_video = command.execute == video, is_strip = command.execute == strip;
+  auto* const runs = app.add_option("RUN", arguments.runs,
+                                    is_strip ? "draw the run of this folder"
+                                             : "show these finished runs, up to 4, side by side")
+                         ->required();
+  if (is_strip) runs->expected(1);
+  if (!is_video && !is_strip) {
+    app.add_option("--at", arguments.at_s, "draw this simulated time")->type_name("S")->required();
+  }
+  app.add_option("--camera", arguments.camera,
+                 "use this camera of the model (default: the shot list's)")
+      ->type_name("NAME");
+  app.add_option("--size", arguments.size, command.size)->type_name("WxH");
+  app.add_option("--look", arguments.look, command.look)->type_name("LOOK");
+  app.add_flag("--quiet", arguments.quiet, "print errors only");
+  if (is_video) {
+    app.add_option("--fps", arguments.fps, "set the frames per second (default: the shot list's)")
+        ->type_name("N")
+        ->check(CLI::Range(1, 240));
+    app.add_option("--speed", arguments.wish.speed,
+                   "set the speed: 0.1 is ten times slower than real time")
+        ->type_name("X")
+        ->check(must_be_positive);
+    app.add_option("--from", arguments.wish.from_s, "begin at this simulated time")->type_name("S");
+    app.add_option("--to", arguments.wish.to_s, "end at this simulated time")->type_name("S");
+  }
+  app.add_option("--out", arguments.out,
+                 fmt::format("write this file (default: RUN/{}.{})", command.name,
+                             is_video ? "mp4" : "png"))
+      ->type_name("FILE");
 }
 
 int picture_main(const Catalogue& catalogue, int argc, const char* const* argv) {
-  const Command& command = find_command(argv[0]);
+  const Command& command = *std::ranges::find(kCommands, std::string(argv[0]), &Command::name);
   const std::string program = own_program_name() + " " + command.name;
   return guarded(program, [&] {
     CLI::App app(command.summary, program);
@@ -274,7 +257,7 @@ int picture_main(const Catalogue& catalogue, int argc, const char* const* argv) 
         "Exit status: 0 success, 1 a defect, 2 usage or input, 4 it could not be drawn or\n"
         "written, 130 interrupted.");
     PictureArguments arguments;
-    command.describe(app, arguments);
+    describe(command, app, arguments);
     if (const auto status = parse(app, argc, argv)) return *status;
     opengl_asked();  // refuse wrong environment variables at once
     return drawing_status([&] { return command.execute(catalogue, arguments); });

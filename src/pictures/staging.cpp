@@ -229,28 +229,28 @@ std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots,
 }
 
 Strip draw_strip(const FinishedRun& run, const ShotList& shots, const std::vector<Moment>& moments,
-                 const std::string& camera, const Size& size, const Look& look) {
+                 const std::string& camera, const PictureStyle& each) {
   constexpr Colour kInk{0.10, 0.12, 0.15, 1.0};
   constexpr int kGap = 12;
   const ShownRuns runs(&run, 1);
   const Window window = choose_window(runs, shots, {});
   PictureStage stage = stage_pictures(runs, shots, camera, window);
   const std::vector<ChartLine> lines = std::exchange(stage.runs.front().lines, {});
-  stage.style.width = size.width;
-  stage.style.height = size.height;
-  stage.style.look = look;
+  stage.style.width = each.width;
+  stage.style.height = each.height;
+  stage.style.look = each.look;
   stage.style.title.clear();
   stage.style.captions = false;
 
   const auto count = static_cast<int>(moments.size());
-  const double unit = Picture::unit_px(size.width, size.height);
+  const double unit = Picture::unit_px(each.width, each.height);
   const double text = 19.0 * unit;
   const int caption = static_cast<int>(std::lround(3.0 * text));
   const int chart_height = lines.empty() ? 0 : static_cast<int>(std::lround(240.0 * unit));
-  const int width = count * size.width + (count - 1) * kGap;
-  Canvas page(width, size.height + caption + chart_height);
+  const int width = count * each.width + (count - 1) * kGap;
+  Canvas page(width, each.height + caption + chart_height);
   Picture picture(stage.runs, stage.style);
-  Canvas panel(size.width, size.height);
+  Canvas panel(each.width, each.height);
   std::optional<Chart> chart;
   if (!lines.empty()) {
     chart.emplace(shots.style.chart_title + "   " + stage.runs.front().caption, lines,
@@ -258,19 +258,19 @@ Strip draw_strip(const FinishedRun& run, const ShotList& shots, const std::vecto
   }
   for (int i = 0; i < count; ++i) {
     const Moment& moment = moments[static_cast<std::size_t>(i)];
-    std::copy_n(picture.draw(moment.time_s), 4 * size.width * size.height, panel.pixels());
-    const int left = i * (size.width + kGap);
+    std::copy_n(picture.draw(moment.time_s), 4 * each.width * each.height, panel.pixels());
+    const int left = i * (each.width + kGap);
     page.paste(panel, left, 0);
     const std::string letter(1, static_cast<char>('a' + i));
-    page.text({left + 0.5 * size.width, size.height + 1.3 * text},
+    page.text({left + 0.5 * each.width, each.height + 1.3 * text},
               fmt::format("({}) {}", letter, moment.caption), text, kInk, Align::center, true);
-    page.text({left + 0.5 * size.width, size.height + 2.5 * text},
+    page.text({left + 0.5 * each.width, each.height + 2.5 * text},
               fmt::format("t = {:.3f} s", moment.time_s), text, kInk, Align::center);
     if (chart && moment.time_s >= window.from_s && moment.time_s <= window.to_s) {
       chart->mark(moment.time_s, letter);
     }
   }
-  if (chart) chart->draw(page, 0, size.height + caption, window.to_s);
+  if (chart) chart->draw(page, 0, each.height + caption, window.to_s);
   return {page.png(), picture.offscreen().renderer(), stage.notes};
 }
 

@@ -27,11 +27,6 @@ struct Wish {
   std::optional<double> speed;
 };
 
-struct Size {
-  int width;
-  int height;
-};
-
 struct Window {
   double from_s = 0.0;
   double to_s = 0.0;
@@ -98,9 +93,9 @@ struct Strip {
 };
 
 /// Draws pictures in a row, each with a letter, its caption and its time below. A chart of the
-/// whole width has marks at the moments. `size` and `look` are those of each picture, `camera` as
+/// whole width has marks at the moments. `each` has the size and look of a picture, `camera` is as
 /// in stage(). Throws RenderError.
 Strip draw_strip(const FinishedRun& run, const ShotList& shots, const std::vector<Moment>& moments,
-                 const std::string& camera, const Size& size, const Look& look);
+                 const std::string& camera, const PictureStyle& each);
 
 }  // namespace breakwater
