@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <initializer_list>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,7 +10,6 @@
 #include <stdexcept>
 
 #include <breakwater/config/unit_of.h>
-#include <breakwater/record/partial_file.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/signals/input_file.h>
@@ -118,20 +116,6 @@ std::vector<Metric> read_metrics(const std::filesystem::path& folder) {
   }
   check_file(folder, "metrics.json");
   return list;
-}
-
-void note_renderer(const std::filesystem::path& folder, const std::string& state_hash,
-                   const std::string& picture, const std::string& renderer) {
-  const std::filesystem::path file = folder / "manifest.json";
-  std::ifstream stream(file);
-  auto manifest = nlohmann::ordered_json::parse(stream, nullptr, false);
-  // Another run may have replaced it since.
-  if (!manifest.is_object() || !manifest.contains("state_hash")) return;
-  if (manifest["state_hash"] != state_hash) return;
-  auto& renderers = manifest["renderers"];
-  if (!renderers.is_object()) renderers = nlohmann::ordered_json::object();
-  renderers[picture] = renderer;
-  replace_file(file, manifest.dump(2) + "\n");
 }
 
 }  // namespace breakwater

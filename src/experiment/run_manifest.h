@@ -38,9 +38,4 @@ std::vector<Metric> read_metrics(const std::filesystem::path& folder);
 /// The folder with the log of a streamed run that did not end, in words for messages.
 std::string where_the_log_is(const std::filesystem::path& folder);
 
-/// Writes the `renderer` that drew `picture` ("video.mp4") into the manifest as
-/// `renderers.PICTURE`, if the run in `folder` still has this state hash. Throws OutputError.
-void note_renderer(const std::filesystem::path& folder, const std::string& state_hash,
-                   const std::string& picture, const std::string& renderer);
-
 }  // namespace breakwater

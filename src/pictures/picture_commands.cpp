@@ -12,7 +12,6 @@
 #include <thread>
 
 #include <breakwater/config/toml_text.h>
-#include <breakwater/experiment/run_manifest.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/render/frame_farm.h>
@@ -77,18 +76,6 @@ PictureStage set_stage(ShownRuns runs, const ShotList& shots, const PictureArgum
   return stage;
 }
 
-// Notes the renderer in the manifest if the picture is in its run's folder. A video also contains
-// it.
-void report(const PictureArguments& arguments, const FinishedRun& run, const std::string& renderer,
-            const std::string& what, const fs::path& file) {
-  std::error_code error;
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  if (fs::equivalent(folder, run.folder(), error)) {
-    note_renderer(run.folder(), run.saved().state_hash(), file.filename().string(), renderer);
-  }
-  if (!arguments.quiet) fmt::print("{}: {}\n", what, file.string());
-}
-
 // The place of a picture or video. The name of a picture must end with .png. That of a video must
 // not end with another format.
 fs::path picture_file(const PictureArguments& arguments, const fs::path& otherwise) {
@@ -143,10 +130,10 @@ int video(const Catalogue& catalogue, const PictureArguments& arguments) {
   output.finish();
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  report(arguments, runs.front(), renderer,
-         fmt::format("video, {} frame{} of {}x{} in {:.1f} s by {}", frames, frames == 1 ? "" : "s",
-                     width, height, wall_s, renderer),
-         file);
+  if (!arguments.quiet) {
+    fmt::print("video, {} frame{} of {}x{} in {:.1f} s by {}: {}\n", frames, frames == 1 ? "" : "s",
+               width, height, wall_s, renderer, file.string());
+  }
   return kSuccess;
 }
 
@@ -168,7 +155,7 @@ int still(const Catalogue& catalogue, const PictureArguments& arguments) {
   Canvas canvas(stage.style.width, stage.style.height);
   std::copy_n(picture.draw(arguments.at_s), 4 * canvas.width() * canvas.height(), canvas.pixels());
   replace_file(file, canvas.png());
-  report(arguments, runs.front(), picture.offscreen().renderer(), "still", file);
+  if (!arguments.quiet) fmt::print("still: {}\n", file.string());
   return kSuccess;
 }
 
@@ -192,7 +179,7 @@ int strip(const Catalogue& catalogue, const PictureArguments& arguments) {
     for (const std::string& note : notes) fmt::print(stderr, "pictures: {}\n", note);
   }
   replace_file(file, strip.png);
-  report(arguments, run, strip.renderer, fmt::format("strip of {}", moments.size()), file);
+  if (!arguments.quiet) fmt::print("strip of {}: {}\n", moments.size(), file.string());
   return kSuccess;
 }
 

@@ -271,7 +271,7 @@ Strip draw_strip(const FinishedRun& run, const ShotList& shots, const std::vecto
     }
   }
   if (chart) chart->draw(page, 0, each.height + caption, window.to_s);
-  return {page.png(), picture.offscreen().renderer(), stage.notes};
+  return {page.png(), stage.notes};
 }
 
 }  // namespace breakwater

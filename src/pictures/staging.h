@@ -88,7 +88,6 @@ std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots,
 
 struct Strip {
   std::string png;
-  std::string renderer;
   std::vector<std::string> notes;
 };
 

@@ -99,7 +99,7 @@ def normal(name, content):
             manifest = json.loads(content)
         except ValueError:
             return content
-        for key in ("wall_time_s", "costs", "renderers"):
+        for key in ("wall_time_s", "costs"):
             manifest.pop(key, None)
         return json.dumps(manifest).encode()
     return OF_MACHINE.sub(b"", content)

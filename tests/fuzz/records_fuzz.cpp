@@ -54,7 +54,6 @@ void read_run_manifest(const std::string& text) {
   const bool is_run = is_run_folder(fuzz::folder().path());
   const ListedFolder run = list_run(fuzz::folder().path());
   fuzz::require(is_run || run.status == "damaged", "a run has a manifest");
-  note_renderer(fuzz::folder().path(), "0", "video.mp4", "egl");
   check_file(fuzz::folder().path(), "log.h5");
 }
 

@@ -31,21 +31,18 @@ class Pictures : public testing::ProgramTest {
   void push(const std::string& name) { ran("arm_push --quiet --duration 0.5 --out " + name); }
 };
 
-TEST_F(Pictures, PicturesOfOneMomentAreAlikeAndNameTheirRenderer) {
+TEST_F(Pictures, PicturesOfOneMomentAreAlike) {
   push("run");
   // The software renderer, also where a GPU is the first device.
   const Environment software("LIBGL_ALWAYS_SOFTWARE", "1");
   for (const std::string asked : {"osmesa", "egl"}) {
     const Environment library("MUJOCO_GL", asked);
     ran("breakwater still run --at 0.3 --size 320x180 --look full");
-    ran("breakwater video run --from 0.1 --to 0.3 --size 320x180");
+    const std::string said = ran("breakwater video run --from 0.1 --to 0.3 --size 320x180");
+    EXPECT_TRUE(has(said, " by llvmpipe", ", EGL: ")) << said;
     testing::output_of("cd " + folder_.string() + " && ffmpeg -v error -i run/video.mp4 " +
                        "-vf 'select=eq(n\\,0)+eq(n\\,4)' -vsync 0 " + asked + "%d.png");
     fs::rename(folder_ / "run/still.png", folder_ / (asked + ".png"));
-    for (const char* picture : {"still.png", "video.mp4"}) {
-      const std::string renderer = json("run/manifest.json")["renderers"][picture];
-      EXPECT_TRUE(renderer.starts_with("llvmpipe") && renderer.ends_with(", EGL")) << renderer;
-    }
   }
   for (const char* picture : {".png", "1.png", "2.png"}) {
     EXPECT_EQ(mean_difference(Png(folder_ / ("osmesa" + std::string(picture))),
