@@ -178,11 +178,7 @@ void Comparison::choose_signals() {
   };
   for (const std::string& name : choice_.signals) {
     const SavedRun* run = first_with(runs_, name);
-    const std::size_t width = (run != nullptr ? *run : front).entry(name).width;
-    const bool is_vector = width > 1 && name.find('[') == std::string::npos;
-    for (std::size_t i = 1; i <= (is_vector ? width : 1); ++i) {
-      add(is_vector ? fmt::format("{}[{}]", name, i) : name);
-    }
+    for (const std::string& value : value_names(run != nullptr ? *run : front, name)) add(value);
   }
   keys_ = signals_.size();
   if (keys_ > 0) return;
@@ -352,11 +348,7 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
             "each run.");
   if (window) signals.back()["window"] = window_data(*window, "compare");
   add_block(signals, "figures", figures_of(charts, window));
-  if (!other_charts.empty()) {
-    add_block(folded, "figures", figures_of(other_charts, window));
-    add_fold(signals, fmt::format("All signals: {} more charts", other_charts.size()), false,
-             folded);
-  }
+  if (!other_charts.empty()) add_other_charts(signals, "all", other_charts, window);
   auto sections = PageData::array();
   add_section(sections, "metrics", "Metrics", metrics);
   add_section(sections, "keys", "Settings that differ", keys);

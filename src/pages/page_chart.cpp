@@ -12,14 +12,13 @@ namespace {
 constexpr std::size_t kBuckets = 400;
 
 // The first window gets as many points as the rest.
-Series thinned(const Series& series, const std::optional<double>& from_s,
-               const std::optional<double>& to_s) {
-  if (!from_s || !to_s || series.times_s.empty()) return decimate(series, kBuckets);
+Series thinned(const Series& series, const std::optional<Window>& window) {
+  if (!window || series.times_s.empty()) return decimate(series, kBuckets);
   Series thin;
   const double infinity = std::numeric_limits<double>::infinity();
-  for (const auto& [from, to] :
-       {std::pair(-infinity, std::nextafter(*from_s, -infinity)), std::pair(*from_s, *to_s),
-        std::pair(std::nextafter(*to_s, infinity), infinity)}) {
+  for (const auto& [from, to] : {std::pair(-infinity, std::nextafter(window->from_s, -infinity)),
+                                 std::pair(window->from_s, window->to_s),
+                                 std::pair(std::nextafter(window->to_s, infinity), infinity)}) {
     const Series part = decimate(cut(series, from, to), kBuckets);
     thin.times_s.insert(thin.times_s.end(), part.times_s.begin(), part.times_s.end());
     thin.values.insert(thin.values.end(), part.values.begin(), part.values.end());
@@ -117,7 +116,7 @@ PageData PageChart::json() const {
   auto list = PageData::array();
   for (std::size_t i = 0; i < series.size(); ++i) {
     const ChartSeries& one = series[i];
-    const Series thin = one.marks.empty() ? thinned(one.values, from_s, to_s) : one.values;
+    const Series thin = one.marks.empty() ? thinned(one.values, window) : one.values;
     std::vector<double> all = thin.values;
     for (const auto* edge : {&one.low, &one.high})
       all.insert(all.end(), edge->begin(), edge->end());
@@ -144,7 +143,7 @@ PageData PageChart::json() const {
     list.push_back(std::move(entry));
   }
   PageData data = {{"title", axis_title()}, {"lines", lines}, {"series", list}};
-  if (from_s && to_s) data["window"] = {*from_s, *to_s};
+  if (window) data["window"] = {window->from_s, window->to_s};
   if (!is_over_time) {
     data["x"] = {{"title", x_title}, {"from", x_first}, {"step", x_unit}, {"log", is_log_x}};
     if (!x_labels.empty()) data["x"]["labels"] = x_labels;

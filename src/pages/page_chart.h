@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pictures/staging.h>
 #include <breakwater/render/chart.h>
 
 namespace breakwater {
@@ -33,9 +34,8 @@ struct PageChart {
   std::string title;
   std::vector<ChartSeries> series;
   std::vector<double> lines;     ///< horizontal, dashed
-  std::optional<double> from_s;  ///< first time window of its axis; default: all
-  std::optional<double> to_s;
-  std::string x_title;  ///< for a quantity that is not time; then all values are in sight
+  std::optional<Window> window;  ///< first time window of its axis; default: all
+  std::string x_title;           ///< for a quantity that is not time; then all values are in sight
   bool is_log_x = false, is_log_y = false;  ///< the series have decimal logarithms of x, of y
   std::vector<std::pair<double, std::string>> x_labels;  ///< instead of round numbers
 

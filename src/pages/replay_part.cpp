@@ -85,8 +85,7 @@ ReplayPart replay_part(ShownRuns runs, const std::string& group, const std::stri
   }
   if (!shots.lines.empty()) {
     part.chart = chart_of(stage, group);
-    part.chart->from_s = part.window.from_s;
-    part.chart->to_s = part.window.to_s;
+    part.chart->window = part.window;
     if (part.chart->series.empty()) part.chart.reset();
   }
   const std::string about = fmt::format(

@@ -116,12 +116,7 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
       add_block(blocks, "table", table);
     }
     if (!charts.others.empty()) {
-      auto others = PageData::array();
-      add_block(others, "figures", figures_of(charts.others, window));
-      add_block(blocks, "fold",
-                {{"id", id + "-all"},
-                 {"summary", fmt::format("All signals: {} more charts", charts.others.size())},
-                 {"blocks", others}});
+      add_other_charts(blocks, id + "-all", charts.others, window);
       if (is_one) toc.push_back({{"href", id + "-all"}, {"label", "All signals"}});
     }
     // A run that a command made is repeated with that command.
@@ -170,13 +165,20 @@ std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::st
 PageData figures_of(const std::vector<PageChart>& charts, const std::optional<Window>& window) {
   auto figures = PageData::array();
   for (PageChart chart : charts) {
-    if (window) {
-      chart.from_s = window->from_s;
-      chart.to_s = window->to_s;
-    }
+    chart.window = window;
     figures.push_back(figure_of(chart));
   }
   return figures;
+}
+
+void add_other_charts(PageData& blocks, const std::string& id, const std::vector<PageChart>& charts,
+                      const std::optional<Window>& window) {
+  auto folded = PageData::array();
+  add_block(folded, "figures", figures_of(charts, window));
+  add_block(blocks, "fold",
+            {{"id", id},
+             {"summary", fmt::format("All signals: {} more charts", charts.size())},
+             {"blocks", folded}});
 }
 
 PageData printed_lines(const PublishedValue& reference, double measured) {

@@ -39,6 +39,9 @@ std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::st
 
 /// A figure for each chart, which begins with the window.
 PageData figures_of(const std::vector<PageChart>& charts, const std::optional<Window>& window);
+/// Folds charts away that say less.
+void add_other_charts(PageData& blocks, const std::string& id, const std::vector<PageChart>& charts,
+                      const std::optional<Window>& window);
 
 /// The lines of a metric's cell: "thesis 2.83", and whether the measured value agrees.
 PageData printed_lines(const PublishedValue& reference, double measured);

@@ -7,6 +7,7 @@
 
 #include <breakwater/config/unit_of.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pictures/staging.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/shell/table.h>
 
@@ -69,19 +70,13 @@ void add_kind(std::vector<LogEntry>& kinds, const LogEntry& entry) {
   }
 }
 
-// A value of a signal, and the signal's name.
-struct OneSignal {
-  LogEntry entry;
-  std::size_t index = 1;
-};
-
 // Makes the charts of one run. A signal is in one chart at most, and a constant one in none.
 class Charts {
  public:
   Charts(const SavedRun& run, const std::string& id) : run_(run), id_(id) {}
 
   // One chart for each unit.
-  void add(const std::string& title, const std::vector<OneSignal>& signals,
+  void add(const std::string& title, const std::vector<std::string>& names,
            std::vector<PageChart>& to) {
     std::vector<PageChart> made;
     const auto chart_with = [&made](const std::string& unit) {
@@ -89,12 +84,12 @@ class Charts {
           made, [&](const PageChart& chart) { return chart.series.front().unit == unit; });
     };
     std::vector<ChartSeries> constant;
-    for (const OneSignal& one : signals) {
+    for (const std::string& name : names) {
+      const std::string label = name.substr(name.find('/') + 1);
       // The same of another group counts too.
-      if (!used_.emplace(one.entry.name, one.index).second) continue;
-      const std::string index = one.entry.width == 1 ? "" : fmt::format("[{}]", one.index);
-      ChartSeries series = series_of(run_, signal_path(one.entry) + index, one.entry.name + index);
-      series.style = role_of_signal(one.entry.name);
+      if (!used_.insert(label).second) continue;
+      ChartSeries series = series_of(run_, name, label);
+      series.style = role_of_signal(bare(name));
       const std::vector<double>& values = series.values.values;
       if (std::ranges::all_of(values, [&](double value) { return value == values.front(); })) {
         constant.push_back(std::move(series));
@@ -116,7 +111,7 @@ class Charts {
     for (PageChart& chart : made) {
       chart.id = fmt::format("{}-{}", id_, ++count_);
       // Another chart has the rest of the quantity already.
-      const bool is_rest = signals.size() > 1 && chart.series.size() == 1;
+      const bool is_rest = names.size() > 1 && chart.series.size() == 1;
       if (is_rest) chart.title += ", " + chart.series.front().label;
       to.push_back(std::move(chart));
     }
@@ -126,28 +121,17 @@ class Charts {
   const SavedRun& run_;
   const std::string& id_;
   std::size_t count_ = 0;
-  std::set<std::pair<std::string, std::size_t>> used_;
+  std::set<std::string> used_;
 };
 
-std::vector<OneSignal> values_of(const LogEntry& entry) {
-  std::vector<OneSignal> all;
-  for (std::size_t i = 1; i <= entry.width; ++i) all.push_back({entry, i});
-  return all;
-}
-
 // The values of a shot list's names, of those that the run has.
-std::vector<OneSignal> named(const SavedRun& run, const std::vector<std::string>& names) {
-  std::vector<OneSignal> all;
+std::vector<std::string> named(const SavedRun& run, const std::vector<std::string>& names) {
+  std::vector<std::string> all;
   for (const std::string& name : names) {
     if (!run.has_signal(name)) continue;
-    const LogEntry& entry = run.entry(name);
-    const std::size_t open = name.find('[');
-    if (open == std::string::npos) {
-      const auto values = values_of(entry);
-      all.insert(all.end(), values.begin(), values.end());
-    } else {
-      all.push_back({entry, std::stoul(name.substr(open + 1))});
-    }
+    const std::size_t index = std::min(name.find('['), name.size());
+    const auto values = value_names(run, signal_path(run.entry(name)) + name.substr(index));
+    all.insert(all.end(), values.begin(), values.end());
   }
   return all;
 }
@@ -231,13 +215,15 @@ SignalCharts signal_charts(const SavedRun& run, const std::string& id, const Sho
     std::vector<PageChart>& to = has_own || made.key.size() >= kKeyCharts ? made.others : made.key;
     const std::size_t width = quantity.kinds.front().width;
     if (quantity.kinds.size() == 1) {
-      charts.add(quantity.title, values_of(quantity.kinds.front()), to);
+      charts.add(quantity.title, value_names(run, signal_path(quantity.kinds.front())), to);
       continue;
     }
-    for (std::size_t i = 1; i <= width; ++i) {
-      std::vector<OneSignal> kinds;
-      for (const LogEntry& entry : quantity.kinds) kinds.push_back({entry, i});
-      charts.add(width == 1 ? quantity.title : fmt::format("{} [{}]", quantity.title, i), kinds,
+    for (std::size_t i = 0; i < width; ++i) {
+      std::vector<std::string> kinds;
+      for (const LogEntry& entry : quantity.kinds) {
+        kinds.push_back(value_names(run, signal_path(entry))[i]);
+      }
+      charts.add(width == 1 ? quantity.title : fmt::format("{} [{}]", quantity.title, i + 1), kinds,
                  to);
     }
   }

@@ -33,13 +33,10 @@ ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Mode
   track.arrow.site =
       of_shot_list(shot.site_place, [&] { return site_id(model, run.fill_in(shot.site)); });
   track.arrow.colour = colour;
-  const bool is_indexed = track.signal.find('[') != std::string::npos;
-  const std::size_t width = is_indexed ? 1 : run.saved().entry(track.signal).width;
-  for (std::size_t i = 1; i <= width; ++i) {
-    track.components.push_back(
-        run.saved().signal(is_indexed ? track.signal : fmt::format("{}[{}]", track.signal, i)));
+  for (const std::string& value : value_names(run.saved(), track.signal)) {
+    track.components.push_back(run.saved().signal(value));
   }
-  if (width != 1 && width != 3) {
+  if (const std::size_t width = track.components.size(); width != 1 && width != 3) {
     throw std::invalid_argument(
         fmt::format("arrow: signal {} has {} values, not 1 or 3", track.signal, width));
   }
@@ -47,6 +44,14 @@ ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Mode
 }
 
 }  // namespace
+
+std::vector<std::string> value_names(const SavedRun& run, const std::string& signal) {
+  const std::size_t width = run.entry(signal).width;
+  if (width == 1 || signal.find('[') != std::string::npos) return {signal};
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i <= width; ++i) names.push_back(fmt::format("{}[{}]", signal, i));
+  return names;
+}
 
 PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera,
                  std::vector<std::string>* notes) {

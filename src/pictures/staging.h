@@ -13,6 +13,10 @@
 
 namespace breakwater {
 
+/// The names of a signal's values: "torque_Nm[1]", … of a vector, else its own. Throws
+/// std::invalid_argument if the run does not have it.
+std::vector<std::string> value_names(const SavedRun& run, const std::string& signal);
+
 /// Reads the data for a run's pictures. `camera`, if not empty, replaces that of the shot list. The
 /// run must outlive the result. Arrows and lines may use signals that the log does not have, such
 /// as those of another controller. With `notes` they are left out, and `notes` gets a line for
