@@ -83,120 +83,86 @@ EGLDisplay display_of(EGLDeviceEXT device) {
                            : get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
 }
 
+[[noreturn]] void fail(const std::string& reason) {
+  const EGLint error = eglGetError();
+  throw NoOpenGl(fmt::format("EGL {} (error {:#06x})", reason, error));
+}
+
 }  // namespace
-
-// Draws into a pbuffer. finish() reads the pixels from it.
-class Offscreen::Context {
- public:
-  // Throws NoOpenGl if the device is not suitable.
-  Context(int width, int height, EGLDeviceEXT device)
-      : width_(width), height_(height), display_(display_of(device)) {
-    try {
-      make_current();
-      GLint largest = 0;
-      function<void(GLenum, GLint*)>("glGetIntegerv")(GL_MAX_TEXTURE_SIZE, &largest);
-      if (std::max(width, height) > largest) {
-        throw NoOpenGl(fmt::format("EGL draws no picture of {}x{}", width, height));
-      }
-      // The background: black, with 0 in the fourth byte.
-      function<void(GLbitfield)>("glClear")(GL_COLOR_BUFFER_BIT);
-      read_pixels_ = function<std::remove_pointer_t<decltype(read_pixels_)>>("glReadPixels");
-    } catch (...) {
-      release();
-      throw;
-    }
-  }
-  Context(const Context&) = delete;
-  Context& operator=(const Context&) = delete;
-  ~Context() { release(); }
-
-  // On the first of the devices that works.
-  static std::unique_ptr<Context> make(int width, int height,
-                                       const std::vector<EGLDeviceEXT>& devices) {
-    for (std::size_t i = 0; i + 1 < devices.size(); ++i) {
-      try {
-        return std::make_unique<Context>(width, height, devices[i]);
-      } catch (const NoOpenGl&) {
-        continue;  // try the next one; the last is Mesa's software renderer, if installed
-      }
-    }
-    return std::make_unique<Context>(width, height, devices.back());
-  }
-
-  // OpenGL's first row is at the bottom.
-  void read(std::uint8_t* pixels) const {
-    read_pixels_(0, 0, width_, height_, GL_BGRA, GL_UNSIGNED_BYTE, pixels);
-    const std::size_t row = 4 * static_cast<std::size_t>(width_);
-    std::uint8_t* lower = pixels + row * static_cast<std::size_t>(height_ - 1);
-    for (; pixels < lower; pixels += row, lower -= row)
-      std::swap_ranges(pixels, pixels + row, lower);
-  }
-
- private:
-  void make_current() {
-    if (display_ == EGL_NO_DISPLAY || eglInitialize(display_, nullptr, nullptr) == EGL_FALSE) {
-      fail("has no display without a screen");
-    }
-    if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) {
-      fail("has no desktop OpenGL");
-    }
-    EGLConfig config = nullptr;
-    EGLint count = 0;
-    if (eglChooseConfig(display_, kConfig.data(), &config, 1, &count) == EGL_FALSE || count == 0) {
-      fail("has no frame buffer of 8 bits a colour");
-    }
-    const std::array<EGLint, 5> size = {EGL_WIDTH, width_, EGL_HEIGHT, height_, EGL_NONE};
-    surface_ = eglCreatePbufferSurface(display_, config, size.data());
-    context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, nullptr);
-    if (surface_ == EGL_NO_SURFACE || context_ == EGL_NO_CONTEXT ||
-        eglMakeCurrent(display_, surface_, surface_, context_) == EGL_FALSE) {
-      fail("made no context");
-    }
-  }
-
-  // Keep the display: other contexts of the process may use it.
-  void release() {
-    if (display_ == EGL_NO_DISPLAY) return;
-    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    if (context_ != EGL_NO_CONTEXT) {
-      eglDestroyContext(display_, context_);
-    }
-    if (surface_ != EGL_NO_SURFACE) {
-      eglDestroySurface(display_, surface_);
-    }
-  }
-
-  [[noreturn]] static void fail(const std::string& reason) {
-    const EGLint error = eglGetError();
-    throw NoOpenGl(fmt::format("EGL {} (error {:#06x})", reason, error));
-  }
-
-  int width_;
-  int height_;
-  EGLDisplay display_;
-  EGLSurface surface_ = EGL_NO_SURFACE;
-  EGLContext context_ = EGL_NO_CONTEXT;
-  void (*read_pixels_)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void*) = nullptr;
-};
 
 Offscreen::Offscreen(int width, int height)
     : width_(width),
       height_(height),
-      pixels_(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
-      context_(Context::make(width, height, chosen(opengl_asked()))) {
+      pixels_(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+  const std::vector<EGLDeviceEXT> devices = chosen(opengl_asked());
+  for (const EGLDeviceEXT& device : devices) {
+    try {
+      open(device);
+      return;
+    } catch (const NoOpenGl&) {
+      close();  // try the next one; the last is Mesa's software renderer, if installed
+      if (&device == &devices.back()) throw;
+    }
+  }
+}
+
+Offscreen::~Offscreen() {
+  close();
+}
+
+// Draws into a pbuffer. finish() reads the pixels from it.
+void Offscreen::open(void* device) {
+  display_ = display_of(device);
+  if (display_ == EGL_NO_DISPLAY || eglInitialize(display_, nullptr, nullptr) == EGL_FALSE) {
+    fail("has no display without a screen");
+  }
+  if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) {
+    fail("has no desktop OpenGL");
+  }
+  EGLConfig config = nullptr;
+  EGLint count = 0;
+  if (eglChooseConfig(display_, kConfig.data(), &config, 1, &count) == EGL_FALSE || count == 0) {
+    fail("has no frame buffer of 8 bits a colour");
+  }
+  const std::array<EGLint, 5> size = {EGL_WIDTH, width_, EGL_HEIGHT, height_, EGL_NONE};
+  surface_ = eglCreatePbufferSurface(display_, config, size.data());
+  context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, nullptr);
+  if (surface_ == EGL_NO_SURFACE || context_ == EGL_NO_CONTEXT ||
+      eglMakeCurrent(display_, surface_, surface_, context_) == EGL_FALSE) {
+    fail("made no context");
+  }
+  GLint largest = 0;
+  function<void(GLenum, GLint*)>("glGetIntegerv")(GL_MAX_TEXTURE_SIZE, &largest);
+  if (std::max(width_, height_) > largest) {
+    throw NoOpenGl(fmt::format("EGL draws no picture of {}x{}", width_, height_));
+  }
+  // The background: black, with 0 in the fourth byte.
+  function<void(GLbitfield)>("glClear")(GL_COLOR_BUFFER_BIT);
   const GLubyte* name = function<const GLubyte*(GLenum)>("glGetString")(GL_RENDERER);
   if (name != nullptr) renderer_ = reinterpret_cast<const char*>(name);
   renderer_ += ", EGL";
 }
 
-Offscreen::~Offscreen() = default;
+// Keeps the display: other contexts of the process may use it.
+void Offscreen::close() {
+  if (display_ == EGL_NO_DISPLAY) return;
+  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
+  if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
+  display_ = surface_ = context_ = nullptr;
+}
 
 std::string Offscreen::missing_library() {
   return egl_library().is_there() ? "" : NoOpenGl(egl_library().complaint()).what();
 }
 
+// OpenGL's first row is at the bottom.
 void Offscreen::finish() {
-  context_->read(pixels_.data());
+  function<void(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void*)>("glReadPixels")(
+      0, 0, width_, height_, GL_BGRA, GL_UNSIGNED_BYTE, pixels_.data());
+  const std::ptrdiff_t row = std::ptrdiff_t{4} * width_;
+  auto upper = pixels_.begin(), lower = pixels_.end() - row;
+  for (; upper < lower; upper += row, lower -= row) std::swap_ranges(upper, upper + row, lower);
 }
 
 void* Offscreen::find(const char* name) {

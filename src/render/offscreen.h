@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -51,13 +50,14 @@ class Offscreen {
   const std::string& renderer() const { return renderer_; }
 
  private:
-  class Context;
+  void open(void* device);
+  void close();
   static void* find(const char* name);
 
   int width_;
   int height_;
   std::vector<std::uint8_t> pixels_;
-  std::unique_ptr<Context> context_;
+  void *display_ = nullptr, *surface_ = nullptr, *context_ = nullptr;  // EGL's
   std::string renderer_;
 };
 
