@@ -179,11 +179,8 @@ void TuningPlan::begin(const std::filesystem::path& file) {
 
 std::string TuningPlan::asked(std::size_t number) const {
   const TuningRun one = run(number);
-  return has(one.tuned, one.evaluation) ? unprepared_key(number) : "";
-}
-
-std::string TuningPlan::unprepared_key(std::size_t number) const {
-  std::vector<std::string> parts = {tuning_.scenario, tuning_.cases[run(number).tuned].name};
+  if (!has(one.tuned, one.evaluation)) return "";
+  std::vector<std::string> parts = {tuning_.scenario, tuning_.cases[one.tuned].name};
   for (std::string& set : sets(number)) parts.push_back(std::move(set));
   return fingerprint(parts);
 }

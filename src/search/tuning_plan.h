@@ -70,10 +70,8 @@ class TuningPlan : public PointSource {
   std::string config_text(std::size_t tuned, std::size_t evaluation) const;
 
   PreparedRun prepare(std::size_t number) const override;
-  std::string unprepared_key(std::size_t number) const override;
   std::string asked(std::size_t number) const override;
   std::filesystem::path folder(std::size_t, const std::string&, bool) const override { return {}; }
-  bool logs(std::size_t) const override { return false; }
 
  private:
   std::vector<std::string> sets(std::size_t number) const;

@@ -78,13 +78,13 @@ void fill(PointResult& result, RunControl control, Common& common) {
     result.key = point_key(run.config_text, models);
     if (common.shard != nullptr) common.shard->add(models);
     if (common.is_task) common.shard->begin(number, result.key);
-    control.logs = source.logs(number);
+    control.logs = !source.folder(number, result.key, false).empty();
     recording = run.scenario->run(control);
   } catch (const OutOfMemory&) {
     throw;
   } catch (const std::invalid_argument& error) {
     result.status = PointStatus::refused;
-    if (result.key.empty()) result.key = source.unprepared_key(number);
+    if (result.key.empty()) result.key = result.asked;
     result.reason = error.what();
     check_machine(result.key, result.reason);
     known.check_unchanged();  // somebody may be writing the file
@@ -129,7 +129,7 @@ PointResult execute(std::size_t number, const RunControl& control, Common& commo
       result = std::move(again);
     }
   } catch (const std::bad_alloc&) {
-    const std::string key = result.key.empty() ? common.source.unprepared_key(number) : result.key;
+    const std::string& key = result.key.empty() ? result.asked : result.key;
     throw OutOfMemory(fmt::format("point {}: there is no memory for it", key));
   }
   return result;
@@ -209,7 +209,7 @@ class Children {
     lost.key = written.begun_key;
     lost.asked = source_.asked(lost.number);
     if (ended.has_crashed()) {
-      if (lost.key.empty()) lost.key = source_.unprepared_key(lost.number);
+      if (lost.key.empty()) lost.key = lost.asked;
       lost.status = PointStatus::crashed;
       lost.reason = ended.end();
       shard_.add(lost);

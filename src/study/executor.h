@@ -22,17 +22,13 @@ class PointSource {
 
   /// The run of a point. Throws std::invalid_argument if the point has to be refused.
   virtual PreparedRun prepare(std::size_t point) const = 0;
-  /// The key of a point that cannot be prepared.
-  virtual std::string unprepared_key(std::size_t point) const = 0;
   /// A hash of what the study asks for at this point; empty: not known yet. It is cheaper than the
-  /// key, which needs the configuration.
-  virtual std::string asked(std::size_t point) const { return unprepared_key(point); }
+  /// key, which needs the configuration, and is the key of a point that cannot be prepared.
+  virtual std::string asked(std::size_t point) const = 0;
   /// The folder for the run and its log; empty: none. `failed` is known after the run. If only
   /// failed points are kept, such a point runs again with its log.
   virtual std::filesystem::path folder(std::size_t point, const std::string& key,
                                        bool failed) const = 0;
-  /// Whether the run needs a log for its folder.
-  virtual bool logs(std::size_t point) const = 0;
 };
 
 struct ExecutorOptions {

@@ -28,7 +28,7 @@ const std::string& name_of(PointStatus status);
 /// The result of a point.
 struct PointResult {
   std::size_t number = 0;
-  std::string key;  ///< point_key(), or unprepared_key() without a configuration
+  std::string key;  ///< point_key(), or PointSource::asked() without a configuration
   PointStatus status = PointStatus::complete;
   std::string state_hash;  ///< 16 hexadecimal digits, or empty
   double cost_s = 0.0;     ///< processor time

@@ -127,7 +127,7 @@ std::vector<std::string> Sweep::defined_metrics(std::size_t point) const {
   return names;
 }
 
-std::string Sweep::unprepared_key(std::size_t number) const {
+std::string Sweep::asked(std::size_t number) const {
   const StudyPoint point = plan_->point(number);
   std::vector<std::string> parts = {plan_->study().scenario,
                                     plan_->candidates()[point.candidate].case_name};

@@ -50,10 +50,9 @@ class Sweep : public PointSource {
   /// The metrics of a point's scenario, also those that a run may be too short for. Empty if the
   /// point is refused.
   std::vector<std::string> defined_metrics(std::size_t point) const;
-  std::string unprepared_key(std::size_t number) const override;
+  std::string asked(std::size_t number) const override;
   std::filesystem::path folder(std::size_t point, const std::string& key,
                                bool failed) const override;
-  bool logs(std::size_t) const override { return keep_ == Keep::all; }
 
  private:
   PreparedRun prepare(const StudyPoint& point, const std::shared_ptr<BoundCases>& bound) const;

@@ -47,12 +47,11 @@ class Jobs : public PointSource {
   KnownModels& models() { return models_; }
 
   PreparedRun prepare(std::size_t point) const override;
-  std::string unprepared_key(std::size_t point) const override { return jobs_[point].key; }
+  std::string asked(std::size_t point) const override { return jobs_[point].key; }
   fs::path folder(std::size_t point, const std::string&, bool) const override {
     const Job& job = jobs_[point];
     return job.is_logged ? run_folder(reproduction_.out, job.spec->name) : fs::path();
   }
-  bool logs(std::size_t point) const override { return jobs_[point].is_logged; }
 
  private:
   void add(const RunSpec& spec, std::size_t repetition, bool is_logged);

@@ -55,11 +55,10 @@ class Source : public PointSource {
     run.model_files = {model().string()};
     return run;
   }
-  std::string unprepared_key(std::size_t point) const override {
+  std::string asked(std::size_t point) const override {
     return "unprepared " + std::to_string(point);
   }
   fs::path folder(std::size_t, const std::string&, bool) const override { return {}; }
-  bool logs(std::size_t) const override { return false; }
 
   std::map<std::size_t, std::function<void()>> before;  // called before the preparation
   std::map<std::size_t, std::function<void()>> during;
