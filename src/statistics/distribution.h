@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -15,7 +16,7 @@ struct ConfidenceInterval {
 
 /// One number from many runs, with a confidence interval if there is one.
 struct EstimatedValue {
-  double value;
+  double value = std::numeric_limits<double>::quiet_NaN();
   std::optional<ConfidenceInterval> interval = {};
 };
 

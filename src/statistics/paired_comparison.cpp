@@ -37,36 +37,9 @@ std::vector<std::pair<std::size_t, std::size_t>> pairs_of(const PairedResults& r
   return pairs;
 }
 
-// The test conditions of each block.
-using Blocks = std::vector<std::vector<Eigen::Index>>;
-
-using Groups = std::vector<std::vector<double>>;
-
-// The finite values of a function of the test condition, by block.
-template <typename Value>
-Groups values_in(const Blocks& blocks, Value value) {
-  Groups values(blocks.size());
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    for (const Eigen::Index world : blocks[i]) {
-      const double one = value(world);
-      if (!std::isnan(one)) values[i].push_back(one);
-    }
-  }
-  return values;
-}
-
-// The median of each block that has values.
-std::vector<double> medians_of(const Groups& values) {
-  std::vector<double> medians;
-  for (std::vector<double> one : values) {
-    if (!one.empty()) medians.push_back(sample_median(one));
-  }
-  return medians;
-}
-
 // A pair of candidates with its blocks and those of each candidate alone.
 struct Pair {
-  std::size_t x, y;
+  Eigen::Index x, y;
   Blocks blocks;
   const Blocks& of_x;
   const Blocks& of_y;
@@ -75,8 +48,8 @@ struct Pair {
 // The median magnitude of a metric's values in two columns.
 double median_size(const Eigen::MatrixXd& values, const Pair& pair) {
   std::vector<double> sizes;
-  for (const std::size_t column : {pair.x, pair.y}) {
-    for (const double value : values.col(static_cast<Eigen::Index>(column))) {
+  for (const Eigen::Index column : {pair.x, pair.y}) {
+    for (const double value : values.col(column)) {
       if (std::isfinite(value)) sizes.push_back(std::abs(value));
     }
   }
@@ -88,32 +61,40 @@ Goal goal_in(const PairedResults& results, const std::string& metric) {
   return found == results.goals.end() ? Goal::none : found->second;
 }
 
-// x − y of a metric, by block of the pair.
-Groups differences_of(const PairedResults& results, std::size_t metric, const Pair& pair) {
-  const auto x = results.values[metric].col(static_cast<Eigen::Index>(pair.x));
-  const auto y = results.values[metric].col(static_cast<Eigen::Index>(pair.y));
-  constexpr double kMost = std::numeric_limits<double>::max();
-  return values_in(pair.blocks, [&](Eigen::Index world) {
-    return std::clamp(x(world) - y(world), -kMost, kMost);  // NaN stays
-  });
+PairComparison comparison_of(const Pair& pair, const std::string& metric, Goal goal) {
+  PairComparison comparison;
+  comparison.metric = metric;
+  comparison.goal = goal;
+  comparison.candidate = static_cast<std::size_t>(pair.x);
+  comparison.reference = static_cast<std::size_t>(pair.y);
+  return comparison;
 }
 
-MetricComparison compare_metric(const PairedResults& results, std::size_t metric, const Pair& pair,
-                                const Groups& differences, const std::vector<double>& medians) {
-  MetricComparison comparison;
-  comparison.metric = results.metrics[metric];
-  comparison.goal = goal_in(results, comparison.metric);
-  comparison.candidate = pair.x;
-  comparison.reference = pair.y;
+// A comparison in a metric, and its test; nothing if the pair does not have it in common.
+struct Tested {
+  PairComparison comparison;
+  SignedRank test;
+};
+
+std::optional<Tested> compare_metric(const PairedResults& results, std::size_t metric,
+                                     const Pair& pair) {
+  const std::string& name = results.metrics[metric];
+  PairComparison comparison = comparison_of(pair, name, goal_in(results, name));
+  const auto x = results.values[metric].col(pair.x).array();
+  const auto y = results.values[metric].col(pair.y).array();
+  const std::vector<double> medians = block_medians(pair.blocks, [&](Eigen::Index world) {
+    constexpr double kMost = std::numeric_limits<double>::max();
+    const double difference = std::clamp(x(world) - y(world), -kMost, kMost);  // NaN stays
+    comparison.pairs += !std::isnan(difference);
+    return difference;
+  });
+  if (medians.empty()) return std::nullopt;
   comparison.blocks = medians.size();
-  for (const std::vector<double>& block : differences) comparison.pairs += block.size();
-  const auto x = results.values[metric].col(static_cast<Eigen::Index>(pair.x));
-  const auto y = results.values[metric].col(static_cast<Eigen::Index>(pair.y));
-  const auto median_of = [&](const auto& of, const auto& beside, const Blocks& blocks) {
-    const Groups values = values_in(blocks, [&](Eigen::Index world) {
+  comparison.is_test = ((x - y).abs() > 0.0).any();  // false for NaN
+  const auto median_of = [](const auto& of, const auto& beside, const Blocks& blocks) {
+    return estimated_median(block_medians(blocks, [&](Eigen::Index world) {
       return std::isnan(beside(world)) ? beside(world) : of(world);
-    });
-    return estimated_median(medians_of(values));
+    }));
   };
   comparison.median = median_of(x, y, pair.of_x);
   comparison.reference_median = median_of(y, x, pair.of_y);
@@ -122,103 +103,71 @@ MetricComparison compare_metric(const PairedResults& results, std::size_t metric
     comparison.larger += d > 0.0;
   }
   const std::size_t equal = comparison.blocks - comparison.smaller - comparison.larger;
-  comparison.probability_smaller =
+  const double share =
       (static_cast<double>(comparison.smaller) + 0.5 * static_cast<double>(equal)) /
       static_cast<double>(comparison.blocks);
+  comparison.probability_smaller = share;
   if (comparison.goal != Goal::none) {
-    comparison.probability_better = comparison.goal == Goal::min
-                                        ? comparison.probability_smaller
-                                        : 1.0 - comparison.probability_smaller;
+    comparison.probability_better = comparison.goal == Goal::min ? share : 1.0 - share;
   }
+  constexpr double kRounding = 1e-12;  // relative to the values
+  SignedRank test(medians, kRounding * median_size(results.values[metric], pair));
+  comparison.p = test.p();
+  comparison.difference.value = test.pseudo_median();
+  return Tested{std::move(comparison), std::move(test)};
+}
+
+PairComparison compare_failures(const PairedResults& results, const Pair& pair) {
+  PairComparison comparison = comparison_of(pair, kFailure, Goal::min);
+  comparison.blocks = pair.blocks.size();
+  for (const std::vector<Eigen::Index>& block : pair.blocks) {
+    comparison.pairs += block.size();
+    std::size_t of_x = 0, of_y = 0;
+    for (const Eigen::Index world : block) {
+      of_x += results.failed(world, pair.x) > 0.0;
+      of_y += results.failed(world, pair.y) > 0.0;
+    }
+    comparison.failures += of_x;
+    comparison.reference_failures += of_y;
+    comparison.larger += of_x > of_y;
+    comparison.smaller += of_y > of_x;
+  }
+  comparison.is_test = comparison.larger + comparison.smaller > 0;
+  comparison.p = mcnemar_exact(comparison.larger, comparison.smaller);
   return comparison;
 }
 
-bool differs(const MetricComparison& comparison, const PairedResults& results) {
-  const auto metric = std::find(results.metrics.begin(), results.metrics.end(), comparison.metric) -
-                      results.metrics.begin();
-  const Eigen::MatrixXd& values = results.values[static_cast<std::size_t>(metric)];
-  const auto x = values.col(static_cast<Eigen::Index>(comparison.candidate)).array();
-  const auto y = values.col(static_cast<Eigen::Index>(comparison.reference)).array();
-  return ((x - y).abs() > 0.0).any();  // false for NaN
-}
-
-ComparisonVerdict verdict_of(const MetricComparison& comparison) {
+ComparisonVerdict verdict_of(const PairComparison& comparison) {
   if (comparison.least_p_holm > kAlpha) return ComparisonVerdict::too_few_blocks;
   if (comparison.p_holm > kAlpha) return ComparisonVerdict::no_difference_shown;
-  const bool is_smaller = comparison.difference.value < 0.0;
+  const bool is_smaller = comparison.metric == kFailure ? comparison.larger < comparison.smaller
+                                                        : comparison.difference.value < 0.0;
   if (comparison.goal == Goal::none)
     return is_smaller ? ComparisonVerdict::smaller : ComparisonVerdict::larger;
   return is_smaller == (comparison.goal == Goal::min) ? ComparisonVerdict::better
                                                       : ComparisonVerdict::worse;
 }
 
-FailureComparison compare_failures(const PairedResults& results, const Pair& pair) {
-  FailureComparison comparison;
-  comparison.candidate = pair.x;
-  comparison.reference = pair.y;
-  comparison.blocks = pair.blocks.size();
-  for (const std::vector<Eigen::Index>& block : pair.blocks) {
-    comparison.pairs += block.size();
-    std::size_t of_x = 0, of_y = 0;
-    for (const Eigen::Index world : block) {
-      of_x += results.failed(world, static_cast<Eigen::Index>(pair.x)) > 0.0;
-      of_y += results.failed(world, static_cast<Eigen::Index>(pair.y)) > 0.0;
-    }
-    comparison.failures += of_x;
-    comparison.reference_failures += of_y;
-    comparison.alone += of_x > of_y;
-    comparison.reference_alone += of_y > of_x;
+// Sets p_holm, its smallest value, and the verdict. Returns the level of each: Holm's, or kAlpha of
+// one that is no test.
+std::vector<double> set_verdicts(std::vector<PairComparison>& comparisons) {
+  std::vector<double> p, least;
+  for (const PairComparison& one : comparisons) {
+    if (!one.is_test) continue;
+    p.push_back(one.p);
+    least.push_back(least_p(one.blocks));
   }
-  comparison.p = mcnemar_exact(comparison.alone, comparison.reference_alone);
-  return comparison;
-}
-
-ComparisonVerdict verdict_of(const FailureComparison& comparison) {
-  if (comparison.least_p_holm > kAlpha) return ComparisonVerdict::too_few_blocks;
-  if (comparison.p_holm > kAlpha) return ComparisonVerdict::no_difference_shown;
-  return comparison.alone < comparison.reference_alone ? ComparisonVerdict::better
-                                                       : ComparisonVerdict::worse;
-}
-
-// Holm's p where `counts` is true, else p. Returns the number of tests.
-template <typename Comparison, typename Counts>
-std::size_t adjust(std::vector<Comparison>& comparisons, double Comparison::*of,
-                   double Comparison::*adjusted, const Counts& counts) {
-  std::vector<double> p;
-  for (const Comparison& one : comparisons) {
-    if (counts(one)) p.push_back(one.*of);
+  const std::vector<double> p_holm = holm(p), least_p_holm = holm(least);
+  const std::vector<double> levels_of_tests = holm_levels(p, kAlpha);
+  std::vector<double> levels;
+  std::size_t test = 0;
+  for (PairComparison& one : comparisons) {
+    one.p_holm = one.is_test ? p_holm[test] : one.p;
+    one.least_p_holm = one.is_test ? least_p_holm[test] : least_p(one.blocks);
+    one.verdict = verdict_of(one);
+    levels.push_back(one.is_test ? levels_of_tests[test++] : kAlpha);
   }
-  const std::vector<double> by_holm = holm(p);
-  std::size_t next = 0;
-  for (Comparison& one : comparisons) one.*adjusted = counts(one) ? by_holm[next++] : one.*of;
-  return p.size();
-}
-
-// Sets p_holm, its smallest value, and the verdict. Returns the number of tests.
-template <typename Comparison, typename Counts>
-std::size_t set_verdicts(std::vector<Comparison>& comparisons, const Counts& counts) {
-  for (Comparison& one : comparisons) one.least_p_holm = least_p(one.blocks);
-  adjust(comparisons, &Comparison::least_p_holm, &Comparison::least_p_holm, counts);
-  const std::size_t tests = adjust(comparisons, &Comparison::p, &Comparison::p_holm, counts);
-  for (Comparison& one : comparisons) one.verdict = verdict_of(one);
-  return tests;
-}
-
-// Sets the intervals of the differences at Holm's levels where `counts` is true, else at kAlpha.
-template <typename Counts>
-void set_intervals(std::vector<MetricComparison>& comparisons, const std::vector<SignedRank>& tests,
-                   const Counts& counts) {
-  std::vector<double> p;
-  for (const MetricComparison& one : comparisons) {
-    if (counts(one)) p.push_back(one.p);
-  }
-  const std::vector<double> levels = holm_levels(p, kAlpha);
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < comparisons.size(); ++i) {
-    const double level = counts(comparisons[i]) ? levels[next++] : kAlpha;
-    comparisons[i].difference.interval = tests[i].interval(level);
-    comparisons[i].needed = differences_needed(tests[i].share_above(), level);
-  }
+  return levels;
 }
 
 std::vector<std::string> never_measured(const PairedResults& results, std::size_t candidate) {
@@ -310,8 +259,21 @@ EstimatedValue estimated_median(std::vector<double> values) {
   return {sample_median(values), interval};
 }
 
-std::vector<std::vector<Eigen::Index>> different_blocks(
-    const PairedResults& results, const std::vector<std::size_t>& candidates) {
+std::vector<double> block_medians(const Blocks& blocks,
+                                  const std::function<double(Eigen::Index)>& value) {
+  std::vector<double> medians;
+  for (const Blocks::value_type& block : blocks) {
+    std::vector<double> values;
+    for (const Eigen::Index world : block) {
+      const double one = value(world);
+      if (!std::isnan(one)) values.push_back(one);
+    }
+    if (!values.empty()) medians.push_back(sample_median(values));
+  }
+  return medians;
+}
+
+Blocks different_blocks(const PairedResults& results, const std::vector<std::size_t>& candidates) {
   Blocks blocks;
   std::set<std::vector<int>> met;
   for (Eigen::Index first = 0, end = 0; first < results.failed.rows(); first = end) {
@@ -354,31 +316,32 @@ CandidateComparison compare_candidates(const PairedResults& results) {
     comparison.reached.push_back(of_one.back().size());
     comparison.never.push_back(never_measured(results, c));
   }
-  std::vector<Pair> pairs;
+  // The blocks of a pair need much memory, so one pair at a time has them.
+  std::vector<std::vector<Tested>> of_metrics(results.metrics.size());
   for (const auto& [x, y] : pairs_of(results)) {
-    pairs.push_back({x, y, different_blocks(results, {x, y}), of_one[x], of_one[y]});
+    const Pair pair{static_cast<Eigen::Index>(x), static_cast<Eigen::Index>(y),
+                    different_blocks(results, {x, y}), of_one[x], of_one[y]};
+    for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
+      auto one = compare_metric(results, metric, pair);
+      if (one) of_metrics[metric].push_back(*std::move(one));
+    }
+    comparison.failures.push_back(compare_failures(results, pair));
   }
-  constexpr double kRounding = 1e-12;  // relative to the values
-  std::vector<SignedRank> tests;       // one for each of comparison.metrics
-  for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const Groups differences = differences_of(results, metric, pairs[i]);
-      const std::vector<double> medians = medians_of(differences);
-      if (medians.empty()) continue;
-      MetricComparison one = compare_metric(results, metric, pairs[i], differences, medians);
-      tests.emplace_back(medians, kRounding * median_size(results.values[metric], pairs[i]));
-      one.p = tests.back().p();
-      one.difference.value = tests.back().pseudo_median();
-      comparison.metrics.push_back(one);
+  set_verdicts(comparison.failures);
+
+  std::vector<SignedRank> tests;  // one for each of comparison.metrics
+  for (std::vector<Tested>& of_metric : of_metrics) {
+    for (Tested& one : of_metric) {
+      comparison.tests += one.comparison.is_test;
+      comparison.metrics.push_back(std::move(one.comparison));
+      tests.push_back(std::move(one.test));
     }
   }
-  comparison.tests =
-      set_verdicts(comparison.metrics, [&](const auto& one) { return differs(one, results); });
-  set_intervals(comparison.metrics, tests, [&](const auto& one) { return differs(one, results); });
-
-  for (const Pair& pair : pairs) comparison.failures.push_back(compare_failures(results, pair));
-  set_verdicts(comparison.failures,
-               [](const auto& one) { return one.alone + one.reference_alone > 0; });
+  const std::vector<double> levels = set_verdicts(comparison.metrics);
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    comparison.metrics[i].difference.interval = tests[i].interval(levels[i]);
+    comparison.metrics[i].needed = differences_needed(tests[i].share_above(), levels[i]);
+  }
   return comparison;
 }
 

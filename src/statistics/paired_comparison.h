@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -75,42 +77,44 @@ inline constexpr double kAlpha = 0.05;
 /// The median of a sample that is not empty, with quantile_interval().
 EstimatedValue estimated_median(std::vector<double> values);
 
+/// The test conditions of each block.
+using Blocks = std::vector<std::vector<Eigen::Index>>;
+
 /// The rows of `results` by block. Samples in which all of these candidates have the runs of an
 /// earlier sample are left out.
-std::vector<std::vector<Eigen::Index>> different_blocks(const PairedResults& results,
-                                                        const std::vector<std::size_t>& candidates);
+Blocks different_blocks(const PairedResults& results, const std::vector<std::size_t>& candidates);
+
+/// The median over each block of a function of the test condition. A value of NaN is left out, and
+/// so is a block without others.
+std::vector<double> block_medians(const Blocks& blocks,
+                                  const std::function<double(Eigen::Index)>& value);
+
+/// In place of a metric in the rows of failures.
+inline constexpr const char* kFailure = "failure";
 
 /// One metric of a candidate x compared with the reference y, over the pairs in which both have it.
 /// The unit is the block: a sample, repeated by its test conditions. Its value is the median of x −
 /// y (of x, of y) over these. Samples with identical runs of x and y are one block.
-struct MetricComparison {
+///
+/// For kFailure, the value of a block is its number of failures, and p is mcnemar_exact(). It has
+/// no median, difference or probability.
+struct PairComparison {
   std::string metric;
   Goal goal = Goal::none;
   std::size_t candidate = 0, reference = 0;
   std::size_t pairs = 0, blocks = 0;
+  std::size_t failures = 0, reference_failures = 0;  ///< for kFailure
+  bool is_test = false;  ///< whether x and y differ, so that it counts in Holm's correction
   EstimatedValue median{}, reference_median{};
   EstimatedValue difference{};  ///< pseudo-median of x − y, with its interval at Holm's level
   std::size_t smaller = 0, larger = 0;     ///< blocks with x < y and with x > y
   std::optional<std::size_t> needed = {};  ///< differences_needed(), at Holm's level
   double p = 1.0;                          ///< SignedRank of x − y
-  double p_holm = 1.0;                     ///< over all metrics and pairs of candidates
-  double least_p_holm = 1.0;               ///< the smallest that these numbers of blocks can give
-  double probability_smaller = 0.5;        ///< share of blocks with x < y; equal ones count half
-  std::optional<double> probability_better = {};  ///< if there is a goal
-  ComparisonVerdict verdict = ComparisonVerdict::no_difference_shown;
-};
-
-/// Failures of two candidates, compared.
-struct FailureComparison {
-  std::size_t candidate = 0, reference = 0;
-  std::size_t pairs = 0;
-  std::size_t failures = 0, reference_failures = 0;
-  std::size_t blocks = 0;
-  /// Blocks with more failures of one candidate than of the other.
-  std::size_t alone = 0, reference_alone = 0;
-  double p = 1.0;       ///< mcnemar_exact()
-  double p_holm = 1.0;  ///< over all pairs of candidates
-  double least_p_holm = 1.0;
+  double p_holm = 1.0;        ///< over all metrics (or failures) and pairs of candidates
+  double least_p_holm = 1.0;  ///< the smallest that these numbers of blocks can give
+  /// The share of blocks with x < y; equal ones count half.
+  double probability_smaller = std::numeric_limits<double>::quiet_NaN();
+  double probability_better = std::numeric_limits<double>::quiet_NaN();  ///< if there is a goal
   ComparisonVerdict verdict = ComparisonVerdict::no_difference_shown;
 };
 
@@ -121,9 +125,9 @@ struct CandidateComparison {
   /// By candidate: metrics with a goal that another candidate has, but none of its own runs. At
   /// least one of its runs must have ended.
   std::vector<std::vector<std::string>> never;
-  std::size_t tests = 0;                  ///< metrics and pairs in Holm's correction
-  std::vector<MetricComparison> metrics;  ///< by metric, then by candidate
-  std::vector<FailureComparison> failures;
+  std::size_t tests = 0;                ///< metrics and pairs in Holm's correction
+  std::vector<PairComparison> metrics;  ///< by metric, then by candidate
+  std::vector<PairComparison> failures;
 };
 
 /// The smallest p that the tests of n blocks can give: m·2·2⁻ⁿ for the first of m tests in Holm's

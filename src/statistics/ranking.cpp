@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <breakwater/statistics/distribution.h>
-#include <breakwater/statistics/quantile.h>
 
 namespace breakwater {
 namespace {
@@ -28,25 +27,20 @@ RankedCandidate counted(const PairedResults& results, std::size_t candidate,
   };
   RankedCandidate row;
   row.candidate = candidate;
-  std::vector<double> medians;
-  for (const std::vector<Eigen::Index>& block : different_blocks(results, {candidate})) {
+  const Blocks blocks = different_blocks(results, {candidate});
+  for (const Blocks::value_type& block : blocks) {
     const bool has_failed = std::any_of(block.begin(), block.end(), [&](Eigen::Index world) {
       return results.failed(world, column) > 0.0;
     });
     ++row.blocks;
     row.failed += has_failed;
     row.met += !has_failed && std::all_of(block.begin(), block.end(), meets);
-    std::vector<double> values;
-    for (const Eigen::Index world : block) {
-      const double value = values_of(results, metric)(world, column);
-      if (!std::isnan(value)) values.push_back(value);
-    }
-    if (!values.empty()) medians.push_back(sample_median(values));
   }
-  row.missing = static_cast<std::size_t>((results.failed.col(column).array() == 0.0 &&
-                                          values_of(results, metric).col(column).array().isNaN())
-                                             .count());
+  const auto values = values_of(results, metric).col(column).array();
+  row.missing = static_cast<std::size_t>(
+      (results.failed.col(column).array() == 0.0 && values.isNaN()).count());
   if (row.blocks > 0) row.share = share_interval(row.met, row.blocks, requirement.confidence);
+  std::vector<double> medians = block_medians(blocks, [&](Eigen::Index i) { return values(i); });
   if (!medians.empty()) row.median = estimated_median(std::move(medians));
   return row;
 }
@@ -85,12 +79,12 @@ PairedResults part_of(const PairedResults& results, const std::string& metric, G
 }
 
 // y − x of a comparison of x − y.
-MetricComparison turned(MetricComparison one) {
+PairComparison turned(PairComparison one) {
   std::swap(one.candidate, one.reference);
   std::swap(one.median, one.reference_median);
   std::swap(one.smaller, one.larger);
   one.probability_smaller = 1.0 - one.probability_smaller;
-  if (one.probability_better) one.probability_better = 1.0 - *one.probability_better;
+  one.probability_better = 1.0 - one.probability_better;
   one.difference.value = -one.difference.value;
   if (auto& interval = one.difference.interval) *interval = {-interval->upper, -interval->lower};
   if (one.verdict == ComparisonVerdict::better) {
@@ -132,7 +126,7 @@ Ranking rank_candidates(const PairedResults& results, const std::string& metric,
   for (std::size_t i = 0; i < ranked.size(); ++i) standings[i].index = i;
   const double sign = goal == Goal::max ? -1.0 : 1.0;
   const double share = 1.0 / static_cast<double>(std::max<std::size_t>(1, ranked.size()));
-  for (const MetricComparison& one : ranking.comparison.metrics) {
+  for (const PairComparison& one : ranking.comparison.metrics) {
     standings[one.candidate].better += one.verdict == ComparisonVerdict::worse;
     standings[one.reference].better += one.verdict == ComparisonVerdict::better;
     standings[one.candidate].sum += share * sign * one.difference.value;
@@ -145,7 +139,7 @@ Ranking rank_candidates(const PairedResults& results, const std::string& metric,
     RankedCandidate& row = ranking.rows.emplace_back(ranked[standing.index]);
     row.place = standing.better + 1;
     const std::size_t first = standings.front().index;
-    for (const MetricComparison& one : ranking.comparison.metrics) {
+    for (const PairComparison& one : ranking.comparison.metrics) {
       if (one.candidate == standing.index && one.reference == first) row.to_first = one;
       if (one.candidate == first && one.reference == standing.index) row.to_first = turned(one);
     }

@@ -34,10 +34,10 @@ struct RankedCandidate {
   std::size_t missing = 0;    ///< complete runs without the metric
   std::size_t met = 0;        ///< blocks that meet the requirement
   ConfidenceInterval share = {0.0, 1.0};  ///< share_interval() of met
-  EstimatedValue median = {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
+  EstimatedValue median{};
   /// This candidate less the first one; nothing for the first, if it is not ranked, or if the two
   /// have no block in common.
-  std::optional<MetricComparison> to_first = {};
+  std::optional<PairComparison> to_first = {};
 };
 
 /// All pairs of ranked candidates are compared in the metric alone, with Holm's correction over

@@ -54,7 +54,7 @@ std::string never_text(const CandidateComparison& comparison) {
 // The goal min of a metric with a sign prefers its most negative value.
 std::string signed_text(const CandidateComparison& comparison) {
   std::vector<std::string> metrics;
-  for (const MetricComparison& one : comparison.metrics) {
+  for (const PairComparison& one : comparison.metrics) {
     const bool is_negative = std::min(one.median.value, one.reference_median.value) < 0.0;
     if (one.goal != Goal::min || !is_negative) continue;
     if (metrics.empty() || metrics.back() != one.metric) metrics.push_back(one.metric);
@@ -75,40 +75,33 @@ std::string p_text(double p) {
 std::vector<ResultRow> comparison_rows(const CandidateComparison& comparison,
                                        const std::string& metric) {
   std::vector<ResultRow> rows;
-  // The cells of a pair, with those of its metric or of its failures.
-  const auto add = [&](const auto& one, const MetricComparison* compared,
-                       const FailureComparison* failure) {
-    const std::string name = compared != nullptr ? compared->metric : kFailure;
-    if (!metric.empty() && name != metric) return;
-    ResultRow& row = rows.emplace_back();
-    const Goal goal = compared != nullptr ? compared->goal : Goal::min;
-    row.put("metric", name);
-    row.put("goal", goal == Goal::none ? "" : name_of(goal_names(), goal));
-    row.put("candidate", comparison.candidates[one.candidate]);
-    row.put("reference", comparison.candidates[one.reference]);
-    row.put("pairs", std::to_string(one.pairs));
-    const EstimatedValue none{std::nan("")};
-    row.put("median", compared != nullptr ? compared->median : none);
-    row.put("reference_median", compared != nullptr ? compared->reference_median : none);
-    row.put("difference", compared != nullptr ? compared->difference : none);
-    row.put("p", one.p);
-    row.put("p_holm", one.p_holm);
-    row.put("probability_smaller",
-            compared != nullptr ? compared->probability_smaller : none.value);
-    row.put("probability_better",
-            compared != nullptr ? compared->probability_better.value_or(none.value) : none.value);
-    row.put("verdict", name_of(one.verdict));
-    const auto count = [&](const char* column, std::size_t FailureComparison::*number) {
-      row.put(column, failure != nullptr ? std::to_string(failure->*number) : "");
-    };
-    count("failures", &FailureComparison::failures);
-    count("reference_failures", &FailureComparison::reference_failures);
-    count("failures_alone", &FailureComparison::alone);
-    count("reference_failures_alone", &FailureComparison::reference_alone);
-    row.put("blocks", std::to_string(one.blocks));
-  };
-  for (const MetricComparison& one : comparison.metrics) add(one, &one, nullptr);
-  for (const FailureComparison& one : comparison.failures) add(one, nullptr, &one);
+  for (const auto* comparisons : {&comparison.metrics, &comparison.failures}) {
+    for (const PairComparison& one : *comparisons) {
+      if (!metric.empty() && one.metric != metric) continue;
+      ResultRow& row = rows.emplace_back();
+      row.put("metric", one.metric);
+      row.put("goal", one.goal == Goal::none ? "" : name_of(goal_names(), one.goal));
+      row.put("candidate", comparison.candidates[one.candidate]);
+      row.put("reference", comparison.candidates[one.reference]);
+      row.put("pairs", std::to_string(one.pairs));
+      row.put("median", one.median);
+      row.put("reference_median", one.reference_median);
+      row.put("difference", one.difference);
+      row.put("p", one.p);
+      row.put("p_holm", one.p_holm);
+      row.put("probability_smaller", one.probability_smaller);
+      row.put("probability_better", one.probability_better);
+      row.put("verdict", name_of(one.verdict));
+      const auto count = [&](const char* column, std::size_t number) {
+        row.put(column, one.metric == kFailure ? std::to_string(number) : "");
+      };
+      count("failures", one.failures);
+      count("reference_failures", one.reference_failures);
+      count("failures_alone", one.larger);
+      count("reference_failures_alone", one.smaller);
+      row.put("blocks", std::to_string(one.blocks));
+    }
+  }
   return rows;
 }
 
@@ -164,7 +157,7 @@ std::vector<std::string> comparison_notes(const CandidateComparison& comparison)
         comparison.blocks));
   }
   const auto few = std::ranges::find(comparison.metrics, ComparisonVerdict::too_few_blocks,
-                                     &MetricComparison::verdict);
+                                     &PairComparison::verdict);
   if (few != comparison.metrics.end()) {
     notes.push_back(few_text(few->blocks, few->pairs, comparison.tests, few->least_p_holm));
   }

@@ -10,9 +10,6 @@
 
 namespace breakwater {
 
-/// In place of a metric in the rows of failures.
-inline constexpr const char* kFailure = "failure";
-
 /// The rows of comparison.csv: one per metric and pair of candidates, then a row for the failures
 /// of each pair (`metric` is "failure"). Numbers have 17 digits. Cells that do not apply are empty.
 /// Only those of `metric` (or kFailure), unless it is empty.

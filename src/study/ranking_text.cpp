@@ -39,7 +39,7 @@ std::string text_of(const Requirement& requirement) {
 }
 
 // How much worse a candidate is than the first one.
-EstimatedValue behind(const Ranking& ranking, const MetricComparison& to_first) {
+EstimatedValue behind(const Ranking& ranking, const PairComparison& to_first) {
   EstimatedValue difference = to_first.difference;
   if (ranking.goal != Goal::max) return difference;
   difference.value = -difference.value;
@@ -48,12 +48,12 @@ EstimatedValue behind(const Ranking& ranking, const MetricComparison& to_first) 
 }
 
 // The conditions in which a candidate is worse than the first one.
-std::size_t worse_in(const Ranking& ranking, const MetricComparison& to_first) {
+std::size_t worse_in(const Ranking& ranking, const PairComparison& to_first) {
   return ranking.goal == Goal::max ? to_first.smaller : to_first.larger;
 }
 
 // The number of conditions that would show the difference of a candidate from the first.
-std::string needed_text(const Ranking& ranking, const std::optional<MetricComparison>& to_first) {
+std::string needed_text(const Ranking& ranking, const std::optional<PairComparison>& to_first) {
   if (!to_first) return "they have no condition in common";
   const std::string conditions = number_of(to_first->blocks, "condition");
   if (to_first->smaller + to_first->larger == 0) return "they are equal in " + conditions;
@@ -151,7 +151,7 @@ class Sentence {
   }
 
   std::string best() const {
-    const MetricComparison& next = *rows_[1].to_first;
+    const PairComparison& next = *rows_[1].to_first;
     const EstimatedValue by = behind(ranking_, next);
     return fmt::format("{} has the {} {}: {}, {} {} the next ({}), 95 % {} to {}, in {} of {}.",
                        name(rows_[0]), extreme(), ranking_.metric, value(rows_[0].median.value),
@@ -265,7 +265,7 @@ nlohmann::ordered_json ranking_json(const Ranking& ranking) {
                                   {"met_upper", one.share.upper}});
   }
   json["pairs"] = nlohmann::ordered_json::array();
-  for (const MetricComparison& one : ranking.comparison.metrics) {
+  for (const PairComparison& one : ranking.comparison.metrics) {
     json["pairs"].push_back(
         {{"candidate", ranking.comparison.candidates[one.candidate]},
          {"reference", ranking.comparison.candidates[one.reference]},

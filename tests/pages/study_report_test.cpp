@@ -179,7 +179,7 @@ TEST(StudyReport, NamesTheBetterCandidate) {
   const auto comparison = compare_study(folder.plan(), folder.index());
   ASSERT_TRUE(comparison);
   EXPECT_TRUE(has(page, "Paired, in the same worlds"));
-  for (const MetricComparison& one : comparison->metrics) {
+  for (const PairComparison& one : comparison->metrics) {
     const std::string begin = fmt::format(
         "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}", one.metric,
         comparison->candidates[one.candidate], comparison->candidates[one.reference], one.blocks);

@@ -38,18 +38,14 @@ void bind_statistics(py::module_& module) {
   record(module, "PairedResults candidates baseline metrics goals values failed samples runs",
          &R::candidates, &R::baseline, &R::metrics, &R::goals, &R::values, &R::failed, &R::samples,
          &R::runs);
-  using C = MetricComparison;
-  record(module,
-         "MetricComparison pairs blocks median reference_median difference p least_p_holm "
-         "probability_smaller probability_better verdict",
-         &C::pairs, &C::blocks, &C::median, &C::reference_median, &C::difference, &C::p,
-         &C::least_p_holm, &C::probability_smaller, &C::probability_better, &C::verdict);
-  using F = FailureComparison;
-  record(module,
-         "FailureComparison candidate pairs failures reference_failures alone reference_alone p "
-         "verdict",
-         &F::candidate, &F::pairs, &F::failures, &F::reference_failures, &F::alone,
-         &F::reference_alone, &F::p, &F::verdict);
+  using C = PairComparison;
+  record(
+      module,
+      "PairComparison candidate pairs blocks failures reference_failures smaller larger median "
+      "reference_median difference p least_p_holm probability_smaller probability_better verdict",
+      &C::candidate, &C::pairs, &C::blocks, &C::failures, &C::reference_failures, &C::smaller,
+      &C::larger, &C::median, &C::reference_median, &C::difference, &C::p, &C::least_p_holm,
+      &C::probability_smaller, &C::probability_better, &C::verdict);
   using A = CandidateComparison;
   record(module, "CandidateComparison metrics failures reached never", &A::metrics, &A::failures,
          &A::reached, &A::never);

@@ -124,7 +124,7 @@ class Comparisons(unittest.TestCase):
             one = compared(results_of({"y": y}, baseline=1, goals={"y": getattr(Goal, goal)}))
             self.assertEqual((one.verdict.name, one.pairs), (verdict, 40))
             self.assertIsNotNone(one.difference.interval)
-            self.assertEqual(one.probability_better is not None, goal != "none")
+            self.assertEqual(not math.isnan(one.probability_better), goal != "none")
 
     def test_incomplete_pairs_are_left_out_and_failures_counted_apart(self):
         comparison = methods.compare_candidates(
@@ -136,7 +136,7 @@ class Comparisons(unittest.TestCase):
         self.assertFalse(first.difference.interval and first.difference.interval.lower > 0)
         self.assertEqual(len(comparison.failures), 3)
         last = comparison.failures[2]
-        self.assertEqual((last.candidate, last.alone, last.reference_alone, last.p), (2, 1, 1, 1))
+        self.assertEqual((last.candidate, last.larger, last.smaller, last.p), (2, 1, 1, 1))
 
     def test_rows_with_fewer_test_conditions_are_marked(self):
         """b and c have equally many test conditions, but different ones."""
@@ -317,7 +317,7 @@ class Blocks(unittest.TestCase):
         self.assertEqual((one.difference.value, one.median.value, one.blocks, one.pairs, one.probability_smaller),
                          (11, 6, 3, 6, 0))
         # Alone only in the first block; in the second one each failed once.
-        self.assertEqual((failures.failures, failures.reference_failures, failures.alone, failures.reference_alone),
+        self.assertEqual((failures.failures, failures.reference_failures, failures.larger, failures.smaller),
                          (3, 2, 1, 0))
         self.assertEqual(failures.verdict.name, "too_few_blocks")
 
