@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <string_view>
-#include <unordered_map>
+#include <functional>
+#include <numeric>
 #include <utility>
 
 #include <breakwater/statistics/quantile.h>
@@ -30,83 +29,22 @@ Eigen::MatrixXd design(const StudyNumbers& numbers, std::size_t candidate,
   return sum.cwiseQuotient(seeds);  // 0/0: no runs
 }
 
-constexpr std::size_t kPointsOfAKind = 5;  // points named per kind of failures
-
-// "at 3.1 s: diverged" and "at 4 s: diverged" are one kind.
-std::string without_numbers(std::string reason) {
-  constexpr std::string_view kOfNumbers = "0123456789.e+-";
-  std::erase_if(reason, [&](char c) { return kOfNumbers.find(c) != std::string_view::npos; });
-  return reason;
-}
-
 }  // namespace
 
-StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
-                           const std::vector<std::string>& first) {
-  StudyNumbers numbers;
-  numbers.keys = study_keys(plan.study());
-  const std::size_t candidates = plan.candidates().size();
-  const std::size_t points_of_a_sample = candidates * plan.seeds();
-  for (std::size_t sample = 0; sample < plan.samples(); ++sample) {
-    const StudyPoint point = plan.point(sample * points_of_a_sample);
-    for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
-      numbers.keys[k].values.push_back(key_number(numbers.keys[k], point.values[k]));
-    }
+void put_first(const std::vector<std::string>& first, StudyNumbers& numbers) {
+  std::vector<std::size_t> order(numbers.metrics.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::ranges::less(), [&](std::size_t metric) {
+    return std::ranges::find(first, numbers.metrics[metric]) - first.begin();
+  });
+  std::vector<std::string> metrics;
+  std::vector<std::vector<double>> columns;
+  for (const std::size_t metric : order) {
+    metrics.push_back(std::move(numbers.metrics[metric]));
+    columns.push_back(std::move(numbers.columns[metric]));
   }
-  const std::size_t block_size =
-      plan.study().method == Method::saltelli ? numbers.keys.size() + 2 : 1;
-
-  std::map<std::pair<PointStatus, std::string>, FailureKind> failures;
-  std::vector<std::string> metrics = first;
-  std::vector<std::vector<double>> columns(first.size());
-  std::unordered_map<std::string, std::size_t> column_of;
-  for (std::size_t i = 0; i < metrics.size(); ++i) column_of.emplace(metrics[i], i);
-
-  for (std::size_t number = 0; number < index.points(); ++number) {
-    if (!index.has(number)) continue;
-    const PointResult result = index.read(number);
-    const std::size_t sample = number / points_of_a_sample;
-    StudyRun run;
-    run.number = number;
-    run.sample = static_cast<std::uint32_t>(sample);
-    run.block = static_cast<std::uint32_t>(sample / block_size);
-    run.in_block = static_cast<std::uint32_t>(sample % block_size);
-    run.candidate = static_cast<std::uint32_t>(number % candidates);
-    run.failed = result.status != PointStatus::complete;
-    if (run.failed) {
-      FailureKind& kind = failures[{result.status, without_numbers(result.reason)}];
-      if (kind.runs++ == 0) {
-        kind.status = result.status;
-        kind.reason = result.reason;
-        kind.of_candidate.resize(candidates);
-      }
-      ++kind.of_candidate[run.candidate];
-      if (kind.first.size() < kPointsOfAKind) kind.first.push_back(number);
-    }
-    numbers.blocks = run.block + 1;  // points ascend
-    numbers.runs.push_back(run);
-    for (const auto& [name, value] : result.metrics) {
-      const auto [found, is_new] = column_of.emplace(name, metrics.size());
-      if (is_new) {
-        metrics.push_back(name);
-        columns.emplace_back();
-      }
-      std::vector<double>& column = columns[found->second];
-      column.resize(numbers.runs.size(), std::numeric_limits<double>::quiet_NaN());
-      column.back() = value;
-    }
-  }
-
-  for (std::size_t i = 0; i < metrics.size(); ++i) {
-    if (columns[i].empty()) continue;  // a metric of `first` that no run has
-    columns[i].resize(numbers.runs.size(), std::numeric_limits<double>::quiet_NaN());
-    numbers.metrics.push_back(metrics[i]);
-    numbers.columns.push_back(std::move(columns[i]));
-  }
-  for (const auto& [name, kind] : failures) numbers.failures.push_back(kind);
-  std::stable_sort(numbers.failures.begin(), numbers.failures.end(),
-                   [](const auto& a, const auto& b) { return a.runs > b.runs; });
-  return numbers;
+  numbers.metrics = std::move(metrics);
+  numbers.columns = std::move(columns);
 }
 
 std::vector<QuantileBand> bands(const StudyNumbers& numbers, const std::vector<double>& column,

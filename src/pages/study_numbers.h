@@ -1,52 +1,20 @@
-// The results of a study as columns, for its report.
+// The results of a study in groups, for its report.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include <breakwater/statistics/sensitivity.h>
-#include <breakwater/study/plan.h>
 #include <breakwater/study/result_row.h>
-#include <breakwater/study/shards.h>
+#include <breakwater/study/results.h>
 
 namespace breakwater {
 
-/// The data of one run that the charts need.
-struct StudyRun {
-  std::size_t number = 0;      ///< number of the point
-  std::uint32_t sample = 0;    ///< that of the plan, index into StudyKey::values
-  std::uint32_t block = 0;     ///< saltelli design: its row; others: the sample
-  std::uint32_t in_block = 0;  ///< saltelli design: its column A, AB⁽¹⁾ … B; others: 0
-  std::uint32_t candidate = 0;
-  bool failed = false;  ///< not complete, for any reason
-};
-
-/// Runs that failed for the same reason, apart from the numbers in it.
-struct FailureKind {
-  PointStatus status = PointStatus::failed;
-  std::string reason;  ///< reason of the first run
-  std::size_t runs = 0;
-  std::vector<std::size_t> of_candidate;  ///< number of runs per candidate
-  std::vector<std::size_t> first;         ///< numbers of the first points
-};
-
-struct StudyNumbers {
-  std::vector<StudyKey> keys;
-  std::vector<StudyRun> runs;  ///< in the order of the points
-  std::vector<std::string> metrics;
-  std::vector<std::vector<double>> columns;  ///< for each metric, by run; NaN: not measured
-  std::size_t blocks = 0;                    ///< 1 + the largest of the runs
-  std::vector<FailureKind> failures;         ///< most runs first
-};
-
-/// Reads each result once. The metrics in `first` come first; the others follow in the order of the
-/// points.
-StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
-                           const std::vector<std::string>& first);
+/// Puts these metrics first, as far as the runs have them.
+void put_first(const std::vector<std::string>& first, StudyNumbers& numbers);
 
 /// Statistics of a metric over the runs of one group. Quantiles are NaN if no run has the metric.
 struct QuantileBand {

@@ -63,16 +63,17 @@ std::string shortened(const std::string& text) {
 class StudyPage {
  public:
   StudyPage(const Catalogue& catalogue, const Plan& plan, const ShardIndex& index,
-            const std::optional<CandidateComparison>& comparison)
+            StudyNumbers numbers, const std::optional<CandidateComparison>& comparison)
       : plan_(plan),
         index_(index),
         comparison_(comparison),
-        scenario_(make_scenario(catalogue, plan.study().scenario)) {
+        scenario_(make_scenario(catalogue, plan.study().scenario)),
+        numbers_(std::move(numbers)) {
     std::vector<std::string> first = plan.study().metrics;
     for (const auto& [metric, goal] : plan.study().goals) first.push_back(metric);
     for (const std::string& metric : scenario_->main_metrics()) first.push_back(metric);
     for (const std::string& metric : scenario_->matrix().metrics) first.push_back(metric);
-    numbers_ = study_numbers(plan, index, first);
+    put_first(first, numbers_);
     for (const Candidate& candidate : plan.candidates()) labels_.push_back(candidate.label);
     looks_ = candidate_styles(labels_, cases_of(catalogue, plan.study().scenario));
     if (plan.study().method == Method::saltelli) indices_ = study_indices(numbers_, labels_);
@@ -400,10 +401,10 @@ class StudyPage {
 }  // namespace
 
 void write_study_report(const Catalogue& catalogue, const Plan& plan, const ShardIndex& index,
-                        const StudyFolder& folder,
+                        StudyNumbers numbers, const StudyFolder& folder,
                         const std::optional<CandidateComparison>& comparison,
                         const std::optional<Ranking>& ranking) {
-  const StudyPage page(catalogue, plan, index, comparison);
+  const StudyPage page(catalogue, plan, index, std::move(numbers), comparison);
   if (!page.indices().empty())
     replace_file(folder.path() / "indices.csv", csv_table(page.indices()));
   replace_file(folder.path() / "report.html", html_page("study", page.data(folder, ranking)));

@@ -9,6 +9,7 @@
 #include <breakwater/search/tuner.h>
 #include <breakwater/search/tuning_plan.h>
 #include <breakwater/statistics/ranking.h>
+#include <breakwater/study/results.h>
 #include <breakwater/study/study_folder.h>
 
 namespace breakwater {
@@ -18,7 +19,7 @@ namespace breakwater {
 /// page has less than 2 MB for any number of points. Equal results give equal bytes. Throws
 /// OutputError.
 void write_study_report(const Catalogue& catalogue, const Plan& plan, const ShardIndex& index,
-                        const StudyFolder& folder,
+                        StudyNumbers numbers, const StudyFolder& folder,
                         const std::optional<CandidateComparison>& comparison,
                         const std::optional<Ranking>& ranking);
 

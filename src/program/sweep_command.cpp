@@ -77,7 +77,7 @@ std::string seed_warning(const Sweep& sweep, const std::vector<PointResult>& run
   for (std::size_t c = 0; c < runs.size(); ++c) {
     if (runs[c].status != PointStatus::complete) continue;
     const PointResult run = run_point(place * runs.size() + c, other, control);
-    if (are_same_run(run, runs[c])) continue;
+    if (run.state_hash == runs[c].state_hash && run.metrics == runs[c].metrics) continue;
     if (!is_one) return "";
     return fmt::format(
         "seeds: {} gives another run of {} than {}: one seed is one draw of the "
@@ -269,22 +269,23 @@ class SweepCommand : public StudyCommand {
   int collect(const ShardIndex& index) const override {
     index.check_models();
     const fs::path csv = folder_.path() / "results.csv";
-    const std::vector<std::string> metrics = write_results(plan_, index, csv);
-    for (const NamedMetric& one : unknown_metrics(plan_.study(), metrics)) {
+    StudyNumbers numbers = study_numbers(plan_, index);
+    write_results(plan_, index, numbers.metrics, csv);
+    for (const NamedMetric& one : unknown_metrics(plan_.study(), numbers.metrics)) {
       fmt::print(stderr, "{}: {}: no run has it{}\n", name(), one.place,
                  why_missing(sweep_, one, index.done(),
                              index.done() - index.count(PointStatus::complete)));
     }
-    const auto comparison = compare_study(plan_, index);
+    const auto comparison = compare_study(plan_, numbers);
     const fs::path compared = folder_.path() / "comparison.csv";
     if (comparison) replace_file(compared, csv_table(comparison_rows(*comparison)));
-    const auto ranking = rank_study(plan_, index);
+    const auto ranking = rank_study(plan_, numbers);
     if (ranking) {
       replace_file(folder_.path() / "ranking.json", ranking_json(*ranking).dump(1) + "\n");
     }
-    write_study_report(catalogue_, plan_, index, folder_, comparison, ranking);
+    const std::vector<std::string> lines = notes(plan_, numbers);
+    write_study_report(catalogue_, plan_, index, std::move(numbers), folder_, comparison, ranking);
     const int status = collect_sqlite(csv);
-    const std::vector<std::string> lines = notes(plan_, index);
     if (options_.quiet) {
       warn(name(), lines);
       return status;

@@ -146,30 +146,4 @@ std::vector<StudyPoint> Plan::probes() const {
   return probes;
 }
 
-std::vector<StudyKey> study_keys(const Study& study) {
-  std::vector<StudyKey> keys;
-  for (const VariedKey& varied : study.vary) {
-    StudyKey key;
-    key.name = varied.key;
-    key.is_number = std::all_of(varied.values.begin(), varied.values.end(),
-                                [](const std::string& v) { return number_in(v).has_value(); });
-    if (!key.is_number) {
-      for (const std::string& value : varied.values) {
-        const std::string text = plain_text(value);
-        if (std::find(key.texts.begin(), key.texts.end(), text) == key.texts.end()) {
-          key.texts.push_back(text);
-        }
-      }
-    }
-    keys.push_back(std::move(key));
-  }
-  return keys;
-}
-
-double key_number(const StudyKey& key, const std::string& value) {
-  if (key.is_number) return *number_in(value);
-  const auto found = std::find(key.texts.begin(), key.texts.end(), plain_text(value));
-  return static_cast<double>(found - key.texts.begin());
-}
-
 }  // namespace breakwater

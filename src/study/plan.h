@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/statistics/key_groups.h>
 #include <breakwater/study/sampling.h>
 #include <breakwater/study/study.h>
 
@@ -62,11 +61,5 @@ class Plan {
   std::size_t samples_ = 1;
   std::size_t seeds_ = 1;
 };
-
-/// The varied keys without values.
-std::vector<StudyKey> study_keys(const Study& study);
-
-/// A number for a key's value, given as TOML.
-double key_number(const StudyKey& key, const std::string& value);
 
 }  // namespace breakwater

@@ -2,13 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <boost/functional/hash.hpp>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
-#include <map>
-#include <optional>
-#include <set>
+#include <functional>
+#include <limits>
+#include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/partial_file.h>
@@ -19,25 +23,113 @@
 #include <breakwater/study/plan.h>
 
 namespace breakwater {
-std::vector<std::string> metrics_of(const ShardIndex& index) {
-  std::vector<std::string> metrics;
-  std::set<std::string> known;
-  for (std::size_t point = 0; point < index.points(); ++point) {
-    if (!index.has(point)) continue;
-    for (const auto& [name, value] : index.read(point).metrics) {
-      if (known.insert(name).second) metrics.push_back(name);
+namespace {
+
+constexpr std::size_t kPointsOfAKind = 5;  // points named per kind of failures
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+// The varied keys without values.
+std::vector<StudyKey> study_keys(const Study& study) {
+  std::vector<StudyKey> keys;
+  for (const VariedKey& varied : study.vary) {
+    StudyKey key;
+    key.name = varied.key;
+    key.is_number = std::ranges::all_of(
+        varied.values, [](const std::string& v) { return number_in(v).has_value(); });
+    if (!key.is_number) {
+      for (const std::string& value : varied.values) {
+        const std::string text = plain_text(value);
+        if (std::ranges::find(key.texts, text) == key.texts.end()) key.texts.push_back(text);
+      }
     }
+    keys.push_back(std::move(key));
   }
-  return metrics;
+  return keys;
 }
 
-std::vector<std::string> write_results(const Plan& plan, const ShardIndex& index,
-                                       const std::filesystem::path& file) {
+// A number for a key's value, given as TOML.
+double key_number(const StudyKey& key, const std::string& value) {
+  if (key.is_number) return *number_in(value);
+  return static_cast<double>(std::ranges::find(key.texts, plain_text(value)) - key.texts.begin());
+}
+
+// "at 3.1 s: diverged" and "at 4 s: diverged" are one kind.
+std::string without_numbers(std::string reason) {
+  constexpr std::string_view kOfNumbers = "0123456789.e+-";
+  std::erase_if(reason, [&](char c) { return kOfNumbers.find(c) != std::string_view::npos; });
+  return reason;
+}
+
+std::size_t outcome_of(const PointResult& result) {
+  auto outcome = static_cast<std::size_t>(result.status);
+  boost::hash_combine(outcome, result.state_hash.empty() ? result.reason : result.state_hash);
+  boost::hash_combine(outcome, result.metrics);
+  return outcome;
+}
+
+}  // namespace
+
+StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index) {
+  StudyNumbers numbers;
+  numbers.keys = study_keys(plan.study());
+  const std::size_t candidates = plan.candidates().size();
+  const std::size_t points_of_a_sample = candidates * plan.seeds();
+  for (std::size_t sample = 0; sample < plan.samples(); ++sample) {
+    const StudyPoint point = plan.point(sample * points_of_a_sample);
+    for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
+      numbers.keys[k].values.push_back(key_number(numbers.keys[k], point.values[k]));
+    }
+  }
+  const std::size_t block_size =
+      plan.study().method == Method::saltelli ? numbers.keys.size() + 2 : 1;
+  std::map<std::pair<PointStatus, std::string>, FailureKind> failures;
+  std::unordered_map<std::string, std::size_t> column_of;
+  for (std::size_t number = 0; number < index.points(); ++number) {
+    if (!index.has(number)) continue;
+    const PointResult result = index.read(number);
+    const std::size_t sample = number / points_of_a_sample;
+    const StudyRun run = {.number = number,
+                          .sample = static_cast<std::uint32_t>(sample),
+                          .block = static_cast<std::uint32_t>(sample / block_size),
+                          .in_block = static_cast<std::uint32_t>(sample % block_size),
+                          .candidate = static_cast<std::uint32_t>(number % candidates),
+                          .failed = result.status != PointStatus::complete,
+                          .outcome = outcome_of(result)};
+    if (run.failed) {
+      FailureKind& kind = failures[{result.status, without_numbers(result.reason)}];
+      if (kind.runs++ == 0) {
+        kind.status = result.status;
+        kind.reason = result.reason;
+        kind.of_candidate.resize(candidates);
+      }
+      ++kind.of_candidate[run.candidate];
+      if (kind.first.size() < kPointsOfAKind) kind.first.push_back(number);
+    }
+    numbers.blocks = run.block + 1;  // points ascend
+    numbers.runs.push_back(run);
+    for (const auto& [name, value] : result.metrics) {
+      const auto [found, is_new] = column_of.emplace(name, numbers.metrics.size());
+      if (is_new) {
+        numbers.metrics.push_back(name);
+        numbers.columns.emplace_back();
+      }
+      std::vector<double>& column = numbers.columns[found->second];
+      column.resize(numbers.runs.size(), kNone);
+      column.back() = value;
+    }
+  }
+  for (std::vector<double>& column : numbers.columns) column.resize(numbers.runs.size(), kNone);
+  for (const auto& [name, kind] : failures) numbers.failures.push_back(kind);
+  std::ranges::stable_sort(numbers.failures, std::ranges::greater(), &FailureKind::runs);
+  return numbers;
+}
+
+void write_results(const Plan& plan, const ShardIndex& index,
+                   const std::vector<std::string>& metrics, const std::filesystem::path& file) {
   std::vector<std::string> header = {"point", "case", "seed"};
   for (const VariedKey& key : plan.study().compare) header.push_back(key.key);
   for (const VariedKey& key : plan.study().vary) header.push_back(key.key);
   header.insert(header.end(), {"status", "state_hash"});
-  const std::vector<std::string> metrics = metrics_of(index);
   std::unordered_map<std::string, std::size_t> columns;
   for (const std::string& metric : metrics) {
     columns.emplace(metric, header.size());
@@ -69,7 +161,6 @@ std::vector<std::string> write_results(const Plan& plan, const ShardIndex& index
         fmt::format("{}: cannot be written ({})", file.string(), std::strerror(errno)));
   }
   partial.commit();
-  return metrics;
 }
 
 void write_sqlite(const std::filesystem::path& csv, const std::filesystem::path& file) {
@@ -106,35 +197,30 @@ std::vector<std::string> missing_lines(
   return lines;
 }
 
-bool are_same_run(const PointResult& one, const PointResult& other) {
-  return one.state_hash == other.state_hash && one.metrics == other.metrics;
-}
-
-std::vector<std::string> notes(const Plan& plan, const ShardIndex& index) {
+std::vector<std::string> notes(const Plan& plan, const StudyNumbers& numbers) {
   const std::size_t candidates = plan.candidates().size();
   std::vector<std::size_t> complete(candidates);
-  std::map<std::string, std::vector<std::size_t>> counts;  // the runs with each metric
-  std::vector<std::optional<PointResult>> first(
-      candidates);  // in the last sample of each candidate
-  const auto sample_of = [&](const PointResult& run) {
-    return run.number / candidates / plan.seeds();
-  };
+  std::vector<const StudyRun*> first(candidates);  // in the last sample of each candidate
   std::size_t pairs = 0, different = 0;
-  for (std::size_t point = 0; point < index.points(); ++point) {
-    if (!index.has(point) || index.status(point) != PointStatus::complete) continue;
-    const PointResult run = index.read(point);
-    const std::size_t candidate = point % candidates;
-    ++complete[candidate];
-    for (const auto& [name, value] : run.metrics) {
-      ++counts.try_emplace(name, candidates).first->second[candidate];
-    }
-    std::optional<PointResult>& other = first[candidate];
-    if (!other || sample_of(*other) != sample_of(run)) {
-      other = run;
+  for (const StudyRun& run : numbers.runs) {
+    if (run.failed) continue;
+    ++complete[run.candidate];
+    const StudyRun*& other = first[run.candidate];
+    if (other == nullptr || other->sample != run.sample) {
+      other = &run;
       continue;
     }
     ++pairs;
-    different += are_same_run(run, *other) ? 0 : 1;
+    different += run.outcome != other->outcome;
+  }
+  std::map<std::string, std::vector<std::size_t>> counts;  // the runs with each metric
+  for (std::size_t m = 0; m < numbers.metrics.size(); ++m) {
+    std::vector<std::size_t>& count = counts[numbers.metrics[m]];
+    count.resize(candidates);
+    for (std::size_t i = 0; i < numbers.runs.size(); ++i) {
+      const StudyRun& run = numbers.runs[i];
+      count[run.candidate] += !run.failed && !std::isnan(numbers.columns[m][i]);
+    }
   }
   std::vector<std::string> labels;
   for (const Candidate& candidate : plan.candidates()) labels.push_back(candidate.label);

@@ -1,30 +1,61 @@
 // results.csv and results.sqlite: the runs of a study as one table.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
+#include <breakwater/statistics/key_groups.h>
 #include <breakwater/study/plan.h>
 #include <breakwater/study/shards.h>
 
 namespace breakwater {
 
-/// All metrics, in the order in which the points first have them.
-std::vector<std::string> metrics_of(const ShardIndex& index);
+/// One finished run of a study.
+struct StudyRun {
+  std::size_t number = 0;      ///< number of the point
+  std::uint32_t sample = 0;    ///< that of the plan, index into StudyKey::values
+  std::uint32_t block = 0;     ///< saltelli design: its row; others: the sample
+  std::uint32_t in_block = 0;  ///< saltelli design: its column A, AB⁽¹⁾ … B; others: 0
+  std::uint32_t candidate = 0;
+  bool failed = false;      ///< not complete, for any reason
+  std::size_t outcome = 0;  ///< equal for runs with equal states and metrics, or equal failures
+};
+
+/// Runs that failed for the same reason, apart from the numbers in it.
+struct FailureKind {
+  PointStatus status = PointStatus::failed;
+  std::string reason;  ///< reason of the first run
+  std::size_t runs = 0;
+  std::vector<std::size_t> of_candidate;  ///< number of runs per candidate
+  std::vector<std::size_t> first;         ///< numbers of the first points
+};
+
+/// The results of a study as columns: for its notes, its comparison, its ranking and its page.
+struct StudyNumbers {
+  std::vector<StudyKey> keys;                ///< the varied ones
+  std::vector<StudyRun> runs;                ///< in the order of the points
+  std::vector<std::string> metrics;          ///< in the order in which the points first have them
+  std::vector<std::vector<double>> columns;  ///< for each metric, by run; NaN: not measured
+  std::size_t blocks = 0;                    ///< 1 + the largest of the runs
+  std::vector<FailureKind> failures;         ///< most runs first
+};
+
+/// Reads each result once.
+StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index);
 
 /// Writes results.csv, with a row for each finished point in the order of the points. Columns:
-/// `point`, `case`, `seed`, the compared and varied keys, `status`, `state_hash`, and metrics_of().
+/// `point`, `case`, `seed`, the compared and varied keys, `status`, `state_hash`, and `metrics`.
 /// Numbers have 17 digits, which identify the double. The bytes depend on the results alone, not on
-/// the order or place of the runs. Returns the metrics. Throws OutputError.
-std::vector<std::string> write_results(const Plan& plan, const ShardIndex& index,
-                                       const std::filesystem::path& file);
+/// the order or place of the runs. Throws OutputError.
+void write_results(const Plan& plan, const ShardIndex& index,
+                   const std::vector<std::string>& metrics, const std::filesystem::path& file);
 /// Writes the rows of `csv` as the SQLite table `results`, with Python. Throws OutputError.
 void write_sqlite(const std::filesystem::path& csv, const std::filesystem::path& file);
 
-/// Whether two runs have the same states and metrics.
-bool are_same_run(const PointResult& one, const PointResult& other);
 /// The reason for equal runs with several seeds.
 inline constexpr const char* kNoNoise = "no noise reaches them";
 
@@ -37,6 +68,6 @@ std::vector<std::string> missing_lines(
 
 /// The notes, one per line. They name metrics that some complete runs of a candidate lack, so that
 /// its medians are over fewer runs. They also name seeds that change nothing.
-std::vector<std::string> notes(const Plan& plan, const ShardIndex& index);
+std::vector<std::string> notes(const Plan& plan, const StudyNumbers& numbers);
 
 }  // namespace breakwater

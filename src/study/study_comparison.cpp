@@ -7,24 +7,11 @@
 #include <stdexcept>
 #include <unordered_map>
 
-#include <breakwater/config/config.h>
-#include <breakwater/record/file_hash.h>
-#include <breakwater/study/plan.h>
-#include <breakwater/study/results.h>
-
 namespace breakwater {
 namespace {
 
 constexpr std::size_t kMostWithoutBaseline = 20, kMostRanked = 100;
 constexpr double kMostCompared = 2e8;
-
-// The outcome of a run. Complete runs with equal outcomes are equal.
-std::string outcome(const PointResult& result) {
-  std::string text = name_of(result.status) + " " + result.state_hash;
-  if (result.state_hash.empty()) text += " " + result.reason;
-  for (const auto& [name, value] : result.metrics) text += fmt::format(" {}={:.17g}", name, value);
-  return text;
-}
 
 // Whether each seed of a sample is a block of its own.
 bool counts_seeds(const Study& study) {
@@ -33,7 +20,7 @@ bool counts_seeds(const Study& study) {
 
 }  // namespace
 
-PairedResults paired_results(const Plan& plan, const ShardIndex& index,
+PairedResults paired_results(const Plan& plan, const StudyNumbers& numbers,
                              const std::vector<std::string>& metrics) {
   const Study& study = plan.study();
   PairedResults results;
@@ -43,70 +30,65 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
   }
   results.metrics = !metrics.empty()         ? metrics
                     : !study.metrics.empty() ? study.metrics
-                                             : metrics_of(index);
+                                             : numbers.metrics;
   results.goals = {study.goals.begin(), study.goals.end()};
   const std::size_t k = plan.candidates().size();
-  const std::size_t all = plan.size() / k;
   if (static_cast<double>(plan.size()) * static_cast<double>(results.metrics.size()) >
       kMostCompared) {
     throw std::invalid_argument(
         fmt::format("compare.metrics: {} metrics of {} runs are too many to compare: name some",
                     results.metrics.size(), plan.size()));
   }
-  std::unordered_map<std::string, std::size_t> columns;
-  for (std::size_t i = 0; i < results.metrics.size(); ++i) columns.emplace(results.metrics[i], i);
-
   // A sample waits until all its seeds have run. Earlier, repeats could not be recognised.
   const std::size_t together = counts_seeds(study) ? k : k * plan.seeds();
-  std::vector<std::size_t> worlds;
-  for (std::size_t world = 0; world < all; ++world) {
-    const std::size_t first = world * k / together * together;
-    std::size_t done = 0;
-    while (done < together && index.has(first + done)) ++done;
-    if (done == together) worlds.push_back(world);
+  const std::vector<StudyRun>& runs = numbers.runs;
+  std::vector<std::size_t> worlds;  // the first run of each test condition
+  for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
+    const std::size_t sample = runs[begin].number / together;
+    while (end < runs.size() && runs[end].number / together == sample) ++end;
+    if (end - begin < together) continue;
+    for (std::size_t world = begin; world < end; world += k) worlds.push_back(world);
   }
   const auto rows = static_cast<Eigen::Index>(worlds.size()), width = static_cast<Eigen::Index>(k);
-  results.failed = Eigen::MatrixXd::Zero(rows, width);
-  results.values.assign(
-      results.metrics.size(),
-      Eigen::MatrixXd::Constant(rows, width, std::numeric_limits<double>::quiet_NaN()));
-  results.runs = Eigen::MatrixXi::Zero(rows, width);
-  results.samples = Eigen::VectorXi::Zero(rows);
-  const std::vector<StudyKey> keys = study_keys(study);
-  std::unordered_map<std::string, int> numbers;  // outcome → number
+  results.failed.resize(rows, width);
+  results.runs.resize(rows, width);
+  results.samples.resize(rows);
+  std::unordered_map<std::size_t, int> outcomes;  // their numbers
   std::vector<Coordinates> places;
   for (Eigen::Index row = 0; row < rows; ++row) {
-    const std::size_t world = worlds[static_cast<std::size_t>(row)];
-    results.samples(row) = static_cast<int>(world * k / together);
-    const StudyPoint point = plan.point(world * k);
+    const StudyRun* const first = &runs[worlds[static_cast<std::size_t>(row)]];
+    results.samples(row) = static_cast<int>(first->number / together);
     Coordinates& place = places.emplace_back();
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-      place.push_back(key_number(keys[i], point.values[i]));
+    for (const StudyKey& key : numbers.keys) place.push_back(key.values[first->sample]);
+    place.push_back(static_cast<double>(first->number / k % plan.seeds()));
+    for (Eigen::Index c = 0; c < width; ++c) {
+      results.failed(row, c) = first[c].failed ? 1.0 : 0.0;
+      results.runs(row, c) =
+          outcomes.emplace(first[c].outcome, static_cast<int>(outcomes.size())).first->second;
     }
-    place.push_back(static_cast<double>(world % plan.seeds()));
-    for (std::size_t c = 0; c < k; ++c) {
-      const PointResult run = index.read(world * k + c);
-      const auto column = static_cast<Eigen::Index>(c);
-      results.runs(row, column) =
-          numbers.emplace(fingerprint({outcome(run)}), static_cast<int>(numbers.size()))
-              .first->second;
-      if (run.status != PointStatus::complete) results.failed(row, column) = 1.0;
-      for (const auto& [name, value] : run.metrics) {
-        const auto found = columns.find(name);
-        if (found != columns.end()) results.values[found->second](row, column) = value;
-      }
+  }
+  for (const std::string& metric : results.metrics) {
+    Eigen::MatrixXd& values = results.values.emplace_back(
+        Eigen::MatrixXd::Constant(rows, width, std::numeric_limits<double>::quiet_NaN()));
+    const auto found = std::ranges::find(numbers.metrics, metric);
+    if (found == numbers.metrics.end()) continue;
+    const double* const column =
+        numbers.columns[static_cast<std::size_t>(found - numbers.metrics.begin())].data();
+    for (Eigen::Index row = 0; row < rows; ++row) {
+      values.row(row) = Eigen::Map<const Eigen::RowVectorXd>(
+          column + worlds[static_cast<std::size_t>(row)], width);
     }
   }
   number_failed_runs(places, results);
   return results;
 }
 
-std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIndex& index) {
+std::optional<CandidateComparison> compare_study(const Plan& plan, const StudyNumbers& numbers) {
   if (most_blocks(plan) == 0) return std::nullopt;
-  return compare_candidates(paired_results(plan, index));
+  return compare_candidates(paired_results(plan, numbers));
 }
 
-std::optional<Ranking> rank_study(const Plan& plan, const ShardIndex& index) {
+std::optional<Ranking> rank_study(const Plan& plan, const StudyNumbers& numbers) {
   const Study& study = plan.study();
   const std::size_t candidates = plan.candidates().size();
   if (study.goals.empty() || candidates < 2 || candidates > kMostRanked) return std::nullopt;
@@ -115,7 +97,7 @@ std::optional<Ranking> rank_study(const Plan& plan, const ShardIndex& index) {
   for (const Bound& bound : study.require.bounds) {
     if (bound.metric != metric) metrics.push_back(bound.metric);
   }
-  return rank_candidates(paired_results(plan, index, metrics), metric, goal, study.require);
+  return rank_candidates(paired_results(plan, numbers, metrics), metric, goal, study.require);
 }
 
 std::size_t most_blocks(const Plan& plan) {

@@ -8,7 +8,7 @@
 #include <breakwater/statistics/paired_comparison.h>
 #include <breakwater/statistics/ranking.h>
 #include <breakwater/study/plan.h>
-#include <breakwater/study/shards.h>
+#include <breakwater/study/results.h>
 
 namespace breakwater {
 
@@ -17,7 +17,7 @@ namespace breakwater {
 /// Seeds repeat a sample; without varied keys, or with `worlds = "seeds"`, each seed is a block.
 /// Equal runs have the same number, failed ones that of number_failed_runs(). Throws
 /// std::invalid_argument if the table would be too large for memory.
-PairedResults paired_results(const Plan& plan, const ShardIndex& index,
+PairedResults paired_results(const Plan& plan, const StudyNumbers& numbers,
                              const std::vector<std::string>& metrics = {});
 
 /// The number of blocks in a comparison of the candidates, if no run fails. 0: the study compares
@@ -25,10 +25,10 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index,
 std::size_t most_blocks(const Plan& plan);
 
 /// compare_candidates() of them; nothing if the study compares nothing.
-std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIndex& index);
+std::optional<CandidateComparison> compare_study(const Plan& plan, const StudyNumbers& numbers);
 
 /// rank_candidates() by the first metric with a goal; nothing without a goal, with one candidate or
 /// with more than a hundred.
-std::optional<Ranking> rank_study(const Plan& plan, const ShardIndex& index);
+std::optional<Ranking> rank_study(const Plan& plan, const StudyNumbers& numbers);
 
 }  // namespace breakwater

@@ -71,9 +71,10 @@ class Folder {
   }
   const Plan& plan() const { return plan_; }
   ShardIndex index() const { return {folder_.shards(), plan_.size()}; }
+  StudyNumbers numbers() const { return study_numbers(plan_, index()); }
   std::string page() const {
-    write_study_report(testing::catalogue(), plan_, index(), folder_, compare_study(plan_, index()),
-                       rank_study(plan_, index()));
+    write_study_report(testing::catalogue(), plan_, index(), numbers(), folder_,
+                       compare_study(plan_, numbers()), rank_study(plan_, numbers()));
     return testing::text_of(folder_.path() / "report.html");
   }
   fs::path path() const { return folder_.path(); }
@@ -112,7 +113,8 @@ TEST(QuantileBands, AreTheOrderStatistics) {
     result.metrics = {{"y_m", values.back()}};
   });
   const ShardIndex index = folder.index();
-  const StudyNumbers numbers = study_numbers(folder.plan(), index, {"absent_m", "other_1"});
+  StudyNumbers numbers = folder.numbers();
+  put_first({"absent_m", "other_1"}, numbers);
   ASSERT_EQ(numbers.metrics, (std::vector<std::string>{"other_1", "y_m"}));
   const KeyGroups a = group_values(numbers.keys[0], 10), c = group_values(numbers.keys[1], 10);
   EXPECT_EQ(a.labels, (std::vector<std::string>{"1", "2", "4"}));
@@ -176,7 +178,7 @@ TEST(StudyReport, NamesTheBetterCandidate) {
                                   (point.candidate == 1 ? 5.0 : random.uniform(0.0, 1.0))}};
   });
   const std::string page = folder.page();
-  const auto comparison = compare_study(folder.plan(), folder.index());
+  const auto comparison = compare_study(folder.plan(), folder.numbers());
   ASSERT_TRUE(comparison);
   EXPECT_TRUE(has(page, "Paired, in the same worlds"));
   for (const PairComparison& one : comparison->metrics) {
@@ -227,7 +229,7 @@ TEST(StudyNumbers, FailuresThatDifferInANumberAreOneKind) {
     }
     result.metrics = {{"y", 1.0}};
   });
-  const StudyNumbers numbers = study_numbers(folder.plan(), folder.index(), {});
+  const StudyNumbers numbers = folder.numbers();
   ASSERT_EQ(numbers.failures.size(), 1U);
   const FailureKind& kind = numbers.failures.front();
   EXPECT_EQ(kind.runs, failed);
@@ -250,7 +252,7 @@ TEST(StudyIndices, MatchALinearOutputAndItsFailures) {
         {"y", 3.0 * a + 2.0 * number_of(point.values[1]) + number_of(point.values[2]) + noise}};
     if (a < 0.25) fail(result, "low");
   });
-  StudyNumbers numbers = study_numbers(folder.plan(), folder.index(), {});
+  StudyNumbers numbers = folder.numbers();
   ASSERT_EQ(numbers.blocks, 4096U);
   const std::vector<ResultRow> all = study_indices(numbers, {"idob"});
   ASSERT_EQ(all.size(), 6U);

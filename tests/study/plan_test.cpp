@@ -196,7 +196,7 @@ PairedResults results_of(const Plan& plan, const Choice& crashes, const Choice& 
       shard.add(result);
     }
   }
-  return paired_results(plan, ShardIndex(folder, plan.size()));
+  return paired_results(plan, study_numbers(plan, ShardIndex(folder, plan.size())));
 }
 
 bool never(const StudyPoint&) {
