@@ -6,8 +6,7 @@
 #include <string>
 
 #include <breakwater/experiment/catalogue.h>
-#include <breakwater/search/tuner.h>
-#include <breakwater/search/tuning_plan.h>
+#include <breakwater/search/tuning_outputs.h>
 #include <breakwater/statistics/ranking.h>
 #include <breakwater/study/results.h>
 #include <breakwater/study/study_folder.h>
@@ -26,11 +25,10 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
 /// Writes DIR/report.html: the Pareto fronts over the first two objectives, and each point of a
 /// front with its file. Throws OutputError.
 void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
-                         const TuningResult& result, const std::optional<Ranking>& ranking,
+                         const TuningResult& result, const FrontTable& table,
                          const std::filesystem::path& folder);
 
 /// The result of a tuning for a terminal: with one objective its sentence or ranking, and a table.
-std::string tuning_text(const TuningPlan& plan, const TuningResult& result,
-                        const std::optional<Ranking>& ranking, std::size_t width);
+std::string tuning_text(const TuningPlan& plan, const FrontTable& table, std::size_t width);
 
 }  // namespace breakwater

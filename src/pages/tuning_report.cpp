@@ -11,7 +11,6 @@
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/search/tuning_outputs.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/study/ranking_text.h>
 
@@ -94,10 +93,10 @@ PageData points_table(const std::vector<std::string>& columns, const std::vector
 }  // namespace
 
 void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
-                         const TuningResult& result, const std::optional<Ranking>& ranking,
+                         const TuningResult& result, const FrontTable& table,
                          const std::filesystem::path& folder) {
   const Tuning& tuning = plan.tuning();
-  const FrontTable table = front_table(plan, result, ranking);
+  const auto& ranking = table.ranking;
   std::vector<std::string> names;
   for (const TunedFront& front : result.fronts) names.push_back(front.case_name);
   const std::vector<LineStyle> looks =
@@ -170,13 +169,11 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
                                     {"sections", sections}}));
 }
 
-std::string tuning_text(const TuningPlan& plan, const TuningResult& result,
-                        const std::optional<Ranking>& ranking, std::size_t width) {
-  const FrontTable table = front_table(plan, result, ranking);
+std::string tuning_text(const TuningPlan& plan, const FrontTable& table, std::size_t width) {
   std::vector<FrontRow> rows = table.rows;
   std::string text;
   if (!plan.tuning().has_front()) {
-    if (ranking) text = ranking_text(*ranking, width);
+    if (table.ranking) text = ranking_text(*table.ranking, width);
   } else if (plan.tuning().validation) {
     std::erase_if(rows, [](const FrontRow& row) { return row.cells.at("fresh_failures").empty(); });
   } else if (rows.size() > kMostPrinted) {

@@ -20,8 +20,6 @@
 #include <breakwater/pages/study_report.h>
 #include <breakwater/program/study_command.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/search/tuning_outputs.h>
-#include <breakwater/search/tuning_plan.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
@@ -199,8 +197,8 @@ void warn_of_copies(const TuningPlan& plan, const std::map<std::size_t, PointRes
 }
 
 // Returns whether each case has a Pareto front.
-bool print_result(const TuningPlan& plan, const TuningResult& result,
-                  const std::optional<Ranking>& ranking, const StudyFolder& folder, bool quiet) {
+bool print_result(const TuningPlan& plan, const TuningResult& result, const FrontTable& table,
+                  const StudyFolder& folder, bool quiet) {
   bool has_all = true;
   for (const TunedFront& front : result.fronts) {
     if (!front.points.empty()) continue;
@@ -210,7 +208,7 @@ bool print_result(const TuningPlan& plan, const TuningResult& result,
   }
   if (quiet) return has_all;
   const std::string kind = plan.tuning().has_front() ? "front" : "tuned";
-  fmt::print("{}\n{}: {}\n", tuning_text(plan, result, ranking, output_width()), kind,
+  fmt::print("{}\n{}: {}\n", tuning_text(plan, table, output_width()), kind,
              (folder.path() / (kind + ".csv")).string());
   fmt::print("report: {}\n", (folder.path() / "report.html").string());
   return has_all;
@@ -281,10 +279,10 @@ class TuneCommand : public StudyCommand {
     try {
       const TuningResult result = search_and_validate();
       warn_of_copies(plan_, result.runs);
-      const std::optional<Ranking> ranking = rank_tuned(plan_, result);
-      write_outputs(plan_, result, ranking, folder_.path());
-      write_tuning_report(catalogue_, plan_, result, ranking, folder_.path());
-      return print_result(plan_, result, ranking, folder_, options_.quiet) ? kSuccess : kRunFailed;
+      const FrontTable table = front_table(plan_, result);
+      write_outputs(plan_, result, table, folder_.path());
+      write_tuning_report(catalogue_, plan_, result, table, folder_.path());
+      return print_result(plan_, result, table, folder_, options_.quiet) ? kSuccess : kRunFailed;
     } catch (const Interrupted&) {
       fmt::print(stderr, "{}: interrupted; {}\n", name(),
                  options_.slurm ? "what is in the queue goes on, and so does the same command"

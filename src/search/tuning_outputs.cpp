@@ -78,22 +78,6 @@ bool is_at_bound(const VariedKey& key, const std::string& value) {
   return *number == *least || *number == *most;
 }
 
-// The cases with a feasible candidate in the order of the ranking, or of the tuned objective.
-std::vector<std::size_t> tuned_order(const Tuning& tuning, const TuningResult& result,
-                                     const std::optional<Ranking>& ranking) {
-  std::vector<std::size_t> order = tuned_cases(result);
-  if (ranking) {
-    const std::vector<std::size_t> cases = order;
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = cases[ranking->rows[i].candidate];
-    return order;
-  }
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return minimised(tuning, result.fronts[a].points.front().tuned) <
-           minimised(tuning, result.fronts[b].points.front().tuned);
-  });
-  return order;
-}
-
 void add_new(const std::vector<VariedKey>& keys, std::vector<std::string>& names) {
   for (const VariedKey& key : keys) {
     if (std::find(names.begin(), names.end(), key.key) == names.end()) names.push_back(key.key);
@@ -138,16 +122,7 @@ std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
 
 }  // namespace
 
-std::optional<Ranking> rank_tuned(const TuningPlan& plan, const TuningResult& result) {
-  const Tuning& tuning = plan.tuning();
-  const std::vector<std::size_t> cases = tuned_cases(result);
-  if (tuning.has_front() || !tuning.validation || cases.size() < 2) return std::nullopt;
-  const Objective& objective = tuning.objectives.front();
-  return rank_candidates(fresh_results(plan, result, cases), objective.metric, objective.goal);
-}
-
-FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
-                       const std::optional<Ranking>& ranking) {
+FrontTable front_table(const TuningPlan& plan, const TuningResult& result) {
   const Tuning& tuning = plan.tuning();
   FrontTable table;
   table.columns = {"case", tuning.has_front() ? "front" : "place", "evaluation"};
@@ -167,8 +142,19 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
   }
   if (!tuning.has_front()) table.columns.emplace_back("at_bound");
 
-  std::vector<std::size_t> order = tuned_order(tuning, result, ranking);
-  if (tuning.has_front()) std::sort(order.begin(), order.end());
+  const std::vector<std::size_t> cases = tuned_cases(result);
+  std::vector<std::size_t> order = cases;
+  auto& ranking = table.ranking;
+  if (!tuning.has_front() && tuning.validation && cases.size() > 1) {
+    const Objective& objective = tuning.objectives.front();
+    ranking = rank_candidates(fresh_results(plan, result, cases), objective.metric, objective.goal);
+    std::ranges::transform(ranking->rows, order.begin(),
+                           [&](const RankedCandidate& row) { return cases[row.candidate]; });
+  } else if (!tuning.has_front()) {
+    std::ranges::stable_sort(order, {}, [&](std::size_t c) {
+      return minimised(tuning, result.fronts[c].points.front().tuned);
+    });
+  }
   for (const std::size_t c : order) {
     for (const FrontPoint& point : result.fronts[c].points) {
       const std::string number = std::to_string(table.rows.size() + 1);
@@ -207,12 +193,13 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
   return table;
 }
 
-void write_outputs(const TuningPlan& plan, const TuningResult& result,
-                   const std::optional<Ranking>& ranking, const fs::path& folder) {
+void write_outputs(const TuningPlan& plan, const TuningResult& result, const FrontTable& table,
+                   const fs::path& folder) {
   const std::string kind = plan.tuning().has_front() ? "front" : "tuned";
   replace_file(folder / "results.csv", results_csv(plan, result));
-  if (ranking) replace_file(folder / "ranking.json", ranking_json(*ranking).dump(1) + "\n");
-  const FrontTable table = front_table(plan, result, ranking);
+  if (table.ranking) {
+    replace_file(folder / "ranking.json", ranking_json(*table.ranking).dump(1) + "\n");
+  }
   fs::remove_all(folder / kind);
   fs::create_directories(folder / kind);
   std::vector<ResultRow> rows;

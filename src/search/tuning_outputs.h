@@ -14,11 +14,6 @@
 
 namespace breakwater {
 
-/// Ranks the best candidates of the cases by the objective's metric in the test conditions of the
-/// validation. Each condition is a block. Nothing with several objectives, without a validation, or
-/// for fewer than two cases with a feasible candidate.
-std::optional<Ranking> rank_tuned(const TuningPlan& plan, const TuningResult& result);
-
 /// One row of front.csv or tuned.csv. `label` is its number in
 /// front/LABEL.toml, or its case in tuned/LABEL.toml.
 struct FrontRow {
@@ -31,6 +26,10 @@ struct FrontRow {
 struct FrontTable {
   std::vector<std::string> columns;
   std::vector<FrontRow> rows;
+  /// The best candidates of the cases, by the objective's metric in the validation. Each of its
+  /// test conditions is a block. Nothing with several objectives, without a validation, or for
+  /// fewer than two cases with a feasible candidate.
+  std::optional<Ranking> ranking;
 };
 
 /// Columns: `case`, `front` (its number, or with one objective `place` in the ranking),
@@ -39,12 +38,11 @@ struct FrontTable {
 /// METRIC_constraint…. Then come `fresh_failures`, `fresh_violation` (how far fresh constraints are
 /// beyond their bounds, relative to these; 0: all hold), and with one objective `at_bound`. Cells
 /// that do not apply are empty.
-FrontTable front_table(const TuningPlan& plan, const TuningResult& result,
-                       const std::optional<Ranking>& ranking);
+FrontTable front_table(const TuningPlan& plan, const TuningResult& result);
 
 /// Writes results.csv, and front.csv and front/N.toml. With one objective there
 /// are tuned.csv, tuned/CASE.toml and ranking.json instead. Throws OutputError.
-void write_outputs(const TuningPlan& plan, const TuningResult& result,
-                   const std::optional<Ranking>& ranking, const std::filesystem::path& folder);
+void write_outputs(const TuningPlan& plan, const TuningResult& result, const FrontTable& table,
+                   const std::filesystem::path& folder);
 
 }  // namespace breakwater
