@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <numeric>
 #include <utility>
 
 #include <breakwater/statistics/distribution.h>
@@ -78,23 +78,6 @@ PairedResults part_of(const PairedResults& results, const std::string& metric, G
   return part;
 }
 
-// y − x of a comparison of x − y.
-PairComparison turned(PairComparison one) {
-  std::swap(one.candidate, one.reference);
-  std::swap(one.median, one.reference_median);
-  std::swap(one.smaller, one.larger);
-  one.probability_smaller = 1.0 - one.probability_smaller;
-  one.probability_better = 1.0 - one.probability_better;
-  one.difference.value = -one.difference.value;
-  if (auto& interval = one.difference.interval) *interval = {-interval->upper, -interval->lower};
-  if (one.verdict == ComparisonVerdict::better) {
-    one.verdict = ComparisonVerdict::worse;
-  } else if (one.verdict == ComparisonVerdict::worse) {
-    one.verdict = ComparisonVerdict::better;
-  }
-  return one;
-}
-
 }  // namespace
 
 Ranking rank_candidates(const PairedResults& results, const std::string& metric, Goal goal,
@@ -117,34 +100,37 @@ Ranking rank_candidates(const PairedResults& results, const std::string& metric,
   ranking.ranked = ranked.size();
   ranking.comparison = compare_candidates(part_of(results, metric, goal, columns));
 
-  struct Standing {
-    std::size_t better = 0;  // candidates that are shown to be better
-    double sum = 0.0;        // over the differences, the smaller the better
-    std::size_t index = 0;
-  };
-  std::vector<Standing> standings(ranked.size());
-  for (std::size_t i = 0; i < ranked.size(); ++i) standings[i].index = i;
+  std::vector<double> sums(ranked.size());  // over the differences, the smaller the better
+  for (RankedCandidate& row : ranked) row.place = 1;
   const double sign = goal == Goal::max ? -1.0 : 1.0;
   const double share = 1.0 / static_cast<double>(std::max<std::size_t>(1, ranked.size()));
   for (const PairComparison& one : ranking.comparison.metrics) {
-    standings[one.candidate].better += one.verdict == ComparisonVerdict::worse;
-    standings[one.reference].better += one.verdict == ComparisonVerdict::better;
-    standings[one.candidate].sum += share * sign * one.difference.value;
-    standings[one.reference].sum -= share * sign * one.difference.value;
+    ranked[one.candidate].place += one.verdict == ComparisonVerdict::worse;
+    ranked[one.reference].place += one.verdict == ComparisonVerdict::better;
+    sums[one.candidate] += share * sign * one.difference.value;
+    sums[one.reference] -= share * sign * one.difference.value;
   }
-  std::stable_sort(standings.begin(), standings.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.better, a.sum) < std::tie(b.better, b.sum);
-  });
-  for (const Standing& standing : standings) {
-    RankedCandidate& row = ranking.rows.emplace_back(ranked[standing.index]);
-    row.place = standing.better + 1;
-    const std::size_t first = standings.front().index;
+  std::vector<std::size_t> order(ranked.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {},
+                           [&](std::size_t i) { return std::pair(ranked[i].place, sums[i]); });
+  for (const std::size_t i : order) {
+    RankedCandidate& row = ranking.rows.emplace_back(ranked[i]);
     for (const PairComparison& one : ranking.comparison.metrics) {
-      if (one.candidate == standing.index && one.reference == first) row.to_first = one;
-      if (one.candidate == first && one.reference == standing.index) row.to_first = turned(one);
+      const bool is_turned = one.candidate == order.front() && one.reference == i;
+      const bool is_pair = one.candidate == i && one.reference == order.front();
+      if (!is_turned && !is_pair) continue;
+      row.with_first = one;
+      row.behind = one.difference;
+      row.worse_in = one.larger;
+      row.is_worse =
+          one.verdict == (is_turned ? ComparisonVerdict::better : ComparisonVerdict::worse);
+      if (is_turned == (goal == Goal::max)) continue;
+      row.worse_in = one.smaller;
+      row.behind.value = -row.behind.value;
+      if (auto& interval = row.behind.interval) *interval = {-interval->upper, -interval->lower};
     }
-    const bool is_worse = row.to_first && row.to_first->verdict == ComparisonVerdict::worse;
-    ranking.level += !is_worse;
+    ranking.level += !row.is_worse;
   }
   ranking.rows.insert(ranking.rows.end(), others.begin(), others.end());
   return ranking;

@@ -35,9 +35,12 @@ struct RankedCandidate {
   std::size_t met = 0;        ///< blocks that meet the requirement
   ConfidenceInterval share = {0.0, 1.0};  ///< share_interval() of met
   EstimatedValue median{};
-  /// This candidate less the first one; nothing for the first, if it is not ranked, or if the two
-  /// have no block in common.
-  std::optional<PairComparison> to_first = {};
+  /// Its pair with the first one; nothing for the first, if it is not ranked, or if the two have no
+  /// block in common.
+  std::optional<PairComparison> with_first = {};
+  EstimatedValue behind{};   ///< how much worse it is than the first one
+  std::size_t worse_in = 0;  ///< blocks of the pair
+  bool is_worse = false;     ///< whether this is shown
 };
 
 /// All pairs of ranked candidates are compared in the metric alone, with Holm's correction over

@@ -38,34 +38,20 @@ std::string text_of(const Requirement& requirement) {
   return fmt::format("{} in {} conditions", fmt::join(bounds, " and "), share);
 }
 
-// How much worse a candidate is than the first one.
-EstimatedValue behind(const Ranking& ranking, const PairComparison& to_first) {
-  EstimatedValue difference = to_first.difference;
-  if (ranking.goal != Goal::max) return difference;
-  difference.value = -difference.value;
-  if (auto& interval = difference.interval) *interval = {-interval->upper, -interval->lower};
-  return difference;
-}
-
-// The conditions in which a candidate is worse than the first one.
-std::size_t worse_in(const Ranking& ranking, const PairComparison& to_first) {
-  return ranking.goal == Goal::max ? to_first.smaller : to_first.larger;
-}
-
 // The number of conditions that would show the difference of a candidate from the first.
-std::string needed_text(const Ranking& ranking, const std::optional<PairComparison>& to_first) {
-  if (!to_first) return "they have no condition in common";
-  const std::string conditions = number_of(to_first->blocks, "condition");
-  if (to_first->smaller + to_first->larger == 0) return "they are equal in " + conditions;
-  if (to_first->verdict == ComparisonVerdict::too_few_blocks) {
+std::string needed_text(const Ranking& ranking, const RankedCandidate& row) {
+  const auto& pair = row.with_first;
+  if (!pair) return "they have no condition in common";
+  const std::string conditions = number_of(pair->blocks, "condition");
+  if (pair->smaller + pair->larger == 0) return "they are equal in " + conditions;
+  if (pair->verdict == ComparisonVerdict::too_few_blocks) {
     return fmt::format("{} {} too few to show any difference, which needs {} or more", conditions,
-                       to_first->blocks == 1 ? "is" : "are",
-                       blocks_for_verdict(to_first->blocks, ranking.comparison.tests));
+                       pair->blocks == 1 ? "is" : "are",
+                       blocks_for_verdict(pair->blocks, ranking.comparison.tests));
   }
-  if (!to_first->needed) return "neither is the lower one in these " + conditions;
-  return fmt::format("about {} conditions would show {}",
-                     std::max(*to_first->needed, to_first->blocks + 1),
-                     with_unit(std::abs(to_first->difference.value), ranking.metric));
+  if (!pair->needed) return "neither is the lower one in these " + conditions;
+  return fmt::format("about {} conditions would show {}", std::max(*pair->needed, pair->blocks + 1),
+                     with_unit(std::abs(pair->difference.value), ranking.metric));
 }
 
 class Sentence {
@@ -93,7 +79,7 @@ class Sentence {
       return ranking_.goal == Goal::max ? x.median.value > y.median.value
                                         : x.median.value < y.median.value;
     });
-    if (best->to_first && best->to_first->verdict == ComparisonVerdict::worse) {
+    if (best->is_worse) {
       text += fmt::format(" {} has the {} median, but is worse in equal conditions.", name(*best),
                           extreme());
     }
@@ -151,21 +137,20 @@ class Sentence {
   }
 
   std::string best() const {
-    const PairComparison& next = *rows_[1].to_first;
-    const EstimatedValue by = behind(ranking_, next);
+    const RankedCandidate& next = rows_[1];
+    const EstimatedValue& by = next.behind;
     return fmt::format("{} has the {} {}: {}, {} {} the next ({}), 95 % {} to {}, in {} of {}.",
                        name(rows_[0]), extreme(), ranking_.metric, value(rows_[0].median.value),
-                       value(by.value), ranking_.goal == Goal::max ? "above" : "below",
-                       name(rows_[1]), in_digits(by.interval->lower), value(by.interval->upper),
-                       worse_in(ranking_, next), number_of(next.blocks, "condition"));
+                       value(by.value), ranking_.goal == Goal::max ? "above" : "below", name(next),
+                       in_digits(by.interval->lower), value(by.interval->upper), next.worse_in,
+                       number_of(next.with_first->blocks, "condition"));
   }
 
   std::string level() const {
     std::vector<std::string> level, worse;
     const RankedCandidate* second = nullptr;
     for (std::size_t i = 0; i < ranking_.ranked; ++i) {
-      const auto& to_first = rows_[i].to_first;
-      if (to_first && to_first->verdict == ComparisonVerdict::worse) {
+      if (rows_[i].is_worse) {
         worse.push_back(name(rows_[i]));
         continue;
       }
@@ -177,7 +162,7 @@ class Sentence {
     level.erase(level.begin());
     std::string text = fmt::format("No difference in {} is shown between {} and {}{}: {}",
                                    ranking_.metric, first, level.size() > 1 ? "any of " : "",
-                                   listed(level), needed_text(ranking_, second->to_first));
+                                   listed(level), needed_text(ranking_, *second));
     if (level.size() > 1) {
       text += fmt::format(", between {} and {}", name(rows_[0]), name(*second));
     }
@@ -218,14 +203,13 @@ std::vector<std::vector<std::string>> ranking_table(const Ranking& ranking) {
     std::vector<std::string> row = {
         one.place > 0 ? std::to_string(one.place) : "-", ranking.candidates[one.candidate],
         std::isnan(one.median.value) ? "-" : in_digits(one.median.value)};
-    const auto& beside = one.to_first;
-    row.push_back(beside ? brief(behind(ranking, *beside)) : "-");
+    const auto& beside = one.with_first;
+    row.push_back(beside ? brief(one.behind) : "-");
     row.push_back(beside ? p_text(beside->p_holm) : "-");
     if (has_failures) {
       row.push_back(fmt::format("{} of {}", one.failed, one.blocks));
     } else {
-      row.push_back(beside ? fmt::format("{} of {}", worse_in(ranking, *beside), beside->blocks)
-                           : "-");
+      row.push_back(beside ? fmt::format("{} of {}", one.worse_in, beside->blocks) : "-");
     }
     if (has_bounds) {
       const auto blocks = static_cast<double>(std::max<std::size_t>(1, one.blocks));
