@@ -342,8 +342,8 @@ class TuneCommand : public StudyCommand {
     tuner.on_run = [&](std::size_t) {
       if (const std::size_t run = finished++; run < expected) progress->finish(run);
     };
-    tuner.on_validation = [&](const std::vector<std::size_t>& validations) {
-      begin(fmt::format("{}: validation", kTune.command), validations.size());
+    tuner.on_validation = [&](std::size_t runs) {
+      begin(fmt::format("{}: validation", kTune.command), runs);
     };
     const auto elsewhere = [&](std::vector<std::size_t> runs) {
       const std::string lines = plan_.candidate_lines();

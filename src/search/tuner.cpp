@@ -133,25 +133,19 @@ class Runs {
   std::map<std::size_t, PointResult> known_;              // in use by the search
 };
 
-// The runs of some evaluations of a case.
-std::vector<std::size_t> numbers_of(const TuningPlan& plan, std::size_t tuned,
-                                    const std::vector<std::size_t>& evaluations,
-                                    bool is_validation) {
-  std::vector<std::size_t> numbers;
-  for (const std::size_t evaluation : evaluations) {
-    for (std::size_t world = 0; world < plan.worlds(is_validation).size(); ++world) {
-      numbers.push_back(plan.number({tuned, evaluation, is_validation, world}));
-    }
-  }
-  return numbers;
-}
-
 // Makes the runs of several evaluations together and evaluates each.
 std::vector<Evaluation> evaluate_all(const TuningPlan& plan, Runs& runs, std::size_t tuned,
                                      const std::vector<std::size_t>& evaluations,
                                      bool is_validation) {
-  const auto results = runs.of(numbers_of(plan, tuned, evaluations, is_validation));
-  const auto each = static_cast<std::ptrdiff_t>(plan.worlds(is_validation).size());
+  const std::size_t worlds = plan.worlds(is_validation).size();
+  std::vector<std::size_t> numbers;
+  for (const std::size_t evaluation : evaluations) {
+    for (std::size_t world = 0; world < worlds; ++world) {
+      numbers.push_back(plan.number({tuned, evaluation, is_validation, world}));
+    }
+  }
+  const auto results = runs.of(numbers);
+  const auto each = static_cast<std::ptrdiff_t>(worlds);
   std::vector<Evaluation> all;
   for (auto first = results.begin(); first != results.end(); first += each) {
     all.push_back(evaluate(plan.tuning(), {first, first + each}, is_validation));
@@ -199,23 +193,18 @@ std::vector<FrontPoint> front_points(const Tuning& tuning,
 
 void validate_all(const TuningPlan& plan, Runs& runs, const TunerOptions& options,
                   std::vector<TunedFront>& fronts) {
-  std::vector<std::vector<std::size_t>> chosen(fronts.size());  // evaluations
-  std::vector<std::size_t> numbers;
-  const auto points_of = [&](const TunedFront& front) {
-    return evenly_spaced(front.points.size(), plan.tuning().validated_points);
-  };
-  for (std::size_t c = 0; c < fronts.size(); ++c) {
-    for (const std::size_t i : points_of(fronts[c])) {
-      chosen[c].push_back(fronts[c].points[i].evaluation);
-    }
-    const auto more = numbers_of(plan, c, chosen[c], true);
-    numbers.insert(numbers.end(), more.begin(), more.end());
+  std::vector<std::vector<std::size_t>> chosen;  // points of each front
+  std::size_t count = 0;
+  for (const TunedFront& front : fronts) {
+    chosen.push_back(evenly_spaced(front.points.size(), plan.tuning().validated_points));
+    count += chosen.back().size() * plan.worlds(true).size();
   }
-  if (options.on_validation) options.on_validation(numbers);
+  if (options.on_validation) options.on_validation(count);
   for (std::size_t c = 0; c < fronts.size(); ++c) {
-    const auto fresh = evaluate_all(plan, runs, c, chosen[c], true);
-    auto next = fresh.begin();
-    for (const std::size_t i : points_of(fronts[c])) fronts[c].points[i].fresh = *next++;
+    std::vector<std::size_t> evaluations;
+    for (const std::size_t i : chosen[c]) evaluations.push_back(fronts[c].points[i].evaluation);
+    const std::vector<Evaluation> fresh = evaluate_all(plan, runs, c, evaluations, true);
+    for (std::size_t i = 0; i < fresh.size(); ++i) fronts[c].points[chosen[c][i]].fresh = fresh[i];
   }
 }
 

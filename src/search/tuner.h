@@ -70,8 +70,7 @@ struct TunerOptions {
   const std::atomic<bool>* stop = nullptr;
   std::function<void(std::size_t run)> on_run =
       {};  ///< a run is finished, now or earlier; thread-safe
-  /// The validation begins with these runs.
-  std::function<void(const std::vector<std::size_t>& runs)> on_validation = {};
+  std::function<void(std::size_t runs)> on_validation = {};  ///< it begins, with so many runs
   /// Makes runs elsewhere and writes them to the shards of the folder. Empty: the runs are made
   /// here. An exception ends the tuning.
   std::function<void(const std::vector<std::size_t>& runs)> elsewhere = {};
