@@ -17,7 +17,7 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
-#include <breakwater/study/sweep.h>
+#include <breakwater/study/value_list.h>
 
 namespace breakwater {
 namespace {

@@ -8,13 +8,11 @@
 #include <memory>
 #include <stdexcept>
 
-#include <breakwater/cluster/slurm.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/study/executor.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

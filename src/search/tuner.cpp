@@ -7,7 +7,6 @@
 #include <string>
 
 #include <breakwater/search/search.h>
-#include <breakwater/statistics/distribution.h>
 
 namespace breakwater {
 namespace {

@@ -8,7 +8,6 @@
 #include <set>
 #include <utility>
 
-#include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/quantile.h>
 #include <breakwater/statistics/signed_rank.h>
 

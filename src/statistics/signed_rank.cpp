@@ -11,7 +11,6 @@
 
 #include <breakwater/math/error_function.h>
 #include <breakwater/math/functions.h>
-#include <breakwater/statistics/distribution.h>
 
 namespace breakwater {
 namespace {

@@ -20,7 +20,6 @@
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/study/plan.h>
 
 namespace breakwater {
 namespace {

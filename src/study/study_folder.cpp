@@ -14,7 +14,6 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/signals/input_file.h>
-#include <breakwater/study/shards.h>
 
 namespace breakwater {
 namespace {

@@ -6,7 +6,6 @@
 #include <string>
 
 #include <breakwater/experiment/catalogue.h>
-#include <breakwater/record/recording.h>
 #include <breakwater/study/plan.h>
 #include <breakwater/study/shards.h>
 

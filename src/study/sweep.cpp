@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <breakwater/experiment/run_manifest.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/study/study.h>
 

@@ -12,7 +12,6 @@
 #include <breakwater/study/plan.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/study_folder.h>
-#include <breakwater/study/value_list.h>
 
 namespace breakwater {
 
