@@ -5,30 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include <breakwater/math/functions.h>
 #include <breakwater/statistics/quantile.h>
 
 namespace breakwater {
 namespace {
 
-// The largest gap between neighbours divided by the range: 1/(n − 1) if they are spread evenly.
-template <typename Scale>
-double largest_gap(const std::vector<double>& sorted, Scale scale) {
-  double largest = 0.0;
-  for (std::size_t i = 1; i < sorted.size(); ++i) {
-    largest = std::max(largest, scale(sorted[i]) - scale(sorted[i - 1]));
-  }
-  return largest / (scale(sorted.back()) - scale(sorted.front()));
-}
-
-// Whether the logarithms are spread more evenly, for positive numbers over nearly a decade or more.
+// Whether positive numbers over nearly a decade or more have a median nearer to the geometric mean
+// of their ends than to the arithmetic one.
 bool is_better_in_log(const std::vector<double>& sorted) {
-  if (sorted.size() < 3 || sorted.front() <= 0.0 || sorted.back() < 8.0 * sorted.front()) {
-    return false;
-  }
-  const auto log = [](double x) { return math::log(x); };
-  const auto same = [](double x) { return x; };
-  return largest_gap(sorted, log) < largest_gap(sorted, same);
+  const double low = sorted.front(), high = sorted.back();
+  return low > 0.0 && high >= 8.0 * low &&
+         2.0 * quantile(sorted, 0.5) < std::sqrt(low) * std::sqrt(high) + 0.5 * (low + high);
 }
 
 using NumberText = std::string (*)(double);
