@@ -47,38 +47,29 @@ void put_first(const std::vector<std::string>& first, StudyNumbers& numbers) {
   numbers.columns = std::move(columns);
 }
 
-std::vector<QuantileBand> bands(const StudyNumbers& numbers, const std::vector<double>& column,
-                                std::size_t groups,
-                                const std::function<std::size_t(const StudyRun&)>& group_of) {
-  std::vector<QuantileBand> all(groups);
-  std::vector<std::vector<std::pair<double, std::size_t>>> of_group(groups);  // values and points
+double RunGroup::at(double share) const {
+  return values.empty() ? std::nan("") : quantile(values, share);
+}
+
+std::vector<RunGroup> grouped(const StudyNumbers& numbers, const std::vector<double>& column,
+                              std::size_t groups,
+                              const std::function<std::size_t(const StudyRun&)>& group_of) {
+  std::vector<RunGroup> all(groups);
+  std::vector<std::vector<std::pair<double, std::size_t>>> members(groups);  // values and points
   for (std::size_t i = 0; i < numbers.runs.size(); ++i) {
     const StudyRun& run = numbers.runs[i];
-    const std::size_t group = group_of(run);
-    QuantileBand& band = all[group];
-    ++band.runs;
-    if (run.failed && band.failed++ == 0) band.first_failed = run.number;
-    if (std::isfinite(column[i])) of_group[group].emplace_back(column[i], run.number);
+    const std::size_t g = group_of(run);
+    RunGroup& group = all[g];
+    ++group.runs;
+    if (run.failed && group.failed++ == 0) group.first_failed = run.number;
+    if (std::isfinite(column[i])) members[g].emplace_back(column[i], run.number);
   }
-  std::vector<double> sorted;
   for (std::size_t g = 0; g < groups; ++g) {
-    auto& members = of_group[g];
-    if (members.empty()) continue;
-    std::sort(members.begin(), members.end());
-    sorted.clear();
-    for (const auto& [value, point] : members) sorted.push_back(value);
-    QuantileBand& band = all[g];
-    band.measured = members.size();
-    band.q10 = quantile(sorted, 0.1);
-    band.q25 = quantile(sorted, 0.25);
-    band.median = quantile(sorted, 0.5);
-    band.q75 = quantile(sorted, 0.75);
-    band.q90 = quantile(sorted, 0.9);
-    band.smallest = sorted.front();
-    band.largest = sorted.back();
-    band.at_smallest = members.front().second;
-    band.at_middle = members[(members.size() - 1) / 2].second;
-    band.at_largest = members.back().second;
+    std::sort(members[g].begin(), members[g].end());
+    for (const auto& [value, point] : members[g]) {
+      all[g].values.push_back(value);
+      all[g].points.push_back(point);
+    }
   }
   return all;
 }

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,25 +15,22 @@ namespace breakwater {
 /// Puts these metrics first, as far as the runs have them.
 void put_first(const std::vector<std::string>& first, StudyNumbers& numbers);
 
-/// Statistics of a metric over the runs of one group. Quantiles are NaN if no run has the metric.
-struct QuantileBand {
+/// The runs of one group, with the values of a metric.
+struct RunGroup {
   std::size_t runs = 0;
   std::size_t failed = 0;
-  std::size_t measured = 0;  ///< runs that have the metric
-  double q10 = std::numeric_limits<double>::quiet_NaN();
-  double q25 = q10, median = q10, q75 = q10, q90 = q10;
-  double smallest = q10, largest = q10;
-  /// Numbers of points: at the smallest value, at the median (the lower one of two), at the
-  /// largest, and of the first failed run.
-  std::size_t at_smallest = 0, at_middle = 0, at_largest = 0, first_failed = 0;
+  std::size_t first_failed = 0;     ///< number of the point
+  std::vector<double> values;       ///< sorted, of the runs that have the metric
+  std::vector<std::size_t> points;  ///< the number of each one's point
+
+  /// quantile(), with interpolation; NaN without values.
+  double at(double share) const;
 };
 
-/// Medians and quantiles (quantile(), with interpolation) of `groups` groups of runs. The first of
-/// equal values counts as the smallest. `column` has a value, or NaN, for each run; group_of(run) <
-/// groups.
-std::vector<QuantileBand> bands(const StudyNumbers& numbers, const std::vector<double>& column,
-                                std::size_t groups,
-                                const std::function<std::size_t(const StudyRun&)>& group_of);
+/// `groups` groups of runs. `column` has a value, or NaN, for each run; group_of(run) < groups.
+std::vector<RunGroup> grouped(const StudyNumbers& numbers, const std::vector<double>& column,
+                              std::size_t groups,
+                              const std::function<std::size_t(const StudyRun&)>& group_of);
 
 /// The output 1 for a failed run and 0 for another one.
 inline constexpr const char* kFailedOutput = "failed";

@@ -39,12 +39,12 @@ std::string first_of(std::size_t shown, std::size_t all, const char* what) {
 }
 
 // A summary behind a median: "(0.1 to 0.2), 20 runs, 1 failed", with the 10 and 90 % quantiles.
-std::string in_words(const QuantileBand& band) {
+std::string in_words(const RunGroup& group) {
   std::string text =
-      fmt::format("({}), {}", range(band.q10, band.q90), number_of(band.runs, "run"));
-  if (band.failed > 0) text += fmt::format(", {} failed", band.failed);
-  const std::size_t absent = band.runs - band.failed - band.measured;
-  if (absent > 0 && band.measured > 0) text += fmt::format(", {} without it", absent);
+      fmt::format("({}), {}", range(group.at(0.1), group.at(0.9)), number_of(group.runs, "run"));
+  if (group.failed > 0) text += fmt::format(", {} failed", group.failed);
+  const std::size_t absent = group.runs - group.failed - group.values.size();
+  if (absent > 0 && !group.values.empty()) text += fmt::format(", {} without it", absent);
   return text;
 }
 
@@ -150,9 +150,9 @@ class StudyPage {
   }
 
   // The metric over all runs of each candidate.
-  std::vector<QuantileBand> by_candidate(std::size_t metric) const {
-    return bands(numbers_, numbers_.columns[metric], labels_.size(),
-                 [](const StudyRun& run) { return run.candidate; });
+  std::vector<RunGroup> by_candidate(std::size_t metric) const {
+    return grouped(numbers_, numbers_.columns[metric], labels_.size(),
+                   [](const StudyRun& run) { return run.candidate; });
   }
 
   void add_indices(const std::string& output, PageData& blocks) const {
@@ -174,14 +174,18 @@ class StudyPage {
   }
 
   std::string key_of(std::size_t point) const { return index_.read(point).key; }
+  // The run at the median, the lower one of two.
+  std::string middle_of(const RunGroup& group) const {
+    return key_of(group.points[(group.points.size() - 1) / 2]);
+  }
 
   PageChart line_chart(std::size_t metric, const KeyGroups& key, bool& has_bands,
                        bool& has_crosses) const {
-    const std::vector<QuantileBand> all =
-        bands(numbers_, numbers_.columns[metric], (drawn_.size() + 1) * key.size(),
-              [&](const StudyRun& run) {
-                return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
-              });
+    const std::vector<RunGroup> all =
+        grouped(numbers_, numbers_.columns[metric], (drawn_.size() + 1) * key.size(),
+                [&](const StudyRun& run) {
+                  return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
+                });
     PageChart chart{.title = numbers_.metrics[metric]};
     chart.id = chart.group = fmt::format("chart-{}-{}", metric, &key - keys_.data());
     chart.x_title = key.name;
@@ -192,9 +196,7 @@ class StudyPage {
       }
     }
     double lowest = std::numeric_limits<double>::infinity();
-    for (const QuantileBand& band : all) {
-      if (band.measured > 0) lowest = std::min(lowest, band.q10);
-    }
+    for (const RunGroup& group : all) lowest = std::fmin(lowest, group.at(0.1));
     for (std::size_t i = 0; i < drawn_.size(); ++i) {
       ChartSeries line{.label = labels_[drawn_[i]], .style = looks_[drawn_[i]], .marks = "dot"};
       ChartSeries crosses{.label = line.label + ", some failed",
@@ -202,25 +204,26 @@ class StudyPage {
                           .has_line = false,
                           .marks = "cross"};
       for (std::size_t g = 0; g < key.size(); ++g) {
-        const QuantileBand& band = all[i * key.size() + g];
-        if (band.runs == 0) continue;  // not yet
+        const RunGroup& group = all[i * key.size() + g];
+        if (group.runs == 0) continue;  // not yet
         const auto add = [&](ChartSeries& to, double y, const std::string& text) {
           to.values.times_s.push_back(key.centre[g]);
           to.values.values.push_back(y);
           to.names.push_back(text);
         };
-        add(line, band.median,
-            in_words(band) + (band.measured > 0 ? ", run " + key_of(band.at_middle) : ""));
-        line.low.push_back(band.q10);
-        line.high.push_back(band.q90);
-        has_bands |= band.q10 < band.q90;
-        if (band.failed == 0) continue;
+        const double median = group.at(0.5);
+        const bool has_any = !group.values.empty();
+        add(line, median, in_words(group) + (has_any ? ", run " + middle_of(group) : ""));
+        line.low.push_back(group.at(0.1));
+        line.high.push_back(group.at(0.9));
+        has_bands |= line.low.back() < line.high.back();
+        if (group.failed == 0) continue;
         add(crosses,
-            band.measured > 0       ? band.median
+            has_any                 ? median
             : std::isfinite(lowest) ? lowest
                                     : 0.0,
-            fmt::format("({} of {} failed)", band.failed, number_of(band.runs, "run")) + ", run " +
-                key_of(band.first_failed));
+            fmt::format("({} of {} failed), run {}", group.failed, number_of(group.runs, "run"),
+                        key_of(group.first_failed)));
       }
       has_crosses |= !crosses.names.empty();
       chart.series.push_back(std::move(line));
@@ -245,23 +248,25 @@ class StudyPage {
   }
 
   void add_candidates(std::size_t metric, PageData& blocks) const {
-    const std::vector<QuantileBand> all = by_candidate(metric);
+    const std::vector<RunGroup> all = by_candidate(metric);
     const PageData columns = {"candidate", "runs",       "failed",   "without it", "median",
                               "quartiles", "10 to 90 %", "smallest", "largest"};
     auto rows = PageData::array();
     for (std::size_t c = 0; c < std::min(all.size(), kMostCompared); ++c) {
-      const QuantileBand& band = all[c];
+      const RunGroup& group = all[c];
       PageData row = {labels_[c],
-                      band.runs,
-                      {{"value", band.failed}, {"tone", band.failed > 0 ? "off" : ""}},
-                      band.runs - band.failed - band.measured};
-      if (band.measured > 0) {
-        const auto run = [&](double value, std::size_t point) -> PageData {
-          return {{"value", value}, {"tip", key_of(point)}};
+                      group.runs,
+                      {{"value", group.failed}, {"tone", group.failed > 0 ? "off" : ""}},
+                      group.runs - group.failed - group.values.size()};
+      if (!group.values.empty()) {
+        const auto run = [](double value, const std::string& key) -> PageData {
+          return {{"value", value}, {"tip", key}};
         };
-        row.insert(row.end(), {run(band.median, band.at_middle), range(band.q25, band.q75),
-                               range(band.q10, band.q90), run(band.smallest, band.at_smallest),
-                               run(band.largest, band.at_largest)});
+        row.insert(row.end(),
+                   {run(group.at(0.5), middle_of(group)), range(group.at(0.25), group.at(0.75)),
+                    range(group.at(0.1), group.at(0.9)),
+                    run(group.values.front(), key_of(group.points.front())),
+                    run(group.values.back(), key_of(group.points.back()))});
       }
       while (row.size() < columns.size()) row.push_back(nullptr);
       rows.push_back(row);
@@ -364,11 +369,11 @@ class StudyPage {
     for (std::size_t c = 0; c < shown; ++c) columns.push_back(labels_[c]);
     auto rows = PageData::array();
     for (std::size_t m = 0; m < numbers_.metrics.size(); ++m) {
-      const std::vector<QuantileBand> all = by_candidate(m);
+      const std::vector<RunGroup> all = by_candidate(m);
       PageData name = {{"value", numbers_.metrics[m]}};
       if (m < shown_) name["href"] = fmt::format("metric-{}", m + 1);
       rows.push_back(PageData::array({name}));
-      for (std::size_t c = 0; c < shown; ++c) rows.back().push_back(all[c].median);
+      for (std::size_t c = 0; c < shown; ++c) rows.back().push_back(all[c].at(0.5));
     }
     std::string note = "Medians over all runs of a candidate.";
     if (labels_.size() > shown) {

@@ -119,28 +119,26 @@ TEST(QuantileBands, AreTheOrderStatistics) {
   const KeyGroups a = group_values(numbers.keys[0], 10), c = group_values(numbers.keys[1], 10);
   EXPECT_EQ(a.labels, (std::vector<std::string>{"1", "2", "4"}));
   const std::vector<double>& column = numbers.columns[1];
-  const std::vector<QuantileBand> all = bands(numbers, column, 12, [&](const StudyRun& run) {
+  const std::vector<RunGroup> all = grouped(numbers, column, 12, [&](const StudyRun& run) {
     return (run.candidate * 3 + a.of_sample[run.sample]) * 2 + c.of_sample[run.sample];
   });
   for (std::size_t g = 0; g < 12; ++g) {
-    const QuantileBand& band = all[g];
+    const RunGroup& group = all[g];
     const double of_a = a.centre[g / 2 % 3];
     std::vector<double> values = expected[{g / 6, of_a, c.centre[g % 2]}];
     std::sort(values.begin(), values.end());
-    EXPECT_EQ(band.runs, 11U);
-    EXPECT_EQ(band.failed, of_a == 4 ? 2U : 0U);
-    ASSERT_EQ(band.measured, of_a == 1 ? 11U : of_a == 2 ? 10U : 9U);
-    EXPECT_DOUBLE_EQ(band.median, testing::median(values));
-    EXPECT_EQ(band.smallest, values.front());
-    EXPECT_EQ(band.largest, values.back());
-    const auto value_at = [&](std::size_t point) { return index.read(point).metrics.at(0).second; };
-    EXPECT_EQ(value_at(band.at_smallest), values.front());
-    EXPECT_EQ(value_at(band.at_middle), values[(values.size() - 1) / 2]);
-    EXPECT_EQ(value_at(band.at_largest), values.back());
+    EXPECT_EQ(group.runs, 11U);
+    EXPECT_EQ(group.failed, of_a == 4 ? 2U : 0U);
+    EXPECT_EQ(values.size(), of_a == 1 ? 11U : of_a == 2 ? 10U : 9U);
+    ASSERT_EQ(group.values, values);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      EXPECT_EQ(index.read(group.points[i]).metrics.at(0).second, values[i]);
+    }
+    EXPECT_DOUBLE_EQ(group.at(0.5), testing::median(values));
     if (of_a != 1) continue;
-    EXPECT_DOUBLE_EQ(band.q10, values[1]);
-    EXPECT_DOUBLE_EQ(band.q25, 0.5 * (values[2] + values[3]));
-    EXPECT_DOUBLE_EQ(band.q90, values[9]);
+    EXPECT_DOUBLE_EQ(group.at(0.1), values[1]);
+    EXPECT_DOUBLE_EQ(group.at(0.25), 0.5 * (values[2] + values[3]));
+    EXPECT_DOUBLE_EQ(group.at(0.9), values[9]);
   }
 }
 
